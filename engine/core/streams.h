@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace espalier::core {
+
+/// Where the engine's files come from. The engine itself opens none.
+class FileProvider {
+ public:
+  virtual ~FileProvider() = default;
+  /// The whole content of a file, or nothing when it cannot be read. `name` is as the model or the user wrote it;
+  /// names in a model are joined to the folder of the file that names them before the call.
+  [[nodiscard]] virtual std::optional<std::string> read(const std::string& name) = 0;
+};
+
+/// Files held in memory by name: sources that came over the wire, snapshots, tests.
+class MemoryFileProvider final : public FileProvider {
+ public:
+  MemoryFileProvider() = default;
+  explicit MemoryFileProvider(std::map<std::string, std::string> files) : files_(std::move(files)) {}
+  void add(std::string name, std::string content) { files_.insert_or_assign(std::move(name), std::move(content)); }
+  [[nodiscard]] std::optional<std::string> read(const std::string& name) override {
+    const auto found = files_.find(name);
+    return found == files_.end() ? std::nullopt : std::optional<std::string>(found->second);
+  }
+
+ private:
+  std::map<std::string, std::string> files_;
+};
+
+/// Where the engine's output goes.
+class ByteSink {
+ public:
+  virtual ~ByteSink() = default;
+  virtual void write(std::string_view bytes) = 0;
+};
+
+/// A sink that keeps everything in a string.
+class StringSink final : public ByteSink {
+ public:
+  void write(std::string_view bytes) override { text_.append(bytes); }
+  [[nodiscard]] const std::string& text() const { return text_; }
+  [[nodiscard]] std::string take() { return std::move(text_); }
+
+ private:
+  std::string text_;
+};
+
+enum class MessageKind : std::uint8_t { Printf, Warning };
+
+/// Receives a model's printf output (as printed, newlines included) and warnings at run time. May be empty.
+using MessageSink = std::function<void(MessageKind, std::string_view)>;
+
+}  // namespace espalier::core

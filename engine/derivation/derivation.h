@@ -1,0 +1,67 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "engine/core/limits.h"
+#include "engine/core/streams.h"
+#include "engine/derivation/plant_state.h"
+#include "engine/language/program.h"
+
+namespace espalier::derivation {
+
+struct DerivationOptions {
+  std::uint64_t seed = 0;                          // Espalier mode: of all draws; cpfg mode: replaces `seed:` when hasSeed
+  bool hasSeed = false;
+  std::uint32_t plant = 0;
+  std::optional<std::uint64_t> derivationLength;   // replaces the model's (Z and when End runs)
+  unsigned threads = 1;                            // results do not depend on it
+  core::Limits limits;
+  const std::atomic<bool>* cancelled = nullptr;    // polled about every 65,536 modules; must outlive the Derivation
+  core::MessageSink messages;                      // printf and run-time warnings; may be empty
+};
+
+/// Derives the strings of one plant. Holds working memory only: everything that matters between steps is in PlantState.
+/// Every function throws core::SimulationFailure when the model fails (limits, non-finite values, cancelled).
+class Derivation {
+ public:
+  /// `program` must outlive the object.
+  Derivation(const language::Program& program, DerivationOptions options);
+  ~Derivation();
+  Derivation(Derivation&&) noexcept;
+  Derivation& operator=(Derivation&&) noexcept;
+
+  /// Define blocks, Start, the axiom: sets `state` to step 0.
+  void rewind(PlantState& state);
+
+  /// One DerivationStep after the interpretation pass (LANGUAGE §1.5, 2 to 6): counter, StartEach, the scan with
+  /// decomposition, EndEach, and End when it is the last step. On failure `state` is as before the call, except for
+  /// the string's contents, which the caller may have changed before and which are untouched here.
+  void derive(PlantState& state);
+
+  /// Whether interpreting has side effects on `state` or needs `expand` at all: any homomorphism production exists.
+  [[nodiscard]] bool hasHomomorphism() const;
+
+  /// Prepares `expand` for the string in `state` (context links, the homomorphism's own random stream).
+  void beginInterpretation(PlantState& state);
+
+  /// Applies the homomorphism to the modules from `module` on (parameters from `parameterOffset`), depth first to the
+  /// maximum depth, and appends the image to `image`. Returns how many modules of the string were consumed; 0: no
+  /// production applies and the module stands for itself. A `%` of the image is left out. `instance` is the index of the
+  /// sub-L-system instance around the module (0: the main one). May run blocks, hence `state` is mutable.
+  std::uint64_t expand(PlantState& state, std::uint32_t instance, std::uint64_t module, std::uint64_t parameterOffset,
+                       ModuleString& image);
+
+  /// Restores the main random stream after a homomorphism with its own seed.
+  void endInterpretation(PlantState& state);
+
+  [[nodiscard]] const DerivationOptions& options() const;
+
+ private:
+  class Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace espalier::derivation

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "engine/core/buffer.h"
+#include "engine/core/identifiers.h"
+
+namespace espalier::derivation {
+
+/// A bracketed string of modules as a structure of arrays: 2 bytes a module and 8 bytes a parameter. The arity of a
+/// module is that of its type (Program::arity), so the parameters of module i begin where those of i - 1 end.
+class ModuleString {
+ public:
+  [[nodiscard]] std::uint64_t size() const { return types_.size(); }
+  [[nodiscard]] bool empty() const { return types_.empty(); }
+  [[nodiscard]] std::uint64_t parameterCount() const { return parameters_.size(); }
+  [[nodiscard]] std::uint64_t bytes() const { return types_.size() * 2 + parameters_.size() * 8; }
+  [[nodiscard]] std::span<const core::ModuleTypeId> types() const { return types_.view(); }
+  [[nodiscard]] std::span<const double> parameters() const { return parameters_.view(); }
+  [[nodiscard]] std::span<double> mutableParameters() { return parameters_.span(); }
+
+  void clear() {
+    types_.clear();
+    parameters_.clear();
+  }
+  void swap(ModuleString& other) noexcept {
+    types_.swap(other.types_);
+    parameters_.swap(other.parameters_);
+  }
+  void append(core::ModuleTypeId type, std::span<const double> parameters) {
+    types_.push_back(type);
+    parameters_.append(parameters);
+  }
+  void appendAll(std::span<const core::ModuleTypeId> types, std::span<const double> parameters) {
+    types_.append(types);
+    parameters_.append(parameters);
+  }
+  /// The raw arrays (moduleCount) and (parameterCount), for passes that count first and then write into place.
+  [[nodiscard]] core::Buffer<core::ModuleTypeId>& typeBuffer() { return types_; }
+  [[nodiscard]] core::Buffer<double>& parameterBuffer() { return parameters_; }
+
+ private:
+  core::Buffer<core::ModuleTypeId> types_;  // type of each module (moduleCount)
+  core::Buffer<double> parameters_;         // parameters of all modules, concatenated (parameterCount)
+};
+
+}  // namespace espalier::derivation

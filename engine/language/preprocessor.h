@@ -1,0 +1,32 @@
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine/core/diagnostic.h"
+#include "engine/core/limits.h"
+#include "engine/core/streams.h"
+#include "engine/language/source_map.h"
+
+namespace espalier::language {
+
+struct PreprocessInput {
+  std::string file;
+  std::vector<std::pair<std::string, std::string>> macros;     // defined before the first line; #define can replace them
+  std::vector<std::pair<std::string, std::string>> overrides;  // the caller's: they win over #define
+  core::Limits limits;
+};
+
+struct PreprocessResult {
+  std::string text;
+  SourceMap sourceMap;
+  core::DiagnosticList diagnostics;
+};
+
+/// A traditional C preprocessor: #define (also with arguments), #undef, #include, #if and its relatives, both comment
+/// forms, line continuation. Used for `.l` and `.v` files and background scenes. Includes are looked for beside the
+/// file that names them.
+[[nodiscard]] PreprocessResult preprocess(const PreprocessInput& input, core::FileProvider& files);
+
+}  // namespace espalier::language

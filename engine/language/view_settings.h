@@ -1,0 +1,144 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "engine/core/vec3.h"
+
+namespace espalier::language {
+
+/// A tropism or torque of the view file, as stored: the direction already scaled by its intensity (FILES: tropism).
+struct Movement {
+  enum class Kind : std::uint8_t { Tropism, Torque };
+  Kind kind = Kind::Tropism;
+  core::Vec3 direction;
+  double angleDegrees = 0.0;
+  double elasticity = 0.0;
+  double elasticityStep = 0.0;
+};
+
+/// The old single tropism (`tropism direction`, symbol `_`).
+struct OldTropism {
+  bool isActive = false;  // any of its three commands is present
+  core::Vec3 direction{0.0, 1.0, 0.0};
+  double initialElasticity = 0.0;
+  double elasticityIncrement = 0.0;
+};
+
+/// A spline function of `function:` or `function set:`, the values of func(id, x).
+class SplineFunction {
+ public:
+  /// Control points with multiplicities already repeated (at least 4). sampleCount <= 2: no table, exact bisection.
+  SplineFunction(std::string name, std::vector<std::array<double, 2>> points, int sampleCount);
+  /// y at x, x clamped to [0, 1]: clamped uniform cubic B-spline, parameter by bisection to |x error| <= 0.001.
+  [[nodiscard]] double value(double x) const;
+  [[nodiscard]] const std::string& name() const { return name_; }
+
+ private:
+  [[nodiscard]] std::array<double, 2> point(double parameter) const;
+  [[nodiscard]] double exactValue(double x) const;
+
+  std::string name_;
+  std::vector<std::array<double, 2>> points_;
+  std::vector<double> table_;  // y at equidistant x; empty: no table
+};
+
+/// A parametric curve of `curve:`, the values of curveX/Y/Z(id, t) and curveGAL(id).
+class ParametricCurve {
+ public:
+  enum class Kind : std::uint8_t { BSpline, BSplineEndPoint, BSplineClosed, BSplinePhantom, Bezier, BezierSurface };
+  ParametricCurve(Kind kind, std::vector<core::Vec3> points, int sampleCount);
+  /// The point at arc-length parameter t in [0, 1] (clamped).
+  [[nodiscard]] core::Vec3 point(double t) const;
+  /// Total chord length.
+  [[nodiscard]] double arcLength() const { return arcLength_; }
+
+ private:
+  [[nodiscard]] core::Vec3 rawPoint(double p) const;
+  Kind kind_;
+  std::vector<core::Vec3> points_;
+  std::vector<double> cumulative_;  // normalised chord lengths at equidistant raw parameters
+  double arcLength_ = 0.0;
+};
+
+/// One 4x4 bicubic Bezier patch of a surface, in the surface's local coordinates (FILES §6.1: components along L, H, U).
+struct SurfacePatch {
+  std::array<core::Vec3, 16> points;  // row by row; row index runs with s, column with t
+  int topColour = 0;                  // 0: the turtle's
+  int bottomColour = 0;
+};
+
+/// A predefined bicubic surface `~c` (`surface:` or `line:` command). All coordinates already relative to the contact
+/// point, scaled and turned (FILES §6.1, steps 1 to 3); the turtle multiplies by its scale.
+struct Surface {
+  char id = 0;
+  std::string file;
+  std::vector<SurfacePatch> patches;
+  core::Vec3 endPoint;  // local, as the patches
+  int subdivisionS = 5;
+  int subdivisionT = 5;
+  int texture = -1;  // -1: the turtle's current texture; 0: none
+};
+
+/// One triangle of a `tsurface:`; local coordinates along L, H, U.
+struct SurfaceTriangle {
+  std::array<core::Vec3, 3> points;
+  std::array<core::Vec3, 3> normals;
+};
+
+struct TriangleSurface {
+  char id = 0;
+  std::string file;
+  std::vector<SurfaceTriangle> triangles;
+};
+
+/// A contour of `contour:` for generalized cylinders.
+struct Contour {
+  int id = 0;
+  bool isClosed = false;
+  std::vector<core::Vec3> points;  // control points with multiplicities repeated; z is 0 for plane contours
+};
+
+enum class LineStyle : std::uint8_t { Pixel, Polygon, Cylinder };
+
+/// Everything a view file says that changes turtle, geometry or derivation, with the reference's defaults (FILES §4.2).
+struct ViewSettings {
+  double angleIncrementDegrees = 45.0;
+  double initialLineWidth = 1.0;
+  double lineWidthIncrement = 0.0;
+  double initialScale = 1.0;
+  double scaleMultiplier = 1.0;
+  int initialColour = 128;
+  int initialBackColour = 128;
+  bool hasTwoSidedColour = false;
+  int colourIncrement = 1;
+  int backColourIncrement = 1;
+  LineStyle lineStyle = LineStyle::Pixel;
+  bool hasTaperedLines = true;
+  int contourSides = 8;
+  bool hasTwistOfCylinders = false;
+  bool interpretsPastCut = true;
+  bool hasEnvironmentDisplayBefore = false;
+  OldTropism oldTropism;
+  std::vector<Movement> movements;  // id - 1
+
+  std::vector<SplineFunction> functions;        // id - 1
+  bool functionSetDefinesMacros = false;        // a `function set:` not followed by a `function:`
+  std::vector<ParametricCurve> curves;          // id - 1
+  std::vector<Surface> surfaces;
+  std::vector<TriangleSurface> triangleSurfaces;
+  std::vector<Contour> contours;
+
+  // camera and colour: pictures only
+  bool isPerspective = false;
+  core::Vec3 viewpoint{0.0, 0.0, 1.0};
+  core::Vec3 viewReferencePoint{0.0, 0.0, 0.0};
+  double twistDegrees = 0.0;
+  double viewingAngleDegrees = 45.0;
+  double scaleFactor = 1.0;
+};
+
+}  // namespace espalier::language

@@ -1,0 +1,106 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "engine/core/limits.h"
+#include "engine/core/simulation_error.h"
+#include "engine/core/streams.h"
+#include "engine/derivation/derivation.h"
+#include "engine/derivation/plant_state.h"
+#include "engine/language/program.h"
+#include "engine/turtle/environment_process.h"
+#include "engine/turtle/interpreter.h"
+#include "engine/turtle/scene.h"
+
+namespace espalier::simulation {
+
+/// What happens when the environment does not answer.
+enum class EnvironmentPolicy : std::uint8_t {
+  Fail,  // the step fails, the simulation stays at its last completed step
+  Keep,  // the modules keep what they sent
+};
+
+struct SimulationOptions {
+  std::string name = "simulation";
+  std::uint64_t seed = 0;
+  bool hasSeed = false;                           // given by the caller: replaces `seed:`
+  std::optional<std::uint64_t> derivationLength;  // replaces the model's
+  unsigned threads = 1;
+  core::Limits limits;
+  turtle::World world;
+  EnvironmentPolicy environmentPolicy = EnvironmentPolicy::Fail;
+  core::MessageSink messages;
+};
+
+/// Figures of the last step, or summed over a run.
+struct StepStatistics {
+  std::uint64_t step = 0;             // completed steps after it
+  std::uint64_t modules = 0;          // of all plants
+  std::uint64_t parameters = 0;
+  std::uint64_t queries = 0;
+  std::uint64_t answers = 0;          // queries with a reply that set something
+  std::uint64_t bytes = 0;            // of the strings
+};
+
+/// One plant or several of one Program, with an environment, advanced together. Not thread-safe: one worker at a time.
+///
+/// A step: queries of all plants -> environment -> write back -> derive each plant. A step that fails leaves everything as
+/// after the last completed step and can be tried again; replies that had arrived for it are kept and not asked for twice.
+class Simulation {
+ public:
+  Simulation(std::shared_ptr<const language::Program> program, std::vector<turtle::PlantPlacement> placements,
+             std::unique_ptr<turtle::EnvironmentProcess> environment, SimulationOptions options);
+  ~Simulation();
+  Simulation(const Simulation&) = delete;
+  Simulation& operator=(const Simulation&) = delete;
+
+  /// Goes to step 0: Start, axiom, environment opened. Must be called (or a snapshot restored) before the first step.
+  [[nodiscard]] std::optional<core::SimulationError> rewind();
+
+  /// One step. `cancelled` may be set from another thread to give it up.
+  [[nodiscard]] std::optional<core::SimulationError> step();
+
+  /// Only the interpretation pass of the next step: queries are answered and written into the strings, nothing is derived.
+  /// step() afterwards does not repeat it. What `derive --answered` prints.
+  [[nodiscard]] std::optional<core::SimulationError> answer();
+
+  /// The derivation length is reached or the model called stop().
+  [[nodiscard]] bool isFinished() const;
+  [[nodiscard]] std::uint64_t completedSteps() const;
+  [[nodiscard]] std::uint64_t derivationLength() const;
+  [[nodiscard]] std::size_t plantCount() const;
+  [[nodiscard]] const derivation::ModuleString& string(std::size_t plant = 0) const;
+  [[nodiscard]] std::string stringText(std::size_t plant = 0) const;
+  [[nodiscard]] const StepStatistics& statistics() const;
+  [[nodiscard]] const language::Program& program() const;
+  [[nodiscard]] std::shared_ptr<const language::Program> sharedProgram() const;
+  [[nodiscard]] const SimulationOptions& options() const;
+  [[nodiscard]] turtle::EnvironmentProcess* environment();  // null: none
+  void setCancelled(bool isCancelled);  // from any thread
+
+  /// Draws all plants. Does not change the simulation (homomorphism side effects happen on a copy of the variables).
+  [[nodiscard]] std::variant<turtle::Scene, core::SimulationError> scene() const;
+  /// The turtle stream's records of the current strings, all plants. Does not change the simulation.
+  [[nodiscard]] std::variant<std::vector<turtle::TurtleRecord>, core::SimulationError> turtleRecords() const;
+
+  /// Hash of the complete state: strings, variables, random streams, environment.
+  [[nodiscard]] std::uint64_t stateHash() const;
+
+  /// Writes the complete state: sources and options of the Program, plants, environment. Versioned (snapshot.h).
+  void save(core::ByteSink& sink) const;
+  /// Replaces the state by a snapshot's. The snapshot must be of the same Program. On failure nothing changes.
+  [[nodiscard]] std::optional<core::SimulationError> restore(std::string_view snapshot);
+
+ private:
+  class Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace espalier::simulation

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "engine/core/simulation_error.h"
+#include "engine/language/compiler.h"
+
+namespace espalier::simulation {
+
+/// First bytes of a snapshot file, then the version as a little-endian 32-bit number. The layout is in
+/// engine/simulation/README.md.
+inline constexpr std::string_view kSnapshotMagic = "ESPALIER";
+inline constexpr std::uint32_t kSnapshotVersion = 1;
+
+/// What a snapshot says about itself, enough to compile its model and create a Simulation to restore it into.
+struct SnapshotInfo {
+  std::uint32_t version = kSnapshotVersion;
+  language::CompileInput compileInput;           // names into `files`
+  core::MemoryFileProvider files;                // every source of the model
+  std::uint64_t programHash = 0;
+  std::uint64_t completedSteps = 0;
+  std::uint64_t seed = 0;
+  bool hasSeed = false;
+  std::uint64_t derivationLength = 0;
+  std::uint32_t plantCount = 1;
+  std::string environmentName;                   // empty: none
+};
+
+/// Reads the head of a snapshot. Errors say what is wrong: not a snapshot, a newer version, cut off.
+[[nodiscard]] std::variant<SnapshotInfo, core::SimulationError> readSnapshotInfo(std::string_view snapshot);
+
+}  // namespace espalier::simulation

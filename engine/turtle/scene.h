@@ -1,0 +1,116 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "engine/core/frame.h"
+#include "engine/core/vec3.h"
+#include "engine/language/view_settings.h"
+
+namespace espalier::turtle {
+
+inline constexpr std::uint32_t kNoParent = 0xFFFFFFFF;
+
+/// A drawn line (F, G): a cylinder, strip or pixel line by the view file's line style.
+struct Segment {
+  core::Vec3 start, end;
+  core::Frame frame;                 // at the end
+  double startWidth = 1.0;           // diameters, world units
+  double endWidth = 1.0;
+  std::int32_t colour = 128;
+  std::uint32_t plant = 0;
+  std::uint64_t module = 0;          // index in the plant's string
+  std::uint32_t branchOrder = 0;
+  std::uint32_t parent = kNoParent;  // the segment this one continues or branches from
+};
+
+/// A filled polygon `{...}`.
+struct Polygon {
+  std::vector<core::Vec3> vertices;
+  std::int32_t colour = 128;
+  std::uint32_t plant = 0;
+  std::uint64_t module = 0;  // of `{`
+};
+
+/// A sphere or disc (@O, @o, @c).
+struct Ball {
+  enum class Kind : std::uint8_t { Sphere, ScreenDisc, Disc };
+  Kind kind = Kind::Sphere;
+  core::Vec3 centre;
+  core::Frame frame;
+  double diameter = 1.0;
+  std::int32_t colour = 128;
+  std::uint32_t plant = 0;
+  std::uint64_t module = 0;
+};
+
+/// A predefined surface ~c placed by the turtle. The sampled mesh: row-major quads.
+struct SurfaceInstance {
+  std::uint32_t surface = 0;         // index into ViewSettings::surfaces
+  bool isTriangleSurface = false;    // index into triangleSurfaces instead
+  core::Vec3 position;
+  core::Frame frame;
+  core::Vec3 scale{1.0, 1.0, 1.0};   // along L, H, U, the turtle's scale included
+  std::int32_t colour = 128;
+  std::uint32_t plant = 0;
+  std::uint64_t module = 0;
+};
+
+/// A text label (@L).
+struct Label {
+  core::Vec3 position;
+  std::string text;
+  std::int32_t colour = 128;
+};
+
+/// One point of a generalized cylinder.
+struct CylinderPoint {
+  core::Vec3 position;
+  core::Frame frame;
+  double width = 1.0;
+  std::int32_t colour = 128;
+  std::int32_t contour = 0;
+  std::int32_t stripCount = 4;       // mesh strips of the stretch that ends here
+};
+
+/// A generalized cylinder ({(t)...}(t) or @Gs ... @Ge).
+struct GeneralizedCylinder {
+  enum class Curve : std::uint8_t { Hermite, BSpline };
+  Curve curve = Curve::Hermite;
+  bool isClosed = false;
+  std::vector<CylinderPoint> points;
+  std::uint32_t plant = 0;
+  std::uint64_t module = 0;
+};
+
+/// Everything a turtle drew. Plain data in world units.
+struct Scene {
+  std::vector<Segment> segments;
+  std::vector<Polygon> polygons;
+  std::vector<Ball> balls;
+  std::vector<SurfaceInstance> surfaces;
+  std::vector<GeneralizedCylinder> cylinders;
+  std::vector<Label> labels;
+  language::LineStyle lineStyle = language::LineStyle::Pixel;
+
+  void clear();
+  [[nodiscard]] bool empty() const;
+};
+
+/// One entry of the turtle stream: the turtle's state after a module that moved it, drew something or is a communication
+/// or query module.
+struct TurtleRecord {
+  std::uint32_t plant = 0;
+  std::uint64_t module = 0;          // index in the plant's string
+  std::uint16_t symbol = 0;          // core::SymbolId of the string's module
+  core::Vec3 position;
+  core::Frame frame;
+  double width = 1.0;
+  std::int32_t colour = 128;
+  std::uint32_t branchOrder = 0;
+  std::uint32_t parent = kNoParent;  // index of the record this one grows from
+  std::vector<double> parameters;
+};
+
+}  // namespace espalier::turtle

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <string>
+#include <variant>
+
+#include "engine/turtle/environment_process.h"
+
+namespace espalier::server {
+
+struct RemoteEnvironmentOptions {
+  std::chrono::milliseconds connectTimeout{5'000};
+  std::chrono::milliseconds stepTimeout{60'000};
+};
+
+/// An environment in another process, spoken to with the protocol: `tcp://HOST:PORT` is dialled, `stdio:COMMAND` is spawned
+/// by the shell and spoken to on its standard input and output (its standard error passes through). Bitwise the same plant
+/// as in-process. Returns the process, or a sentence that says what is wrong and what to do.
+[[nodiscard]] std::variant<std::unique_ptr<turtle::EnvironmentProcess>, std::string> connectRemoteEnvironment(
+    const std::string& address, const RemoteEnvironmentOptions& options);
+
+}  // namespace espalier::server

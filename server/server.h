@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "engine/core/limits.h"
+
+namespace espalier::server {
+
+struct ServerLimits {
+  std::uint64_t lineBytes = 64'000'000;
+  std::uint64_t outboxBytes = 64'000'000;        // per session; a slow viewer is moved to the latest key frame instead
+  std::uint32_t sessions = 1'000;
+  std::uint32_t simulations = 10'000;
+  std::uint32_t streamsPerSession = 100;
+  std::uint32_t handshakeMilliseconds = 10'000;
+  std::uint32_t environmentStepMilliseconds = 60'000;
+  core::Limits simulation;
+};
+
+struct ServerOptions {
+  std::string host = "127.0.0.1";
+  std::uint16_t port = 0;                        // 0: a free one
+  std::string dataFolder;                        // empty: simulations are not saved
+  std::string galleryFolder;                     // empty: no gallery models by name
+  std::string token;                             // empty: none asked for; needed for any address but loopback
+  bool isInsecureAllowed = false;                // a non-loopback address without TLS
+  unsigned workers = 0;                          // 0: as many as cores
+  ServerLimits limits;
+  std::string logLevel = "info";                 // trace debug info warn error off
+};
+
+/// The server. run() blocks until stop() (from any thread or a signal) and shuts down cleanly: sessions are told, running
+/// steps finish, simulations are saved.
+class Server {
+ public:
+  explicit Server(ServerOptions options);
+  ~Server();
+  Server(const Server&) = delete;
+  Server& operator=(const Server&) = delete;
+
+  /// Binds and listens. An error sentence that says what to do (port in use, not loopback without token), or nothing.
+  [[nodiscard]] std::optional<std::string> listen();
+  [[nodiscard]] std::uint16_t port() const;
+  /// Serves until stopped. `handleSignals`: SIGINT and SIGTERM stop it.
+  void run(bool handleSignals);
+  void stop();
+
+ private:
+  class Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace espalier::server
