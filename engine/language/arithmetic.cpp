@@ -1,0 +1,87 @@
+#include "engine/language/arithmetic.h"
+
+#include <algorithm>
+#include <array>
+#include <numbers>
+
+#include "engine/core/check.h"
+
+namespace espalier::language {
+namespace {
+
+constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
+constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
+
+constexpr std::array kFunctions{
+#define ESPALIER_FUNCTION(name, text, least, most, isPure) FunctionInfo{text, least, most, isPure},
+#include "engine/language/function.def"
+};
+
+double sign(double x) { return x > 0.0 ? 1.0 : (x < 0.0 ? -1.0 : 0.0); }
+
+// the remainder with the sign of the divisor
+double floorModulo(double x, double divisor, bool& dividedByZero) {
+  if (divisor == 0.0) {
+    dividedByZero = true;
+    divisor = 1.0;
+  }
+  const double remainder = std::fmod(x, divisor);
+  return remainder != 0.0 && (remainder < 0.0) != (divisor < 0.0) ? remainder + divisor : remainder + 0.0;
+}
+
+}  // namespace
+
+std::span<const FunctionInfo> allFunctions() { return kFunctions; }
+
+const FunctionInfo& functionInfo(Function function) { return kFunctions[static_cast<std::size_t>(function)]; }
+
+double callPure(Function function, std::span<const double> arguments, bool& dividedByZero) {
+  const double x = arguments[0];
+  switch (function) {
+    case Function::Sin:
+      return std::sin(x * kRadiansPerDegree);
+    case Function::Cos:
+      return std::cos(x * kRadiansPerDegree);
+    case Function::Tan:
+      return std::tan(x * kRadiansPerDegree);
+    case Function::Asin:
+      return std::asin(x) * kDegreesPerRadian;
+    case Function::Acos:
+      return std::acos(x) * kDegreesPerRadian;
+    case Function::Atan:
+      return std::atan(arguments.back()) * kDegreesPerRadian;
+    case Function::Atan2:
+      return std::atan2(x, arguments[1]) * kDegreesPerRadian;
+    case Function::Exp:
+      return std::exp(x);
+    case Function::Log:
+      return std::log(x);
+    case Function::Sqrt:
+      return std::sqrt(x);
+    case Function::Fabs:
+      return std::fabs(x);
+    case Function::Floor:
+      return std::floor(x);
+    case Function::Ceil:
+      return std::ceil(x);
+    case Function::Sign:
+      return sign(x);
+    case Function::Trunc:
+      return std::floor(x + 0.5);
+    case Function::Min:
+      return std::min(x, arguments[1]);
+    case Function::Max:
+      return std::max(x, arguments[1]);
+    case Function::Mod:
+      return floorModulo(x, arguments[1], dividedByZero);
+    case Function::Hypot:
+      return std::hypot(x, arguments[1]);
+    case Function::Clamp:
+      return std::min(std::max(x, arguments[1]), arguments[2]);
+    default:
+      ESPALIER_CHECK_VALUES(isArithmetic(function), std::string(functionInfo(function).name));
+      return 0.0;
+  }
+}
+
+}  // namespace espalier::language
