@@ -1,0 +1,144 @@
+#include "engine/core/diagnostic.h"
+
+#include <algorithm>
+#include <cctype>
+#include <utility>
+
+namespace espalier::core {
+namespace {
+
+std::string_view severityWord(Severity severity) {
+  switch (severity) {
+    case Severity::Error:
+      return "error";
+    case Severity::Warning:
+      return "warning";
+    case Severity::Note:
+      return "note";
+  }
+  return "note";
+}
+
+char lower(char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); }
+
+// a substitution costs 2, a change of letter case 1: distances are in half steps
+int substitutionCost(char a, char b) {
+  if (a == b) {
+    return 0;
+  }
+  return lower(a) == lower(b) ? 1 : 2;
+}
+
+/// Optimal string alignment distance in half steps (Damerau 1964).
+int editDistance(std::string_view a, std::string_view b) {
+  constexpr int kStep = 2;
+  std::vector<int> beforeLast(b.size() + 1);
+  std::vector<int> last(b.size() + 1);
+  std::vector<int> current(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) {
+    last[j] = static_cast<int>(j) * kStep;
+  }
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    current[0] = static_cast<int>(i) * kStep;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      current[j] = std::min({last[j] + kStep, current[j - 1] + kStep,
+                             last[j - 1] + substitutionCost(a[i - 1], b[j - 1])});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) {
+        current[j] = std::min(current[j], beforeLast[j - 2] + kStep);
+      }
+    }
+    std::swap(beforeLast, last);
+    std::swap(last, current);
+  }
+  return last[b.size()];
+}
+
+}  // namespace
+
+std::string formatDiagnostic(const Diagnostic& diagnostic) {
+  const SourceLocation& at = diagnostic.location;
+  std::string text;
+  if (!at.file.empty()) {
+    text += at.file;
+    if (at.line > 0) {
+      text += ':' + std::to_string(at.line) + ':' + std::to_string(at.column);
+    }
+    text += ": ";
+  }
+  text += severityWord(diagnostic.severity);
+  text += ": ";
+  text += diagnostic.message;
+  if (at.line > 0 && !at.lineText.empty()) {
+    std::string number = std::to_string(at.line);
+    number.insert(0, number.size() < 5 ? 5 - number.size() : 0, ' ');
+    text += '\n' + number + " | " + at.lineText;
+    text += '\n' + std::string(number.size(), ' ') + " | ";
+    // blanks up to the column, TABs kept so that the caret stays below its place
+    const std::size_t before = std::min<std::size_t>(at.column > 0 ? at.column - 1 : 0, at.lineText.size());
+    for (std::size_t i = 0; i < before; ++i) {
+      text += at.lineText[i] == '\t' ? '\t' : ' ';
+    }
+    text += '^';
+    const std::size_t rest = at.lineText.size() - before;
+    const std::size_t underline = std::min<std::size_t>(at.length, std::max<std::size_t>(rest, 1));
+    text.append(underline > 1 ? underline - 1 : 0, '~');
+  }
+  if (!at.expansion.empty()) {
+    text += "\n   " + at.expansion;
+  }
+  if (!diagnostic.hint.empty()) {
+    text += "\n   hint: " + diagnostic.hint;
+  }
+  return text;
+}
+
+void DiagnosticList::add(Diagnostic diagnostic) {
+  const bool isError = diagnostic.severity == Severity::Error;
+  std::size_t& count = isError ? errorCount_ : warningCount_;
+  ++count;
+  if (count <= kLimit) {
+    entries_.push_back(std::move(diagnostic));
+  }
+}
+
+std::string_view nearestName(std::string_view name, const std::vector<std::string_view>& candidates) {
+  std::string_view nearest;
+  // half steps: a third of the length, at least one whole step
+  int best = std::max(2, static_cast<int>(name.size() * 2 / 3)) + 1;
+  for (const std::string_view candidate : candidates) {
+    const std::size_t difference =
+        candidate.size() > name.size() ? candidate.size() - name.size() : name.size() - candidate.size();
+    if (static_cast<int>(difference) * 2 >= best) {
+      continue;
+    }
+    const int distance = editDistance(name, candidate);
+    // a name all of whose characters changed is no near name
+    const bool sharesNothing = distance >= 2 * static_cast<int>(std::max(name.size(), candidate.size()));
+    if (distance < best && !sharesNothing) {
+      best = distance;
+      nearest = candidate;
+    }
+  }
+  return nearest;
+}
+
+std::string suggestName(std::string_view name, const std::vector<std::string_view>& candidates) {
+  std::string text;
+  const std::string_view nearest = nearestName(name, candidates);
+  if (!nearest.empty()) {
+    text += "Did you mean '";
+    text += nearest;
+    text += "'? ";
+  }
+  text += "Available: ";
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    if (i > 0) {
+      text += ", ";
+    }
+    text += candidates[i];
+  }
+  text += '.';
+  return text;
+}
+
+}  // namespace espalier::core

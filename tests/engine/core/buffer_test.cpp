@@ -1,0 +1,58 @@
+#include "engine/core/buffer.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdint>
+#include <new>
+
+namespace espalier::core {
+namespace {
+
+TEST(Buffer, KeepsElementsWhileGrowingFromHeapToMapping) {
+  Buffer<std::uint64_t> buffer;
+  for (std::uint64_t i = 0; i < 1'000'000; ++i) {
+    buffer.push_back(i * 3);
+  }
+  ASSERT_EQ(buffer.size(), 1'000'000U);
+  for (std::uint64_t i = 0; i < buffer.size(); ++i) {
+    ASSERT_EQ(buffer[i], i * 3);
+  }
+}
+
+TEST(Buffer, ClearKeepsTheMemory) {
+  Buffer<double> buffer;
+  buffer.resize(1000);
+  const double* data = buffer.data();
+  buffer.clear();
+  buffer.resize(1000);
+  EXPECT_EQ(buffer.data(), data);
+}
+
+TEST(Buffer, CopiesAreIndependent) {
+  Buffer<int> a;
+  a.append(std::array<int, 3>{1, 2, 3});
+  Buffer<int> b = a;
+  b[0] = 9;
+  EXPECT_EQ(a[0], 1);
+  a = b;
+  EXPECT_EQ(a[0], 9);
+}
+
+TEST(Buffer, MovesLeaveAUsableBuffer) {
+  Buffer<int> a;
+  a.push_back(1);
+  Buffer<int> b = std::move(a);
+  EXPECT_EQ(b.size(), 1U);
+  a.push_back(5);  // NOLINT(bugprone-use-after-move): a moved-from buffer is empty and usable
+  EXPECT_EQ(a[0], 5);
+}
+
+TEST(Buffer, ImpossibleSizesThrowBadAlloc) {
+  Buffer<double> buffer;
+  EXPECT_THROW(buffer.reserve(SIZE_MAX / 16), std::bad_alloc);
+  EXPECT_THROW(static_cast<void>(mapPages(SIZE_MAX)), std::bad_alloc);
+}
+
+}  // namespace
+}  // namespace espalier::core
