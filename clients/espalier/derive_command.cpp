@@ -1,0 +1,138 @@
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <utility>
+
+#include "clients/espalier/commands.h"
+#include "clients/espalier/messages.h"
+#include "clients/espalier/model_loading.h"
+#include "clients/espalier/string_output.h"
+#include "server/disk_files.h"
+
+namespace espalier::command {
+namespace {
+
+struct DeriveOptions {
+  ModelOptions model;
+  bool printsEveryStep = false;
+  bool printsAnswered = false;
+  bool hasStatistics = false;
+};
+
+// sums of a run, in the units of --statistics
+struct RunFigures {
+  std::uint64_t queries = 0;
+  double derivationMilliseconds = 0.0;
+  double environmentMilliseconds = 0.0;
+};
+
+using Outcome = std::optional<core::SimulationError>;
+
+// runs one part of a step and adds its wall time
+template <typename Part>
+Outcome timed(double& milliseconds, const Part& part) {
+  const auto start = std::chrono::steady_clock::now();
+  Outcome outcome = part();
+  milliseconds += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  return outcome;
+}
+
+void printStep(const simulation::Simulation& simulation) {
+  std::printf("%llu\t", static_cast<unsigned long long>(simulation.completedSteps()));
+  printString(simulation.program(), simulation.string());
+}
+
+// steps until the end, printing what was asked for; the strings after the queries' answers belong to the step before
+Outcome runAllSteps(simulation::Simulation& simulation, const DeriveOptions& options, RunFigures& figures) {
+  if (Outcome failure = simulation.rewind()) {
+    return failure;
+  }
+  const bool printsDerived = options.printsEveryStep && !options.printsAnswered;
+  if (printsDerived) {
+    printStep(simulation);
+  }
+  while (!simulation.isFinished()) {
+    if (Outcome failure = timed(figures.environmentMilliseconds, [&] { return simulation.answer(); })) {
+      return failure;
+    }
+    if (options.printsAnswered) {
+      printStep(simulation);
+    }
+    if (Outcome failure = timed(figures.derivationMilliseconds, [&] { return simulation.step(); })) {
+      return failure;
+    }
+    figures.queries += simulation.statistics().queries;
+    if (printsDerived) {
+      printStep(simulation);
+    }
+  }
+  // with `environment display: before` the last string is answered too
+  if (options.printsAnswered && simulation.program().view.hasEnvironmentDisplayBefore) {
+    if (Outcome failure = timed(figures.environmentMilliseconds, [&] { return simulation.answer(); })) {
+      return failure;
+    }
+    printStep(simulation);
+  }
+  if (!options.printsEveryStep) {
+    printString(simulation.program(), simulation.string());
+  }
+  return std::nullopt;
+}
+
+void printStatistics(const simulation::Simulation& simulation, const RunFigures& figures) {
+  const derivation::ModuleString& string = simulation.string();
+  std::fflush(stdout);
+  std::fprintf(stderr,
+               "{\"steps\":%llu,\"modules\":%llu,\"parameters\":%llu,\"queries\":%llu,\"derivationMilliseconds\":%.3f,"
+               "\"environmentMilliseconds\":%.3f,\"bytes\":%llu}\n",
+               static_cast<unsigned long long>(simulation.completedSteps()),
+               static_cast<unsigned long long>(string.size()),
+               static_cast<unsigned long long>(string.parameterCount()),
+               static_cast<unsigned long long>(figures.queries), figures.derivationMilliseconds,
+               figures.environmentMilliseconds, static_cast<unsigned long long>(string.bytes()));
+}
+
+int derive(DeriveOptions& options) {
+  server::DiskFileProvider files;
+  std::optional<LoadedModel> loaded = loadModel(options.model, files);
+  if (!loaded) {
+    return kFailure;
+  }
+  simulation::Simulation simulation(loaded->program, {turtle::PlantPlacement{}}, std::move(loaded->environment),
+                                    std::move(loaded->simulationOptions));
+  RunFigures figures;
+  const Outcome failure = runAllSteps(simulation, options, figures);
+  if (failure) {
+    printError(formatSimulationError(*failure));
+  }
+  if (options.hasStatistics) {
+    printStatistics(simulation, figures);
+  }
+  return failure ? kFailure : kSuccess;
+}
+
+}  // namespace
+
+void addDerive(CLI::App& program, int& status) {
+  CLI::App* command = program.add_subcommand("derive", "Derive a model and print its string of modules");
+  command->footer(
+      "Prints the string of the last step, or with --every one line for each step: its number, a TAB, the string.\n"
+      "Examples:\n"
+      "  espalier derive tree.l --every\n"
+      "  espalier derive tiers.l --environment honda.json --steps 12\n"
+      "  espalier derive plant.l --environment 'stdio:python3 my_environment.py'");
+  auto options = std::make_shared<DeriveOptions>();
+  addReadingOptions(*command, options->model, true);
+  addRunningOptions(*command, options->model);
+  CLI::Option* every = command->add_flag("--every", options->printsEveryStep, "Print the string of every step, from 0");
+  command
+      ->add_flag("--answered", options->printsAnswered,
+                 "With --every: the strings after their queries were answered, instead of as derived")
+      ->needs(every);
+  command->add_flag("--statistics", options->hasStatistics,
+                    "Print one JSON object with counts and times (ms) of the run on standard error");
+  command->callback([options, &status] { status = derive(*options); });
+}
+
+}  // namespace espalier::command

@@ -1,0 +1,53 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <new>
+
+#include "clients/espalier/commands.h"
+#include "clients/espalier/messages.h"
+#include "engine/core/check.h"
+
+int main(int argumentCount, char** arguments) {
+  using namespace espalier::command;
+  CLI::App program{
+      "Espalier derives L-systems (the cpfg dialect) and lets plants grow against their environment.\n"
+      "Results go to standard output, everything else to standard error.\n"
+      "Exit status: 0 success, 1 what was asked failed, 2 wrong usage.",
+      "espalier"};
+  program.require_subcommand(1);
+  program.set_version_flag("--version", "espalier " ESPALIER_VERSION);
+  program.footer("`espalier COMMAND --help` explains a command. Start with: espalier derive MODEL.l --every");
+
+  int status = kSuccess;
+  addDerive(program, status);
+  addRun(program, status);
+  addCheck(program, status);
+  addServe(program, status);
+  addEnvironment(program, status);
+  addConnect(program, status);
+
+  try {
+    program.parse(argumentCount, arguments);
+  } catch (const CLI::Success& helpOrVersion) {
+    return program.exit(helpOrVersion);
+  } catch (const CLI::ParseError& error) {
+    program.exit(error);
+    return kUsage;
+  } catch (const espalier::core::InternalError& error) {
+    printError(std::string("this is a bug of Espalier, please report it: ") + error.what());
+    return kFailure;
+  } catch (const std::bad_alloc&) {
+    printError("out of memory: run fewer steps, or a machine with more memory");
+    return kFailure;
+  } catch (const std::exception& error) {
+    printError(std::string("this is a bug of Espalier, please report it: ") + error.what());
+    return kFailure;
+  }
+
+  // a full disk or a closed pipe must not look like success
+  if (std::fflush(stdout) != 0) {
+    printError("the results could not be written to standard output");
+    return kFailure;
+  }
+  return status;
+}

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/core/diagnostic.h"
+#include "engine/core/simulation_error.h"
+#include "engine/core/streams.h"
+
+namespace espalier::command {
+
+/// Exit statuses of the program.
+inline constexpr int kSuccess = 0;
+inline constexpr int kFailure = 1;  // what was asked failed: bad model, environment gone, unwritable output
+inline constexpr int kUsage = 2;    // wrong command line
+
+/// Writes "error: " and the sentence as one line on standard error.
+void printError(std::string_view sentence);
+
+/// Writes a line on standard error.
+void printNote(std::string_view line);
+
+/// Writes diagnostics on standard error in the order given. With `isQuiet` only the errors.
+void printDiagnostics(const std::vector<core::Diagnostic>& diagnostics, bool isQuiet);
+
+/// The line for a model that failed while running: where, what happened, and the step that the simulation stays at.
+[[nodiscard]] std::string formatSimulationError(const core::SimulationError& error);
+
+/// A model's printf output and run-time warnings on standard error. With `isQuiet` the printf output only.
+[[nodiscard]] core::MessageSink standardErrorMessages(bool isQuiet);
+
+}  // namespace espalier::command

@@ -1,0 +1,165 @@
+#include "clients/espalier/model_loading.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <filesystem>
+#include <random>
+#include <system_error>
+#include <variant>
+
+#include "clients/espalier/environment_loading.h"
+#include "clients/espalier/messages.h"
+#include "clients/espalier/model_files.h"
+#include "engine/language/compiler.h"
+
+namespace espalier::command {
+namespace {
+
+// why a file that was named on the command line cannot be used, or nothing
+std::optional<std::string> whyUnreadable(const std::string& file, const char* option) {
+  std::error_code error;
+  if (std::filesystem::is_regular_file(file, error)) {
+    return std::nullopt;
+  }
+  return std::string("there is no file '") + file + "' (" + option + "): check the name and the working folder";
+}
+
+bool drawsRandom(const language::ProductionList& list) {
+  return std::any_of(list.productions.begin(), list.productions.end(),
+                     [](const language::Production& production) { return production.drawsRandom; });
+}
+
+}  // namespace
+
+core::Compatibility ModelOptions::mode() const {
+  if (compatibility == "cpfg") {
+    return core::Compatibility::Cpfg;
+  }
+  return compatibility == "cpfg-batch" ? core::Compatibility::CpfgBatch : core::Compatibility::Espalier;
+}
+
+void addReadingOptions(CLI::App& command, ModelOptions& options, bool isModelRequired) {
+  CLI::Option* model =
+      command.add_option("model", options.model, "The L-system file (.l), or a folder that holds exactly one");
+  model->type_name("MODEL");
+  model->required(isModelRequired);
+  command.add_option("--view", options.view, "View file; without it the .v beside the model with the same name")
+      ->type_name("FILE.v");
+  command
+      .add_option("--environment", options.environment,
+                  "What answers the communication modules ?E: the name of a built-in process, a field file (.e), a "
+                  "configuration (.json), tcp://HOST:PORT, or stdio:COMMAND; without it the .e beside the model")
+      ->type_name("ENVIRONMENT");
+  command
+      .add_option("--compat", options.compatibility,
+                  "Reproduce the reference program: its interactive run (cpfg) or its batch run (cpfg-batch)")
+      ->check(CLI::IsMember({"cpfg", "cpfg-batch"}));
+  command
+      .add_option("--define", options.defines,
+                  "A macro for the model's preprocessor; it wins over the model's #define. May be repeated")
+      ->type_name("NAME=VALUE")
+      ->allow_extra_args(false)
+      ->check([](const std::string& text) {
+        return text.empty() || text.front() == '=' ? std::string("expected NAME=VALUE") : std::string{};
+      });
+  command.add_flag("--quiet", options.isQuiet, "Only results and errors: no warnings, no seed, no progress");
+}
+
+void addRunningOptions(CLI::App& command, ModelOptions& options) {
+  command.add_option("--steps", options.steps, "Number of steps instead of the model's derivation length (Z)")
+      ->type_name("N");
+  command.add_option("--seed", options.seed, "Seed of the random numbers; it replaces the model's `seed:`")
+      ->type_name("S");
+  command
+      .add_option("--threads", options.threads, "Threads that derive; the result does not depend on them")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
+}
+
+std::pair<std::string, std::string> splitDefine(const std::string& text) {
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos) {
+    return {text, "1"};
+  }
+  return {text.substr(0, equals), text.substr(equals + 1)};
+}
+
+bool needsDrawnSeed(const language::Program& program) {
+  if (program.compatibility != core::Compatibility::Espalier || program.systems.front().seed) {
+    return false;
+  }
+  return std::any_of(program.systems.begin(), program.systems.end(), [](const language::LSystem& system) {
+    return system.isStochastic || system.blocksDrawRandom || drawsRandom(system.productions) ||
+           drawsRandom(system.decomposition) || drawsRandom(system.homomorphism);
+  });
+}
+
+std::shared_ptr<const language::Program> loadProgram(ModelOptions& options, core::FileProvider& files) {
+  auto found = findModelFiles(options.model);
+  if (const std::string* problem = std::get_if<std::string>(&found)) {
+    printError(*problem);
+    return nullptr;
+  }
+  const ModelFiles& modelFiles = std::get<ModelFiles>(found);
+  if (options.view.empty()) {
+    options.view = modelFiles.view;
+  } else if (const auto problem = whyUnreadable(options.view, "--view")) {
+    printError(*problem);
+    return nullptr;
+  }
+  if (options.environment.empty()) {
+    options.environment = modelFiles.environment;
+  }
+
+  language::CompileInput input;
+  input.modelFile = modelFiles.model;
+  input.viewFile = options.view;
+  input.compatibility = options.mode();
+  for (const std::string& define : options.defines) {
+    input.defines.push_back(splitDefine(define));
+  }
+  language::CompileResult result = language::compile(input, files);
+  printDiagnostics(result.diagnostics.entries(), options.isQuiet);
+  if (!result.program && !result.diagnostics.hasErrors()) {
+    printError("'" + input.modelFile + "' could not be read: check that it is readable");
+  }
+  return result.program;
+}
+
+simulation::SimulationOptions simulationOptionsFor(const ModelOptions& options, const language::Program& program) {
+  simulation::SimulationOptions result;
+  result.name = std::filesystem::path(program.modelFile).stem().string();
+  result.derivationLength = options.steps;
+  result.threads = options.threads;
+  result.messages = standardErrorMessages(options.isQuiet);
+  if (options.seed) {
+    result.seed = *options.seed;
+    result.hasSeed = true;
+  } else if (needsDrawnSeed(program)) {
+    result.seed = std::random_device{}();
+    result.hasSeed = true;
+    if (!options.isQuiet) {
+      printNote("seed " + std::to_string(result.seed));
+    }
+  }
+  return result;
+}
+
+std::optional<LoadedModel> loadModel(ModelOptions& options, core::FileProvider& files) {
+  LoadedModel loaded;
+  loaded.program = loadProgram(options, files);
+  if (!loaded.program) {
+    return std::nullopt;
+  }
+  if (!options.environment.empty()) {
+    loaded.environment = loadEnvironment(options.environment, options.mode(), options.isQuiet, files);
+    if (!loaded.environment) {
+      return std::nullopt;
+    }
+  }
+  loaded.simulationOptions = simulationOptionsFor(options, *loaded.program);
+  return loaded;
+}
+
+}  // namespace espalier::command

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine/core/identifiers.h"
+#include "engine/core/streams.h"
+#include "engine/language/program.h"
+#include "engine/simulation/simulation.h"
+#include "engine/turtle/environment_process.h"
+
+namespace CLI {
+class App;
+}
+
+namespace espalier::command {
+
+/// What derive, run and check are told about a model on the command line.
+struct ModelOptions {
+  std::string model;        // a `.l` file or a folder with one
+  std::string view;         // empty: the one beside the model
+  std::string environment;  // empty: the `.e` beside the model
+  std::optional<std::uint64_t> steps;
+  std::optional<std::uint64_t> seed;
+  std::string compatibility;          // "", "cpfg" or "cpfg-batch"
+  std::vector<std::string> defines;   // NAME=VALUE
+  unsigned threads = 1;
+  bool isQuiet = false;
+
+  [[nodiscard]] core::Compatibility mode() const;
+};
+
+/// The options which say how a model is read: MODEL, --view, --environment, --compat, --define, --quiet.
+void addReadingOptions(CLI::App& command, ModelOptions& options, bool isModelRequired);
+/// The options which say how it is run: --steps, --seed, --threads.
+void addRunningOptions(CLI::App& command, ModelOptions& options);
+
+/// `NAME=VALUE` as the preprocessor's -D has it: without `=` the value is 1.
+[[nodiscard]] std::pair<std::string, std::string> splitDefine(const std::string& text);
+
+/// Whether a run of the program depends on a seed that neither the model nor the caller gave.
+[[nodiscard]] bool needsDrawnSeed(const language::Program& program);
+
+/// Reads and compiles the model of `options` and completes options.view and options.environment with the files beside it.
+/// Writes diagnostics and errors to standard error; null when there is an error.
+[[nodiscard]] std::shared_ptr<const language::Program> loadProgram(ModelOptions& options, core::FileProvider& files);
+
+/// A model ready to run. `environment` is null when there is none.
+struct LoadedModel {
+  std::shared_ptr<const language::Program> program;
+  std::unique_ptr<turtle::EnvironmentProcess> environment;
+  simulation::SimulationOptions simulationOptions;
+};
+
+/// loadProgram, then its environment, then the options of the simulation; draws a seed and says so when one is needed.
+[[nodiscard]] std::optional<LoadedModel> loadModel(ModelOptions& options, core::FileProvider& files);
+
+/// The simulation options that `options` asks for, with a seed drawn and said on standard error when one is needed.
+[[nodiscard]] simulation::SimulationOptions simulationOptionsFor(const ModelOptions& options,
+                                                                 const language::Program& program);
+
+}  // namespace espalier::command

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace espalier::command {
+
+/// One line of progress: a bar of `width` characters, the step, and the modules of the strings.
+[[nodiscard]] std::string progressLine(std::uint64_t completedSteps, std::uint64_t totalSteps, std::uint64_t moduleCount,
+                                       std::size_t width);
+
+/// A progress bar on standard error, redrawn in place. Shows nothing when standard error is not a terminal.
+class ProgressBar {
+ public:
+  explicit ProgressBar(bool isWanted);
+  ~ProgressBar();
+  ProgressBar(const ProgressBar&) = delete;
+  ProgressBar& operator=(const ProgressBar&) = delete;
+
+  void show(std::uint64_t completedSteps, std::uint64_t totalSteps, std::uint64_t moduleCount);
+  /// Erases the bar, so that a message can be written in its place.
+  void clear();
+
+ private:
+  bool isShown_ = false;
+  bool isOnTerminal_ = false;
+};
+
+}  // namespace espalier::command
