@@ -1,0 +1,83 @@
+// The suite of the cpfg dialect, case by case: in the mode that reproduces the reference, and with Espalier's own numbers.
+// A case that is known not to pass is named in a list that may only shrink: it must go when the case passes.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "tests/conformance/suite.h"
+
+namespace espalier::test {
+namespace {
+
+constexpr const char* kNotYet = "not_yet.txt";
+constexpr const char* kOwnNumbers = "own_numbers_exceptions.txt";
+
+std::vector<ConformanceCase> deterministicCases() {
+  std::vector<ConformanceCase> cases = readCases();
+  std::erase_if(cases, [](const ConformanceCase& entry) { return entry.kind != "deterministic"; });
+  return cases;
+}
+
+std::string testName(const testing::TestParamInfo<ConformanceCase>& info) {
+  std::string name = info.param.name;
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+}
+
+class Conformance : public testing::TestWithParam<ConformanceCase> {};
+class OwnNumbers : public testing::TestWithParam<ConformanceCase> {};
+
+TEST_P(Conformance, MatchesTheReference) {
+  const std::string difference = runCase(GetParam(), core::Compatibility::Cpfg);
+  const std::string verdict = judge(GetParam(), difference, readExceptions(listFile(kNotYet)), kNotYet);
+  EXPECT_TRUE(verdict.empty()) << GetParam().name << ": " << verdict;
+}
+
+TEST_P(OwnNumbers, MatchTheReferenceWithinTheTolerance) {
+  const std::string difference = runCase(GetParam(), core::Compatibility::Espalier);
+  const std::string verdict = judge(GetParam(), difference, readExceptions(listFile(kOwnNumbers)), kOwnNumbers);
+  EXPECT_TRUE(verdict.empty()) << GetParam().name << ": " << verdict;
+}
+
+INSTANTIATE_TEST_SUITE_P(Suite, Conformance, testing::ValuesIn(readCases()), testName);
+INSTANTIATE_TEST_SUITE_P(Suite, OwnNumbers, testing::ValuesIn(deterministicCases()), testName);
+
+TEST(ConformanceSuite, HasAllItsCases) {
+  // 157 deterministic, 10 stochastic, 10 random, 24 environment (cases/README.md)
+  std::map<std::string, int> count;
+  for (const ConformanceCase& entry : readCases()) {
+    ++count[entry.kind];
+  }
+  EXPECT_EQ(count, (std::map<std::string, int>{
+                       {"deterministic", 157}, {"stochastic", 10}, {"random", 10}, {"environment", 24}}));
+}
+
+TEST(ConformanceSuite, ListsNameOnlyCasesAndGiveReasons) {
+  const std::vector<ConformanceCase> cases = readCases();
+  for (const char* list : {kNotYet, kOwnNumbers}) {
+    for (const auto& [name, reason] : readExceptions(listFile(list))) {
+      const auto isNamed = [&name = name](const ConformanceCase& entry) { return entry.name == name; };
+      EXPECT_TRUE(std::any_of(cases.begin(), cases.end(), isNamed)) << name << " in " << list << " is not a case";
+      EXPECT_FALSE(reason.empty()) << name << " in " << list << " has no reason";
+    }
+  }
+}
+
+TEST(ConformanceSuite, JudgesByTheList) {
+  ConformanceCase listed;
+  listed.name = "listed";
+  ConformanceCase other;
+  other.name = "other";
+  const std::map<std::string, std::string> list{{"listed", "reason"}};
+  EXPECT_EQ(judge(other, "", list, "list"), "");
+  EXPECT_EQ(judge(other, "step 1 differs", list, "list"), "step 1 differs");
+  EXPECT_EQ(judge(listed, "step 1 differs", list, "list"), "");
+  EXPECT_EQ(judge(listed, "", list, "list"), "listed passes now: remove it from list");
+}
+
+}  // namespace
+}  // namespace espalier::test
