@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string_view>
+
+#include "engine/turtle/environment_process.h"
+#include "environment/configuration.h"
+
+namespace espalier::environment {
+
+/// How a line `keyword: values` of the field's specification files becomes a configuration key.
+enum class FieldKind : std::uint8_t {
+  Number,   // the first number
+  Numbers,  // the first `count` numbers
+  Switch,   // true when the value is one of `onWords`, else false
+  Row,      // a row of numbers, at most `count`, added to the key's rows
+};
+
+struct FieldKeyword {
+  std::string_view keyword;  // exactly as in the file, without the colon
+  FieldKind kind = FieldKind::Number;
+  std::string_view key;      // of the configuration
+  std::size_t count = 1;
+  std::span<const std::string_view> onWords{};
+};
+
+/// Everything the registry knows about one process.
+struct ProcessEntry {
+  std::string_view name;
+  std::string_view summary;  // one sentence
+  std::span<const std::string_view> aliases;
+  std::span<const ConfigurationKey> keys;
+  std::span<const FieldKeyword> fieldKeywords;
+  std::unique_ptr<turtle::EnvironmentProcess> (*make)(const Configuration& configuration);
+};
+
+/// The entry of a name or alias; null when unknown.
+[[nodiscard]] const ProcessEntry* findProcess(std::string_view name);
+
+/// "environment process 'chibba' is unknown. Did you mean 'chiba'? Available: chiba, clover."
+[[nodiscard]] core::Diagnostic unknownProcess(std::string_view name);
+
+}  // namespace espalier::environment

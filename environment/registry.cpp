@@ -1,0 +1,70 @@
+#include "environment/registry.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "environment/constant.h"
+#include "environment/height.h"
+#include "environment/honda.h"
+#include "environment/process_entry.h"
+#include "environment/shadow.h"
+
+namespace espalier::environment {
+
+namespace {
+
+// sorted by name
+constexpr std::array kProcesses{&kConstantProcess, &kHeightProcess, &kHondaProcess, &kShadowProcess};
+
+}  // namespace
+
+const ProcessEntry* findProcess(std::string_view name) {
+  for (const ProcessEntry* entry : kProcesses) {
+    if (entry->name == name || std::find(entry->aliases.begin(), entry->aliases.end(), name) != entry->aliases.end()) {
+      return entry;
+    }
+  }
+  return nullptr;
+}
+
+core::Diagnostic unknownProcess(std::string_view name) {
+  std::vector<std::string_view> names;
+  for (const ProcessEntry* entry : kProcesses) {
+    names.push_back(entry->name);
+  }
+  core::Diagnostic diagnostic;
+  diagnostic.message = "environment process '" + std::string(name) + "' is unknown. " + core::suggestName(name, names);
+  return diagnostic;
+}
+
+std::vector<std::string> processNames() {
+  std::vector<std::string> names;
+  for (const ProcessEntry* entry : kProcesses) {
+    names.emplace_back(entry->name);
+  }
+  return names;
+}
+
+std::string configurationSchema(std::string_view name) {
+  const ProcessEntry* entry = findProcess(name);
+  return entry == nullptr ? std::string() : writeSchema(entry->name, entry->summary, entry->keys);
+}
+
+ProcessOrErrors makeProcess(std::string_view name, std::string_view configurationJson) {
+  const ProcessEntry* entry = findProcess(name);
+  if (entry == nullptr) {
+    return std::vector<core::Diagnostic>{unknownProcess(name)};
+  }
+  auto configuration = readConfiguration(entry->name, entry->keys, configurationJson);
+  if (auto* errors = std::get_if<std::vector<ConfigurationError>>(&configuration)) {
+    std::vector<core::Diagnostic> diagnostics;
+    for (ConfigurationError& error : *errors) {
+      diagnostics.push_back(std::move(error.diagnostic));
+    }
+    return diagnostics;
+  }
+  return entry->make(std::get<Configuration>(configuration));
+}
+
+}  // namespace espalier::environment
