@@ -1,0 +1,312 @@
+#include <algorithm>
+
+#include "protocol/base64.h"
+#include "protocol/codec.h"
+#include "protocol/json_tree.h"
+
+namespace espalier::protocol {
+namespace {
+
+constexpr std::size_t kLongestNameBytes = 200;
+
+std::vector<std::string> readTexts(const Field& field) {
+  std::vector<std::string> texts;
+  if (field.isAbsent()) {
+    return texts;
+  }
+  const std::size_t count = field.arraySize();
+  for (std::size_t i = 0; i < count; ++i) {
+    texts.push_back(field.element(i).text());
+  }
+  return texts;
+}
+
+std::string readOptionalText(const Field& field) {
+  return field.isAbsent() ? std::string() : field.text();
+}
+
+std::string readName(const Field& field) {
+  const std::string& name = field.text();
+  if (name.empty() || name.size() > kLongestNameBytes) {
+    field.fail("expected a name of 1 to " + std::to_string(kLongestNameBytes) + " bytes, found " +
+               std::to_string(name.size()) + " bytes");
+  }
+  return name;
+}
+
+template <typename T>
+void readOptionalCount(const Field& field, std::optional<T>& value) {
+  if (!field.isAbsent()) {
+    value = field.count();
+  }
+}
+
+std::array<double, 3> readVector(const Field& field) {
+  if (field.arraySize() != 3) {
+    field.failExpected("three numbers");
+  }
+  return {field.element(0).number(), field.element(1).number(), field.element(2).number()};
+}
+
+void readModelReference(const Field& field, ModelReference& model) {
+  // a text is short for what model.load gave
+  if (field.isText()) {
+    model.loaded = readName(field);
+    return;
+  }
+  field.requireObject();
+  int count = 0;
+  if (const Field source = field["source"]; !source.isAbsent()) {
+    model.source = source.text();
+    ++count;
+  }
+  if (const Field gallery = field["gallery"]; !gallery.isAbsent()) {
+    model.gallery = readName(gallery);
+    ++count;
+  }
+  if (const Field loaded = field["loaded"]; !loaded.isAbsent()) {
+    model.loaded = readName(loaded);
+    ++count;
+  }
+  if (const Field files = field["files"]; !files.isAbsent()) {
+    files.requireObject();
+    for (const auto& [name, value] : files.json().items()) {
+      model.files.emplace(name, files[name].text());
+    }
+    const Field main = field["main"];
+    model.main = readName(main);
+    if (!model.files.contains(model.main)) {
+      main.fail("'" + model.main + "' is not one of the files");
+    }
+    ++count;
+  }
+  if (count != 1) {
+    field.fail("expected exactly one of \"source\", \"gallery\", \"files\" (with \"main\") and \"loaded\"");
+  }
+}
+
+void readModelParams(const Field& params, ModelParams& model) {
+  // model.check {source} is short for model.check {model:{source}}
+  const Field reference = params["model"];
+  if (reference.isAbsent() && (!params["source"].isAbsent() || !params["gallery"].isAbsent() || !params["files"].isAbsent())) {
+    readModelReference(params, model.model);
+  } else {
+    readModelReference(reference, model.model);
+  }
+  if (const Field mode = params["compatibility"]; !mode.isAbsent()) {
+    model.compatibility = mode.text();
+    if (model.compatibility != "cpfg" && model.compatibility != "cpfg-batch") {
+      mode.failExpected("\"cpfg\" or \"cpfg-batch\" (or nothing for Espalier's own mode)");
+    }
+  }
+  if (const Field parameters = params["parameters"]; !parameters.isAbsent()) {
+    parameters.requireObject();
+    for (const auto& [name, value] : parameters.json().items()) {
+      const Field field = parameters[name];
+      if (field.isText()) {
+        model.defines.emplace_back(name, field.text());
+      } else {
+        const double number = field.number();
+        JsonWriter text;
+        model.defines.emplace_back(name, text.number(number).take());
+      }
+    }
+  }
+}
+
+void readEnvironment(const Field& environment, CreateParams& create) {
+  if (environment.isAbsent()) {
+    return;
+  }
+  const std::size_t count = environment.arraySize();
+  for (std::size_t i = 0; i < count; ++i) {
+    const Field entry = environment.element(i);
+    entry.requireObject();
+    create.environmentTypes.push_back(readName(entry["type"]));
+  }
+  if (count > 0) {
+    create.environmentJson = environment.dump();
+  }
+}
+
+}  // namespace
+
+Decoded<HelloParams> decodeHelloParams(const Payload& payload) {
+  return decodePayload<HelloParams>(payload, [](const Field& params, HelloParams& hello) {
+    params.requireObject();
+    const Field versions = params["protocol"];
+    const std::size_t count = versions.arraySize();
+    for (std::size_t i = 0; i < count; ++i) {
+      hello.protocol.push_back(versions.element(i).integer(0, kMaximumExactInteger));
+    }
+    hello.roles = readTexts(params["roles"]);
+    for (std::size_t i = 0; i < hello.roles.size(); ++i) {
+      const std::string& role = hello.roles[i];
+      if (role != "controller" && role != "environment" && role != "viewer") {
+        const Field roles = params["roles"];
+        roles.element(i).failExpected("\"controller\", \"environment\" or \"viewer\"");
+      }
+    }
+    hello.name = readOptionalText(params["name"]);
+    hello.version = readOptionalText(params["version"]);
+    hello.token = readOptionalText(params["token"]);
+    hello.capabilities = readTexts(params["capabilities"]);
+  });
+}
+
+Decoded<ModelParams> decodeModelParams(const Payload& payload) {
+  return decodePayload<ModelParams>(payload, [](const Field& params, ModelParams& model) {
+    params.requireObject();
+    readModelParams(params, model);
+  });
+}
+
+Decoded<CreateParams> decodeCreateParams(const Payload& payload) {
+  return decodePayload<CreateParams>(payload, [](const Field& params, CreateParams& create) {
+    params.requireObject();
+    readModelParams(params, create.model);
+    create.name = readOptionalText(params["name"]);
+    readOptionalCount(params["seed"], create.seed);
+    readEnvironment(params["environment"], create);
+    readOptionalCount(params["derivationLength"], create.derivationLength);
+    if (const Field plants = params["plants"]; !plants.isAbsent()) {
+      const std::size_t count = plants.arraySize();
+      for (std::size_t i = 0; i < count; ++i) {
+        const Field plant = plants.element(i);
+        plant.requireObject();
+        create.plants.push_back({readVector(plant["position"])});
+      }
+    }
+    if (const Field limits = params["limits"]; !limits.isAbsent()) {
+      limits.requireObject();
+      readOptionalCount(limits["modules"], create.maximumModules);
+      readOptionalCount(limits["queries"], create.maximumQueries);
+    }
+    if (const Field isSaved = params["save"]; !isSaved.isAbsent()) {
+      create.isSaved = isSaved.boolean();
+    }
+  });
+}
+
+Decoded<StepParams> decodeStepParams(const Payload& payload) {
+  return decodePayload<StepParams>(payload, [](const Field& params, StepParams& step) {
+    params.requireObject();
+    step.simulation = readName(params["simulation"]);
+    readOptionalCount(params["until"], step.until);
+    if (const Field steps = params["steps"]; !steps.isAbsent()) {
+      if (step.until) {
+        steps.fail("give \"steps\" or \"until\", not both");
+      }
+      step.steps = static_cast<std::uint64_t>(steps.integer(1, kMaximumExactInteger));
+    }
+  });
+}
+
+Decoded<GetParams> decodeGetParams(const Payload& payload) {
+  return decodePayload<GetParams>(payload, [](const Field& params, GetParams& get) {
+    params.requireObject();
+    get.simulation = readName(params["simulation"]);
+    const Field what = params["what"];
+    get.what = what.text();
+    constexpr std::array<std::string_view, 6> kKinds{"string", "statistics", "state-hash", "turtle", "model", "information"};
+    if (std::find(kKinds.begin(), kKinds.end(), get.what) == kKinds.end()) {
+      what.failExpected("one of string, statistics, state-hash, turtle, model, information");
+    }
+    if (const Field plant = params["plant"]; !plant.isAbsent()) {
+      get.plant = static_cast<std::uint32_t>(plant.integer(0, 0xFFFFFFFF));
+    }
+  });
+}
+
+Decoded<ResetParams> decodeResetParams(const Payload& payload) {
+  return decodePayload<ResetParams>(payload, [](const Field& params, ResetParams& reset) {
+    params.requireObject();
+    reset.simulation = readName(params["simulation"]);
+    readOptionalCount(params["seed"], reset.seed);
+  });
+}
+
+Decoded<RestoreParams> decodeRestoreParams(const Payload& payload) {
+  return decodePayload<RestoreParams>(payload, [](const Field& params, RestoreParams& restore) {
+    params.requireObject();
+    restore.simulation = readName(params["simulation"]);
+    const Field snapshot = params["snapshot"];
+    auto bytes = fromBase64(snapshot.text());
+    if (!bytes) {
+      snapshot.fail("expected base64, as simulation.save gave it");
+    }
+    restore.snapshot = std::move(*bytes);
+  });
+}
+
+Decoded<NameParams> decodeNameParams(const Payload& payload, std::string_view member) {
+  return decodePayload<NameParams>(payload, [member](const Field& params, NameParams& name) {
+    params.requireObject();
+    name.name = readName(params[member]);
+  });
+}
+
+Decoded<StreamOpenParams> decodeStreamOpenParams(const Payload& payload) {
+  return decodePayload<StreamOpenParams>(payload, [](const Field& params, StreamOpenParams& open) {
+    params.requireObject();
+    open.simulation = readName(params["simulation"]);
+    const Field what = params["what"];
+    open.what = what.text();
+    if (open.what != "turtle" && open.what != "string" && open.what != "statistics") {
+      what.failExpected("one of turtle, string, statistics");
+    }
+    if (const Field every = params["every"]; !every.isAbsent()) {
+      open.every = static_cast<std::uint64_t>(every.integer(1, kMaximumExactInteger));
+    }
+    if (const Field credits = params["credits"]; !credits.isAbsent()) {
+      open.credits = static_cast<std::uint64_t>(credits.integer(1, kMaximumExactInteger));
+    }
+    if (const Field select = params["select"]; !select.isAbsent()) {
+      select.requireObject();
+      open.select.symbols = readTexts(select["symbols"]);
+      if (const Field plants = select["plants"]; !plants.isAbsent()) {
+        const std::size_t count = plants.arraySize();
+        for (std::size_t i = 0; i < count; ++i) {
+          open.select.plants.push_back(static_cast<std::uint32_t>(plants.element(i).integer(0, 0xFFFFFFFF)));
+        }
+      }
+    }
+  });
+}
+
+Decoded<StreamAckParams> decodeStreamAckParams(const Payload& payload) {
+  return decodePayload<StreamAckParams>(payload, [](const Field& params, StreamAckParams& ack) {
+    params.requireObject();
+    ack.stream = readName(params["stream"]);
+    readOptionalCount(params["sequence"], ack.sequence);
+    if (const Field credits = params["credits"]; !credits.isAbsent()) {
+      ack.credits = credits.count();
+    }
+  });
+}
+
+Decoded<MessageId> decodeCancelParams(const Payload& payload) {
+  return decodePayload<MessageId>(payload, [](const Field& params, MessageId& id) {
+    params.requireObject();
+    const Field field = params["id"];
+    id = field.isText() ? MessageId::of(field.text())
+                        : MessageId::of(field.integer(-kMaximumExactInteger, kMaximumExactInteger));
+  });
+}
+
+Decoded<HelloResult> decodeHelloResult(const Payload& payload) {
+  return decodePayload<HelloResult>(payload, [](const Field& result, HelloResult& hello) {
+    result.requireObject();
+    hello.protocol = result["protocol"].integer(0, kMaximumExactInteger);
+    hello.session = readOptionalText(result["session"]);
+    hello.server = readOptionalText(result["server"]);
+    hello.capabilities = readTexts(result["capabilities"]);
+    if (const Field limits = result["limits"]; limits.isObject()) {
+      for (const auto& [name, value] : limits.json().items()) {
+        hello.limits.emplace_back(name, limits[name].count());
+      }
+    }
+  });
+}
+
+}  // namespace espalier::protocol

@@ -1,0 +1,247 @@
+#include "protocol/envelope.h"
+
+#include "protocol/json_tree.h"
+#include "protocol/json_writer.h"
+
+namespace espalier::protocol {
+namespace {
+
+constexpr std::size_t kDeepestNesting = 64;
+constexpr std::size_t kLongestIdBytes = 200;
+
+/// Deepest nesting of brackets outside strings: checked before parsing, so that no recursion can run out of stack.
+std::size_t nestingOf(std::string_view json) {
+  std::size_t depth = 0;
+  std::size_t deepest = 0;
+  bool isInText = false;
+  for (std::size_t i = 0; i < json.size(); ++i) {
+    const char c = json[i];
+    if (isInText) {
+      if (c == '\\') {
+        ++i;
+      } else if (c == '"') {
+        isInText = false;
+      }
+    } else if (c == '"') {
+      isInText = true;
+    } else if (c == '[' || c == '{') {
+      deepest = ++depth > deepest ? depth : deepest;
+    } else if ((c == ']' || c == '}') && depth > 0) {
+      --depth;
+    }
+  }
+  return deepest;
+}
+
+/// What the parser says, without its own exception numbers.
+std::string parserMessage(const nlohmann::json::exception& exception) {
+  std::string text = exception.what();
+  const std::size_t bracket = text.find("] ");
+  return bracket == std::string::npos ? text : text.substr(bracket + 2);
+}
+
+std::variant<nlohmann::json, Error> parse(std::string_view text) {
+  if (nestingOf(text) > kDeepestNesting) {
+    return Error{ErrorCode::Parse,
+                 "The message nests brackets deeper than " + std::to_string(kDeepestNesting) + ". Send flatter JSON.", {}};
+  }
+  try {
+    return nlohmann::json::parse(text);
+  } catch (const nlohmann::json::exception& exception) {
+    return Error{ErrorCode::Parse,
+                 "The line is not JSON: " + parserMessage(exception) +
+                     ". Send one JSON object per line, in UTF-8; NaN and Infinity are not JSON numbers.",
+                 {}};
+  }
+}
+
+BadMessage invalid(MessageId id, const std::string& path, const std::string& what) {
+  Error error = fieldError(path, what);
+  error.code = ErrorCode::InvalidRequest;
+  return {std::move(id), std::move(error)};
+}
+
+/// Reads the id. Returns what is wrong, or nothing.
+std::optional<std::string> readId(const nlohmann::json& value, MessageId& id) {
+  if (value.is_null()) {
+    return std::nullopt;
+  }
+  if (value.is_string()) {
+    const auto& text = value.get_ref<const std::string&>();
+    if (text.size() > kLongestIdBytes) {
+      return "a text of " + std::to_string(text.size()) + " bytes is too long for an id (at most " +
+             std::to_string(kLongestIdBytes) + ")";
+    }
+    id = MessageId::of(text);
+    return std::nullopt;
+  }
+  if (value.is_number_integer()) {
+    const bool isHuge = value.is_number_unsigned() &&
+                        value.get<std::uint64_t>() > static_cast<std::uint64_t>(kMaximumExactInteger);
+    const std::int64_t number = isHuge ? 0 : value.get<std::int64_t>();
+    if (isHuge || number < -kMaximumExactInteger) {
+      return "an id beyond 2^53 is not exact in every language; use a smaller number or a text";
+    }
+    id = MessageId::of(number);
+    return std::nullopt;
+  }
+  return "expected a whole number or a text as id";
+}
+
+Error readError(const nlohmann::json& value) {
+  Error error;
+  if (value.is_object()) {
+    if (const auto code = value.find("code"); code != value.end() && code->is_number_integer()) {
+      error.code = static_cast<ErrorCode>(code->get<std::int32_t>());
+    }
+    if (const auto message = value.find("message"); message != value.end() && message->is_string()) {
+      error.message = message->get<std::string>();
+    }
+    if (const auto data = value.find("data"); data != value.end() && data->is_object()) {
+      error.data = data->dump();
+    }
+  }
+  return error;
+}
+
+std::string begin(const MessageId* id) {
+  std::string line = R"({"jsonrpc":"2.0")";
+  if (id != nullptr) {
+    line += ",\"id\":" + toText(*id);
+  }
+  return line;
+}
+
+}  // namespace
+
+std::string toText(const MessageId& id) {
+  JsonWriter writer;
+  switch (id.kind) {
+    case MessageId::Kind::Null: writer.null(); break;
+    case MessageId::Kind::Number: writer.integer(id.number); break;
+    case MessageId::Kind::Text: writer.text(id.text); break;
+  }
+  return writer.take();
+}
+
+std::string Payload::toText() const {
+  return value_ == nullptr ? "null" : static_cast<const nlohmann::json*>(value_)->dump();
+}
+
+std::variant<Message, BadMessage> decodeMessage(std::string_view line) {
+  auto parsed = parse(line);
+  if (auto* error = std::get_if<Error>(&parsed)) {
+    return BadMessage{{}, std::move(*error)};
+  }
+  auto tree = std::make_shared<JsonTree>(JsonTree{std::move(std::get<nlohmann::json>(parsed))});
+  const nlohmann::json& root = tree->value;
+  if (root.is_array()) {
+    return BadMessage{{}, {ErrorCode::InvalidRequest, "Batch arrays are not part of espalier/1. Send one object per line.",
+                           {}}};
+  }
+  if (!root.is_object()) {
+    return BadMessage{{}, {ErrorCode::InvalidRequest, "A message is a JSON object; this line is another JSON value.", {}}};
+  }
+
+  // the id first, so that everything wrong after it can be answered
+  Message message;
+  const auto id = root.find("id");
+  if (id != root.end()) {
+    if (const auto problem = readId(*id, message.id)) {
+      return invalid({}, "id", *problem);
+    }
+  }
+  const auto version = root.find("jsonrpc");
+  if (version == root.end() || !version->is_string() || version->get_ref<const std::string&>() != "2.0") {
+    return invalid(message.id, "jsonrpc", "expected \"2.0\"");
+  }
+
+  // requests and notifications
+  if (const auto method = root.find("method"); method != root.end()) {
+    if (!method->is_string() || method->get_ref<const std::string&>().empty()) {
+      return invalid(message.id, "method", "expected the name of a method");
+    }
+    message.method = method->get<std::string>();
+    message.kind = id != root.end() && !id->is_null() ? Message::Kind::Request : Message::Kind::Notification;
+    const auto params = root.find("params");
+    if (params != root.end() && !params->is_null()) {
+      if (!params->is_object()) {
+        return invalid(message.id, "params", "expected an object (params by name)");
+      }
+      message.payload = Payload(tree, &*params, "params");
+    }
+    return message;
+  }
+
+  // responses
+  const auto result = root.find("result");
+  const auto error = root.find("error");
+  if ((result == root.end()) == (error == root.end())) {
+    return invalid(message.id, "method", "a message needs a method, a result or an error, and a response only one of the two");
+  }
+  if (result != root.end()) {
+    message.kind = Message::Kind::Result;
+    message.payload = Payload(tree, &*result, "result");
+  } else {
+    message.kind = Message::Kind::Error;
+    message.error = readError(*error);
+  }
+  return message;
+}
+
+std::string encodeRequest(const MessageId& id, std::string_view method, std::string_view paramsJson) {
+  std::string line = begin(&id);
+  line.append(R"(,"method":")").append(method).append(R"(","params":)").append(paramsJson).append("}\n");
+  return line;
+}
+
+std::string encodeNotification(std::string_view method, std::string_view paramsJson) {
+  std::string line = begin(nullptr);
+  line.append(R"(,"method":")").append(method).append(R"(","params":)").append(paramsJson).append("}\n");
+  return line;
+}
+
+std::string encodeResult(const MessageId& id, std::string_view resultJson) {
+  std::string line = begin(&id);
+  line.append(",\"result\":").append(resultJson).append("}\n");
+  return line;
+}
+
+std::string encodeError(const MessageId& id, const Error& error) {
+  JsonWriter body;
+  body.beginObject().key("code").integer(static_cast<std::int32_t>(error.code)).key("message").text(error.message);
+  if (!error.data.empty()) {
+    body.key("data").raw(error.data);
+  }
+  body.endObject();
+  std::string line = begin(&id);
+  line.append(",\"error\":").append(body.view()).append("}\n");
+  return line;
+}
+
+std::optional<std::string> memberOf(std::string_view json, std::string_view name) {
+  auto parsed = parse(json);
+  const auto* root = std::get_if<nlohmann::json>(&parsed);
+  if (root == nullptr || !root->is_object()) {
+    return std::nullopt;
+  }
+  const auto found = root->find(name);
+  if (found == root->end()) {
+    return std::nullopt;
+  }
+  return found->is_string() ? found->get<std::string>() : found->dump();
+}
+
+std::optional<std::string> jsonProblem(std::string_view json) {
+  if (nestingOf(json) > kDeepestNesting) {
+    return "brackets are nested deeper than " + std::to_string(kDeepestNesting);
+  }
+  try {
+    const nlohmann::json parsed = nlohmann::json::parse(json);
+    return std::nullopt;
+  } catch (const nlohmann::json::exception& exception) {
+    return parserMessage(exception);
+  }
+}
+
+}  // namespace espalier::protocol

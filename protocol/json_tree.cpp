@@ -1,0 +1,125 @@
+#include "protocol/json_tree.h"
+
+#include <cmath>
+
+namespace espalier::protocol {
+namespace {
+
+/// A value as an error message shows it: short, on one line.
+std::string shown(const nlohmann::json* value) {
+  if (value == nullptr) {
+    return "nothing";
+  }
+  if (value->is_object()) {
+    return "an object";
+  }
+  if (value->is_array()) {
+    return "an array";
+  }
+  constexpr std::size_t kLongest = 60;
+  std::string text = value->dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
+  if (text.size() > kLongest) {
+    text.resize(kLongest);
+    text += "...";
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string Field::path() const {
+  std::string text = parent_ == nullptr ? std::string() : parent_->path();
+  if (isElement_) {
+    return text + "[" + std::to_string(index_) + "]";
+  }
+  return text.empty() ? std::string(name_) : text + "." + std::string(name_);
+}
+
+void Field::fail(const std::string& what) const {
+  throw FieldFailure{fieldError(path(), what)};
+}
+
+void Field::failExpected(std::string_view what) const {
+  fail("expected " + std::string(what) + ", found " + shown(value_));
+}
+
+void Field::requireObject() const {
+  if (!isObject()) {
+    failExpected("an object");
+  }
+}
+
+Field Field::operator[](std::string_view name) const {
+  const auto found = value_->find(name);
+  return {found == value_->end() ? nullptr : &*found, *this, name};
+}
+
+std::size_t Field::arraySize() const {
+  if (!isArray()) {
+    failExpected("an array");
+  }
+  return value_->size();
+}
+
+const std::string& Field::text() const {
+  if (!isText()) {
+    failExpected("a text");
+  }
+  return value_->get_ref<const std::string&>();
+}
+
+double Field::number() const {
+  if (value_ == nullptr || !value_->is_number()) {
+    failExpected("a number");
+  }
+  const auto number = value_->get<double>();
+  if (!std::isfinite(number)) {
+    failExpected("a finite number");
+  }
+  return number;
+}
+
+bool Field::boolean() const {
+  if (value_ == nullptr || !value_->is_boolean()) {
+    failExpected("true or false");
+  }
+  return value_->get<bool>();
+}
+
+std::int64_t Field::integer(std::int64_t least, std::int64_t most) const {
+  const std::string expected =
+      "a whole number from " + std::to_string(least) + " to " + std::to_string(most);
+  if (value_ == nullptr || !value_->is_number()) {
+    failExpected(expected);
+  }
+  std::int64_t number = 0;
+  if (value_->is_number_float()) {
+    // some languages have only doubles and write 3.0
+    const auto real = value_->get<double>();
+    if (!(std::fabs(real) <= static_cast<double>(kMaximumExactInteger)) || real != std::floor(real)) {
+      failExpected(expected);
+    }
+    number = static_cast<std::int64_t>(real);
+  } else if (value_->is_number_unsigned() && value_->get<std::uint64_t>() > static_cast<std::uint64_t>(INT64_MAX)) {
+    failExpected(expected);
+  } else {
+    number = value_->get<std::int64_t>();
+  }
+  if (number < least || number > most) {
+    failExpected(expected);
+  }
+  return number;
+}
+
+std::uint64_t Field::wide() const {
+  if (value_ == nullptr || !value_->is_number_unsigned()) {
+    failExpected("a whole number from 0 to 18446744073709551615");
+  }
+  return value_->get<std::uint64_t>();
+}
+
+std::string Field::dump() const {
+  return value_->dump();
+}
+
+}  // namespace espalier::protocol

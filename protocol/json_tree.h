@@ -1,0 +1,86 @@
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "protocol/envelope.h"
+#include "protocol/version.h"
+
+namespace espalier::protocol {
+
+struct JsonTree {
+  nlohmann::json value;
+};
+
+/// How a wrong field leaves a decoder; caught in decode(), never outside protocol/.
+struct FieldFailure {
+  Error error;
+};
+
+/// A value being decoded together with its place in the message. Lives on the decoder's stack: a child refers to its parent,
+/// and the path is only spelled out when something is wrong, because bulk messages have millions of fields.
+class Field {
+ public:
+  Field(const nlohmann::json* value, std::string_view name) : value_(value), name_(name) {}
+  Field(const nlohmann::json* value, const Field& parent, std::string_view name)
+      : value_(value), parent_(&parent), name_(name) {}
+  Field(const nlohmann::json* value, const Field& parent, std::size_t index)
+      : value_(value), parent_(&parent), index_(index), isElement_(true) {}
+
+  /// `params.environment[0].radius`
+  [[nodiscard]] std::string path() const;
+  /// Absent, or null: an optional field that was not given.
+  [[nodiscard]] bool isAbsent() const { return value_ == nullptr || value_->is_null(); }
+  [[nodiscard]] bool isNull() const { return value_ != nullptr && value_->is_null(); }
+  [[nodiscard]] bool isObject() const { return value_ != nullptr && value_->is_object(); }
+  [[nodiscard]] bool isArray() const { return value_ != nullptr && value_->is_array(); }
+  [[nodiscard]] bool isText() const { return value_ != nullptr && value_->is_string(); }
+  [[nodiscard]] const nlohmann::json& json() const { return *value_; }
+
+  /// A member; absent when there is none. This must be an object (`requireObject`).
+  [[nodiscard]] Field operator[](std::string_view name) const;
+  [[nodiscard]] Field element(std::size_t index) const { return {&(*value_)[index], *this, index}; }
+  /// Number of elements; fails unless this is an array.
+  [[nodiscard]] std::size_t arraySize() const;
+
+  void requireObject() const;
+  [[nodiscard]] const std::string& text() const;
+  [[nodiscard]] double number() const;
+  [[nodiscard]] bool boolean() const;
+  [[nodiscard]] std::int64_t integer(std::int64_t least, std::int64_t most) const;
+  [[nodiscard]] std::uint64_t count() const { return static_cast<std::uint64_t>(integer(0, kMaximumExactInteger)); }
+  /// A whole number of 64 bits: seeds, which no program does arithmetic with.
+  [[nodiscard]] std::uint64_t wide() const;
+  /// Compact JSON of the value.
+  [[nodiscard]] std::string dump() const;
+
+  [[noreturn]] void fail(const std::string& what) const;
+  /// "expected WHAT, found 'x'".
+  [[noreturn]] void failExpected(std::string_view what) const;
+
+ private:
+  const nlohmann::json* value_;
+  const Field* parent_ = nullptr;
+  std::string_view name_;
+  std::size_t index_ = 0;
+  bool isElement_ = false;
+};
+
+/// Runs a decoder over a payload and turns a wrong field into an error value.
+template <typename T, typename Decoder>
+[[nodiscard]] std::variant<T, Error> decodePayload(const Payload& payload, Decoder&& decoder) {
+  try {
+    const Field root(static_cast<const nlohmann::json*>(payload.value()), payload.name());
+    T value{};
+    decoder(root, value);
+    return value;
+  } catch (const FieldFailure& failure) {
+    return failure.error;
+  }
+}
+
+}  // namespace espalier::protocol

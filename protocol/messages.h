@@ -1,0 +1,287 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace espalier::protocol {
+
+// Plain data of the messages in README.md, by method. Members named ...Json hold a JSON text that travels as it is.
+
+// ---- handshake ----
+
+struct HelloParams {
+  std::vector<std::int64_t> protocol;      // versions the peer speaks
+  std::vector<std::string> roles;          // controller, environment, viewer
+  std::string name;                        // for logs and people
+  std::string version;
+  std::vector<std::string> capabilities;
+  std::string token;                       // empty: none
+};
+
+struct HelloResult {
+  std::int64_t protocol = 1;
+  std::string session;
+  std::string server;                                           // program and version
+  std::vector<std::string> capabilities;
+  std::vector<std::pair<std::string, std::uint64_t>> limits;    // name, bound
+};
+
+// ---- models ----
+
+/// Where a model comes from: exactly one of the four.
+struct ModelReference {
+  std::optional<std::string> source;                 // the text of the `.l` file
+  std::optional<std::string> gallery;                // name of a folder of the server's gallery
+  std::map<std::string, std::string> files;          // texts by name; with `main`
+  std::string main;                                  // name of the `.l` file among `files`
+  std::optional<std::string> loaded;                 // identifier that model.load gave
+};
+
+struct ModelParams {
+  ModelReference model;
+  std::string compatibility;                                      // empty, cpfg or cpfg-batch
+  std::vector<std::pair<std::string, std::string>> defines;       // NAME, VALUE: they win over #define
+};
+
+struct SourcePosition {
+  std::uint32_t line = 0;    // 1-based
+  std::uint32_t column = 0;  // 1-based, in bytes
+};
+
+struct DiagnosticRecord {
+  std::string severity;      // error, warning, note
+  std::string message;
+  std::string file;          // empty: no place is known
+  SourcePosition begin;
+  SourcePosition end;        // one beyond the last byte
+  std::string hint;
+  std::string text;          // all of it as a person reads it, with the source line and a caret
+};
+
+struct ModelResult {
+  std::string model;                          // identifier; empty in the answer of model.check
+  bool isValid = false;
+  std::uint64_t derivationLength = 0;
+  std::vector<std::string> symbols;
+  std::vector<DiagnosticRecord> diagnostics;
+};
+
+// ---- simulations ----
+
+struct PlantPosition {
+  std::array<double, 3> position{0.0, 0.0, 0.0};
+};
+
+struct CreateParams {
+  ModelParams model;
+  std::string name;                             // for people; empty: the model's
+  std::optional<std::uint64_t> seed;            // nothing: the server draws one and says which
+  std::string environmentJson;                  // text of an array; empty: no environment
+  std::vector<std::string> environmentTypes;    // `type` of each entry
+  std::optional<std::uint64_t> derivationLength;
+  std::vector<PlantPosition> plants;            // empty: one at the origin
+  std::optional<std::uint64_t> maximumModules;  // lowers the server's limits
+  std::optional<std::uint64_t> maximumQueries;
+  bool isSaved = true;
+};
+
+struct Statistics {
+  std::uint64_t step = 0;
+  std::uint64_t modules = 0;
+  std::uint64_t parameters = 0;
+  std::uint64_t queries = 0;
+  std::uint64_t answers = 0;
+  std::uint64_t bytes = 0;
+  double milliseconds = 0.0;  // wall time of the step, environment included
+};
+
+struct CreateResult {
+  std::string simulation;
+  std::uint64_t step = 0;
+  std::uint64_t seed = 0;
+  std::uint64_t derivationLength = 0;
+  std::uint32_t plants = 1;
+  bool isFinished = false;
+  Statistics statistics;
+  std::vector<DiagnosticRecord> diagnostics;  // warnings of the model
+};
+
+struct StepParams {
+  std::string simulation;
+  std::uint64_t steps = 1;
+  std::optional<std::uint64_t> until;  // completed steps to reach, instead of `steps`
+};
+
+struct StepResult {
+  std::uint64_t step = 0;
+  bool isFinished = false;   // the derivation length is reached or the model stopped itself
+  bool isTruncated = false;  // fewer steps were made than asked for, although not finished (stopped by a limit or cancelled)
+  bool isSaved = false;      // the state after the last step is on the server's disk
+  Statistics statistics;     // figures of the last step; queries, answers and milliseconds summed over this call
+};
+
+struct GetParams {
+  std::string simulation;
+  std::string what;          // string, statistics, state-hash, turtle, model, information
+  std::uint32_t plant = 0;
+};
+
+struct ResetParams {
+  std::string simulation;
+  std::optional<std::uint64_t> seed;
+};
+
+struct RestoreParams {
+  std::string simulation;
+  std::string snapshot;      // bytes (base64 on the wire)
+};
+
+struct SimulationInformation {
+  std::string simulation;
+  std::string name;
+  std::uint64_t step = 0;
+  std::uint64_t derivationLength = 0;
+  std::uint64_t seed = 0;
+  std::uint32_t plants = 1;
+  bool isFinished = false;
+  bool isRunning = false;
+  bool isSaved = false;
+  std::vector<std::string> environment;  // types, in order; an offered one as offered:NAME
+  std::string lastError;                 // of the last failed step; empty: none since the last good one
+};
+
+/// Params of a method that only names a simulation or a stream.
+struct NameParams {
+  std::string name;
+};
+
+// ---- streams ----
+
+struct StreamSelection {
+  std::vector<std::string> symbols;   // empty: all
+  std::vector<std::uint32_t> plants;  // empty: all
+};
+
+struct StreamOpenParams {
+  std::string simulation;
+  std::string what;                      // turtle, string, statistics
+  StreamSelection select;
+  std::uint64_t every = 1;               // frames at steps that are multiples of it
+  std::optional<std::uint64_t> credits;  // frames that may be unacknowledged; nothing: only the connection's speed counts
+};
+
+struct StreamAckParams {
+  std::string stream;
+  std::optional<std::uint64_t> sequence;  // all frames up to this one were used
+  std::uint64_t credits = 0;              // further frames allowed, on top
+};
+
+/// One record of the turtle stream.
+struct TurtleStreamRecord {
+  std::uint64_t index = 0;    // among all records of the frame, before the selection: what `parent` refers to
+  std::uint32_t plant = 0;
+  std::uint64_t module = 0;   // index in the plant's string
+  std::string_view symbol;
+  std::array<double, 3> position{}, heading{}, left{}, up{};
+  double width = 1.0;
+  std::int32_t colour = 0;
+  std::uint32_t branchOrder = 0;
+  std::optional<std::uint64_t> parent;  // nothing: a root
+  std::vector<double> parameters;
+};
+
+/// A frame of a stream. `bodyJson` is the member that depends on `what`: "records":[...], "string":"..." or "statistics":{...}.
+struct StreamData {
+  std::string stream;
+  std::string simulation;
+  std::uint64_t step = 0;
+  std::uint64_t sequence = 0;  // 0, 1, 2, ... of the frames sent
+  std::uint64_t missed = 0;    // frames left out since the one before
+  bool isKey = true;           // complete in itself
+  bool isFinished = false;     // the simulation will make no further step
+  std::string bodyJson;
+};
+
+// ---- environments ----
+
+struct NeedsRecord {
+  bool position = false, heading = false, left = false, up = false, width = false, scale = false;
+  bool parameters = false, following = false, geometry = false;
+  bool operator==(const NeedsRecord&) const = default;
+};
+
+struct VariableRecord {
+  std::string name;
+  std::string unit = "1";
+  std::string type;  // empty: a number
+};
+
+struct DescribeResult {
+  std::string name;
+  std::string summary;
+  NeedsRecord needs;
+  std::vector<VariableRecord> inputs;
+  std::vector<VariableRecord> outputs;
+  bool isStateful = false;
+  bool canCheckpoint = false;  // answers environment.save and environment.restore
+};
+
+struct WorldRecord {
+  std::string lengthUnit = "m";
+  std::array<double, 3> up{0.0, 1.0, 0.0};
+  std::array<double, 3> north{0.0, 0.0, -1.0};
+  double stepDurationDays = 1.0;
+  std::optional<double> latitudeDegrees;
+  std::optional<double> longitudeDegrees;
+  std::string start;
+};
+
+struct OpenParams {
+  std::string simulation;
+  std::uint32_t plants = 1;
+  std::vector<std::string> symbols;
+  std::string configurationJson;  // text of an object; empty: none
+  std::uint64_t seed = 0;
+  std::optional<std::uint64_t> resumeStep;  // opened again in the middle of a run: completed steps; nothing: from the start
+  WorldRecord world;
+};
+
+/// One communication module on the wire. Vectors that the environment does not need are absent.
+struct QueryRecord {
+  std::uint64_t id = 0;
+  std::uint32_t plant = 0;
+  std::uint64_t module = 0;
+  bool isTransient = false;  // made by a homomorphism: takes part, its reply is discarded
+  std::string symbol;
+  std::vector<double> parameters;
+  std::optional<std::array<double, 3>> position, heading, left, up;
+  std::optional<double> width, scale;
+  std::optional<std::string> followingSymbol;
+  std::vector<double> followingParameters;
+};
+
+struct EnvironmentStepParams {
+  std::string simulation;
+  std::uint64_t step = 0;       // completed steps when the queries were made
+  std::uint32_t iteration = 0;
+  double timeDays = 0.0;
+  std::vector<QueryRecord> queries;
+};
+
+struct ReplyRecord {
+  std::uint64_t id = 0;
+  std::vector<std::optional<double>> parameters;  // nothing: keeps what was sent
+};
+
+struct RestoreStateParams {
+  std::string simulation;
+  std::string state;            // bytes (base64 on the wire)
+};
+
+}  // namespace espalier::protocol
