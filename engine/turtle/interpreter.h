@@ -1,6 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
+#include <set>
+#include <string>
 #include <vector>
 
 #include "engine/derivation/derivation.h"
@@ -17,18 +20,32 @@ struct PlantPlacement {
   core::Frame frame;
 };
 
+/// A parameter of the string that an interpretation overwrote, for undoing it.
+struct ParameterChange {
+  std::uint64_t offset = 0;  // into the string's parameters
+  double before = 0.0;
+};
+
+/// Where the parameters of a query made by a homomorphism are: nowhere in the string.
+inline constexpr std::uint64_t kTransientQuery = std::numeric_limits<std::uint64_t>::max();
+
 /// What one interpretation produces. Null members are not produced.
 struct InterpretationOutput {
   Scene* scene = nullptr;
   QueryBatch* queries = nullptr;              // communication modules are appended
   EnvironmentNeeds needs;                     // of whoever reads `queries`
   std::vector<TurtleRecord>* records = nullptr;
-  std::vector<std::uint64_t>* queryParameterOffsets = nullptr;  // per appended query: where its parameters are in the string
+  /// Per appended query: where its parameters are in the string; kTransientQuery when a homomorphism made it.
+  std::vector<std::uint64_t>* queryParameterOffsets = nullptr;
+  std::vector<ParameterChange>* changes = nullptr;              // every parameter that was filled is appended
+  bool fillsQueries = true;                                     // ?P ?H ?L ?U ?Q ?F are written into the string
 };
 
 /// Interprets the string of one plant from left to right, with homomorphism, filling ?P ?H ?L ?U ?Q (and ?F) in place.
-/// In an environment pass (`queries` given) of the compatible modes, width and colour symbols are not executed
-/// (ENVIRONMENTS §5.3). Throws core::SimulationFailure.
+/// An interpretation with `queries` is an environment pass: in the compatible modes it does not execute width and colour
+/// symbols, and it overwrites the legacy `s`. The table of symbols is in README.md. Throws core::SimulationFailure: a
+/// position that is not finite, a limit, cancelled; the string may then be partly filled (`changes` tells how to undo it).
+/// O(modules). Warnings go to the Derivation's message sink, each text once per Interpreter.
 class Interpreter {
  public:
   /// `program` must outlive the object.
@@ -39,7 +56,9 @@ class Interpreter {
 
  private:
   const language::Program* program_;
-  std::vector<std::uint8_t> commandOf_;  // turtle command by module type (moduleTypeCount)
+  std::vector<std::uint8_t> commandOf_;  // TurtleCommand by module type (moduleTypeCount)
+  std::vector<bool> mayExpand_;          // a homomorphism production begins with the type (moduleTypeCount)
+  std::set<std::string> reported_;       // warnings already given
 };
 
 }  // namespace espalier::turtle

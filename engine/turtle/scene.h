@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -7,10 +8,9 @@
 #include "engine/core/frame.h"
 #include "engine/core/vec3.h"
 #include "engine/language/view_settings.h"
+#include "engine/turtle/turtle_state.h"
 
 namespace espalier::turtle {
-
-inline constexpr std::uint32_t kNoParent = 0xFFFFFFFF;
 
 /// A drawn line (F, G): a cylinder, strip or pixel line by the view file's line style.
 struct Segment {
@@ -72,6 +72,10 @@ struct CylinderPoint {
   std::int32_t colour = 128;
   std::int32_t contour = 0;
   std::int32_t stripCount = 4;       // mesh strips of the stretch that ends here
+  std::int32_t sideCount = 8;
+  double startTangent = 1.2;         // length factor of the tangent at the start of the stretch that ends here (@Gt)
+  double endTangent = 1.2;           // and at its end
+  bool hasSmoothRadius = false;      // the radius has level ends over that stretch (@Gr), else it changes linearly
 };
 
 /// A generalized cylinder ({(t)...}(t) or @Gs ... @Ge).
@@ -84,6 +88,16 @@ struct GeneralizedCylinder {
   std::uint64_t module = 0;
 };
 
+/// A 4x4 bicubic Bezier patch whose control points the turtle visited (@PS, @PC, @PD). World coordinates, row by row.
+struct Patch {
+  std::array<core::Vec3, 16> points;
+  std::int32_t subdivisionS = 5;
+  std::int32_t subdivisionT = 5;
+  std::int32_t colour = 128;
+  std::uint32_t plant = 0;
+  std::uint64_t module = 0;
+};
+
 /// Everything a turtle drew. Plain data in world units.
 struct Scene {
   std::vector<Segment> segments;
@@ -91,6 +105,7 @@ struct Scene {
   std::vector<Ball> balls;
   std::vector<SurfaceInstance> surfaces;
   std::vector<GeneralizedCylinder> cylinders;
+  std::vector<Patch> patches;
   std::vector<Label> labels;
   language::LineStyle lineStyle = language::LineStyle::Pixel;
 
@@ -99,7 +114,7 @@ struct Scene {
 };
 
 /// One entry of the turtle stream: the turtle's state after a module that moved it, drew something or is a communication
-/// or query module.
+/// or query module. Of symbols that belong together (`?E(x)`, `@M(x,y)`, `~l(s)`) the last one is the record's module.
 struct TurtleRecord {
   std::uint32_t plant = 0;
   std::uint64_t module = 0;          // index in the plant's string

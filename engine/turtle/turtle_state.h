@@ -1,14 +1,20 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
-#include <vector>
 
 #include "engine/core/frame.h"
 #include "engine/core/vec3.h"
 
 namespace espalier::turtle {
 
-/// Position, orientation and attributes of the turtle. Pushed and popped as a whole by brackets.
+/// Most movements (tropisms and torques) that a view file can have: the language's bound.
+inline constexpr std::size_t kMaximumMovements = 10;
+
+/// Sentinel of TurtleState::segment, record and cylinder: there is none.
+inline constexpr std::uint32_t kNoParent = 0xFFFFFFFF;
+
+/// Position, orientation and attributes of the turtle. Pushed and popped as a whole by brackets, hence of fixed size.
 struct TurtleState {
   core::Vec3 position;
   core::Frame frame;
@@ -22,8 +28,15 @@ struct TurtleState {
   std::int32_t contourSides = 8;
   std::int32_t texture = 0;
   double oldElasticity = 0.0;       // of the old tropism
-  std::vector<double> elasticity;   // by movement id - 1
+  std::array<double, kMaximumMovements> elasticity{};  // by movement id - 1
+  double startTangent = 1.2;        // length factors of a Hermite cylinder's tangents (@Gt)
+  double endTangent = 1.2;
+  bool hasSmoothRadius = false;     // the radius of a Hermite cylinder has level ends (@Gr)
   std::uint32_t branchOrder = 0;    // open brackets
+  std::uint32_t segment = kNoParent;        // last drawn segment of this axis: parent of the next
+  std::uint32_t record = kNoParent;         // last turtle record of this axis: parent of the next
+  std::uint32_t cylinder = kNoParent;       // open @Gs cylinder, an index into Scene::cylinders
+  std::uint32_t cylinderOrder = 0;          // branchOrder where it was opened
 };
 
 }  // namespace espalier::turtle

@@ -1,0 +1,119 @@
+#pragma once
+
+#include <cstdint>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/turtle/drawing.h"
+#include "engine/turtle/interpreter.h"
+#include "engine/turtle/plant_coordinates.h"
+#include "engine/turtle/turtle_command.h"
+#include "engine/turtle/turtle_state.h"
+
+namespace espalier::turtle {
+
+/// One interpretation of one plant's string: the working state of Interpreter::interpret. Its functions are in
+/// interpretation.cpp (the walk over the string), interpretation_commands.cpp (the turtle table) and
+/// interpretation_queries.cpp (query and communication modules).
+class Interpretation {
+ public:
+  struct Tables {
+    const language::Program& program;
+    const std::vector<std::uint8_t>& commandOf;
+    const std::vector<bool>& mayExpand;
+    std::set<std::string>& reported;
+  };
+
+  Interpretation(Tables tables, derivation::Derivation& derivation, derivation::PlantState& plantState,
+                 std::uint32_t plant, const PlantPlacement& placement, const InterpretationOutput& output);
+
+  void run();
+
+ private:
+  /// The modules being interpreted: the string itself or the image of one of its modules.
+  struct Sequence {
+    const core::ModuleTypeId* types = nullptr;
+    double* parameters = nullptr;
+    std::uint64_t count = 0;
+    bool isImage = false;
+  };
+  /// Parameters of one module.
+  struct Arguments {
+    const double* values = nullptr;
+    std::uint16_t count = 0;
+    [[nodiscard]] double valueOr(std::size_t k, double otherwise) const { return k < count ? values[k] : otherwise; }
+  };
+  struct ScaleFrame {
+    double scale = 1.0;
+    double width = 1.0;
+  };
+
+  // the walk
+  void walkString();
+  void walkImage();
+  [[nodiscard]] std::uint64_t execute(const Sequence& sequence, std::uint64_t i, std::uint64_t offset);
+  [[nodiscard]] std::uint64_t executeAt(const Sequence& sequence, std::uint64_t i, std::uint64_t offset);
+  [[nodiscard]] std::uint64_t executeSurface(const Sequence& sequence, std::uint64_t i, std::uint64_t offset);
+  [[nodiscard]] std::uint64_t endOfCut(std::uint64_t i);
+  void openBranch();
+  void closeBranch();
+  void enterSubSystem(const Arguments& arguments, bool isImage);
+  void leaveSubSystem(bool isImage);
+  void record(std::uint64_t module, std::uint64_t offset);
+
+  // the turtle table
+  void perform(TurtleCommand command, const Arguments& arguments);
+  void performAt(TurtleCommand command, const Arguments& arguments);
+  void advance(const Arguments& arguments, bool draws, bool addsVertex);
+  void changeColour(const Arguments& arguments, int sign, bool isBack);
+  void changeWidth(const Arguments& arguments, double sign);
+  void changeElasticity(TurtleCommand command, const Arguments& arguments);
+  void addLabel(const Arguments& arguments);
+  [[nodiscard]] double angleRadians(const Arguments& arguments) const;
+
+  // query and communication modules
+  [[nodiscard]] std::uint64_t executeQuery(const Sequence& sequence, std::uint64_t i, std::uint64_t offset);
+  [[nodiscard]] bool fillQuery(char character, const Sequence& sequence, std::uint64_t offset, std::uint16_t arity);
+  void fill(const Sequence& sequence, std::uint64_t offset, std::uint16_t arity, std::span<const double> values);
+  void communicate(const Sequence& sequence, std::uint64_t i, std::uint64_t offset);
+  void fillLegacyPosition(const Sequence& sequence, std::uint64_t offset, std::uint16_t arity);
+
+  void warnOnce(std::string text);
+  [[noreturn]] void fail(core::SimulationErrorCode code, const std::string& what) const;
+  void checkPosition() const;
+  [[nodiscard]] bool isCompatible() const { return program_.compatibility != core::Compatibility::Espalier; }
+  [[nodiscard]] char characterOf(core::ModuleTypeId type) const {
+    return program_.symbols[program_.symbolOf[type]].character();
+  }
+
+  const language::Program& program_;
+  const language::ViewSettings& view_;
+  const std::vector<std::uint8_t>& commandOf_;
+  const std::vector<bool>& mayExpand_;
+  std::set<std::string>& reported_;
+  derivation::Derivation& derivation_;
+  derivation::PlantState& plantState_;
+  std::uint32_t plant_;
+  PlantCoordinates coordinates_;
+  const InterpretationOutput& output_;
+  Drawing drawing_;
+
+  TurtleState state_;
+  std::vector<TurtleState> stack_;              // states at the open brackets
+  std::vector<ScaleFrame> scales_;              // before each open `?(id)`
+  std::vector<std::uint32_t> instances_;        // sub-L-system instance at each open `?(id)` of the string
+  std::uint32_t instanceCount_ = 0;             // `?(id)` of the string so far
+  std::uint64_t module_ = 0;                    // index in the string of the module being interpreted
+  bool isTouched_ = false;                      // the module moved the turtle, drew or is a query
+  bool isCut_ = false;                          // the rest of the branch is not interpreted
+  bool isEnvironmentPass_ = false;
+  bool skipsAttributes_ = false;                // width and colour are not executed: compatible environment pass
+  derivation::ModuleString image_;
+};
+
+/// An integer parameter: truncated, 0 for what no int holds.
+[[nodiscard]] std::int32_t wholeNumber(double value);
+
+}  // namespace espalier::turtle
