@@ -38,4 +38,7 @@ class SourceMap {
   [[nodiscard]] core::SourceLocation locate(core::SourceRange range) const;
 };
 
+/// The place of `length` bytes at `offset` of a file; the end of the file when the offset is beyond it. O(offset).
+[[nodiscard]] core::SourceLocation locateInFile(const SourceMap::File& file, std::uint32_t offset, std::uint32_t length);
+
 }  // namespace espalier::language
