@@ -18,6 +18,7 @@ using turtle::EnvironmentError;
 struct Member {
   std::string name;
   std::unique_ptr<turtle::EnvironmentProcess> process;
+  bool isStateful = false;
   std::vector<std::size_t> queries{};  // indices into the whole batch of this step
   turtle::QueryBatch batch{};          // those queries
   turtle::ReplyBatch replies{};        // and their answers
@@ -48,6 +49,7 @@ class EnvironmentSet final : public turtle::EnvironmentProcess {
       if (auto error = member.process->open(context)) {
         return error;
       }
+      member.isStateful = member.process->describe().isStateful;
     }
     return std::nullopt;
   }
@@ -214,7 +216,7 @@ class EnvironmentSet final : public turtle::EnvironmentProcess {
       order.push_back(&member);
     }
     const auto firstStateful = std::stable_partition(
-        order.begin(), order.end(), [](const Member* member) { return !member->process->describe().isStateful; });
+        order.begin(), order.end(), [](const Member* member) { return !member->isStateful; });
     std::vector<std::string> before;
     for (auto member = order.begin(); member != order.end(); ++member) {
       if (member >= firstStateful && member + 1 != order.end()) {
@@ -246,7 +248,8 @@ std::unique_ptr<turtle::EnvironmentProcess> makeEnvironmentSet(
   std::vector<Member> members;
   for (auto& [name, process] : processes) {
     ESPALIER_CHECK(process != nullptr);
-    members.push_back({std::move(name), std::move(process)});
+    const bool isStateful = process->describe().isStateful;
+    members.push_back({std::move(name), std::move(process), isStateful});
   }
   return std::make_unique<EnvironmentSet>(std::move(members));
 }
