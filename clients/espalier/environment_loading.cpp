@@ -1,0 +1,104 @@
+#include "clients/espalier/environment_loading.h"
+
+#include <filesystem>
+#include <optional>
+#include <system_error>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "clients/espalier/messages.h"
+#include "environment/environment_entries.h"
+#include "environment/environment_set.h"
+#include "environment/registry.h"
+#include "server/remote_environment.h"
+
+namespace espalier::command {
+namespace {
+
+using Process = std::unique_ptr<turtle::EnvironmentProcess>;
+
+bool startsWith(const std::string& text, const char* prefix) { return text.rfind(prefix, 0) == 0; }
+
+// the process, or null after its errors were printed, each after the name of the file it is about
+Process orPrintErrors(environment::ProcessOrErrors&& made, const std::string& file) {
+  if (const auto* errors = std::get_if<std::vector<core::Diagnostic>>(&made)) {
+    std::vector<core::Diagnostic> located = *errors;
+    for (core::Diagnostic& error : located) {
+      if (error.location.file.empty() && !file.empty()) {
+        error.message = file + ": " + error.message;
+      }
+    }
+    printDiagnostics(located, false);
+    return nullptr;
+  }
+  return std::move(std::get<Process>(made));
+}
+
+Process connectRemote(const std::string& address) {
+  auto connected = server::connectRemoteEnvironment(address, server::RemoteEnvironmentOptions{});
+  if (const std::string* problem = std::get_if<std::string>(&connected)) {
+    printError(*problem);
+    return nullptr;
+  }
+  return std::move(std::get<Process>(connected));
+}
+
+// one process as it is, several as a set whose members are addressed by their names
+Process loadConfiguration(const std::string& file, core::FileProvider& files) {
+  const std::optional<std::string> json = files.read(file);
+  if (!json) {
+    printError("there is no environment file '" + file + "': check the name and the working folder");
+    return nullptr;
+  }
+  auto parsed = environment::parseEnvironmentEntries(*json);
+  if (const auto* errors = std::get_if<std::vector<core::Diagnostic>>(&parsed)) {
+    return orPrintErrors(*errors, file);
+  }
+  const auto& entries = std::get<std::vector<environment::EnvironmentEntry>>(parsed);
+  if (entries.empty()) {
+    printError("'" + file + "' names no environment: give an object such as {\"type\":\"height\"}, or leave it out");
+    return nullptr;
+  }
+  std::vector<std::pair<std::string, Process>> processes;
+  for (const environment::EnvironmentEntry& entry : entries) {
+    Process process = orPrintErrors(environment::makeProcess(entry.type, entry.configuration), file);
+    if (!process) {
+      return nullptr;
+    }
+    processes.emplace_back(entry.name, std::move(process));
+  }
+  return environment::makeEnvironmentSet(std::move(processes));
+}
+
+Process loadFieldFile(const std::string& file, core::Compatibility compatibility, bool isQuiet,
+                      core::FileProvider& files) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error)) {
+    printError("there is no environment file '" + file + "': check the name and the working folder");
+    return nullptr;
+  }
+  std::vector<core::Diagnostic> warnings;
+  environment::ProcessOrErrors made = environment::makeFromFieldFile(file, files, compatibility, warnings);
+  printDiagnostics(warnings, isQuiet);
+  return orPrintErrors(std::move(made), "");
+}
+
+}  // namespace
+
+std::unique_ptr<turtle::EnvironmentProcess> loadEnvironment(const std::string& name, core::Compatibility compatibility,
+                                                            bool isQuiet, core::FileProvider& files) {
+  if (startsWith(name, "tcp://") || startsWith(name, "stdio:")) {
+    return connectRemote(name);
+  }
+  const std::string suffix = std::filesystem::path(name).extension().string();
+  if (suffix == ".json") {
+    return loadConfiguration(name, files);
+  }
+  if (suffix == ".e") {
+    return loadFieldFile(name, compatibility, isQuiet, files);
+  }
+  return orPrintErrors(environment::makeProcess(name, ""), "");
+}
+
+}  // namespace espalier::command
