@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "engine/core/vec3.h"
@@ -35,7 +36,9 @@ class SplineFunction {
   SplineFunction(std::string name, std::vector<std::array<double, 2>> points, int sampleCount);
   /// y at x, x clamped to [0, 1]: clamped uniform cubic B-spline, parameter by bisection to |x error| <= 0.001.
   [[nodiscard]] double value(double x) const;
+  /// The `name:` of its file; of a function set: the macro, without a suffix.
   [[nodiscard]] const std::string& name() const { return name_; }
+  void setName(std::string name) { name_ = std::move(name); }
 
  private:
   [[nodiscard]] std::array<double, 2> point(double parameter) const;
@@ -102,6 +105,27 @@ struct Contour {
   std::vector<core::Vec3> points;  // control points with multiplicities repeated; z is 0 for plane contours
 };
 
+/// A field of `blob:`, the values of inblob(id, x, y, z): the sum over points and segments that fade to 0 at their radius.
+class BlobField {
+ public:
+  /// A segment; a point when both ends are equal.
+  struct Object {
+    core::Vec3 start, end;
+    double startRadius = 2.0;
+    double endRadius = 2.0;
+    bool isEllipsoid = false;            // a point whose distance is measured along `axes`; the radius is then 1
+    std::array<core::Vec3, 3> axes{};    // semi-axes
+    double weight = 1.0;
+  };
+  void add(const Object& object) { objects_.push_back(object); }
+  [[nodiscard]] const std::vector<Object>& objects() const { return objects_; }
+  /// The field at a point. O(objects).
+  [[nodiscard]] double value(const core::Vec3& point) const;
+
+ private:
+  std::vector<Object> objects_;
+};
+
 enum class LineStyle : std::uint8_t { Pixel, Polygon, Cylinder };
 
 /// Everything a view file says that changes turtle, geometry or derivation, with the reference's defaults (FILES §4.2).
@@ -131,6 +155,7 @@ struct ViewSettings {
   std::vector<Surface> surfaces;
   std::vector<TriangleSurface> triangleSurfaces;
   std::vector<Contour> contours;
+  std::vector<BlobField> blobFields;            // id - 1
 
   // camera and colour: pictures only
   bool isPerspective = false;

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/core/identifiers.h"
+#include "engine/core/streams.h"
+#include "engine/language/source_map.h"
+#include "engine/language/text_cursor.h"
+#include "engine/language/view_file.h"
+#include "engine/language/view_lexer.h"
+#include "engine/language/view_settings.h"
+
+namespace espalier::language {
+
+/// What the commands of a view file read from and write to.
+struct ViewCommandContext {
+  ViewLexer& lexer;
+  TextReport& report;
+  ViewFileResult& result;
+  core::FileProvider& files;
+  const std::string& viewFile;
+  core::Compatibility compatibility;
+
+  /// `contour:` commands, read after the whole view file.
+  struct NamedContour {
+    int id = 0;
+    std::string file;
+    core::SourceRange range;
+  };
+  std::vector<NamedContour> contours{};
+
+  [[nodiscard]] ViewSettings& settings() const { return result.settings; }
+  [[nodiscard]] bool isCompatible() const { return compatibility != core::Compatibility::Espalier; }
+  void warn(std::string message, std::string hint = {}) const {
+    report.warn(lexer.commandRange(), std::move(message), std::move(hint));
+  }
+};
+
+/// One command of a view file.
+struct ViewCommand {
+  std::string_view label;  // with its colon
+  /// Reads the arguments and executes the command; false when an argument is missing (ViewLexer::expected()).
+  bool (*execute)(ViewCommandContext& context);
+};
+
+/// The commands that set numbers, flags and styles, the camera's, and those that only a picture needs.
+[[nodiscard]] std::span<const ViewCommand> valueCommands();
+/// The commands that name files of the model folder.
+[[nodiscard]] std::span<const ViewCommand> fileCommands();
+
+/// Reads the contours that the view file named.
+void readNamedContours(ViewCommandContext& context);
+
+/// Reads the line of a `tropism:` or `torque:` (FILES §4.3); nothing, with a warning, when the command is dropped.
+void readMovement(ViewCommandContext& context, Movement::Kind kind);
+
+}  // namespace espalier::language
