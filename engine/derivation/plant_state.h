@@ -24,7 +24,7 @@ struct RandomState {
   core::SequentialRandom selection;           // the reference's selection stream
   core::SequentialRandom main{0x330E};        // the reference's main stream
   double normalCache = 0.0;                   // the second value of a pair that nran keeps
-  double normalCacheFlag = 10.0;              // below 10: a value is cached (the reference's own start)
+  double normalCacheFlag = 10.0;              // not 0: nran keeps a value; so it is at the reference's start
 };
 
 /// Everything of a plant that a step changes. A value: copying it is a complete copy.

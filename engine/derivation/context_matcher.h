@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "engine/derivation/module_string.h"
+#include "engine/derivation/string_index.h"
+#include "engine/language/program.h"
+
+namespace espalier::derivation {
+
+/// How an L-system looks at neighbours: its ignore table by module type, and whether its string is a ring.
+class ContextRules {
+ public:
+  ContextRules(const language::Program& program, const language::LSystem& system);
+  [[nodiscard]] bool isIgnored(core::ModuleTypeId type) const { return isIgnored_[type] != 0; }
+  [[nodiscard]] bool isRing() const { return isRing_; }
+
+ private:
+  std::vector<std::uint8_t> isIgnored_;  // by module type (moduleTypeCount)
+  bool isRing_ = false;
+};
+
+/// The string that neighbours are looked for in. A view: string and index must stay unchanged while it is used.
+struct ContextString {
+  const core::ModuleTypeId* types = nullptr;
+  const double* parameters = nullptr;
+  std::uint64_t size = 0;
+  std::uint64_t parameterCount = 0;
+  const StringIndex* index = nullptr;
+  bool canWrap = true;  // false: no search continues at the other end, even in a ring
+};
+
+/// Whether the modules left of module `module` (its parameters begin at `offset`) match a left context, given nearest
+/// first; the parameters found are bound to `frame`. Branches that end on the way are skipped, a `[` leads into the mother
+/// axis, ignored symbols are skipped (LANGUAGE §1.6). O(modules passed).
+[[nodiscard]] bool matchesLeft(const language::Program& program, const ContextRules& rules, const ContextString& string,
+                               std::span<const language::ContextElement> context, std::uint64_t module,
+                               std::uint64_t offset, double* frame);
+
+/// The same to the right, from module `module` on: ignored symbols are skipped first, then a branch unless the context
+/// names its `[`; `]` is a symbol like any other.
+[[nodiscard]] bool matchesRight(const language::Program& program, const ContextRules& rules, const ContextString& string,
+                                std::span<const language::ContextElement> context, std::uint64_t module,
+                                std::uint64_t offset, double* frame);
+
+}  // namespace espalier::derivation

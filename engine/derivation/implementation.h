@@ -1,0 +1,139 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "engine/derivation/call_stack.h"
+#include "engine/derivation/derivation.h"
+#include "engine/derivation/evaluator.h"
+#include "engine/derivation/random_source.h"
+#include "engine/derivation/rewriter.h"
+#include "engine/derivation/string_index.h"
+#include "engine/derivation/system_tables.h"
+
+namespace espalier::derivation {
+
+/// Derivation's working memory and the parts of a step. derivation.cpp holds the outline of a step and interpretation,
+/// scan.cpp the scan of a model without sub-L-systems, sub_systems.cpp the scan with them.
+class Derivation::Implementation {
+ public:
+  Implementation(const language::Program& program, DerivationOptions options);
+
+  void rewind(PlantState& state);
+  void derive(PlantState& state);
+  [[nodiscard]] bool hasHomomorphism() const { return hasHomomorphism_; }
+  void beginInterpretation(PlantState& state);
+  std::uint64_t expand(PlantState& state, std::uint32_t instance, std::uint64_t module, std::uint64_t parameterOffset,
+                       ModuleString& image);
+  void endInterpretation();
+  [[nodiscard]] const DerivationOptions& options() const { return options_; }
+
+ private:
+  /// The blocks of an L-system; the number is part of the key of their draws.
+  enum class Block : std::uint8_t { Start = 0, Axiom = 1, StartEach = 2, EndEach = 3, End = 4 };
+
+  /// What happened to the module at a position.
+  enum class Fate : std::uint8_t { Rewritten, Copied, Cut };
+  struct Outcome {
+    std::uint64_t modules = 1;     // of the old string consumed
+    std::uint64_t parameters = 0;
+    Fate fate = Fate::Rewritten;
+  };
+
+  /// A part of the old string.
+  struct StringPart {
+    std::uint64_t firstModule = 0;
+    std::uint64_t endModule = 0;
+    std::uint64_t firstParameter = 0;
+    std::uint64_t endParameter = 0;
+  };
+
+  /// The small parts of a PlantState, kept to undo a step that fails.
+  struct Backup {
+    std::uint64_t step = 0;
+    std::uint64_t derivationLength = 0;
+    bool isStopped = false;
+    std::vector<double> statics;
+    std::vector<InstanceState> instances;
+    RandomState random;
+    void save(const PlantState& state);
+    void restore(PlantState& state) const;
+  };
+
+  // derivation.cpp
+  void attach(PlantState& state, std::uint64_t step, std::uint64_t failingStep);
+  void runStep(PlantState& state);
+  void runBlock(language::CodeRange code, Block block, std::uint32_t instance);
+  void appendAxiom(ModuleString& string);
+  void seedStreams(RandomState& random) const;
+  [[nodiscard]] bool needsIndex(const language::LSystem& system) const;
+  void buildIndex(const ModuleString& string);
+  void findParents(const ModuleString& string);
+  [[noreturn]] void failArity(core::ModuleTypeId type) const;
+
+  // scan.cpp
+  void scan(PlantState& state);
+  template <bool kDrawsEachPosition, bool kHasParameters>
+  void scanPlain(const PlantState& state);
+  [[nodiscard]] const QuickRule* chooseQuickRule(const QuickRule* first, const QuickRule* last, double* frame,
+                                                 std::uint64_t module, double draw);
+  [[noreturn]] void failQuickValue(const QuickRule& rule, std::uint32_t valueIndex, double value, std::uint64_t module,
+                                   core::ModuleTypeId type);
+  void reserveOutput(std::uint64_t moduleCount, std::uint64_t parameterCount);
+  void reserveEstimate(const ModuleString& old);
+  Outcome rewriteModule(const SystemTables& tables, const ModuleString& old, std::uint64_t module, std::uint64_t offset,
+                        double draw);
+  [[nodiscard]] StringPart cutPart(const ModuleString& old, std::uint64_t module, std::uint64_t offset) const;
+  void keepCutPart(const ModuleString& old, const StringPart& part, std::uint64_t offset);
+  void appendKeptParts(const ModuleString& old);
+
+  // sub_systems.cpp
+  void scanWithCalls(PlantState& state);
+  void enterCall(PlantState& state, std::uint32_t instance);
+  void leaveCall(PlantState& state);
+  void endCall(PlantState& state, std::uint32_t instance);
+  StringPart cutWithCalls(PlantState& state, std::uint64_t module, std::uint64_t offset, std::uint32_t& nextCall);
+  void addCalls(std::uint64_t firstModule, std::uint64_t firstParameter);
+  void addCallsOf(const ModuleString& string, std::vector<InstanceState>& instances);
+  [[nodiscard]] std::uint32_t systemOfCall(double id) const;
+  void endAllCalls(PlantState& state);
+
+  const language::Program* program_;
+  DerivationOptions options_;
+  RandomSource random_;
+  Evaluator evaluator_;
+  Rewriter rewriter_;
+  CallStack calls_;
+  std::vector<SystemTables> tables_;      // by L-system
+  std::vector<std::uint8_t> isCall_;      // by module type: `?` with parameters; only when sub-L-systems are called
+  core::ModuleTypeId cutWithTurtle_ = core::kNoModuleType;  // `%` with one parameter
+  core::ModuleTypeId keptCut_ = core::kNoModuleType;        // `%` with two
+  std::vector<core::ModuleTypeId> tooLong_;  // types with more parameters than the limits allow
+  bool hasHomomorphism_ = false;
+  bool hasHomomorphismContexts_ = false;
+  bool hasParameters_ = false;
+
+  ModuleString working_;                  // the string being produced; swapped with the old one at the end of a step
+  StringIndex index_;                     // of the string that is being read
+  Backup backup_;
+  std::vector<double> frame_;             // formal parameters of the scan's shortcuts (Program::maximumSlots)
+  std::vector<double> weights_;           // of the scan's shortcuts
+  std::vector<const QuickRule*> quickMatches_;
+  std::uint64_t step_ = 0;                // the step being made; while interpreting: the completed steps
+  double moduleGrowth_ = 2.0;             // new modules per old one in the last step, for the first reservation
+  double parameterGrowth_ = 2.0;
+  struct KeptPart {
+    StringPart part;
+    double parameter = 0.0;
+  };
+  std::vector<KeptPart> keptParts_;       // cut by `%(p)` in this step, to be appended at the end
+  struct CallOrigin {
+    bool isFresh = false;
+    std::uint32_t index = 0;              // of the old instance, or the L-system of a fresh one
+  };
+  std::vector<CallOrigin> callOrigins_;   // of the calls in the string being produced, in order
+  std::vector<std::uint32_t> parents_;    // by instance: the call around it; while interpreting
+  std::vector<std::uint32_t> chain_;
+};
+
+}  // namespace espalier::derivation

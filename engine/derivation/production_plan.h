@@ -1,0 +1,104 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "engine/core/identifiers.h"
+#include "engine/language/program.h"
+
+namespace espalier::derivation {
+
+/// An expression in the form that costs least to evaluate.
+struct QuickValue {
+  enum class Form : std::uint8_t {
+    Constant,
+    Slot,          // frame[a]
+    SlotConstant,  // frame[a] operation constant
+    ConstantSlot,  // constant operation frame[a]
+    SlotSlot,      // frame[a] operation frame[b]
+    Code,          // by the Evaluator
+  };
+  Form form = Form::Constant;
+  language::Operation operation = language::Operation::Add;
+  std::uint32_t a = 0;
+  std::uint32_t b = 0;
+  double constant = 0.0;
+  const language::Expression* expression = nullptr;  // in the Program
+};
+
+/// The forms above that need no Evaluator. Identical to what the Evaluator computes.
+[[nodiscard]] double quickValue(const QuickValue& value, const double* frame);
+
+/// The offset of the chosen weight: w / sum is the chance of each, weights in file order, `draw` uniform. Espalier's own mode
+/// takes draws in (0, 1] and doubles; the reference takes [0, 1) and keeps the sum and the remainder in 32-bit floats. When
+/// all weights are 0 the first is chosen.
+[[nodiscard]] std::size_t chooseByWeight(std::span<const double> weights, double draw, bool usesFloats);
+
+/// A production without contexts and blocks whose predecessor is one module: only a condition and a weight decide.
+struct QuickRule {
+  const language::Production* production = nullptr;  // in the Program
+  bool hasCondition = false;
+  bool hasWeight = false;
+  QuickValue condition;
+  QuickValue weight;            // 1 when the production has no probability
+  std::uint32_t firstType = 0;  // ProductionPlan::types: the successor
+  std::uint32_t length = 0;     // modules of the successor
+  std::uint32_t firstValue = 0;  // ProductionPlan::values: its parameters
+  std::uint32_t valueCount = 0;
+};
+
+/// What the scan does with a module of one type.
+struct TypePlan {
+  static constexpr std::size_t kInlineTypes = 16;
+
+  enum class Kind : std::uint8_t {
+    Fixed,    // the same modules every time: a block of types, and the module's own parameters when it stands for itself
+    Rules,    // QuickRules, the first whose condition holds
+    Weights,  // QuickRules, one chosen by weight among those whose condition holds
+    General,  // everything else
+  };
+  std::array<core::ModuleTypeId, kInlineTypes> types{};  // Fixed: the block, when it is no longer than this
+  std::uint32_t length = 0;                              // Fixed: modules of the block
+  std::uint32_t firstType = 0;                           // Fixed: the block in ProductionPlan::types
+  std::uint32_t firstRule = 0;                           // Rules, Weights: in ProductionPlan::rules
+  std::uint32_t ruleCount = 0;
+  std::uint16_t arity = 0;                               // parameters of the module
+  std::uint16_t copied = 0;                              // Fixed: parameters copied, 0 or all
+  Kind kind = Kind::General;
+  bool drawsRandom = false;                              // Rules, Weights: an expression may draw
+  bool usesCode = false;                                 // Rules, Weights: an expression needs the Evaluator
+};
+
+/// How one L-system rewrites each module type, precomputed for the scan. A table over the Program, which must outlive it.
+class ProductionPlan {
+ public:
+  ProductionPlan(const language::Program& program, const language::LSystem& system);
+
+  [[nodiscard]] const TypePlan& operator[](core::ModuleTypeId type) const { return plans_[type]; }
+  [[nodiscard]] const TypePlan* plans() const { return plans_.data(); }
+  [[nodiscard]] const QuickRule* rules() const { return rules_.data(); }
+  /// All successors, one after the other, followed by kInlineTypes further entries, so that reads may pass an end.
+  [[nodiscard]] const core::ModuleTypeId* types() const { return types_.data(); }
+  [[nodiscard]] const QuickValue* values() const { return values_.data(); }
+
+  /// The most modules and parameters that one module of a kind other than General becomes.
+  [[nodiscard]] std::uint64_t largestLength() const { return largestLength_; }
+  [[nodiscard]] std::uint64_t largestParameterCount() const { return largestParameterCount_; }
+
+ private:
+  void planType(const language::Program& program, const language::LSystem& system, core::ModuleTypeId type);
+  void makeFixed(TypePlan& plan, std::uint32_t firstType, std::uint32_t length);
+  std::uint32_t addRule(const language::Program& program, const language::Production& production, bool usesWeights);
+
+  std::vector<TypePlan> plans_;             // by module type (moduleTypeCount)
+  std::vector<QuickRule> rules_;
+  std::vector<core::ModuleTypeId> types_;
+  std::vector<QuickValue> values_;
+  std::uint64_t largestLength_ = 1;
+  std::uint64_t largestParameterCount_ = 0;
+};
+
+}  // namespace espalier::derivation

@@ -1,0 +1,280 @@
+#include "engine/derivation/rewriter.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "engine/derivation/production_plan.h"
+
+namespace espalier::derivation {
+
+using language::Production;
+using language::ProductionList;
+
+Rewriter::Rewriter(const language::Program& program, Evaluator& evaluator, RandomSource& random,
+                   const core::Limits& limits)
+    : program_(&program),
+      evaluator_(&evaluator),
+      random_(&random),
+      limits_(&limits),
+      storesFloats_(program.compatibility != core::Compatibility::Espalier),
+      frames_(program.maximumSlots + std::size_t{1}, 0.0),
+      chosenFrame_(frames_.data()) {}
+
+void Rewriter::setStrings(const ContextString& around, const ModuleString* produced) {
+  around_ = around;
+  produced_ = produced;
+  producedIndex_.clear();
+}
+
+bool Rewriter::matchesShape(const Production& production, const ContextRules& rules, const PredecessorPlace& place,
+                            const Surroundings& surroundings, double* frame) {
+  // the strict predecessor: contiguous modules of equal type
+  const std::size_t length = production.predecessor.size();
+  if (place.size - place.module < length) {
+    return false;
+  }
+  std::uint64_t offset = place.offset;
+  for (std::size_t i = 0; i < length; ++i) {
+    const language::FormalModule& formal = production.predecessor[i];
+    const core::ModuleTypeId type = place.types[place.module + i];
+    if (type != formal.type || (i > 0 && !isBarrier_.empty() && isBarrier_[type] != 0)) {
+      return false;
+    }
+    const std::size_t arity = program_->arity[type];
+    for (std::size_t k = 0; k < arity; ++k) {
+      frame[formal.firstSlot + k] = place.parameters[offset + k];
+    }
+    offset += arity;
+  }
+  // right context, then left context
+  if (!production.rightContext.empty()) {
+    const bool isBehind = surroundings.isBehindPredecessor;
+    if (!matchesRight(*program_, rules, around_, production.rightContext,
+                      isBehind ? place.module + length : surroundings.right,
+                      isBehind ? offset : surroundings.rightOffset, frame)) {
+      return false;
+    }
+  }
+  return production.leftContext.empty() || matchesLeft(*program_, rules, around_, production.leftContext,
+                                                       surroundings.left, surroundings.leftOffset, frame);
+}
+
+bool Rewriter::matchesProduced(const Production& production, const ContextRules& rules, double* frame) {
+  if (!production.newRightContext.empty() || produced_ == nullptr) {
+    // the string is produced from left to right: nothing is to the right yet
+    return false;
+  }
+  producedIndex_.extend(*program_, *produced_);
+  const ContextString produced{produced_->types().data(), produced_->parameters().data(), produced_->size(),
+                               produced_->parameterCount(), &producedIndex_, false};
+  return matchesLeft(*program_, rules, produced, production.newLeftContext, produced.size,
+                     produced.parameterCount, frame);
+}
+
+bool Rewriter::matches(const Production& production, const ContextRules& rules, const PredecessorPlace& place,
+                       const Surroundings& surroundings, double* frame) {
+  if (!matchesShape(production, rules, place, surroundings, frame)) {
+    return false;
+  }
+  if ((!production.newLeftContext.empty() || !production.newRightContext.empty()) &&
+      !matchesProduced(production, rules, frame)) {
+    return false;
+  }
+  if (!production.preBlock.empty()) {
+    evaluator_->run(production.preBlock, frame);
+  }
+  return !production.condition || evaluator_->value(*production.condition, frame) != 0.0;
+}
+
+const Production* Rewriter::chooseFirst(const ProductionList& list, const ContextRules& rules,
+                                        const PredecessorPlace& place, const Surroundings& surroundings) {
+  chosenFrame_ = frames_.data();
+  for (const std::uint32_t candidate : list.index.candidates(place.types[place.module])) {
+    const Production& production = list.productions[candidate];
+    if (matches(production, rules, place, surroundings, chosenFrame_)) {
+      return &production;
+    }
+  }
+  return nullptr;
+}
+
+const Production* Rewriter::chooseByWeights(const ProductionList& list, const ContextRules& rules,
+                                            const PredecessorPlace& place, const Surroundings& surroundings,
+                                            std::uint64_t step, double draw) {
+  const std::span<const std::uint32_t> candidates = list.index.candidates(place.types[place.module]);
+  const std::size_t frameSize = program_->maximumSlots + std::size_t{1};
+  if (frames_.size() < candidates.size() * frameSize) {
+    frames_.resize(candidates.size() * frameSize, 0.0);
+  }
+  // every match keeps a frame of its own until one is chosen
+  matches_.clear();
+  weights_.clear();
+  double sum = 0.0;
+  for (const std::uint32_t candidate : candidates) {
+    const Production& production = list.productions[candidate];
+    double* frame = frames_.data() + matches_.size() * frameSize;
+    if (matches(production, rules, place, surroundings, frame)) {
+      const double weight = production.probability ? evaluator_->value(*production.probability, frame) : 1.0;
+      matches_.push_back(&production);
+      weights_.push_back(weight);
+      sum += weight;
+    }
+  }
+  if (matches_.empty()) {
+    return nullptr;
+  }
+  std::size_t chosen = 0;
+  if (matches_.size() > 1) {
+    if (!storesFloats_ && !std::isfinite(sum)) {
+      failWeights(*matches_.front());
+    }
+    chosen = chooseByWeight(weights_, storesFloats_ ? draw : 1.0 - random_->selection(step, place.module),
+                            storesFloats_);
+  }
+  chosenFrame_ = frames_.data() + chosen * frameSize;
+  return matches_[chosen];
+}
+
+void Rewriter::apply(const Production& production, ModuleString& output) {
+  if (!production.postBlock.empty()) {
+    evaluator_->run(production.postBlock, chosenFrame_);
+  }
+  appendSuccessor(production, chosenFrame_, output);
+}
+
+void Rewriter::appendSuccessor(const Production& production, double* frame, ModuleString& output) {
+  core::Buffer<core::ModuleTypeId>& types = output.typeBuffer();
+  core::Buffer<double>& parameters = output.parameterBuffer();
+  for (const language::SuccessorModule& module : production.successor) {
+    const std::size_t arity = program_->arity[module.type];
+    for (std::size_t i = 0; i < arity; ++i) {
+      const language::Expression& expression = production.expressions[module.firstExpression + i];
+      parameters.push_back(stored(evaluator_->value(expression, frame), expression, i, module.type));
+    }
+    types.push_back(module.type);
+  }
+}
+
+void Rewriter::applyNested(const Production& production, const ProductionList& list, const ContextRules& rules,
+                           const Surroundings& surroundings, std::uint32_t depth, bool dropsCut,
+                           core::DrawDomain domain, std::uint64_t step, std::uint64_t index, ModuleString& output) {
+  // an earlier failure may have left something behind
+  scratch_.clear();
+  levels_.clear();
+  apply(production, scratch_);
+  levels_.push_back({0, 0, 0, 0, scratch_.size(), depth});
+  // the productions of the first level are of another list than the ones below it
+  if (depth == 0) {
+    random_->key(domain, step, index);
+  }
+  rewriteLevels(list, rules, surroundings, dropsCut, output);
+}
+
+void Rewriter::rewriteLevels(const ProductionList& list, const ContextRules& rules, const Surroundings& surroundings,
+                             bool dropsCut, ModuleString& output) {
+  std::uint64_t handled = 0;
+  while (!levels_.empty()) {
+    Level& level = levels_.back();
+    if (level.module == level.end) {
+      scratch_.typeBuffer().resize(level.firstModule);
+      scratch_.parameterBuffer().resize(level.firstParameter);
+      levels_.pop_back();
+      continue;
+    }
+    if ((++handled & 0xFFFFU) == 0) {
+      evaluator_->pollCancelled();
+    }
+    const core::ModuleTypeId type = scratch_.types()[level.module];
+    const std::size_t arity = program_->arity[type];
+    if (!list.index.empty() && !list.index.candidates(type).empty()) {
+      const PredecessorPlace place{scratch_.types().data(), scratch_.parameters().data(), level.end, level.module,
+                                   level.offset};
+      if (level.depth >= list.maximumDepth) {
+        warnAtDepth(list, rules, place, surroundings);
+      } else if (const Production* production = chooseFirst(list, rules, place, surroundings)) {
+        const std::uint32_t depth = level.depth + 1;
+        if (depth > limits_->maximumRecursion) {
+          evaluator_->failHere(core::SimulationErrorCode::LimitExceeded,
+                               "the nested rewriting is deeper than " + std::to_string(limits_->maximumRecursion) +
+                                   " (limit maximumRecursion)",
+                               production->range);
+        }
+        level.module += production->predecessor.size();
+        level.offset += parameterCount(*production);
+        const std::uint64_t first = scratch_.size();
+        const std::uint64_t firstParameter = scratch_.parameterCount();
+        apply(*production, scratch_);
+        checkSize(scratch_.size(), scratch_.parameterCount());
+        levels_.push_back({first, firstParameter, first, firstParameter, scratch_.size(), depth});
+        continue;
+      }
+    }
+    if (!(dropsCut && program_->nameOf(type) == "%")) {
+      output.append(type, scratch_.parameters().subspan(level.offset, arity));
+      checkSize(output.size(), output.parameterCount());
+    }
+    level.module += 1;
+    level.offset += arity;
+  }
+}
+
+void Rewriter::warnAtDepth(const ProductionList& list, const ContextRules& rules, const PredecessorPlace& place,
+                           const Surroundings& surroundings) {
+  if (!list.warnsAtDepth || std::find(warnedLists_.begin(), warnedLists_.end(), &list) != warnedLists_.end()) {
+    return;
+  }
+  // looking must not change anything: productions whose match has side effects are not tried
+  for (const std::uint32_t candidate : list.index.candidates(place.types[place.module])) {
+    const Production& production = list.productions[candidate];
+    if (!production.preBlock.empty() || (production.condition && !production.condition->isPure)) {
+      continue;
+    }
+    if (matchesShape(production, rules, place, surroundings, frames_.data()) &&
+        (!production.condition || evaluator_->value(*production.condition, frames_.data()) != 0.0)) {
+      warnedLists_.push_back(&list);
+      evaluator_->warn("the maximum depth of " + std::to_string(list.maximumDepth) + " was reached while '" +
+                           production.text + "' still applies",
+                       production.range);
+      return;
+    }
+  }
+}
+
+std::uint64_t Rewriter::parameterCount(const Production& production) const {
+  std::uint64_t count = 0;
+  for (const language::FormalModule& module : production.predecessor) {
+    count += program_->arity[module.type];
+  }
+  return count;
+}
+
+void Rewriter::checkSize(std::uint64_t moduleCount, std::uint64_t parameterCount) const {
+  if (moduleCount > limits_->maximumModules) {
+    evaluator_->failHere(core::SimulationErrorCode::LimitExceeded,
+                         "the string has more than " + std::to_string(limits_->maximumModules) +
+                             " modules (limit maximumModules)");
+  }
+  if (moduleCount * 2 + parameterCount * 8 > limits_->maximumStringBytes) {
+    evaluator_->failHere(core::SimulationErrorCode::LimitExceeded,
+                         "the string needs more than " + std::to_string(limits_->maximumStringBytes) +
+                             " bytes (limit maximumStringBytes)");
+  }
+}
+
+void Rewriter::failWeights(const Production& production) const {
+  evaluator_->failHere(core::SimulationErrorCode::NonFinite,
+                       "the sum of the probabilities of the productions that apply is not finite", production.range);
+}
+
+void Rewriter::failNonFinite(double value, const language::Expression& expression, std::size_t position,
+                             core::ModuleTypeId type) const {
+  std::string what = "parameter " + std::to_string(position + 1);
+  if (!evaluator_->place().hasModule || evaluator_->place().type != type) {
+    what += " of '" + std::string(program_->nameOf(type)) + "'";
+  }
+  what += std::string(" became ") + nonFiniteName(value) + " in '" + sourceText(*program_, expression.range) + "'";
+  evaluator_->failHere(core::SimulationErrorCode::NonFinite, what, expression.range);
+}
+
+}  // namespace espalier::derivation

@@ -1,0 +1,132 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "engine/derivation/context_matcher.h"
+#include "engine/derivation/evaluator.h"
+#include "engine/derivation/module_string.h"
+#include "engine/derivation/random_source.h"
+#include "engine/derivation/string_index.h"
+#include "engine/language/program.h"
+
+namespace espalier::derivation {
+
+/// Where a predecessor is looked for. A view.
+struct PredecessorPlace {
+  const core::ModuleTypeId* types = nullptr;
+  const double* parameters = nullptr;
+  std::uint64_t size = 0;    // of the string that `types` begins
+  std::uint64_t module = 0;  // first module of the predecessor
+  std::uint64_t offset = 0;  // of its parameters
+};
+
+/// Where contexts are looked for, in the ContextString.
+struct Surroundings {
+  std::uint64_t left = 0;           // the left context ends before this module
+  std::uint64_t leftOffset = 0;     // its parameters
+  std::uint64_t right = 0;          // the right context begins here
+  std::uint64_t rightOffset = 0;
+  bool isBehindPredecessor = true;  // `right` is where the predecessor ends, whatever its length; `right` is not used
+};
+
+/// Matches, chooses and applies single productions of any kind: contexts, conditions, blocks, weights, and the nested
+/// rewriting of decomposition and homomorphism. The clear and complete way; the scan has shortcuts for simple cases.
+class Rewriter {
+ public:
+  /// All must outlive the object.
+  Rewriter(const language::Program& program, Evaluator& evaluator, RandomSource& random, const core::Limits& limits);
+
+  /// The string around the predecessors, and the string being produced (`<<` looks there; null: nothing matches).
+  void setStrings(const ContextString& around, const ModuleString* produced);
+  [[nodiscard]] const ContextString& around() const { return around_; }
+
+  /// A module type that a predecessor may begin with but never reach over (calls of sub-L-systems and their `$`), by type.
+  void setBarriers(std::vector<std::uint8_t> isBarrier) { isBarrier_ = std::move(isBarrier); }
+
+  /// The first production of the list that matches, or null. Runs the pre-blocks of all candidates up to it.
+  [[nodiscard]] const language::Production* chooseFirst(const language::ProductionList& list, const ContextRules& rules,
+                                                        const PredecessorPlace& place, const Surroundings& surroundings);
+
+  /// One of all productions that match, chosen by weight, or null. Runs the pre-blocks of all candidates. `draw` is the
+  /// selection draw in the compatible modes; Espalier's own mode makes it here, from (step, module).
+  [[nodiscard]] const language::Production* chooseByWeights(const language::ProductionList& list,
+                                                            const ContextRules& rules, const PredecessorPlace& place,
+                                                            const Surroundings& surroundings, std::uint64_t step,
+                                                            double draw);
+
+  /// Runs the post-block of the production chosen last, then appends its successor with evaluated parameters.
+  void apply(const language::Production& production, ModuleString& output);
+
+  /// The same, with every module of the successor rewritten further by `list`, depth first; the successor is at `depth`.
+  /// Contexts are those of the original predecessor. `dropsCut` leaves `%` out of the result.
+  void applyNested(const language::Production& production, const language::ProductionList& list,
+                   const ContextRules& rules, const Surroundings& surroundings, std::uint32_t depth, bool dropsCut,
+                   core::DrawDomain domain, std::uint64_t step, std::uint64_t index, ModuleString& output);
+
+  /// Parameters of a production's predecessor together.
+  [[nodiscard]] std::uint64_t parameterCount(const language::Production& production) const;
+
+  /// Throws LimitExceeded when a string is longer than the limits allow.
+  void checkSize(std::uint64_t moduleCount, std::uint64_t parameterCount) const;
+
+  /// The value as it is stored in a string: rounded to a 32-bit float in the compatible modes; fails when it is not finite
+  /// in Espalier's own mode. `position` (from 0) and `type` name the parameter in the message.
+  [[nodiscard]] double stored(double value, const language::Expression& expression, std::size_t position,
+                              core::ModuleTypeId type) const {
+    if (storesFloats_) {
+      return static_cast<double>(static_cast<float>(value));
+    }
+    // false for NaN and infinities
+    if (!(value - value == 0.0)) {
+      failNonFinite(value, expression, position, type);
+    }
+    return value;
+  }
+  [[nodiscard]] bool storesFloats() const { return storesFloats_; }
+  [[noreturn]] void failNonFinite(double value, const language::Expression& expression, std::size_t position,
+                                  core::ModuleTypeId type) const;
+  [[noreturn]] void failWeights(const language::Production& production) const;
+
+ private:
+  struct Level {
+    std::uint64_t firstModule = 0;  // in scratch_; everything from here goes when the level is done
+    std::uint64_t firstParameter = 0;
+    std::uint64_t module = 0;       // next module
+    std::uint64_t offset = 0;
+    std::uint64_t end = 0;          // modules of this level end here
+    std::uint32_t depth = 0;        // rewritings it took to make them
+  };
+
+  [[nodiscard]] bool matches(const language::Production& production, const ContextRules& rules,
+                             const PredecessorPlace& place, const Surroundings& surroundings, double* frame);
+  [[nodiscard]] bool matchesShape(const language::Production& production, const ContextRules& rules,
+                                  const PredecessorPlace& place, const Surroundings& surroundings, double* frame);
+  [[nodiscard]] bool matchesProduced(const language::Production& production, const ContextRules& rules, double* frame);
+  void warnAtDepth(const language::ProductionList& list, const ContextRules& rules, const PredecessorPlace& place,
+                   const Surroundings& surroundings);
+  void appendSuccessor(const language::Production& production, double* frame, ModuleString& output);
+  void rewriteLevels(const language::ProductionList& list, const ContextRules& rules, const Surroundings& surroundings,
+                     bool dropsCut, ModuleString& output);
+
+  const language::Program* program_;
+  Evaluator* evaluator_;
+  RandomSource* random_;
+  const core::Limits* limits_;
+  bool storesFloats_;
+  ContextString around_;
+  const ModuleString* produced_ = nullptr;  // the string being produced, of the caller
+  StringIndex producedIndex_;               // its bracket links, extended when asked for
+  std::vector<std::uint8_t> isBarrier_;     // by module type; empty: none
+  std::vector<double> frames_;              // formal parameters, Program::maximumSlots for each candidate
+  double* chosenFrame_ = nullptr;           // in frames_: of the production chosen last
+  std::vector<const language::Production*> matches_;
+  std::vector<double> weights_;
+  ModuleString scratch_;                    // successors waiting to be rewritten further
+  std::vector<Level> levels_;
+  std::vector<const language::ProductionList*> warnedLists_;
+};
+
+}  // namespace espalier::derivation

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "engine/derivation/context_matcher.h"
+#include "engine/derivation/plant_state.h"
+#include "engine/derivation/production_plan.h"
+#include "engine/language/program.h"
+
+namespace espalier::derivation {
+
+/// What the derivation knows about one L-system of a Program beyond the Program itself. Const after construction.
+struct SystemTables {
+  SystemTables(const language::Program& program, std::uint32_t systemIndex);
+
+  const language::LSystem* system;       // in the Program
+  ContextRules rules;
+  ProductionPlan plan;
+  bool hasDecomposition = false;         // there are decomposition productions and the maximum depth is not 0
+  std::vector<std::uint8_t> decomposes;  // by production: a module of its successor is a decomposition predecessor
+  bool hasNewContexts = false;           // a production looks at the string being produced
+};
+
+/// The tables of all L-systems, in the order of Program::systems.
+[[nodiscard]] std::vector<SystemTables> makeSystemTables(const language::Program& program);
+
+/// An instance of an L-system's variables: all 0, arrays with their initial elements, not started.
+[[nodiscard]] InstanceState makeInstance(const language::Program& program, std::uint32_t systemIndex);
+
+/// Whether a module is a call of a sub-L-system: `?` with a parameter list.
+[[nodiscard]] bool isCall(const language::Program& program, core::ModuleTypeId type);
+
+}  // namespace espalier::derivation
