@@ -1,0 +1,54 @@
+#pragma once
+
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine/core/diagnostic.h"
+#include "engine/language/source_map.h"
+
+namespace espalier::language {
+
+/// Messages about preprocessed text, kept by their ranges until all phases are done and then put in the order of the text.
+class MessageList {
+ public:
+  void error(core::SourceRange range, std::string message, std::string hint = {}) {
+    messages_.push_back({core::Severity::Error, range, std::move(message), std::move(hint)});
+    ++errorCount_;
+  }
+  void warning(core::SourceRange range, std::string message, std::string hint = {}) {
+    messages_.push_back({core::Severity::Warning, range, std::move(message), std::move(hint)});
+  }
+  [[nodiscard]] std::size_t errorCount() const { return errorCount_; }
+
+  /// Drops the warnings: beside errors they are mostly consequences.
+  void dropWarnings() {
+    std::erase_if(messages_, [](const Message& message) { return message.severity != core::Severity::Error; });
+  }
+
+  /// Adds all messages to `list`, in the order of the text.
+  void moveTo(core::DiagnosticList& list, const SourceMap& map) {
+    std::stable_sort(messages_.begin(), messages_.end(),
+                     [](const Message& a, const Message& b) { return a.range.begin < b.range.begin; });
+    std::size_t kept = 0;
+    for (Message& message : messages_) {
+      // a place costs a walk through its file: beyond the limit only counts matter
+      core::SourceLocation place = kept++ < 2 * core::DiagnosticList::kLimit ? map.locate(message.range) : core::SourceLocation{};
+      list.add({message.severity, std::move(message.text), std::move(place), std::move(message.hint)});
+    }
+    messages_.clear();
+  }
+
+ private:
+  struct Message {
+    core::Severity severity = core::Severity::Error;
+    core::SourceRange range;
+    std::string text;
+    std::string hint;
+  };
+  std::vector<Message> messages_;
+  std::size_t errorCount_ = 0;
+};
+
+}  // namespace espalier::language
