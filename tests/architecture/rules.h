@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tests/architecture/source_tree.h"
+
+namespace espalier::test {
+
+/// Each returns one sentence per breach, with the file's name first; none: the rule holds.
+
+/// Includes go only along the arrows of the folders: core <- language <- derivation <- turtle <- simulation, turtle <-
+/// environment, protocol alone, server on all of them, clients/cpp on protocol, clients/espalier on everything.
+[[nodiscard]] std::vector<std::string> wrongDirections(const std::vector<SourceFile>& files);
+
+/// Headers of engine/ and environment/ that are included from outside their folder name no third-party library.
+[[nodiscard]] std::vector<std::string> thirdPartyNamesInPublicHeaders(const std::vector<SourceFile>& files);
+
+/// engine/, environment/ and protocol/ never print, log, exit, read the clock, the environment or a file.
+[[nodiscard]] std::vector<std::string> inputAndOutput(const std::vector<SourceFile>& files);
+
+/// Code files have at most 700 lines.
+[[nodiscard]] std::vector<std::string> longFiles(const std::vector<SourceFile>& files);
+
+/// No file names a folder of the machine that it was written on.
+[[nodiscard]] std::vector<std::string> machinePaths(const std::vector<SourceFile>& files);
+
+/// Every folder with C++ sources outside tests/ has a README.md.
+[[nodiscard]] std::vector<std::string> foldersWithoutReadme(const std::vector<SourceFile>& files);
+
+}  // namespace espalier::test

@@ -1,0 +1,104 @@
+#include "tests/architecture/rules.h"
+
+#include <gtest/gtest.h>
+
+namespace espalier::test {
+namespace {
+
+using Breaches = std::vector<std::string>;
+
+const std::vector<SourceFile>& tree() {
+  static const std::vector<SourceFile> kTree = readSourceTree(ESPALIER_SOURCE_DIR);
+  return kTree;
+}
+
+std::string lines(const Breaches& breaches) {
+  std::string text;
+  for (const std::string& breach : breaches) {
+    text += breach + "\n";
+  }
+  return text;
+}
+
+TEST(Architecture, SourceTreeIsRead) {
+  EXPECT_GT(tree().size(), 50U);
+}
+
+TEST(Architecture, IncludesFollowTheArrows) { EXPECT_EQ(lines(wrongDirections(tree())), ""); }
+
+TEST(Architecture, PublicHeadersNameNoThirdPartyLibrary) {
+  EXPECT_EQ(lines(thirdPartyNamesInPublicHeaders(tree())), "");
+}
+
+TEST(Architecture, EngineEnvironmentAndProtocolDoNoInputOrOutput) { EXPECT_EQ(lines(inputAndOutput(tree())), ""); }
+
+TEST(Architecture, CodeFilesAreShort) { EXPECT_EQ(lines(longFiles(tree())), ""); }
+
+TEST(Architecture, NoFileNamesAFolderOfOneMachine) { EXPECT_EQ(lines(machinePaths(tree())), ""); }
+
+TEST(Architecture, EveryFolderHasAReadme) { EXPECT_EQ(lines(foldersWithoutReadme(tree())), ""); }
+
+TEST(ArchitectureRules, WrongDirectionIsSeen) {
+  EXPECT_EQ(wrongDirections({{"engine/core/a.h", "#include \"engine/language/program.h\"\n"}}),
+            Breaches{"engine/core/a.h includes engine/language/program.h, which engine/core/ may not"});
+  EXPECT_EQ(wrongDirections({{"protocol/a.cpp", "#include \"engine/core/vec3.h\"\n"}}).size(), 1U);
+  EXPECT_EQ(wrongDirections({{"environment/a.cpp", "#include \"engine/simulation/simulation.h\"\n"}}).size(), 1U);
+  EXPECT_EQ(wrongDirections({{"clients/cpp/a.cpp", "#include \"server/server.h\"\n"}}).size(), 1U);
+}
+
+TEST(ArchitectureRules, RightDirectionsAreAllowed) {
+  EXPECT_EQ(wrongDirections({{"engine/simulation/a.h", "#include \"engine/turtle/scene.h\"\n"},
+                             {"environment/a.h", "#include \"engine/turtle/environment_process.h\"\n"},
+                             {"server/a.cpp", "#include \"protocol/messages.h\"\n"},
+                             {"tests/a.cpp", "#include \"engine/core/vec3.h\"\n"}}),
+            Breaches{});
+}
+
+TEST(ArchitectureRules, ThirdPartyNameIsSeenThroughOtherHeaders) {
+  // a.h is seen by the server, and a.h shows b.h; c.h is private
+  EXPECT_EQ(thirdPartyNamesInPublicHeaders({{"server/s.cpp", "#include \"environment/a.h\"\n"},
+                                            {"environment/a.h", "#include \"environment/b.h\"\n"},
+                                            {"environment/b.h", "#include <nlohmann/json.hpp>\n"},
+                                            {"environment/c.h", "#include <nlohmann/json.hpp>\n"}}),
+            Breaches{"environment/b.h is a public header and names nlohmann"});
+}
+
+TEST(ArchitectureRules, ThirdPartyNameInACommentIsNoBreach) {
+  EXPECT_EQ(thirdPartyNamesInPublicHeaders({{"server/s.cpp", "#include \"environment/a.h\"\n"},
+                                            {"environment/a.h", "// no nlohmann here\n"}}),
+            Breaches{});
+}
+
+TEST(ArchitectureRules, InputAndOutputAreSeen) {
+  EXPECT_EQ(inputAndOutput({{"engine/core/a.cpp", "#include <iostream>\n"}}),
+            Breaches{"engine/core/a.cpp uses <iostream>"});
+  EXPECT_EQ(inputAndOutput({{"environment/a.cpp", "void f() { std::printf (\"x\"); }"}}).size(), 1U);
+  EXPECT_EQ(inputAndOutput({{"protocol/a.cpp", "#include <chrono>\n"}}).size(), 1U);
+  EXPECT_EQ(inputAndOutput({{"engine/core/a.cpp", "auto f = fopen(name, mode);"}}).size(), 1U);
+}
+
+TEST(ArchitectureRules, TalkingAboutPrintingIsNoBreach) {
+  EXPECT_EQ(inputAndOutput({{"engine/core/a.cpp",
+                             "// printf(x)\n/* std::cout */ auto a = \"printf(\"; int b = 1'000; snprintf(c, d);"},
+                            {"server/a.cpp", "#include <iostream>\n"}}),
+            Breaches{});
+}
+
+TEST(ArchitectureRules, LongFileIsSeen) {
+  EXPECT_EQ(longFiles({{"engine/a.cpp", std::string(701, '\n')}}), Breaches{"engine/a.cpp has 701 lines"});
+  EXPECT_EQ(longFiles({{"engine/a.cpp", std::string(700, '\n')}, {"README.md", std::string(900, '\n')}}), Breaches{});
+}
+
+TEST(ArchitectureRules, MachinePathIsSeen) {
+  const std::string folder = std::string("/wo") + "rk/main";
+  EXPECT_EQ(machinePaths({{"a.md", "one\nsee " + folder + "\n"}}), Breaches{"a.md:2 names a folder of one machine"});
+  EXPECT_EQ(machinePaths({{"a.md", "a/work/b and tests/work/x"}}), Breaches{});
+}
+
+TEST(ArchitectureRules, MissingReadmeIsSeen) {
+  EXPECT_EQ(foldersWithoutReadme({{"engine/core/a.h", ""}}), Breaches{"engine/core has no README.md"});
+  EXPECT_EQ(foldersWithoutReadme({{"engine/turtle/export/a.h", ""}, {"engine/turtle/README.md", ""}}), Breaches{});
+}
+
+}  // namespace
+}  // namespace espalier::test
