@@ -64,15 +64,21 @@ class Simulation {
   /// Goes to step 0: Start, axiom, environment opened. Must be called (or a snapshot restored) before the first step.
   [[nodiscard]] std::optional<core::SimulationError> rewind();
 
-  /// One step. `cancelled` may be set from another thread to give it up.
+  /// One step; setCancelled(true) from another thread gives it up. May be called beyond the derivation length (the
+  /// derivation simply goes on) but not after the model has stopped itself.
   [[nodiscard]] std::optional<core::SimulationError> step();
 
   /// Only the interpretation pass of the next step: queries are answered and written into the strings, nothing is derived.
-  /// step() afterwards does not repeat it. What `derive --answered` prints.
+  /// step() afterwards does not repeat it. What `derive --answered` prints. A model with `environment display: before`
+  /// means its strings to be shown after this pass; the strings themselves do not depend on when it is made.
   [[nodiscard]] std::optional<core::SimulationError> answer();
 
   /// The derivation length is reached or the model called stop().
   [[nodiscard]] bool isFinished() const;
+  /// The strings hold the replies of the pass before the next step.
+  [[nodiscard]] bool isAnswered() const;
+  /// The seed of the run: the caller's when given, else the model's `seed:`, else SimulationOptions::seed.
+  [[nodiscard]] std::uint64_t seed() const;
   [[nodiscard]] std::uint64_t completedSteps() const;
   [[nodiscard]] std::uint64_t derivationLength() const;
   [[nodiscard]] std::size_t plantCount() const;
@@ -95,7 +101,8 @@ class Simulation {
 
   /// Writes the complete state: sources and options of the Program, plants, environment. Versioned (snapshot.h).
   void save(core::ByteSink& sink) const;
-  /// Replaces the state by a snapshot's. The snapshot must be of the same Program. On failure nothing changes.
+  /// Replaces the state by a snapshot's, placements included. The snapshot must be of the same Program and the same
+  /// environment by name; seed and derivation length become the snapshot's. On failure nothing changes.
   [[nodiscard]] std::optional<core::SimulationError> restore(std::string_view snapshot);
 
  private:

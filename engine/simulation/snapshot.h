@@ -5,9 +5,12 @@
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 #include "engine/core/simulation_error.h"
+#include "engine/core/streams.h"
 #include "engine/language/compiler.h"
+#include "engine/turtle/interpreter.h"
 
 namespace espalier::simulation {
 
@@ -21,12 +24,14 @@ struct SnapshotInfo {
   std::uint32_t version = kSnapshotVersion;
   language::CompileInput compileInput;           // names into `files`
   core::MemoryFileProvider files;                // every source of the model
+  std::string name;                              // of the simulation
   std::uint64_t programHash = 0;
   std::uint64_t completedSteps = 0;
-  std::uint64_t seed = 0;
+  std::uint64_t seed = 0;                        // SimulationOptions::seed
   bool hasSeed = false;
   std::uint64_t derivationLength = 0;
   std::uint32_t plantCount = 1;
+  std::vector<turtle::PlantPlacement> placements;  // (plantCount)
   std::string environmentName;                   // empty: none
 };
 

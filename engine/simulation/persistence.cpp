@@ -1,0 +1,159 @@
+#include <utility>
+
+#include "engine/core/hash.h"
+#include "engine/derivation/string_text.h"
+#include "engine/simulation/simulation_implementation.h"
+
+namespace espalier::simulation {
+
+namespace {
+
+void hashPlant(core::Hasher& hasher, const language::Program& program, const derivation::PlantState& plant) {
+  hasher.integer(derivation::hashOf(program, plant.string));
+  hasher.integer(plant.step);
+  hasher.integer(plant.derivationLength);
+  hasher.integer(plant.isStopped ? 1 : 0);
+  for (const double value : plant.statics) {
+    hasher.number(value);
+  }
+  for (const derivation::InstanceState& instance : plant.instances) {
+    hasher.integer(instance.system);
+    hasher.integer(instance.hasStarted ? 1 : 0);
+    for (const double value : instance.variables) {
+      hasher.number(value);
+    }
+    for (const double value : instance.elements) {
+      hasher.number(value);
+    }
+  }
+  hasher.integer(plant.random.seed);
+  hasher.integer(plant.random.mainSeed);
+  hasher.integer(plant.random.selection.state());
+  hasher.integer(plant.random.main.state());
+  hasher.number(plant.random.normalCache);
+  hasher.number(plant.random.normalCacheFlag);
+}
+
+}  // namespace
+
+std::uint64_t Simulation::Implementation::stateHash() const {
+  core::Hasher hasher;
+  hasher.integer(program_->hash);
+  hasher.integer(completedSteps_);
+  hasher.integer(isAnswered_ ? 1 : 0);
+  for (const derivation::PlantState& plant : plants_) {
+    hashPlant(hasher, *program_, plant);
+  }
+  if (environment_ && isStarted_) {
+    hasher.bytes(environment_->save());
+  }
+  return hasher.value();
+}
+
+void Simulation::Implementation::save(core::ByteSink& sink) {
+  SnapshotContent content;
+  content.modelFile = program_->modelFile;
+  content.viewFile = program_->viewFile;
+  content.compatibility = program_->compatibility;
+  content.defines = program_->defines;
+  for (const language::SourceMap::File& file : program_->sources) {
+    content.sources.emplace_back(file.name, file.text);
+  }
+  content.programHash = program_->hash;
+  content.name = options_.name;
+  content.seed = options_.seed;
+  content.hasSeed = options_.hasSeed;
+  content.derivationLength = derivationLength();
+  content.completedSteps = completedSteps_;
+  content.placements = placements_;
+  for (const language::ModuleType& type : program_->types) {
+    content.types.emplace_back(program_->symbols[type.symbol].name, type.arity);
+  }
+  // a snapshot holds the state before the answers; replies go with it and are written again when it is restored
+  for (std::size_t plant = 0; plant < plants_.size(); ++plant) {
+    content.plants.push_back(plants_[plant]);
+    StepUndo undo = undo_[plant];
+    undo.apply(content.plants.back());
+  }
+  if (environment_) {
+    content.environmentName = description_.name;
+    content.environmentState = isStarted_ ? environment_->save() : std::string();
+  }
+  content.isAnswered = isAnswered_;
+  content.hasReplies = pending_.hasReplies;
+  content.hasTicked = pending_.hasTicked;
+  if (pending_.hasReplies) {
+    content.replies = pending_.replies;
+  }
+  writeSnapshot(content, sink);
+}
+
+Simulation::Implementation::Outcome Simulation::Implementation::restore(std::string_view snapshot) {
+  // read and check everything before anything changes
+  auto read = readSnapshot(snapshot, false);
+  if (auto* error = std::get_if<core::SimulationError>(&read)) {
+    return failed(std::move(*error));
+  }
+  SnapshotContent& content = std::get<SnapshotContent>(read);
+  if (std::string problem = adoptProgram(content, *program_); !problem.empty()) {
+    return failed(snapshotError(std::move(problem)));
+  }
+  const std::string ownName = environment_ ? description_.name : std::string();
+  if (content.environmentName != ownName) {
+    const auto named = [](const std::string& name) {
+      return name.empty() ? std::string("no environment") : "environment '" + name + "'";
+    };
+    return failed(snapshotError("The snapshot was made with " + named(content.environmentName) +
+                                " and the simulation has " + named(ownName) + ". Give it the one it was made with."));
+  }
+  // the environment next: it can refuse
+  const SimulationOptions oldOptions = options_;
+  const std::vector<turtle::PlantPlacement> oldPlacements = placements_;
+  const auto adopt = [this](const SimulationOptions& options, std::vector<turtle::PlantPlacement> placements) {
+    undo_.clear();
+    options_.name = options.name;
+    options_.seed = options.seed;
+    options_.hasSeed = options.hasSeed;
+    placements_ = std::move(placements);
+    makeDerivations();
+  };
+  SimulationOptions newOptions = options_;
+  newOptions.seed = content.seed;
+  newOptions.hasSeed = content.hasSeed;
+  const std::vector<StepUndo> oldUndo = undo_;
+  const bool wasStarted = isStarted_;
+  adopt(newOptions, std::move(content.placements));
+  if (environment_) {
+    const std::string oldState = wasStarted ? environment_->save() : std::string();
+    std::optional<turtle::EnvironmentError> error;
+    if (!wasStarted || placements_.size() != oldPlacements.size()) {
+      error = environment_->open(environmentContext());
+    }
+    if (!error) {
+      error = environment_->restore(content.environmentState);
+    }
+    if (error) {
+      adopt(oldOptions, oldPlacements);
+      undo_ = oldUndo;
+      if (wasStarted) {
+        static_cast<void>(environment_->restore(oldState));
+      }
+      return failed(snapshotError("The environment's state in the snapshot cannot be restored: " + error->message));
+    }
+  }
+  // then the state
+  plants_ = std::move(content.plants);
+  completedSteps_ = content.completedSteps;
+  pending_ = Pending{content.hasReplies, content.hasTicked, std::move(content.replies)};
+  isStarted_ = true;
+  isAnswered_ = false;
+  statistics_ = StepStatistics{.step = completedSteps_};
+  for (const derivation::PlantState& plant : plants_) {
+    statistics_.modules += plant.string.size();
+    statistics_.parameters += plant.string.parameterCount();
+    statistics_.bytes += plant.string.bytes();
+  }
+  return content.isAnswered ? answer() : std::nullopt;
+}
+
+}  // namespace espalier::simulation

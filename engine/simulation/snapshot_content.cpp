@@ -1,0 +1,394 @@
+#include "engine/simulation/snapshot_content.h"
+
+#include <array>
+
+#include "engine/core/hash.h"
+#include "engine/simulation/byte_reader.h"
+#include "engine/simulation/byte_writer.h"
+#include "engine/simulation/snapshot.h"
+
+namespace espalier::simulation {
+
+using core::Vec3;
+
+namespace {
+
+// a section is its tag, the length of its bytes and the bytes; unknown tags are skipped
+enum class Section : std::uint32_t { Model = 1, Run = 2, Types = 3, Plant = 4, Environment = 5, Pending = 6, End = 7 };
+
+constexpr std::size_t kChecksumBytes = 8;
+
+void writeVector(ByteWriter& writer, const Vec3& v) {
+  writer.real(v.x);
+  writer.real(v.y);
+  writer.real(v.z);
+}
+
+Vec3 readVector(ByteReader& reader) {
+  Vec3 v;
+  v.x = reader.real();
+  v.y = reader.real();
+  v.z = reader.real();
+  return v;
+}
+
+void writePairs(ByteWriter& writer, const std::vector<std::pair<std::string, std::string>>& pairs) {
+  writer.number64(pairs.size());
+  for (const auto& [first, second] : pairs) {
+    writer.text(first);
+    writer.text(second);
+  }
+}
+
+std::vector<std::pair<std::string, std::string>> readPairs(ByteReader& reader) {
+  std::vector<std::pair<std::string, std::string>> pairs(reader.count(16));
+  for (auto& [first, second] : pairs) {
+    first = reader.text();
+    second = reader.text();
+  }
+  return pairs;
+}
+
+ByteWriter modelSection(const SnapshotContent& content) {
+  ByteWriter writer;
+  writer.text(content.modelFile);
+  writer.text(content.viewFile);
+  writer.byte(static_cast<std::uint8_t>(content.compatibility));
+  writePairs(writer, content.defines);
+  writePairs(writer, content.sources);
+  writer.number64(content.programHash);
+  return writer;
+}
+
+void readModel(ByteReader& reader, SnapshotContent& content) {
+  content.modelFile = reader.text();
+  content.viewFile = reader.text();
+  content.compatibility = static_cast<core::Compatibility>(reader.byte() % 3);
+  content.defines = readPairs(reader);
+  content.sources = readPairs(reader);
+  content.programHash = reader.number64();
+}
+
+ByteWriter runSection(const SnapshotContent& content) {
+  ByteWriter writer;
+  writer.text(content.name);
+  writer.number64(content.seed);
+  writer.flag(content.hasSeed);
+  writer.number64(content.derivationLength);
+  writer.number64(content.completedSteps);
+  writer.text(content.environmentName);
+  writer.number64(content.placements.size());
+  for (const turtle::PlantPlacement& placement : content.placements) {
+    writeVector(writer, placement.position);
+    writeVector(writer, placement.frame.heading);
+    writeVector(writer, placement.frame.left);
+    writeVector(writer, placement.frame.up);
+  }
+  return writer;
+}
+
+void readRun(ByteReader& reader, SnapshotContent& content) {
+  content.name = reader.text();
+  content.seed = reader.number64();
+  content.hasSeed = reader.flag();
+  content.derivationLength = reader.number64();
+  content.completedSteps = reader.number64();
+  content.environmentName = reader.text();
+  content.placements.resize(reader.count(96));
+  for (turtle::PlantPlacement& placement : content.placements) {
+    placement.position = readVector(reader);
+    placement.frame.heading = readVector(reader);
+    placement.frame.left = readVector(reader);
+    placement.frame.up = readVector(reader);
+  }
+}
+
+ByteWriter typesSection(const SnapshotContent& content) {
+  ByteWriter writer;
+  writer.number64(content.types.size());
+  for (const auto& [name, arity] : content.types) {
+    writer.text(name);
+    writer.number16(arity);
+  }
+  return writer;
+}
+
+void readTypes(ByteReader& reader, SnapshotContent& content) {
+  content.types.resize(reader.count(10));
+  for (auto& [name, arity] : content.types) {
+    name = reader.text();
+    arity = reader.number16();
+  }
+}
+
+ByteWriter plantSection(const derivation::PlantState& plant) {
+  ByteWriter writer;
+  writer.number64(plant.step);
+  writer.number64(plant.derivationLength);
+  writer.flag(plant.isStopped);
+  writer.reals(plant.statics);
+  writer.number64(plant.instances.size());
+  for (const derivation::InstanceState& instance : plant.instances) {
+    writer.number32(instance.system);
+    writer.flag(instance.hasStarted);
+    writer.reals(instance.variables);
+    writer.reals(instance.elements);
+  }
+  writer.number64(plant.random.seed);
+  writer.number64(plant.random.mainSeed);
+  writer.number64(plant.random.selection.state());
+  writer.number64(plant.random.main.state());
+  writer.real(plant.random.normalCache);
+  writer.real(plant.random.normalCacheFlag);
+  writer.number64(plant.string.size());
+  for (const core::ModuleTypeId type : plant.string.types()) {
+    writer.number16(type);
+  }
+  writer.reals(plant.string.parameters());
+  return writer;
+}
+
+derivation::PlantState readPlant(ByteReader& reader) {
+  derivation::PlantState plant;
+  plant.step = reader.number64();
+  plant.derivationLength = reader.number64();
+  plant.isStopped = reader.flag();
+  plant.statics = reader.reals();
+  plant.instances.resize(reader.count(21));
+  for (derivation::InstanceState& instance : plant.instances) {
+    instance.system = reader.number32();
+    instance.hasStarted = reader.flag();
+    instance.variables = reader.reals();
+    instance.elements = reader.reals();
+  }
+  plant.random.seed = reader.number64();
+  plant.random.mainSeed = reader.number64();
+  plant.random.selection.setState(reader.number64());
+  plant.random.main.setState(reader.number64());
+  plant.random.normalCache = reader.real();
+  plant.random.normalCacheFlag = reader.real();
+  plant.string.typeBuffer().resize(reader.count(2));
+  for (core::ModuleTypeId& type : plant.string.typeBuffer().span()) {
+    type = reader.number16();
+  }
+  plant.string.parameterBuffer().resize(reader.count(8));
+  for (double& parameter : plant.string.parameterBuffer().span()) {
+    parameter = reader.real();
+  }
+  return plant;
+}
+
+ByteWriter pendingSection(const SnapshotContent& content) {
+  ByteWriter writer;
+  writer.flag(content.isAnswered);
+  writer.flag(content.hasReplies);
+  writer.flag(content.hasTicked);
+  writer.reals(content.replies.values);
+  writer.number64(content.replies.isSet.size());
+  for (const std::uint8_t isSet : content.replies.isSet) {
+    writer.byte(isSet);
+  }
+  writer.number64(content.replies.answeredCount);
+  writer.number64(content.replies.surplusCount);
+  return writer;
+}
+
+void readPending(ByteReader& reader, SnapshotContent& content) {
+  content.isAnswered = reader.flag();
+  content.hasReplies = reader.flag();
+  content.hasTicked = reader.flag();
+  content.replies.values = reader.reals();
+  content.replies.isSet.resize(reader.count(1));
+  for (std::uint8_t& isSet : content.replies.isSet) {
+    isSet = reader.byte();
+  }
+  content.replies.answeredCount = reader.number64();
+  content.replies.surplusCount = reader.number64();
+}
+
+// a sink that hashes what it passes on
+class HashingSink {
+ public:
+  explicit HashingSink(core::ByteSink& sink) : sink_(&sink) {}
+  void write(std::string_view bytes) {
+    hasher_.bytes(bytes);
+    sink_->write(bytes);
+  }
+  void writeSection(Section tag, const ByteWriter& body) {
+    ByteWriter head;
+    head.number32(static_cast<std::uint32_t>(tag));
+    head.number64(body.bytes().size());
+    write(head.bytes());
+    write(body.bytes());
+  }
+  [[nodiscard]] std::uint64_t hash() const { return hasher_.value(); }
+
+ private:
+  core::ByteSink* sink_;
+  core::Hasher hasher_;
+};
+
+core::SimulationError cutOff() {
+  return snapshotError("The snapshot is cut off: it ends in the middle of a section. Use a complete copy of the file.");
+}
+
+core::SimulationError damaged() {
+  return snapshotError("The snapshot is damaged: its checksum does not agree with its content. Use an intact copy.");
+}
+
+}  // namespace
+
+core::SimulationError snapshotError(std::string message) {
+  core::SimulationError error;
+  error.code = core::SimulationErrorCode::Snapshot;
+  error.message = std::move(message);
+  return error;
+}
+
+void writeSnapshot(const SnapshotContent& content, core::ByteSink& sink) {
+  HashingSink hashing(sink);
+  ByteWriter head;
+  head.raw(kSnapshotMagic);
+  head.number32(kSnapshotVersion);
+  hashing.write(head.bytes());
+  hashing.writeSection(Section::Model, modelSection(content));
+  hashing.writeSection(Section::Run, runSection(content));
+  hashing.writeSection(Section::Types, typesSection(content));
+  for (const derivation::PlantState& plant : content.plants) {
+    hashing.writeSection(Section::Plant, plantSection(plant));
+  }
+  ByteWriter environment;
+  environment.text(content.environmentState);
+  hashing.writeSection(Section::Environment, environment);
+  hashing.writeSection(Section::Pending, pendingSection(content));
+  hashing.writeSection(Section::End, ByteWriter());
+  ByteWriter checksum;
+  checksum.number64(hashing.hash());
+  sink.write(checksum.bytes());
+}
+
+std::variant<SnapshotContent, core::SimulationError> readSnapshot(std::string_view snapshot, bool headOnly) {
+  // magic and version, before anything else is believed
+  if (!snapshot.starts_with(kSnapshotMagic)) {
+    const bool isBeginning = !snapshot.empty() && kSnapshotMagic.starts_with(snapshot);
+    return isBeginning ? cutOff()
+                       : snapshotError("This is not a snapshot: it does not begin with '" + std::string(kSnapshotMagic) +
+                                       "'. Snapshots are made with 'espalier run MODEL.l -o NAME.snapshot'.");
+  }
+  ByteReader reader(snapshot.substr(kSnapshotMagic.size()));
+  const std::uint32_t version = reader.number32();
+  if (reader.hasFailed()) {
+    return cutOff();
+  }
+  if (version == 0 || version > kSnapshotVersion) {
+    return snapshotError("The snapshot has version " + std::to_string(version) + "; this Espalier reads versions 1 to " +
+                         std::to_string(kSnapshotVersion) + ". Use the Espalier that made it, or a newer one.");
+  }
+  // sections until the end, then the checksum
+  SnapshotContent content;
+  bool hasEnded = false;
+  std::array<bool, 4> isPresent{};
+  while (!hasEnded) {
+    const std::uint32_t tag = reader.number32();
+    ByteReader section(reader.raw(reader.number64()));
+    if (reader.hasFailed()) {
+      return cutOff();
+    }
+    switch (static_cast<Section>(tag)) {
+      case Section::Model:
+        readModel(section, content);
+        isPresent[0] = true;
+        break;
+      case Section::Run:
+        readRun(section, content);
+        isPresent[1] = true;
+        break;
+      case Section::Types:
+        readTypes(section, content);
+        isPresent[2] = true;
+        break;
+      case Section::Plant:
+        if (!headOnly) {
+          content.plants.push_back(readPlant(section));
+        }
+        break;
+      case Section::Environment:
+        if (!headOnly) {
+          content.environmentState = section.text();
+        }
+        break;
+      case Section::Pending:
+        if (!headOnly) {
+          readPending(section, content);
+        }
+        isPresent[3] = true;
+        break;
+      case Section::End:
+        hasEnded = true;
+        break;
+      default:
+        break;
+    }
+    if (section.hasFailed()) {
+      return damaged();
+    }
+  }
+  const std::size_t hashedBytes = snapshot.size() - reader.remaining();
+  const std::uint64_t checksum = reader.number64();
+  if (reader.hasFailed()) {
+    return cutOff();
+  }
+  core::Hasher hasher;
+  hasher.bytes(snapshot.substr(0, hashedBytes));
+  const bool isWhole = isPresent[0] && isPresent[1] && isPresent[2] && isPresent[3];
+  const bool hasPlants = headOnly || content.plants.size() == content.placements.size();
+  if (hasher.value() != checksum || reader.remaining() != 0 || !isWhole || !hasPlants) {
+    return damaged();
+  }
+  return content;
+}
+
+std::string adoptProgram(SnapshotContent& content, const language::Program& program) {
+  if (content.programHash != program.hash || content.compatibility != program.compatibility) {
+    return "The snapshot was made with another model, other definitions or in another mode than '" + program.modelFile +
+           "'. Resume it without naming a model, or with the files it was made with.";
+  }
+  constexpr const char* kForeign =
+      "The snapshot does not fit the model although their sources agree. It was made by another build of Espalier.";
+  if (content.replies.values.size() != content.replies.isSet.size()) {
+    return kForeign;
+  }
+  // module types by name and arity: another build may number them otherwise
+  std::vector<core::ModuleTypeId> typeOf(content.types.size(), core::kNoModuleType);
+  for (std::size_t i = 0; i < typeOf.size(); ++i) {
+    typeOf[i] = program.findType(content.types[i].first, content.types[i].second);
+  }
+  for (derivation::PlantState& plant : content.plants) {
+    std::uint64_t parameterCount = 0;
+    for (core::ModuleTypeId& type : plant.string.typeBuffer().span()) {
+      if (type >= typeOf.size() || typeOf[type] == core::kNoModuleType) {
+        return kForeign;
+      }
+      type = typeOf[type];
+      parameterCount += program.arity[type];
+    }
+    if (parameterCount != plant.string.parameterCount() || plant.statics.size() != program.staticCount ||
+        plant.instances.empty()) {
+      return kForeign;
+    }
+    for (const derivation::InstanceState& instance : plant.instances) {
+      if (instance.system >= program.systems.size()) {
+        return kForeign;
+      }
+      const language::LSystem& system = program.systems[instance.system];
+      const bool isEmpty = instance.variables.empty() && instance.elements.empty();
+      if (!isEmpty && (instance.variables.size() != system.variables.size() ||
+                       instance.elements.size() != system.arrayElementCount)) {
+        return kForeign;
+      }
+    }
+  }
+  return {};
+}
+
+}  // namespace espalier::simulation

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "engine/core/simulation_error.h"
+#include "engine/core/streams.h"
+#include "engine/derivation/plant_state.h"
+#include "engine/language/program.h"
+#include "engine/turtle/environment_process.h"
+#include "engine/turtle/interpreter.h"
+
+namespace espalier::simulation {
+
+/// Everything in a snapshot, as plain data. The layout of the bytes is in README.md.
+struct SnapshotContent {
+  // the model
+  std::string modelFile;
+  std::string viewFile;
+  core::Compatibility compatibility = core::Compatibility::Espalier;
+  std::vector<std::pair<std::string, std::string>> defines;
+  std::vector<std::pair<std::string, std::string>> sources;  // name, text
+  std::uint64_t programHash = 0;
+  // the run
+  std::string name;
+  std::uint64_t seed = 0;
+  bool hasSeed = false;
+  std::uint64_t derivationLength = 0;
+  std::uint64_t completedSteps = 0;
+  std::vector<turtle::PlantPlacement> placements;
+  // module types of the strings: name and arity
+  std::vector<std::pair<std::string, std::uint16_t>> types;
+  // the state after the last completed step
+  std::vector<derivation::PlantState> plants;
+  // the environment
+  std::string environmentName;  // empty: none
+  std::string environmentState;
+  // the step that is under way
+  bool isAnswered = false;  // the strings held the replies when the snapshot was made
+  bool hasReplies = false;
+  bool hasTicked = false;
+  turtle::ReplyBatch replies;
+};
+
+/// Writes a snapshot in pieces, the checksum last.
+void writeSnapshot(const SnapshotContent& content, core::ByteSink& sink);
+
+/// Reads a snapshot. With `headOnly` the plants, the environment's state and the replies are left out. Errors name what is
+/// wrong: not a snapshot, a newer version, cut off, damaged. Nothing of the content is checked against a Program here.
+[[nodiscard]] std::variant<SnapshotContent, core::SimulationError> readSnapshot(std::string_view snapshot, bool headOnly);
+
+/// Checks a content against the Program it is to run with and turns its types into the Program's. An error sentence, or
+/// an empty string.
+[[nodiscard]] std::string adoptProgram(SnapshotContent& content, const language::Program& program);
+
+/// A SimulationError of code Snapshot.
+[[nodiscard]] core::SimulationError snapshotError(std::string message);
+
+}  // namespace espalier::simulation
