@@ -64,8 +64,8 @@ class BrickedGrid {
   std::int64_t size_ = 0;
   std::int64_t bricksPerSide_ = 0;
   std::vector<std::uint32_t> brickOf_;  // brick number + 1 by place, 0: none (bricksPerSide^3)
-  std::vector<std::array<T, static_cast<std::size_t>(kSide * kSide * kSide)>> bricks_;
-  std::vector<std::size_t> used_;       // places with a brick, in the order of first use
+  std::vector<std::array<T, static_cast<std::size_t>(kSide* kSide* kSide)>> bricks_;
+  std::vector<std::size_t> used_;  // places with a brick, in the order of first use
 };
 
 }  // namespace espalier::environment

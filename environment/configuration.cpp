@@ -50,9 +50,12 @@ std::string countText(const ConfigurationKey& key) {
 
 std::string expectedText(const ConfigurationKey& key) {
   switch (key.kind) {
-    case KeyKind::Number: return "a number";
-    case KeyKind::Integer: return "a whole number";
-    case KeyKind::Boolean: return "true or false";
+    case KeyKind::Number:
+      return "a number";
+    case KeyKind::Integer:
+      return "a whole number";
+    case KeyKind::Boolean:
+      return "true or false";
     case KeyKind::Choice: {
       std::string text = "one of";
       for (const std::string_view choice : key.choices) {
@@ -60,22 +63,31 @@ std::string expectedText(const ConfigurationKey& key) {
       }
       return text;
     }
-    case KeyKind::Text: return "a text";
-    case KeyKind::Numbers: return "a list of " + countText(key);
-    case KeyKind::Rows: return "a list of lists of " + countText(key);
+    case KeyKind::Text:
+      return "a text";
+    case KeyKind::Numbers:
+      return "a list of " + countText(key);
+    case KeyKind::Rows:
+      return "a list of lists of " + countText(key);
   }
   return {};
 }
 
 json defaultJson(const ConfigurationKey& key) {
   switch (key.kind) {
-    case KeyKind::Number: return key.defaultNumber;
-    case KeyKind::Integer: return static_cast<std::int64_t>(key.defaultNumber);
-    case KeyKind::Boolean: return key.defaultNumber != 0.0;
+    case KeyKind::Number:
+      return key.defaultNumber;
+    case KeyKind::Integer:
+      return static_cast<std::int64_t>(key.defaultNumber);
+    case KeyKind::Boolean:
+      return key.defaultNumber != 0.0;
     case KeyKind::Choice:
-    case KeyKind::Text: return std::string(key.defaultText);
-    case KeyKind::Numbers: return std::vector<double>(key.defaultNumbers.begin(), key.defaultNumbers.end());
-    case KeyKind::Rows: return json::array();
+    case KeyKind::Text:
+      return std::string(key.defaultText);
+    case KeyKind::Numbers:
+      return std::vector<double>(key.defaultNumbers.begin(), key.defaultNumbers.end());
+    case KeyKind::Rows:
+      return json::array();
   }
   return nullptr;
 }
@@ -220,7 +232,8 @@ class ConfigurationReader {
         auto numbers = readNumbers(key, path, value);
         return numbers ? std::optional<ConfigurationValue>(std::move(*numbers)) : std::nullopt;
       }
-      case KeyKind::Rows: return readRows(key, value);
+      case KeyKind::Rows:
+        return readRows(key, value);
     }
     addWrongType(key, path, expectedText(key), value);
     return std::nullopt;
@@ -228,13 +241,18 @@ class ConfigurationReader {
 
   ConfigurationValue readDefault(const ConfigurationKey& key) {
     switch (key.kind) {
-      case KeyKind::Boolean: return key.defaultNumber != 0.0;
+      case KeyKind::Boolean:
+        return key.defaultNumber != 0.0;
       case KeyKind::Choice:
-      case KeyKind::Text: return std::string(key.defaultText);
-      case KeyKind::Numbers: return std::vector<double>(key.defaultNumbers.begin(), key.defaultNumbers.end());
-      case KeyKind::Rows: return ConfigurationRows{};
+      case KeyKind::Text:
+        return std::string(key.defaultText);
+      case KeyKind::Numbers:
+        return std::vector<double>(key.defaultNumbers.begin(), key.defaultNumbers.end());
+      case KeyKind::Rows:
+        return ConfigurationRows{};
       case KeyKind::Number:
-      case KeyKind::Integer: break;
+      case KeyKind::Integer:
+        break;
     }
     return key.defaultNumber;
   }
@@ -271,8 +289,12 @@ json keySchema(const ConfigurationKey& key) {
   json schema;
   switch (key.kind) {
     case KeyKind::Number:
-    case KeyKind::Integer: schema = numberSchema(key); break;
-    case KeyKind::Boolean: schema = {{"type", "boolean"}}; break;
+    case KeyKind::Integer:
+      schema = numberSchema(key);
+      break;
+    case KeyKind::Boolean:
+      schema = {{"type", "boolean"}};
+      break;
     case KeyKind::Choice: {
       json choices = json::array();
       for (const std::string_view choice : key.choices) {
@@ -281,9 +303,15 @@ json keySchema(const ConfigurationKey& key) {
       schema = {{"enum", choices}};
       break;
     }
-    case KeyKind::Text: schema = {{"type", "string"}}; break;
-    case KeyKind::Numbers: schema = listSchema(key); break;
-    case KeyKind::Rows: schema = {{"type", "array"}, {"items", listSchema(key)}}; break;
+    case KeyKind::Text:
+      schema = {{"type", "string"}};
+      break;
+    case KeyKind::Numbers:
+      schema = listSchema(key);
+      break;
+    case KeyKind::Rows:
+      schema = {{"type", "array"}, {"items", listSchema(key)}};
+      break;
   }
   schema["description"] = std::string(key.description) + ".";
   schema["default"] = defaultJson(key);
@@ -301,9 +329,15 @@ const ConfigurationValue& find(const ConfigurationValues& values, std::string_vi
 
 }  // namespace
 
-double Configuration::number(std::string_view key) const { return std::get<double>(find(values_, key)); }
-std::int64_t Configuration::integer(std::string_view key) const { return static_cast<std::int64_t>(number(key)); }
-bool Configuration::flag(std::string_view key) const { return std::get<bool>(find(values_, key)); }
+double Configuration::number(std::string_view key) const {
+  return std::get<double>(find(values_, key));
+}
+std::int64_t Configuration::integer(std::string_view key) const {
+  return static_cast<std::int64_t>(number(key));
+}
+bool Configuration::flag(std::string_view key) const {
+  return std::get<bool>(find(values_, key));
+}
 const std::string& Configuration::text(std::string_view key) const {
   return std::get<std::string>(find(values_, key));
 }

@@ -28,16 +28,16 @@ enum class KeyKind : std::uint8_t {
 struct ConfigurationKey {
   std::string_view name;
   KeyKind kind = KeyKind::Number;
-  std::string_view description;                                  // one sentence without a final full stop
-  std::string_view unit = "1";                                   // "length": the world's length unit
-  double minimum = -std::numeric_limits<double>::infinity();     // of every number
+  std::string_view description;                               // one sentence without a final full stop
+  std::string_view unit = "1";                                // "length": the world's length unit
+  double minimum = -std::numeric_limits<double>::infinity();  // of every number
   double maximum = std::numeric_limits<double>::infinity();
   bool isMinimumExclusive = false;
-  double defaultNumber = 0.0;                                    // Number, Integer; Boolean: not 0 is true
-  std::string_view defaultText{};                                // Choice, Text
-  std::span<const double> defaultNumbers{};                      // Numbers
-  std::span<const std::string_view> choices{};                   // Choice
-  std::size_t minimumCount = 0;                                  // Numbers: of the list; Rows: of each row
+  double defaultNumber = 0.0;                   // Number, Integer; Boolean: not 0 is true
+  std::string_view defaultText{};               // Choice, Text
+  std::span<const double> defaultNumbers{};     // Numbers
+  std::span<const std::string_view> choices{};  // Choice
+  std::size_t minimumCount = 0;                 // Numbers: of the list; Rows: of each row
   std::size_t maximumCount = std::numeric_limits<std::size_t>::max();
 };
 

@@ -38,8 +38,8 @@ class Constant final : public turtle::EnvironmentProcess {
                                                              turtle::ReplyBatch& replies) override {
     for (std::size_t query = 0; query < queries.size(); ++query) {
       // a query with fewer parameters takes the first ones; that is not a surplus worth a warning
-      const std::size_t count = std::min(values_.size(), queries.parameterOffset[query + 1] -
-                                                             queries.parameterOffset[query]);
+      const std::size_t count =
+          std::min(values_.size(), queries.parameterOffset[query + 1] - queries.parameterOffset[query]);
       for (std::size_t k = 0; k < count; ++k) {
         replies.set(queries, query, k, values_[k]);
       }

@@ -176,8 +176,8 @@ class EnvironmentSet final : public turtle::EnvironmentProcess {
   }
 
   [[nodiscard]] EnvironmentError unknownName(const std::string& name) const {
-    std::string message = "No environment process is named '" + name + "', but the model asks ?" + name +
-                          "(...). Available: ";
+    std::string message =
+        "No environment process is named '" + name + "', but the model asks ?" + name + "(...). Available: ";
     for (const Member& member : members_) {
       message += (&member == &members_.front() ? "" : ", ") + member.name;
     }
@@ -215,8 +215,8 @@ class EnvironmentSet final : public turtle::EnvironmentProcess {
     for (Member& member : members_) {
       order.push_back(&member);
     }
-    const auto firstStateful = std::stable_partition(
-        order.begin(), order.end(), [](const Member* member) { return !member->isStateful; });
+    const auto firstStateful =
+        std::stable_partition(order.begin(), order.end(), [](const Member* member) { return !member->isStateful; });
     std::vector<std::string> before;
     for (auto member = order.begin(); member != order.end(); ++member) {
       if (member >= firstStateful && member + 1 != order.end()) {
@@ -233,8 +233,8 @@ class EnvironmentSet final : public turtle::EnvironmentProcess {
   }
 
   std::vector<Member> members_;
-  std::vector<std::string> symbols_;          // names by SymbolId
-  std::vector<std::size_t> memberOfSymbol_;   // by SymbolId; kNoMember: no process has this name
+  std::vector<std::string> symbols_;         // names by SymbolId
+  std::vector<std::size_t> memberOfSymbol_;  // by SymbolId; kNoMember: no process has this name
 };
 
 }  // namespace

@@ -17,17 +17,17 @@ using core::SourceLocation;
 
 /// What an `.e` file says.
 struct FieldFile {
-  std::string program;            // without its folder
-  std::string specification;      // file name, beside the `.e` file; empty: none
-  SourceLocation executable;      // of the program's name
+  std::string program;        // without its folder
+  std::string specification;  // file name, beside the `.e` file; empty: none
+  SourceLocation executable;  // of the program's name
   TurtleFormats formats;
 };
 
 /// Where the value of a line stands.
 SourceLocation valueLocation(const FieldLine& line) {
   SourceLocation location = line.location;
-  const std::size_t at = line.value.empty() ? std::string::npos
-                                            : location.lineText.find(line.value, line.keyword.size() + 1);
+  const std::size_t at =
+      line.value.empty() ? std::string::npos : location.lineText.find(line.value, line.keyword.size() + 1);
   if (at != std::string::npos) {
     location.column = static_cast<std::uint32_t>(at + 1);
     location.length = static_cast<std::uint32_t>(line.value.size());
@@ -50,9 +50,9 @@ class FieldFileReader {
       location.file = file;
       location.line = 1;
       location.column = 1;
-      errors_.push_back({Severity::Error, "the environment file names no program", location,
-                         "expected a line like 'executable: honda81 -e " + file.substr(file.rfind('/') + 1) +
-                             " honda.spec'"});
+      errors_.push_back(
+          {Severity::Error, "the environment file names no program", location,
+           "expected a line like 'executable: honda81 -e " + file.substr(file.rfind('/') + 1) + " honda.spec'"});
     }
     return std::move(field_);
   }
@@ -60,9 +60,10 @@ class FieldFileReader {
  private:
   void readLine(const FieldLine& line) {
     static const std::vector<std::string_view> kKeywords{
-        "executable",      "communication type", "turtle position",     "turtle heading",   "turtle left",
-        "turtle up",       "turtle line width",  "turtle scale factor", "following module", "interpreted modules",
-        "when interpret",  "verbose",            "remote host",         "strings only",     "binary data"};
+        "executable",       "communication type",  "turtle position",   "turtle heading",
+        "turtle left",      "turtle up",           "turtle line width", "turtle scale factor",
+        "following module", "interpreted modules", "when interpret",    "verbose",
+        "remote host",      "strings only",        "binary data"};
     const std::string& keyword = line.keyword;
     if (keyword == "executable") {
       readExecutable(line);
@@ -132,8 +133,10 @@ class FieldFileReader {
     }
     const auto& read = std::get<TurtleFormat>(format);
     if (read.conversionCount() < count) {
-      warn(valueLocation(line), "'" + line.keyword + "' sends " + std::to_string(read.conversionCount()) + " of " +
-                                    std::to_string(count) + " numbers: the others arrive as 0", {});
+      warn(valueLocation(line),
+           "'" + line.keyword + "' sends " + std::to_string(read.conversionCount()) + " of " + std::to_string(count) +
+               " numbers: the others arrive as 0",
+           {});
     }
     return read;
   }
@@ -206,9 +209,10 @@ class SpecificationReader {
       return;
     }
     if (numbers.size() > keyword.count || !rest.empty()) {
-      warn(valueLocation(line), "'" + line.keyword + "': what follows the first " +
-                                    (keyword.count == 1 ? "number" : std::to_string(keyword.count) + " numbers") +
-                                    " is ignored", {});
+      warn(valueLocation(line),
+           "'" + line.keyword + "': what follows the first " +
+               (keyword.count == 1 ? "number" : std::to_string(keyword.count) + " numbers") + " is ignored",
+           {});
       numbers.resize(std::min(numbers.size(), keyword.count));
     }
     if (keyword.kind == FieldKind::Number) {
@@ -244,8 +248,8 @@ void makeCompatible(const ProcessEntry& process, ConfigurationValues& values) {
 
 }  // namespace
 
-ProcessOrErrors makeFromFieldFile(const std::string& file, core::FileProvider& files,
-                                  core::Compatibility compatibility, std::vector<Diagnostic>& warnings) {
+ProcessOrErrors makeFromFieldFile(const std::string& file, core::FileProvider& files, core::Compatibility compatibility,
+                                  std::vector<Diagnostic>& warnings) {
   const auto text = files.read(file);
   if (!text) {
     Diagnostic diagnostic;
@@ -282,8 +286,7 @@ ProcessOrErrors makeFromFieldFile(const std::string& file, core::FileProvider& f
   }
 
   // the same checks as for any configuration; errors point at the line of the specification
-  auto configuration =
-      readConfiguration(process->name, process->keys, writeConfiguration(specification.values));
+  auto configuration = readConfiguration(process->name, process->keys, writeConfiguration(specification.values));
   if (auto* wrong = std::get_if<std::vector<ConfigurationError>>(&configuration)) {
     for (ConfigurationError& error : *wrong) {
       const auto location = specification.locations.find(error.key);

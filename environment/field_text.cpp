@@ -23,8 +23,8 @@ core::Diagnostic warning(const core::SourceLocation& location, std::string messa
   return {core::Severity::Warning, std::move(message), location, std::move(hint)};
 }
 
-core::SourceLocation locationOf(const std::string& file, std::uint32_t line, std::string_view text,
-                                std::size_t column, std::size_t length) {
+core::SourceLocation locationOf(const std::string& file, std::uint32_t line, std::string_view text, std::size_t column,
+                                std::size_t length) {
   core::SourceLocation location;
   location.file = file;
   location.line = line;
@@ -63,15 +63,16 @@ std::vector<FieldLine> readFieldLines(const std::string& file, std::string_view 
       lines.back().data.emplace_back(content);
       continue;
     }
-    const std::size_t separator =
-        syntax == FieldSyntax::Environment ? line.find_first_of("\t:") : line.find(':');
+    const std::size_t separator = syntax == FieldSyntax::Environment ? line.find_first_of("\t:") : line.find(':');
     if (separator == std::string_view::npos) {
       warnings.push_back(warning(locationOf(file, number, line, 0, line.size()), "line without a keyword is ignored",
                                  "expected 'keyword: values'"));
       continue;
     }
-    lines.push_back({std::string(line.substr(0, separator)), std::string(trimmed(line.substr(separator + 1))),
-                     locationOf(file, number, line, 0, separator), {}});
+    lines.push_back({std::string(line.substr(0, separator)),
+                     std::string(trimmed(line.substr(separator + 1))),
+                     locationOf(file, number, line, 0, separator),
+                     {}});
   }
   return lines;
 }

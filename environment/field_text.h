@@ -11,10 +11,10 @@ namespace espalier::environment {
 
 /// One line `keyword: value` of the field's environment (`.e`) and specification files, with the data lines below it.
 struct FieldLine {
-  std::string keyword;                // before the separator, exactly as written
-  std::string value;                  // after it, without blanks at the ends
-  core::SourceLocation location;      // of the keyword
-  std::vector<std::string> data;      // further lines that begin with a number, as they are (an array's rows)
+  std::string keyword;            // before the separator, exactly as written
+  std::string value;              // after it, without blanks at the ends
+  core::SourceLocation location;  // of the keyword
+  std::vector<std::string> data;  // further lines that begin with a number, as they are (an array's rows)
 };
 
 /// What ends the keyword of a line.

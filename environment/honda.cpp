@@ -99,8 +99,8 @@ class Honda final : public turtle::EnvironmentProcess {
   }
 
   void blockWithinRadius(const turtle::QueryBatch& queries, turtle::ReplyBatch& replies) const {
-    // the diagonal of a cell is just below the radius: members of a cell collide, so at most the strongest of each group
-    // has to look around, and whatever is within the radius is at most two cells away in each direction
+    // the diagonal of a cell is just below the radius: members of a cell collide, so at most the strongest of each
+    // group has to look around, and whatever is within the radius is at most two cells away in each direction
     const double diagonal = isThreeDimensional_ ? 1.73205080756887719 : 1.41421356237309515;
     SpatialCells cells(positions_, radius_ / diagonal * (1.0 - 1e-9));
     sortMembers(cells);
@@ -111,7 +111,8 @@ class Honda final : public turtle::EnvironmentProcess {
     }
   }
 
-  /// Radius 0: tips sorted by group and point, the strongest first; in a run of equal points only a single strongest grows.
+  /// Radius 0: tips sorted by group and point, the strongest first; in a run of equal points only a single strongest
+  /// grows.
   void blockAtSamePoint(const turtle::QueryBatch& queries, turtle::ReplyBatch& replies) const {
     std::vector<std::uint32_t> order(queries.size());
     std::iota(order.begin(), order.end(), 0U);
@@ -171,8 +172,7 @@ class Honda final : public turtle::EnvironmentProcess {
       for (std::int64_t dy = -reachY; dy <= reachY; ++dy) {
         for (std::int64_t dz = -2; dz <= 2; ++dz) {
           const std::size_t neighbour = cells.find({centre.x + dx, centre.y + dy, centre.z + dz});
-          if (neighbour != SpatialCells::kNone && neighbour != ownCell &&
-              isBlockedBy(cells.pointsIn(neighbour), tip)) {
+          if (neighbour != SpatialCells::kNone && neighbour != ownCell && isBlockedBy(cells.pointsIn(neighbour), tip)) {
             return true;
           }
         }

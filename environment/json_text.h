@@ -11,8 +11,8 @@
 
 namespace espalier::environment {
 
-/// Parses JSON text. On failure a Diagnostic at line and column of the text (called `file`) whose message is "is not valid
-/// JSON: ..." or "has the key 'radius' twice", for the caller to complete. O(text).
+/// Parses JSON text. On failure a Diagnostic at line and column of the text (called `file`) whose message is "is not
+/// valid JSON: ..." or "has the key 'radius' twice", for the caller to complete. O(text).
 [[nodiscard]] std::variant<nlohmann::json, core::Diagnostic> parseJson(std::string_view text, const std::string& file);
 
 /// What a value is, for "found ...": "the text 'big'", "a list", "true", "the number 2.5", ...

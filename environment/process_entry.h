@@ -21,7 +21,7 @@ enum class FieldKind : std::uint8_t {
 struct FieldKeyword {
   std::string_view keyword;  // exactly as in the file, without the colon
   FieldKind kind = FieldKind::Number;
-  std::string_view key;      // of the configuration
+  std::string_view key;  // of the configuration
   std::size_t count = 1;
   std::span<const std::string_view> onWords{};
 };

@@ -50,10 +50,9 @@ void selectQueries(const turtle::QueryBatch& whole, std::span<const std::size_t>
     }
   }
 
-  part.followingOffset.clear();
+  part.followingOffset.assign(1, 0);
   part.followingParameters.clear();
-  if (!whole.followingOffset.empty()) {
-    part.followingOffset.push_back(0);
+  if (whole.followingOffset.size() == whole.size() + 1) {
     for (const std::size_t query : chosen) {
       const auto parameters = whole.followingParametersOf(query);
       part.followingParameters.insert(part.followingParameters.end(), parameters.begin(), parameters.end());

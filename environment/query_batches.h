@@ -8,8 +8,9 @@
 
 namespace espalier::environment {
 
-/// Replaces `part` by the chosen queries of `whole`, in the given order. Parameters before `firstParameter` are left out;
-/// a query with fewer has none. Arrays that are empty in `whole` are empty in `part`. O(chosen queries + parameters).
+/// Replaces `part` by the chosen queries of `whole`, in the given order. Parameters before `firstParameter` are left
+/// out; a query with fewer has none. Arrays that are empty in `whole` are empty in `part`. O(chosen queries +
+/// parameters).
 void selectQueries(const turtle::QueryBatch& whole, std::span<const std::size_t> chosen, std::size_t firstParameter,
                    turtle::QueryBatch& part);
 

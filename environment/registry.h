@@ -22,15 +22,17 @@ using ProcessOrErrors = std::variant<std::unique_ptr<turtle::EnvironmentProcess>
 /// JSON Schema (as text) of a process's configuration; empty for an unknown name.
 [[nodiscard]] std::string configurationSchema(std::string_view name);
 
-/// Makes a process from its JSON configuration (text of an object; empty: all defaults). Unknown name: "environment process
-/// 'chibba' is unknown. Did you mean 'chiba'? Available: ...". Unknown keys and wrong types are errors with the key's path
-/// and the nearest key. A list of processes is several environments: `[{"type":"honda","radius":0.5}]` (see makeEnvironment).
+/// Makes a process from its JSON configuration (text of an object; empty: all defaults). Unknown name: "environment
+/// process 'chibba' is unknown. Did you mean 'chiba'? Available: ...". Unknown keys and wrong types are errors with the
+/// key's path and the nearest key. A list of processes is several environments: `[{"type":"honda","radius":0.5}]` (see
+/// makeEnvironment).
 [[nodiscard]] ProcessOrErrors makeProcess(std::string_view name, std::string_view configurationJson);
 
-/// Makes an environment from the field's `.e` file: its program's name, its specification file (looked for beside it) and
-/// its turtle formats. In the compatible modes numbers are rounded through the text forms of the coupling
+/// Makes an environment from the field's `.e` file: its program's name, its specification file (looked for beside it)
+/// and its turtle formats. In the compatible modes numbers are rounded through the text forms of the coupling
 /// (ENVIRONMENTS §5); otherwise exchanged exactly. Warnings about ignored keywords go to `warnings`.
 [[nodiscard]] ProcessOrErrors makeFromFieldFile(const std::string& file, core::FileProvider& files,
-                                                core::Compatibility compatibility, std::vector<core::Diagnostic>& warnings);
+                                                core::Compatibility compatibility,
+                                                std::vector<core::Diagnostic>& warnings);
 
 }  // namespace espalier::environment

@@ -26,12 +26,13 @@ constexpr std::array kKeys{
                      .minimum = 2,
                      .maximum = 1000,
                      .defaultNumber = 201},
-    ConfigurationKey{.name = "gridSpan",
-                     .description = "half the extent of the grid: it covers -span to span across and 0 to 2 span upwards",
-                     .unit = "length",
-                     .minimum = 0.0,
-                     .isMinimumExclusive = true,
-                     .defaultNumber = 200},
+    ConfigurationKey{
+        .name = "gridSpan",
+        .description = "half the extent of the grid: it covers -span to span across and 0 to 2 span upwards",
+        .unit = "length",
+        .minimum = 0.0,
+        .isMinimumExclusive = true,
+        .defaultNumber = 200},
     ConfigurationKey{.name = "shadowSpread",
                      .description = "voxels by which the half-width of the pyramid grows per tier",
                      .minimum = 0.0,
@@ -100,8 +101,8 @@ constexpr Darkness kDark = Darkness{2000} << 40;
 
 /// The three directions of the grid: which world direction is up, and how world coordinates map to it and back.
 struct GridAxes {
-  int up = 1;          // index of the world axis along which the grid's y runs
-  double sign = 1.0;   // -1: up is the negative axis
+  int up = 1;         // index of the world axis along which the grid's y runs
+  double sign = 1.0;  // -1: up is the negative axis
 
   [[nodiscard]] Vec3 toGrid(const Vec3& p) const {
     if (up == 0) {
@@ -210,7 +211,8 @@ class Shadow final : public turtle::EnvironmentProcess {
     return {(p.x + span) / spacing_, p.y / spacing_, (p.z + span) / spacing_};
   }
 
-  /// The voxel nearest to a coordinate, half-way the one further from the grid's centre; far outside, some voxel outside.
+  /// The voxel nearest to a coordinate, half-way the one further from the grid's centre; far outside, some voxel
+  /// outside.
   [[nodiscard]] std::int64_t nearestVoxel(double coordinate) const {
     const double centre = static_cast<double>(parameters_.gridSize - 1) / 2.0;
     const double bounded = std::clamp(coordinate, -1e6, 1e6);
@@ -296,9 +298,9 @@ class Shadow final : public turtle::EnvironmentProcess {
   }
 
   ShadowParameters parameters_;
-  double spacing_;                     // between voxel centres
-  std::vector<Darkness> darknessOf_;   // of a shadow by squared distance in voxels
-  BrickedGrid<Darkness> grid_;         // x, y up, z
+  double spacing_;                    // between voxel centres
+  std::vector<Darkness> darknessOf_;  // of a shadow by squared distance in voxels
+  BrickedGrid<Darkness> grid_;        // x, y up, z
   GridAxes axes_;
   std::uint64_t seed_ = 0;
   std::string lengthUnit_ = "m";

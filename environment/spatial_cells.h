@@ -17,8 +17,8 @@ struct CellIndex {
   constexpr bool operator==(const CellIndex&) const = default;
 };
 
-/// Points sorted into cubic cells of one size, found by a hash of the cell's integer coordinates, so that the extent of the
-/// points costs nothing. Building is O(points); a look-up is O(1).
+/// Points sorted into cubic cells of one size, found by a hash of the cell's integer coordinates, so that the extent of
+/// the points costs nothing. Building is O(points); a look-up is O(1).
 class SpatialCells {
  public:
   /// `cellSize` > 0. Coordinates beyond 2^61 cells share the outermost cells.

@@ -13,14 +13,13 @@
 
 namespace espalier::environment {
 
-/// How one turtle item travels as text: a printf format with up to three conversions %f %F %e %E %g %G, with flags, width
-/// and precision, and any text around them. Text before the first conversion is skipped by the reader.
+/// How one turtle item travels as text: a printf format with up to three conversions %f %F %e %E %g %G, with flags,
+/// width and precision, and any text around them. Text before the first conversion is skipped by the reader.
 class TurtleFormat {
  public:
   /// Reads a format; a sentence that says what is wrong when a conversion is not one of the above or there is none.
   /// Conversions after the first `maximumCount` are dropped: no reader takes them.
-  [[nodiscard]] static std::variant<TurtleFormat, std::string> parse(std::string_view format,
-                                                                     std::size_t maximumCount);
+  [[nodiscard]] static std::variant<TurtleFormat, std::string> parse(std::string_view format, std::size_t maximumCount);
 
   /// The number that arrives when `value` is sent as number `k` of the item; 0 when the format has no such conversion.
   [[nodiscard]] double exchanged(std::size_t k, double value) const;
