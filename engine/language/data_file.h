@@ -11,8 +11,8 @@ namespace espalier::language {
 
 /// Bounds of what the readers of a model folder's files accept, so that a number in a file cannot ask for more memory than
 /// its text is worth by more than a fixed factor.
-inline constexpr std::size_t kMostPoints = 1'000'000;  // of one function, curve or contour, multiplicities counted
-inline constexpr int kMostSamples = 100'000;           // of one function or curve
+inline constexpr std::size_t kMostPoints = 100'000;  // of one function, curve or contour, multiplicities counted
+inline constexpr int kMostSamples = 10'000;            // of one function or curve
 
 /// A file that a view file names, while it is read.
 class DataFile {

@@ -161,7 +161,9 @@ std::string TextCursor::found() const {
 }
 
 void TextReport::warn(core::SourceRange range, std::string message, std::string hint) const {
-  diagnostics_->add({core::Severity::Warning, std::move(message), map_->locate(range), std::move(hint)});
+  // finding a line takes the length of the file: not for a warning that nobody will see
+  core::SourceLocation location = isFull() ? core::SourceLocation{} : map_->locate(range);
+  diagnostics_->add({core::Severity::Warning, std::move(message), std::move(location), std::move(hint)});
 }
 
 SourceMap plainSourceMap(std::string file, std::string text) {
@@ -169,14 +171,6 @@ SourceMap plainSourceMap(std::string file, std::string text) {
   map.files.push_back({std::move(file), std::move(text)});
   map.segments.push_back({});
   return map;
-}
-
-std::string fileBeside(std::string_view file, std::string_view name) {
-  const std::size_t slash = file.rfind('/');
-  if (slash == std::string_view::npos || name.starts_with('/')) {
-    return std::string(name);
-  }
-  return std::string(file.substr(0, slash + 1)) + std::string(name);
 }
 
 }  // namespace espalier::language

@@ -25,6 +25,10 @@ class TextCursor {
   [[nodiscard]] bool atLineEnd() const;
   [[nodiscard]] std::string_view rest() const { return text_.substr(position_ < text_.size() ? position_ : text_.size()); }
 
+  [[nodiscard]] std::string_view textBetween(std::size_t begin, std::size_t end) const {
+    return text_.substr(begin, end > begin ? end - begin : 0);
+  }
+
   /// Passes blanks, TABs and carriage returns.
   void skipBlanks();
   /// Passes blanks and newlines.
@@ -64,6 +68,8 @@ class TextReport {
   /// Both must outlive the object.
   TextReport(const SourceMap& map, core::DiagnosticList& diagnostics) : map_(&map), diagnostics_(&diagnostics) {}
   void warn(core::SourceRange range, std::string message, std::string hint = {}) const;
+  /// Whether further warnings are only counted, so that no work need be done for their text.
+  [[nodiscard]] bool isFull() const { return diagnostics_->warningCount() >= core::DiagnosticList::kLimit; }
 
  private:
   const SourceMap* map_;
@@ -72,8 +78,5 @@ class TextReport {
 
 /// The source map of a file that is not preprocessed.
 [[nodiscard]] SourceMap plainSourceMap(std::string file, std::string text);
-
-/// `name` beside `file`: joined to its folder unless it is absolute.
-[[nodiscard]] std::string fileBeside(std::string_view file, std::string_view name);
 
 }  // namespace espalier::language

@@ -31,6 +31,7 @@ struct ViewCommandContext {
     core::SourceRange range;
   };
   std::vector<NamedContour> contours{};
+  int openedFileCount = 0;
 
   [[nodiscard]] ViewSettings& settings() const { return result.settings; }
   [[nodiscard]] bool isCompatible() const { return compatibility != core::Compatibility::Espalier; }

@@ -32,6 +32,9 @@ std::string_view withoutColon(std::string_view label) {
 
 void warnUnknown(const TextReport& report, const ViewLexer::Label& label) {
   constexpr std::size_t kLongest = 40;
+  if (report.isFull()) {
+    return report.warn(label.range, {});
+  }
   std::string_view name = withoutColon(label.text);
   if (name.starts_with('\t') && findCommand(label.text.substr(label.text.find_first_not_of(" \t"))) != nullptr) {
     report.warn(label.range, "the line is skipped because a TAB stands before its label", "use blanks instead of the TAB");

@@ -10,6 +10,7 @@
 #include "engine/language/contour_file.h"
 #include "engine/language/curve_file.h"
 #include "engine/language/data_file.h"
+#include "engine/language/file_name.h"
 #include "engine/language/function_file.h"
 #include "engine/language/surface_file.h"
 #include "engine/language/view_commands.h"
@@ -23,12 +24,18 @@ using Context = ViewCommandContext;
 constexpr std::size_t kReferenceSurfaces = 14;
 constexpr std::size_t kReferenceTriangleSurfaces = 20;
 constexpr std::size_t kReferenceBlobs = 10;
+// so that a short file cannot ask for tables without end
+constexpr int kMostFiles = 1000;
 constexpr int kLastContour = 31;
 
 /// The file of a command beside the view file; nothing, with a warning that says the consequence, when it cannot be read.
 std::optional<DataFile> openFile(Context& c, core::SourceRange range, const std::string& name,
                                  const std::string& consequence) {
-  const std::string file = fileBeside(c.viewFile, name);
+  if (++c.openedFileCount > kMostFiles) {
+    c.report.warn(range, "more than " + std::to_string(kMostFiles) + " files in one view file; " + consequence);
+    return std::nullopt;
+  }
+  const std::string file = nameBeside(c.viewFile, name);
   std::optional<std::string> text = c.files.read(file);
   // places in a file are 32-bit numbers
   if (!text || text->size() >= std::numeric_limits<std::uint32_t>::max()) {

@@ -14,11 +14,13 @@ std::optional<ViewLexer::Label> ViewLexer::nextLabel() {
     return std::nullopt;
   }
   labelBegin_ = cursor_.position();
-  TextCursor after = cursor_;
-  std::string_view text = after.takeLine().rest();
-  const std::size_t colon = text.find(':');
-  if (colon != std::string_view::npos) {
-    text = text.substr(0, colon + 1);
+  const std::string_view rest = cursor_.rest();
+  const std::size_t end = rest.find_first_of(":\n");
+  std::string_view text = rest.substr(0, end);
+  if (end != std::string_view::npos && rest[end] == ':') {
+    text = rest.substr(0, end + 1);
+  } else if (text.ends_with('\r')) {
+    text.remove_suffix(1);
   }
   labelEnd_ = labelBegin_ + text.size();
   cursor_.setPosition(labelEnd_);
@@ -115,10 +117,8 @@ void ViewLexer::recover() {
 }
 
 core::SourceRange ViewLexer::commandRange() const {
-  TextCursor labelLine = cursor_;
-  labelLine.setPosition(labelBegin_);
-  const TextCursor line = labelLine.takeLine();
-  const std::size_t end = std::max(labelEnd_, std::min(cursor_.position(), labelBegin_ + line.rest().size()));
+  const std::string_view read = cursor_.textBetween(labelBegin_, cursor_.position());
+  const std::size_t end = std::max(labelEnd_, labelBegin_ + std::min(read.find('\n'), read.size()));
   return {static_cast<std::uint32_t>(labelBegin_), static_cast<std::uint32_t>(std::max(end, labelBegin_ + 1))};
 }
 
