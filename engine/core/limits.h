@@ -18,6 +18,7 @@ struct Limits {
   std::uint64_t maximumSourceBytes = 64'000'000;          // text after preprocessing
   std::uint32_t maximumIncludeDepth = 64;
   std::uint32_t maximumMacroDepth = 256;
+  std::uint64_t maximumArrayElements = 16'000'000;        // elements of all arrays of one L-system
   std::uint32_t maximumExpressionDepth = 1000;            // nesting in one expression or block
 };
 

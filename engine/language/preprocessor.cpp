@@ -125,6 +125,7 @@ class Preprocessor {
       result_.diagnostics.add({core::Severity::Error, "cannot read the file '" + input_.file + "'", {},
                                "check the name and that the file may be read"});
     }
+    result_.isComplete = file.has_value() && !hasStopped_;
     result_.sourceMap.files.assign(std::make_move_iterator(files_.begin()), std::make_move_iterator(files_.end()));
     return std::move(result_);
   }
@@ -132,7 +133,9 @@ class Preprocessor {
  private:
   void defineFromCaller(const std::string& name, const std::string& value, bool isFixed) {
     if (wordEnd(name, 0) != name.size() || name.empty() || !isIdentifierStart(name.front())) {
-      result_.diagnostics.add({core::Severity::Error, "'" + name + "' cannot be defined: it is not a macro name", {},
+      result_.diagnostics.add({isFixed ? core::Severity::Error : core::Severity::Warning,
+                               "'" + name + "' cannot be defined: it is not a macro name",
+                               {},
                                "a name consists of letters, digits and '_' and does not start with a digit"});
       return;
     }

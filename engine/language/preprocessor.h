@@ -22,6 +22,7 @@ struct PreprocessResult {
   std::string text;
   SourceMap sourceMap;
   core::DiagnosticList diagnostics;
+  bool isComplete = true;  // false: the file could not be read, or a limit ended the reading
 };
 
 /// A traditional C preprocessor: #define (also with arguments), #undef, #include, #if and its relatives, both comment

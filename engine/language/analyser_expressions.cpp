@@ -1,0 +1,344 @@
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "engine/language/analyser.h"
+#include "engine/language/arithmetic.h"
+
+namespace espalier::language {
+namespace {
+
+constexpr std::array<std::pair<std::string_view, Callee>, 6> kSpecialCalls{{{"printf", Callee::Print},
+                                                                            {"fopen", Callee::FileOpen},
+                                                                            {"fclose", Callee::FileClose},
+                                                                            {"fflush", Callee::FileFlush},
+                                                                            {"fprintf", Callee::FilePrint},
+                                                                            {"fscanf", Callee::FileScan}}};
+constexpr std::size_t kMostArguments = 1000;
+
+void addName(std::vector<NameSyntax>& names, const std::string& text, core::SourceRange range) {
+  if (std::none_of(names.begin(), names.end(), [&](const NameSyntax& known) { return known.text == text; })) {
+    names.push_back({text, range});
+  }
+}
+
+// the targets of fscanf anywhere in an expression
+void collectReferences(const ModelSyntax& model, ExpressionIndex expression, std::vector<NameSyntax>& names) {
+  if (expression == kNoExpression) {
+    return;
+  }
+  const ExpressionNode& node = model.expressions[expression];
+  for (const ExpressionIndex child : node.children) {
+    collectReferences(model, child, names);
+  }
+  if (node.kind == ExpressionKind::Reference && model.expressions[node.children[0]].kind == ExpressionKind::Name) {
+    addName(names, model.expressions[node.children[0]].text, model.expressions[node.children[0]].range);
+  }
+}
+
+void collectAssigned(const ModelSyntax& model, const std::vector<Statement>& statements, std::vector<NameSyntax>& names) {
+  for (const Statement& statement : statements) {
+    collectReferences(model, statement.value, names);
+    if (statement.kind == Statement::Kind::Assign && model.expressions[statement.target].kind == ExpressionKind::Name) {
+      addName(names, model.expressions[statement.target].text, model.expressions[statement.target].range);
+    }
+    collectAssigned(model, statement.body, names);
+    collectAssigned(model, statement.otherwise, names);
+  }
+}
+
+std::string joined(const std::vector<std::string_view>& names) {
+  std::string text;
+  for (const std::string_view name : names) {
+    text += (text.empty() ? "" : ", ") + std::string(name);
+  }
+  return text;
+}
+
+std::string count(std::size_t least, std::size_t most) {
+  const std::string number = least == most ? std::to_string(least) : std::to_string(least) + " to " + std::to_string(most);
+  return number + (most == 1 ? " argument" : " arguments");
+}
+
+}  // namespace
+
+std::vector<NameSyntax> assignedNames(const ModelSyntax& model, const std::vector<Statement>& statements) {
+  std::vector<NameSyntax> names;
+  collectAssigned(model, statements, names);
+  return names;
+}
+
+// ---- statements
+
+void Analyser::resolveBlock(Block& block, Scope& scope, std::string_view place) {
+  place_ = place;
+  resolveStatements(block.statements, scope);
+}
+
+void Analyser::resolveStatements(std::vector<Statement>& statements, Scope& scope) {
+  for (Statement& statement : statements) {
+    resolve(statement.value, scope);
+    if (statement.kind == Statement::Kind::Assign) {
+      resolve(statement.target, scope);
+    }
+    resolveStatements(statement.body, scope);
+    resolveStatements(statement.otherwise, scope);
+  }
+}
+
+void Analyser::resolveModules(const std::vector<ModuleSyntax>& modules, Scope& scope) {
+  for (const ModuleSyntax& module : modules) {
+    for (const ExpressionIndex parameter : module.parameters) {
+      // a label's text is a string among the parameters
+      if (at(parameter).kind != ExpressionKind::String) {
+        resolve(parameter, scope);
+      }
+    }
+  }
+}
+
+// ---- expressions
+
+void Analyser::resolve(ExpressionIndex expression, Scope& scope) {
+  ExpressionNode& node = at(expression);
+  switch (node.kind) {
+    case ExpressionKind::Name:
+      resolveName(node, scope);
+      break;
+    case ExpressionKind::Call:
+      resolveCall(node, scope);
+      break;
+    case ExpressionKind::String:
+      messages_.error(node.range, "a string has no value in " + describePlace(),
+                      "strings are formats and file names: printf(\"x = %g\\n\", x)");
+      break;
+    case ExpressionKind::Reference:
+      messages_.error(node.range, "'&' has a meaning only among the arguments of fscanf");
+      break;
+    default:
+      for (const ExpressionIndex child : node.children) {
+        resolve(child, scope);
+      }
+      if (node.kind == ExpressionKind::Element) {
+        resolveElement(node, scope);
+      }
+      break;
+  }
+}
+
+void Analyser::resolveName(ExpressionNode& node, Scope& scope) {
+  node.binding = scope.find(node.text);
+  if (node.binding.kind == Binding::Kind::Array) {
+    messages_.error(node.range, "the array '" + node.text + "' needs a subscript in " + describePlace(),
+                    "write " + node.text + "[0]");
+  }
+  if (node.binding.kind != Binding::Kind::Unbound) {
+    return;
+  }
+  if (hasSteps_ && node.text == "Q") {
+    node.binding.kind = Binding::Kind::Step;
+  } else if (hasSteps_ && node.text == "Z") {
+    node.binding.kind = Binding::Kind::Length;
+  } else if (compatibility_ == core::Compatibility::Espalier && node.text == "pi") {
+    node.binding.kind = Binding::Kind::Pi;
+  } else {
+    reportUnknownName(node, scope);
+    node.binding = scope.addVariable(node.text);
+  }
+}
+
+void Analyser::reportUnknownName(const ExpressionNode& node, const Scope& scope) {
+  // a block may read what only productions assign: the variable is shared by both
+  if (!scope.isProduction() && assignedInProductions_.contains(node.text)) {
+    return;
+  }
+  std::string hint;
+  if (compatibility_ == core::Compatibility::Espalier) {
+    std::vector<std::string_view> names = scope.names();
+    if (hasSteps_) {
+      names.insert(names.end(), {"Q", "Z"});
+    }
+    const std::string_view near = core::nearestName(node.text, names);
+    hint = near.empty() ? "" : "did you mean '" + std::string(near) + "'? ";
+    hint += names.empty() ? "no names are visible here" : "names visible here: " + joined(names);
+    if (!near.empty()) {
+      hint[hint.find("names visible")] = 'N';
+    }
+  }
+  messages_.warning(node.range, "unknown name '" + node.text + "' in " + describePlace() + ": its value is 0", std::move(hint));
+}
+
+void Analyser::resolveElement(ExpressionNode& node, Scope& scope) {
+  node.binding = scope.find(node.text);
+  if (node.binding.kind != Binding::Kind::Array) {
+    std::vector<std::string_view> arrays;
+    for (const ArrayVariable& array : scope.system().arrayVariables) {
+      arrays.push_back(array.name);
+    }
+    const std::string_view near = core::nearestName(node.text, arrays);
+    messages_.error(node.nameRange, "unknown array '" + node.text + "' in " + describePlace(),
+                    !near.empty()    ? "did you mean '" + std::string(near) + "'?"
+                    : arrays.empty() ? "arrays are defined before the axiom: 'define: { array w[5]; }'"
+                                     : "arrays: " + joined(arrays));
+    return;
+  }
+  const std::size_t dimensions = scope.system().arrayVariables[node.binding.index].dimensions.size();
+  if (node.children.size() != dimensions) {
+    messages_.error(node.range, "expected " + std::to_string(dimensions) + (dimensions == 1 ? " subscript" : " subscripts") +
+                                    " of the array '" + node.text + "', found " + std::to_string(node.children.size()));
+  }
+}
+
+// ---- calls
+
+void Analyser::resolveCall(ExpressionNode& node, Scope& scope) {
+  const auto special = std::find_if(kSpecialCalls.begin(), kSpecialCalls.end(),
+                                    [&](const auto& entry) { return entry.first == node.text; });
+  const std::size_t errorsBefore = messages_.errorCount();
+  if (special == kSpecialCalls.end()) {
+    resolveFunction(node, scope);
+  } else {
+    node.callee = special->second;
+    resolveFileCall(node);
+  }
+  if (messages_.errorCount() > errorsBefore && special != kSpecialCalls.end()) {
+    return;
+  }
+  // `node` stays where it is: resolving adds no nodes
+  for (const ExpressionIndex child : node.children) {
+    const ExpressionNode& argument = at(child);
+    if (argument.kind == ExpressionKind::Reference && node.callee == Callee::FileScan) {
+      resolve(argument.children[0], scope);
+    } else if (argument.kind != ExpressionKind::String || node.callee == Callee::Unknown) {
+      resolve(child, scope);
+    } else if (node.callee == Callee::Function && node.function != Function::Play) {
+      resolve(child, scope);
+    }
+  }
+}
+
+void Analyser::expectArguments(const ExpressionNode& node, std::size_t least, std::size_t most) {
+  if (node.children.size() < least || node.children.size() > most) {
+    messages_.error(node.range, "expected " + count(least, most) + " of '" + node.text + "', found " +
+                                    std::to_string(node.children.size()));
+  }
+}
+
+void Analyser::resolveFunction(ExpressionNode& node, Scope& scope) {
+  const std::span<const FunctionInfo> functions = allFunctions();
+  const auto found = std::find_if(functions.begin(), functions.end(),
+                                  [&](const FunctionInfo& function) { return node.text == function.name; });
+  if (found != functions.end()) {
+    node.callee = Callee::Function;
+    node.function = static_cast<Function>(found - functions.begin());
+    expectArguments(node, found->least, found->most);
+    return;
+  }
+  std::vector<std::string_view> names;
+  for (const FunctionInfo& function : functions) {
+    names.emplace_back(function.name);
+  }
+  for (const auto& [name, callee] : kSpecialCalls) {
+    names.push_back(name);
+  }
+  const std::string_view near = core::nearestName(node.text, names);
+  std::string hint = near.empty() ? "functions: " + joined(names) : "did you mean '" + std::string(near) + "'?";
+  if (scope.find(node.text).kind != Binding::Kind::Unbound) {
+    hint = "'" + node.text + "' is a variable; write the multiplication as '" + node.text + " * (...)'";
+  }
+  messages_.error(node.nameRange, "unknown function '" + node.text + "' in " + describePlace(), std::move(hint));
+}
+
+void Analyser::resolveFileCall(ExpressionNode& node) {
+  const auto isString = [&](std::size_t i) { return at(node.children[i]).kind == ExpressionKind::String; };
+  const auto requireString = [&](std::size_t i, std::string_view what) {
+    if (!isString(i)) {
+      messages_.error(at(node.children[i]).range, "expected " + std::string(what) + " in quotes as argument " +
+                                                      std::to_string(i + 1) + " of '" + node.text + "'");
+    }
+    return isString(i);
+  };
+  const std::size_t errorsBefore = messages_.errorCount();
+  switch (node.callee) {
+    case Callee::Print:
+      expectArguments(node, 1, kMostArguments);
+      break;
+    case Callee::FileOpen:
+      expectArguments(node, 2, 2);
+      break;
+    case Callee::FilePrint:
+      expectArguments(node, 2, kMostArguments);
+      break;
+    case Callee::FileScan:
+      expectArguments(node, 3, kMostArguments);
+      break;
+    default:
+      expectArguments(node, 1, 1);
+      break;
+  }
+  if (messages_.errorCount() > errorsBefore) {
+    return;
+  }
+  if (node.callee == Callee::Print) {
+    (void)(requireString(0, "a format") && checkFormat(node, 0, false));
+    return;
+  }
+  if (node.callee == Callee::FileOpen) {
+    (void)(requireString(0, "a file name") && requireString(1, "a mode such as \"r\" or \"w\""));
+    return;
+  }
+  if (at(node.children[0]).kind != ExpressionKind::Name) {
+    messages_.error(at(node.children[0]).range, "expected a variable as the first argument of '" + node.text + "'",
+                    "it holds what fopen returned: f = fopen(\"name\", \"r\");");
+    return;
+  }
+  if (node.callee == Callee::FilePrint) {
+    (void)(requireString(1, "a format") && checkFormat(node, 1, false));
+  } else if (node.callee == Callee::FileScan && requireString(1, "a format")) {
+    for (std::size_t i = 2; i < node.children.size(); ++i) {
+      if (at(node.children[i]).kind != ExpressionKind::Reference) {
+        messages_.error(at(node.children[i]).range, "expected a variable with '&' as argument " + std::to_string(i + 1) +
+                                                        " of 'fscanf'",
+                        "write fscanf(f, \"%g\", &x)");
+      }
+    }
+    (void)checkFormat(node, 1, true);
+  }
+}
+
+/// One conversion for every number; only numbers are printed and read.
+bool Analyser::checkFormat(const ExpressionNode& call, std::size_t formatIndex, bool isScan) {
+  const ExpressionNode& format = at(call.children[formatIndex]);
+  const std::string& text = format.text;
+  std::size_t conversions = 0;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] != '%') {
+      continue;
+    }
+    const std::size_t begin = i++;
+    bool isSkipped = false;
+    while (i < text.size() && std::string_view("0123456789.-+ #lLh*").find(text[i]) != std::string_view::npos) {
+      isSkipped = isSkipped || (isScan && text[i] == '*');
+      ++i;
+    }
+    if (i < text.size() && text[i] == '%') {
+      continue;
+    }
+    if (i >= text.size() || std::string_view("diouxXeEfFgGc").find(text[i]) == std::string_view::npos) {
+      messages_.error(format.range, "the conversion '" + text.substr(begin, i + 1 - begin) + "' of '" + call.text +
+                                        "' is not one for numbers",
+                      "use %g, %f, %e or %d; '%%' prints a percent sign");
+      return false;
+    }
+    conversions += isSkipped ? 0U : 1U;
+  }
+  const std::size_t arguments = call.children.size() - formatIndex - 1;
+  if (conversions != arguments) {
+    messages_.warning(format.range, "the format of '" + call.text + "' has " + std::to_string(conversions) +
+                                        (conversions == 1 ? " conversion" : " conversions") + " for " +
+                                        std::to_string(arguments) + (arguments == 1 ? " value" : " values"));
+  }
+  return true;
+}
+
+}  // namespace espalier::language

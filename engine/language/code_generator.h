@@ -1,0 +1,81 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/language/program.h"
+#include "engine/language/syntax.h"
+
+namespace espalier::language {
+
+/// Turns an analysed syntax tree without errors into the instructions of a Program: code, constants, strings, symbols,
+/// types and L-systems. What concerns files, view and hash is left to the compiler.
+class CodeGenerator {
+ public:
+  /// `model` is used up; both must outlive the generator. `text` is the preprocessed text.
+  CodeGenerator(ModelSyntax& model, std::string_view text, Program& program);
+
+  void generate();
+
+ private:
+  /// What evaluating an expression depends on and does, besides its value.
+  struct Traits {
+    bool isPure = true;        // formals, Q, Z and constants alone
+    bool drawsRandom = false;  // contains ran or a relative
+    bool isOtherwisePure = true;  // pure but for the draws
+    bool isSimple = true;      // cheap, and cannot warn: may be evaluated without need
+  };
+
+  // code_generator.cpp: L-systems and productions
+  void generateSystem(const LSystemSyntax& syntax);
+  void generateList(const ProductionListSyntax& syntax, ProductionList& list);
+  Production generateProduction(const ProductionSyntax& syntax);
+  void generateModules(const std::vector<ModuleSyntax>& syntax, std::vector<SuccessorModule>& modules,
+                       std::vector<Expression>& expressions);
+  [[nodiscard]] static std::vector<ContextElement> generateContext(const std::vector<ContextElementSyntax>& syntax);
+  void indexProductions(ProductionList& list);
+  void resolveIgnored(const LSystemSyntax& syntax, LSystem& system);
+  void describeTypes();
+  [[nodiscard]] core::ModuleTypeId findCharacterType(char character) const;
+  [[nodiscard]] bool blockDrawsRandom(const std::vector<Statement>& statements) const;
+
+  // code_generator_expressions.cpp: expressions and statements
+  void computeTraits();
+  [[nodiscard]] Traits traitsOf(const ExpressionNode& node) const;
+  Expression generateExpression(ExpressionIndex index);
+  CodeRange generateBlock(const Block& block);
+  void emitStatements(const std::vector<Statement>& statements);
+  void emitStatement(const Statement& statement);
+  void emitStore(const ExpressionNode& target);
+  void emitExpression(ExpressionIndex index);
+  void emitName(const ExpressionNode& node);
+  void emitLogical(const ExpressionNode& node);
+  void emitConditional(const ExpressionNode& node);
+  void emitCall(const ExpressionNode& node);
+  void emitFileScan(const ExpressionNode& node);
+  void emitConstant(double value, core::SourceRange range);
+  /// Appends an instruction and returns its index. `stackChange` is what it adds to the depth of the stack.
+  std::uint32_t emit(Operation operation, std::uint32_t operand, std::size_t count, core::SourceRange range, int stackChange);
+  /// Makes the jump at `instruction` lead to the next instruction.
+  void patch(std::uint32_t instruction);
+  [[nodiscard]] std::uint32_t here() const { return static_cast<std::uint32_t>(program_.code.size()); }
+  std::uint32_t internConstant(double value);
+  std::uint32_t internString(const std::string& text);
+  std::uint32_t addStatic(std::string name);
+  [[nodiscard]] const ExpressionNode& at(ExpressionIndex index) const { return model_.expressions[index]; }
+  [[nodiscard]] bool isReference() const { return program_.compatibility != core::Compatibility::Espalier; }
+
+  ModelSyntax& model_;
+  std::string_view text_;
+  Program& program_;
+  std::vector<std::optional<double>> values_;  // of constant expressions, by expression
+  std::vector<Traits> traits_;                 // by expression
+  std::map<std::uint64_t, std::uint32_t> constantIndex_;  // by bit pattern
+  std::map<std::string, std::uint32_t> stringIndex_;
+  int stackDepth_ = 0;
+};
+
+}  // namespace espalier::language

@@ -1,0 +1,120 @@
+#include "engine/language/compiler.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "engine/core/hash.h"
+#include "engine/language/analyser.h"
+#include "engine/language/code_generator.h"
+#include "engine/language/message_list.h"
+#include "engine/language/parser.h"
+#include "engine/language/preprocessor.h"
+#include "engine/language/syntax.h"
+#include "engine/language/view_file.h"
+
+namespace espalier::language {
+namespace {
+
+void addAll(core::DiagnosticList& list, const core::DiagnosticList& others) {
+  for (const core::Diagnostic& diagnostic : others.entries()) {
+    list.add(diagnostic);
+  }
+}
+
+// every function of a function set is a macro with its number, its name cut at the last '.'
+std::vector<std::pair<std::string, std::string>> functionMacros(const ViewSettings& view) {
+  std::vector<std::pair<std::string, std::string>> macros;
+  for (std::size_t i = 0; i < view.functions.size(); ++i) {
+    const std::string& name = view.functions[i].name();
+    macros.emplace_back(name.substr(0, name.rfind('.')), std::to_string(i + 1));
+  }
+  return macros;
+}
+
+void addSources(std::vector<SourceMap::File>& sources, const std::vector<SourceMap::File>& files) {
+  for (const SourceMap::File& file : files) {
+    const bool isKnown = std::any_of(sources.begin(), sources.end(),
+                                     [&](const SourceMap::File& known) { return known.name == file.name; });
+    if (!isKnown) {
+      sources.push_back(file);
+    }
+  }
+}
+
+std::uint64_t hashOf(const Program& program) {
+  core::Hasher hasher;
+  hasher.integer(static_cast<std::uint64_t>(program.compatibility));
+  for (const SourceMap::File& file : program.sources) {
+    hasher.integer(file.text.size());
+    hasher.bytes(file.text);
+  }
+  for (const auto& [name, value] : program.defines) {
+    hasher.integer(name.size());
+    hasher.bytes(name);
+    hasher.integer(value.size());
+    hasher.bytes(value);
+  }
+  return hasher.value();
+}
+
+}  // namespace
+
+CompileResult compile(const CompileInput& input, core::FileProvider& files) {
+  CompileResult result;
+  auto program = std::make_shared<Program>();
+  program->compatibility = input.compatibility;
+  program->modelFile = input.modelFile;
+  program->viewFile = input.viewFile;
+  program->defines = input.defines;
+
+  // view file, whose function set may define macros
+  ViewFileResult view;
+  if (!input.viewFile.empty()) {
+    view = readViewFile(input.viewFile, files, input.compatibility, input.limits);
+    addAll(result.diagnostics, view.diagnostics);
+  }
+  PreprocessInput preprocessInput;
+  preprocessInput.file = input.modelFile;
+  preprocessInput.overrides = input.defines;
+  preprocessInput.limits = input.limits;
+  if (view.settings.functionSetDefinesMacros && input.compatibility != core::Compatibility::CpfgBatch) {
+    preprocessInput.macros = functionMacros(view.settings);
+  }
+
+  // source text -> preprocessed text
+  PreprocessResult source = preprocess(preprocessInput, files);
+  addAll(result.diagnostics, source.diagnostics);
+  if (!source.isComplete) {
+    return result;
+  }
+
+  // -> syntax tree -> analysed tree
+  MessageList messages;
+  ModelSyntax model;
+  Parser(source.text, input.limits, model, messages).parseFile();
+  if (!source.diagnostics.hasErrors()) {
+    const bool hasSyntaxErrors = messages.errorCount() > 0;
+    Analyser(source.text, input.compatibility, input.limits, model, messages).analyse();
+    if (hasSyntaxErrors) {
+      messages.dropWarnings();
+    }
+  }
+  const bool hasErrors = messages.errorCount() > 0 || source.diagnostics.hasErrors();
+  messages.moveTo(result.diagnostics, source.sourceMap);
+  if (hasErrors) {
+    return result;
+  }
+
+  // -> Program
+  CodeGenerator(model, source.text, *program).generate();
+  program->view = std::move(view.settings);
+  program->text = std::move(source.text);
+  program->sourceMap = std::move(source.sourceMap);
+  addSources(program->sources, program->sourceMap.files);
+  addSources(program->sources, view.sources);
+  program->hash = hashOf(*program);
+  result.program = std::move(program);
+  return result;
+}
+
+}  // namespace espalier::language

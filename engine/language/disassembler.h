@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+
+#include "engine/language/program.h"
+
+namespace espalier::language {
+
+/// The code of a Program as text, one instruction a line, for tests and for people: the same Program always gives the same
+/// text. L-systems in order, each with its blocks, axiom and productions; numbers in their shortest form.
+///
+///     L-system 1
+///     axiom: A(1)
+///     production 0: A(l) --> F(l)A(l * 2)
+///       successor F(slot 0)
+///       successor A(code)
+///             0  LoadSlot 0
+///             1  Constant 2
+///             2  Multiply
+[[nodiscard]] std::string disassemble(const Program& program);
+
+}  // namespace espalier::language
