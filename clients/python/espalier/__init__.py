@@ -1,0 +1,13 @@
+"""Espalier from Python: environments that plants grow against, and a client of the server. Standard library only."""
+
+from .client import Client, Frame, Model, Simulation, StepResult, Stream, TurtleRecord
+from .environment import Answer, Environment, Following, Opening, Query, Variable
+from .errors import ConnectionLost, EspalierError, ProtocolError, ServerError, ServerFailed
+from .server import Server
+from .version import VERSION as __version__
+
+__all__ = [
+    "Answer", "Client", "ConnectionLost", "Environment", "EspalierError", "Following", "Frame", "Model", "Opening",
+    "ProtocolError", "Query", "Server", "ServerError", "ServerFailed", "Simulation", "StepResult", "Stream",
+    "TurtleRecord", "Variable", "__version__",
+]

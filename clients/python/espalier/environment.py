@@ -1,0 +1,246 @@
+"""An environment in Python: a subclass with one method, and it is a program that grows plants talk to.
+
+    from espalier import Environment
+
+    class Ceiling(Environment):
+        def answer(self, query):
+            return [1 if query.position[1] < 3 else 0]
+
+    Ceiling.serve()
+"""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass, field
+from typing import Any, ClassVar, Dict, List, Mapping, NoReturn, Optional, Sequence, Tuple
+
+from .errors import ProtocolError
+
+Vector = Tuple[float, float, float]
+# the values a query's module gets, in order; None keeps what the module sent
+Answer = Optional[Sequence[Optional[float]]]
+
+
+@dataclass(frozen=True)
+class Following:
+    """The module after a communication module in the string."""
+
+    symbol: str
+    parameters: Tuple[float, ...] = ()
+
+
+@dataclass(frozen=True)
+class Query:
+    """One communication module `?E(…)` and the turtle's state there. Only what the environment needs is filled."""
+
+    id: int
+    plant: int = 0
+    module: int = 0  # index of the module in its plant's string
+    is_transient: bool = False  # made by a homomorphism: takes part, its answer is discarded
+    symbol: str = "E"
+    parameters: Tuple[float, ...] = ()
+    position: Vector = (0.0, 0.0, 0.0)
+    heading: Vector = (0.0, 1.0, 0.0)
+    left: Vector = (-1.0, 0.0, 0.0)
+    up: Vector = (0.0, 0.0, -1.0)
+    width: float = 1.0
+    scale: float = 1.0
+    following: Optional[Following] = None
+
+
+@dataclass(frozen=True)
+class Opening:
+    """What an environment is told when a simulation opens it."""
+
+    simulation: str
+    plants: int = 1
+    symbols: Tuple[str, ...] = ()
+    configuration: Mapping[str, Any] = field(default_factory=dict)
+    seed: int = 0
+    world: Mapping[str, Any] = field(default_factory=dict)
+    bounds: Optional[Any] = None
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A value that is sent or comes back, with its unit ("1": it has none)."""
+
+    name: str
+    unit: str = "1"
+
+    def as_json(self) -> Dict[str, str]:
+        return {"name": self.name, "unit": self.unit}
+
+
+class Environment:
+    """Base class of environments. One object is made for every simulation, so attributes are a simulation's own.
+
+    A subclass defines `answer` (one query at a time) or `step` (all queries of all plants together), and may define
+    `opened` (to read its configuration), `save` and `restore` (when it changes from step to step).
+    """
+
+    # what the server sends with each query: position heading left up width scale parameters following
+    needs: ClassVar[Sequence[str]] = ("position", "heading", "left", "up", "width", "scale", "parameters", "following")
+    inputs: ClassVar[Sequence[Variable]] = ()
+    outputs: ClassVar[Sequence[Variable]] = ()
+    # True for an environment that changes from step to step; it then defines save and restore
+    is_stateful: ClassVar[bool] = False
+
+    # set before opened(): who asks
+    opening: Opening = Opening("")
+    # set before every step: completed steps of the plants, and their age in days
+    completed_steps: int = 0
+    days: float = 0.0
+
+    @classmethod
+    def name(cls) -> str:
+        """The name it is offered under: by default the class's name in lower case."""
+        return cls.__name__.lower()
+
+    def opened(self) -> None:
+        """Called once before the first step, and again on a new object after a simulation starts over."""
+
+    def answer(self, query: Query) -> Answer:
+        """The values the query's module gets, in order; None keeps what it sent."""
+        raise NotImplementedError(f"{type(self).__name__} defines neither answer(self, query) nor step(self, queries).")
+
+    def step(self, queries: Sequence[Query]) -> Sequence[Answer]:
+        """Answers of all queries of one step, in their order. Called also for a step without queries."""
+        return [self.answer(query) for query in queries]
+
+    def save(self) -> Any:
+        """The complete state as a JSON value."""
+        return None
+
+    def restore(self, state: Any) -> None:
+        """Goes back to a state that save() returned."""
+
+    def closed(self) -> None:
+        """Called when the simulation goes away."""
+
+    @classmethod
+    def description(cls) -> Dict[str, Any]:
+        """What `environment.describe` answers."""
+        summary = (cls.__doc__ or "").strip().split("\n")[0]
+        return {
+            "name": cls.name(),
+            "summary": summary,
+            "needs": list(cls.needs),
+            "inputs": [variable.as_json() for variable in cls.inputs],
+            "outputs": [variable.as_json() for variable in cls.outputs],
+            "stateful": cls.is_stateful,
+            "checkpoint": cls.is_stateful,
+        }
+
+    @classmethod
+    def serve(cls, arguments: Optional[Sequence[str]] = None) -> NoReturn:
+        """Runs the environment as a program and does not return; the command line says how it meets the server.
+
+        `--offer HOST:PORT` connects to a server and offers itself, `--listen HOST:PORT` waits for a server to connect,
+        and without either the messages go through standard input and output, for a server that starts the program.
+        """
+        from .hosting import main
+
+        sys.exit(main(cls, sys.argv[1:] if arguments is None else arguments))
+
+
+# ---- reading the protocol's shapes --------------------------------------------------------------------------------
+
+
+def _number(value: Any, path: str) -> float:
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise ProtocolError(f"{path}: expected a number, found {_kind(value)}.")
+    return float(value)
+
+
+def _count(value: Any, path: str) -> int:
+    if isinstance(value, bool) or not isinstance(value, int) or value < 0:
+        raise ProtocolError(f"{path}: expected a whole number from 0 on, found {_kind(value)}.")
+    return value
+
+
+def _text(value: Any, path: str) -> str:
+    if not isinstance(value, str):
+        raise ProtocolError(f"{path}: expected a text, found {_kind(value)}.")
+    return value
+
+
+def _list(value: Any, path: str) -> List[Any]:
+    if not isinstance(value, list):
+        raise ProtocolError(f"{path}: expected a list, found {_kind(value)}.")
+    return value
+
+
+def _object(value: Any, path: str) -> Dict[str, Any]:
+    if not isinstance(value, dict):
+        raise ProtocolError(f"{path}: expected an object, found {_kind(value)}.")
+    return value
+
+
+def _kind(value: Any) -> str:
+    if value is None:
+        return "nothing"
+    if isinstance(value, bool):
+        return "true or false"
+    if isinstance(value, (int, float)):
+        return f"the number {value}"
+    if isinstance(value, str):
+        return "a text"
+    return "a list" if isinstance(value, list) else "an object"
+
+
+def _numbers(value: Any, path: str) -> Tuple[float, ...]:
+    # the common case of a hundred thousand queries a step: all doubles
+    if isinstance(value, list) and all(type(item) is float for item in value):
+        return tuple(value)
+    return tuple(_number(item, f"{path}[{index}]") for index, item in enumerate(_list(value, path)))
+
+
+def _vector(value: Any, path: str) -> Vector:
+    numbers = _numbers(value, path)
+    if len(numbers) != 3:
+        raise ProtocolError(f"{path}: expected three numbers, found {len(numbers)}.")
+    return (numbers[0], numbers[1], numbers[2])
+
+
+def read_query(value: Any, path: str) -> Query:
+    """The query of its JSON shape. What is missing keeps the turtle's initial value."""
+    shape = _object(value, path)
+    following = None
+    if shape.get("following") is not None:
+        next_module = _object(shape["following"], f"{path}.following")
+        following = Following(_text(next_module.get("symbol"), f"{path}.following.symbol"),
+                              _numbers(next_module.get("parameters", []), f"{path}.following.parameters"))
+    found: Dict[str, Any] = {"id": _count(shape.get("id"), f"{path}.id"), "following": following}
+    if "plant" in shape:
+        found["plant"] = _count(shape["plant"], f"{path}.plant")
+    if "module" in shape:
+        found["module"] = _count(shape["module"], f"{path}.module")
+    if shape.get("transient") is True:
+        found["is_transient"] = True
+    if "symbol" in shape:
+        found["symbol"] = _text(shape["symbol"], f"{path}.symbol")
+    if "parameters" in shape:
+        found["parameters"] = _numbers(shape["parameters"], f"{path}.parameters")
+    for name in ("position", "heading", "left", "up"):
+        if name in shape:
+            found[name] = _vector(shape[name], f"{path}.{name}")
+    for name in ("width", "scale"):
+        if name in shape:
+            found[name] = _number(shape[name], f"{path}.{name}")
+    return Query(**found)
+
+
+def read_opening(parameters: Mapping[str, Any]) -> Opening:
+    """The opening of the params of `environment.open`."""
+    symbols = _list(parameters.get("symbols", []), "params.symbols")
+    return Opening(
+        simulation=_text(parameters.get("simulation"), "params.simulation"),
+        plants=_count(parameters.get("plants", 1), "params.plants"),
+        symbols=tuple(_text(symbol, f"params.symbols[{index}]") for index, symbol in enumerate(symbols)),
+        configuration=_object(parameters.get("configuration") or {}, "params.configuration"),
+        seed=int(parameters.get("seed") or 0),
+        world=_object(parameters.get("world") or {}, "params.world"),
+        bounds=parameters.get("bounds"),
+    )

@@ -1,0 +1,344 @@
+"""Runs an Environment class as a program: over a connection to a server, for servers that connect, or over pipes."""
+
+from __future__ import annotations
+
+import argparse
+import base64
+import json
+import math
+import os
+import socket
+import sys
+import threading
+import time
+import traceback
+from typing import Any, Dict, List, Optional, Sequence, Tuple, Type
+
+from . import wire
+from .environment import Answer, Environment, Query, read_opening, read_query
+from .errors import ConnectionLost, EspalierError, ProtocolError, ServerError
+from .version import VERSION
+
+PROTOCOL = 1
+# numbers of the protocol's own errors that an environment sends
+VERSION_UNKNOWN = 1001
+ENVIRONMENT_FAILED = 1006
+NON_FINITE = 1008
+NOT_FOUND = 1011
+SNAPSHOT = 1013
+
+CONNECT_SECONDS = 10.0
+RECONNECT_SECONDS = 1.0
+
+
+class _Refusal(Exception):
+    """A request that is answered with an error."""
+
+    def __init__(self, code: int, message: str, data: Any = None) -> None:
+        super().__init__(message)
+        self.code = code
+        self.data = data
+
+
+class _Simulation:
+    """The environment's object for one simulation, and the reply of its last step."""
+
+    def __init__(self, environment: Environment) -> None:
+        self.environment = environment
+        self.last_request: Optional[Tuple[int, int, Any]] = None  # step, iteration, queries
+        self.last_reply: Dict[str, Any] = {}
+
+
+class Host:
+    """Answers the protocol's requests to an environment. Keeps one object of the class for every simulation."""
+
+    def __init__(self, environment: Type[Environment]) -> None:
+        self._class = environment
+        self._simulations: Dict[str, _Simulation] = {}
+
+    def handle(self, message: wire.Message) -> Optional[wire.Message]:
+        """The response to a message; None for notifications and responses."""
+        method = message.get("method")
+        identifier = message.get("id")
+        if not isinstance(method, str):
+            if "result" in message or "error" in message:
+                return None
+            return wire.failure(identifier, wire.INVALID_REQUEST, "method: expected a text. This is not a request.")
+        parameters = message.get("params", {})
+        try:
+            if not isinstance(parameters, dict):
+                raise _Refusal(wire.INVALID_PARAMETERS, "params: expected an object.", {"path": "params"})
+            value = self._call(method, parameters)
+        except _Refusal as refusal:
+            response = wire.failure(identifier, refusal.code, str(refusal), refusal.data)
+        except ProtocolError as error:
+            path = str(error).split(":")[0]
+            response = wire.failure(identifier, wire.INVALID_PARAMETERS, str(error), {"path": path})
+        else:
+            response = wire.result(identifier, value)
+        return None if identifier is None else response
+
+    def _call(self, method: str, parameters: Dict[str, Any]) -> Any:
+        if method == "environment.step":
+            return self._step(parameters)
+        if method == "environment.describe":
+            return self._class.description()
+        if method == "environment.open":
+            return self._open(parameters)
+        if method == "environment.close":
+            simulation = self._simulations.pop(str(parameters.get("simulation")), None)
+            if simulation is not None:
+                self._run("closed()", simulation.environment.closed)
+            return {}
+        if method == "environment.save":
+            simulation = self._find(parameters)
+            state = self._run("save()", simulation.environment.save)
+            return {"state": pack_state(state)}
+        if method == "environment.restore":
+            return self._restore(parameters)
+        if method == "hello":
+            return hello_result(self._class.name(), parameters)
+        raise _Refusal(wire.METHOD_NOT_FOUND, f"An environment does not know the method '{method}'. It knows "
+                       "environment.describe, open, step, save, restore and close.")
+
+    def _find(self, parameters: Dict[str, Any]) -> _Simulation:
+        name = parameters.get("simulation")
+        found = self._simulations.get(name) if isinstance(name, str) else None
+        if found is None:
+            raise _Refusal(NOT_FOUND, f"params.simulation: {json.dumps(name)} is not open here. "
+                           "Send environment.open first.", {"path": "params.simulation"})
+        return found
+
+    def _open(self, parameters: Dict[str, Any]) -> Dict[str, Any]:
+        opening = read_opening(parameters)
+        # opened again in the middle of a run after a lost connection: what is still here goes on
+        if parameters.get("resume") is not None and opening.simulation in self._simulations:
+            return {}
+        simulation = _Simulation(self._run("__init__()", self._class))
+        simulation.environment.opening = opening
+        self._run("opened()", simulation.environment.opened)
+        self._simulations[opening.simulation] = simulation
+        return {}
+
+    def _restore(self, parameters: Dict[str, Any]) -> Dict[str, Any]:
+        simulation = self._find(parameters)
+        try:
+            state = unpack_state(parameters.get("state"))
+        except ValueError as error:
+            raise _Refusal(SNAPSHOT, f"params.state: this is not a state that {self._class.name()} saved ({error}).",
+                           {"path": "params.state"}) from None
+        self._run("restore()", lambda: simulation.environment.restore(state))
+        simulation.last_request = None
+        return {}
+
+    def _step(self, parameters: Dict[str, Any]) -> Dict[str, Any]:
+        simulation = self._find(parameters)
+        sent = parameters.get("queries")
+        if not isinstance(sent, list):
+            raise _Refusal(wire.INVALID_PARAMETERS, "params.queries: expected a list of queries.",
+                           {"path": "params.queries"})
+        key = (int(parameters.get("step", 0)), int(parameters.get("iteration", 0)), sent)
+        # the same step is sent again after a lost connection: it must not advance the environment twice
+        if simulation.last_request == key:
+            return simulation.last_reply
+
+        queries = [read_query(shape, f"params.queries[{index}]") for index, shape in enumerate(sent)]
+        environment = simulation.environment
+        environment.completed_steps = key[0]
+        environment.days = float(parameters.get("time", 0.0))
+        answers: Sequence[Answer] = self._run("step()", lambda: environment.step(queries), key[0])
+        simulation.last_reply = {"replies": self._replies(queries, answers, key[0])}
+        simulation.last_request = key
+        return simulation.last_reply
+
+    def _replies(self, queries: Sequence[Query], answers: Sequence[Answer], step: int) -> List[Dict[str, Any]]:
+        if len(answers) != len(queries):
+            raise _Refusal(ENVIRONMENT_FAILED, f"{self._class.name()} gave {len(answers)} answers to {len(queries)} "
+                           "queries. step() returns one answer for every query, None for none.",
+                           {"environment": self._class.name(), "step": step, "retryable": False})
+        replies = []
+        for query, answer in zip(queries, answers):
+            if answer is None:
+                continue
+            values: List[Optional[float]] = []
+            for index, value in enumerate(answer):
+                if value is not None:
+                    value = float(value)
+                    if not math.isfinite(value):
+                        raise _Refusal(NON_FINITE, f"{self._class.name()} answered query {query.id} with {value} as "
+                                       f"value {index + 1}. Only finite numbers can be sent.",
+                                       {"environment": self._class.name(), "step": step, "retryable": False})
+                values.append(value)
+            replies.append({"id": query.id, "parameters": values})
+        return replies
+
+    def _run(self, what: str, call: Any, step: Optional[int] = None) -> Any:
+        """Calls the subclass; what it raises goes to standard error in full and to the server in a sentence."""
+        try:
+            return call()
+        except Exception as error:  # any mistake of the subclass must reach the person who runs the simulation
+            traceback.print_exc(file=sys.stderr)
+            frames = traceback.extract_tb(error.__traceback__)
+            place = f"{os.path.basename(frames[-1].filename)}:{frames[-1].lineno}" if frames else "unknown place"
+            data: Dict[str, Any] = {"environment": self._class.name(), "retryable": False}
+            if step is not None:
+                data["step"] = step
+            raise _Refusal(ENVIRONMENT_FAILED, f"{self._class.name()}: {type(error).__name__} in {what} at {place}: "
+                           f"{error}. The environment's standard error has the whole trace.", data) from None
+
+
+def pack_state(state: Any) -> str:
+    """A state as the protocol carries it: bytes in base 64; here the bytes of its JSON text."""
+    try:
+        text = json.dumps(state, separators=(",", ":"), allow_nan=False)
+    except (TypeError, ValueError) as error:
+        raise _Refusal(ENVIRONMENT_FAILED, f"save() returned a value that JSON does not have ({error}).",
+                       {"retryable": False}) from None
+    return base64.b64encode(text.encode("utf-8")).decode("ascii")
+
+
+def unpack_state(packed: Any) -> Any:
+    if not isinstance(packed, str):
+        raise ValueError("expected a text")
+    return json.loads(base64.b64decode(packed, validate=True).decode("utf-8"))
+
+
+def hello_parameters(name: str, role: str, token: Optional[str] = None) -> Dict[str, Any]:
+    parameters: Dict[str, Any] = {"protocol": [PROTOCOL], "roles": [role], "name": name, "version": VERSION,
+                                  "capabilities": []}
+    if token is not None:
+        parameters["token"] = token
+    return parameters
+
+
+def hello_result(name: str, parameters: Dict[str, Any]) -> Dict[str, Any]:
+    """The answer of an environment that was connected to."""
+    offered = parameters.get("protocol")
+    if not isinstance(offered, list) or PROTOCOL not in offered:
+        raise _Refusal(VERSION_UNKNOWN, f"No common protocol version: asked for {json.dumps(offered)}, "
+                       f"this environment speaks [{PROTOCOL}].", {"supported": [PROTOCOL]})
+    return {"protocol": PROTOCOL, "session": name, "server": f"{name} {VERSION}", "capabilities": [],
+            "limits": {"lineBytes": wire.MAXIMUM_LINE_BYTES}}
+
+
+# ---- the three ways to meet a server ------------------------------------------------------------------------------
+
+
+def answer_all(host: Host, channel: wire.Channel) -> None:
+    """Answers requests until the other side ends."""
+    while True:
+        try:
+            message = channel.receive()
+        except ProtocolError as error:
+            channel.send(wire.failure(None, wire.PARSE_ERROR, str(error)))
+            continue
+        if message is None:
+            return
+        response = host.handle(message)
+        if response is not None:
+            channel.send(response)
+
+
+def call(channel: wire.Channel, identifier: int, method: str, parameters: Dict[str, Any]) -> Any:
+    """Sends a request and waits for its response, skipping what else arrives."""
+    channel.send(wire.request(identifier, method, parameters))
+    while True:
+        try:
+            message = channel.receive(CONNECT_SECONDS)
+        except TimeoutError:
+            raise ConnectionLost(f"{channel.peer} did not answer {method} within {CONNECT_SECONDS:g} seconds. "
+                                 "Is it an Espalier server?") from None
+        if message is None:
+            raise ConnectionLost(f"{channel.peer} closed the connection instead of answering {method}.")
+        if message.get("id") == identifier and "method" not in message:
+            if "error" in message:
+                error = message["error"]
+                raise ServerError(int(error.get("code", 0)), str(error.get("message", "")), error.get("data"))
+            return message.get("result")
+
+
+def offer(host: Host, name: str, address: str, token: Optional[str] = None) -> None:
+    """Connects to a server, offers the environment and answers until the server ends."""
+    channel = wire.SocketChannel.connect(*wire.parse_address(address), CONNECT_SECONDS)
+    try:
+        call(channel, 1, "hello", hello_parameters(name, "environment", token))
+        call(channel, 2, "environment.offer", {"name": name})
+        print(f"environment '{name}' is offered to {channel.peer}", file=sys.stderr, flush=True)
+        answer_all(host, channel)
+    finally:
+        channel.close()
+
+
+def listen(environment: Type[Environment], address: str) -> None:
+    """Answers every server that connects, each with simulations of its own. Ends only by an interrupt."""
+    host, port = wire.parse_address(address)
+    try:
+        listener = socket.create_server((host, port))
+    except OSError as error:
+        raise EspalierError(f"Cannot listen on {address} ({error.strerror or error}). "
+                            "Give another port, or 0 for a free one.") from None
+    with listener:
+        print(f"listening on {host}:{listener.getsockname()[1]}", flush=True)
+        while True:
+            connection, peer = listener.accept()
+            channel = wire.SocketChannel(connection, f"{peer[0]}:{peer[1]}")
+            threading.Thread(target=_serve_connection, args=(environment, channel), daemon=True).start()
+
+
+def _serve_connection(environment: Type[Environment], channel: wire.SocketChannel) -> None:
+    try:
+        answer_all(Host(environment), channel)
+    except EspalierError as error:
+        print(error, file=sys.stderr)
+    finally:
+        channel.close()
+
+
+def serve_pipes(environment: Type[Environment]) -> None:
+    """Answers on standard input and output until the input ends."""
+    channel = wire.PipeChannel(sys.stdin.buffer, sys.stdout.buffer, "the server")
+    # standard output carries messages only: what the subclass prints goes to standard error
+    sys.stdout = sys.stderr
+    answer_all(Host(environment), channel)
+
+
+def main(environment: Type[Environment], arguments: Sequence[str]) -> int:
+    """The program of an environment. Returns its exit status: 0 success, 1 failure; wrong usage exits with 2."""
+    parser = argparse.ArgumentParser(description=(environment.__doc__ or "").strip() or None)
+    way = parser.add_mutually_exclusive_group()
+    way.add_argument("--offer", metavar="HOST:PORT", help="connect to a server and offer this environment")
+    way.add_argument("--listen", metavar="HOST:PORT", help="wait for servers to connect; port 0 takes a free one")
+    parser.add_argument("--name", default=environment.name(), help="the name to offer it under (default: %(default)s)")
+    parser.add_argument("--token", default=None, help="what the server asks for when it is not on this machine")
+    parser.add_argument("--reconnect", action="store_true", help="with --offer: come back when the connection is lost")
+    parser.add_argument("--describe", action="store_true", help="print what it is as one JSON object and end")
+    options = parser.parse_args(arguments)
+    try:
+        if options.describe:
+            print(json.dumps(environment.description()))
+        elif options.listen is not None:
+            listen(environment, options.listen)
+        elif options.offer is not None:
+            _offer_again(Host(environment), options)
+        else:
+            serve_pipes(environment)
+    except KeyboardInterrupt:
+        return 0
+    except EspalierError as error:
+        print(f"{environment.name()}: {error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+def _offer_again(host: Host, options: argparse.Namespace) -> None:
+    """Offers once, or again and again with the same objects, so that simulations go on where they were."""
+    while True:
+        try:
+            offer(host, options.name, options.offer, options.token)
+        except ConnectionLost as error:
+            if not options.reconnect:
+                raise
+            print(f"{error} Trying again.", file=sys.stderr)
+        if not options.reconnect:
+            return
+        time.sleep(RECONNECT_SECONDS)

@@ -1,0 +1,81 @@
+"""Starts a server on this machine, for tests, notebooks and demonstrations."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+from types import TracebackType
+from typing import IO, List, Optional, Sequence, Type, Union
+
+from .client import Client
+from .errors import ServerFailed
+
+STOP_SECONDS = 10.0
+
+
+class Server:
+    """The program `espalier serve` on a free port of this machine, ended with the `with` block.
+
+        with Server() as server, server.connect() as client:
+            …
+    """
+
+    def __init__(self, program: Union[str, "os.PathLike[str]"] = "espalier", *, arguments: Sequence[str] = (),
+                 listen: str = "127.0.0.1:0", errors: Union[None, int, IO[bytes]] = None) -> None:
+        """Starts the program and waits until it listens. `arguments` follow `serve --listen ADDRESS`; its log goes to
+        `errors` (None: this program's standard error)."""
+        found = shutil.which(os.fspath(program))
+        if found is None:
+            raise ServerFailed(f"There is no program '{os.fspath(program)}'. Build it with './dev build' and give its path, "
+                               "build/release/bin/espalier.")
+        command: List[str] = [found, "serve", "--listen", listen, *arguments]
+        try:
+            self._process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=errors)
+        except OSError as error:
+            raise ServerFailed(f"'{found}' cannot be started ({error.strerror or error}).") from None
+        self.address = self._wait_until_listening(found)
+
+    def _wait_until_listening(self, program: str) -> str:
+        assert self._process.stdout is not None
+        while True:
+            line = self._process.stdout.readline().decode("utf-8", "replace")
+            if line.startswith("listening on "):
+                return line[len("listening on "):].strip()
+            if not line:
+                status = self._process.wait()
+                self._process.stdout.close()
+                raise ServerFailed(f"'{program} serve' ended with status {status} before it listened. "
+                                   "Its messages on standard error say why.")
+
+    @property
+    def process_id(self) -> int:
+        return self._process.pid
+
+    @property
+    def is_running(self) -> bool:
+        return self._process.poll() is None
+
+    def connect(self, *, name: str = "python", timeout: Optional[float] = None) -> Client:
+        """A client of this server."""
+        return Client(self.address, name=name, timeout=timeout)
+
+    def stop(self) -> int:
+        """Asks the server to end, waits for it and returns its exit status."""
+        if self._process.poll() is None:
+            self._process.terminate()
+            try:
+                self._process.wait(STOP_SECONDS)
+            except subprocess.TimeoutExpired:
+                self._process.kill()
+                self._process.wait()
+        if self._process.stdout is not None:
+            self._process.stdout.close()
+        return self._process.returncode
+
+    def __enter__(self) -> "Server":
+        return self
+
+    def __exit__(self, kind: Optional[Type[BaseException]], error: Optional[BaseException],
+                 trace: Optional[TracebackType]) -> None:
+        self.stop()

@@ -1,0 +1,3 @@
+"""The version of this package, sent in the handshake."""
+
+VERSION = "0.1.0"

@@ -1,0 +1,200 @@
+"""Messages as lines: one UTF-8 JSON object per line, JSON-RPC 2.0 inside.
+
+Numbers must be finite. Python prints a double with the fewest digits that read back as the same double, which is what
+the protocol asks for, so a value that crosses the wire keeps all its bits.
+"""
+
+from __future__ import annotations
+
+import json
+import socket
+import time
+from typing import Any, BinaryIO, Dict, Optional
+
+from .errors import ConnectionLost, ProtocolError
+
+Message = Dict[str, Any]
+
+# numbers of JSON-RPC 2.0
+PARSE_ERROR = -32700
+INVALID_REQUEST = -32600
+METHOD_NOT_FOUND = -32601
+INVALID_PARAMETERS = -32602
+INTERNAL_ERROR = -32603
+
+MAXIMUM_LINE_BYTES = 64_000_000
+
+
+def _refuse_constant(name: str) -> Any:
+    raise ValueError(f"{name} is not a finite number")
+
+
+def encode(message: Message) -> bytes:
+    """The line of a message, with its newline. A number that is not finite raises ProtocolError."""
+    try:
+        text = json.dumps(message, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+    except ValueError as error:
+        raise ProtocolError(f"A message holds a number that is not finite, which cannot be sent ({error}).") from None
+    except TypeError as error:
+        raise ProtocolError(f"A message holds a value that JSON does not have: {error}.") from None
+    return text.encode("utf-8") + b"\n"
+
+
+def decode(line: bytes) -> Message:
+    """The message of a line. Anything but one JSON object with finite numbers raises ProtocolError."""
+    try:
+        message = json.loads(line.decode("utf-8"), parse_constant=_refuse_constant)
+    except ValueError as error:
+        start = line[:60].decode("utf-8", "replace").strip()
+        raise ProtocolError(f"Expected a JSON object on a line, found '{start}' ({error}).") from None
+    if not isinstance(message, dict):
+        raise ProtocolError(f"Expected a JSON object on a line, found a {type(message).__name__}.")
+    return message
+
+
+def request(identifier: Any, method: str, parameters: Optional[Message] = None) -> Message:
+    return {"jsonrpc": "2.0", "id": identifier, "method": method, "params": parameters or {}}
+
+
+def notification(method: str, parameters: Message) -> Message:
+    return {"jsonrpc": "2.0", "method": method, "params": parameters}
+
+
+def result(identifier: Any, value: Any) -> Message:
+    return {"jsonrpc": "2.0", "id": identifier, "result": value}
+
+
+def failure(identifier: Any, code: int, message: str, data: Any = None) -> Message:
+    error: Message = {"code": code, "message": message}
+    if data is not None:
+        error["data"] = data
+    return {"jsonrpc": "2.0", "id": identifier, "error": error}
+
+
+def parse_address(address: str) -> "tuple[str, int]":
+    """HOST:PORT, or PORT alone for the local machine; `tcp://` in front is allowed."""
+    text = address[len("tcp://"):] if address.startswith("tcp://") else address
+    host, _, port = text.rpartition(":")
+    if not port.isdigit() or int(port) > 65535:
+        raise ProtocolError(f"'{address}' is not an address. Expected HOST:PORT, as in 127.0.0.1:4711.")
+    return host.strip("[]") or "127.0.0.1", int(port)
+
+
+class Channel:
+    """A two-way stream of messages."""
+
+    peer = "the other side"
+
+    def send(self, message: Message) -> None:
+        raise NotImplementedError
+
+    def receive(self, timeout: Optional[float] = None) -> Optional[Message]:
+        """The next message; None when the other side has ended. Raises TimeoutError after `timeout` seconds."""
+        raise NotImplementedError
+
+    def close(self) -> None:
+        raise NotImplementedError
+
+
+class SocketChannel(Channel):
+    """Messages over a connected socket."""
+
+    def __init__(self, connection: socket.socket, peer: str) -> None:
+        self._socket = connection
+        self._buffer = bytearray()
+        self._searched = 0  # bytes of the buffer known to hold no newline
+        self.peer = peer
+
+    @classmethod
+    def connect(cls, host: str, port: int, timeout: float) -> "SocketChannel":
+        peer = f"{host}:{port}"
+        try:
+            connection = socket.create_connection((host, port), timeout)
+        except OSError as error:
+            raise ConnectionLost(f"Nothing answers at {peer} ({error.strerror or error}). "
+                                 f"Start a server there with 'espalier serve --listen {peer}'.") from None
+        connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        return cls(connection, peer)
+
+    def send(self, message: Message) -> None:
+        line = encode(message)
+        try:
+            self._socket.settimeout(None)
+            self._socket.sendall(line)
+        except OSError as error:
+            raise ConnectionLost(f"The connection to {self.peer} is lost ({error.strerror or error}).") from None
+
+    def receive(self, timeout: Optional[float] = None) -> Optional[Message]:
+        deadline = None if timeout is None else time.monotonic() + timeout
+        while True:
+            end = self._buffer.find(b"\n", self._searched)
+            if end >= 0:
+                line = bytes(self._buffer[:end])
+                del self._buffer[: end + 1]
+                self._searched = 0
+                return decode(line)
+            self._searched = len(self._buffer)
+            if self._searched > MAXIMUM_LINE_BYTES:
+                raise ProtocolError(f"{self.peer} sent a line of more than {MAXIMUM_LINE_BYTES} bytes.")
+            if not self._fill(deadline):
+                return None
+
+    def _fill(self, deadline: Optional[float]) -> bool:
+        """Reads some bytes into the buffer; False at the end of the stream."""
+        try:
+            if deadline is None:
+                self._socket.settimeout(None)
+            else:
+                remaining = deadline - time.monotonic()
+                if remaining <= 0:
+                    raise TimeoutError
+                self._socket.settimeout(remaining)
+            piece = self._socket.recv(1 << 18)
+        except socket.timeout:
+            raise TimeoutError from None
+        except ConnectionError:
+            return False
+        except OSError as error:
+            raise ConnectionLost(f"The connection to {self.peer} is lost ({error.strerror or error}).") from None
+        self._buffer += piece
+        return bool(piece)
+
+    def close(self) -> None:
+        try:
+            self._socket.shutdown(socket.SHUT_RDWR)
+        except OSError:
+            pass
+        self._socket.close()
+
+
+class PipeChannel(Channel):
+    """Messages over a pair of byte streams: standard input and output of a spawned environment."""
+
+    def __init__(self, reader: BinaryIO, writer: BinaryIO, peer: str) -> None:
+        self._reader = reader
+        self._writer = writer
+        self.peer = peer
+
+    def send(self, message: Message) -> None:
+        try:
+            self._writer.write(encode(message))
+            self._writer.flush()
+        except (OSError, ValueError) as error:
+            raise ConnectionLost(f"The pipe to {self.peer} is closed ({error}).") from None
+
+    def receive(self, timeout: Optional[float] = None) -> Optional[Message]:
+        line = self._reader.readline(MAXIMUM_LINE_BYTES + 1)
+        if not line:
+            return None
+        if not line.endswith(b"\n"):
+            if len(line) > MAXIMUM_LINE_BYTES:
+                raise ProtocolError(f"{self.peer} sent a line of more than {MAXIMUM_LINE_BYTES} bytes.")
+            return None
+        return decode(line)
+
+    def close(self) -> None:
+        for stream in (self._reader, self._writer):
+            try:
+                stream.close()
+            except OSError:
+                pass
