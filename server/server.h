@@ -16,6 +16,7 @@ struct ServerLimits {
   std::uint32_t sessions = 1'000;
   std::uint32_t simulations = 10'000;
   std::uint32_t streamsPerSession = 100;
+  std::uint32_t requestsPerSession = 1'000;      // in progress at a time
   std::uint32_t handshakeMilliseconds = 10'000;
   std::uint32_t environmentStepMilliseconds = 60'000;
   core::Limits simulation;
@@ -28,6 +29,7 @@ struct ServerOptions {
   std::string galleryFolder;                     // empty: no gallery models by name
   std::string token;                             // empty: none asked for; needed for any address but loopback
   bool isInsecureAllowed = false;                // a non-loopback address without TLS
+  bool isSpawnAllowed = false;                   // callers from other machines may have commands started (stdio environments)
   unsigned workers = 0;                          // 0: as many as cores
   ServerLimits limits;
   std::string logLevel = "info";                 // trace debug info warn error off

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string>
+
+namespace espalier::server {
+
+/// The writing half of a connection as sessions see it, without the network library. All members are thread-safe.
+class Connection {
+ public:
+  virtual ~Connection() = default;
+  /// Queues a complete line. A connection whose queue grows beyond the limit is closed: its peer does not read.
+  virtual void send(std::shared_ptr<const std::string> line) = 0;
+  /// Closes when everything queued has been sent.
+  virtual void closeWhenSent() = 0;
+  /// Bytes queued and not yet given to the system.
+  [[nodiscard]] virtual std::size_t outboxBytes() const = 0;
+  /// The peer is on this machine.
+  [[nodiscard]] virtual bool isLocal() const = 0;
+  /// Address for the log.
+  [[nodiscard]] virtual std::string peerName() const = 0;
+};
+
+}  // namespace espalier::server

@@ -1,0 +1,115 @@
+#include "server/environment_builder.h"
+
+#include "environment/environment_entries.h"
+#include "environment/environment_set.h"
+#include "environment/registry.h"
+#include "protocol/envelope.h"
+#include "protocol/json_writer.h"
+#include "server/channel_link.h"
+#include "server/offered_environments.h"
+#include "server/remote_process.h"
+
+namespace espalier::server {
+namespace {
+
+std::string sentences(const std::vector<core::Diagnostic>& diagnostics) {
+  std::string text;
+  for (const core::Diagnostic& diagnostic : diagnostics) {
+    text += (text.empty() ? "" : "; ") + diagnostic.message;
+    if (!diagnostic.hint.empty()) {
+      text += ": " + diagnostic.hint;
+    }
+  }
+  return text;
+}
+
+protocol::Error environmentFailed(const std::string& name, const turtle::EnvironmentError& error) {
+  protocol::JsonWriter data;
+  data.beginObject().key("environment").text(name).key("step").integer(std::uint64_t{0});
+  data.key("retryable").boolean(error.isRetryable).endObject();
+  return {protocol::ErrorCode::EnvironmentFailed, error.message, data.take()};
+}
+
+bool isRemote(const std::string& type) {
+  return type == "offered" || type == "tcp" || type == "stdio";
+}
+
+/// The link of a remote entry, or what is wrong with it.
+std::variant<std::shared_ptr<EnvironmentLink>, protocol::Error> makeLink(const environment::EnvironmentEntry& entry,
+                                                                         const std::string& path,
+                                                                         const EnvironmentServices& services) {
+  if (entry.type == "offered") {
+    if (entry.name == entry.type) {
+      return protocol::fieldError(path + ".name", "expected the name under which the environment offers itself");
+    }
+    return std::make_shared<OfferedLink>(entry.name, *services.offered);
+  }
+  const std::string key = entry.type == "tcp" ? "address" : "command";
+  auto value = protocol::memberOf(entry.configuration, key);
+  if (!value || value->empty()) {
+    return protocol::fieldError(path + "." + key, entry.type == "tcp" ? "expected HOST:PORT" : "expected a command");
+  }
+  if (entry.type == "tcp") {
+    if (value->starts_with("tcp://")) {
+      value->erase(0, 6);
+    }
+    return std::shared_ptr<EnvironmentLink>(ChannelLink::tcp(std::move(*value), {}));
+  }
+  return std::shared_ptr<EnvironmentLink>(ChannelLink::stdio(std::move(*value), {}));
+}
+
+}  // namespace
+
+std::variant<BuiltEnvironment, protocol::Error> buildEnvironment(const std::string& environmentJson,
+                                                                 bool isAbsenceTolerated,
+                                                                 const EnvironmentServices& services) {
+  BuiltEnvironment built;
+  if (environmentJson.empty()) {
+    return built;
+  }
+  auto parsed = environment::parseEnvironmentEntries(environmentJson);
+  if (const auto* problems = std::get_if<std::vector<core::Diagnostic>>(&parsed)) {
+    return protocol::fieldError("params.environment", sentences(*problems));
+  }
+  const auto& entries = std::get<std::vector<environment::EnvironmentEntry>>(parsed);
+  std::vector<std::pair<std::string, std::unique_ptr<turtle::EnvironmentProcess>>> processes;
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    const environment::EnvironmentEntry& entry = entries[i];
+    const std::string path = "params.environment[" + std::to_string(i) + "]";
+    std::unique_ptr<turtle::EnvironmentProcess> process;
+    if (isRemote(entry.type)) {
+      auto made = makeLink(entry, path, services);
+      if (auto* error = std::get_if<protocol::Error>(&made)) {
+        return std::move(*error);
+      }
+      const auto& link = std::get<std::shared_ptr<EnvironmentLink>>(made);
+      RemoteProcessOptions options;
+      options.stepTimeout = services.stepTimeout;
+      options.configurationJson = protocol::memberOf(entry.configuration, "configuration").value_or("");
+      options.isAbsenceTolerated = isAbsenceTolerated;
+      options.runWaiting = services.runWaiting;
+      auto remote = std::make_unique<RemoteProcess>(link, std::move(options));
+      if (auto error = remote->introduce(); error && !(isAbsenceTolerated && error->isRetryable)) {
+        return environmentFailed(entry.name, *error);
+      }
+      built.links.push_back(link);
+      built.names.push_back(entry.type == "offered" ? "offered:" + entry.name : entry.type);
+      process = std::move(remote);
+    } else {
+      auto made = environment::makeProcess(entry.type, entry.configuration);
+      if (const auto* problems = std::get_if<std::vector<core::Diagnostic>>(&made)) {
+        return protocol::fieldError(path, sentences(*problems));
+      }
+      process = std::move(std::get<std::unique_ptr<turtle::EnvironmentProcess>>(made));
+      built.names.push_back(entry.type);
+    }
+    // a single environment takes all queries, whatever they are called
+    processes.emplace_back(entries.size() == 1 ? std::string() : entry.name, std::move(process));
+  }
+  if (!processes.empty()) {
+    built.process = environment::makeEnvironmentSet(std::move(processes));
+  }
+  return built;
+}
+
+}  // namespace espalier::server

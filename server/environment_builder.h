@@ -1,0 +1,37 @@
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "engine/turtle/environment_process.h"
+#include "protocol/errors.h"
+#include "server/environment_link.h"
+
+namespace espalier::server {
+
+class OfferedEnvironments;
+
+/// What building an environment needs of the server.
+struct EnvironmentServices {
+  const OfferedEnvironments* offered = nullptr;
+  std::function<void(const std::function<void()>&)> runWaiting;  // lets another worker compute
+  std::chrono::milliseconds stepTimeout{60'000};
+};
+
+struct BuiltEnvironment {
+  std::unique_ptr<turtle::EnvironmentProcess> process;  // null: none
+  std::vector<std::shared_ptr<EnvironmentLink>> links;  // to other processes, for interrupting
+  std::vector<std::string> names;                       // of the entries, for people: honda, offered:mylight
+};
+
+/// Makes the environment of a simulation from the `environment` array of simulation.create. `isAbsenceTolerated`: entries in
+/// other processes may be away (simulations loaded from disk).
+[[nodiscard]] std::variant<BuiltEnvironment, protocol::Error> buildEnvironment(const std::string& environmentJson,
+                                                                               bool isAbsenceTolerated,
+                                                                               const EnvironmentServices& services);
+
+}  // namespace espalier::server

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "engine/simulation/simulation.h"
+#include "protocol/errors.h"
+#include "protocol/messages.h"
+#include "server/data_folder.h"
+#include "server/environment_builder.h"
+
+namespace espalier::server {
+
+/// A simulation of the server with what is needed to make it again. One worker at a time, except where a member says
+/// otherwise.
+class HostedSimulation {
+ public:
+  /// Builds the environment, goes to step 0 and saves. `limits` are the server's; the record can lower them.
+  [[nodiscard]] static std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> create(
+      SimulationRecord record, std::shared_ptr<const language::Program> program, const core::Limits& limits,
+      const EnvironmentServices& services, const DataFolder& data);
+  /// From the data folder. Environments in other processes may be away; stepping asks for them again.
+  [[nodiscard]] static std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> load(
+      SimulationRecord record, std::string_view snapshot, const core::Limits& limits, const EnvironmentServices& services,
+      const DataFolder& data);
+
+  [[nodiscard]] const SimulationRecord& record() const { return record_; }
+  [[nodiscard]] simulation::Simulation& simulation() { return *simulation_; }
+  [[nodiscard]] const std::vector<std::string>& environmentNames() const { return environmentNames_; }
+  [[nodiscard]] bool isSaved() const { return isSaved_; }
+
+  /// One step and its copy on disk. `milliseconds` receives the wall time of the step alone.
+  [[nodiscard]] std::optional<protocol::Error> step(double& milliseconds);
+  /// Back to step 0; with a new seed when given.
+  [[nodiscard]] std::optional<protocol::Error> reset(std::optional<std::uint64_t> seed);
+  [[nodiscard]] std::string snapshot() const;
+  [[nodiscard]] std::optional<protocol::Error> restore(std::string_view snapshot);
+  void removeFromDisk() { data_->remove(record_.id); }
+
+  /// From any thread: the step being made is given up, also while it waits for an environment; false makes steps possible
+  /// again.
+  void setCancelled(bool isCancelled);
+
+ private:
+  HostedSimulation(SimulationRecord record, const core::Limits& limits, const EnvironmentServices& services,
+                   const DataFolder& data);
+  [[nodiscard]] std::optional<protocol::Error> build(std::shared_ptr<const language::Program> program,
+                                                     bool isAbsenceTolerated);
+  [[nodiscard]] std::optional<protocol::Error> save();
+
+  SimulationRecord record_;
+  core::Limits limits_;
+  EnvironmentServices services_;
+  const DataFolder* data_;
+  std::mutex cancelMutex_;                               // the next two change only with it held
+  std::unique_ptr<simulation::Simulation> simulation_;
+  std::vector<std::shared_ptr<EnvironmentLink>> links_;
+  std::vector<std::string> environmentNames_;
+  bool isSaved_ = false;                                 // the copy on disk is of the present step
+};
+
+}  // namespace espalier::server

@@ -1,0 +1,103 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+
+#include "protocol/framing.h"
+
+namespace espalier::server {
+
+using Deadline = std::chrono::steady_clock::time_point;
+
+/// A file descriptor that is closed with its owner. -1: none.
+class Descriptor {
+ public:
+  Descriptor() = default;
+  explicit Descriptor(int number) : number_(number) {}
+  ~Descriptor() { close(); }
+  Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
+  Descriptor& operator=(Descriptor&& other) noexcept {
+    std::swap(number_, other.number_);
+    return *this;
+  }
+  [[nodiscard]] int number() const { return number_; }
+  void close();
+
+ private:
+  int number_ = -1;
+};
+
+/// Lines to and from another process over two descriptors (the same one twice for a socket), for a thread that waits.
+/// Writing never blocks on a peer that is itself writing, never raises SIGPIPE, and everything has a deadline.
+class LineChannel {
+ public:
+  enum class Status : std::uint8_t { Done, Timeout, Closed, Interrupted, Overflow };
+
+  LineChannel(Descriptor input, Descriptor output, std::size_t maximumLineBytes);
+
+  [[nodiscard]] Status write(std::string_view bytes, Deadline deadline);
+  [[nodiscard]] Status readLine(std::string& line, Deadline deadline);
+  /// From any thread: a write or readLine that waits now ends with Interrupted. Without one, nothing happens later.
+  void interrupt();
+  /// Forgets an interruption that came between two calls.
+  void clearInterruption();
+  /// No more output: the peer reads the end of its input.
+  void closeOutput();
+
+ private:
+  /// Waits for the descriptors; Done when something can be done.
+  [[nodiscard]] Status wait(bool wantsWrite, Deadline deadline, bool& canRead, bool& canWrite);
+  [[nodiscard]] Status readAvailable();
+  [[nodiscard]] int outputNumber() const { return output_.number() >= 0 ? output_.number() : input_.number(); }
+
+  Descriptor input_;
+  Descriptor output_;     // none: a socket, also written through input_
+  Descriptor wakeUp_;     // eventfd
+  bool isOutputSeparate_;
+  bool isInputEnded_ = false;
+  protocol::LineSplitter splitter_;
+};
+
+/// Connects a TCP socket. An error sentence when that fails before the deadline. `address` is HOST:PORT or [IPV6]:PORT.
+[[nodiscard]] std::variant<Descriptor, std::string> dialTcp(const std::string& address, Deadline deadline);
+
+/// Splits HOST:PORT. False when it is not of that form.
+[[nodiscard]] bool splitAddress(std::string_view address, std::string& host, std::uint16_t& port);
+
+/// A child process started by the shell with pipes to its standard input and output. It is ended and reaped with its owner:
+/// first its input ends, then it is asked (SIGTERM), then killed.
+class ChildProcess {
+ public:
+  ChildProcess(ChildProcess&& other) noexcept;
+  ChildProcess& operator=(ChildProcess&&) = delete;
+  ~ChildProcess();
+
+  /// The child and the parent's ends of the pipes, or an error sentence.
+  struct Started;
+  [[nodiscard]] static std::variant<std::unique_ptr<Started>, std::string> start(const std::string& command);
+
+  /// What became of it, "ended with status 3" or "was ended by signal 9", or empty while it runs.
+  [[nodiscard]] std::string fate();
+
+ private:
+  explicit ChildProcess(int processId) : processId_(processId) {}
+  /// Whether it ended within the time.
+  [[nodiscard]] bool waitFor(std::chrono::milliseconds time);
+
+  int processId_ = -1;  // -1: reaped
+  int status_ = 0;
+  bool hasEnded_ = false;
+};
+
+struct ChildProcess::Started {
+  ChildProcess process;
+  Descriptor input;   // what the child writes
+  Descriptor output;  // what the child reads
+};
+
+}  // namespace espalier::server

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace espalier::server {
+
+class ServerCore;
+
+/// The listener and its connections on one thread. The only part of the server that knows the network library.
+class Network {
+ public:
+  explicit Network(ServerCore& core);
+  ~Network();
+  Network(const Network&) = delete;
+  Network& operator=(const Network&) = delete;
+
+  /// Binds and listens; an error sentence when that is not possible.
+  [[nodiscard]] std::optional<std::string> listen(const std::string& host, std::uint16_t port);
+  [[nodiscard]] std::uint16_t port() const;
+  /// Whether every address that the name stands for is of this machine only.
+  [[nodiscard]] static bool isLoopback(const std::string& host);
+
+  /// Serves until close() has done its work. `onStop` is called on this thread for each SIGINT or SIGTERM when
+  /// `handleSignals`.
+  void run(bool handleSignals, std::function<void()> onStop);
+  /// Accepts nobody any more. Thread-safe.
+  void stopAccepting();
+  /// Sends every session the notification server.shutdown. Thread-safe.
+  void announceShutdown();
+  /// Closes all connections when what is queued has been sent, at the latest after `patience`; then run() returns.
+  /// Thread-safe.
+  void close(std::chrono::milliseconds patience);
+
+ private:
+  class Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace espalier::server

@@ -1,0 +1,244 @@
+#include "server/remote_process.h"
+
+#include "protocol/codec.h"
+#include "server/translate.h"
+
+namespace espalier::server {
+namespace {
+
+constexpr std::string_view kStays = " The simulation stays at its last completed step.";
+
+protocol::DescribeResult needsEverything() {
+  protocol::DescribeResult description;
+  description.needs = {.position = true,
+                       .heading = true,
+                       .left = true,
+                       .up = true,
+                       .width = true,
+                       .scale = true,
+                       .parameters = true,
+                       .following = true,
+                       .geometry = false};
+  return description;
+}
+
+bool isUnknownMethod(const LinkFailure& failure) {
+  return failure.kind == LinkFailure::Kind::Refused && failure.error.code == protocol::ErrorCode::UnknownMethod;
+}
+
+}  // namespace
+
+RemoteProcess::RemoteProcess(std::shared_ptr<EnvironmentLink> link, RemoteProcessOptions options)
+    : link_(std::move(link)), options_(std::move(options)), description_(needsEverything()) {}
+
+LinkOutcome RemoteProcess::call(std::string_view method, const std::string& paramsJson,
+                                std::chrono::milliseconds timeout) const {
+  LinkOutcome outcome = LinkFailure{};
+  const auto wait = [&] { outcome = link_->call(method, paramsJson, timeout); };
+  options_.runWaiting ? options_.runWaiting(wait) : wait();
+  return outcome;
+}
+
+turtle::EnvironmentError RemoteProcess::errorOf(const LinkFailure& failure, const std::string& during) const {
+  turtle::EnvironmentError error;
+  // a peer that says that the request itself is wrong will say so again
+  const bool isRefused = failure.kind == LinkFailure::Kind::Refused;
+  error.isRetryable = !isRefused || (failure.error.code != protocol::ErrorCode::InvalidParams &&
+                                     failure.error.code != protocol::ErrorCode::StaleStep);
+  error.message = link_->label() + " " + failure.message + " (" + during + ")." + std::string(kStays) + " ";
+  error.message += isRefused ? "Correct what it says, then ask again." : link_->remedy();
+  return error;
+}
+
+std::optional<turtle::EnvironmentError> RemoteProcess::introduce() {
+  std::optional<LinkFailure> failure;
+  const auto connect = [&] { failure = link_->connect(); };
+  options_.runWaiting ? options_.runWaiting(connect) : connect();
+  if (failure) {
+    return errorOf(*failure, "while connecting");
+  }
+  if (introducedGeneration_ == link_->generation()) {
+    return std::nullopt;
+  }
+  const std::uint64_t generation = link_->generation();
+  auto outcome = call("environment.describe", "{}", options_.introductionTimeout);
+  isMinimal_ = false;
+  if (const auto* payload = std::get_if<protocol::Payload>(&outcome)) {
+    auto decoded = protocol::decodeDescribeResult(*payload);
+    if (const auto* error = std::get_if<protocol::Error>(&decoded)) {
+      return turtle::EnvironmentError{link_->label() + " describes itself wrongly: " + error->message + "." +
+                                          std::string(kStays) + " Correct its answer to environment.describe.",
+                                      false};
+    }
+    description_ = std::move(std::get<protocol::DescribeResult>(decoded));
+    isDescribed_ = true;
+  } else {
+    const auto& problem = std::get<LinkFailure>(outcome);
+    const bool isSilent = problem.kind == LinkFailure::Kind::Timeout;
+    if (!isSilent && problem.kind != LinkFailure::Kind::Refused) {
+      return errorOf(problem, "in environment.describe");
+    }
+    isMinimal_ = isSilent;
+    isDescribed_ = false;
+    description_ = needsEverything();
+  }
+  introducedGeneration_ = generation;
+  return std::nullopt;
+}
+
+turtle::EnvironmentDescription RemoteProcess::describe() const {
+  auto description = toDescription(description_);
+  if (description.name.empty()) {
+    description.name = link_->label();
+  }
+  return description;
+}
+
+std::optional<turtle::EnvironmentError> RemoteProcess::openPeer(std::uint64_t step) {
+  auto params = toOpenParams(*context_, options_.configurationJson);
+  const bool isInRun = step > 0 || stepCount_ > 0;
+  if (isInRun && !canCheckpoint()) {
+    params.resumeStep = step;
+  }
+  auto outcome = call("environment.open", protocol::encode(params), options_.stepTimeout);
+  if (const auto* failure = std::get_if<LinkFailure>(&outcome); failure != nullptr && !isUnknownMethod(*failure)) {
+    return errorOf(*failure, "in environment.open");
+  }
+  if (!isInRun || !canCheckpoint()) {
+    return std::nullopt;
+  }
+
+  // it was somewhere in a run: give it back its state
+  if (!savedState_ || savedAt_ != stepCount_) {
+    return turtle::EnvironmentError{
+        link_->label() + " lost its state and no copy of it exists at this step." + std::string(kStays) +
+            " Reset the simulation, or restore a snapshot of it; a server with --data saves after every step.",
+        false};
+  }
+  auto restored = call("environment.restore",
+                       protocol::encode(protocol::RestoreStateParams{context_->simulation, *savedState_}),
+                       options_.stepTimeout);
+  if (const auto* failure = std::get_if<LinkFailure>(&restored)) {
+    return errorOf(*failure, "in environment.restore");
+  }
+  return std::nullopt;
+}
+
+std::optional<turtle::EnvironmentError> RemoteProcess::makeReady(std::uint64_t step) {
+  if (auto error = introduce()) {
+    return error;
+  }
+  if (openedGeneration_ == link_->generation() || !context_) {
+    return std::nullopt;
+  }
+  const std::uint64_t generation = link_->generation();
+  if (!isMinimal_) {
+    if (auto error = openPeer(step)) {
+      return error;
+    }
+  }
+  openedGeneration_ = generation;
+  return std::nullopt;
+}
+
+std::optional<turtle::EnvironmentError> RemoteProcess::open(const turtle::EnvironmentContext& context) {
+  context_ = context;
+  openedGeneration_ = 0;
+  stepCount_ = 0;
+  savedState_.reset();
+  auto error = makeReady(0);
+  if (error && error->isRetryable && options_.isAbsenceTolerated) {
+    return std::nullopt;
+  }
+  return error;
+}
+
+std::optional<turtle::EnvironmentError> RemoteProcess::step(const turtle::QueryBatch& queries,
+                                                            turtle::ReplyBatch& replies) {
+  if (auto error = makeReady(queries.step)) {
+    return error;
+  }
+  const std::string during = "step " + std::to_string(queries.step) + ", " + std::to_string(queries.size()) + " queries";
+  const std::string simulation = context_ ? context_->simulation : std::string("simulation");
+  std::string params;
+  try {
+    params = encodeQueries(simulation, queries, description_.needs,
+                           context_ ? context_->symbols : std::vector<std::string>());
+  } catch (const protocol::NonFiniteNumber&) {
+    return turtle::EnvironmentError{"A query for " + link_->label() +
+                                        " has a parameter or position that is NaN or infinite (" + during + ")." +
+                                        std::string(kStays) + " Correct the model.",
+                                    false};
+  }
+  auto outcome = call("environment.step", params, options_.stepTimeout);
+  if (const auto* failure = std::get_if<LinkFailure>(&outcome)) {
+    return errorOf(*failure, during);
+  }
+  auto decoded = protocol::decodeReplies(std::get<protocol::Payload>(outcome), queries.size());
+  if (const auto* error = std::get_if<protocol::Error>(&decoded)) {
+    return turtle::EnvironmentError{link_->label() + " answered wrongly (" + during + "): " + error->message + "." +
+                                        std::string(kStays) + " Correct the environment, then ask again.",
+                                    true};
+  }
+  applyReplies(std::get<std::vector<protocol::ReplyRecord>>(decoded), queries, replies);
+  ++stepCount_;
+  return std::nullopt;
+}
+
+std::optional<turtle::EnvironmentError> RemoteProcess::tick(std::uint64_t step) {
+  // a process without state has nothing to advance
+  if (isDescribed_ && !description_.isStateful) {
+    return std::nullopt;
+  }
+  turtle::QueryBatch none;
+  none.clear();
+  none.step = step;
+  none.timeDays = context_ ? static_cast<double>(step) * context_->world.stepDurationDays : 0.0;
+  none.parameterOffset.assign(1, 0);
+  none.followingOffset.assign(1, 0);
+  turtle::ReplyBatch replies;
+  replies.prepare(none);
+  return this->step(none, replies);
+}
+
+std::string RemoteProcess::simulationParams() const {
+  protocol::JsonWriter params;
+  return params.beginObject().key("simulation").text(context_ ? context_->simulation : "").endObject().take();
+}
+
+std::string RemoteProcess::save() const {
+  if (!canCheckpoint()) {
+    return {};
+  }
+  if (savedState_ && savedAt_ == stepCount_) {
+    return *savedState_;
+  }
+  if (openedGeneration_ == 0 || openedGeneration_ != link_->generation()) {
+    return {};
+  }
+  auto outcome = call("environment.save", simulationParams(), options_.stepTimeout);
+  if (const auto* payload = std::get_if<protocol::Payload>(&outcome)) {
+    auto decoded = protocol::decodeSaveResult(*payload);
+    if (auto* state = std::get_if<std::string>(&decoded)) {
+      savedState_ = std::move(*state);
+      savedAt_ = stepCount_;
+      return *savedState_;
+    }
+  }
+  return {};
+}
+
+std::optional<turtle::EnvironmentError> RemoteProcess::restore(std::string_view state) {
+  // the next call opens it again and gives it this state
+  openedGeneration_ = 0;
+  stepCount_ = stepCount_ == 0 ? 1 : stepCount_;
+  savedState_ = std::string(state);
+  savedAt_ = stepCount_;
+  auto error = makeReady(0);
+  if (error && error->isRetryable && options_.isAbsenceTolerated) {
+    return std::nullopt;
+  }
+  return error;
+}
+
+}  // namespace espalier::server

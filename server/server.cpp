@@ -1,0 +1,105 @@
+#include "server/server.h"
+
+#include <atomic>
+#include <mutex>
+#include <thread>
+
+#include "server/network.h"
+#include "server/server_core.h"
+
+namespace espalier::server {
+namespace {
+
+/// How long running steps may take after the server was told to stop, and then the last lines of each connection.
+constexpr std::chrono::milliseconds kPatienceForSteps{10'000};
+constexpr std::chrono::milliseconds kPatienceForConnections{2'000};
+
+}  // namespace
+
+class Server::Implementation {
+ public:
+  explicit Implementation(ServerOptions options) : core_(std::move(options)), network_(core_) {}
+
+  ~Implementation() {
+    if (closer_.joinable()) {
+      closer_.join();
+    }
+  }
+
+  std::optional<std::string> listen() {
+    const ServerOptions& options = core_.options();
+    if (!Network::isLoopback(options.host)) {
+      if (options.token.empty()) {
+        return "'" + options.host +
+               "' can be reached from other machines: give a token that clients must send (--token TEXT or --token-file "
+               "FILE), or listen on 127.0.0.1.";
+      }
+      if (!options.isInsecureAllowed) {
+        return "'" + options.host +
+               "' can be reached from other machines and the connection is not encrypted: add --insecure if that is "
+               "acceptable, or listen on 127.0.0.1 and use an SSH tunnel.";
+      }
+    }
+    // taking the port first: a second server on the same data folder and port stops here
+    if (auto problem = network_.listen(options.host, options.port)) {
+      return problem;
+    }
+    return core_.loadSaved();
+  }
+
+  [[nodiscard]] std::uint16_t port() const { return network_.port(); }
+
+  void run(bool handleSignals) {
+    core_.log().info("serving on " + core_.options().host + ":" + std::to_string(port()));
+    network_.run(handleSignals, [this] { stop(); });
+    if (closer_.joinable()) {
+      closer_.join();
+    }
+    core_.log().info("stopped");
+  }
+
+  void stop() {
+    const std::lock_guard lock(mutex_);
+    if (isStopping_) {
+      return;
+    }
+    isStopping_ = true;
+    core_.log().info("stopping: running steps are finished");
+    network_.stopAccepting();
+    network_.announceShutdown();
+    core_.beginShutdown();
+    // the network goes on meanwhile: running steps may need answers of connected environments
+    closer_ = std::thread([this] {
+      core_.finishRunning(kPatienceForSteps);
+      network_.close(kPatienceForConnections);
+    });
+  }
+
+ private:
+  ServerCore core_;
+  Network network_;
+  std::mutex mutex_;
+  bool isStopping_ = false;
+  std::thread closer_;
+};
+
+Server::Server(ServerOptions options) : implementation_(std::make_unique<Implementation>(std::move(options))) {}
+Server::~Server() = default;
+
+std::optional<std::string> Server::listen() {
+  return implementation_->listen();
+}
+
+std::uint16_t Server::port() const {
+  return implementation_->port();
+}
+
+void Server::run(bool handleSignals) {
+  implementation_->run(handleSignals);
+}
+
+void Server::stop() {
+  implementation_->stop();
+}
+
+}  // namespace espalier::server

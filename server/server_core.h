@@ -1,0 +1,70 @@
+#pragma once
+
+#include <atomic>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "server/data_folder.h"
+#include "server/environment_builder.h"
+#include "server/log.h"
+#include "server/model_store.h"
+#include "server/offered_environments.h"
+#include "server/server.h"
+#include "server/simulation_runner.h"
+#include "server/worker_pool.h"
+
+namespace espalier::server {
+
+/// What all sessions share: simulations, models, offered environments, workers. Knows no network. Thread-safe.
+class ServerCore {
+ public:
+  explicit ServerCore(ServerOptions options);
+
+  [[nodiscard]] const ServerOptions& options() const { return options_; }
+  [[nodiscard]] const Log& log() const { return log_; }
+  [[nodiscard]] WorkerPool& pool() { return pool_; }
+  [[nodiscard]] ModelStore& models() { return models_; }
+  [[nodiscard]] OfferedEnvironments& offered() { return offered_; }
+  [[nodiscard]] const DataFolder& data() const { return data_; }
+  [[nodiscard]] EnvironmentServices environmentServices();
+
+  /// Loads what the data folder has. An error sentence when the folder cannot be used.
+  [[nodiscard]] std::optional<std::string> loadSaved();
+
+  [[nodiscard]] std::shared_ptr<SimulationRunner> find(const std::string& simulation) const;
+  /// An identifier that no simulation has, reserved for add(); nothing when there are too many simulations.
+  [[nodiscard]] std::optional<std::string> reserve();
+  void add(const std::string& simulation, std::unique_ptr<HostedSimulation> hosted);
+  /// Forgets an identifier, and the simulation when there is one. It is not closed.
+  void remove(const std::string& simulation);
+  [[nodiscard]] std::vector<std::shared_ptr<SimulationRunner>> all() const;
+
+  /// From now on nothing new is begun.
+  void beginShutdown();
+  [[nodiscard]] bool isShuttingDown() const { return isShuttingDown_; }
+  /// Waits for running turns; those that still run after `patience` are given up.
+  void finishRunning(std::chrono::milliseconds patience);
+
+  std::atomic<std::uint32_t> sessionCount{0};
+
+ private:
+  ServerOptions options_;
+  Log log_;
+  OfferedEnvironments offered_;
+  DataFolder data_;
+  ModelStore models_;
+  mutable std::mutex mutex_;
+  std::map<std::string, std::shared_ptr<SimulationRunner>> simulations_;  // null: reserved
+  std::atomic<bool> isShuttingDown_{false};
+  WorkerPool pool_;  // last: its threads use everything above
+};
+
+/// A random number for seeds, at most 2^53 so that every client can hold it.
+[[nodiscard]] std::uint64_t drawSeed();
+
+}  // namespace espalier::server

@@ -1,0 +1,343 @@
+#include "server/session.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "protocol/codec.h"
+#include "protocol/version.h"
+#include "server/methods.h"
+#include "server/server_core.h"
+
+namespace espalier::server {
+namespace {
+
+/// Compares without telling by its duration how much was right.
+bool isEqualInConstantTime(std::string_view a, std::string_view b) {
+  unsigned difference = a.size() == b.size() ? 0 : 1;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const unsigned char other = b.empty() ? 0 : static_cast<unsigned char>(b[i % b.size()]);
+    difference |= static_cast<unsigned>(static_cast<unsigned char>(a[i]) ^ other);
+  }
+  return difference == 0;
+}
+
+}  // namespace
+
+Session::Session(std::string id, ServerCore& core, std::shared_ptr<Connection> connection)
+    : id_(std::move(id)), core_(&core), connection_(std::move(connection)) {}
+
+Session::~Session() = default;
+
+void Session::send(std::string line) {
+  connection_->send(std::make_shared<const std::string>(std::move(line)));
+}
+
+void Session::respond(const protocol::MessageId& id, std::string_view resultJson) {
+  {
+    const std::lock_guard lock(mutex_);
+    inProgress_.erase(protocol::toText(id));
+  }
+  const std::uint64_t bound = core_->options().limits.outboxBytes;
+  if (resultJson.size() > bound) {
+    send(protocol::encodeError(id, protocol::limitError("outboxBytes", resultJson.size(), bound,
+                                                        "Ask for less at a time, or start the server with a higher "
+                                                        "--limit outboxBytes=N.")));
+    return;
+  }
+  send(protocol::encodeResult(id, resultJson));
+}
+
+void Session::respondError(const protocol::MessageId& id, const protocol::Error& error) {
+  {
+    const std::lock_guard lock(mutex_);
+    inProgress_.erase(protocol::toText(id));
+  }
+  core_->log().debug("session " + id_ + ": request " + protocol::toText(id) + ": " + error.message);
+  send(protocol::encodeError(id, error));
+}
+
+void Session::notify(std::string_view method, std::string_view paramsJson) {
+  send(protocol::encodeNotification(method, paramsJson));
+}
+
+void Session::refuse(const protocol::MessageId& id, const protocol::Error& error) {
+  core_->log().info("session " + id_ + " (" + connection_->peerName() + ") is refused: " + error.message);
+  send(protocol::encodeError(id, error));
+  connection_->closeWhenSent();
+}
+
+void Session::onLine(std::string_view line) {
+  auto decoded = protocol::decodeMessage(line);
+  if (auto* bad = std::get_if<protocol::BadMessage>(&decoded)) {
+    respondError(bad->id, bad->error);
+    // it may have been the answer that a step is waiting for
+    failPendingCalls({LinkFailure::Kind::Garbage, "sent a line that is not a message: " + bad->error.message, {}});
+    return;
+  }
+  onMessage(std::get<protocol::Message>(decoded));
+}
+
+void Session::onMessage(const protocol::Message& message) {
+  if (message.kind == protocol::Message::Kind::Result || message.kind == protocol::Message::Kind::Error) {
+    onAnswer(message);
+    return;
+  }
+  if (message.method == "hello") {
+    onHello(message);
+    return;
+  }
+  if (!isGreeted_) {
+    if (message.kind == protocol::Message::Kind::Request) {
+      respondError(message.id,
+                   {protocol::ErrorCode::HelloMissing,
+                    "Say hello first: {\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"hello\",\"params\":{\"protocol\":[1],"
+                    "\"roles\":[\"controller\"],\"name\":\"...\",\"version\":\"...\"}}.",
+                    {}});
+    }
+    return;
+  }
+  if (message.kind == protocol::Message::Kind::Request) {
+    std::optional<protocol::Error> refusal;
+    {
+      const std::lock_guard lock(mutex_);
+      const std::uint64_t bound = core_->options().limits.requestsPerSession;
+      if (inProgress_.size() >= bound) {
+        refusal = protocol::limitError("requestsPerSession", inProgress_.size() + 1, bound,
+                                       "Wait for answers before asking more.");
+      } else if (!inProgress_.emplace(protocol::toText(message.id), InProgress{}).second) {
+        refusal = protocol::Error{protocol::ErrorCode::InvalidRequest,
+                                  "The id " + protocol::toText(message.id) +
+                                      " belongs to a request in progress. Give each request an id of its own.",
+                                  {}};
+      }
+    }
+    if (refusal) {
+      send(protocol::encodeError(message.id, *refusal));
+      return;
+    }
+  }
+  dispatch(*this, message);
+}
+
+void Session::onAnswer(const protocol::Message& message) {
+  std::shared_ptr<PendingCall> call;
+  if (message.id.kind == protocol::MessageId::Kind::Text) {
+    const std::lock_guard lock(mutex_);
+    const auto found = pending_.find(message.id.text);
+    if (found != pending_.end()) {
+      call = found->second;
+      pending_.erase(found);
+    }
+  }
+  if (call == nullptr) {
+    // a late answer to a question that timed out, or to none: nobody waits for it
+    core_->log().debug("session " + id_ + " answers " + protocol::toText(message.id) + ", which nobody waits for");
+    return;
+  }
+  if (message.kind == protocol::Message::Kind::Result) {
+    call->complete(message.payload);
+  } else {
+    call->complete(
+        LinkFailure{LinkFailure::Kind::Refused, "answered with an error: " + message.error.message, message.error});
+  }
+}
+
+void Session::onHello(const protocol::Message& message) {
+  if (message.kind != protocol::Message::Kind::Request) {
+    return;
+  }
+  if (isGreeted_) {
+    respondError(message.id, {protocol::ErrorCode::InvalidRequest,
+                              "Hello was said already on this connection. Go on with other requests.", {}});
+    return;
+  }
+  auto decoded = protocol::decodeHelloParams(message.payload);
+  if (const auto* error = std::get_if<protocol::Error>(&decoded)) {
+    respondError(message.id, *error);
+    return;
+  }
+  const auto& hello = std::get<protocol::HelloParams>(decoded);
+  if (std::find(hello.protocol.begin(), hello.protocol.end(), protocol::kProtocolVersion) == hello.protocol.end()) {
+    protocol::JsonWriter data;
+    data.beginObject().key("supported").beginArray().integer(protocol::kProtocolVersion).endArray().endObject();
+    refuse(message.id, {protocol::ErrorCode::Version,
+                        "No common protocol version: this server speaks 1. Use a client that speaks espalier/1.",
+                        data.take()});
+    return;
+  }
+  const ServerOptions& options = core_->options();
+  if (!options.token.empty() && !isEqualInConstantTime(hello.token, options.token)) {
+    refuse(message.id, {protocol::ErrorCode::Unauthorised,
+                        "The token is missing or wrong. Send the server's token as params.token.", {}});
+    return;
+  }
+  isGreeted_ = true;
+  core_->log().info("session " + id_ + ": " + (hello.name.empty() ? std::string("a peer") : hello.name) + " " +
+                    hello.version + " from " + connection_->peerName());
+  const ServerLimits& limits = options.limits;
+  const protocol::HelloResult result{
+      .protocol = protocol::kProtocolVersion,
+      .session = id_,
+      .server = "espalier " + std::string(protocol::kProgramVersion),
+      .capabilities = {"checkpoint", "cancel", "streams", "credits", "offer"},
+      .limits = {{"lineBytes", limits.lineBytes},
+                 {"outboxBytes", limits.outboxBytes},
+                 {"sessions", limits.sessions},
+                 {"simulations", limits.simulations},
+                 {"streamsPerSession", limits.streamsPerSession},
+                 {"requestsPerSession", limits.requestsPerSession},
+                 {"modules", limits.simulation.maximumModules},
+                 {"queries", limits.simulation.maximumQueries}}};
+  respond(message.id, protocol::encode(result));
+}
+
+void Session::onOverflow(std::size_t bytes) {
+  const std::uint64_t bound = core_->options().limits.lineBytes;
+  refuse({}, protocol::limitError("lineBytes", bytes, bound,
+                                  "Send shorter lines; the connection is closed, because what follows cannot be told "
+                                  "apart."));
+}
+
+void Session::onHandshakeTimeout() {
+  if (!isGreeted_) {
+    const std::uint32_t bound = core_->options().limits.handshakeMilliseconds;
+    protocol::JsonWriter data;
+    data.beginObject().key("milliseconds").integer(bound).endObject();
+    refuse({}, {protocol::ErrorCode::Timeout,
+                "No hello came within " + std::to_string(bound) + " ms. Connect again and say hello first.", data.take()});
+  }
+}
+
+void Session::onDrained() {
+  std::vector<std::shared_ptr<SimulationRunner>> runners;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [name, entry] : streams_) {
+      auto runner = entry.second.lock();
+      if (runner != nullptr && entry.first->wantsToCatchUp()) {
+        runners.push_back(std::move(runner));
+      }
+    }
+  }
+  for (const auto& runner : runners) {
+    runner->catchUp();
+  }
+}
+
+void Session::failPendingCalls(const LinkFailure& failure) {
+  std::map<std::string, std::shared_ptr<PendingCall>> calls;
+  {
+    const std::lock_guard lock(mutex_);
+    calls.swap(pending_);
+  }
+  for (const auto& [id, call] : calls) {
+    call->complete(failure);
+  }
+}
+
+void Session::onClosed() {
+  std::map<std::string, InProgress> requests;
+  {
+    const std::lock_guard lock(mutex_);
+    isClosed_ = true;
+    requests.swap(inProgress_);
+    for (const auto& [name, entry] : streams_) {
+      entry.first->close();
+    }
+    streams_.clear();
+  }
+  core_->offered().withdraw(this);
+  failPendingCalls({LinkFailure::Kind::Closed, "closed the connection", {}});
+  // requests end with the connection they came on, between two steps
+  for (const auto& [id, request] : requests) {
+    const auto runner = request.runner.lock();
+    const auto command = request.command.lock();
+    if (runner != nullptr && command != nullptr) {
+      command->isCancelled = true;
+    }
+  }
+  core_->log().debug("session " + id_ + " is closed");
+}
+
+std::string Session::ask(std::string_view method, const std::string& paramsJson, std::shared_ptr<PendingCall> call) {
+  std::string id;
+  bool isGone = false;
+  {
+    const std::lock_guard lock(mutex_);
+    id = "s" + std::to_string(++askedCount_);
+    isGone = isClosed_;
+    if (!isGone) {
+      pending_.emplace(id, call);
+    }
+  }
+  if (isGone) {
+    call->complete(LinkFailure{LinkFailure::Kind::Closed, "closed the connection", {}});
+  } else {
+    send(protocol::encodeRequest(protocol::MessageId::of(id), method, paramsJson));
+  }
+  return id;
+}
+
+void Session::forget(const std::string& id) {
+  const std::lock_guard lock(mutex_);
+  pending_.erase(id);
+}
+
+void Session::submit(const protocol::MessageId& id, std::shared_ptr<SimulationRunner> runner,
+                     std::shared_ptr<Command> command) {
+  {
+    const std::lock_guard lock(mutex_);
+    inProgress_[protocol::toText(id)] = {runner, command};
+  }
+  runner->submit(std::move(command));
+}
+
+void Session::cancelRequest(const protocol::MessageId& id) {
+  InProgress request;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto found = inProgress_.find(protocol::toText(id));
+    if (found == inProgress_.end()) {
+      return;
+    }
+    request = found->second;
+  }
+  const auto runner = request.runner.lock();
+  const auto command = request.command.lock();
+  if (runner != nullptr && command != nullptr) {
+    runner->cancel(command);
+  }
+}
+
+std::shared_ptr<Stream> Session::openStream(protocol::StreamOpenParams params, SimulationRunner& runner) {
+  const ServerLimits& limits = core_->options().limits;
+  const std::lock_guard lock(mutex_);
+  if (isClosed_ || streams_.size() >= limits.streamsPerSession) {
+    return nullptr;
+  }
+  std::string name = "stream-" + id_ + "-" + std::to_string(++streamCount_);
+  // a quarter of the outbox: frames never crowd out answers
+  auto stream = std::make_shared<Stream>(name, std::move(params), weak_from_this(),
+                                         static_cast<std::size_t>(limits.outboxBytes / 4));
+  streams_.emplace(std::move(name), std::pair(stream, runner.weak_from_this()));
+  return stream;
+}
+
+std::shared_ptr<Stream> Session::findStream(const std::string& id) {
+  const std::lock_guard lock(mutex_);
+  const auto found = streams_.find(id);
+  return found == streams_.end() ? nullptr : found->second.first;
+}
+
+bool Session::closeStream(const std::string& id) {
+  const std::lock_guard lock(mutex_);
+  const auto found = streams_.find(id);
+  if (found == streams_.end()) {
+    return false;
+  }
+  found->second.first->close();
+  streams_.erase(found);
+  return true;
+}
+
+}  // namespace espalier::server

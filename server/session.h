@@ -1,0 +1,85 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <string_view>
+
+#include "protocol/envelope.h"
+#include "protocol/messages.h"
+#include "server/connection.h"
+#include "server/offered_environments.h"
+#include "server/simulation_runner.h"
+#include "server/stream.h"
+
+namespace espalier::server {
+
+class ServerCore;
+
+/// One peer: handshake, its requests in progress, its streams, and the questions put to it when it offers environments.
+/// Lines come on the network thread; answers may come from any thread.
+class Session final : public AskedPeer, public std::enable_shared_from_this<Session> {
+ public:
+  Session(std::string id, ServerCore& core, std::shared_ptr<Connection> connection);
+  ~Session() override;
+
+  // network thread
+  void onLine(std::string_view line);
+  void onOverflow(std::size_t bytes);
+  void onHandshakeTimeout();
+  /// Part of the outbox was sent: streams may have room again.
+  void onDrained();
+  void onClosed();
+  [[nodiscard]] bool isGreeted() const { return isGreeted_; }
+
+  // any thread
+  void respond(const protocol::MessageId& id, std::string_view resultJson);
+  void respondError(const protocol::MessageId& id, const protocol::Error& error);
+  void notify(std::string_view method, std::string_view paramsJson);
+  [[nodiscard]] std::size_t outboxBytes() const { return connection_->outboxBytes(); }
+  [[nodiscard]] std::string ask(std::string_view method, const std::string& paramsJson,
+                                std::shared_ptr<PendingCall> call) override;
+  void forget(const std::string& id) override;
+
+  // for the methods (methods.h), on the network thread
+  [[nodiscard]] const std::string& id() const { return id_; }
+  [[nodiscard]] ServerCore& core() { return *core_; }
+  [[nodiscard]] bool isLocal() const { return connection_->isLocal(); }
+  /// Sends a command to a simulation as the work of a request, so that $/cancel and a lost connection reach it.
+  void submit(const protocol::MessageId& id, std::shared_ptr<SimulationRunner> runner, std::shared_ptr<Command> command);
+  void cancelRequest(const protocol::MessageId& id);
+  /// Nothing when the session has as many streams as it may.
+  [[nodiscard]] std::shared_ptr<Stream> openStream(protocol::StreamOpenParams params, SimulationRunner& runner);
+  [[nodiscard]] std::shared_ptr<Stream> findStream(const std::string& id);
+  [[nodiscard]] bool closeStream(const std::string& id);
+
+ private:
+  struct InProgress {
+    std::weak_ptr<SimulationRunner> runner;
+    std::weak_ptr<Command> command;
+  };
+
+  void onMessage(const protocol::Message& message);
+  void onAnswer(const protocol::Message& message);
+  void onHello(const protocol::Message& message);
+  /// Refuses and closes.
+  void refuse(const protocol::MessageId& id, const protocol::Error& error);
+  void failPendingCalls(const LinkFailure& failure);
+  void send(std::string line);
+
+  const std::string id_;
+  ServerCore* core_;
+  std::shared_ptr<Connection> connection_;
+  bool isGreeted_ = false;                               // network thread
+  std::mutex mutex_;                                     // guards what follows
+  bool isClosed_ = false;
+  std::uint64_t askedCount_ = 0;
+  std::uint64_t streamCount_ = 0;
+  std::map<std::string, std::shared_ptr<PendingCall>> pending_;   // questions to the peer, by id
+  std::map<std::string, InProgress> inProgress_;                  // its requests, by the text of their id
+  std::map<std::string, std::pair<std::shared_ptr<Stream>, std::weak_ptr<SimulationRunner>>> streams_;
+};
+
+}  // namespace espalier::server

@@ -1,0 +1,344 @@
+#include "server/simulation_methods.h"
+
+#include "protocol/base64.h"
+#include "protocol/codec.h"
+#include "server/server_core.h"
+#include "server/session.h"
+#include "server/translate.h"
+
+namespace espalier::server {
+namespace {
+
+using protocol::ErrorCode;
+
+/// A command of one turn that returns the result's JSON or an error.
+std::shared_ptr<Command> makeCommand(SessionPointer session, const protocol::MessageId& id,
+                                     std::function<std::variant<std::string, protocol::Error>(SimulationRunner&)> work) {
+  auto command = std::make_shared<Command>();
+  std::weak_ptr<Session> weak = session;
+  command->advance = [weak, id, work = std::move(work)](SimulationRunner& runner, Command&) {
+    const auto self = weak.lock();
+    if (self == nullptr) {
+      return false;
+    }
+    const auto outcome = work(runner);
+    if (const auto* error = std::get_if<protocol::Error>(&outcome)) {
+      self->respondError(id, *error);
+    } else {
+      self->respond(id, std::get<std::string>(outcome));
+    }
+    return false;
+  };
+  command->fail = [weak, id](const protocol::Error& error) {
+    if (const auto self = weak.lock()) {
+      self->respondError(id, error);
+    }
+  };
+  return command;
+}
+
+protocol::Error cancelledError(std::uint64_t step) {
+  protocol::JsonWriter data;
+  data.beginObject().key("step").integer(step).endObject();
+  return {ErrorCode::Cancelled, "Cancelled; the simulation stays at step " + std::to_string(step) + ".", data.take()};
+}
+
+/// The seed that a run uses: the caller's, else the model's, else one drawn now.
+std::uint64_t effectiveSeed(const protocol::CreateParams& params, const language::Program& program) {
+  if (params.seed) {
+    return *params.seed;
+  }
+  const auto& model = program.systems.empty() ? std::optional<std::int64_t>() : program.systems.front().seed;
+  return model && *model >= 0 ? static_cast<std::uint64_t>(*model) : drawSeed();
+}
+
+/// A step command's state between turns.
+struct StepProgress {
+  protocol::StepParams params;
+  std::uint64_t madeSteps = 0;
+  std::uint64_t queries = 0;
+  std::uint64_t answers = 0;
+  double milliseconds = 0.0;
+};
+
+protocol::StepResult resultOf(SimulationRunner& runner, const StepProgress& progress, bool isTruncated) {
+  simulation::Simulation& simulation = runner.hosted().simulation();
+  protocol::StepResult result;
+  result.step = simulation.completedSteps();
+  result.isFinished = simulation.isFinished();
+  result.isTruncated = isTruncated;
+  result.isSaved = runner.hosted().isSaved();
+  result.statistics = toStatistics(simulation.statistics(), progress.milliseconds);
+  if (progress.madeSteps > 0) {
+    result.statistics.queries = progress.queries;
+    result.statistics.answers = progress.answers;
+  }
+  return result;
+}
+
+bool isDone(const SimulationRunner&, const simulation::Simulation& simulation, const StepProgress& progress) {
+  return simulation.isFinished() || (progress.params.until ? simulation.completedSteps() >= *progress.params.until
+                                                           : progress.madeSteps >= progress.params.steps);
+}
+
+/// One turn: one step. Returns whether there is more to do.
+bool advanceSteps(SimulationRunner& runner, Command& command, Session& session, const protocol::MessageId& id,
+                  StepProgress& progress) {
+  simulation::Simulation& simulation = runner.hosted().simulation();
+  if (command.isCancelled) {
+    session.respondError(id, cancelledError(simulation.completedSteps()));
+    return false;
+  }
+  if (isDone(runner, simulation, progress)) {
+    session.respond(id, protocol::encode(resultOf(runner, progress, false)));
+    return false;
+  }
+  double milliseconds = 0.0;
+  const std::uint64_t before = simulation.completedSteps();
+  const auto error = runner.hosted().step(milliseconds);
+  const bool isMade = simulation.completedSteps() > before;
+  if (isMade) {
+    const simulation::StepStatistics& statistics = simulation.statistics();
+    ++progress.madeSteps;
+    progress.queries += statistics.queries;
+    progress.answers += statistics.answers;
+    progress.milliseconds += milliseconds;
+    runner.setMilliseconds(milliseconds);
+  }
+  if (error) {
+    runner.setLastError(command.isCancelled ? std::string() : error->message);
+    session.respondError(id, command.isCancelled ? cancelledError(simulation.completedSteps()) : *error);
+    return false;
+  }
+  runner.setLastError({});
+  const bool isLast = isDone(runner, simulation, progress);
+  if (isLast || runner.isClosing()) {
+    // the controller first, viewers after
+    session.respond(id, protocol::encode(resultOf(runner, progress, !isLast)));
+    runner.publishFrames(true);
+    return false;
+  }
+  runner.publishFrames(true);
+  return true;
+}
+
+std::variant<std::string, protocol::Error> getResult(SimulationRunner& runner, const protocol::GetParams& params) {
+  HostedSimulation& hosted = runner.hosted();
+  simulation::Simulation& simulation = hosted.simulation();
+  if (params.plant >= simulation.plantCount()) {
+    return protocol::fieldError("params.plant", "there is no plant " + std::to_string(params.plant) +
+                                                    "; this simulation has " + std::to_string(simulation.plantCount()) +
+                                                    ", numbered from 0");
+  }
+  protocol::JsonWriter result;
+  result.beginObject().key("step").integer(simulation.completedSteps());
+  if (params.what == "string") {
+    result.key("string").text(simulation.stringText(params.plant));
+  } else if (params.what == "statistics") {
+    write(result, toStatistics(simulation.statistics(), runner.milliseconds()));
+    result.key("finished").boolean(simulation.isFinished());
+  } else if (params.what == "state-hash") {
+    // 64 bits do not fit a JSON number
+    constexpr std::string_view kDigits = "0123456789abcdef";
+    const std::uint64_t hash = simulation.stateHash();
+    std::string text;
+    for (unsigned shift = 64; shift > 0; shift -= 4) {
+      text += kDigits[(hash >> (shift - 4U)) & 15U];
+    }
+    result.key("stateHash").text(text);
+  } else if (params.what == "model") {
+    const language::Program& program = simulation.program();
+    result.key("model").beginObject().key("main").text(program.modelFile).key("files").beginObject();
+    std::string files;
+    for (const auto& file : program.sources) {
+      protocol::JsonWriter name;
+      protocol::JsonWriter text;
+      files += (files.empty() ? "" : ",") + name.text(file.name).take() + ":" + text.text(file.text).take();
+    }
+    if (!files.empty()) {
+      result.raw(files);
+    }
+    result.endObject().endObject();
+  } else if (params.what == "turtle") {
+    std::optional<std::vector<turtle::TurtleRecord>> records;
+    protocol::StreamOpenParams all;
+    all.what = "turtle";
+    auto body = frameBody(all, simulation, runner.milliseconds(), records);
+    if (const auto* error = std::get_if<core::SimulationError>(&body)) {
+      return toError(*error);
+    }
+    result.raw(std::get<std::string>(body));
+  } else {
+    result.key("information");
+    write(result, runner.information());
+  }
+  return result.endObject().take();
+}
+
+std::string stateAfter(SimulationRunner& runner) {
+  protocol::JsonWriter result;
+  result.beginObject().key("step").integer(runner.hosted().simulation().completedSteps());
+  result.key("seed").integer(runner.hosted().record().seed);
+  result.key("finished").boolean(runner.hosted().simulation().isFinished());
+  return result.endObject().take();
+}
+
+}  // namespace
+
+void createSimulation(Session& session, const protocol::MessageId& id, protocol::CreateParams params) {
+  ServerCore& core = session.core();
+  auto compiled = core.models().compile(params.model, core.options().limits.simulation);
+  if (const auto* error = std::get_if<protocol::Error>(&compiled)) {
+    session.respondError(id, *error);
+    return;
+  }
+  const auto& model = std::get<CompiledModel>(compiled);
+  if (model.result.program == nullptr) {
+    session.respondError(id, toError(model.result.diagnostics.entries()));
+    return;
+  }
+  const auto name = core.reserve();
+  if (!name) {
+    const std::uint64_t bound = core.options().limits.simulations;
+    session.respondError(id, protocol::limitError("simulations", bound + 1, bound, "Delete one first."));
+    return;
+  }
+
+  // the record is what makes the simulation again after a restart
+  SimulationRecord record;
+  record.id = *name;
+  record.seed = effectiveSeed(params, *model.result.program);
+  record.hasSeed = params.seed.has_value();
+  record.create = std::move(params);
+  record.create.model = {};
+  if (record.create.name.empty()) {
+    record.create.name = model.result.program->modelFile;
+  }
+  if (record.create.environmentTypes.empty()) {
+    record.create.environmentJson = model.environmentJson;
+  }
+  std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> made = protocol::Error{};
+  try {
+    made = HostedSimulation::create(std::move(record), model.result.program, core.options().limits.simulation,
+                                    core.environmentServices(), core.data());
+  } catch (...) {
+    core.remove(*name);
+    throw;
+  }
+  if (const auto* error = std::get_if<protocol::Error>(&made)) {
+    core.remove(*name);
+    session.respondError(id, *error);
+    return;
+  }
+  auto& hosted = std::get<std::unique_ptr<HostedSimulation>>(made);
+  protocol::CreateResult result;
+  result.simulation = *name;
+  result.step = hosted->simulation().completedSteps();
+  result.seed = hosted->record().seed;
+  result.derivationLength = hosted->simulation().derivationLength();
+  result.plants = static_cast<std::uint32_t>(hosted->simulation().plantCount());
+  result.isFinished = hosted->simulation().isFinished();
+  result.statistics = toStatistics(hosted->simulation().statistics(), 0.0);
+  result.diagnostics = toRecords(model.result.diagnostics.entries());
+  core.add(*name, std::move(hosted));
+  core.log().info("session " + session.id() + " created simulation " + *name);
+  session.respond(id, protocol::encode(result));
+}
+
+std::shared_ptr<Command> makeStepCommand(SessionPointer session, const protocol::MessageId& id,
+                                         protocol::StepParams params) {
+  auto command = std::make_shared<Command>();
+  const auto progress = std::make_shared<StepProgress>();
+  progress->params = std::move(params);
+  std::weak_ptr<Session> weak = session;
+  command->advance = [weak, id, progress](SimulationRunner& runner, Command& self) {
+    const auto owner = weak.lock();
+    return owner != nullptr && advanceSteps(runner, self, *owner, id, *progress);
+  };
+  command->fail = [weak, id](const protocol::Error& error) {
+    if (const auto owner = weak.lock()) {
+      owner->respondError(id, error);
+    }
+  };
+  return command;
+}
+
+std::shared_ptr<Command> makeGetCommand(SessionPointer session, const protocol::MessageId& id,
+                                        protocol::GetParams params) {
+  return makeCommand(std::move(session), id,
+                     [params = std::move(params)](SimulationRunner& runner) { return getResult(runner, params); });
+}
+
+std::shared_ptr<Command> makeResetCommand(SessionPointer session, const protocol::MessageId& id,
+                                          protocol::ResetParams params) {
+  return makeCommand(std::move(session), id,
+                     [seed = params.seed](SimulationRunner& runner) -> std::variant<std::string, protocol::Error> {
+                       if (auto error = runner.hosted().reset(seed)) {
+                         return std::move(*error);
+                       }
+                       runner.setLastError({});
+                       runner.publishFrames(true);
+                       return stateAfter(runner);
+                     });
+}
+
+std::shared_ptr<Command> makeSaveCommand(SessionPointer session, const protocol::MessageId& id, protocol::NameParams) {
+  return makeCommand(std::move(session), id,
+                     [](SimulationRunner& runner) -> std::variant<std::string, protocol::Error> {
+                       protocol::JsonWriter result;
+                       result.beginObject().key("step").integer(runner.hosted().simulation().completedSteps());
+                       result.key("snapshot").text(protocol::toBase64(runner.hosted().snapshot()));
+                       return result.endObject().take();
+                     });
+}
+
+std::shared_ptr<Command> makeRestoreCommand(SessionPointer session, const protocol::MessageId& id,
+                                            protocol::RestoreParams params) {
+  return makeCommand(std::move(session), id,
+                     [snapshot = std::move(params.snapshot)](
+                         SimulationRunner& runner) -> std::variant<std::string, protocol::Error> {
+                       if (auto error = runner.hosted().restore(snapshot)) {
+                         return std::move(*error);
+                       }
+                       runner.setLastError({});
+                       runner.publishFrames(true);
+                       return stateAfter(runner);
+                     });
+}
+
+std::shared_ptr<Command> makeStreamOpenCommand(SessionPointer session, const protocol::MessageId& id,
+                                               std::shared_ptr<Stream> stream) {
+  auto command = std::make_shared<Command>();
+  std::weak_ptr<Session> weak = session;
+  command->advance = [weak, id, stream](SimulationRunner& runner, Command&) {
+    if (const auto owner = weak.lock()) {
+      protocol::JsonWriter result;
+      result.beginObject().key("stream").text(stream->id());
+      result.key("step").integer(runner.hosted().simulation().completedSteps()).endObject();
+      owner->respond(id, result.view());
+      runner.addStream(stream);
+      runner.publishFirstFrame(*stream);
+    }
+    return false;
+  };
+  command->fail = [weak, id, stream](const protocol::Error& error) {
+    if (const auto owner = weak.lock()) {
+      (void)owner->closeStream(stream->id());
+      owner->respondError(id, error);
+    }
+  };
+  return command;
+}
+
+void deleteSimulation(Session& session, const protocol::MessageId& id, const std::shared_ptr<SimulationRunner>& runner) {
+  // the files go after the last turn, so that none writes them again
+  const auto command = makeCommand(session.shared_from_this(), id,
+                                   [](SimulationRunner& self) -> std::variant<std::string, protocol::Error> {
+                                     self.hosted().removeFromDisk();
+                                     return std::string("{}");
+                                   });
+  runner->closeWith(command, {ErrorCode::NotFound, "The simulation was deleted.", {}});
+  runner->endStreams("the simulation was deleted");
+}
+
+}  // namespace espalier::server

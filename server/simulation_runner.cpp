@@ -1,0 +1,212 @@
+#include "server/simulation_runner.h"
+
+#include <new>
+
+#include "engine/core/check.h"
+#include "server/log.h"
+
+namespace espalier::server {
+
+SimulationRunner::SimulationRunner(std::unique_ptr<HostedSimulation> hosted, WorkerPool& pool, const Log& log)
+    : id_(hosted->record().id), hosted_(std::move(hosted)), pool_(&pool), log_(&log) {
+  publishInformation();
+}
+
+void SimulationRunner::publishInformation() {
+  const simulation::Simulation& simulation = hosted_->simulation();
+  const SimulationRecord& record = hosted_->record();
+  protocol::SimulationInformation information;
+  information.simulation = id_;
+  information.name = record.create.name;
+  information.step = simulation.completedSteps();
+  information.derivationLength = simulation.derivationLength();
+  information.seed = record.seed;
+  information.plants = static_cast<std::uint32_t>(simulation.plantCount());
+  information.isFinished = simulation.isFinished();
+  information.isSaved = hosted_->isSaved();
+  information.environment = hosted_->environmentNames();
+  information.lastError = lastError_;
+  const std::lock_guard lock(mutex_);
+  information_ = std::move(information);
+}
+
+protocol::SimulationInformation SimulationRunner::information() const {
+  const std::lock_guard lock(mutex_);
+  auto information = information_;
+  information.isRunning = isScheduled_;
+  return information;
+}
+
+bool SimulationRunner::isClosing() const {
+  const std::lock_guard lock(mutex_);
+  return closed_.has_value();
+}
+
+void SimulationRunner::submit(std::shared_ptr<Command> command) {
+  std::optional<protocol::Error> refusal;
+  {
+    const std::lock_guard lock(mutex_);
+    if (closed_) {
+      refusal = closed_;
+    } else {
+      queue_.push_back(std::move(command));
+      schedule();
+    }
+  }
+  if (refusal) {
+    command->fail(*refusal);
+  }
+}
+
+void SimulationRunner::schedule() {
+  if (!isScheduled_ && !queue_.empty()) {
+    isScheduled_ = true;
+    pool_->post([self = shared_from_this()] { self->takeTurn(); });
+  }
+}
+
+void SimulationRunner::takeTurn() {
+  std::shared_ptr<Command> command;
+  {
+    const std::lock_guard lock(mutex_);
+    if (queue_.empty()) {
+      isScheduled_ = false;
+      return;
+    }
+    command = std::move(queue_.front());
+    queue_.pop_front();
+    current_ = command;
+    hosted_->setCancelled(false);
+  }
+  bool wantsMore = false;
+  runGuarded(*command, wantsMore);
+  const std::lock_guard lock(mutex_);
+  current_.reset();
+  if (wantsMore) {
+    queue_.push_back(std::move(command));
+  }
+  isScheduled_ = false;
+  schedule();
+}
+
+void SimulationRunner::runGuarded(Command& command, bool& wantsMore) {
+  std::string bug;
+  try {
+    wantsMore = command.advance(*this, command);
+    publishInformation();
+    return;
+  } catch (const std::bad_alloc&) {
+    command.fail({protocol::ErrorCode::Limit,
+                  "The server has not enough memory for this. Use a smaller model or fewer steps.", {}});
+    return;
+  } catch (const std::exception& exception) {
+    bug = exception.what();
+  }
+  // a bug of ours closes this simulation and nothing else
+  log_->error("simulation " + id_ + " is closed after an internal error: " + bug);
+  const protocol::Error error{protocol::ErrorCode::Internal,
+                              "Espalier has a bug: " + bug + ". This simulation is closed; please report it.", {}};
+  command.fail(error);
+  close(error, false);
+  endStreams(error.message);
+}
+
+void SimulationRunner::cancel(const std::shared_ptr<Command>& command) {
+  const std::lock_guard lock(mutex_);
+  command->isCancelled = true;
+  if (current_ == command) {
+    hosted_->setCancelled(true);
+  }
+}
+
+void SimulationRunner::close(const protocol::Error& reason, bool isInterrupting) {
+  std::deque<std::shared_ptr<Command>> dropped;
+  {
+    const std::lock_guard lock(mutex_);
+    closed_ = reason;
+    dropped.swap(queue_);
+    if (isInterrupting && current_ != nullptr) {
+      current_->isCancelled = true;
+      hosted_->setCancelled(true);
+    }
+  }
+  for (const auto& command : dropped) {
+    command->fail(reason);
+  }
+}
+
+void SimulationRunner::closeWith(std::shared_ptr<Command> last, const protocol::Error& reason) {
+  close(reason, true);
+  const std::lock_guard lock(mutex_);
+  queue_.push_back(std::move(last));
+  schedule();
+}
+
+void SimulationRunner::addStream(std::shared_ptr<Stream> stream) {
+  const std::lock_guard lock(mutex_);
+  streams_.push_back(std::move(stream));
+}
+
+void SimulationRunner::publishFrames(bool isDue) {
+  std::vector<std::shared_ptr<Stream>> streams;
+  {
+    const std::lock_guard lock(mutex_);
+    std::erase_if(streams_, [](const auto& stream) { return stream->isClosed(); });
+    streams = streams_;
+  }
+  std::optional<std::vector<turtle::TurtleRecord>> records;
+  for (const auto& stream : streams) {
+    if (isDue ? stream->wantsFrame(hosted_->simulation().completedSteps()) : stream->wantsToCatchUp()) {
+      publishTo(*stream, records);
+    }
+  }
+}
+
+void SimulationRunner::publishFirstFrame(Stream& stream) {
+  std::optional<std::vector<turtle::TurtleRecord>> records;
+  publishTo(stream, records);
+}
+
+void SimulationRunner::publishTo(Stream& stream, std::optional<std::vector<turtle::TurtleRecord>>& records) {
+  const simulation::Simulation& simulation = hosted_->simulation();
+  auto body = frameBody(stream.params(), simulation, milliseconds_, records);
+  if (const auto* error = std::get_if<core::SimulationError>(&body)) {
+    stream.end(error->message);
+  } else {
+    stream.send(simulation.completedSteps(), simulation.isFinished(), std::move(std::get<std::string>(body)));
+  }
+}
+
+void SimulationRunner::catchUp() {
+  {
+    const std::lock_guard lock(mutex_);
+    if (isCatchingUp_ || closed_ || streams_.empty()) {
+      return;
+    }
+    isCatchingUp_ = true;
+  }
+  const auto command = std::make_shared<Command>();
+  command->advance = [](SimulationRunner& runner, Command&) {
+    {
+      const std::lock_guard lock(runner.mutex_);
+      runner.isCatchingUp_ = false;
+    }
+    runner.publishFrames(false);
+    return false;
+  };
+  command->fail = [](const protocol::Error&) {};
+  submit(command);
+}
+
+void SimulationRunner::endStreams(const std::string& reason) {
+  std::vector<std::shared_ptr<Stream>> streams;
+  {
+    const std::lock_guard lock(mutex_);
+    streams.swap(streams_);
+  }
+  for (const auto& stream : streams) {
+    stream->end(reason);
+  }
+}
+
+}  // namespace espalier::server

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <atomic>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "protocol/errors.h"
+#include "protocol/messages.h"
+#include "server/hosted_simulation.h"
+#include "server/stream.h"
+#include "server/worker_pool.h"
+
+namespace espalier::server {
+
+class Log;
+class SimulationRunner;
+
+/// Something to do with a simulation. `advance` runs on a worker and returns whether it wants another turn: long commands do
+/// one step a turn, so that others get in between. `fail` is called instead when the simulation goes away.
+struct Command {
+  std::function<bool(SimulationRunner&, Command&)> advance;
+  std::function<void(const protocol::Error&)> fail;
+  std::atomic<bool> isCancelled{false};
+};
+
+/// Gives a simulation its turns on the pool: one worker owns it at a time, commands run in the order they came, and everyone
+/// else sees the published information. Lives as long as somebody holds it.
+class SimulationRunner final : public std::enable_shared_from_this<SimulationRunner> {
+ public:
+  SimulationRunner(std::unique_ptr<HostedSimulation> hosted, WorkerPool& pool, const Log& log);
+
+  // thread-safe
+  void submit(std::shared_ptr<Command> command);
+  /// Gives a command up: at once when it runs, else when its turn comes.
+  void cancel(const std::shared_ptr<Command>& command);
+  /// Fails everything queued and all to come; the running turn is finished, or given up when `isInterrupting`.
+  void close(const protocol::Error& reason, bool isInterrupting);
+  /// The same, giving up what runs, with one last command after it.
+  void closeWith(std::shared_ptr<Command> last, const protocol::Error& reason);
+  [[nodiscard]] protocol::SimulationInformation information() const;
+  [[nodiscard]] const std::string& id() const { return id_; }
+  void addStream(std::shared_ptr<Stream> stream);
+  /// A stream may be ready for the frames it missed.
+  void catchUp();
+  /// Ends all streams with a reason.
+  void endStreams(const std::string& reason);
+  [[nodiscard]] bool isClosing() const;
+
+  // inside Command::advance only
+  [[nodiscard]] HostedSimulation& hosted() { return *hosted_; }
+  /// Sends frames of the present state to the streams that want one. `isDue`: a step was just completed.
+  void publishFrames(bool isDue);
+  /// A viewer that comes late sees the present state at once.
+  void publishFirstFrame(Stream& stream);
+  void setMilliseconds(double milliseconds) { milliseconds_ = milliseconds; }
+  [[nodiscard]] double milliseconds() const { return milliseconds_; }
+  void setLastError(std::string error) { lastError_ = std::move(error); }
+
+ private:
+  void schedule();  // with mutex_ held
+  void takeTurn();
+  void runGuarded(Command& command, bool& wantsMore);
+  void publishInformation();  // without mutex_
+  void publishTo(Stream& stream, std::optional<std::vector<turtle::TurtleRecord>>& records);
+
+  const std::string id_;
+  std::unique_ptr<HostedSimulation> hosted_;
+  WorkerPool* pool_;
+  const Log* log_;
+  double milliseconds_ = 0.0;   // of the last step; the owner's
+  std::string lastError_;       // the owner's
+
+  mutable std::mutex mutex_;
+  std::deque<std::shared_ptr<Command>> queue_;
+  std::shared_ptr<Command> current_;
+  bool isScheduled_ = false;
+  std::optional<protocol::Error> closed_;
+  protocol::SimulationInformation information_;
+  std::vector<std::shared_ptr<Stream>> streams_;
+  bool isCatchingUp_ = false;   // such a command is queued
+};
+
+}  // namespace espalier::server

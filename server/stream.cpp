@@ -1,0 +1,126 @@
+#include "server/stream.h"
+
+#include <algorithm>
+
+#include "protocol/codec.h"
+#include "server/session.h"
+#include "server/translate.h"
+
+namespace espalier::server {
+
+Stream::Stream(std::string id, protocol::StreamOpenParams params, std::weak_ptr<Session> session, std::size_t readyBytes)
+    : id_(std::move(id)),
+      params_(std::move(params)),
+      session_(std::move(session)),
+      readyBytes_(readyBytes),
+      allowedSequence_(params_.credits.value_or(0)) {}
+
+bool Stream::isReady() const {
+  const auto session = session_.lock();
+  return session != nullptr && session->outboxBytes() < readyBytes_ &&
+         (!params_.credits || nextSequence_ < allowedSequence_);
+}
+
+bool Stream::wantsFrame(std::uint64_t step) {
+  const std::lock_guard lock(mutex_);
+  if (isClosed_ || step % params_.every != 0) {
+    return false;
+  }
+  if (isReady()) {
+    return true;
+  }
+  ++missed_;
+  lastMissedStep_ = step;
+  return false;
+}
+
+bool Stream::wantsToCatchUp() {
+  const std::lock_guard lock(mutex_);
+  return !isClosed_ && missed_ > 0 && isReady();
+}
+
+void Stream::send(std::uint64_t step, bool isFinished, std::string bodyJson) {
+  const auto session = session_.lock();
+  const std::lock_guard lock(mutex_);
+  if (isClosed_ || session == nullptr) {
+    return;
+  }
+  protocol::StreamData data;
+  data.stream = id_;
+  data.simulation = params_.simulation;
+  data.step = step;
+  data.sequence = nextSequence_++;
+  // a step that was left out and is shown now after all was not missed
+  data.missed = missed_ - (lastMissedStep_ == step ? 1 : 0);
+  data.isFinished = isFinished;
+  data.bodyJson = std::move(bodyJson);
+  missed_ = 0;
+  lastMissedStep_.reset();
+  session->notify("stream.data", protocol::encode(data));
+}
+
+void Stream::end(const std::string& reason) {
+  const auto session = session_.lock();
+  const std::lock_guard lock(mutex_);
+  if (isClosed_ || session == nullptr) {
+    return;
+  }
+  isClosed_ = true;
+  protocol::JsonWriter params;
+  params.beginObject().key("stream").text(id_).key("reason").text(reason).endObject();
+  session->notify("stream.end", params.view());
+}
+
+void Stream::acknowledge(const protocol::StreamAckParams& ack) {
+  const std::lock_guard lock(mutex_);
+  if (!params_.credits) {
+    return;
+  }
+  if (ack.sequence && *ack.sequence < nextSequence_) {
+    allowedSequence_ = std::max(allowedSequence_, *ack.sequence + 1 + *params_.credits);
+  }
+  // never more than the viewer asked for at the start, beyond what it has not acknowledged
+  allowedSequence_ = std::min(allowedSequence_ + ack.credits, nextSequence_ + *params_.credits);
+}
+
+void Stream::close() {
+  const std::lock_guard lock(mutex_);
+  isClosed_ = true;
+}
+
+bool Stream::isClosed() const {
+  const std::lock_guard lock(mutex_);
+  return isClosed_ || session_.expired();
+}
+
+std::variant<std::string, core::SimulationError> frameBody(const protocol::StreamOpenParams& params,
+                                                           const simulation::Simulation& simulation, double milliseconds,
+                                                           std::optional<std::vector<turtle::TurtleRecord>>& records) {
+  if (params.what == "statistics") {
+    protocol::JsonWriter body;
+    write(body, toStatistics(simulation.statistics(), milliseconds));
+    return body.take();
+  }
+  if (params.what == "string") {
+    const std::uint32_t plant = params.select.plants.empty() ? 0 : params.select.plants.front();
+    protocol::JsonWriter body;
+    body.key("string").text(plant < simulation.plantCount() ? simulation.stringText(plant) : std::string());
+    return body.take();
+  }
+  if (!records) {
+    auto made = simulation.turtleRecords();
+    if (auto* error = std::get_if<core::SimulationError>(&made)) {
+      return std::move(*error);
+    }
+    records = std::move(std::get<std::vector<turtle::TurtleRecord>>(made));
+  }
+  try {
+    return encodeTurtleRecords(*records, simulation.program(), params.select);
+  } catch (const protocol::NonFiniteNumber&) {
+    return core::SimulationError{.code = core::SimulationErrorCode::NonFinite,
+                                 .message = "The turtle went to a position that is NaN or infinite. Correct the model.",
+                                 .step = simulation.completedSteps()};
+  }
+}
+
+}  // namespace espalier::server

@@ -1,0 +1,365 @@
+#include "server/translate.h"
+
+#include <algorithm>
+#include <unordered_map>
+
+#include "protocol/codec.h"
+#include "protocol/errors.h"
+
+namespace espalier::server {
+namespace {
+
+std::array<double, 3> toArray(const core::Vec3& v) {
+  return {v.x, v.y, v.z};
+}
+
+core::Vec3 toVec3(const std::array<double, 3>& a) {
+  return {a[0], a[1], a[2]};
+}
+
+core::Vec3 toVec3(const std::optional<std::array<double, 3>>& a) {
+  return a ? toVec3(*a) : core::Vec3{};
+}
+
+void writeVector(protocol::JsonWriter& writer, std::string_view name, const core::Vec3& v) {
+  writer.key(name).beginArray().number(v.x).number(v.y).number(v.z).endArray();
+}
+
+std::vector<protocol::VariableRecord> toVariables(const std::vector<turtle::EnvironmentVariable>& variables) {
+  std::vector<protocol::VariableRecord> records;
+  for (const auto& variable : variables) {
+    records.push_back({variable.name, variable.unit, variable.type});
+  }
+  return records;
+}
+
+std::vector<turtle::EnvironmentVariable> fromVariables(const std::vector<protocol::VariableRecord>& records) {
+  std::vector<turtle::EnvironmentVariable> variables;
+  for (const auto& record : records) {
+    variables.push_back({record.name, record.unit, record.type});
+  }
+  return variables;
+}
+
+}  // namespace
+
+protocol::DiagnosticRecord toRecord(const core::Diagnostic& diagnostic) {
+  protocol::DiagnosticRecord record;
+  switch (diagnostic.severity) {
+    case core::Severity::Error: record.severity = "error"; break;
+    case core::Severity::Warning: record.severity = "warning"; break;
+    case core::Severity::Note: record.severity = "note"; break;
+  }
+  record.message = diagnostic.message;
+  record.file = diagnostic.location.file;
+  record.begin = {diagnostic.location.line, diagnostic.location.column};
+  record.end = {diagnostic.location.line, diagnostic.location.column + diagnostic.location.length};
+  record.hint = diagnostic.hint;
+  record.text = core::formatDiagnostic(diagnostic);
+  return record;
+}
+
+std::vector<protocol::DiagnosticRecord> toRecords(const std::vector<core::Diagnostic>& diagnostics) {
+  std::vector<protocol::DiagnosticRecord> records;
+  for (const auto& diagnostic : diagnostics) {
+    records.push_back(toRecord(diagnostic));
+  }
+  return records;
+}
+
+protocol::Error toError(const core::SimulationError& error) {
+  protocol::Error result;
+  switch (error.code) {
+    case core::SimulationErrorCode::LimitExceeded: result.code = protocol::ErrorCode::Limit; break;
+    case core::SimulationErrorCode::NonFinite: result.code = protocol::ErrorCode::NonFinite; break;
+    case core::SimulationErrorCode::Model: result.code = protocol::ErrorCode::Model; break;
+    case core::SimulationErrorCode::EnvironmentFailed: result.code = protocol::ErrorCode::EnvironmentFailed; break;
+    case core::SimulationErrorCode::Cancelled: result.code = protocol::ErrorCode::Cancelled; break;
+    case core::SimulationErrorCode::Snapshot: result.code = protocol::ErrorCode::Snapshot; break;
+  }
+  result.message = error.message;
+  protocol::JsonWriter data;
+  data.beginObject().key("step").integer(error.step).key("plant").integer(error.plant);
+  if (error.module) {
+    data.key("module").integer(*error.module);
+  }
+  if (!error.location.file.empty()) {
+    data.key("file").text(error.location.file).key("line").integer(error.location.line);
+    data.key("column").integer(error.location.column);
+  }
+  result.data = data.key("retryable").boolean(error.isRetryable).endObject().take();
+  return result;
+}
+
+protocol::Error toError(const std::vector<core::Diagnostic>& diagnostics) {
+  std::size_t errorCount = 0;
+  std::string first;
+  for (const auto& diagnostic : diagnostics) {
+    if (diagnostic.severity == core::Severity::Error) {
+      ++errorCount;
+      if (first.empty()) {
+        first = core::formatDiagnostic(diagnostic);
+      }
+    }
+  }
+  protocol::JsonWriter data;
+  data.beginObject();
+  write(data, toRecords(diagnostics));
+  data.endObject();
+  return {protocol::ErrorCode::Model,
+          "The model has " + std::to_string(errorCount) + (errorCount == 1 ? " error" : " errors") +
+              "; correct it and send it again. The first: " + first,
+          data.take()};
+}
+
+protocol::Statistics toStatistics(const simulation::StepStatistics& statistics, double milliseconds) {
+  return {.step = statistics.step,
+          .modules = statistics.modules,
+          .parameters = statistics.parameters,
+          .queries = statistics.queries,
+          .answers = statistics.answers,
+          .bytes = statistics.bytes,
+          .milliseconds = milliseconds};
+}
+
+protocol::NeedsRecord toNeeds(const turtle::EnvironmentNeeds& needs) {
+  return {.position = needs.position,
+          .heading = needs.heading,
+          .left = needs.left,
+          .up = needs.up,
+          .width = needs.width,
+          .scale = needs.scale,
+          .parameters = needs.parameters,
+          .following = needs.following,
+          .geometry = needs.geometry};
+}
+
+protocol::DescribeResult toDescribeResult(const turtle::EnvironmentDescription& description) {
+  return {.name = description.name,
+          .summary = description.summary,
+          .needs = toNeeds(description.needs),
+          .inputs = toVariables(description.inputs),
+          .outputs = toVariables(description.outputs),
+          .isStateful = description.isStateful,
+          .canCheckpoint = description.isStateful};
+}
+
+turtle::EnvironmentDescription toDescription(const protocol::DescribeResult& result) {
+  turtle::EnvironmentDescription description;
+  description.name = result.name;
+  description.summary = result.summary;
+  description.needs = {.position = result.needs.position,
+                       .heading = result.needs.heading,
+                       .left = result.needs.left,
+                       .up = result.needs.up,
+                       .width = result.needs.width,
+                       .scale = result.needs.scale,
+                       .parameters = result.needs.parameters,
+                       .following = result.needs.following,
+                       .geometry = result.needs.geometry};
+  description.inputs = fromVariables(result.inputs);
+  description.outputs = fromVariables(result.outputs);
+  description.isStateful = result.isStateful;
+  return description;
+}
+
+protocol::OpenParams toOpenParams(const turtle::EnvironmentContext& context, const std::string& configurationJson) {
+  protocol::OpenParams params;
+  params.simulation = context.simulation;
+  params.plants = context.plantCount;
+  params.symbols = context.symbols;
+  params.configurationJson = configurationJson;
+  params.seed = context.seed;
+  params.world = {.lengthUnit = context.world.lengthUnit,
+                  .up = toArray(context.world.up),
+                  .north = toArray(context.world.north),
+                  .stepDurationDays = context.world.stepDurationDays,
+                  .latitudeDegrees = context.world.latitudeDegrees,
+                  .longitudeDegrees = context.world.longitudeDegrees,
+                  .start = context.world.start};
+  return params;
+}
+
+turtle::EnvironmentContext toContext(const protocol::OpenParams& params) {
+  turtle::EnvironmentContext context;
+  context.simulation = params.simulation;
+  context.plantCount = params.plants;
+  context.symbols = params.symbols;
+  context.seed = params.seed;
+  context.world = {.lengthUnit = params.world.lengthUnit,
+                   .up = toVec3(params.world.up),
+                   .north = toVec3(params.world.north),
+                   .stepDurationDays = params.world.stepDurationDays,
+                   .latitudeDegrees = params.world.latitudeDegrees,
+                   .longitudeDegrees = params.world.longitudeDegrees,
+                   .start = params.world.start};
+  return context;
+}
+
+std::string encodeQueries(const std::string& simulation, const turtle::QueryBatch& queries,
+                          const protocol::NeedsRecord& needs, const std::vector<std::string>& symbols) {
+  const std::size_t count = queries.size();
+  const auto has = [count](bool isNeeded, std::size_t size) { return isNeeded && size == count; };
+  const auto nameOf = [&symbols](core::SymbolId symbol) {
+    return symbol < symbols.size() ? std::string_view(symbols[symbol]) : std::string_view("?");
+  };
+  protocol::JsonWriter writer;
+  writer.reserve(count * 200 + 200);
+  writer.beginObject().key("simulation").text(simulation).key("step").integer(queries.step);
+  writer.key("iteration").integer(queries.iteration).key("time").number(queries.timeDays).key("queries").beginArray();
+  for (std::size_t i = 0; i < count; ++i) {
+    writer.beginObject().key("id").integer(std::uint64_t{i}).key("plant").integer(queries.plant[i]);
+    if (queries.module.size() == count) {
+      writer.key("module").integer(queries.module[i]);
+    }
+    if (queries.isTransient.size() == count && queries.isTransient[i] != 0) {
+      writer.key("transient").boolean(true);
+    }
+    writer.key("symbol").text(queries.symbol.size() == count ? nameOf(queries.symbol[i]) : std::string_view("E"));
+    writer.key("parameters").numbers(queries.parametersOf(i));
+    if (has(needs.position, queries.position.size())) {
+      writeVector(writer, "position", queries.position[i]);
+    }
+    if (has(needs.heading, queries.heading.size())) {
+      writeVector(writer, "heading", queries.heading[i]);
+    }
+    if (has(needs.left, queries.left.size())) {
+      writeVector(writer, "left", queries.left[i]);
+    }
+    if (has(needs.up, queries.up.size())) {
+      writeVector(writer, "up", queries.up[i]);
+    }
+    if (has(needs.width, queries.width.size())) {
+      writer.key("width").number(queries.width[i]);
+    }
+    if (has(needs.scale, queries.scale.size())) {
+      writer.key("scale").number(queries.scale[i]);
+    }
+    if (has(needs.following, queries.following.size()) && queries.following[i] != core::kNoSymbol) {
+      writer.key("following").beginObject().key("symbol").text(nameOf(queries.following[i]));
+      writer.key("parameters").numbers(queries.followingParametersOf(i)).endObject();
+    }
+    writer.endObject();
+  }
+  return writer.endArray().endObject().take();
+}
+
+turtle::QueryBatch toBatch(const protocol::EnvironmentStepParams& params, std::vector<std::string>& symbols) {
+  std::unordered_map<std::string, core::SymbolId> idOf;
+  for (std::size_t i = 0; i < symbols.size(); ++i) {
+    idOf.emplace(symbols[i], static_cast<core::SymbolId>(i));
+  }
+  const auto symbolOf = [&](const std::string& name) {
+    const auto [entry, isNew] = idOf.emplace(name, static_cast<core::SymbolId>(symbols.size()));
+    if (isNew) {
+      symbols.push_back(name);
+    }
+    return entry->second;
+  };
+  turtle::QueryBatch batch;
+  batch.clear();
+  batch.step = params.step;
+  batch.iteration = params.iteration;
+  batch.timeDays = params.timeDays;
+  batch.parameterOffset.assign(1, 0);
+  batch.followingOffset.assign(1, 0);
+  for (const protocol::QueryRecord& query : params.queries) {
+    batch.plant.push_back(query.plant);
+    batch.module.push_back(query.module);
+    batch.symbol.push_back(symbolOf(query.symbol));
+    batch.isTransient.push_back(query.isTransient ? 1 : 0);
+    batch.position.push_back(toVec3(query.position));
+    batch.heading.push_back(toVec3(query.heading));
+    batch.left.push_back(toVec3(query.left));
+    batch.up.push_back(toVec3(query.up));
+    batch.width.push_back(query.width.value_or(1.0));
+    batch.scale.push_back(query.scale.value_or(1.0));
+    batch.parameters.insert(batch.parameters.end(), query.parameters.begin(), query.parameters.end());
+    batch.parameterOffset.push_back(batch.parameters.size());
+    batch.following.push_back(query.followingSymbol ? symbolOf(*query.followingSymbol) : core::kNoSymbol);
+    batch.followingParameters.insert(batch.followingParameters.end(), query.followingParameters.begin(),
+                                     query.followingParameters.end());
+    batch.followingOffset.push_back(batch.followingParameters.size());
+  }
+  return batch;
+}
+
+std::vector<protocol::ReplyRecord> toReplies(const turtle::QueryBatch& queries, const turtle::ReplyBatch& replies) {
+  std::vector<protocol::ReplyRecord> records;
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    const std::uint64_t begin = queries.parameterOffset[i];
+    std::uint64_t end = queries.parameterOffset[i + 1];
+    while (end > begin && replies.isSet[end - 1] == 0) {
+      --end;
+    }
+    if (begin == end) {
+      continue;
+    }
+    protocol::ReplyRecord record;
+    record.id = i;
+    for (std::uint64_t k = begin; k < end; ++k) {
+      record.parameters.push_back(replies.isSet[k] != 0 ? std::optional<double>(replies.values[k]) : std::nullopt);
+    }
+    records.push_back(std::move(record));
+  }
+  return records;
+}
+
+void applyReplies(const std::vector<protocol::ReplyRecord>& records, const turtle::QueryBatch& queries,
+                  turtle::ReplyBatch& replies) {
+  for (const protocol::ReplyRecord& record : records) {
+    bool isAnswered = false;
+    for (std::size_t k = 0; k < record.parameters.size(); ++k) {
+      if (record.parameters[k]) {
+        const std::uint64_t surplusBefore = replies.surplusCount;
+        replies.set(queries, record.id, k, *record.parameters[k]);
+        isAnswered = isAnswered || replies.surplusCount == surplusBefore;
+      }
+    }
+    replies.answeredCount += isAnswered ? 1 : 0;
+  }
+}
+
+std::string encodeTurtleRecords(const std::vector<turtle::TurtleRecord>& records, const language::Program& program,
+                                const protocol::StreamSelection& select) {
+  const bool isSelective = !select.symbols.empty() || !select.plants.empty();
+  const auto isIn = [](const auto& list, const auto& value) {
+    return list.empty() || std::find(list.begin(), list.end(), value) != list.end();
+  };
+  protocol::JsonWriter writer;
+  writer.reserve(records.size() * 250 + 20);
+  writer.key("records").beginArray();
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    const turtle::TurtleRecord& record = records[i];
+    const std::string& symbol = program.symbols[record.symbol].name;
+    if (!isIn(select.symbols, symbol) || !isIn(select.plants, record.plant)) {
+      continue;
+    }
+    protocol::TurtleStreamRecord out;
+    out.index = i;
+    out.plant = record.plant;
+    out.module = record.module;
+    out.symbol = symbol;
+    out.position = toArray(record.position);
+    out.heading = toArray(record.frame.heading);
+    out.left = toArray(record.frame.left);
+    out.up = toArray(record.frame.up);
+    out.width = record.width;
+    out.colour = record.colour;
+    out.branchOrder = record.branchOrder;
+    if (record.parent != turtle::kNoParent) {
+      out.parent = record.parent;
+    }
+    out.parameters = record.parameters;
+    write(writer, out, isSelective);
+  }
+  return writer.endArray().take();
+}
+
+core::Compatibility toCompatibility(const std::string& name) {
+  return name == "cpfg"         ? core::Compatibility::Cpfg
+         : name == "cpfg-batch" ? core::Compatibility::CpfgBatch
+                                : core::Compatibility::Espalier;
+}
+
+}  // namespace espalier::server

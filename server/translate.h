@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/core/diagnostic.h"
+#include "engine/core/simulation_error.h"
+#include "engine/language/program.h"
+#include "engine/simulation/simulation.h"
+#include "engine/turtle/environment_process.h"
+#include "engine/turtle/scene.h"
+#include "protocol/messages.h"
+
+namespace espalier::protocol {
+struct Error;
+}
+
+namespace espalier::server {
+
+// The only crossing between the protocol's structs and the engine's types.
+
+[[nodiscard]] protocol::DiagnosticRecord toRecord(const core::Diagnostic& diagnostic);
+[[nodiscard]] std::vector<protocol::DiagnosticRecord> toRecords(const std::vector<core::Diagnostic>& diagnostics);
+/// A failed step as an error of the wire; `data` has step, plant, module, place and whether it can be tried again.
+[[nodiscard]] protocol::Error toError(const core::SimulationError& error);
+/// A model that does not compile: all diagnostics in `data`.
+[[nodiscard]] protocol::Error toError(const std::vector<core::Diagnostic>& diagnostics);
+
+[[nodiscard]] protocol::Statistics toStatistics(const simulation::StepStatistics& statistics, double milliseconds);
+
+[[nodiscard]] protocol::DescribeResult toDescribeResult(const turtle::EnvironmentDescription& description);
+[[nodiscard]] turtle::EnvironmentDescription toDescription(const protocol::DescribeResult& result);
+[[nodiscard]] protocol::NeedsRecord toNeeds(const turtle::EnvironmentNeeds& needs);
+
+[[nodiscard]] protocol::OpenParams toOpenParams(const turtle::EnvironmentContext& context,
+                                                const std::string& configurationJson);
+[[nodiscard]] turtle::EnvironmentContext toContext(const protocol::OpenParams& params);
+
+/// The params of environment.step as text, written without a struct per query: only what `needs` names. Throws
+/// protocol::NonFiniteNumber. O(n).
+[[nodiscard]] std::string encodeQueries(const std::string& simulation, const turtle::QueryBatch& queries,
+                                        const protocol::NeedsRecord& needs, const std::vector<std::string>& symbols);
+/// The batch that encodeQueries wrote. Names that `symbols` lacks are appended to it. O(n log symbols).
+[[nodiscard]] turtle::QueryBatch toBatch(const protocol::EnvironmentStepParams& params,
+                                         std::vector<std::string>& symbols);
+/// The replies as records: only queries with a value set, trailing unset values left out.
+[[nodiscard]] std::vector<protocol::ReplyRecord> toReplies(const turtle::QueryBatch& queries,
+                                                           const turtle::ReplyBatch& replies);
+/// Sets the replies in a prepared batch.
+void applyReplies(const std::vector<protocol::ReplyRecord>& records, const turtle::QueryBatch& queries,
+                  turtle::ReplyBatch& replies);
+
+/// The member "records":[...] of a frame of the turtle stream. Throws protocol::NonFiniteNumber.
+[[nodiscard]] std::string encodeTurtleRecords(const std::vector<turtle::TurtleRecord>& records,
+                                              const language::Program& program,
+                                              const protocol::StreamSelection& select);
+
+/// "cpfg", "cpfg-batch" or empty.
+[[nodiscard]] core::Compatibility toCompatibility(const std::string& name);
+
+}  // namespace espalier::server
