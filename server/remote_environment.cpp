@@ -20,6 +20,7 @@ std::variant<std::unique_ptr<turtle::EnvironmentProcess>, std::string> connectRe
   }
   RemoteProcessOptions processOptions;
   processOptions.stepTimeout = options.stepTimeout;
+  processOptions.configurationJson = options.configurationJson;
   auto process = std::make_unique<RemoteProcess>(std::move(link), std::move(processOptions));
   if (auto error = process->introduce()) {
     return std::move(error->message);

@@ -12,6 +12,7 @@ namespace espalier::server {
 struct RemoteEnvironmentOptions {
   std::chrono::milliseconds connectTimeout{5'000};
   std::chrono::milliseconds stepTimeout{60'000};
+  std::string configurationJson;  // sent when a simulation opens it: an object as text; empty: none
 };
 
 /// An environment in another process, spoken to with the protocol: `tcp://HOST:PORT` is dialled, `stdio:COMMAND` is spawned

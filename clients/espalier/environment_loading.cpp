@@ -11,6 +11,7 @@
 #include "environment/environment_entries.h"
 #include "environment/environment_set.h"
 #include "environment/registry.h"
+#include "protocol/envelope.h"
 #include "server/remote_environment.h"
 
 namespace espalier::command {
@@ -35,13 +36,32 @@ Process orPrintErrors(environment::ProcessOrErrors&& made, const std::string& fi
   return std::move(std::get<Process>(made));
 }
 
-Process connectRemote(const std::string& address) {
-  auto connected = server::connectRemoteEnvironment(address, server::RemoteEnvironmentOptions{});
+Process connectRemote(const std::string& address, const std::string& configurationJson) {
+  server::RemoteEnvironmentOptions options;
+  options.configurationJson = configurationJson;
+  auto connected = server::connectRemoteEnvironment(address, options);
   if (const std::string* problem = std::get_if<std::string>(&connected)) {
     printError(*problem);
     return nullptr;
   }
   return std::move(std::get<Process>(connected));
+}
+
+// one entry of a configuration: `tcp` with an `address` and `stdio` with a `command` are other processes
+Process makeEntry(const environment::EnvironmentEntry& entry, const std::string& file) {
+  if (entry.type != "tcp" && entry.type != "stdio") {
+    return orPrintErrors(environment::makeProcess(entry.type, entry.configuration), file);
+  }
+  const bool isTcp = entry.type == "tcp";
+  const std::string key = isTcp ? "address" : "command";
+  const std::string target = protocol::memberOf(entry.configuration, key).value_or("");
+  if (target.empty()) {
+    printError(file + ": the environment '" + entry.name + "' needs a '" + key + "': " +
+               (isTcp ? "HOST:PORT" : "a command line that starts it"));
+    return nullptr;
+  }
+  const std::string scheme = isTcp && startsWith(target, "tcp://") ? "" : isTcp ? "tcp://" : "stdio:";
+  return connectRemote(scheme + target, protocol::memberOf(entry.configuration, "configuration").value_or(""));
 }
 
 // one process as it is, several as a set whose members are addressed by their names
@@ -62,11 +82,12 @@ Process loadConfiguration(const std::string& file, core::FileProvider& files) {
   }
   std::vector<std::pair<std::string, Process>> processes;
   for (const environment::EnvironmentEntry& entry : entries) {
-    Process process = orPrintErrors(environment::makeProcess(entry.type, entry.configuration), file);
+    Process process = makeEntry(entry, file);
     if (!process) {
       return nullptr;
     }
-    processes.emplace_back(entry.name, std::move(process));
+    // a single environment takes all queries, whatever they are called
+    processes.emplace_back(entries.size() == 1 ? std::string{} : entry.name, std::move(process));
   }
   return environment::makeEnvironmentSet(std::move(processes));
 }
@@ -89,7 +110,7 @@ Process loadFieldFile(const std::string& file, core::Compatibility compatibility
 std::unique_ptr<turtle::EnvironmentProcess> loadEnvironment(const std::string& name, core::Compatibility compatibility,
                                                             bool isQuiet, core::FileProvider& files) {
   if (startsWith(name, "tcp://") || startsWith(name, "stdio:")) {
-    return connectRemote(name);
+    return connectRemote(name, "");
   }
   const std::string suffix = std::filesystem::path(name).extension().string();
   if (suffix == ".json") {

@@ -28,18 +28,9 @@ void printDiagnostics(const std::vector<core::Diagnostic>& diagnostics, bool isQ
 }
 
 std::string formatSimulationError(const core::SimulationError& error) {
-  if (error.code == core::SimulationErrorCode::Snapshot) {
-    return error.message;
-  }
-  std::string text = "step " + std::to_string(error.step) + ", plant " + std::to_string(error.plant);
-  if (error.module) {
-    text += ", module " + std::to_string(*error.module);
-  }
-  if (!error.location.file.empty()) {
-    text += " (" + error.location.file + ":" + std::to_string(error.location.line) + ":" +
-            std::to_string(error.location.column) + ")";
-  }
-  return text + ": " + error.message;
+  // the engine's own messages name their step; an environment's do not know it
+  const bool needsStep = error.code == core::SimulationErrorCode::EnvironmentFailed && error.step > 0;
+  return (needsStep ? "step " + std::to_string(error.step) + ": " : std::string{}) + error.message;
 }
 
 core::MessageSink standardErrorMessages(bool isQuiet) {
