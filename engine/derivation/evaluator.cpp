@@ -291,9 +291,14 @@ double Evaluator::call(Function function, std::span<const double> arguments, std
       const core::Vec3 point = view.curves[id].point(arguments[1]);
       return function == Function::CurveX ? point.x : function == Function::CurveY ? point.y : point.z;
     }
-    case Function::InBlob:
-      warnOnce(at, "inblob: implicit blobs are not available; the value is 0");
-      return 0.0;
+    case Function::InBlob: {
+      const std::size_t id = listIndex(arguments[0], view.blobFields.size());
+      if (id == view.blobFields.size()) {
+        warnOnce(at, "inblob: the view file defines no such field; its value is 0");
+        return 0.0;
+      }
+      return view.blobFields[id].value({arguments[1], arguments[2], arguments[3]});
+    }
     case Function::Ran:
       return arguments[0] * random_->uniform();
     case Function::Nran:

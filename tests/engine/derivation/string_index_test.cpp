@@ -1,0 +1,43 @@
+#include "engine/derivation/string_index.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/derived_model.h"
+
+namespace espalier {
+namespace {
+
+using derivation::StringIndex;
+using test::DerivedModel;
+using test::modelText;
+
+TEST(StringIndex, LinksBracketsBothWaysAndCountsTheParametersBetween) {
+  DerivedModel model(modelText("", "A(1)[B(2,3)[C]D(4)]E", "A --> A\n"));
+  StringIndex index;
+  index.extend(model.program(), model.state().string);
+  // modules: 0 A, 1 [, 2 B, 3 [, 4 C, 5 ], 6 D, 7 ], 8 E
+  EXPECT_EQ(index.link(1).partner, 7U);
+  EXPECT_EQ(index.link(7).partner, 1U);
+  EXPECT_EQ(index.link(1).parameterCount, 3U);
+  EXPECT_EQ(index.link(7).parameterCount, 3U);
+  EXPECT_EQ(index.link(3).partner, 5U);
+  EXPECT_EQ(index.link(5).parameterCount, 0U);
+}
+
+TEST(StringIndex, ClosesBranchesThatWereOpenWhenItWasExtended) {
+  DerivedModel model(modelText("", "A[B(1)]", "A --> A\n"));
+  const derivation::ModuleString& whole = model.state().string;
+  derivation::ModuleString part;
+  part.appendAll(whole.types().subspan(0, 2), {});
+  StringIndex index;
+  index.extend(model.program(), part);
+  EXPECT_EQ(index.link(1).partner, StringIndex::kNone);
+  part.appendAll(whole.types().subspan(2), whole.parameters());
+  index.extend(model.program(), part);
+  EXPECT_EQ(index.link(3).partner, 1U);
+  EXPECT_EQ(index.link(1).partner, 3U);
+  EXPECT_EQ(index.link(3).parameterCount, 1U);
+}
+
+}  // namespace
+}  // namespace espalier
