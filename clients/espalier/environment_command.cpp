@@ -1,0 +1,128 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+
+#include "clients/espalier/commands.h"
+#include "clients/espalier/messages.h"
+#include "environment/registry.h"
+#include "protocol/codec.h"
+#include "server/disk_files.h"
+#include "server/environment_host.h"
+#include "server/line_channel.h"
+#include "server/translate.h"
+
+namespace espalier::command {
+namespace {
+
+struct EnvironmentOptions {
+  std::string name;
+  std::string address;
+  std::string configurationFile;
+  bool isOnStdio = false;
+  bool describes = false;
+  bool printsSchema = false;
+  bool lists = false;
+};
+
+int listProcesses() {
+  for (const std::string& name : environment::processNames()) {
+    auto made = environment::makeProcess(name, "");
+    const auto* process = std::get_if<std::unique_ptr<turtle::EnvironmentProcess>>(&made);
+    const std::string summary = process != nullptr ? (*process)->describe().summary : std::string();
+    std::printf("%-12s %s\n", name.c_str(), summary.c_str());
+  }
+  return kSuccess;
+}
+
+int serveOn(const std::string& address, const server::ProcessFactory& factory) {
+  std::string host;
+  std::uint16_t port = 0;
+  if (!server::splitAddress(address, host, port)) {
+    printError("'" + address + "' is not an address: write HOST:PORT, for example 127.0.0.1:4000");
+    return kUsage;
+  }
+  const std::string shownHost = address.substr(0, address.rfind(':'));
+  const auto problem = server::hostEnvironment(host, port, factory, [&](std::uint16_t boundPort) {
+    std::printf("listening on %s:%u\n", shownHost.c_str(), static_cast<unsigned>(boundPort));
+    std::fflush(stdout);
+  });
+  if (problem) {
+    printError(*problem);
+    return kFailure;
+  }
+  return kSuccess;
+}
+
+int runEnvironment(const EnvironmentOptions& options) {
+  if (options.lists) {
+    return listProcesses();
+  }
+  const int modes = (options.address.empty() ? 0 : 1) + (options.isOnStdio ? 1 : 0) + (options.describes ? 1 : 0) +
+                    (options.printsSchema ? 1 : 0);
+  if (options.name.empty() || modes != 1) {
+    printError("give the NAME of a built-in environment and one of --listen HOST:PORT, --stdio, --describe and --schema; "
+               "--list names them");
+    return kUsage;
+  }
+  std::string configuration;
+  if (!options.configurationFile.empty()) {
+    auto text = server::DiskFileProvider().read(options.configurationFile);
+    if (!text) {
+      printError("the configuration file '" + options.configurationFile + "' cannot be read");
+      return kFailure;
+    }
+    configuration = std::move(*text);
+  }
+
+  // made once here, so that every mistake is said before anybody connects
+  auto made = environment::makeProcess(options.name, configuration);
+  if (const auto* problems = std::get_if<std::vector<core::Diagnostic>>(&made)) {
+    printDiagnostics(*problems, false);
+    return kFailure;
+  }
+  if (options.printsSchema) {
+    std::printf("%s\n", environment::configurationSchema(options.name).c_str());
+    return kSuccess;
+  }
+  if (options.describes) {
+    const auto& process = std::get<std::unique_ptr<turtle::EnvironmentProcess>>(made);
+    std::printf("%s\n", protocol::encode(server::toDescribeResult(process->describe())).c_str());
+    return kSuccess;
+  }
+  const server::ProcessFactory factory = [&options, &configuration] {
+    auto fresh = environment::makeProcess(options.name, configuration);
+    return std::move(std::get<std::unique_ptr<turtle::EnvironmentProcess>>(fresh));
+  };
+  if (options.isOnStdio) {
+    if (const auto problem = server::hostEnvironmentOnStdio(factory)) {
+      printError(*problem);
+      return kFailure;
+    }
+    return kSuccess;
+  }
+  return serveOn(options.address, factory);
+}
+
+}  // namespace
+
+void addEnvironment(CLI::App& program, int& status) {
+  const auto options = std::make_shared<EnvironmentOptions>();
+  CLI::App* command =
+      program.add_subcommand("environment", "Run a built-in environment as a program of its own, or say what it is");
+  command->footer(
+      "A model then uses it from another process, with exactly the plant it would grow with the environment inside:\n"
+      "  espalier environment honda --listen 127.0.0.1:4000 &\n"
+      "  espalier derive MODEL.l --environment tcp://127.0.0.1:4000\n"
+      "  espalier derive MODEL.l --environment 'stdio:espalier environment honda --stdio'\n"
+      "With --listen it prints `listening on HOST:PORT` when ready and serves until SIGINT or SIGTERM.");
+  command->add_option("NAME", options->name, "A built-in environment; --list names them");
+  command->add_option("--listen", options->address, "Serve on HOST:PORT; port 0 takes a free one");
+  command->add_flag("--stdio", options->isOnStdio, "Serve on standard input and output until the input ends");
+  command->add_option("--configuration", options->configurationFile, "JSON file with its configuration; see --schema");
+  command->add_flag("--describe", options->describes, "Print what it needs, its inputs and outputs with units, as JSON");
+  command->add_flag("--schema", options->printsSchema, "Print the JSON Schema of its configuration");
+  command->add_flag("--list", options->lists, "Print the names of all, each with a sentence");
+  command->callback([options, &status] { status = runEnvironment(*options); });
+}
+
+}  // namespace espalier::command

@@ -1,0 +1,130 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <optional>
+
+#include "clients/espalier/commands.h"
+#include "clients/espalier/messages.h"
+#include "server/line_channel.h"
+#include "server/server.h"
+
+namespace espalier::command {
+namespace {
+
+struct ServeOptions {
+  std::string address = "127.0.0.1:4321";
+  std::string tokenFile;
+  std::vector<std::string> limits;  // NAME=NUMBER
+  server::ServerOptions server;
+};
+
+/// Sets a limit by its name on the wire. An error sentence for an unknown name or a bad number.
+std::optional<std::string> setLimit(const std::string& text, server::ServerLimits& limits) {
+  const std::size_t equals = text.find('=');
+  std::uint64_t number = 0;
+  try {
+    std::size_t used = 0;
+    const std::string digits = equals == std::string::npos ? "" : text.substr(equals + 1);
+    number = std::stoull(digits, &used);
+    if (used != digits.size() || digits.front() == '-') {
+      throw std::invalid_argument("not a number");
+    }
+  } catch (const std::exception&) {
+    return "'" + text + "' is not a limit; write NAME=NUMBER, for example sessions=100.";
+  }
+  const std::map<std::string, std::uint64_t*> wide{{"lineBytes", &limits.lineBytes},
+                                                   {"outboxBytes", &limits.outboxBytes},
+                                                   {"modules", &limits.simulation.maximumModules},
+                                                   {"queries", &limits.simulation.maximumQueries},
+                                                   {"stringBytes", &limits.simulation.maximumStringBytes}};
+  const std::map<std::string, std::uint32_t*> narrow{{"sessions", &limits.sessions},
+                                                     {"simulations", &limits.simulations},
+                                                     {"streamsPerSession", &limits.streamsPerSession},
+                                                     {"requestsPerSession", &limits.requestsPerSession},
+                                                     {"handshakeMilliseconds", &limits.handshakeMilliseconds},
+                                                     {"environmentStepMilliseconds", &limits.environmentStepMilliseconds}};
+  const std::string name = text.substr(0, equals);
+  if (const auto found = wide.find(name); found != wide.end()) {
+    *found->second = number;
+    return std::nullopt;
+  }
+  if (const auto found = narrow.find(name); found != narrow.end()) {
+    *found->second = number > UINT32_MAX ? UINT32_MAX : static_cast<std::uint32_t>(number);
+    return std::nullopt;
+  }
+  std::vector<std::string_view> names;
+  for (const auto& entry : wide) {
+    names.push_back(entry.first);
+  }
+  for (const auto& entry : narrow) {
+    names.push_back(entry.first);
+  }
+  return "there is no limit '" + name + "'. " + core::suggestName(name, names);
+}
+
+int runServe(ServeOptions options) {
+  if (!server::splitAddress(options.address, options.server.host, options.server.port)) {
+    printError("'" + options.address + "' is not an address: write HOST:PORT, for example 127.0.0.1:4321");
+    return kUsage;
+  }
+  for (const std::string& limit : options.limits) {
+    if (const auto problem = setLimit(limit, options.server.limits)) {
+      printError(*problem);
+      return kUsage;
+    }
+  }
+  if (!options.tokenFile.empty()) {
+    std::ifstream file(options.tokenFile);
+    if (!std::getline(file, options.server.token) || options.server.token.empty()) {
+      printError("the token file '" + options.tokenFile + "' cannot be read or its first line is empty");
+      return kFailure;
+    }
+  }
+  const std::string host = options.address.substr(0, options.address.rfind(':'));
+  server::Server server(std::move(options.server));
+  if (const auto problem = server.listen()) {
+    printError(*problem);
+    return kFailure;
+  }
+  std::printf("listening on %s:%u\n", host.c_str(), static_cast<unsigned>(server.port()));
+  std::fflush(stdout);
+  server.run(true);
+  return kSuccess;
+}
+
+}  // namespace
+
+void addServe(CLI::App& program, int& status) {
+  const auto options = std::make_shared<ServeOptions>();
+  CLI::App* command = program.add_subcommand("serve", "Run the simulation server until SIGINT or SIGTERM");
+  command->footer(
+      "When it is ready the server prints one line on standard output, `listening on 127.0.0.1:PORT`; its log goes to\n"
+      "standard error. Clients speak espalier/1: one JSON object a line (protocol/README.md). Try:\n"
+      "  espalier serve --listen 127.0.0.1:4321 --data plants &\n"
+      "  espalier connect 127.0.0.1:4321 create MODEL.l\n"
+      "With --data every simulation is saved after each step and is there again when the server is started again.");
+  command->add_option("--listen", options->address,
+                      "HOST:PORT; port 0 takes a free one. Addresses that other machines reach need a token and --insecure")
+      ->capture_default_str();
+  command->add_option("--data", options->server.dataFolder, "Folder in which simulations are kept; made when missing");
+  command->add_option("--gallery", options->server.galleryFolder,
+                      "Folder of model folders that clients can name: {\"gallery\":\"NAME\"}");
+  command->add_option("--token", options->server.token, "Text that clients must send as `token` in hello");
+  command->add_option("--token-file", options->tokenFile, "File whose first line is the token (other users cannot see it)");
+  command->add_flag("--insecure", options->server.isInsecureAllowed, "Allow an address beyond this machine without encryption");
+  command->add_flag("--allow-spawn", options->server.isSpawnAllowed,
+                    "Let clients on other machines start commands as environments (`stdio`)");
+  command->add_option("--workers", options->server.workers, "Simulations that compute at a time; 0: as many as cores")
+      ->capture_default_str();
+  command->add_option("--limit", options->limits,
+                      "NAME=NUMBER, repeatable: lineBytes outboxBytes sessions simulations streamsPerSession\n"
+                      "requestsPerSession modules queries stringBytes handshakeMilliseconds environmentStepMilliseconds");
+  command->add_option("--log-level", options->server.logLevel, "trace, debug, info, warn, error or off")
+      ->check(CLI::IsMember({"trace", "debug", "info", "warn", "error", "off"}))
+      ->capture_default_str();
+  command->callback([options, &status] { status = runServe(*options); });
+}
+
+}  // namespace espalier::command
