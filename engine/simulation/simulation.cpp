@@ -28,9 +28,11 @@ Simulation::Implementation::Implementation(std::shared_ptr<const language::Progr
 }
 
 std::uint64_t Simulation::Implementation::effectiveSeed() const {
-  const std::optional<std::int64_t>& modelSeed = program_->systems.front().seed;
-  if (!options_.hasSeed && modelSeed) {
-    return static_cast<std::uint64_t>(*modelSeed);
+  // the first L-system with a `seed:` item names the model's
+  for (const language::LSystem& system : program_->systems) {
+    if (!options_.hasSeed && system.seed) {
+      return static_cast<std::uint64_t>(*system.seed);
+    }
   }
   return options_.seed;
 }
@@ -111,11 +113,20 @@ Outcome Simulation::Implementation::answer() {
   return guarded([this] { answerPass(); });
 }
 
+namespace {
+
+// by stop(n); a plant whose derivation length is reached goes on when it is asked to
+bool hasStoppedItself(const derivation::PlantState& plant) {
+  return plant.isStopped && plant.step < plant.derivationLength;
+}
+
+}  // namespace
+
 void Simulation::Implementation::derivePass() {
   const bool hasSeveral = plants_.size() > 1;
   bool hasDerived = false;
   for (std::size_t plant = 0; plant < plants_.size(); ++plant) {
-    if (plants_[plant].isStopped) {
+    if (hasStoppedItself(plants_[plant])) {
       continue;
     }
     // a plant's failed derivation changes nothing of it; those before it are kept to be taken back

@@ -72,6 +72,10 @@ void Interpretation::walkString() {
     module_ = i;
     drawing_.setModule(i);
     isTouched_ = false;
+    // a `$` belongs to the L-system around the call that it ends
+    if (string.types[i] == program_.subSystemEnd) {
+      leaveInstance();
+    }
     // the homomorphism's image stands for the module, otherwise the module itself
     std::uint64_t consumed = 0;
     if (mayExpand_[string.types[i]]) {
@@ -86,8 +90,14 @@ void Interpretation::walkString() {
     }
     std::uint64_t lastOffset = offset;
     for (std::uint64_t k = 0; k < consumed; ++k) {
+      const ModuleTypeId type = string.types[i + k];
       lastOffset = offset;
-      offset += program_.arity[string.types[i + k]];
+      offset += program_.arity[type];
+      if (isCall(type)) {
+        instances_.push_back(++instanceCount_);
+      } else if (k > 0 && type == program_.subSystemEnd) {
+        leaveInstance();
+      }
     }
     i += consumed;
     if (isTouched_ && output_.records != nullptr) {
@@ -136,12 +146,12 @@ std::uint64_t Interpretation::execute(const Sequence& sequence, std::uint64_t i,
       return executeSurface(sequence, i, offset);
     case TurtleCommand::Query:
       if (arguments.count > 0) {
-        enterSubSystem(arguments, sequence.isImage);
+        enterScale(arguments);
         return 1;
       }
       return executeQuery(sequence, i, offset);
     case TurtleCommand::SubSystemEnd:
-      leaveSubSystem(sequence.isImage);
+      leaveScale();
       return 1;
     case TurtleCommand::Cut:
       isCut_ = !view_.interpretsPastCut;
@@ -244,13 +254,12 @@ std::uint64_t Interpretation::endOfCut(std::uint64_t i) {
         return i;
       }
       --branches;
-    } else if (types[i] == program_.subSystemEnd && program_.subSystemEnd != core::kNoModuleType) {
+    } else if (types[i] == program_.subSystemEnd) {
       if (systems == 0 && isInSystem) {
         return i;
       }
       systems -= systems > 0 ? 1U : 0U;
-    } else if (static_cast<TurtleCommand>(commandOf_[types[i]]) == TurtleCommand::Query &&
-               program_.arity[types[i]] > 0) {
+    } else if (isCall(types[i])) {
       // the numbering of sub-L-system calls goes on
       ++systems;
       ++instanceCount_;
@@ -277,20 +286,24 @@ void Interpretation::closeBranch() {
   stack_.pop_back();
 }
 
-void Interpretation::enterSubSystem(const Arguments& arguments, bool isImage) {
-  if (!isImage) {
-    instances_.push_back(++instanceCount_);
+bool Interpretation::isCall(ModuleTypeId type) const {
+  return static_cast<TurtleCommand>(commandOf_[type]) == TurtleCommand::Query && program_.arity[type] > 0;
+}
+
+void Interpretation::leaveInstance() {
+  if (!instances_.empty()) {
+    instances_.pop_back();
   }
+}
+
+void Interpretation::enterScale(const Arguments& arguments) {
   scales_.push_back({state_.scale, state_.width});
   const double factor = arguments.valueOr(1, 1.0);
   state_.scale *= factor;
   state_.width *= factor;
 }
 
-void Interpretation::leaveSubSystem(bool isImage) {
-  if (!isImage && !instances_.empty()) {
-    instances_.pop_back();
-  }
+void Interpretation::leaveScale() {
   if (!scales_.empty()) {
     state_.scale = scales_.back().scale;
     state_.width = scales_.back().width;

@@ -59,8 +59,10 @@ class Interpretation {
   [[nodiscard]] std::uint64_t endOfCut(std::uint64_t i);
   void openBranch();
   void closeBranch();
-  void enterSubSystem(const Arguments& arguments, bool isImage);
-  void leaveSubSystem(bool isImage);
+  [[nodiscard]] bool isCall(core::ModuleTypeId type) const;
+  void leaveInstance();
+  void enterScale(const Arguments& arguments);
+  void leaveScale();
   void record(std::uint64_t module, std::uint64_t offset);
 
   // the turtle table

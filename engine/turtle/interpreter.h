@@ -33,7 +33,7 @@ inline constexpr std::uint64_t kTransientQuery = std::numeric_limits<std::uint64
 struct InterpretationOutput {
   Scene* scene = nullptr;
   QueryBatch* queries = nullptr;              // communication modules are appended
-  EnvironmentNeeds needs;                     // of whoever reads `queries`
+  EnvironmentNeeds needs{};                   // of whoever reads `queries`
   std::vector<TurtleRecord>* records = nullptr;
   /// Per appended query: where its parameters are in the string; kTransientQuery when a homomorphism made it.
   std::vector<std::uint64_t>* queryParameterOffsets = nullptr;
