@@ -144,12 +144,13 @@ class ConfigurationReader {
   }
 
   std::optional<double> readNumber(const ConfigurationKey& key, const std::string& path, const json& value) {
+    const bool isWhole = key.kind == KeyKind::Integer || key.isWhole;
     if (!value.is_number()) {
-      addWrongType(key, path, key.kind == KeyKind::Integer ? "a whole number" : "a number", value);
+      addWrongType(key, path, isWhole ? "a whole number" : "a number", value);
       return std::nullopt;
     }
     const double number = value.get<double>();
-    if (key.kind == KeyKind::Integer && number != std::floor(number)) {
+    if (isWhole && number != std::floor(number)) {
       addWrongType(key, path, "a whole number", value);
       return std::nullopt;
     }
@@ -264,7 +265,7 @@ class ConfigurationReader {
 };
 
 json numberSchema(const ConfigurationKey& key) {
-  json schema = {{"type", key.kind == KeyKind::Integer ? "integer" : "number"}};
+  json schema = {{"type", key.kind == KeyKind::Integer || key.isWhole ? "integer" : "number"}};
   if (std::isfinite(key.minimum)) {
     schema[key.isMinimumExclusive ? "exclusiveMinimum" : "minimum"] = key.minimum;
   }

@@ -33,6 +33,7 @@ struct ConfigurationKey {
   double minimum = -std::numeric_limits<double>::infinity();  // of every number
   double maximum = std::numeric_limits<double>::infinity();
   bool isMinimumExclusive = false;
+  bool isWhole = false;                         // Numbers, Rows: whole numbers only
   double defaultNumber = 0.0;                   // Number, Integer; Boolean: not 0 is true
   std::string_view defaultText{};               // Choice, Text
   std::span<const double> defaultNumbers{};     // Numbers

@@ -185,6 +185,9 @@ class SpecificationReader {
   }
 
   void readLine(const FieldLine& line, const FieldKeyword& keyword) {
+    if (keyword.kind == FieldKind::Unused) {
+      return;
+    }
     const std::string key(keyword.key);
     specification_.locations.insert_or_assign(key, valueLocation(line));
     if (keyword.kind == FieldKind::Switch) {

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include "environment/plane.h"
 #include "environment/replies.h"
 #include "environment/spatial_cells.h"
 
@@ -17,7 +18,6 @@ using core::Vec3;
 
 constexpr std::string_view kSummary =
     "Collision of tips of equal radius: a tip may grow unless another of its group with at least its vigor is near.";
-constexpr std::array<std::string_view, 3> kPlanes{"xz", "xy", "yz"};
 constexpr std::array<std::string_view, 1> kAliases{"honda81"};
 constexpr std::array<std::string_view, 1> kOn{"on"};
 constexpr std::array kKeys{
@@ -26,14 +26,8 @@ constexpr std::array kKeys{
                      .unit = "length",
                      .minimum = 0.0,
                      .defaultNumber = 0.0},
-    ConfigurationKey{.name = "threeDimensional",
-                     .kind = KeyKind::Boolean,
-                     .description = "measure distances in space instead of in the plane"},
-    ConfigurationKey{.name = "plane",
-                     .kind = KeyKind::Choice,
-                     .description = "the plane in which distances are measured when threeDimensional is false",
-                     .defaultText = "xz",
-                     .choices = kPlanes},
+    kThreeDimensionalKey,
+    kPlaneKey,
 };
 constexpr std::array kFieldKeywords{
     FieldKeyword{.keyword = "radius", .kind = FieldKind::Number, .key = "radius"},
@@ -48,8 +42,7 @@ struct Tip {
 
 class Honda final : public turtle::EnvironmentProcess {
  public:
-  Honda(double radius, bool isThreeDimensional, std::string plane)
-      : radius_(radius), isThreeDimensional_(isThreeDimensional), plane_(std::move(plane)) {}
+  Honda(double radius, Plane plane) : radius_(radius), plane_(plane) {}
 
   [[nodiscard]] turtle::EnvironmentDescription describe() const override {
     return {.name = "honda",
@@ -84,24 +77,14 @@ class Honda final : public turtle::EnvironmentProcess {
       const auto parameters = queries.parametersOf(query);
       tips_[query].vigor = parameters.empty() ? 0.0 : parameters[0];
       tips_[query].group = parameters.size() < 2 ? 0.0 : parameters[1];
-      positions_[query] = flattened(queries.position[query]);
+      positions_[query] = flattened(plane_, queries.position[query]);
     }
-  }
-
-  [[nodiscard]] Vec3 flattened(const Vec3& p) const {
-    if (isThreeDimensional_) {
-      return p;
-    }
-    if (plane_ == "xy") {
-      return {p.x, p.y, 0.0};
-    }
-    return plane_ == "yz" ? Vec3{0.0, p.y, p.z} : Vec3{p.x, 0.0, p.z};
   }
 
   void blockWithinRadius(const turtle::QueryBatch& queries, turtle::ReplyBatch& replies) const {
     // the diagonal of a cell is just below the radius: members of a cell collide, so at most the strongest of each
     // group has to look around, and whatever is within the radius is at most two cells away in each direction
-    const double diagonal = isThreeDimensional_ ? 1.73205080756887719 : 1.41421356237309515;
+    const double diagonal = plane_ == Plane::Space ? 1.73205080756887719 : 1.41421356237309515;
     SpatialCells cells(positions_, radius_ / diagonal * (1.0 - 1e-9));
     sortMembers(cells);
     for (std::size_t cell = 0; cell < cells.cellCount(); ++cell) {
@@ -167,7 +150,7 @@ class Honda final : public turtle::EnvironmentProcess {
       return true;
     }
     const CellIndex centre = cells.cell(ownCell);
-    const std::int64_t reachY = isThreeDimensional_ || plane_ != "xz" ? 2 : 0;
+    const std::int64_t reachY = plane_ != Plane::Xz ? 2 : 0;
     for (std::int64_t dx = -2; dx <= 2; ++dx) {
       for (std::int64_t dy = -reachY; dy <= reachY; ++dy) {
         for (std::int64_t dz = -2; dz <= 2; ++dz) {
@@ -198,8 +181,7 @@ class Honda final : public turtle::EnvironmentProcess {
   }
 
   double radius_;
-  bool isThreeDimensional_;
-  std::string plane_;
+  Plane plane_;
   std::vector<Vec3> positions_;  // flattened (queries)
   std::vector<Tip> tips_;        // (queries)
 };
@@ -213,8 +195,7 @@ constinit const ProcessEntry kHondaProcess{
     .keys = kKeys,
     .fieldKeywords = kFieldKeywords,
     .make = [](const Configuration& configuration) -> std::unique_ptr<turtle::EnvironmentProcess> {
-      return std::make_unique<Honda>(configuration.number("radius"), configuration.flag("threeDimensional"),
-                                     configuration.text("plane"));
+      return std::make_unique<Honda>(configuration.number("radius"), planeOf(configuration));
     }};
 
 }  // namespace espalier::environment

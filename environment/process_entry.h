@@ -16,6 +16,7 @@ enum class FieldKind : std::uint8_t {
   Numbers,  // the first `count` numbers
   Switch,   // true when the value is one of `onWords`, else false
   Row,      // a row of numbers, at most `count`, added to the key's rows
+  Unused,   // chooses how the published program computes, not what: accepted, no key
 };
 
 struct FieldKeyword {

@@ -5,6 +5,8 @@
 #include <utility>
 
 #include "environment/constant.h"
+#include "environment/density3d.h"
+#include "environment/ecosystem.h"
 #include "environment/height.h"
 #include "environment/honda.h"
 #include "environment/process_entry.h"
@@ -15,7 +17,8 @@ namespace espalier::environment {
 namespace {
 
 // sorted by name
-constexpr std::array kProcesses{&kConstantProcess, &kHeightProcess, &kHondaProcess, &kShadowProcess};
+constexpr std::array kProcesses{&kConstantProcess, &kDensity3dProcess, &kEcosystemProcess,
+                                &kHeightProcess,   &kHondaProcess,     &kShadowProcess};
 
 }  // namespace
 

@@ -24,13 +24,13 @@ using ProcessOrErrors = std::variant<std::unique_ptr<turtle::EnvironmentProcess>
 
 /// Makes a process from its JSON configuration (text of an object; empty: all defaults). Unknown name: "environment
 /// process 'chibba' is unknown. Did you mean 'chiba'? Available: ...". Unknown keys and wrong types are errors with the
-/// key's path and the nearest key. A list of processes is several environments: `[{"type":"honda","radius":0.5}]` (see
-/// makeEnvironment).
+/// key's path and the nearest key. Several environments: environment_entries.h reads a list of them, environment_set.h
+/// makes them one.
 [[nodiscard]] ProcessOrErrors makeProcess(std::string_view name, std::string_view configurationJson);
 
 /// Makes an environment from the field's `.e` file: its program's name, its specification file (looked for beside it)
-/// and its turtle formats. In the compatible modes numbers are rounded through the text forms of the coupling
-/// (ENVIRONMENTS §5); otherwise exchanged exactly. Warnings about ignored keywords go to `warnings`.
+/// and its turtle formats. In the compatible modes numbers are rounded through the text forms of the field's
+/// coupling; otherwise exchanged exactly. Warnings about ignored keywords go to `warnings`.
 [[nodiscard]] ProcessOrErrors makeFromFieldFile(const std::string& file, core::FileProvider& files,
                                                 core::Compatibility compatibility,
                                                 std::vector<core::Diagnostic>& warnings);
