@@ -27,6 +27,10 @@ class DataFile {
   void warn(core::SourceRange range, std::string message, std::string hint = {}) const {
     TextReport(map_, *diagnostics_).warn(range, std::move(message), std::move(hint));
   }
+  /// A remark about something that is not wrong, but not used.
+  void note(core::SourceRange range, std::string message) const {
+    TextReport(map_, *diagnostics_).note(range, std::move(message));
+  }
   /// "expected EXPECTED while reading CONTEXT, found …" at the cursor.
   void warnExpected(const TextCursor& at, const std::string& expected, const std::string& context,
                     std::string hint = {}) const;

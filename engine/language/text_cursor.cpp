@@ -161,9 +161,17 @@ std::string TextCursor::found() const {
 }
 
 void TextReport::warn(core::SourceRange range, std::string message, std::string hint) const {
-  // finding a line takes the length of the file: not for a warning that nobody will see
+  add(core::Severity::Warning, range, std::move(message), std::move(hint));
+}
+
+void TextReport::note(core::SourceRange range, std::string message) const {
+  add(core::Severity::Note, range, std::move(message), {});
+}
+
+void TextReport::add(core::Severity severity, core::SourceRange range, std::string message, std::string hint) const {
+  // finding a line takes the length of the file: not for a message that nobody will see
   core::SourceLocation location = isFull() ? core::SourceLocation{} : map_->locate(range);
-  diagnostics_->add({core::Severity::Warning, std::move(message), std::move(location), std::move(hint)});
+  diagnostics_->add({severity, std::move(message), std::move(location), std::move(hint)});
 }
 
 SourceMap plainSourceMap(std::string file, std::string text) {

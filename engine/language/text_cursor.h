@@ -62,16 +62,19 @@ class TextCursor {
   std::size_t position_;
 };
 
-/// Writes warnings about a text into a list.
+/// Writes warnings and notes about a text into a list.
 class TextReport {
  public:
   /// Both must outlive the object.
   TextReport(const SourceMap& map, core::DiagnosticList& diagnostics) : map_(&map), diagnostics_(&diagnostics) {}
   void warn(core::SourceRange range, std::string message, std::string hint = {}) const;
+  void note(core::SourceRange range, std::string message) const;
   /// Whether further warnings are only counted, so that no work need be done for their text.
   [[nodiscard]] bool isFull() const { return diagnostics_->warningCount() >= core::DiagnosticList::kLimit; }
 
  private:
+  void add(core::Severity severity, core::SourceRange range, std::string message, std::string hint) const;
+
   const SourceMap* map_;
   core::DiagnosticList* diagnostics_;
 };
