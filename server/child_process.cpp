@@ -2,7 +2,7 @@
 #include <poll.h>
 #include <signal.h>
 #include <spawn.h>
-#include <sys/pidfd.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -89,7 +89,7 @@ bool ChildProcess::waitFor(std::chrono::milliseconds time) {
   if (hasEnded_) {
     return true;
   }
-  const Descriptor handle(::pidfd_open(processId_, 0));
+  const Descriptor handle(static_cast<int>(::syscall(SYS_pidfd_open, processId_, 0)));
   if (handle.number() >= 0) {
     pollfd polled{handle.number(), POLLIN, 0};
     const Deadline deadline = std::chrono::steady_clock::now() + time;
