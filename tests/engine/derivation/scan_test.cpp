@@ -194,7 +194,7 @@ PlainString plainOf(const language::Program& program, const derivation::ModuleSt
 }
 
 TEST(Scan, AgreesWithThePlainDerivationOnRandomModels) {
-  constexpr unsigned kModels = 400;
+  constexpr unsigned kModels = 2000;
   constexpr std::size_t kMaximumModules = 5000;
   std::size_t stepCount = 0;
   std::size_t changedCount = 0;
@@ -219,8 +219,8 @@ TEST(Scan, AgreesWithThePlainDerivationOnRandomModels) {
     }
   }
   // the models must be worth comparing
-  EXPECT_GT(stepCount, 2000U);
-  EXPECT_GT(changedCount, 1000U);
+  EXPECT_GT(stepCount, 10000U);
+  EXPECT_GT(changedCount, 4000U);
 }
 
 TEST(Scan, LongSuccessorsAreWrittenWhole) {
