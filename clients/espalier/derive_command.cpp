@@ -99,7 +99,7 @@ int derive(DeriveOptions& options) {
   if (!loaded) {
     return kFailure;
   }
-  simulation::Simulation simulation(loaded->program, {turtle::PlantPlacement{}}, std::move(loaded->environment),
+  simulation::Simulation simulation(loaded->program, {turtle::PlantPlacement{}}, std::move(loaded->environment.process),
                                     std::move(loaded->simulationOptions));
   RunFigures figures;
   const Outcome failure = runAllSteps(simulation, options, figures);

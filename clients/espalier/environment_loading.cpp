@@ -2,7 +2,6 @@
 
 #include <filesystem>
 #include <optional>
-#include <system_error>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -18,6 +17,24 @@ namespace espalier::command {
 namespace {
 
 using Process = std::unique_ptr<turtle::EnvironmentProcess>;
+
+// passes on what another provider reads and keeps a copy
+class RecordingFileProvider final : public core::FileProvider {
+ public:
+  explicit RecordingFileProvider(core::FileProvider& files) : files_(&files) {}
+  [[nodiscard]] std::optional<std::string> read(const std::string& name) override {
+    std::optional<std::string> text = files_->read(name);
+    if (text) {
+      recorded_.emplace_back(name, *text);
+    }
+    return text;
+  }
+  [[nodiscard]] std::vector<std::pair<std::string, std::string>> take() { return std::move(recorded_); }
+
+ private:
+  core::FileProvider* files_;
+  std::vector<std::pair<std::string, std::string>> recorded_;
+};
 
 bool startsWith(const std::string& text, const char* prefix) { return text.rfind(prefix, 0) == 0; }
 
@@ -94,8 +111,7 @@ Process loadConfiguration(const std::string& file, core::FileProvider& files) {
 
 Process loadFieldFile(const std::string& file, core::Compatibility compatibility, bool isQuiet,
                       core::FileProvider& files) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(file, error)) {
+  if (!files.read(file)) {
     printError("there is no environment file '" + file + "': check the name and the working folder");
     return nullptr;
   }
@@ -105,10 +121,8 @@ Process loadFieldFile(const std::string& file, core::Compatibility compatibility
   return orPrintErrors(std::move(made), "");
 }
 
-}  // namespace
-
-std::unique_ptr<turtle::EnvironmentProcess> loadEnvironment(const std::string& name, core::Compatibility compatibility,
-                                                            bool isQuiet, core::FileProvider& files) {
+Process makeEnvironment(const std::string& name, core::Compatibility compatibility, bool isQuiet,
+                        core::FileProvider& files) {
   if (startsWith(name, "tcp://") || startsWith(name, "stdio:")) {
     return connectRemote(name, "");
   }
@@ -120,6 +134,20 @@ std::unique_ptr<turtle::EnvironmentProcess> loadEnvironment(const std::string& n
     return loadFieldFile(name, compatibility, isQuiet, files);
   }
   return orPrintErrors(environment::makeProcess(name, ""), "");
+}
+
+}  // namespace
+
+std::optional<LoadedEnvironment> loadEnvironment(const std::string& name, core::Compatibility compatibility,
+                                                 bool isQuiet, core::FileProvider& files) {
+  RecordingFileProvider recorder(files);
+  LoadedEnvironment loaded;
+  loaded.process = makeEnvironment(name, compatibility, isQuiet, recorder);
+  if (!loaded.process) {
+    return std::nullopt;
+  }
+  loaded.origin = {name, recorder.take()};
+  return loaded;
 }
 
 }  // namespace espalier::command

@@ -1,19 +1,25 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "engine/core/identifiers.h"
 #include "engine/core/streams.h"
+#include "engine/simulation/simulation.h"
 #include "engine/turtle/environment_process.h"
 
 namespace espalier::command {
 
+struct LoadedEnvironment {
+  std::unique_ptr<turtle::EnvironmentProcess> process;
+  simulation::EnvironmentOrigin origin;  // its name and the files it was read from, to make it again from a snapshot
+};
+
 /// Makes the environment that a command line names: `tcp://HOST:PORT` and `stdio:COMMAND` are other processes, `*.json` is
 /// a configuration of one process or several, `*.e` a field file, anything else the name of a built-in process with its
-/// defaults. Writes what is wrong, and warnings unless `isQuiet`, to standard error; null on an error.
-[[nodiscard]] std::unique_ptr<turtle::EnvironmentProcess> loadEnvironment(const std::string& name,
-                                                                          core::Compatibility compatibility,
-                                                                          bool isQuiet, core::FileProvider& files);
+/// defaults. Writes what is wrong, and warnings unless `isQuiet`, to standard error; nothing on an error.
+[[nodiscard]] std::optional<LoadedEnvironment> loadEnvironment(const std::string& name, core::Compatibility compatibility,
+                                                               bool isQuiet, core::FileProvider& files);
 
 }  // namespace espalier::command

@@ -7,7 +7,6 @@
 #include <system_error>
 #include <variant>
 
-#include "clients/espalier/environment_loading.h"
 #include "clients/espalier/messages.h"
 #include "clients/espalier/model_files.h"
 #include "engine/language/compiler.h"
@@ -47,8 +46,9 @@ void addReadingOptions(CLI::App& command, ModelOptions& options, bool isModelReq
       ->type_name("FILE.v");
   command
       .add_option("--environment", options.environment,
-                  "What answers the communication modules ?E: the name of a built-in process, a field file (.e), a "
-                  "configuration (.json), tcp://HOST:PORT, or stdio:COMMAND; without it the .e beside the model")
+                  "What answers the communication modules ?E: the name of a built-in process,\n"
+                  "a field file (.e), a configuration (.json), tcp://HOST:PORT or stdio:COMMAND;\n"
+                  "without it the .e beside the model")
       ->type_name("ENVIRONMENT");
   command
       .add_option("--compat", options.compatibility,
@@ -153,12 +153,15 @@ std::optional<LoadedModel> loadModel(ModelOptions& options, core::FileProvider& 
     return std::nullopt;
   }
   if (!options.environment.empty()) {
-    loaded.environment = loadEnvironment(options.environment, options.mode(), options.isQuiet, files);
-    if (!loaded.environment) {
+    std::optional<LoadedEnvironment> environment =
+        loadEnvironment(options.environment, options.mode(), options.isQuiet, files);
+    if (!environment) {
       return std::nullopt;
     }
+    loaded.environment = std::move(*environment);
   }
   loaded.simulationOptions = simulationOptionsFor(options, *loaded.program);
+  loaded.simulationOptions.environmentOrigin = loaded.environment.origin;
   return loaded;
 }
 

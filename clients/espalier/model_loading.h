@@ -7,11 +7,11 @@
 #include <utility>
 #include <vector>
 
+#include "clients/espalier/environment_loading.h"
 #include "engine/core/identifiers.h"
 #include "engine/core/streams.h"
 #include "engine/language/program.h"
 #include "engine/simulation/simulation.h"
-#include "engine/turtle/environment_process.h"
 
 namespace CLI {
 class App;
@@ -49,10 +49,10 @@ void addRunningOptions(CLI::App& command, ModelOptions& options);
 /// Writes diagnostics and errors to standard error; null when there is an error.
 [[nodiscard]] std::shared_ptr<const language::Program> loadProgram(ModelOptions& options, core::FileProvider& files);
 
-/// A model ready to run. `environment` is null when there is none.
+/// A model ready to run. The environment's process is null when there is none.
 struct LoadedModel {
   std::shared_ptr<const language::Program> program;
-  std::unique_ptr<turtle::EnvironmentProcess> environment;
+  LoadedEnvironment environment;
   simulation::SimulationOptions simulationOptions;
 };
 

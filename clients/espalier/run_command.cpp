@@ -82,38 +82,97 @@ bool writeResult(const simulation::Simulation& simulation, const std::string& fi
   return writeOutput(file, picture.take()) && writeOutput(materialFile.string(), materials.take());
 }
 
-// compiles the model that a snapshot carries, with the environment it names unless another one is given
-std::optional<LoadedModel> loadFromSnapshot(ModelOptions& options, simulation::SnapshotInfo& info,
-                                            core::FileProvider& files) {
-  language::CompileResult compiled = language::compile(info.compileInput, info.files);
-  printDiagnostics(compiled.diagnostics.entries(), true);
-  if (!compiled.program) {
+// a snapshot file and what it says about itself
+struct ResumedRun {
+  std::string bytes;
+  simulation::SnapshotInfo info;
+};
+
+std::optional<ResumedRun> readResumedRun(const std::string& file, core::FileProvider& files) {
+  std::optional<std::string> bytes = files.read(file);
+  if (!bytes) {
+    printError("there is no snapshot '" + file + "' (--resume): check the name and the working folder");
     return std::nullopt;
   }
-  LoadedModel loaded;
-  loaded.program = std::move(compiled.program);
-  if (options.environment.empty()) {
-    options.environment = info.environmentName;
+  auto read = simulation::readSnapshotInfo(*bytes);
+  if (const auto* failure = std::get_if<core::SimulationError>(&read)) {
+    printError("'" + file + "': " + failure->message);
+    return std::nullopt;
   }
+  return ResumedRun{std::move(*bytes), std::move(std::get<simulation::SnapshotInfo>(read))};
+}
+
+// the model given on the command line, or the one that the snapshot carries
+std::shared_ptr<const language::Program> resumedProgram(ModelOptions& options, simulation::SnapshotInfo& info,
+                                                        core::FileProvider& files) {
+  if (!options.model.empty()) {
+    return loadProgram(options, files);
+  }
+  language::CompileResult compiled = language::compile(info.compileInput, info.files);
+  printDiagnostics(compiled.diagnostics.entries(), true);
+  return compiled.program;
+}
+
+// the environment given on the command line, or made again as the snapshot says
+std::optional<LoadedEnvironment> resumedEnvironment(const ModelOptions& options, const simulation::SnapshotInfo& info,
+                                                    core::Compatibility compatibility, core::FileProvider& files) {
   if (!options.environment.empty()) {
-    loaded.environment =
-        loadEnvironment(options.environment, loaded.program->compatibility, options.isQuiet, files);
-    if (!loaded.environment) {
-      return std::nullopt;
-    }
+    return loadEnvironment(options.environment, compatibility, options.isQuiet, files);
   }
+  if (info.environmentName.empty()) {
+    return LoadedEnvironment{};
+  }
+  if (info.environmentOrigin.name.empty()) {
+    printError("the snapshot was made with the environment '" + info.environmentName +
+               "' and does not say how it was set up: give it with --environment");
+    return std::nullopt;
+  }
+  core::MemoryFileProvider carried;
+  for (const auto& [name, text] : info.environmentOrigin.files) {
+    carried.add(name, text);
+  }
+  return loadEnvironment(info.environmentOrigin.name, compatibility, options.isQuiet, carried);
+}
+
+std::optional<LoadedModel> loadResumed(ModelOptions& options, simulation::SnapshotInfo& info,
+                                       core::FileProvider& files) {
+  // the run's own seed, not a new one
+  if (!options.seed) {
+    options.seed = info.seed;
+  }
+  LoadedModel loaded;
+  loaded.program = resumedProgram(options, info, files);
+  if (!loaded.program) {
+    return std::nullopt;
+  }
+  std::optional<LoadedEnvironment> environment =
+      resumedEnvironment(options, info, loaded.program->compatibility, files);
+  if (!environment) {
+    return std::nullopt;
+  }
+  loaded.environment = std::move(*environment);
   loaded.simulationOptions = simulationOptionsFor(options, *loaded.program);
+  loaded.simulationOptions.environmentOrigin = loaded.environment.origin;
   return loaded;
 }
 
-// goes on to the last step; the bar is shown on a terminal only
-std::optional<core::SimulationError> runToEnd(simulation::Simulation& simulation, bool hasProgress) {
+// goes on to the last step, of the model or `steps`; the bar is shown on a terminal only
+std::optional<core::SimulationError> runToEnd(simulation::Simulation& simulation, std::optional<std::uint64_t> steps,
+                                              bool hasProgress) {
   ProgressBar bar(hasProgress);
-  while (!simulation.isFinished()) {
+  const std::uint64_t last = steps.value_or(simulation.derivationLength());
+  const auto isDone = [&] {
+    return steps ? simulation.completedSteps() >= *steps : simulation.isFinished();
+  };
+  while (!isDone()) {
     if (auto failure = simulation.step()) {
       return failure;
     }
-    bar.show(simulation.completedSteps(), simulation.derivationLength(), simulation.statistics().modules);
+    bar.show(simulation.completedSteps(), last, simulation.statistics().modules);
+    // the model may have stopped itself before the last step
+    if (simulation.isFinished() && simulation.completedSteps() < simulation.derivationLength()) {
+      break;
+    }
   }
   return std::nullopt;
 }
@@ -125,36 +184,25 @@ int run(RunOptions& options) {
     }
   }
   server::DiskFileProvider files;
-  std::optional<std::string> snapshot;
-  std::optional<simulation::SnapshotInfo> info;
+  std::optional<ResumedRun> resumed;
   if (!options.resumed.empty()) {
-    snapshot = files.read(options.resumed);
-    if (!snapshot) {
-      printError("there is no snapshot '" + options.resumed + "' (--resume): check the name and the working folder");
+    resumed = readResumedRun(options.resumed, files);
+    if (!resumed) {
       return kFailure;
-    }
-    auto read = simulation::readSnapshotInfo(*snapshot);
-    if (const auto* failure = std::get_if<core::SimulationError>(&read)) {
-      printError("'" + options.resumed + "': " + formatSimulationError(*failure));
-      return kFailure;
-    }
-    info = std::move(std::get<simulation::SnapshotInfo>(read));
-    if (!options.model.seed && info->hasSeed) {
-      options.model.seed = info->seed;
     }
   }
-
   std::optional<LoadedModel> loaded =
-      options.model.model.empty() ? loadFromSnapshot(options.model, *info, files) : loadModel(options.model, files);
+      resumed ? loadResumed(options.model, resumed->info, files) : loadModel(options.model, files);
   if (!loaded) {
     return kFailure;
   }
-  const std::size_t plantCount = info ? info->plantCount : 1;
-  simulation::Simulation simulation(loaded->program, std::vector<turtle::PlantPlacement>(plantCount),
-                                    std::move(loaded->environment), std::move(loaded->simulationOptions));
-  std::optional<core::SimulationError> failure = snapshot ? simulation.restore(*snapshot) : simulation.rewind();
+
+  simulation::Simulation simulation(loaded->program,
+                                    std::vector<turtle::PlantPlacement>(resumed ? resumed->info.plantCount : 1),
+                                    std::move(loaded->environment.process), std::move(loaded->simulationOptions));
+  std::optional<core::SimulationError> failure = resumed ? simulation.restore(resumed->bytes) : simulation.rewind();
   if (!failure) {
-    failure = runToEnd(simulation, !options.model.isQuiet);
+    failure = runToEnd(simulation, options.model.steps, !options.model.isQuiet);
   }
   if (failure) {
     printError(formatSimulationError(*failure));
@@ -177,12 +225,12 @@ int run(RunOptions& options) {
 void addRun(CLI::App& program, int& status) {
   CLI::App* command = program.add_subcommand("run", "Grow a model and write its picture, geometry or snapshot");
   command->footer(
-      "The suffix of the output file decides what is written: .svg a picture, .obj (and .mtl) geometry, .snapshot the "
+      "The suffix of the output file decides what is written: .svg a picture, .obj (and .mtl) geometry, .snapshot the\n"
       "complete state.\n"
       "Examples:\n"
       "  espalier run tree.l -o tree.svg\n"
       "  espalier run tiers.l --environment honda.json --steps 5 -o tiers.snapshot\n"
-      "  espalier run --resume tiers.snapshot --environment honda.json --steps 12 -o tiers.svg");
+      "  espalier run --resume tiers.snapshot --steps 12 -o tiers.svg");
   auto options = std::make_shared<RunOptions>();
   addReadingOptions(*command, options->model, false);
   addRunningOptions(*command, options->model);

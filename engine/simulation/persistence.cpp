@@ -77,6 +77,7 @@ void Simulation::Implementation::save(core::ByteSink& sink) {
   }
   if (environment_) {
     content.environmentName = description_.name;
+    content.environmentOrigin = options_.environmentOrigin;
     content.environmentState = isStarted_ ? environment_->save() : std::string();
   }
   content.isAnswered = isAnswered_;

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -27,6 +28,15 @@ enum class EnvironmentPolicy : std::uint8_t {
   Keep,  // the modules keep what they sent
 };
 
+/// How the caller made the environment, in words of its own: the name it goes by and the files it was read from. A snapshot
+/// keeps it, so that whoever resumes can make the environment again with the same configuration.
+struct EnvironmentOrigin {
+  std::string name;                                        // empty: not said
+  std::vector<std::pair<std::string, std::string>> files;  // name, text
+
+  bool operator==(const EnvironmentOrigin&) const = default;
+};
+
 struct SimulationOptions {
   std::string name = "simulation";
   std::uint64_t seed = 0;
@@ -36,6 +46,7 @@ struct SimulationOptions {
   core::Limits limits;
   turtle::World world;
   EnvironmentPolicy environmentPolicy = EnvironmentPolicy::Fail;
+  EnvironmentOrigin environmentOrigin;
   core::MessageSink messages;
 };
 

@@ -29,6 +29,7 @@ std::variant<SnapshotInfo, core::SimulationError> readSnapshotInfo(std::string_v
   info.derivationLength = content.derivationLength;
   info.plantCount = static_cast<std::uint32_t>(content.placements.size());
   info.placements = std::move(content.placements);
+  info.environmentOrigin = std::move(content.environmentOrigin);
   info.environmentName = std::move(content.environmentName);
   return info;
 }

@@ -10,6 +10,7 @@
 #include "engine/core/simulation_error.h"
 #include "engine/core/streams.h"
 #include "engine/language/compiler.h"
+#include "engine/simulation/simulation.h"
 #include "engine/turtle/interpreter.h"
 
 namespace espalier::simulation {
@@ -32,6 +33,7 @@ struct SnapshotInfo {
   std::uint64_t derivationLength = 0;
   std::uint32_t plantCount = 1;
   std::vector<turtle::PlantPlacement> placements;  // (plantCount)
+  EnvironmentOrigin environmentOrigin;           // how the caller that saved had made it
   std::string environmentName;                   // empty: none
 };
 

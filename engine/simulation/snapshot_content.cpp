@@ -77,6 +77,8 @@ ByteWriter runSection(const SnapshotContent& content) {
   writer.number64(content.derivationLength);
   writer.number64(content.completedSteps);
   writer.text(content.environmentName);
+  writer.text(content.environmentOrigin.name);
+  writePairs(writer, content.environmentOrigin.files);
   writer.number64(content.placements.size());
   for (const turtle::PlantPlacement& placement : content.placements) {
     writeVector(writer, placement.position);
@@ -94,6 +96,8 @@ void readRun(ByteReader& reader, SnapshotContent& content) {
   content.derivationLength = reader.number64();
   content.completedSteps = reader.number64();
   content.environmentName = reader.text();
+  content.environmentOrigin.name = reader.text();
+  content.environmentOrigin.files = readPairs(reader);
   content.placements.resize(reader.count(96));
   for (turtle::PlantPlacement& placement : content.placements) {
     placement.position = readVector(reader);

@@ -11,6 +11,7 @@
 #include "engine/core/streams.h"
 #include "engine/derivation/plant_state.h"
 #include "engine/language/program.h"
+#include "engine/simulation/simulation.h"
 #include "engine/turtle/environment_process.h"
 #include "engine/turtle/interpreter.h"
 
@@ -38,6 +39,7 @@ struct SnapshotContent {
   std::vector<derivation::PlantState> plants;
   // the environment
   std::string environmentName;  // empty: none
+  EnvironmentOrigin environmentOrigin;
   std::string environmentState;
   // the step that is under way
   bool isAnswered = false;  // the strings held the replies when the snapshot was made
