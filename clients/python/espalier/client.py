@@ -129,6 +129,7 @@ class Client:
         self._timeout = timeout
         self._next_id = 1
         self._frames: Dict[str, Deque[Frame]] = {}
+        self._ended: Dict[str, str] = {}  # why, by stream
         try:
             self.server: Mapping[str, Any] = self.call("hello", hello_parameters(name, "controller", token))
         except BaseException:
@@ -178,6 +179,9 @@ class Client:
             frames = self._frames.get(parameters["stream"])
             if frames is not None:
                 frames.append(read_frame(parameters))
+        elif message.get("method") == "stream.end" and isinstance(message.get("params"), dict):
+            closed = message["params"]
+            self._ended[str(closed.get("stream"))] = str(closed.get("reason", "the server closed it"))
         elif message.get("id") is None and "error" in message:
             _result_of(message)
         return message
@@ -219,8 +223,8 @@ class Client:
 
     def simulation(self, identifier: str) -> "Simulation":
         """A simulation that is on the server already."""
-        return Simulation(self, identifier, self.call("simulation.get", {"simulation": identifier,
-                                                                         "what": "information"}))
+        found = self.call("simulation.get", {"simulation": identifier, "what": "information"})
+        return Simulation(self, identifier, found["information"])
 
     def simulations(self) -> List[Mapping[str, Any]]:
         """What the server says about each of its simulations."""
@@ -321,6 +325,8 @@ class Stream:
         frames = self._client._frames[self.identifier]
         while not frames:
             self._client._receive(timeout, "stream.data")
+            if not frames and self.identifier in self._client._ended:
+                raise EspalierError(f"The stream has ended: {self._client._ended[self.identifier]}.")
         frame = frames.popleft()
         self._client.notify("stream.ack", {"stream": self.identifier, "sequence": frame.sequence})
         return frame

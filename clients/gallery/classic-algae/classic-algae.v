@@ -1,0 +1,2 @@
+initial color: 96
+initial line width: 0.2 s

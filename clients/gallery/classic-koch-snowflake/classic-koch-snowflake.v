@@ -1,0 +1,4 @@
+angle increment: 60
+line style: cylinder
+initial line width: 0.4 s
+initial color: 200

@@ -1,0 +1,4 @@
+angle increment: 40
+line style: cylinder
+initial line width: 0.15 s
+initial color: 96

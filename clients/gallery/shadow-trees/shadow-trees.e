@@ -1,0 +1,2 @@
+executable: shadowpyramid -e shadow-trees.e shadow-trees.spec
+turtle position: P: %.9g %.9g %.9g
