@@ -6,6 +6,8 @@
 #include "protocol/envelope.h"
 #include "protocol/json_writer.h"
 #include "server/channel_link.h"
+#include "server/disk_files.h"
+#include "server/gallery.h"
 #include "server/offered_environments.h"
 #include "server/remote_process.h"
 
@@ -58,9 +60,25 @@ std::variant<std::shared_ptr<EnvironmentLink>, protocol::Error> makeLink(const e
   return std::shared_ptr<EnvironmentLink>(ChannelLink::stdio(std::move(*value), {}));
 }
 
+/// The process that the field file of a gallery model names.
+environment::ProcessOrErrors makeFromGallery(const environment::EnvironmentEntry& entry, core::Compatibility compatibility,
+                                             const EnvironmentServices& services) {
+  const auto model = protocol::memberOf(entry.configuration, "model").value_or("");
+  const auto folder = galleryFolderOf(services.galleryFolder, model);
+  const std::string file = folder ? fileWithSuffix(*folder, model, ".e") : std::string();
+  if (file.empty()) {
+    return std::vector{core::Diagnostic{core::Severity::Error,
+                                        "the gallery has no model '" + model + "' with a field file (.e)", {}, {}}};
+  }
+  DiskFileProvider files;
+  std::vector<core::Diagnostic> warnings;
+  return environment::makeFromFieldFile(file, files, compatibility, warnings);
+}
+
 }  // namespace
 
 std::variant<BuiltEnvironment, protocol::Error> buildEnvironment(const std::string& environmentJson,
+                                                                 core::Compatibility compatibility,
                                                                  bool isAbsenceTolerated,
                                                                  const EnvironmentServices& services) {
   BuiltEnvironment built;
@@ -96,7 +114,8 @@ std::variant<BuiltEnvironment, protocol::Error> buildEnvironment(const std::stri
       built.names.push_back(entry.type == "offered" ? "offered:" + entry.name : entry.type);
       process = std::move(remote);
     } else {
-      auto made = environment::makeProcess(entry.type, entry.configuration);
+      auto made = entry.type == "gallery" ? makeFromGallery(entry, compatibility, services)
+                                          : environment::makeProcess(entry.type, entry.configuration);
       if (const auto* problems = std::get_if<std::vector<core::Diagnostic>>(&made)) {
         return protocol::fieldError(path, sentences(*problems));
       }

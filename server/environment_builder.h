@@ -20,6 +20,7 @@ struct EnvironmentServices {
   const OfferedEnvironments* offered = nullptr;
   std::function<void(const std::function<void()>&)> runWaiting;  // lets another worker compute
   std::chrono::milliseconds stepTimeout{60'000};
+  std::string galleryFolder;
 };
 
 struct BuiltEnvironment {
@@ -29,8 +30,10 @@ struct BuiltEnvironment {
 };
 
 /// Makes the environment of a simulation from the `environment` array of simulation.create. `isAbsenceTolerated`: entries in
-/// other processes may be away (simulations loaded from disk).
+/// other processes may be away (simulations loaded from disk). Besides the built-in processes there are the types
+/// `offered` {name}, `tcp` {address}, `stdio` {command} and `gallery` {model}: the field file (`.e`) of a gallery folder.
 [[nodiscard]] std::variant<BuiltEnvironment, protocol::Error> buildEnvironment(const std::string& environmentJson,
+                                                                               core::Compatibility compatibility,
                                                                                bool isAbsenceTolerated,
                                                                                const EnvironmentServices& services);
 

@@ -21,7 +21,7 @@ HostedSimulation::HostedSimulation(SimulationRecord record, const core::Limits& 
 
 std::optional<protocol::Error> HostedSimulation::build(std::shared_ptr<const language::Program> program,
                                                        bool isAbsenceTolerated) {
-  auto built = buildEnvironment(record_.create.environmentJson, isAbsenceTolerated, services_);
+  auto built = buildEnvironment(record_.create.environmentJson, program->compatibility, isAbsenceTolerated, services_);
   if (auto* error = std::get_if<protocol::Error>(&built)) {
     return std::move(*error);
   }
@@ -56,7 +56,7 @@ std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> HostedSimulatio
     return std::move(*error);
   }
   if (auto error = hosted->simulation_->rewind()) {
-    return toError(*error);
+    return toError(*error, hosted->environmentNames_);
   }
   if (data.isKept() && hosted->record_.create.isSaved) {
     if (auto problem = data.saveRecord(hosted->record_)) {
@@ -111,7 +111,7 @@ std::optional<protocol::Error> HostedSimulation::step(double& milliseconds) {
   const auto error = simulation_->step();
   milliseconds = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   if (error) {
-    return toError(*error);
+    return toError(*error, environmentNames_);
   }
   return save();
 }

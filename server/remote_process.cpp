@@ -44,7 +44,8 @@ turtle::EnvironmentError RemoteProcess::errorOf(const LinkFailure& failure, cons
   // a peer that says that the request itself is wrong will say so again
   const bool isRefused = failure.kind == LinkFailure::Kind::Refused;
   error.isRetryable = !isRefused || (failure.error.code != protocol::ErrorCode::InvalidParams &&
-                                     failure.error.code != protocol::ErrorCode::StaleStep);
+                                     failure.error.code != protocol::ErrorCode::StaleStep &&
+                                     protocol::memberOf(failure.error.data, "retryable") != "false");
   error.message = link_->label() + " " + failure.message + " (" + during + ")." + std::string(kStays) + " ";
   error.message += isRefused ? "Correct what it says, then ask again." : link_->remedy();
   return error;

@@ -39,6 +39,7 @@ EnvironmentServices ServerCore::environmentServices() {
   EnvironmentServices services;
   services.offered = &offered_;
   services.runWaiting = [this](const std::function<void()>& wait) { pool_.blockWhile(wait); };
+  services.galleryFolder = options_.galleryFolder;
   services.stepTimeout = std::chrono::milliseconds(options_.limits.environmentStepMilliseconds);
   return services;
 }

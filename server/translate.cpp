@@ -67,7 +67,7 @@ std::vector<protocol::DiagnosticRecord> toRecords(const std::vector<core::Diagno
   return records;
 }
 
-protocol::Error toError(const core::SimulationError& error) {
+protocol::Error toError(const core::SimulationError& error, const std::vector<std::string>& environment) {
   protocol::Error result;
   switch (error.code) {
     case core::SimulationErrorCode::LimitExceeded: result.code = protocol::ErrorCode::Limit; break;
@@ -80,6 +80,13 @@ protocol::Error toError(const core::SimulationError& error) {
   result.message = error.message;
   protocol::JsonWriter data;
   data.beginObject().key("step").integer(error.step).key("plant").integer(error.plant);
+  if (error.code == core::SimulationErrorCode::EnvironmentFailed) {
+    std::string names;
+    for (const std::string& name : environment) {
+      names += (names.empty() ? "" : ", ") + name;
+    }
+    data.key("environment").text(names);
+  }
   if (error.module) {
     data.key("module").integer(*error.module);
   }
