@@ -10,13 +10,17 @@ namespace espalier::language {
 /// text. L-systems in order, each with its blocks, axiom and productions; numbers in their shortest form.
 ///
 ///     L-system 1
-///     axiom: A(1)
+///     axiom
+///       module A
+///         parameter 0 = 1
 ///     production 0: A(l) --> F(l)A(l * 2)
-///       successor F(slot 0)
-///       successor A(code)
-///             0  LoadSlot 0
-///             1  Constant 2
-///             2  Multiply
+///       module F
+///         parameter 0 = slot 0
+///       module A
+///         parameter 0
+///          0  LoadSlot 0
+///          1  Constant 2
+///          2  Multiply
 [[nodiscard]] std::string disassemble(const Program& program);
 
 }  // namespace espalier::language

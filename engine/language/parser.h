@@ -53,6 +53,7 @@ class Parser {
   bool parseModules(std::vector<ModuleSyntax>& modules);
   bool parseModule(std::vector<ModuleSyntax>& modules);
   bool internModule(core::SymbolId symbol, std::size_t arity, core::SourceRange range, core::ModuleTypeId& type);
+  bool expectedArrow(std::string_view what, const Token& token, std::uint32_t begin, std::string hint = {});
   [[nodiscard]] std::string productionHint(std::uint32_t begin) const;
 
   // parser_statements.cpp: blocks

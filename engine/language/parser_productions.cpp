@@ -47,13 +47,32 @@ void Parser::parseProduction(ProductionListSyntax& list) {
 std::string Parser::productionHint(std::uint32_t begin) const {
   const std::string_view rest = lexer_.text().substr(begin);
   const std::string_view line = rest.substr(0, rest.find('\n'));
-  if (line.find("-->") != std::string_view::npos || line.find("-o>") != std::string_view::npos) {
-    return {};
-  }
-  if (line.find("->") != std::string_view::npos || line.find("=>") != std::string_view::npos) {
-    return "the arrow of a production is '-->'";
+  const std::size_t colon = line.find(':');
+  if (colon != std::string_view::npos) {
+    static const std::vector<std::string_view> kKeywords{"decomposition", "homomorphism", "maximum depth", "derivation length",
+                                                         "seed",          "consider",     "ignore",        "define"};
+    const std::string_view near = core::nearestName(line.substr(0, colon), kKeywords);
+    if (!near.empty()) {
+      return "did you mean '" + std::string(near) + ":'?";
+    }
   }
   return !lexer_.isFreeSyntax() && lexer_.lineIsIndented(begin) ? tabHint() : std::string();
+}
+
+/// Reports a production, begun at `begin`, that goes on wrongly; at its arrow when that is misspelt.
+bool Parser::expectedArrow(std::string_view what, const Token& token, std::uint32_t begin, std::string hint) {
+  const std::string_view rest = lexer_.text().substr(begin);
+  const std::string_view line = rest.substr(0, rest.find('\n'));
+  const std::size_t arrow = std::min(line.find("->"), line.find("=>"));
+  const bool hasArrow = line.find("-->") != std::string_view::npos || line.find("-o>") != std::string_view::npos;
+  if (!hasArrow && arrow != std::string_view::npos) {
+    Token misspelt;
+    misspelt.kind = TokenKind::Operator;
+    misspelt.text = line.substr(arrow, 2);
+    misspelt.range = {begin + static_cast<std::uint32_t>(arrow), begin + static_cast<std::uint32_t>(arrow) + 2};
+    return expected("'-->'", misspelt, "the arrow of a production has two strokes");
+  }
+  return expected(what, token, hint.empty() ? productionHint(begin) : std::move(hint));
 }
 
 // ---- head: contexts and predecessor
@@ -67,7 +86,7 @@ bool Parser::parseHead(ProductionSyntax& production) {
   }
   const Token token = lexer_.peekSymbol();
   if (token.kind != TokenKind::Colon && token.kind != TokenKind::Arrow && token.kind != TokenKind::InstanceArrow) {
-    return expected("'-->'", token, productionHint(begin));
+    return expectedArrow("'-->'", token, begin);
   }
   predecessor_ = production.predecessorRange;
   return true;
@@ -211,7 +230,7 @@ bool Parser::parseGuard(ProductionSyntax& production) {
   }
   const Token& token = lexer_.peekExpression();
   if (token.kind != TokenKind::Arrow && token.kind != TokenKind::InstanceArrow) {
-    return expected("'-->'", token);
+    return expectedArrow("'-->'", token, production.predecessorRange.begin);
   }
   lexer_.advance();
   return true;
@@ -284,20 +303,20 @@ bool Parser::parseFormalModule(FormalModuleSyntax& module) {
       lexer_.setBracketDepth(depth + 1);
       const Token parameter = lexer_.peekExpression();
       if (parameter.kind != TokenKind::Identifier) {
-        std::string hint = productionHint(name.range.begin);
+        std::string hint;
         if (parameter.kind == TokenKind::CloseParenthesis) {
           hint = "a module without parameters has no parentheses";
-        } else if (hint.empty() && parameter.kind == TokenKind::Number) {
+        } else if (parameter.kind == TokenKind::Number) {
           hint = "predecessors and contexts have names as parameters; compare values in the condition, as in A(x) : x == 1";
         }
-        return expected("a parameter name", parameter, std::move(hint));
+        return expectedArrow("a parameter name", parameter, name.range.begin, std::move(hint));
       }
       module.parameters.push_back({parameter.text, parameter.range});
       lexer_.advance();
     } while (lexer_.peekExpression().kind == TokenKind::Comma);
     const Token close = lexer_.peekExpression();
     if (close.kind != TokenKind::CloseParenthesis) {
-      return expected("',' or ')'", close, productionHint(name.range.begin));
+      return expectedArrow("',' or ')'", close, name.range.begin);
     }
     module.range.end = close.range.end;
     lexer_.advance();

@@ -1,0 +1,48 @@
+// Every model of the conformance suite compiles without errors in the reference's mode.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <vector>
+
+#include "engine/language/compiler.h"
+#include "tests/engine/language/compile_text.h"
+
+namespace espalier::language {
+namespace {
+
+class FolderFiles final : public core::FileProvider {
+ public:
+  std::optional<std::string> read(const std::string& name) override {
+    std::ifstream stream(name, std::ios::binary);
+    if (!stream) {
+      return std::nullopt;
+    }
+    return std::string(std::istreambuf_iterator<char>(stream), {});
+  }
+};
+
+TEST(ConformanceModels, AllCompileInTheReferencesMode) {
+  std::vector<std::filesystem::path> models;
+  for (const auto& entry : std::filesystem::directory_iterator(ESPALIER_SOURCE_DIR "/tests/conformance/cases")) {
+    if (std::filesystem::exists(entry.path() / "model.l")) {
+      models.push_back(entry.path());
+    }
+  }
+  std::sort(models.begin(), models.end());
+  ASSERT_GE(models.size(), 200U);
+  FolderFiles files;
+  for (const std::filesystem::path& folder : models) {
+    CompileInput input;
+    input.modelFile = (folder / "model.l").string();
+    input.viewFile = std::filesystem::exists(folder / "model.v") ? (folder / "model.v").string() : "";
+    input.compatibility = core::Compatibility::Cpfg;
+    const CompileResult result = compile(input, files);
+    EXPECT_TRUE(result.program != nullptr) << folder << "\n" << core::formatDiagnostic(result.diagnostics.entries().at(0));
+  }
+}
+
+}  // namespace
+}  // namespace espalier::language
