@@ -16,7 +16,6 @@ namespace {
 // a section is its tag, the length of its bytes and the bytes; unknown tags are skipped
 enum class Section : std::uint32_t { Model = 1, Run = 2, Types = 3, Plant = 4, Environment = 5, Pending = 6, End = 7 };
 
-constexpr std::size_t kChecksumBytes = 8;
 
 void writeVector(ByteWriter& writer, const Vec3& v) {
   writer.real(v.x);
