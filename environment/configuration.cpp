@@ -69,6 +69,8 @@ std::string expectedText(const ConfigurationKey& key) {
       return "a list of " + countText(key);
     case KeyKind::Rows:
       return "a list of lists of " + countText(key);
+    case KeyKind::Entries:
+      return "a list of environments";
   }
   return {};
 }
@@ -87,6 +89,7 @@ json defaultJson(const ConfigurationKey& key) {
     case KeyKind::Numbers:
       return std::vector<double>(key.defaultNumbers.begin(), key.defaultNumbers.end());
     case KeyKind::Rows:
+    case KeyKind::Entries:
       return json::array();
   }
   return nullptr;
@@ -235,6 +238,15 @@ class ConfigurationReader {
       }
       case KeyKind::Rows:
         return readRows(key, value);
+      case KeyKind::Entries:
+        if (value.is_array()) {
+          std::vector<std::string> entries;
+          for (const json& entry : value) {
+            entries.push_back(entry.dump());
+          }
+          return entries;
+        }
+        break;
     }
     addWrongType(key, path, expectedText(key), value);
     return std::nullopt;
@@ -251,6 +263,8 @@ class ConfigurationReader {
         return std::vector<double>(key.defaultNumbers.begin(), key.defaultNumbers.end());
       case KeyKind::Rows:
         return ConfigurationRows{};
+      case KeyKind::Entries:
+        return std::vector<std::string>{};
       case KeyKind::Number:
       case KeyKind::Integer:
         break;
@@ -313,10 +327,16 @@ json keySchema(const ConfigurationKey& key) {
     case KeyKind::Rows:
       schema = {{"type", "array"}, {"items", listSchema(key)}};
       break;
+    case KeyKind::Entries:
+      schema = {
+          {"type", "array"},
+          {"items", {{"type", "object"}, {"required", {"type"}}, {"properties", {{"type", {{"type", "string"}}}}}}}};
+      break;
   }
   schema["description"] = std::string(key.description) + ".";
   schema["default"] = defaultJson(key);
-  if (key.kind != KeyKind::Boolean && key.kind != KeyKind::Choice && key.kind != KeyKind::Text) {
+  if (key.kind != KeyKind::Boolean && key.kind != KeyKind::Choice && key.kind != KeyKind::Text &&
+      key.kind != KeyKind::Entries) {
     schema["unit"] = std::string(key.unit);
   }
   return schema;
@@ -347,6 +367,9 @@ const std::vector<double>& Configuration::numbers(std::string_view key) const {
 }
 const ConfigurationRows& Configuration::rows(std::string_view key) const {
   return std::get<ConfigurationRows>(find(values_, key));
+}
+const std::vector<std::string>& Configuration::entries(std::string_view key) const {
+  return std::get<std::vector<std::string>>(find(values_, key));
 }
 bool Configuration::isGiven(std::string_view key) const {
   return std::find(givenKeys_.begin(), givenKeys_.end(), key) != givenKeys_.end();

@@ -22,6 +22,7 @@ enum class KeyKind : std::uint8_t {
   Text,     // any text
   Numbers,  // a list of numbers
   Rows,     // a list of lists of numbers
+  Entries,  // a list of environments, each an object; kept as JSON text
 };
 
 /// One key of a process's configuration. Tables of these give the reader, the JSON Schema and the documentation.
@@ -44,7 +45,8 @@ struct ConfigurationKey {
 
 using ConfigurationRows = std::vector<std::vector<double>>;
 /// Number and Integer are doubles.
-using ConfigurationValue = std::variant<double, bool, std::string, std::vector<double>, ConfigurationRows>;
+using ConfigurationValue =
+    std::variant<double, bool, std::string, std::vector<double>, ConfigurationRows, std::vector<std::string>>;
 using ConfigurationValues = std::map<std::string, ConfigurationValue, std::less<>>;
 
 /// A checked configuration: every key of the table has a value of its kind and range, given or by default.
@@ -59,6 +61,7 @@ class Configuration {
   [[nodiscard]] const std::string& text(std::string_view key) const;
   [[nodiscard]] const std::vector<double>& numbers(std::string_view key) const;
   [[nodiscard]] const ConfigurationRows& rows(std::string_view key) const;
+  [[nodiscard]] const std::vector<std::string>& entries(std::string_view key) const;
   /// The key was written by the user, not filled by default.
   [[nodiscard]] bool isGiven(std::string_view key) const;
 
@@ -83,7 +86,7 @@ struct ConfigurationError {
 [[nodiscard]] std::string writeSchema(std::string_view process, std::string_view summary,
                                       std::span<const ConfigurationKey> keys);
 
-/// The JSON text of the given values. readConfiguration reads it back exactly.
+/// The JSON text of the given values, which must not be Entries. readConfiguration reads it back exactly.
 [[nodiscard]] std::string writeConfiguration(const ConfigurationValues& values);
 
 }  // namespace espalier::environment

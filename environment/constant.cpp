@@ -54,14 +54,13 @@ class Constant final : public turtle::EnvironmentProcess {
 
 }  // namespace
 
-constinit const ProcessEntry kConstantProcess{
-    .name = "constant",
-    .summary = kSummary,
-    .aliases = {},
-    .keys = kKeys,
-    .fieldKeywords = {},
-    .make = [](const Configuration& configuration) -> std::unique_ptr<turtle::EnvironmentProcess> {
-      return std::make_unique<Constant>(configuration.numbers("values"));
-    }};
+constinit const ProcessEntry kConstantProcess{.name = "constant",
+                                              .summary = kSummary,
+                                              .aliases = {},
+                                              .keys = kKeys,
+                                              .fieldKeywords = {},
+                                              .make = [](const Configuration& configuration) -> ProcessOrErrors {
+                                                return std::make_unique<Constant>(configuration.numbers("values"));
+                                              }};
 
 }  // namespace espalier::environment

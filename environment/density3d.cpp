@@ -195,14 +195,14 @@ Box boxOf(const Configuration& configuration) {
 
 }  // namespace
 
-constinit const ProcessEntry kDensity3dProcess{
-    .name = "density3d",
-    .summary = kSummary,
-    .aliases = {},
-    .keys = kKeys,
-    .fieldKeywords = kFieldKeywords,
-    .make = [](const Configuration& configuration) -> std::unique_ptr<turtle::EnvironmentProcess> {
-      return std::make_unique<Density3d>(boxOf(configuration), configuration.text("order") == "published");
-    }};
+constinit const ProcessEntry kDensity3dProcess{.name = "density3d",
+                                               .summary = kSummary,
+                                               .aliases = {},
+                                               .keys = kKeys,
+                                               .fieldKeywords = kFieldKeywords,
+                                               .make = [](const Configuration& configuration) -> ProcessOrErrors {
+                                                 return std::make_unique<Density3d>(
+                                                     boxOf(configuration), configuration.text("order") == "published");
+                                               }};
 
 }  // namespace espalier::environment

@@ -133,15 +133,15 @@ class Ecosystem final : public turtle::EnvironmentProcess {
 
 }  // namespace
 
-constinit const ProcessEntry kEcosystemProcess{
-    .name = "ecosystem",
-    .summary = kSummary,
-    .aliases = {},
-    .keys = kKeys,
-    .fieldKeywords = kFieldKeywords,
-    .make = [](const Configuration& configuration) -> std::unique_ptr<turtle::EnvironmentProcess> {
-      return std::make_unique<Ecosystem>(configuration.flag("vigor"), planeOf(configuration),
-                                         configuration.text("order") == "published");
-    }};
+constinit const ProcessEntry kEcosystemProcess{.name = "ecosystem",
+                                               .summary = kSummary,
+                                               .aliases = {},
+                                               .keys = kKeys,
+                                               .fieldKeywords = kFieldKeywords,
+                                               .make = [](const Configuration& configuration) -> ProcessOrErrors {
+                                                 return std::make_unique<Ecosystem>(
+                                                     configuration.flag("vigor"), planeOf(configuration),
+                                                     configuration.text("order") == "published");
+                                               }};
 
 }  // namespace espalier::environment

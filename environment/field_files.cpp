@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "environment/field_text.h"
+#include "environment/multiple.h"
 #include "environment/process_entry.h"
 #include "environment/registry.h"
 #include "environment/text_exchange.h"
@@ -14,6 +15,8 @@ namespace {
 using core::Diagnostic;
 using core::Severity;
 using core::SourceLocation;
+
+constexpr std::string_view kFieldFileKeyword = "field communication file";
 
 /// What an `.e` file says.
 struct FieldFile {
@@ -249,10 +252,66 @@ void makeCompatible(const ProcessEntry& process, ConfigurationValues& values) {
   }
 }
 
-}  // namespace
+/// Makes the process of one `.e` file; `isField`: it is a field of `multiple`.
+ProcessOrErrors makeFromFile(const std::string& file, core::FileProvider& files, core::Compatibility compatibility,
+                             bool isField, std::vector<Diagnostic>& warnings);
 
-ProcessOrErrors makeFromFieldFile(const std::string& file, core::FileProvider& files, core::Compatibility compatibility,
-                                  std::vector<Diagnostic>& warnings) {
+/// The fields that the specification of `multiple` names, in order.
+ProcessOrErrors makeFields(const std::string& file, std::string_view text, core::FileProvider& files,
+                           core::Compatibility compatibility, std::vector<Diagnostic>& warnings) {
+  std::vector<std::unique_ptr<turtle::EnvironmentProcess>> fields;
+  std::vector<Diagnostic> errors;
+  for (const FieldLine& line : readFieldLines(file, text, FieldSyntax::Specification, warnings)) {
+    if (line.keyword != kFieldFileKeyword) {
+      warnings.push_back({Severity::Warning, "unknown keyword '" + line.keyword + "' of 'multiple' is ignored",
+                          line.location, core::suggestName(line.keyword, {kFieldFileKeyword})});
+      continue;
+    }
+    auto field = makeFromFile(besideFile(file, line.value), files, compatibility, true, warnings);
+    if (auto* wrong = std::get_if<std::vector<Diagnostic>>(&field)) {
+      for (Diagnostic& error : *wrong) {
+        if (error.location.file.empty()) {
+          error.location = valueLocation(line);
+        }
+        errors.push_back(std::move(error));
+      }
+    } else {
+      fields.push_back(std::get<std::unique_ptr<turtle::EnvironmentProcess>>(std::move(field)));
+    }
+  }
+  if (fields.empty() && errors.empty()) {
+    SourceLocation location;
+    location.file = file;
+    location.line = 1;
+    location.column = 1;
+    errors.push_back({Severity::Error, "the specification of 'multiple' names no field", location,
+                      "expected lines like 'field communication file: light.e'"});
+  }
+  if (!errors.empty()) {
+    return errors;
+  }
+  return makeMultiple(std::move(fields), compatibility != core::Compatibility::Espalier);
+}
+
+/// Checks a specification like any configuration; errors point at its lines.
+ProcessOrErrors makeFromSpecification(const ProcessEntry& process, const Specification& specification,
+                                      const SourceLocation& executable, std::vector<Diagnostic> errors) {
+  auto configuration = readConfiguration(process.name, process.keys, writeConfiguration(specification.values));
+  if (auto* wrong = std::get_if<std::vector<ConfigurationError>>(&configuration)) {
+    for (ConfigurationError& error : *wrong) {
+      const auto location = specification.locations.find(error.key);
+      error.diagnostic.location = location == specification.locations.end() ? executable : location->second;
+      errors.push_back(std::move(error.diagnostic));
+    }
+  }
+  if (!errors.empty()) {
+    return errors;
+  }
+  return process.make(std::get<Configuration>(configuration));
+}
+
+ProcessOrErrors makeFromFile(const std::string& file, core::FileProvider& files, core::Compatibility compatibility,
+                             bool isField, std::vector<Diagnostic>& warnings) {
   const auto text = files.read(file);
   if (!text) {
     Diagnostic diagnostic;
@@ -271,37 +330,47 @@ ProcessOrErrors makeFromFieldFile(const std::string& file, core::FileProvider& f
     diagnostic.location = field.executable;
     return std::vector<Diagnostic>{diagnostic};
   }
+  const bool isMultiple = process == &kMultipleProcess;
+  if (isMultiple && isField) {
+    return std::vector<Diagnostic>{{Severity::Error, "a field of 'multiple' cannot be 'multiple' itself",
+                                    field.executable, "name its fields in the first specification"}};
+  }
 
   // the specification
-  Specification specification;
+  std::string name;
+  std::string content;
   if (!field.specification.empty()) {
-    const std::string name = besideFile(file, field.specification);
-    const auto content = files.read(name);
-    if (!content) {
+    name = besideFile(file, field.specification);
+    const auto read = files.read(name);
+    if (!read) {
       return std::vector<Diagnostic>{{Severity::Error, "cannot read the specification file '" + name + "'",
                                       field.executable, "it is looked for beside the environment file"}};
     }
-    specification = SpecificationReader(*process, warnings, errors).read(name, *content);
+    content = *read;
   }
   const bool isCompatible = compatibility != core::Compatibility::Espalier;
-  if (isCompatible) {
-    makeCompatible(*process, specification.values);
-  }
-
-  // the same checks as for any configuration; errors point at the line of the specification
-  auto configuration = readConfiguration(process->name, process->keys, writeConfiguration(specification.values));
-  if (auto* wrong = std::get_if<std::vector<ConfigurationError>>(&configuration)) {
-    for (ConfigurationError& error : *wrong) {
-      const auto location = specification.locations.find(error.key);
-      error.diagnostic.location = location == specification.locations.end() ? field.executable : location->second;
-      errors.push_back(std::move(error.diagnostic));
+  ProcessOrErrors made;
+  if (isMultiple) {
+    made = makeFields(name.empty() ? file : name, content, files, compatibility, warnings);
+  } else {
+    Specification specification = SpecificationReader(*process, warnings, errors).read(name, content);
+    if (isCompatible) {
+      makeCompatible(*process, specification.values);
     }
+    made = makeFromSpecification(*process, specification, field.executable, std::move(errors));
   }
-  if (!errors.empty()) {
-    return errors;
+  auto* inside = std::get_if<std::unique_ptr<turtle::EnvironmentProcess>>(&made);
+  if (inside != nullptr && isCompatible) {
+    return makeTextExchange(std::move(*inside), field.formats);
   }
-  auto made = process->make(std::get<Configuration>(configuration));
-  return isCompatible ? makeTextExchange(std::move(made), field.formats) : std::move(made);
+  return made;
+}
+
+}  // namespace
+
+ProcessOrErrors makeFromFieldFile(const std::string& file, core::FileProvider& files, core::Compatibility compatibility,
+                                  std::vector<Diagnostic>& warnings) {
+  return makeFromFile(file, files, compatibility, false, warnings);
 }
 
 }  // namespace espalier::environment

@@ -54,8 +54,6 @@ constinit const ProcessEntry kHeightProcess{
     .aliases = {},
     .keys = {},
     .fieldKeywords = {},
-    .make = [](const Configuration&) -> std::unique_ptr<turtle::EnvironmentProcess> {
-      return std::make_unique<Height>();
-    }};
+    .make = [](const Configuration&) -> ProcessOrErrors { return std::make_unique<Height>(); }};
 
 }  // namespace espalier::environment

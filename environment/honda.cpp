@@ -188,14 +188,14 @@ class Honda final : public turtle::EnvironmentProcess {
 
 }  // namespace
 
-constinit const ProcessEntry kHondaProcess{
-    .name = "honda",
-    .summary = kSummary,
-    .aliases = kAliases,
-    .keys = kKeys,
-    .fieldKeywords = kFieldKeywords,
-    .make = [](const Configuration& configuration) -> std::unique_ptr<turtle::EnvironmentProcess> {
-      return std::make_unique<Honda>(configuration.number("radius"), planeOf(configuration));
-    }};
+constinit const ProcessEntry kHondaProcess{.name = "honda",
+                                           .summary = kSummary,
+                                           .aliases = kAliases,
+                                           .keys = kKeys,
+                                           .fieldKeywords = kFieldKeywords,
+                                           .make = [](const Configuration& configuration) -> ProcessOrErrors {
+                                             return std::make_unique<Honda>(configuration.number("radius"),
+                                                                            planeOf(configuration));
+                                           }};
 
 }  // namespace espalier::environment

@@ -1,12 +1,11 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <span>
 #include <string_view>
 
-#include "engine/turtle/environment_process.h"
 #include "environment/configuration.h"
+#include "environment/registry.h"
 
 namespace espalier::environment {
 
@@ -34,7 +33,7 @@ struct ProcessEntry {
   std::span<const std::string_view> aliases;
   std::span<const ConfigurationKey> keys;
   std::span<const FieldKeyword> fieldKeywords;
-  std::unique_ptr<turtle::EnvironmentProcess> (*make)(const Configuration& configuration);
+  ProcessOrErrors (*make)(const Configuration& configuration);
 };
 
 /// The entry of a name or alias; null when unknown.

@@ -9,6 +9,7 @@
 #include "environment/ecosystem.h"
 #include "environment/height.h"
 #include "environment/honda.h"
+#include "environment/multiple.h"
 #include "environment/process_entry.h"
 #include "environment/shadow.h"
 
@@ -17,8 +18,8 @@ namespace espalier::environment {
 namespace {
 
 // sorted by name
-constexpr std::array kProcesses{&kConstantProcess, &kDensity3dProcess, &kEcosystemProcess,
-                                &kHeightProcess,   &kHondaProcess,     &kShadowProcess};
+constexpr std::array kProcesses{&kConstantProcess, &kDensity3dProcess, &kEcosystemProcess, &kHeightProcess,
+                                &kHondaProcess,    &kMultipleProcess,  &kShadowProcess};
 
 }  // namespace
 

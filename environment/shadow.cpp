@@ -314,7 +314,7 @@ constinit const ProcessEntry kShadowProcess{
     .aliases = kAliases,
     .keys = kKeys,
     .fieldKeywords = kFieldKeywords,
-    .make = [](const Configuration& c) -> std::unique_ptr<turtle::EnvironmentProcess> {
+    .make = [](const Configuration& c) -> ProcessOrErrors {
       return std::make_unique<Shadow>(ShadowParameters{.gridSize = c.integer("gridSize"),
                                                        .gridSpan = c.number("gridSpan"),
                                                        .spread = c.number("shadowSpread"),

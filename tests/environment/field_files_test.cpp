@@ -168,5 +168,43 @@ TEST(FieldFiles, TheShadowPyramidReadsItsKeywords) {
   EXPECT_EQ(firstValues(answersOf(*loaded.process, builder.batch())), (std::vector<double>{0.5}));
 }
 
+TEST(FieldFiles, MultipleReadsTheFilesOfItsFieldsInOrder) {
+  const std::string box = "range: 10 10 10\nposition: -5 -5 -5\ngrid size: 10 10 10\n";
+  const std::map<std::string, std::string> contents{
+      {"m/model.e", "executable: multiple -e model.e model.spec\nturtle position: %.4f %.4f %.4f\n"},
+      {"m/model.spec", "field communication file: honda.e\nfield communication file: sub/voxel.e\n"},
+      {"m/honda.e", "executable: honda81 -e honda.e honda.spec\nturtle position: %.4f %.4f %.4f\n"},
+      {"m/honda.spec", "radius: 1\n3d case: on\n"},
+      {"m/sub/voxel.e", "executable: density3d -e voxel.e voxel.spec\nturtle position: %.4f %.4f %.4f\n"},
+      {"m/sub/voxel.spec", box}};
+  const Loaded loaded = load(contents);
+  EXPECT_EQ(loaded.errors, "");
+  EXPECT_EQ(loaded.warnings, "");
+  QueryBuilder builder;
+  builder.add({0, 0, 0}, {1, 1}).add({0, 0, 0}, {2, 3}).add({0.2, 0, 0}, {1, 2}).add({0.2, 0, 0}, {2, 4});
+  const ReplyTable table = answersOf(*loaded.process, builder.batch());
+  EXPECT_EQ(table[0][1], 0.0);
+  EXPECT_EQ(table[1][1], 3.0);  // string order, as the published programs
+  EXPECT_EQ(table[2][1], 1.0);
+  EXPECT_EQ(table[3][1], 7.0);
+}
+
+TEST(FieldFiles, ErrorsOfMultipleAreLocated) {
+  const auto firstLine = [](const std::map<std::string, std::string>& contents) {
+    const std::string text = load(contents).errors;
+    return text.substr(0, text.find('\n'));
+  };
+  const std::string executable = "executable: multiple -e model.e model.spec\n";
+  EXPECT_EQ(firstLine({{"m/model.e", executable}, {"m/model.spec", "\n"}}),
+            "m/model.spec:1:1: error: the specification of 'multiple' names no field");
+  EXPECT_EQ(firstLine({{"m/model.e", executable}, {"m/model.spec", "field communication file: x.e\n"}}),
+            "m/model.spec:1:27: error: cannot read the environment file 'm/x.e'");
+  EXPECT_EQ(firstLine({{"m/model.e", executable}, {"m/model.spec", "field communication file: model.e\n"}}),
+            "m/model.e:1:13: error: a field of 'multiple' cannot be 'multiple' itself");
+  const Loaded loaded = load({{"m/model.e", executable}, {"m/model.spec", "fields: model.e\n"}});
+  EXPECT_EQ(loaded.warnings.substr(0, loaded.warnings.find('\n')),
+            "m/model.spec:1:1: warning: unknown keyword 'fields' of 'multiple' is ignored");
+}
+
 }  // namespace
 }  // namespace espalier::environment

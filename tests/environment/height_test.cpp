@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include "engine/language/compiler.h"
+#include "engine/simulation/simulation.h"
 #include "query_builder.h"
 
 namespace espalier::environment {
@@ -50,6 +52,30 @@ TEST(Height, UnitIsTheWorldsLengthUnit) {
   turtle::EnvironmentContext context;
   context.world.lengthUnit = "cm";
   EXPECT_EQ(openProcess("height", "", context)->describe().outputs[0].unit, "cm");
+}
+
+TEST(Height, TheLecturesModelDerivesThePrintedStrings) {
+  core::MemoryFileProvider files;
+  files.add("height.l",
+            "Lsystem: 1\nderivation length: 3\nAxiom: F(0,0)A?E(0)\n"
+            "F(x,z) < A > ?E(h) : h < 2 --> F(x,z+1)A\nF(x,z) < A > ?E(h) : h >= 2 --> *\n"
+            "homomorphism\nF(x,y) --> @M(x,y)\nendlsystem\n");
+  language::CompileInput input;
+  input.modelFile = "height.l";
+  const auto compiled = language::compile(input, files);
+  ASSERT_NE(compiled.program, nullptr);
+  auto made = makeProcess("height", "");
+  simulation::Simulation simulation(compiled.program, {turtle::PlantPlacement{}},
+                                    std::move(std::get<std::unique_ptr<turtle::EnvironmentProcess>>(made)),
+                                    simulation::SimulationOptions{});
+  ASSERT_FALSE(simulation.rewind());
+  std::vector<std::string> strings{simulation.stringText()};
+  while (!simulation.isFinished()) {
+    ASSERT_FALSE(simulation.step());
+    strings.push_back(simulation.stringText());
+  }
+  EXPECT_EQ(strings, (std::vector<std::string>{"F(0,0)A?E(0)", "F(0,0)F(0,1)A?E(0)", "F(0,0)F(0,1)F(0,2)A?E(1)",
+                                               "F(0,0)F(0,1)F(0,2)?E(2)"}));
 }
 
 }  // namespace
