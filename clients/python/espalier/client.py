@@ -1,6 +1,6 @@
 """A controller and viewer of a running server.
 
-    with Client("127.0.0.1:4711") as client:
+    with Client("127.0.0.1:4321") as client:
         simulation = client.create(gallery="branch-tiers", seed=7)
         with simulation.stream() as stream:
             while not simulation.step().finished:
@@ -324,9 +324,9 @@ class Stream:
             raise EspalierError("The stream is closed.")
         frames = self._client._frames[self.identifier]
         while not frames:
+            if self.identifier in self._client._ended:
+                raise EspalierError(f"The stream has ended: {self._client._ended[self.identifier]}")
             self._client._receive(timeout, "stream.data")
-            if not frames and self.identifier in self._client._ended:
-                raise EspalierError(f"The stream has ended: {self._client._ended[self.identifier]}.")
         frame = frames.popleft()
         self._client.notify("stream.ack", {"stream": self.identifier, "sequence": frame.sequence})
         return frame

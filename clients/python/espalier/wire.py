@@ -76,7 +76,7 @@ def parse_address(address: str) -> "tuple[str, int]":
     text = address[len("tcp://"):] if address.startswith("tcp://") else address
     host, _, port = text.rpartition(":")
     if not port.isdigit() or int(port) > 65535:
-        raise ProtocolError(f"'{address}' is not an address. Expected HOST:PORT, as in 127.0.0.1:4711.")
+        raise ProtocolError(f"'{address}' is not an address. Expected HOST:PORT, as in 127.0.0.1:4321.")
     return host.strip("[]") or "127.0.0.1", int(port)
 
 

@@ -1,6 +1,6 @@
 """Light under a canopy: every bud and leaf that asks also shades what is below it (Beer-Lambert).
 
-    python3 clients/python/examples/canopy_light.py --offer 127.0.0.1:4711
+    python3 clients/python/examples/canopy_light.py --offer 127.0.0.1:4321
 
 A simulation uses it with "environment": [{"type": "offered", "name": "canopy"}].
 """

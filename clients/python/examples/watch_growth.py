@@ -1,7 +1,7 @@
 """Grows a gallery model on a running server and prints what the turtle stream says about every step.
 
-    espalier serve --listen 127.0.0.1:4711 --gallery clients/gallery &
-    python3 clients/python/examples/watch_growth.py 127.0.0.1:4711 growth-to-a-height height
+    espalier serve --listen 127.0.0.1:4321 --gallery clients/gallery &
+    python3 clients/python/examples/watch_growth.py 127.0.0.1:4321 growth-to-a-height height
 """
 
 from __future__ import annotations

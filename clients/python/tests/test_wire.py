@@ -1,0 +1,78 @@
+"""The codec: messages as lines."""
+
+import math
+import socket
+import unittest
+
+from espalier import wire
+from espalier.errors import ConnectionLost, ProtocolError
+
+
+class Codec(unittest.TestCase):
+    def test_numbers_keep_all_their_bits(self) -> None:
+        numbers = [0.1, 1 / 3, 1e-310, -0.0, 2.0**53, 5e-324, 1.7976931348623157e308]
+        read = wire.decode(wire.encode({"numbers": numbers}))["numbers"]
+        self.assertEqual([number.hex() for number in numbers], [float(number).hex() for number in read])
+
+    def test_a_message_is_one_line_of_utf8(self) -> None:
+        line = wire.encode({"name": "Bäume\nund Blätter"})
+        self.assertEqual(line.count(b"\n"), 1)
+        self.assertTrue(line.endswith(b"\n"))
+        self.assertEqual(wire.decode(line), {"name": "Bäume\nund Blätter"})
+
+    def test_numbers_that_are_not_finite_are_refused_both_ways(self) -> None:
+        for number in (math.nan, math.inf, -math.inf):
+            with self.assertRaisesRegex(ProtocolError, "not finite"):
+                wire.encode({"number": number})
+        for text in (b"NaN", b"Infinity", b"-Infinity"):
+            with self.assertRaisesRegex(ProtocolError, "not a finite number"):
+                wire.decode(b'{"number":' + text + b"}")
+
+    def test_anything_but_an_object_is_refused(self) -> None:
+        with self.assertRaisesRegex(ProtocolError, "found a list"):
+            wire.decode(b"[1]")
+        with self.assertRaisesRegex(ProtocolError, "Expected a JSON object on a line, found 'GET / HTTP/1.1'"):
+            wire.decode(b"GET / HTTP/1.1")
+
+    def test_addresses(self) -> None:
+        self.assertEqual(wire.parse_address("127.0.0.1:4321"), ("127.0.0.1", 4321))
+        self.assertEqual(wire.parse_address("tcp://[::1]:9"), ("::1", 9))
+        self.assertEqual(wire.parse_address("4321"), ("127.0.0.1", 4321))
+        for wrong in ("localhost", "host:", "host:70000", ""):
+            with self.assertRaisesRegex(ProtocolError, "Expected HOST:PORT"):
+                wire.parse_address(wrong)
+
+
+class Sockets(unittest.TestCase):
+    def setUp(self) -> None:
+        near, self.far = socket.socketpair()
+        self.channel = wire.SocketChannel(near, "peer")
+        self.addCleanup(self.far.close)
+        self.addCleanup(self.channel.close)
+
+    def test_lines_arrive_in_whatever_pieces(self) -> None:
+        self.far.sendall(b'{"a":1}\n{"b"')
+        self.assertEqual(self.channel.receive(5), {"a": 1})
+        self.far.sendall(b":2}\n")
+        self.assertEqual(self.channel.receive(5), {"b": 2})
+
+    def test_the_end_of_the_stream_is_nothing(self) -> None:
+        self.far.close()
+        self.assertIsNone(self.channel.receive(5))
+
+    def test_waiting_ends_in_a_timeout_and_loses_nothing(self) -> None:
+        self.far.sendall(b'{"a"')
+        with self.assertRaises(TimeoutError):
+            self.channel.receive(0.01)
+        self.far.sendall(b":1}\n")
+        self.assertEqual(self.channel.receive(5), {"a": 1})
+
+    def test_nobody_there_says_how_to_start_a_server(self) -> None:
+        with socket.create_server(("127.0.0.1", 0)) as listener:
+            port = listener.getsockname()[1]
+        with self.assertRaisesRegex(ConnectionLost, f"Nothing answers at 127.0.0.1:{port} .*espalier serve --listen"):
+            wire.SocketChannel.connect("127.0.0.1", port, 5)
+
+
+if __name__ == "__main__":
+    unittest.main()
