@@ -1,0 +1,52 @@
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include "tests/fuzz/bundle.h"
+#include "tests/fuzz/targets.h"
+
+namespace espalier::fuzz {
+namespace {
+
+std::string contentOf(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+// a finding ends the test program or throws
+TEST(FuzzRegressions, EveryFormerFindingIsAnsweredNow) {
+  for (const NamedTarget& target : kTargets) {
+    const std::filesystem::path folder =
+        std::filesystem::path(ESPALIER_SOURCE_DIR) / "tests/fuzz/regressions" / target.name;
+    if (!std::filesystem::exists(folder)) {
+      continue;
+    }
+    for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+      SCOPED_TRACE(entry.path().string());
+      EXPECT_NO_THROW(target.run(contentOf(entry.path())));
+    }
+  }
+}
+
+TEST(FuzzRegressions, TargetsAcceptTextsWithoutMeaning) {
+  for (const NamedTarget& target : kTargets) {
+    SCOPED_TRACE(std::string(target.name));
+    for (const std::string& text : {std::string(), std::string("\0\xff(", 3), std::string(2000, '('), std::string("Lsystem: 1")}) {
+      EXPECT_NO_THROW(target.run(text));
+    }
+  }
+}
+
+TEST(Bundle, SplitsATextIntoItsFiles) {
+  core::MemoryFileProvider files = unbundle("main\n" + bundleHead("a.h") + "one\n" + bundleHead("b") + "two", "model.l");
+  EXPECT_EQ(files.read("model.l"), "main\n");
+  EXPECT_EQ(files.read("a.h"), "one\n");
+  EXPECT_EQ(files.read("b"), "two");
+  EXPECT_EQ(unbundle("", "model.l").read("model.l"), "");
+}
+
+}  // namespace
+}  // namespace espalier::fuzz
