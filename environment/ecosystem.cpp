@@ -112,9 +112,9 @@ class Ecosystem final : public turtle::EnvironmentProcess {
 
     // the dominated ones; with vigor they leave the contest
     DiscTree tree(discs);
-    const bool isStringOrder = !hasVigor_ || isPublishedOrder_;
     for (std::size_t k = 0; k < contest.size(); ++k) {
-      const std::size_t member = isStringOrder ? k : strongestFirst[k];
+      // without vigor nobody leaves and any order will do
+      const std::size_t member = !hasVigor_ ? tree.order()[k] : isPublishedOrder_ ? k : strongestFirst[k];
       const bool isDominated = tree.isOverlapped(member, discs[member].rank + (hasVigor_ ? 1U : 0U));
       if (isDominated && hasVigor_) {
         tree.remove(member);

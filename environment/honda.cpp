@@ -87,9 +87,16 @@ class Honda final : public turtle::EnvironmentProcess {
     const double diagonal = plane_ == Plane::Space ? 1.73205080756887719 : 1.41421356237309515;
     SpatialCells cells(positions_, radius_ / diagonal * (1.0 - 1e-9));
     sortMembers(cells);
+    CellSweep sweep(cells, {plane_ == Plane::Yz ? 0 : 2, plane_ == Plane::Xz ? 0 : 2, plane_ == Plane::Xy ? 0 : 2});
     for (std::size_t cell = 0; cell < cells.cellCount(); ++cell) {
       for (const std::uint32_t tip : cells.pointsIn(cell)) {
-        answer(queries, replies, tip, isBlocked(cells, cell, tip));
+        bool isBlocked = isBlockedBy(cells.pointsIn(cell), tip);
+        if (!isBlocked) {
+          sweep.moveTo(cell);
+          isBlocked =
+              sweep.anyNeighbour([&](std::size_t neighbour) { return isBlockedBy(cells.pointsIn(neighbour), tip); });
+        }
+        answer(queries, replies, tip, isBlocked);
       }
     }
   }
@@ -143,25 +150,6 @@ class Honda final : public turtle::EnvironmentProcess {
       return a.x < b.x;
     }
     return a.y != b.y ? a.y < b.y : a.z < b.z;
-  }
-
-  [[nodiscard]] bool isBlocked(const SpatialCells& cells, std::size_t ownCell, std::uint32_t tip) const {
-    if (isBlockedBy(cells.pointsIn(ownCell), tip)) {
-      return true;
-    }
-    const CellIndex centre = cells.cell(ownCell);
-    const std::int64_t reachY = plane_ != Plane::Xz ? 2 : 0;
-    for (std::int64_t dx = -2; dx <= 2; ++dx) {
-      for (std::int64_t dy = -reachY; dy <= reachY; ++dy) {
-        for (std::int64_t dz = -2; dz <= 2; ++dz) {
-          const std::size_t neighbour = cells.find({centre.x + dx, centre.y + dy, centre.z + dz});
-          if (neighbour != SpatialCells::kNone && neighbour != ownCell && isBlockedBy(cells.pointsIn(neighbour), tip)) {
-            return true;
-          }
-        }
-      }
-    }
-    return false;
   }
 
   [[nodiscard]] bool isBlockedBy(std::span<const std::uint32_t> members, std::uint32_t tip) const {

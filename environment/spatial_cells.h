@@ -1,5 +1,6 @@
 #pragma once
 
+#include <compare>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -8,28 +9,26 @@
 
 namespace espalier::environment {
 
-/// A cube of space with integer coordinates.
+/// A cube of space with integer coordinates; ordered by x, then y, then z.
 struct CellIndex {
   std::int64_t x = 0;
   std::int64_t y = 0;
   std::int64_t z = 0;
 
-  constexpr bool operator==(const CellIndex&) const = default;
+  constexpr auto operator<=>(const CellIndex&) const = default;
 };
 
-/// Points sorted into cubic cells of one size, found by a hash of the cell's integer coordinates, so that the extent of
-/// the points costs nothing. Building is O(points); a look-up is O(1).
+/// Points sorted into cubic cells of one size. Only occupied cells exist, so the extent of the points costs nothing.
+/// Building is O(n log n).
 class SpatialCells {
  public:
   /// `cellSize` > 0. Coordinates beyond 2^61 cells share the outermost cells.
   SpatialCells(std::span<const core::Vec3> points, double cellSize);
 
   [[nodiscard]] CellIndex cellOf(const core::Vec3& point) const;
-  /// Numbers of the occupied cells are 0..cellCount()-1 in the order of their first point.
+  /// Occupied cells are numbered 0..cellCount()-1 in ascending order.
   [[nodiscard]] std::size_t cellCount() const { return cells_.size(); }
   [[nodiscard]] const CellIndex& cell(std::size_t number) const { return cells_[number]; }
-  /// The number of an occupied cell, or kNone.
-  [[nodiscard]] std::size_t find(const CellIndex& cell) const;
   /// Indices of the points in a cell, ascending unless reordered through members().
   [[nodiscard]] std::span<const std::uint32_t> pointsIn(std::size_t number) const {
     return {members_.data() + begins_[number], begins_[number + 1] - begins_[number]};
@@ -38,16 +37,48 @@ class SpatialCells {
     return {members_.data() + begins_[number], begins_[number + 1] - begins_[number]};
   }
 
-  static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
-
  private:
-  [[nodiscard]] std::size_t slotOf(const CellIndex& cell) const;
-
   double cellSize_;
-  std::vector<std::uint32_t> slots_;    // cell number + 1 by hash slot, 0: free (power of two, at most half full)
-  std::vector<CellIndex> cells_;        // (cellCount)
+  std::vector<CellIndex> cells_;        // ascending (cellCount)
   std::vector<std::size_t> begins_;     // first entry of members_ by cell (cellCount + 1)
   std::vector<std::uint32_t> members_;  // point indices, grouped by cell (points)
+};
+
+/// Finds the occupied neighbours of cell after cell, in ascending order: every row of neighbours (the same x and y) has
+/// a pointer that only moves forward, so a whole pass is O(rows * cells) and reads memory in order.
+class CellSweep {
+ public:
+  /// Neighbours are the cells at most `reach` away in each coordinate. `cells` must outlive the sweep.
+  CellSweep(const SpatialCells& cells, const CellIndex& reach);
+
+  /// Goes to a cell; its number must not be smaller than the one before.
+  void moveTo(std::size_t number);
+  /// Whether `test(neighbour)` holds for a neighbour of the current cell, the cell itself left out.
+  template <typename Test>
+  [[nodiscard]] bool anyNeighbour(const Test& test) const {
+    const CellIndex& centre = cells_->cell(current_);
+    for (const Row& row : rows_) {
+      const CellIndex last{centre.x + row.x, centre.y + row.y, centre.z + reachZ_};
+      for (std::size_t number = row.next; number < cells_->cellCount() && cells_->cell(number) <= last; ++number) {
+        if (number != current_ && test(number)) {
+          return true;
+        }
+      }
+    }
+    return false;
+  }
+
+ private:
+  struct Row {
+    std::int64_t x;  // offset from the current cell
+    std::int64_t y;
+    std::size_t next;  // the first occupied cell not before the row's beginning
+  };
+
+  const SpatialCells* cells_;
+  std::int64_t reachZ_;
+  std::vector<Row> rows_;  // nearest first
+  std::size_t current_ = 0;
 };
 
 }  // namespace espalier::environment
