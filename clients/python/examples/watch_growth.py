@@ -16,12 +16,11 @@ def main(address: str, model: str, process: str) -> int:
         with Client(address, name="watch_growth") as client:
             simulation = client.create(gallery=model, environment=[{"type": process}])
             with simulation.stream("turtle") as stream:
-                is_finished = False
-                while not is_finished:
-                    frame = stream.read()
+                for frame in stream:
                     tallest = max((record.position[1] for record in frame.records), default=0.0)
                     print(f"step {frame.step}: {len(frame.records)} modules, height {tallest:g}")
-                    is_finished = frame.finished or simulation.step().finished
+                    if not frame.finished:
+                        simulation.step()
             print(simulation.string())
             simulation.delete()
     except EspalierError as error:

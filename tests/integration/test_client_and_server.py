@@ -1,0 +1,95 @@
+"""The Python client against the real server: models, streams, snapshots, errors."""
+
+import tempfile
+import unittest
+from pathlib import Path
+
+from support import GALLERY, espalier, program, strings
+
+from espalier import Server, ServerError
+
+
+class ClientAndServer(unittest.TestCase):
+    def setUp(self) -> None:
+        server = Server(program(), arguments=["--gallery", str(GALLERY), "--log-level", "off"])
+        self.addCleanup(server.stop)
+        self.client = server.connect(timeout=60)
+        self.addCleanup(self.client.close)
+        self.server = server
+
+    def test_checks_and_loads_models(self) -> None:
+        wrong = self.client.check("Lsystem: 1\nAxiom: A\nA --> B(\nendlsystem\n")
+        self.assertFalse(wrong.valid)
+        self.assertTrue(wrong.diagnostics)
+        right = self.client.load(gallery="classic-algae")
+        self.assertTrue(right.valid)
+        simulation = self.client.create(loaded=right.model)
+        simulation.step(8)
+        self.assertEqual(simulation.string(), strings("classic-algae")[-1])
+
+    def test_a_model_with_errors_is_refused_with_all_of_them(self) -> None:
+        with self.assertRaises(ServerError) as caught:
+            self.client.create("Lsystem: 1\nAxiom: A\nA --> B(\nendlsystem\n")
+        self.assertEqual(caught.exception.code, 1009)
+        self.assertTrue(caught.exception.diagnostics)
+
+    def test_a_gallery_model_brings_its_own_environment(self) -> None:
+        simulation = self.client.create(gallery="branch-tiers")
+        self.assertTrue(simulation.step(8).finished)
+        self.assertEqual(simulation.string(), strings("branch-tiers")[-1])
+
+    def test_streams_a_frame_for_every_step(self) -> None:
+        simulation = self.client.create(gallery="growth-to-a-height", environment=[{"type": "height"}])
+        seen = []
+        with self.server.connect(timeout=60) as viewer:
+            with viewer.simulation(simulation.identifier).stream("turtle") as stream:
+                seen.append(stream.read(60))
+                for made in simulation.steps():
+                    seen.append(stream.read(60))
+                    self.assertEqual(seen[-1].step, made.step)
+        self.assertEqual([frame.step for frame in seen], [0, 1, 2, 3])
+        self.assertTrue(seen[-1].finished)
+        self.assertEqual(max(record.position[1] for record in seen[-1].records), 2.0)
+        self.assertEqual(sum(frame.missed for frame in seen), 0)
+
+    def test_a_snapshot_continues_as_if_nothing_had_happened(self) -> None:
+        simulation = self.client.create(gallery="branch-tiers", environment=[{"type": "honda", "radius": 0.5}])
+        simulation.step(3)
+        snapshot = simulation.save()
+        simulation.step(5)
+        last = simulation.string()
+        self.assertEqual(last, strings("branch-tiers")[-1])
+        simulation.restore(snapshot)
+        self.assertEqual(simulation.get("information")["information"]["step"], 3)
+        simulation.step(5)
+        self.assertEqual(simulation.string(), last)
+
+    def test_the_program_draws_a_snapshot_of_the_server(self) -> None:
+        simulation = self.client.create(gallery="classic-weed")
+        simulation.step(4)
+        with tempfile.TemporaryDirectory() as folder:
+            snapshot, picture = Path(folder) / "weed.snapshot", Path(folder) / "weed.svg"
+            simulation.save_to(snapshot)
+            espalier("run", "--resume", str(snapshot), "-o", str(picture), "--quiet")
+            self.assertIn("<svg", picture.read_text(encoding="utf-8"))
+
+    def test_a_deleted_simulation_is_gone(self) -> None:
+        simulation = self.client.create(gallery="classic-algae")
+        self.assertEqual([item["simulation"] for item in self.client.simulations()], [simulation.identifier])
+        simulation.reset()
+        simulation.delete()
+        self.assertEqual(self.client.simulations(), [])
+        with self.assertRaises(ServerError) as caught:
+            simulation.step()
+        self.assertEqual(caught.exception.code, 1011)
+
+    def test_says_what_it_has(self) -> None:
+        self.assertIn("honda", [process["name"] for process in self.client.environments()])
+        self.assertIn("server", self.client.status())
+
+    def test_the_server_ends_cleanly(self) -> None:
+        self.assertEqual(self.server.stop(), 0)
+
+
+if __name__ == "__main__":
+    unittest.main()
