@@ -204,7 +204,9 @@ void environmentList(Session& session, const protocol::Message& message) {
     if (const auto* process = std::get_if<std::unique_ptr<turtle::EnvironmentProcess>>(&made)) {
       result.key("description").raw(protocol::encode(toDescribeResult((*process)->describe())));
     }
-    result.key("schema").raw(environment::configurationSchema(name)).endObject();
+    // a schema is laid out over lines for people; a message is one line
+    const std::string schema = "{\"schema\":" + environment::configurationSchema(name) + "}";
+    result.key("schema").raw(protocol::memberOf(schema, "schema").value_or("{}")).endObject();
   }
   result.endArray().key("offered").texts(session.core().offered().names());
   session.respond(message.id, result.endObject().view());
