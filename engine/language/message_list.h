@@ -31,10 +31,12 @@ class MessageList {
   void moveTo(core::DiagnosticList& list, const SourceMap& map) {
     std::stable_sort(messages_.begin(), messages_.end(),
                      [](const Message& a, const Message& b) { return a.range.begin < b.range.begin; });
-    std::size_t kept = 0;
+    std::size_t errors = 0;
+    std::size_t warnings = 0;
     for (Message& message : messages_) {
-      // a place costs a walk through its file: beyond the limit only counts matter
-      core::SourceLocation place = kept++ < 2 * core::DiagnosticList::kLimit ? map.locate(message.range) : core::SourceLocation{};
+      // a place costs a walk through its file; the list keeps no more than its limit of each severity
+      const std::size_t rank = message.severity == core::Severity::Error ? errors++ : warnings++;
+      core::SourceLocation place = rank < core::DiagnosticList::kLimit ? map.locate(message.range) : core::SourceLocation{};
       list.add({message.severity, std::move(message.text), std::move(place), std::move(message.hint)});
     }
     messages_.clear();

@@ -23,9 +23,14 @@ class Parser {
   void parseFile();
 
  private:
-  // parser.cpp: L-systems and their items
+  // parser.cpp: L-systems and their sections
   void parseLSystem();
   void parseItems(LSystemSyntax& system);
+  void parseAxiom(LSystemSyntax& system);
+  void parseProductions(LSystemSyntax& system, ProductionListSyntax& list, std::string_view name);
+  void parseSectionHead(ProductionListSyntax& list);
+
+  // parser_items.cpp: what stands before the axiom
   void parseItem(LSystemSyntax& system);
   void parseValueItem(ExpressionIndex& value, std::string_view name);
   void parseSymbolList(std::vector<core::SymbolId>& symbols, std::string_view name);
@@ -36,9 +41,6 @@ class Parser {
   void parseDefine(LSystemSyntax& system);
   bool parseArrays(LSystemSyntax& system);
   bool parseExternals(LSystemSyntax& system);
-  void parseAxiom(LSystemSyntax& system);
-  void parseProductions(LSystemSyntax& system, ProductionListSyntax& list, std::string_view name);
-  void parseSectionHead(ProductionListSyntax& list);
 
   // parser_productions.cpp: productions and modules
   struct Segment;

@@ -320,6 +320,17 @@ TEST(Compiler, MistakesInsideMacrosNameUseAndDefinition) {
   EXPECT_EQ(diagnostic.location.expansion, "in the expansion of R (m.l:1:9)");
 }
 
+TEST(Compiler, AnErrorBehindManyWarningsHasItsPlace) {
+  std::string productions;
+  for (int i = 0; i < 120; ++i) {
+    productions += "A(n) : n > 1 --> B(v" + std::to_string(i) + ")\n";
+  }
+  const CompileResult result = compileText(model(productions + "A(n) --> B(sqr(n))"));
+  EXPECT_EQ(result.diagnostics.warningCount(), 120U);
+  ASSERT_EQ(result.diagnostics.errorCount(), 1U);
+  EXPECT_EQ(result.diagnostics.entries().back().location.line, 123U);
+}
+
 TEST(Compiler, MessagesComeInTheOrderOfTheText) {
   EXPECT_EQ(messagesOf(model("A(n) --> B(sine(n))\nA(n) --> B(\nA(n) --> B(sqr(n))")),
             (Messages{"3:12: error: unknown function 'sine' in the successor of A(n) | did you mean 'sin'?",
