@@ -7,9 +7,6 @@
 #include <random>
 #include <set>
 
-#include "environment/bricked_grid.h"
-#include "environment/state_bytes.h"
-
 namespace espalier::environment {
 namespace {
 
@@ -68,55 +65,6 @@ TEST(CellSweep, FindsExactlyTheOccupiedCellsWithinReach) {
 
 TEST(SpatialCells, NoPointsMakeNoCells) {
   EXPECT_EQ(SpatialCells({}, 1.0).cellCount(), 0U);
-}
-
-TEST(BrickedGrid, IsZeroUntilWrittenAndAfterClear) {
-  BrickedGrid<int> grid(20);
-  EXPECT_EQ(grid.get(19, 0, 8), 0);
-  grid.at(19, 0, 8) = 5;
-  grid.at(18, 1, 8) = 6;
-  grid.at(0, 0, 0) = 7;
-  EXPECT_EQ(grid.get(19, 0, 8), 5);
-  EXPECT_EQ(grid.get(18, 1, 8), 6);
-  EXPECT_EQ(grid.get(19, 1, 8), 0);
-  EXPECT_EQ(grid.usedBrickCount(), 2U);
-  grid.clear();
-  EXPECT_EQ(grid.get(19, 0, 8), 0);
-  grid.at(1, 0, 0) = 1;
-  EXPECT_EQ(grid.get(0, 0, 0), 0);
-  EXPECT_EQ(grid.usedBrickCount(), 1U);
-}
-
-TEST(BrickedGrid, OutsideReadsAsZero) {
-  const BrickedGrid<int> grid(3);
-  EXPECT_EQ(grid.get(-1, 0, 0), 0);
-  EXPECT_EQ(grid.get(0, 3, 0), 0);
-  EXPECT_FALSE(grid.contains(0, 0, 3));
-  EXPECT_TRUE(grid.contains(2, 2, 2));
-}
-
-TEST(StateBytes, ReadBackWhatWasWritten) {
-  StateWriter writer;
-  writer.integer(7);
-  writer.number(-0.1);
-  writer.text("abc");
-  const std::string bytes = writer.take();
-  StateReader reader(bytes);
-  EXPECT_EQ(reader.integer(), 7U);
-  EXPECT_EQ(reader.number(), -0.1);
-  EXPECT_EQ(reader.text(), "abc");
-  EXPECT_TRUE(reader.isComplete());
-}
-
-TEST(StateBytes, CutOffStateIsNoticed) {
-  StateWriter writer;
-  writer.text("abc");
-  const std::string bytes = writer.take();
-  for (std::size_t size = 0; size < bytes.size(); ++size) {
-    StateReader reader(std::string_view(bytes).substr(0, size));
-    EXPECT_EQ(reader.text(), "");
-    EXPECT_FALSE(reader.isIntact()) << size;
-  }
 }
 
 }  // namespace
