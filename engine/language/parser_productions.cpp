@@ -68,7 +68,7 @@ bool Parser::expectedArrow(std::string_view what, const Token& token, std::uint3
   if (!hasArrow && arrow != std::string_view::npos) {
     Token misspelt;
     misspelt.kind = TokenKind::Operator;
-    misspelt.text = line.substr(arrow, 2);
+    misspelt.text = std::string(line.substr(arrow, 2));
     misspelt.range = {begin + static_cast<std::uint32_t>(arrow), begin + static_cast<std::uint32_t>(arrow) + 2};
     return expected("'-->'", misspelt, "the arrow of a production has two strokes");
   }
