@@ -193,7 +193,8 @@ class Picture {
       const ProjectedPoint p = projection_.project(scene_.labels[i].position);
       Item item;
       item.kind = Item::Kind::Text;
-      item.depth = p.depth;
+      // text is for reading: before everything else
+      item.depth = -std::numeric_limits<double>::infinity();
       item.firstPoint = addPoint(p, 0.0);
       item.pointCount = 1;
       item.colour = palette_.ofIndex(scene_.labels[i].colour);

@@ -1,0 +1,313 @@
+#include "engine/simulation/simulation.h"
+
+#include <limits>
+
+#include "tests/engine/simulation/simulation_fixture.h"
+
+namespace espalier::simulation {
+namespace {
+
+constexpr const char* kHeightModel =
+    "Lsystem: 1\n"
+    "derivation length: 3\n"
+    "Axiom: A?E(9)\n"
+    "A > ?E(x) --> F(1)B(x)A\n"
+    "endlsystem\n";
+
+TEST(Simulation, AStepAnswersThenDerives) {
+  TestRun run(compileText(kHeightModel));
+  expectSuccess(run.simulation.rewind());
+  EXPECT_EQ(run.log->openCount, 1);
+  EXPECT_EQ(run.simulation.stringText(), "A?E(9)");
+  expectSuccess(run.simulation.step());
+  EXPECT_EQ(run.simulation.stringText(), "F(1)B(0)A?E(0)");
+  expectSuccess(run.simulation.step());
+  EXPECT_EQ(run.simulation.stringText(), "F(1)B(0)F(1)B(100)A?E(100)");
+  EXPECT_EQ(run.simulation.completedSteps(), 2U);
+  EXPECT_EQ(run.simulation.statistics().queries, 1U);
+  EXPECT_EQ(run.simulation.statistics().answers, 1U);
+  EXPECT_EQ(run.simulation.statistics().modules, 7U);
+  EXPECT_EQ(run.simulation.statistics().parameters, 5U);
+}
+
+TEST(Simulation, AnswerBringsThePassForwardAndTheStepDoesNotRepeatIt) {
+  TestRun run(compileText(kHeightModel));
+  expectSuccess(run.simulation.rewind());
+  expectSuccess(run.simulation.answer());
+  EXPECT_EQ(run.simulation.stringText(), "A?E(0)");
+  EXPECT_TRUE(run.simulation.isAnswered());
+  expectSuccess(run.simulation.answer());
+  expectSuccess(run.simulation.step());
+  EXPECT_EQ(run.simulation.stringText(), "F(1)B(0)A?E(0)");
+  EXPECT_FALSE(run.simulation.isAnswered());
+  EXPECT_EQ(run.log->stepCount, 1);
+}
+
+TEST(Simulation, IsFinishedAtTheDerivationLengthAndGoesOnWhenAsked) {
+  TestRun run(compileText(kHeightModel));
+  expectSuccess(run.simulation.rewind());
+  while (!run.simulation.isFinished()) {
+    expectSuccess(run.simulation.step());
+  }
+  EXPECT_EQ(run.simulation.completedSteps(), 3U);
+  expectSuccess(run.simulation.step());
+  EXPECT_EQ(run.simulation.completedSteps(), 4U);
+}
+
+TEST(Simulation, AModelThatStoppedItselfHasNoFurtherStep) {
+  TestRun run(compileText("Lsystem: 1\nderivation length: 9\nAxiom: A(0)\nA(n) : {if (n==1) {stop(2);}} 1 --> A(n+1)\n"
+                      "endlsystem\n"),
+          1, {}, false);
+  expectSuccess(run.simulation.rewind());
+  while (!run.simulation.isFinished()) {
+    expectSuccess(run.simulation.step());
+  }
+  EXPECT_EQ(run.simulation.completedSteps(), 2U);
+  const auto error = run.simulation.step();
+  ASSERT_TRUE(error.has_value());
+  EXPECT_EQ(error->message,
+            "step 3: the model has stopped itself, there is no further step. Rewind the simulation to run it again. The "
+            "simulation stays at step 2.");
+}
+
+TEST(Simulation, MustBeStartedBeforeTheFirstStep) {
+  TestRun run(compileText(kHeightModel));
+  const auto error = run.simulation.step();
+  ASSERT_TRUE(error.has_value());
+  EXPECT_EQ(error->message, "The simulation has not been started. Rewind it or restore a snapshot first.");
+}
+
+TEST(Simulation, AFailingEnvironmentLeavesTheLastCompletedStep) {
+  TestRun run(compileText(kAskingModel));
+  expectSuccess(run.simulation.rewind());
+  for (int i = 0; i < 3; ++i) {
+    expectSuccess(run.simulation.step());
+  }
+  const std::string before = run.simulation.stringText();
+  const std::uint64_t hash = run.simulation.stateHash();
+  run.log->nextError = turtle::EnvironmentError{"environment 'fake' does not answer. Start it again.", true};
+  const auto error = run.simulation.step();
+  ASSERT_TRUE(error.has_value());
+  EXPECT_EQ(error->code, core::SimulationErrorCode::EnvironmentFailed);
+  EXPECT_TRUE(error->isRetryable);
+  EXPECT_EQ(error->step, 4U);
+  EXPECT_EQ(error->message, "environment 'fake' does not answer. Start it again. The simulation stays at step 3.");
+  EXPECT_EQ(run.simulation.stringText(), before);
+  EXPECT_EQ(run.simulation.stateHash(), hash);
+  EXPECT_EQ(run.simulation.completedSteps(), 3U);
+  // trying again gives what an undisturbed run gives
+  expectSuccess(run.simulation.step());
+  TestRun undisturbed(compileText(kAskingModel));
+  expectSuccess(undisturbed.simulation.rewind());
+  for (int i = 0; i < 4; ++i) {
+    expectSuccess(undisturbed.simulation.step());
+  }
+  EXPECT_EQ(run.simulation.stringText(), undisturbed.simulation.stringText());
+  EXPECT_EQ(run.simulation.stateHash(), undisturbed.simulation.stateHash());
+}
+
+// a step that fails after the replies have come: in the derivation, by a parameter that is not finite
+constexpr const char* kFragileModel =
+    "Lsystem: 1\n"
+    "derivation length: 5\n"
+    "Start: {c=0;}\n"
+    "Axiom: A(1)?E(0)\n"
+    "A(n) > ?E(x) : x>=100 --> A(exp(x*x))\n"
+    "A(n) > ?E(x) --> F(n)A(n+c)\n"
+    "homomorphism\n"
+    "A(n) : {c=c+1;} * --> F(n)\n"
+    "endlsystem\n";
+
+TEST(Simulation, AFailingDerivationLeavesTheLastCompletedStepAndKeepsTheReplies) {
+  TestRun run(compileText(kFragileModel));
+  expectSuccess(run.simulation.rewind());
+  expectSuccess(run.simulation.step());
+  const std::string before = run.simulation.stringText();
+  const std::uint64_t steps = static_cast<std::uint64_t>(run.log->stepCount);
+  const auto first = run.simulation.step();
+  ASSERT_TRUE(first.has_value());
+  EXPECT_EQ(first->code, core::SimulationErrorCode::NonFinite);
+  EXPECT_TRUE(first->message.ends_with("The simulation stays at step 1.")) << first->message;
+  EXPECT_EQ(run.simulation.stringText(), before);
+  EXPECT_EQ(run.simulation.completedSteps(), 1U);
+  // the environment answered once; trying again does not ask it again
+  EXPECT_EQ(run.log->stepCount, static_cast<int>(steps) + 1);
+  const auto second = run.simulation.step();
+  ASSERT_TRUE(second.has_value());
+  EXPECT_EQ(second->message, first->message);
+  EXPECT_EQ(run.log->stepCount, static_cast<int>(steps) + 1);
+  EXPECT_EQ(run.simulation.stringText(), before);
+  // a rewind forgets them
+  expectSuccess(run.simulation.rewind());
+  expectSuccess(run.simulation.step());
+  EXPECT_EQ(run.simulation.stringText(), before);
+}
+
+TEST(Simulation, WhenOnePlantFailsAllStay) {
+  // plant 0 gets 0, 200, ...; plant 1 gets 1, 201 and fails on it
+  const std::string model =
+      "Lsystem: 1\nderivation length: 5\nAxiom: A(1)?E(0)\n"
+      "A(n) > ?E(x) : x==101 --> A(exp(x*x))\nA(n) > ?E(x) --> FA(n+1)\nendlsystem\n";
+  TestRun run(compileText(model), 2);
+  expectSuccess(run.simulation.rewind());
+  expectSuccess(run.simulation.step());
+  const std::string first = run.simulation.stringText(0);
+  const std::string second = run.simulation.stringText(1);
+  const std::uint64_t hash = [&] {
+    TestRun other(compileText(model), 2);
+    expectSuccess(other.simulation.rewind());
+    expectSuccess(other.simulation.step());
+    return other.simulation.stateHash();
+  }();
+  EXPECT_EQ(run.simulation.stateHash(), hash);
+  const auto error = run.simulation.step();
+  ASSERT_TRUE(error.has_value());
+  EXPECT_EQ(error->plant, 1U);
+  EXPECT_EQ(run.simulation.stringText(0), first);
+  EXPECT_EQ(run.simulation.stringText(1), second);
+  EXPECT_EQ(run.simulation.completedSteps(), 1U);
+}
+
+TEST(Simulation, ANonFiniteReplyIsAnErrorThatNamesEnvironmentAndQuery) {
+  TestRun run(compileText(kHeightModel));
+  expectSuccess(run.simulation.rewind());
+  run.log->answer = std::numeric_limits<double>::quiet_NaN();
+  const auto error = run.simulation.step();
+  ASSERT_TRUE(error.has_value());
+  EXPECT_EQ(error->code, core::SimulationErrorCode::NonFinite);
+  EXPECT_EQ(error->message,
+            "step 1, plant 0, module 2 ('E'): environment 'fake' answered nan for parameter 1 of query 0. Replies must be "
+            "finite numbers: correct the environment. The simulation stays at step 0.");
+  EXPECT_EQ(run.simulation.stringText(), "A?E(9)");
+}
+
+TEST(Simulation, ThePolicyKeepLetsModulesKeepWhatTheySent) {
+  SimulationOptions options;
+  options.environmentPolicy = EnvironmentPolicy::Keep;
+  TestRun run(compileText(kHeightModel), 1, options);
+  expectSuccess(run.simulation.rewind());
+  run.log->nextError = turtle::EnvironmentError{"gone", true};
+  expectSuccess(run.simulation.step());
+  EXPECT_EQ(run.simulation.stringText(), "F(1)B(9)A?E(9)");
+  EXPECT_EQ(run.simulation.statistics().answers, 0U);
+}
+
+TEST(Simulation, AStepWithoutQueriesTicksInEspaliersModeOnly) {
+  const std::string model = "Lsystem: 1\nderivation length: 3\nAxiom: A\nA --> AB?E(1)\nB --> B\nendlsystem\n";
+  TestRun own(compileText(model));
+  expectSuccess(own.simulation.rewind());
+  expectSuccess(own.simulation.step());
+  EXPECT_EQ(own.log->ticks, std::vector<std::uint64_t>{0});
+  EXPECT_EQ(own.log->stepCount, 0);
+  expectSuccess(own.simulation.step());
+  EXPECT_EQ(own.log->ticks.size(), 1U);
+  EXPECT_EQ(own.log->stepCount, 1);
+  TestRun reference(compileText(model, {}, core::Compatibility::Cpfg));
+  expectSuccess(reference.simulation.rewind());
+  expectSuccess(reference.simulation.step());
+  EXPECT_TRUE(reference.log->ticks.empty());
+  EXPECT_EQ(reference.log->stepCount, 0);
+}
+
+TEST(Simulation, ATickIsNotRepeatedWhenTheStepIsTriedAgain) {
+  TestRun run(compileText("Lsystem: 1\nderivation length: 3\nAxiom: A(30)\nA(n) --> A(exp(n*n))\nendlsystem\n"));
+  expectSuccess(run.simulation.rewind());
+  EXPECT_TRUE(run.simulation.step().has_value());
+  EXPECT_TRUE(run.simulation.step().has_value());
+  EXPECT_EQ(run.log->ticks.size(), 1U);
+}
+
+TEST(Simulation, RepliesAreFloatsInTheCompatibleModesOnly) {
+  TestRun own(compileText(kHeightModel));
+  own.log->answer = 0.1;
+  expectSuccess(own.simulation.rewind());
+  expectSuccess(own.simulation.answer());
+  EXPECT_EQ(own.simulation.string().parameters()[0], 0.1);
+  TestRun reference(compileText(kHeightModel, {}, core::Compatibility::Cpfg));
+  reference.log->answer = 0.1;
+  expectSuccess(reference.simulation.rewind());
+  expectSuccess(reference.simulation.answer());
+  EXPECT_EQ(reference.simulation.string().parameters()[0], static_cast<double>(0.1F));
+}
+
+TEST(Simulation, AQueryOfAHomomorphismTakesPartAndItsReplyIsDiscarded) {
+  TestRun run(compileText("Lsystem: 1\nderivation length: 2\nAxiom: J?E(2)\nJ --> J\nhomomorphism\nJ --> F(3)?E(7)\n"
+                      "endlsystem\n"));
+  expectSuccess(run.simulation.rewind());
+  expectSuccess(run.simulation.answer());
+  EXPECT_EQ(run.simulation.stringText(), "J?E(1)");
+  ASSERT_EQ(run.log->batches.size(), 1U);
+  EXPECT_EQ(run.log->batches[0].isTransient, (std::vector<std::uint8_t>{1, 0}));
+  EXPECT_EQ(run.log->batches[0].parameters, (std::vector<double>{7, 2}));
+}
+
+TEST(Simulation, PlantsShareTheEnvironmentAtTheirPlaces) {
+  TestRun run(compileText("Lsystem: 1\nderivation length: 2\nAxiom: F?E(0)\nF --> F\nendlsystem\n"), 3);
+  expectSuccess(run.simulation.rewind());
+  expectSuccess(run.simulation.answer());
+  ASSERT_EQ(run.log->batches.size(), 1U);
+  const turtle::QueryBatch& batch = run.log->batches[0];
+  EXPECT_EQ(batch.plant, (std::vector<std::uint32_t>{0, 1, 2}));
+  EXPECT_EQ(batch.position[2], (core::Vec3{8, 1, 0}));
+  EXPECT_EQ(run.simulation.stringText(2), "F?E(2)");
+  EXPECT_EQ(run.log->context.plantCount, 3U);
+  EXPECT_EQ(run.log->context.symbols.size(), run.simulation.program().symbols.size());
+}
+
+TEST(Simulation, CancellingGivesTheStepUp) {
+  TestRun run(compileText(kAskingModel));
+  expectSuccess(run.simulation.rewind());
+  const std::string before = run.simulation.stringText();
+  run.simulation.setCancelled(true);
+  const auto error = run.simulation.step();
+  ASSERT_TRUE(error.has_value());
+  EXPECT_EQ(error->code, core::SimulationErrorCode::Cancelled);
+  EXPECT_EQ(run.simulation.stringText(), before);
+  run.simulation.setCancelled(false);
+  expectSuccess(run.simulation.step());
+}
+
+TEST(Simulation, TheCallersSeedReplacesTheModels) {
+  SimulationOptions options;
+  options.seed = 17;
+  EXPECT_EQ(TestRun(compileText(kAskingModel), 1, options).simulation.seed(), 5U);
+  options.hasSeed = true;
+  EXPECT_EQ(TestRun(compileText(kAskingModel), 1, options).simulation.seed(), 17U);
+  options.hasSeed = false;
+  EXPECT_EQ(TestRun(compileText(kHeightModel), 1, options).simulation.seed(), 17U);
+}
+
+TEST(Simulation, DrawingDoesNotChangeIt) {
+  TestRun run(compileText(kAskingModel));
+  expectSuccess(run.simulation.rewind());
+  for (int i = 0; i < 5; ++i) {
+    expectSuccess(run.simulation.step());
+  }
+  const std::uint64_t hash = run.simulation.stateHash();
+  const auto scene = run.simulation.scene();
+  ASSERT_TRUE(std::holds_alternative<turtle::Scene>(scene));
+  EXPECT_FALSE(std::get<turtle::Scene>(scene).segments.empty());
+  const auto records = run.simulation.turtleRecords();
+  ASSERT_TRUE(std::holds_alternative<std::vector<turtle::TurtleRecord>>(records));
+  EXPECT_FALSE(std::get<std::vector<turtle::TurtleRecord>>(records).empty());
+  EXPECT_EQ(run.simulation.stateHash(), hash);
+}
+
+TEST(Simulation, RewindStartsTheSameRunAgain) {
+  TestRun run(compileText(kAskingModel));
+  std::string first;
+  for (int round = 0; round < 2; ++round) {
+    expectSuccess(run.simulation.rewind());
+    for (int i = 0; i < 6; ++i) {
+      expectSuccess(run.simulation.step());
+    }
+    if (round == 0) {
+      first = run.simulation.stringText();
+    }
+  }
+  EXPECT_EQ(run.simulation.stringText(), first);
+  EXPECT_EQ(run.log->openCount, 2);
+}
+
+}  // namespace
+}  // namespace espalier::simulation

@@ -1,0 +1,186 @@
+#include "engine/simulation/snapshot.h"
+
+#include <random>
+
+#include "tests/engine/simulation/simulation_fixture.h"
+
+namespace espalier::simulation {
+namespace {
+
+std::string snapshotOf(const Simulation& simulation) {
+  core::StringSink sink;
+  simulation.save(sink);
+  return sink.take();
+}
+
+std::string messageOf(const std::variant<SnapshotInfo, core::SimulationError>& result) {
+  const auto* error = std::get_if<core::SimulationError>(&result);
+  return error == nullptr ? std::string() : error->message;
+}
+
+class SnapshotContinuation : public testing::TestWithParam<core::Compatibility> {};
+
+TEST_P(SnapshotContinuation, RestoredRunsHaveEqualHashesNowAndAfterEveryFurtherStep) {
+  const auto program = compileText(kAskingModel, {}, GetParam());
+  TestRun run(program, 2);
+  expectSuccess(run.simulation.rewind());
+  for (int i = 0; i < 3; ++i) {
+    expectSuccess(run.simulation.step());
+  }
+  const std::string snapshot = snapshotOf(run.simulation);
+  for (const unsigned threads : {1U, 3U}) {
+    SimulationOptions options;
+    options.threads = threads;
+    options.seed = 99;
+    TestRun restored(program, 2, options);
+    expectSuccess(restored.simulation.restore(snapshot));
+    TestRun original(program, 2);
+    expectSuccess(original.simulation.restore(snapshot));
+    EXPECT_EQ(restored.simulation.stateHash(), run.simulation.stateHash());
+    for (int i = 0; i < 5; ++i) {
+      expectSuccess(original.simulation.step());
+      expectSuccess(restored.simulation.step());
+      EXPECT_EQ(restored.simulation.stateHash(), original.simulation.stateHash()) << "step " << i;
+      EXPECT_EQ(restored.simulation.stringText(1), original.simulation.stringText(1));
+    }
+    if (threads == 1) {
+      // the run that was never interrupted
+      TestRun undisturbed(program, 2);
+      expectSuccess(undisturbed.simulation.rewind());
+      for (int i = 0; i < 8; ++i) {
+        expectSuccess(undisturbed.simulation.step());
+      }
+      EXPECT_EQ(restored.simulation.stateHash(), undisturbed.simulation.stateHash());
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Modes, SnapshotContinuation,
+                         testing::Values(core::Compatibility::Espalier, core::Compatibility::Cpfg));
+
+TEST(Snapshot, HoldsTheRepliesOfTheStepUnderWay) {
+  const auto program = compileText(kAskingModel);
+  TestRun run(program);
+  expectSuccess(run.simulation.rewind());
+  expectSuccess(run.simulation.step());
+  expectSuccess(run.simulation.answer());
+  const std::string snapshot = snapshotOf(run.simulation);
+  TestRun restored(program);
+  expectSuccess(restored.simulation.restore(snapshot));
+  EXPECT_TRUE(restored.simulation.isAnswered());
+  EXPECT_EQ(restored.simulation.stringText(), run.simulation.stringText());
+  EXPECT_EQ(restored.simulation.stateHash(), run.simulation.stateHash());
+  // the environment is not asked again
+  EXPECT_EQ(restored.log->stepCount, 0);
+  expectSuccess(restored.simulation.step());
+  expectSuccess(run.simulation.step());
+  EXPECT_EQ(restored.simulation.stateHash(), run.simulation.stateHash());
+}
+
+TEST(Snapshot, IsEnoughToCompileItsModelAnywhere) {
+  const auto program = compileText(kAskingModel, "angle increment: 30\n");
+  SimulationOptions options;
+  options.name = "stand";
+  options.seed = 12;
+  options.hasSeed = true;
+  TestRun run(program, 2, options);
+  expectSuccess(run.simulation.rewind());
+  expectSuccess(run.simulation.step());
+  auto read = readSnapshotInfo(snapshotOf(run.simulation));
+  ASSERT_EQ(messageOf(read), "");
+  SnapshotInfo& info = std::get<SnapshotInfo>(read);
+  EXPECT_EQ(info.name, "stand");
+  EXPECT_EQ(info.completedSteps, 1U);
+  EXPECT_EQ(info.seed, 12U);
+  EXPECT_TRUE(info.hasSeed);
+  EXPECT_EQ(info.derivationLength, 8U);
+  EXPECT_EQ(info.plantCount, 2U);
+  EXPECT_EQ(info.placements[1].position, (core::Vec3{4, 0, 0}));
+  EXPECT_EQ(info.environmentName, "fake");
+  const language::CompileResult compiled = language::compile(info.compileInput, info.files);
+  ASSERT_NE(compiled.program, nullptr);
+  EXPECT_EQ(compiled.program->hash, info.programHash);
+  EXPECT_EQ(compiled.program->view.angleIncrementDegrees, 30.0);
+}
+
+TEST(Snapshot, OfAnotherModelIsRefused) {
+  TestRun run(compileText(kAskingModel));
+  expectSuccess(run.simulation.rewind());
+  TestRun other(compileText("Lsystem: 1\nderivation length: 1\nAxiom: A\nA --> B\nendlsystem\n"));
+  expectSuccess(other.simulation.rewind());
+  const std::uint64_t hash = other.simulation.stateHash();
+  const auto error = other.simulation.restore(snapshotOf(run.simulation));
+  ASSERT_TRUE(error.has_value());
+  EXPECT_EQ(error->code, core::SimulationErrorCode::Snapshot);
+  EXPECT_EQ(error->message,
+            "The snapshot was made with another model, other definitions or in another mode than 'model.l'. Resume it "
+            "without naming a model, or with the files it was made with. The simulation stays at step 0.");
+  EXPECT_EQ(other.simulation.stateHash(), hash);
+}
+
+TEST(Snapshot, OfAnotherEnvironmentIsRefused) {
+  const auto program = compileText(kAskingModel);
+  TestRun run(program);
+  expectSuccess(run.simulation.rewind());
+  TestRun bare(program, 1, {}, false);
+  const auto error = bare.simulation.restore(snapshotOf(run.simulation));
+  ASSERT_TRUE(error.has_value());
+  EXPECT_EQ(error->message,
+            "The snapshot was made with environment 'fake' and the simulation has no environment. Give it the one it was "
+            "made with.");
+}
+
+TEST(Snapshot, ThatIsNoneIsSaidToBeNone) {
+  EXPECT_EQ(messageOf(readSnapshotInfo("<svg>")),
+            "This is not a snapshot: it does not begin with 'ESPALIER'. Snapshots are made with 'espalier run MODEL.l -o "
+            "NAME.snapshot'.");
+}
+
+TEST(Snapshot, OfANewerVersionIsRefused) {
+  TestRun run(compileText(kAskingModel));
+  expectSuccess(run.simulation.rewind());
+  std::string snapshot = snapshotOf(run.simulation);
+  snapshot[kSnapshotMagic.size()] = 9;
+  EXPECT_EQ(messageOf(readSnapshotInfo(snapshot)),
+            "The snapshot has version 9; this Espalier reads versions 1 to 1. Use the Espalier that made it, or a newer "
+            "one.");
+}
+
+TEST(Snapshot, CutOffAnywhereIsAnError) {
+  const auto program = compileText(kAskingModel);
+  TestRun run(program);
+  expectSuccess(run.simulation.rewind());
+  expectSuccess(run.simulation.step());
+  const std::string snapshot = snapshotOf(run.simulation);
+  const std::uint64_t hash = run.simulation.stateHash();
+  for (std::size_t length = 0; length < snapshot.size(); ++length) {
+    ASSERT_NE(messageOf(readSnapshotInfo(snapshot.substr(0, length))), "") << length;
+    ASSERT_TRUE(run.simulation.restore(snapshot.substr(0, length)).has_value()) << length;
+  }
+  EXPECT_EQ(messageOf(readSnapshotInfo(snapshot.substr(0, 40))),
+            "The snapshot is cut off: it ends in the middle of a section. Use a complete copy of the file.");
+  EXPECT_EQ(run.simulation.stateHash(), hash);
+}
+
+TEST(Snapshot, ADamagedByteIsAnErrorAndNeverACrash) {
+  const auto program = compileText(kAskingModel);
+  TestRun run(program);
+  expectSuccess(run.simulation.rewind());
+  expectSuccess(run.simulation.step());
+  const std::string snapshot = snapshotOf(run.simulation);
+  const std::uint64_t hash = run.simulation.stateHash();
+  std::mt19937 random(1);
+  for (int round = 0; round < 2000; ++round) {
+    std::string damaged = snapshot;
+    damaged[random() % damaged.size()] ^= static_cast<char>(1U << (random() % 8U));
+    ASSERT_TRUE(run.simulation.restore(damaged).has_value());
+  }
+  std::string last = snapshot;
+  last.back() ^= 1;
+  EXPECT_EQ(messageOf(readSnapshotInfo(last)),
+            "The snapshot is damaged: its checksum does not agree with its content. Use an intact copy.");
+  EXPECT_EQ(run.simulation.stateHash(), hash);
+}
+
+}  // namespace
+}  // namespace espalier::simulation

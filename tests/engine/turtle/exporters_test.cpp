@@ -1,0 +1,358 @@
+#include "engine/turtle/export/exporters.h"
+
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <set>
+#include <sstream>
+
+#include "engine/turtle/export/mesh.h"
+#include "engine/turtle/export/palette.h"
+#include "engine/turtle/export/projection.h"
+#include "engine/turtle/export/tubes.h"
+#include "tests/engine/turtle/turtle_fixture.h"
+
+namespace espalier::turtle {
+namespace {
+
+constexpr const char* kPlant =
+    "!(0.4)F(2)[+(40)!(0.2)F(1)@O(0.5)]-(20)!(0.3)F(1)&(30)F(1){.+(30)f.+(60)f.+(60)f.}@c(0.6)@o(0.3){(1)f+(20)f}(1)~p";
+
+language::ViewSettings plantView() {
+  language::ViewSettings view;
+  view.lineStyle = language::LineStyle::Cylinder;
+  language::Surface surface;
+  surface.id = 'p';
+  surface.subdivisionS = 2;
+  surface.subdivisionT = 3;
+  language::SurfacePatch patch;
+  for (std::size_t i = 0; i < 16; ++i) {
+    patch.points[i] = {static_cast<double>(i % 4) / 3.0, static_cast<double>(i / 4) / 3.0, 0.0};
+  }
+  surface.patches.push_back(patch);
+  view.surfaces.push_back(surface);
+  return view;
+}
+
+std::string svgOf(const Scene& scene, const language::ViewSettings& view, const SvgOptions& options = {}) {
+  core::StringSink sink;
+  writeSvg(scene, view, options, sink);
+  return sink.take();
+}
+
+std::size_t count(const std::string& text, const std::string& part) {
+  std::size_t found = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) {
+    ++found;
+  }
+  return found;
+}
+
+// what a reader of an OBJ file sees
+struct ObjContent {
+  std::vector<core::Vec3> vertices, normals;
+  std::size_t coordinateCount = 0;
+  std::vector<std::vector<std::array<long, 3>>> faces;
+  std::set<std::string> objects, materials;
+  std::string library;
+};
+
+ObjContent parseObj(const std::string& text) {
+  ObjContent content;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    std::string keyword;
+    words >> keyword;
+    core::Vec3 v;
+    if (keyword == "v" || keyword == "vn") {
+      words >> v.x >> v.y >> v.z;
+      EXPECT_FALSE(words.fail()) << line;
+      (keyword == "v" ? content.vertices : content.normals).push_back(v);
+    } else if (keyword == "vt") {
+      ++content.coordinateCount;
+    } else if (keyword == "f") {
+      content.faces.emplace_back();
+      for (std::string corner; words >> corner;) {
+        std::array<long, 3> indices{};
+        EXPECT_EQ(std::sscanf(corner.c_str(), "%ld/%ld/%ld", &indices[0], &indices[1], &indices[2]), 3) << line;
+        content.faces.back().push_back(indices);
+      }
+    } else if (keyword == "o") {
+      std::string name;
+      words >> name;
+      content.objects.insert(name);
+    } else if (keyword == "usemtl") {
+      std::string name;
+      words >> name;
+      content.materials.insert(name);
+    } else if (keyword == "mtllib") {
+      words >> content.library;
+    }
+  }
+  return content;
+}
+
+TEST(Svg, EveryOrganIsPainted) {
+  TurtleRun run(kPlant, plantView());
+  run.draw();
+  const std::string svg = svgOf(run.scene, run.program.view);
+  EXPECT_TRUE(svg.starts_with("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg "));
+  EXPECT_TRUE(svg.ends_with("</svg>\n"));
+  EXPECT_EQ(count(svg, "<radialGradient"), 1U);
+  EXPECT_EQ(count(svg, "<circle"), 2U);          // a sphere and a disc on the screen
+  EXPECT_GE(count(svg, "stroke-width=\"0.4\""), 1U + 1U + 6U + 8U);  // polygon, disc, 2x3 quads, cylinder
+  EXPECT_EQ(count(svg, "nan"), 0U);
+  EXPECT_EQ(count(svg, "inf"), 0U);
+}
+
+TEST(Svg, TheSceneIsFittedToThePageWithItsMargin) {
+  // a line of length 10 upward: it fills the height of 100 less the margins of 10
+  language::ViewSettings view;
+  TurtleRun run("F(10)", view);
+  run.draw();
+  const std::string svg = svgOf(run.scene, view, {.widthPixels = 200, .heightPixels = 100, .marginFraction = 0.1});
+  EXPECT_NE(svg.find("viewBox=\"0 0 200 100\""), std::string::npos);
+  // a pixel line of width 1 from (100, 90) to (100, 10)
+  EXPECT_NE(svg.find("<path d=\"M99.5 90L99.5 10A0.5 0.5 0 0 1 100.5 10L100.5 90A0.5 0.5 0 0 1 99.5 90Z\""),
+            std::string::npos)
+      << svg;
+}
+
+TEST(Svg, TheBackgroundCanBeLeftOut) {
+  TurtleRun run("F");
+  run.draw();
+  EXPECT_EQ(count(svgOf(run.scene, {}), "<rect"), 1U);
+  EXPECT_EQ(count(svgOf(run.scene, {}, {.hasBackground = false}), "<rect"), 0U);
+}
+
+TEST(Svg, AnEmptySceneIsAnEmptyPage) {
+  const std::string svg = svgOf(Scene{}, {});
+  EXPECT_TRUE(svg.ends_with("</svg>\n"));
+  EXPECT_EQ(count(svg, "<path"), 0U);
+}
+
+TEST(Svg, FartherThingsArePaintedFirst) {
+  // the default view looks along -z: the second line is nearer and comes last although it was drawn first
+  TurtleRun run("@M(0,0,5);(0)F@M(1,0,-5);(255)F");
+  run.draw();
+  const std::string svg = svgOf(run.scene, {}, {.hasBackground = false});
+  const std::size_t first = svg.find("<path");
+  const std::size_t second = svg.find("<path", first + 1);
+  ASSERT_NE(second, std::string::npos);
+  // x = 1 is on the right
+  EXPECT_GT(std::strtod(svg.c_str() + first + 10, nullptr), std::strtod(svg.c_str() + second + 10, nullptr));
+}
+
+TEST(Svg, LabelsAreEscaped) {
+  TurtleRun run("@L(0)F");
+  run.program.strings.push_back("a<b & \"c\">");
+  run.draw();
+  EXPECT_NE(svgOf(run.scene, {}).find(">a&lt;b &amp; \"c\"&gt;</text>"), std::string::npos);
+}
+
+TEST(Svg, IsDeterministic) {
+  TurtleRun run(kPlant, plantView());
+  run.draw();
+  EXPECT_EQ(svgOf(run.scene, run.program.view), svgOf(run.scene, run.program.view));
+}
+
+TEST(Projection, LooksAlongMinusZByDefault) {
+  const ProjectedPoint p = Projection({}).project({2, 3, 0.25});
+  EXPECT_DOUBLE_EQ(p.x, 2.0);
+  EXPECT_DOUBLE_EQ(p.y, 3.0);
+  EXPECT_DOUBLE_EQ(p.depth, 0.75);
+}
+
+TEST(Projection, PerspectiveMakesNearThingsLarger) {
+  language::ViewSettings view;
+  view.isPerspective = true;
+  view.viewpoint = {10, 0, 0};
+  const Projection projection(view);
+  // seen from +x the z axis points left; half way to the viewer everything is twice as large
+  EXPECT_NEAR(projection.project({0, 1, 1}).x, -1.0, 1e-12);
+  EXPECT_NEAR(projection.project({5, 1, 0}).y, 2.0, 1e-12);
+  EXPECT_FALSE(projection.isVisible({11, 0, 0}));
+}
+
+TEST(Projection, LookingDownHasMinusZUp) {
+  language::ViewSettings view;
+  view.viewpoint = {0, 7, 0};
+  const ProjectedPoint p = Projection(view).project({1, 0, -2});
+  EXPECT_NEAR(p.x, 1.0, 1e-12);
+  EXPECT_NEAR(p.y, 2.0, 1e-12);
+}
+
+TEST(Obj, IndicesAreValidNormalsUnitAndOrgansNamed) {
+  TurtleRun run(kPlant, plantView());
+  run.draw();
+  core::StringSink object;
+  core::StringSink materials;
+  writeObj(run.scene, run.program.view, "plant.mtl", object, materials);
+  const ObjContent content = parseObj(object.text());
+  EXPECT_EQ(content.library, "plant.mtl");
+  EXPECT_EQ(content.objects, (std::set<std::string>{"plant_0_balls", "plant_0_branches", "plant_0_cylinders",
+                                                    "plant_0_polygons", "plant_0_surfaces"}));
+  ASSERT_FALSE(content.faces.empty());
+  EXPECT_EQ(content.coordinateCount, content.vertices.size());
+  EXPECT_EQ(content.normals.size(), content.vertices.size());
+  for (const auto& face : content.faces) {
+    EXPECT_GE(face.size(), 3U);
+    for (const auto& corner : face) {
+      for (const long index : corner) {
+        ASSERT_GE(index, 1);
+        ASSERT_LE(index, static_cast<long>(content.vertices.size()));
+      }
+    }
+  }
+  for (const core::Vec3& normal : content.normals) {
+    EXPECT_NEAR(core::length(normal), 1.0, 1e-4);
+  }
+  for (const std::string& material : content.materials) {
+    EXPECT_NE(materials.text().find("newmtl " + material + "\n"), std::string::npos);
+  }
+}
+
+TEST(Obj, AStraightTubeHasItsRadiusAndSharesTheRingAtTheJoint) {
+  language::ViewSettings view;
+  view.lineStyle = language::LineStyle::Cylinder;
+  view.contourSides = 6;
+  TurtleRun run("!(2)F(3)F(4)", view);
+  run.draw();
+  core::StringSink object;
+  core::StringSink materials;
+  writeObj(run.scene, view, "", object, materials);
+  const ObjContent content = parseObj(object.text());
+  // three rings of 7 vertices, two ends of 8
+  EXPECT_EQ(content.vertices.size(), 3U * 7U + 2U * 8U);
+  EXPECT_EQ(content.faces.size(), 2U * 6U + 2U * 6U);
+  for (std::size_t i = 0; i < 21; ++i) {
+    EXPECT_NEAR(std::hypot(content.vertices[i].x, content.vertices[i].z), 1.0, 1e-5);
+    EXPECT_NEAR(content.vertices[i].y, (i < 7 ? 0.0 : i < 14 ? 3.0 : 7.0), 1e-6);
+  }
+  EXPECT_EQ(content.library, "");
+}
+
+TEST(Obj, FacesLookOutward) {
+  language::ViewSettings view;
+  view.lineStyle = language::LineStyle::Cylinder;
+  TurtleRun run("!(1)F(2)@M(5,0)@O(2)", view);
+  run.draw();
+  core::StringSink object;
+  core::StringSink materials;
+  writeObj(run.scene, view, "x.mtl", object, materials);
+  const ObjContent content = parseObj(object.text());
+  for (const auto& face : content.faces) {
+    const auto at = [&](std::size_t k) { return content.vertices[static_cast<std::size_t>(face[k][0] - 1)]; };
+    const core::Vec3 normal = core::cross(at(1) - at(0), at(2) - at(0)) +
+                              (face.size() > 3 ? core::cross(at(2) - at(0), at(3) - at(0)) : core::Vec3{});
+    const core::Vec3 stored = content.normals[static_cast<std::size_t>(face[0][2] - 1)];
+    if (core::length(normal) > 1e-9) {
+      EXPECT_GT(core::dot(normal, stored), 0.0);
+    }
+  }
+}
+
+TEST(Tubes, ChainsFollowTheAxisAndBranchesBeginTheirOwn) {
+  TurtleRun run("F[+F F]F F|F");
+  run.draw();
+  const std::vector<std::int32_t> materials(run.scene.segments.size(), 0);
+  const std::vector<SegmentChain> chains = chainsOf(run.scene, materials);
+  ASSERT_EQ(chains.size(), 3U);
+  EXPECT_EQ(chains[0], (SegmentChain{0, 3, 4}));
+  EXPECT_EQ(chains[1], (SegmentChain{1, 2}));
+  // turned back on itself
+  EXPECT_EQ(chains[2], (SegmentChain{5}));
+}
+
+TEST(Tubes, RingsAtJointsHalveTheAngleAndDoNotTwist) {
+  TurtleRun run("F+(60)F/(90)F");
+  run.draw();
+  const std::vector<TubeRing> rings = ringsOf(run.scene, {0, 1, 2}, 1.0);
+  ASSERT_EQ(rings.size(), 4U);
+  const core::Vec3 axis = core::cross(rings[1].up, rings[1].side);
+  expectVector(axis, -std::sin(3.14159265358979 / 6.0), std::cos(3.14159265358979 / 6.0), 0, 1e-9);
+  // the turtle rolled by 90 degrees before the third segment, the tube does not
+  expectVector(rings[3].up, rings[2].up.x, rings[2].up.y, rings[2].up.z, 1e-9);
+  EXPECT_NEAR(rings[3].along, 3.0, 1e-12);
+}
+
+TEST(Mesh, APatchInterpolatesItsCorners) {
+  std::array<core::Vec3, 16> points;
+  for (std::size_t i = 0; i < 16; ++i) {
+    points[i] = {static_cast<double>(i / 4), static_cast<double>(i % 4), 0.0};
+  }
+  Mesh mesh;
+  appendPatch(mesh, points, 2, 2);
+  ASSERT_EQ(mesh.positions.size(), 9U);
+  expectVector(mesh.positions[0], 0, 0, 0);
+  expectVector(mesh.positions[4], 1.5, 1.5, 0);
+  expectVector(mesh.positions[8], 3, 3, 0);
+  // dP/dt x dP/ds = y x x = -z
+  expectVector(mesh.normals[4], 0, 0, -1);
+}
+
+TEST(Mesh, AStraightHermiteCylinderIsACylinder) {
+  TurtleRun run("!(2)@!(6)@Gs f(4)@Gc(2)@Ge(1)");
+  run.draw();
+  ASSERT_EQ(run.scene.cylinders.size(), 1U);
+  Mesh mesh;
+  appendCylinder(mesh, run.scene.cylinders[0], {});
+  for (const core::Vec3& p : mesh.positions) {
+    EXPECT_NEAR(std::hypot(p.x, p.z), 1.0, 1e-9);
+  }
+}
+
+// an open B-spline ends at its end points
+TEST(Mesh, AnOpenBSplineCylinderReachesItsEnds) {
+  TurtleRun run("!(2){(3)f(1)+(30)f(2)-(30)f(1)}(3)");
+  run.draw();
+  Mesh mesh;
+  appendCylinder(mesh, run.scene.cylinders[0], {});
+  core::Vec3 first;
+  core::Vec3 last;
+  for (std::size_t k = 0; k < 8; ++k) {
+    first = first + mesh.positions[k] * 0.125;
+    last = last + mesh.positions[mesh.positions.size() - 9 + k] * 0.125;
+  }
+  expectVector(first, 0, 0, 0);
+  expectVector(last, -1, 2.0 + 2.0 * std::cos(3.14159265358979 / 6.0), 0, 1e-4);
+}
+
+TEST(Mesh, ContoursAreSampledAtEqualDistancesFromPlusX) {
+  language::ViewSettings view;
+  // a closed square of control points: its B-spline is symmetric
+  view.contours.push_back({.id = 4, .isClosed = true, .points = {{0, 1, 0}, {-1, 0, 0}, {0, -1, 0}, {1, 0, 0}}});
+  const std::vector<core::Vec3> samples = sampleContour(view, 4, 8);
+  ASSERT_EQ(samples.size(), 9U);
+  EXPECT_NEAR(samples[0].y, 0.0, 1e-12);
+  EXPECT_GT(samples[0].x, 0.0);
+  expectVector(samples[8], samples[0].x, samples[0].y, 0, 1e-9);
+  EXPECT_NEAR(samples[4].x, -samples[0].x, 1e-6);
+  // an unknown contour is the circle
+  expectVector(sampleContour(view, 9, 4)[1], 0, 1, 0);
+}
+
+TEST(Palette, ColourIndicesWrapAndNeighboursAreClose) {
+  const Colour a = defaultColour(7);
+  const Colour b = defaultColour(7 + 256);
+  EXPECT_EQ(a.red, b.red);
+  EXPECT_EQ(a.green, b.green);
+  EXPECT_EQ(defaultColour(-1).blue, defaultColour(255).blue);
+}
+
+TEST(Palette, ASceneThatSaysNothingAboutColourGoesFromBrownToGreen) {
+  TurtleRun plain("F[+F[+F]]");
+  plain.draw();
+  const Palette palette(plain.scene);
+  const Colour trunk = palette.ofSegment(plain.scene.segments[0]);
+  const Colour twig = palette.ofSegment(plain.scene.segments[2]);
+  EXPECT_GT(trunk.red, trunk.green);
+  EXPECT_GT(twig.green, twig.red);
+  TurtleRun coloured("F;(200)F");
+  coloured.draw();
+  EXPECT_EQ(Palette(coloured.scene).ofSegment(coloured.scene.segments[1]).red, defaultColour(200).red);
+}
+
+}  // namespace
+}  // namespace espalier::turtle
