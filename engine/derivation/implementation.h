@@ -79,10 +79,11 @@ class Derivation::Implementation {
                                                  std::uint64_t module, double draw);
   [[noreturn]] void failQuickValue(const QuickRule& rule, std::uint32_t valueIndex, double value, std::uint64_t module,
                                    core::ModuleTypeId type);
+  void scanBackwards(const PlantState& state);
   void reserveOutput(std::uint64_t moduleCount, std::uint64_t parameterCount);
   void reserveEstimate(const ModuleString& old);
   Outcome rewriteModule(const SystemTables& tables, const ModuleString& old, std::uint64_t module, std::uint64_t offset,
-                        double draw);
+                        double draw, ModuleString& output);
   [[nodiscard]] StringPart cutPart(const ModuleString& old, std::uint64_t module, std::uint64_t offset) const;
   void keepCutPart(const ModuleString& old, const StringPart& part, std::uint64_t offset);
   void appendKeptParts(const ModuleString& old);
@@ -114,6 +115,7 @@ class Derivation::Implementation {
   bool hasParameters_ = false;
 
   ModuleString working_;                  // the string being produced; swapped with the old one at the end of a step
+  ProducedPieces pieces_;                 // the same while it is produced from right to left
   StringIndex index_;                     // of the string that is being read
   Backup backup_;
   std::vector<double> frame_;             // formal parameters of the scan's shortcuts (Program::maximumSlots)

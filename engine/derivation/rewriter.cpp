@@ -21,9 +21,10 @@ Rewriter::Rewriter(const language::Program& program, Evaluator& evaluator, Rando
       frames_(program.maximumSlots + std::size_t{1}, 0.0),
       chosenFrame_(frames_.data()) {}
 
-void Rewriter::setStrings(const ContextString& around, const ModuleString* produced) {
+void Rewriter::setStrings(const ContextString& around, const ModuleString* produced, const ProducedPieces* pieces) {
   around_ = around;
   produced_ = produced;
+  pieces_ = pieces;
   producedIndex_.clear();
 }
 
@@ -31,7 +32,8 @@ bool Rewriter::matchesShape(const Production& production, const ContextRules& ru
                             const Surroundings& surroundings, double* frame) {
   // the strict predecessor: contiguous modules of equal type
   const std::size_t length = production.predecessor.size();
-  if (place.size - place.module < length) {
+  // from right to left the modules behind the first one are rewritten already
+  if (place.size - place.module < length || (pieces_ != nullptr && length > 1 && place.types == around_.types)) {
     return false;
   }
   std::uint64_t offset = place.offset;
@@ -61,8 +63,14 @@ bool Rewriter::matchesShape(const Production& production, const ContextRules& ru
 }
 
 bool Rewriter::matchesProduced(const Production& production, const ContextRules& rules, double* frame) {
-  if (!production.newRightContext.empty() || produced_ == nullptr) {
-    // the string is produced from left to right: nothing is to the right yet
+  if (!production.newRightContext.empty() &&
+      (pieces_ == nullptr || !pieces_->matchesRight(*program_, rules, production.newRightContext, frame))) {
+    return false;
+  }
+  if (production.newLeftContext.empty()) {
+    return true;
+  }
+  if (produced_ == nullptr) {
     return false;
   }
   producedIndex_.extend(*program_, *produced_);

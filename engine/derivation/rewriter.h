@@ -8,6 +8,7 @@
 #include "engine/derivation/context_matcher.h"
 #include "engine/derivation/evaluator.h"
 #include "engine/derivation/module_string.h"
+#include "engine/derivation/produced_pieces.h"
 #include "engine/derivation/random_source.h"
 #include "engine/derivation/string_index.h"
 #include "engine/language/program.h"
@@ -39,8 +40,9 @@ class Rewriter {
   /// All must outlive the object.
   Rewriter(const language::Program& program, Evaluator& evaluator, RandomSource& random, const core::Limits& limits);
 
-  /// The string around the predecessors, and the string being produced (`<<` looks there; null: nothing matches).
-  void setStrings(const ContextString& around, const ModuleString* produced);
+  /// The string around the predecessors, and the string being produced: from left to right (`<<` looks there) or from right
+  /// to left (`>>`); null: such contexts never match.
+  void setStrings(const ContextString& around, const ModuleString* produced, const ProducedPieces* pieces = nullptr);
   [[nodiscard]] const ContextString& around() const { return around_; }
 
   /// A module type that a predecessor may begin with but never reach over (calls of sub-L-systems and their `$`), by type.
@@ -118,6 +120,7 @@ class Rewriter {
   bool storesFloats_;
   ContextString around_;
   const ModuleString* produced_ = nullptr;  // the string being produced, of the caller
+  const ProducedPieces* pieces_ = nullptr;  // the same when it is produced from right to left
   StringIndex producedIndex_;               // its bracket links, extended when asked for
   std::vector<std::uint8_t> isBarrier_;     // by module type; empty: none
   std::vector<double> frames_;              // formal parameters, Program::maximumSlots for each candidate

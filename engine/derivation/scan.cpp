@@ -49,11 +49,14 @@ void Derivation::Implementation::scan(PlantState& state) {
                   [&](const language::LSystem& system) { return needsIndex(system); })) {
     buildIndex(old);
   }
+  const bool isBackwards = tables_.front().isProducedBackwards && !program_->hasSubSystems;
   rewriter_.setStrings({old.types().data(), old.parameters().data(), old.size(), old.parameterCount(), &index_},
-                       &working_);
+                       isBackwards ? nullptr : &working_, isBackwards ? &pieces_ : nullptr);
   reserveEstimate(old);
   if (program_->hasSubSystems) {
     scanWithCalls(state);
+  } else if (isBackwards) {
+    scanBackwards(state);
   } else if (random_.isSequential() && program_->systems.front().isStochastic) {
     hasParameters_ ? scanPlain<true, true>(state) : scanPlain<true, false>(state);
   } else {
@@ -142,7 +145,7 @@ void Derivation::Implementation::scanPlain(const PlantState& state) {
 
       if (plan.kind == TypePlan::Kind::General) {
         stopWriting();
-        const Outcome outcome = rewriteModule(tables, old, module, offset, draw);
+        const Outcome outcome = rewriteModule(tables, old, module, offset, draw, working_);
         if (outcome.fate == Fate::Cut) {
           const StringPart part = cutPart(old, module, offset);
           keepCutPart(old, part, offset);
@@ -213,6 +216,31 @@ void Derivation::Implementation::scanPlain(const PlantState& state) {
   }
 }
 
+void Derivation::Implementation::scanBackwards(const PlantState& state) {
+  const SystemTables& tables = tables_.front();
+  const ModuleString& old = state.string;
+  const bool drawsEachPosition = random_.isSequential() && tables.system->isStochastic;
+  pieces_.clear();
+  std::uint64_t offset = old.parameterCount();
+  for (std::uint64_t module = old.size(); module-- > 0;) {
+    if ((module & 0xFFFU) == 0) {
+      evaluator_.pollCancelled();
+    }
+    offset -= program_->arity[old.types()[module]];
+    pieces_.begin();
+    const double draw = drawsEachPosition ? random_.selection(step_, module) : 0.0;
+    const Outcome outcome = rewriteModule(tables, old, module, offset, draw, pieces_.modules());
+    if (outcome.fate == Fate::Cut) {
+      // what stands right of it in its branch has been made already
+      const StringPart part = cutPart(old, module, offset);
+      keepCutPart(old, part, offset);
+      pieces_.dropBefore(part.endModule - part.firstModule);
+    }
+    rewriter_.checkSize(pieces_.modules().size(), pieces_.modules().parameterCount());
+  }
+  pieces_.appendTo(working_);
+}
+
 const QuickRule* Derivation::Implementation::chooseQuickRule(const QuickRule* first, const QuickRule* last,
                                                              double* frame, std::uint64_t module, double draw) {
   const auto evaluate = [&](const QuickValue& value) {
@@ -259,7 +287,8 @@ void Derivation::Implementation::failQuickValue(const QuickRule& rule, std::uint
 Derivation::Implementation::Outcome Derivation::Implementation::rewriteModule(const SystemTables& tables,
                                                                                const ModuleString& old,
                                                                                std::uint64_t module,
-                                                                               std::uint64_t offset, double draw) {
+                                                                               std::uint64_t offset, double draw,
+                                                                               ModuleString& output) {
   const core::ModuleTypeId type = old.types()[module];
   const PredecessorPlace place{old.types().data(), old.parameters().data(), old.size(), module, offset};
   Surroundings surroundings{module, offset, 0, 0, true};
@@ -280,9 +309,9 @@ Derivation::Implementation::Outcome Derivation::Implementation::rewriteModule(co
         surroundings.rightOffset = offset + outcome.parameters;
         surroundings.isBehindPredecessor = false;
         rewriter_.applyNested(*production, system.decomposition, tables.rules, surroundings, 0, false,
-                              core::DrawDomain::Decomposition, step_, module, working_);
+                              core::DrawDomain::Decomposition, step_, module, output);
       } else {
-        rewriter_.apply(*production, working_);
+        rewriter_.apply(*production, output);
       }
       return outcome;
     }
@@ -298,7 +327,7 @@ Derivation::Implementation::Outcome Derivation::Implementation::rewriteModule(co
       surroundings.rightOffset = offset + outcome.parameters;
       surroundings.isBehindPredecessor = false;
       rewriter_.applyNested(*production, system.decomposition, tables.rules, surroundings, 1, false,
-                            core::DrawDomain::Decomposition, step_, module, working_);
+                            core::DrawDomain::Decomposition, step_, module, output);
       return outcome;
     }
   }
@@ -307,7 +336,7 @@ Derivation::Implementation::Outcome Derivation::Implementation::rewriteModule(co
     return {1, program_->arity[type], Fate::Cut};
   }
   const std::size_t arity = program_->arity[type];
-  working_.append(type, old.parameters().subspan(offset, arity));
+  output.append(type, old.parameters().subspan(offset, arity));
   return {1, arity, Fate::Copied};
 }
 

@@ -88,7 +88,7 @@ void Derivation::Implementation::scanWithCalls(PlantState& state) {
     const double draw = random_.isSequential() && tables.system->isStochastic ? random_.selection(step_, module) : 0.0;
     const std::uint64_t firstModule = working_.size();
     const std::uint64_t firstParameter = working_.parameterCount();
-    const Outcome outcome = rewriteModule(tables, old, module, offset, draw);
+    const Outcome outcome = rewriteModule(tables, old, module, offset, draw, working_);
     const bool isOldCall = isCall_[type] != 0;
     const std::uint32_t instance = nextCall;
     nextCall += isOldCall ? 1 : 0;

@@ -14,7 +14,7 @@ SystemTables::SystemTables(const language::Program& program, std::uint32_t syste
                                           return !system->decomposition.index.candidates(module.type).empty();
                                         });
     decomposes.push_back(isDecomposed ? 1 : 0);
-    hasNewContexts = hasNewContexts || !production.newLeftContext.empty() || !production.newRightContext.empty();
+    isProducedBackwards = isProducedBackwards || !production.newRightContext.empty();
   }
 }
 

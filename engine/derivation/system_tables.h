@@ -19,7 +19,7 @@ struct SystemTables {
   ProductionPlan plan;
   bool hasDecomposition = false;         // there are decomposition productions and the maximum depth is not 0
   std::vector<std::uint8_t> decomposes;  // by production: a module of its successor is a decomposition predecessor
-  bool hasNewContexts = false;           // a production looks at the string being produced
+  bool isProducedBackwards = false;      // a production has a `>>` context: the scan runs from right to left
 };
 
 /// The tables of all L-systems, in the order of Program::systems.

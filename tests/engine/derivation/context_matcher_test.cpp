@@ -77,5 +77,13 @@ TEST(ContextMatcher, NewLeftContextSeesTheStringBeingProduced) {
   EXPECT_EQ(once("", "S(1)J(0)J(0)", "S(a) << J(b) --> S(a+1)\n"), "S(1)S(2)S(3)");
 }
 
+TEST(ContextMatcher, NewRightContextSeesTheStringBeingProducedFromTheRight) {
+  EXPECT_EQ(once("", "JJ[J]J[K]S", "J >> S --> S\n"), "SS[J]S[K]S");
+  EXPECT_EQ(once("", "J(0)J(0)S(5)", "J(b) >> S(a) --> S(a+1)x(a)\nx(a) --> y(a)\n"), "S(7)x(6)S(6)x(5)S(5)");
+  EXPECT_EQ(once("ignore: +\n", "J+K[X]L", "J >> [Y=]L --> j\nX --> YZ\nK --> *\n"), "j+[YZ]L");
+  EXPECT_EQ(once("", "A[JB%CD[E]]J", "J >> B --> b\nC --> CC\n"), "A[bB]J");
+  EXPECT_EQ(once("", "[JB%C%DD]J", "J >> B --> b\nC --> CC\n"), "[bB]J");
+}
+
 }  // namespace
 }  // namespace espalier
