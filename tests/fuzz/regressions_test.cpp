@@ -5,6 +5,7 @@
 #include <iterator>
 #include <string>
 
+#include "engine/language/view_file.h"
 #include "tests/fuzz/bundle.h"
 #include "tests/fuzz/targets.h"
 
@@ -38,6 +39,21 @@ TEST(FuzzRegressions, TargetsAcceptTextsWithoutMeaning) {
       EXPECT_NO_THROW(target.run(text));
     }
   }
+}
+
+// a seed that is refused early teaches a fuzzer nothing
+TEST(FuzzSeeds, TheViewFileWithEveryFormatIsReadWithoutAWarning) {
+  core::MemoryFileProvider files = unbundle(
+      contentOf(std::filesystem::path(ESPALIER_SOURCE_DIR) / "tests/fuzz/seeds/view_file/every-format"), "model.v");
+  const language::ViewFileResult result =
+      language::readViewFile("model.v", files, core::Compatibility::Espalier, core::Limits{});
+  for (const core::Diagnostic& diagnostic : result.diagnostics.entries()) {
+    ADD_FAILURE() << core::formatDiagnostic(diagnostic);
+  }
+  EXPECT_EQ(result.settings.contours.size(), 2U);
+  EXPECT_EQ(result.settings.functions.size(), 2U);
+  EXPECT_EQ(result.settings.curves.size(), 2U);
+  EXPECT_EQ(result.settings.surfaces.size(), 1U);
 }
 
 TEST(Bundle, SplitsATextIntoItsFiles) {

@@ -1,5 +1,5 @@
 // write_seeds SOURCE OUT: writes what the fuzzers begin with below OUT, one folder for each program, from the models of the
-// conformance suite and the gallery below SOURCE.
+// conformance suite and the gallery below SOURCE, and the texts in tests/fuzz/seeds.
 
 #include <algorithm>
 #include <filesystem>
@@ -86,6 +86,12 @@ int main(int argumentCount, char** arguments) {
       if (entry.is_directory()) {
         writeSeedsOf(entry.path(), arguments[2]);
       }
+    }
+  }
+  for (const auto& entry : fs::recursive_directory_iterator(source / "tests/fuzz/seeds")) {
+    if (entry.is_regular_file()) {
+      const std::string program = "fuzz_" + entry.path().parent_path().filename().string();
+      writeSeed(arguments[2], program, entry.path().filename().string(), contentOf(entry.path()));
     }
   }
   return 0;
