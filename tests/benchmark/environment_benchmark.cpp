@@ -1,0 +1,124 @@
+// The other half of a step: interpretation for queries, answers, and writing them back; and the processes alone.
+
+#include <benchmark/benchmark.h>
+
+#include <cmath>
+
+#include "environment/registry.h"
+#include "tests/benchmark/workload.h"
+
+namespace espalier::benchmarking {
+namespace {
+
+using Counter = benchmark::Counter;
+using Process = std::unique_ptr<turtle::EnvironmentProcess>;
+
+Process makeProcess(const std::string& name, const std::string& configuration) {
+  auto made = environment::makeProcess(name, configuration);
+  if (const auto* errors = std::get_if<std::vector<core::Diagnostic>>(&made)) {
+    throw std::runtime_error(errors->front().message);
+  }
+  return std::move(std::get<Process>(made));
+}
+
+// 65,536 queries a step (README.md: open.l with K=16, grown after 16 steps)
+void answer(benchmark::State& state, const std::string& name, const std::string& configuration) {
+  const auto program = compileWorkload({"open", "40"});
+  simulation::Simulation simulation(program, {turtle::PlantPlacement{}}, makeProcess(name, configuration), {});
+  require(simulation.rewind());
+  while (simulation.completedSteps() < 18) {
+    require(simulation.step());
+  }
+  core::StringSink grown;
+  simulation.save(grown);
+  std::uint64_t queries = 0;
+  for (auto _ : state) {
+    state.PauseTiming();
+    require(simulation.restore(grown.text()));
+    state.ResumeTiming();
+    require(simulation.answer());
+    queries = simulation.statistics().queries;
+  }
+  state.counters["queries"] = Counter(static_cast<double>(queries));
+  state.counters["queries/s"] = Counter(static_cast<double>(queries), Counter::kIsIterationInvariantRate);
+}
+
+// queries at points of a space-filling lattice (R3 sequence), about one per unit of volume
+turtle::QueryBatch makeQueries(std::size_t count) {
+  turtle::QueryBatch batch;
+  const double side = std::cbrt(static_cast<double>(count));
+  constexpr double kGolden = 1.2207440846057596;
+  batch.parameterOffset.push_back(0);
+  batch.followingOffset.push_back(0);
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto coordinate = [&](double power) {
+      const double x = static_cast<double>(i + 1) / std::pow(kGolden, power);
+      return side * (x - std::floor(x));
+    };
+    batch.plant.push_back(0);
+    batch.module.push_back(i);
+    batch.symbol.push_back(0);
+    batch.isTransient.push_back(0);
+    batch.position.push_back({coordinate(1.0), coordinate(2.0), coordinate(3.0)});
+    batch.heading.push_back({0.0, 1.0, 0.0});
+    batch.left.push_back({-1.0, 0.0, 0.0});
+    batch.up.push_back({0.0, 0.0, -1.0});
+    batch.width.push_back(1.0);
+    batch.scale.push_back(1.0);
+    batch.parameters.push_back(static_cast<double>(i % 7 + 1));
+    batch.parameterOffset.push_back(i + 1);
+    batch.following.push_back(core::kNoSymbol);
+    batch.followingOffset.push_back(0);
+  }
+  return batch;
+}
+
+void process(benchmark::State& state, const std::string& name, const std::string& configuration) {
+  const Process environment = makeProcess(name, configuration);
+  turtle::EnvironmentContext context;
+  context.symbols = {"E"};
+  const turtle::QueryBatch queries = makeQueries(static_cast<std::size_t>(state.range(0)));
+  turtle::ReplyBatch replies;
+  for (auto _ : state) {
+    state.PauseTiming();
+    replies.prepare(queries);
+    if (const auto error = environment->open(context)) {
+      state.SkipWithError(error->message.c_str());
+      return;
+    }
+    state.ResumeTiming();
+    if (const auto error = environment->step(queries, replies)) {
+      state.SkipWithError(error->message.c_str());
+      return;
+    }
+  }
+  state.counters["queries"] = Counter(static_cast<double>(queries.size()));
+  state.counters["queries/s"] = Counter(static_cast<double>(queries.size()), Counter::kIsIterationInvariantRate);
+}
+
+const bool kIsRegistered = [] {
+  for (const auto& [name, configuration] : std::vector<std::pair<std::string, std::string>>{
+           {"constant", ""}, {"height", ""}, {"honda", R"({"radius":0.5,"threeDimensional":true})"}}) {
+    benchmark::RegisterBenchmark(("answer/" + name).c_str(),
+                                 [name = name, configuration = configuration](benchmark::State& state) {
+                                   answer(state, name, configuration);
+                                 })
+        ->Unit(benchmark::kMillisecond)
+        ->UseRealTime();
+  }
+  for (const auto& [name, configuration] : std::vector<std::pair<std::string, std::string>>{
+           {"height", ""}, {"honda", R"({"radius":0.5,"threeDimensional":true})"}, {"shadow", ""}}) {
+    benchmark::RegisterBenchmark(("process/" + name).c_str(),
+                                 [name = name, configuration = configuration](benchmark::State& state) {
+                                   process(state, name, configuration);
+                                 })
+        ->Unit(benchmark::kMillisecond)
+        ->UseRealTime()
+        ->RangeMultiplier(10)
+        ->Range(100, 1'000'000);
+  }
+  return true;
+}();
+
+}  // namespace
+}  // namespace espalier::benchmarking
