@@ -141,14 +141,11 @@ class SocketChannel(Channel):
 
     def _fill(self, deadline: Optional[float]) -> bool:
         """Reads some bytes into the buffer; False at the end of the stream."""
+        remaining = None if deadline is None else deadline - time.monotonic()
+        if remaining is not None and remaining <= 0:
+            raise TimeoutError
         try:
-            if deadline is None:
-                self._socket.settimeout(None)
-            else:
-                remaining = deadline - time.monotonic()
-                if remaining <= 0:
-                    raise TimeoutError
-                self._socket.settimeout(remaining)
+            self._socket.settimeout(remaining)
             piece = self._socket.recv(1 << 18)
         except socket.timeout:
             raise TimeoutError from None
