@@ -1,0 +1,244 @@
+// The program from the shell: what it prints where, its messages, its exit status.
+
+#include <gtest/gtest.h>
+
+#include <regex>
+
+#include "tests/clients/program_run.h"
+
+namespace espalier::test {
+namespace {
+
+constexpr const char* kAlgae = "Lsystem: 1\nderivation length: 3\nAxiom: A\nA --> AB\nB --> A\nendlsystem\n";
+constexpr const char* kHeight =
+    "Lsystem: 1\nderivation length: 3\nAxiom: A?E(0)\n"
+    "A > ?E(h) : h < 2 --> FA\nA > ?E(h) : h >= 2 --> *\nendlsystem\n";
+constexpr const char* kPrinting =
+    "Lsystem: 1\nderivation length: 2\nEndEach: {printf(\"step %g\\n\",Q);}\nAxiom: A\nA --> AA\nendlsystem\n";
+constexpr const char* kStochastic =
+    "Lsystem: 1\nderivation length: 8\nAxiom: A\nA --> AA : 1\nA --> AB : 1\nendlsystem\n";
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+class Cli : public testing::Test {
+ protected:
+  ProgramRun run(const std::string& arguments) const { return runProgram(arguments, folder_.path()); }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(Cli, DerivePrintsTheLastString) {
+  folder_.write("algae.l", kAlgae);
+  const ProgramRun result = run("derive algae.l");
+  EXPECT_EQ(result.output, "ABAAB\n");
+  EXPECT_EQ(result.errors, "");
+  EXPECT_EQ(result.status, 0);
+}
+
+TEST_F(Cli, DeriveEveryPrintsAllSteps) {
+  folder_.write("algae.l", kAlgae);
+  EXPECT_EQ(run("derive algae.l --every").output, "0\tA\n1\tAB\n2\tABA\n3\tABAAB\n");
+  EXPECT_EQ(run("derive algae.l --every --steps 1").output, "0\tA\n1\tAB\n");
+}
+
+TEST_F(Cli, DeriveAnsweredPrintsTheStringsThatTheStepsReadFrom) {
+  folder_.write("up.l", kHeight);
+  // F goes up by 1 a step; the query after F^k stands at height k, and the last string is never answered
+  EXPECT_EQ(run("derive up.l --every --environment height").output,
+            "0\tA?E(0)\n1\tFA?E(0)\n2\tFFA?E(1)\n3\tFF?E(2)\n");
+  EXPECT_EQ(run("derive up.l --every --answered --environment height").output,
+            "0\tA?E(0)\n1\tFA?E(1)\n2\tFFA?E(2)\n");
+  const ProgramRun alone = run("derive up.l --answered");
+  EXPECT_EQ(alone.status, 2);
+  EXPECT_TRUE(contains(alone.errors, "--every")) << alone.errors;
+}
+
+TEST_F(Cli, FilesBesideTheModelAreUsedUnlessOptionsSayOtherwise) {
+  folder_.write("up.l", kHeight);
+  folder_.write("up.e", "executable: height -e up.e\nturtle position: P: %g %g %g\n");
+  EXPECT_EQ(run("derive up.l").output, "FF?E(2)\n");
+  EXPECT_EQ(run("derive up.l --environment constant").output, "FFFA?E(1)\n");
+  EXPECT_EQ(run("derive .").output, "FF?E(2)\n");
+}
+
+TEST_F(Cli, DefinesWinOverTheModel) {
+  folder_.write("n.l", "#define N 1\nLsystem: 1\nderivation length: N\nAxiom: A\nA --> AB\nendlsystem\n");
+  EXPECT_EQ(run("derive n.l").output, "AB\n");
+  EXPECT_EQ(run("derive n.l --define N=3").output, "ABBB\n");
+  EXPECT_EQ(run("derive n.l --define =3").status, 2);
+}
+
+TEST_F(Cli, CompatibleModePrintsSixDigits) {
+  folder_.write("third.l", "Lsystem: 1\nderivation length: 1\nAxiom: A(1)\nA(x) --> A(x/3)\nendlsystem\n");
+  EXPECT_EQ(run("derive third.l").output, "A(0.3333333333333333)\n");
+  EXPECT_EQ(run("derive third.l --compat cpfg").output, "A(0.333333)\n");
+  EXPECT_EQ(run("derive third.l --compat lpfg").status, 2);
+}
+
+TEST_F(Cli, PrintfGoesToStandardError) {
+  folder_.write("p.l", kPrinting);
+  const ProgramRun result = run("derive p.l");
+  EXPECT_EQ(result.output, "AAAA\n");
+  EXPECT_EQ(result.errors, "step 1\nstep 2\n");
+}
+
+TEST_F(Cli, SeedIsDrawnOnceAndSaid) {
+  folder_.write("s.l", kStochastic);
+  const ProgramRun first = run("derive s.l");
+  std::smatch seed;
+  ASSERT_TRUE(std::regex_match(first.errors, seed, std::regex("seed ([0-9]+)\n"))) << first.errors;
+  const ProgramRun again = run("derive s.l --seed " + seed[1].str());
+  EXPECT_EQ(again.output, first.output);
+  EXPECT_EQ(again.errors, "");
+  EXPECT_EQ(run("derive s.l --seed 7 --threads 2").output, run("derive s.l --seed 7").output);
+  EXPECT_NE(run("derive s.l --seed 7").output, run("derive s.l --seed 8").output);
+}
+
+TEST_F(Cli, StatisticsAreOneJsonObjectOnStandardError) {
+  folder_.write("up.l", kHeight);
+  const ProgramRun result = run("derive up.l --environment height --statistics");
+  EXPECT_EQ(result.output, "FF?E(2)\n");
+  // two bytes a module and eight a parameter
+  EXPECT_TRUE(std::regex_match(result.errors,
+                               std::regex(R"(\{"steps":3,"modules":4,"parameters":1,"queries":3,)"
+                                          R"("derivationMilliseconds":[0-9.]+,"environmentMilliseconds":[0-9.]+,)"
+                                          R"("bytes":16\}\n)")))
+      << result.errors;
+}
+
+TEST_F(Cli, ErrorsOfAModelAreLocatedAndNothingIsDerived) {
+  folder_.write("bad.l", "Lsystem: 1\nderivation length: 1\nAxiom: A(1)\nA(x --> A\nendlsystem\n");
+  for (const char* command : {"derive bad.l", "check bad.l"}) {
+    const ProgramRun result = run(command);
+    EXPECT_EQ(result.status, 1) << command;
+    EXPECT_EQ(result.output, "") << command;
+    EXPECT_TRUE(contains(result.errors, "bad.l:4:")) << result.errors;
+    EXPECT_TRUE(contains(result.errors, "error: ")) << result.errors;
+    EXPECT_TRUE(contains(result.errors, "^")) << result.errors;
+  }
+}
+
+TEST_F(Cli, CheckSaysThatAModelIsRight) {
+  folder_.write("algae.l", kAlgae);
+  const ProgramRun result = run("check algae.l");
+  EXPECT_EQ(result.output, "algae.l: no errors\n");
+  EXPECT_EQ(result.status, 0);
+}
+
+TEST_F(Cli, MissingFilesSayWhatToDo) {
+  folder_.write("algae.l", kAlgae);
+  folder_.write("many/a.l", kAlgae);
+  folder_.write("many/b.l", kAlgae);
+  folder_.write("none/readme", "");
+  const auto error = [&](const std::string& arguments) {
+    const ProgramRun result = run(arguments);
+    EXPECT_EQ(result.status, 1) << arguments;
+    EXPECT_EQ(result.output, "") << arguments;
+    return result.errors;
+  };
+  EXPECT_EQ(error("derive nosuch.l"),
+            "error: there is no file 'nosuch.l': give the name of an L-system file (.l) or of the folder that holds it\n");
+  EXPECT_EQ(error("derive many"),
+            "error: the folder 'many' holds more than one L-system file (a.l, b.l): give the name of one\n");
+  EXPECT_EQ(error("derive none"),
+            "error: the folder 'none' holds no L-system file (.l): give a folder that does, or the file itself\n");
+  EXPECT_EQ(error("derive algae.l --view nosuch.v"),
+            "error: there is no file 'nosuch.v' (--view): check the name and the working folder\n");
+  EXPECT_EQ(error("derive algae.l --environment nosuch.json"),
+            "error: there is no environment file 'nosuch.json': check the name and the working folder\n");
+  EXPECT_EQ(error("run algae.l -o nosuch/a.svg"),
+            "error: cannot write 'nosuch/a.svg': there is no folder 'nosuch'; make it first\n");
+  EXPECT_EQ(error("run --resume nosuch.snapshot -o a.svg"),
+            "error: there is no snapshot 'nosuch.snapshot' (--resume): check the name and the working folder\n");
+}
+
+TEST_F(Cli, UnknownEnvironmentNamesTheNearest) {
+  folder_.write("up.l", kHeight);
+  const ProgramRun result = run("derive up.l --environment hight");
+  EXPECT_EQ(result.status, 1);
+  EXPECT_TRUE(contains(result.errors, "environment process 'hight' is unknown. Did you mean 'height'?")) << result.errors;
+}
+
+TEST_F(Cli, ConfigurationMistakesNameTheFile) {
+  folder_.write("up.l", kHeight);
+  folder_.write("honda.json", R"({"type":"honda","radios":1})");
+  const ProgramRun result = run("derive up.l --environment honda.json");
+  EXPECT_EQ(result.status, 1);
+  EXPECT_TRUE(contains(result.errors, "honda.json")) << result.errors;
+  EXPECT_TRUE(contains(result.errors, "radios")) << result.errors;
+}
+
+TEST_F(Cli, AnEnvironmentThatIsAwayStopsTheRun) {
+  folder_.write("up.l", kHeight);
+  const ProgramRun result = run("derive up.l --environment tcp://127.0.0.1:1");
+  EXPECT_EQ(result.status, 1);
+  EXPECT_EQ(result.output, "");
+  EXPECT_TRUE(contains(result.errors, "127.0.0.1:1")) << result.errors;
+}
+
+TEST_F(Cli, WrongUsageIsStatusTwo) {
+  folder_.write("algae.l", kAlgae);
+  EXPECT_EQ(run("").status, 2);
+  EXPECT_EQ(run("nosuch").status, 2);
+  EXPECT_EQ(run("derive").status, 2);
+  EXPECT_EQ(run("derive algae.l --steps many").status, 2);
+  EXPECT_EQ(run("run algae.l").status, 2);
+  EXPECT_EQ(run("run -o a.svg").status, 2);
+  const ProgramRun suffix = run("run algae.l -o a.png");
+  EXPECT_EQ(suffix.status, 2);
+  EXPECT_TRUE(contains(suffix.errors, "'a.png' has no known suffix: give a name that ends in .svg, .obj or .snapshot"))
+      << suffix.errors;
+}
+
+TEST_F(Cli, HelpNamesEverySubcommand) {
+  const ProgramRun result = run("--help");
+  EXPECT_EQ(result.status, 0);
+  for (const char* name : {"derive", "run", "check", "serve", "environment", "connect"}) {
+    EXPECT_TRUE(contains(result.output, name)) << name;
+    EXPECT_EQ(run(std::string(name) + " --help").status, 0) << name;
+  }
+}
+
+TEST_F(Cli, RunWritesPictureGeometryAndSnapshot) {
+  folder_.write("tree.l", "Lsystem: 1\nderivation length: 4\nAxiom: F\nF --> F[+F]F[-F]F\nendlsystem\n");
+  folder_.write("tree.v", "angle increment: 25\n");
+  const ProgramRun result = run("run tree.l -o tree.svg -o tree.obj -o tree.snapshot");
+  EXPECT_EQ(result.status, 0) << result.errors;
+  EXPECT_EQ(result.output, "");
+  EXPECT_TRUE(contains(result.errors, "wrote tree.svg (step 4, ")) << result.errors;
+  EXPECT_TRUE(contains(folder_.read("tree.svg"), "<svg"));
+  EXPECT_TRUE(contains(folder_.read("tree.obj"), "mtllib tree.mtl"));
+  EXPECT_TRUE(contains(folder_.read("tree.mtl"), "newmtl"));
+  EXPECT_EQ(folder_.read("tree.snapshot").substr(0, 8), "ESPALIER");
+}
+
+TEST_F(Cli, ResumedRunEqualsARunWithoutAPause) {
+  folder_.write("up.l", kHeight);
+  folder_.write("shade.json", R"({"type":"constant","values":[1]})");
+  ASSERT_EQ(run("run up.l --environment shade.json --steps 4 --quiet -o half.snapshot").status, 0);
+  ASSERT_EQ(run("run up.l --environment shade.json --steps 9 --quiet -o whole.svg").status, 0);
+  // the snapshot carries its model and its environment
+  folder_.write("up.l", "");
+  folder_.write("shade.json", "");
+  const ProgramRun resumed = run("run --resume half.snapshot --steps 9 -o resumed.svg");
+  EXPECT_EQ(resumed.status, 0) << resumed.errors;
+  EXPECT_TRUE(contains(resumed.errors, "wrote resumed.svg (step 9, ")) << resumed.errors;
+  EXPECT_EQ(folder_.read("resumed.svg"), folder_.read("whole.svg"));
+}
+
+TEST_F(Cli, FileThatIsNoSnapshotIsSaid) {
+  folder_.write("a.snapshot", "hello");
+  const ProgramRun result = run("run --resume a.snapshot -o a.svg");
+  EXPECT_EQ(result.status, 1);
+  EXPECT_TRUE(contains(result.errors, "'a.snapshot'")) << result.errors;
+}
+
+TEST_F(Cli, QuietLeavesResultsAndErrorsOnly) {
+  folder_.write("s.l", kStochastic);
+  EXPECT_EQ(run("derive s.l --quiet").errors, "");
+  EXPECT_NE(run("derive s.l --quiet").output, "");
+  EXPECT_NE(run("derive nosuch.l --quiet").errors, "");
+}
+
+}  // namespace
+}  // namespace espalier::test

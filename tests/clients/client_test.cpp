@@ -1,0 +1,133 @@
+#include "clients/cpp/client.h"
+
+#include <gtest/gtest.h>
+
+#include <boost/asio.hpp>
+#include <thread>
+
+namespace espalier::client {
+namespace {
+
+namespace asio = boost::asio;
+using asio::ip::tcp;
+
+/// A server that sends one prepared text for every line it receives, then closes.
+class ScriptedServer {
+ public:
+  explicit ScriptedServer(std::vector<std::string> answers)
+      : acceptor_(context_, tcp::endpoint(asio::ip::address_v4::loopback(), 0)) {
+    port_ = acceptor_.local_endpoint().port();
+    thread_ = std::thread([this, answers = std::move(answers)] {
+      tcp::socket socket = acceptor_.accept();
+      asio::streambuf buffer;
+      for (const std::string& answer : answers) {
+        boost::system::error_code error;
+        const std::size_t count = asio::read_until(socket, buffer, '\n', error);
+        if (error) {
+          return;
+        }
+        buffer.consume(count);
+        asio::write(socket, asio::buffer(answer), error);
+      }
+    });
+  }
+  ~ScriptedServer() { thread_.join(); }
+  [[nodiscard]] std::string address() const { return "127.0.0.1:" + std::to_string(port_); }
+
+ private:
+  asio::io_context context_;
+  tcp::acceptor acceptor_;
+  unsigned short port_ = 0;
+  std::thread thread_;
+};
+
+const std::string kWelcome = "{\"jsonrpc\":\"2.0\",\"id\":1,\"result\":{\"protocol\":1}}\n";
+
+std::unique_ptr<Client> connected(const ScriptedServer& server) {
+  auto result = Client::connect(server.address(), {});
+  if (const auto* error = std::get_if<protocol::Error>(&result)) {
+    ADD_FAILURE() << error->message;
+    return nullptr;
+  }
+  return std::move(std::get<std::unique_ptr<Client>>(result));
+}
+
+TEST(Client, SaysHelloAndKeepsTheAnswer) {
+  const ScriptedServer server({kWelcome});
+  EXPECT_EQ(connected(server)->helloResult(), R"({"protocol":1})");
+}
+
+TEST(Client, KeepsNotificationsAndRequestsThatComeBeforeTheAnswer) {
+  const ScriptedServer server({kWelcome,
+                               "{\"jsonrpc\":\"2.0\",\"method\":\"stream.data\",\"params\":{\"step\":1}}\n"
+                               "{\"jsonrpc\":\"2.0\",\"id\":\"s1\",\"method\":\"environment.step\",\"params\":{\"step\":4}}\n"
+                               "{\"jsonrpc\":\"2.0\",\"id\":2,\"result\":{\"a\":1}}\n",
+                               ""});
+  const auto client = connected(server);
+  EXPECT_EQ(std::get<std::string>(client->request("m", "{}")), R"({"a":1})");
+  const auto notification = client->nextNotification(std::chrono::seconds(0));
+  ASSERT_TRUE(notification.has_value());
+  EXPECT_EQ(notification->method, "stream.data");
+  EXPECT_EQ(notification->paramsJson, R"({"step":1})");
+  const auto request = client->nextRequest(std::chrono::seconds(0));
+  ASSERT_TRUE(request.has_value());
+  EXPECT_EQ(request->method, "environment.step");
+  EXPECT_EQ(client->respond(request->id, "{}"), std::nullopt);
+}
+
+TEST(Client, AnswersMayComeInAnyOrder) {
+  const ScriptedServer server({kWelcome, "",
+                               "{\"jsonrpc\":\"2.0\",\"id\":3,\"result\":\"second\"}\n"
+                               "{\"jsonrpc\":\"2.0\",\"id\":2,\"result\":\"first\"}\n"});
+  const auto client = connected(server);
+  const auto first = std::get<std::int64_t>(client->send("m", "{}"));
+  const auto second = std::get<std::int64_t>(client->send("m", "{}"));
+  EXPECT_EQ(std::get<std::string>(client->waitFor(first, std::chrono::seconds(30))), "\"first\"");
+  EXPECT_EQ(std::get<std::string>(client->waitFor(second, std::chrono::seconds(30))), "\"second\"");
+}
+
+TEST(Client, ErrorsOfTheServerAreValues) {
+  const ScriptedServer server(
+      {kWelcome, "{\"jsonrpc\":\"2.0\",\"id\":2,\"error\":{\"code\":1011,\"message\":\"none\",\"data\":{\"a\":1}}}\n"});
+  const auto error = std::get<protocol::Error>(connected(server)->request("m", "{}"));
+  EXPECT_EQ(error.code, protocol::ErrorCode::NotFound);
+  EXPECT_EQ(error.message, "none");
+  EXPECT_EQ(error.data, R"({"a":1})");
+}
+
+TEST(Client, ALostConnectionAndALateAnswerAreErrorsThatSayWhatToDo) {
+  {
+    const ScriptedServer server({kWelcome});
+    const auto error = std::get<protocol::Error>(connected(server)->request("m", "{}"));
+    EXPECT_EQ(error.message.substr(0, 37), "The connection to the server is lost:");
+    EXPECT_NE(error.message.find("Connect again."), std::string::npos);
+  }
+  const ScriptedServer server({kWelcome, "", ""});
+  const auto client = connected(server);
+  const auto id = std::get<std::int64_t>(client->send("m", "{}"));
+  const auto late = std::get<protocol::Error>(client->waitFor(id, std::chrono::milliseconds(1)));
+  EXPECT_EQ(late.code, protocol::ErrorCode::Timeout);
+  EXPECT_EQ(late.message, "No answer to request 2 within 1 ms.");
+  EXPECT_TRUE(client->isOpen());
+}
+
+TEST(Client, ARefusalWithoutIdIsWhyTheConnectionClosed) {
+  const ScriptedServer server({"{\"jsonrpc\":\"2.0\",\"id\":null,\"error\":{\"code\":1004,\"message\":\"too many\"}}\n"});
+  const auto result = Client::connect(server.address(), {});
+  EXPECT_EQ(std::get<protocol::Error>(result).message, "too many");
+}
+
+TEST(Client, WrongAddressesAreErrorsThatSayWhatToDo) {
+  EXPECT_EQ(std::get<protocol::Error>(Client::connect("nowhere", {})).message,
+            "'nowhere' is not an address; write HOST:PORT, for example 127.0.0.1:4321.");
+  // a port that was free a moment ago
+  asio::io_context context;
+  tcp::acceptor acceptor(context, tcp::endpoint(asio::ip::address_v4::loopback(), 0));
+  const std::string address = "127.0.0.1:" + std::to_string(acceptor.local_endpoint().port());
+  acceptor.close();
+  EXPECT_NE(std::get<protocol::Error>(Client::connect(address, {})).message.find("Start the server (espalier serve)"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace espalier::client
