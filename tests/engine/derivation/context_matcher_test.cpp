@@ -54,6 +54,12 @@ TEST(ContextMatcher, IgnoredBracketsLetTheRightContextWalkIntoBranches) {
   EXPECT_EQ(once("consider: JBC[]\n", "[J]yC", "J > C --> c\n"), "[J]yC");
 }
 
+TEST(ContextMatcher, BindsParametersBehindSkippedBranches) {
+  EXPECT_EQ(once("", "J(1)[B(7)[D(8,9)]]C(3)", "J(x) > C(y) --> J(y)\n"), "J(3)[B(7)[D(8,9)]]C(3)");
+  EXPECT_EQ(once("", "C(3)[B(7)[D(8,9)]]J(1)", "C(y) < J(x) --> J(y)\n"), "C(3)[B(7)[D(8,9)]]J(3)");
+  EXPECT_EQ(once("", "J(1)[B(7)C(8)[D(9)]D(6)]C(3)", "J(x) > [B(a)=]C(y) --> J(a+y)\n"), "J(10)[B(7)C(8)[D(9)]D(6)]C(3)");
+}
+
 TEST(ContextMatcher, StringEndsDoNotMatch) {
   EXPECT_EQ(once("", "UUU", "U < U > U --> V\nU > U --> L\nU < U --> R\n"), "LVR");
 }

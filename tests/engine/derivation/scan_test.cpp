@@ -33,8 +33,8 @@ class ModelMaker {
     } else if (hasContexts_ && chance(20)) {
       text += "ignore: []+\n";
     }
-    text += "Axiom: " + modules(number(3, 8), "", 2) + "\n";
-    const int count = number(1, 7);
+    text += "Axiom: " + modules(number(8, 16), "", 2) + "\n";
+    const int count = number(2, 9);
     for (int i = 0; i < count; ++i) {
       text += production();
     }
@@ -82,7 +82,8 @@ class ModelMaker {
     if (names.empty() || chance(15)) {
       return constant;
     }
-    const std::string x = oneOf(names);
+    // the last names are those of the right context
+    const std::string x = chance(50) ? oneOf(names) : names.substr(names.size() - 1);
     switch (number(0, 7)) {
       case 0:
         return x;
@@ -170,7 +171,13 @@ class ModelMaker {
     if (chance(40)) {
       text += " : " + condition(names);
     }
-    text += " --> " + (chance(5) ? std::string("*") : modules(number(1, 4), names, 1));
+    // branches and what follows them are what contexts look over
+    if (chance(5)) {
+      text += " --> *";
+    } else {
+      text += " --> " + modules(number(1, 4), names, 1);
+      text += chance(60) ? "[" + modules(2, names, 0) + "]" + modules(1, names, 0) : std::string();
+    }
     if (isStochastic_ && chance(70)) {
       text += " : " + (chance(20) && !names.empty() ? oneOf(names) + "*" + oneOf(names) : std::to_string(number(0, 4)));
     }
