@@ -1,0 +1,170 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <vector>
+
+#include "protocol/codec.h"
+
+namespace espalier::protocol {
+namespace {
+
+using nlohmann::json;
+
+std::string contentOf(const std::string& name) {
+  std::ifstream file(std::string(ESPALIER_SOURCE_DIR) + "/protocol/" + name);
+  std::stringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+/// The lines of all json blocks of the specification.
+std::vector<std::string> exampleLines() {
+  std::vector<std::string> lines;
+  std::istringstream text(contentOf("README.md"));
+  bool isInBlock = false;
+  for (std::string line; std::getline(text, line);) {
+    if (line.starts_with("```")) {
+      isInBlock = line == "```json";
+    } else if (isInBlock) {
+      lines.push_back(line);
+    }
+  }
+  return lines;
+}
+
+/// The part of JSON Schema that the file uses. Appends what is wrong.
+void validate(const json& schema, const json& root, const json& value, const std::string& path,
+              std::vector<std::string>& problems) {
+  if (schema.is_boolean()) {
+    return;
+  }
+  if (schema.contains("$ref")) {
+    const std::string name = schema["$ref"].get<std::string>().substr(std::string("#/$defs/").size());
+    validate(root["$defs"][name], root, value, path, problems);
+    return;
+  }
+  if (schema.contains("anyOf")) {
+    for (const json& option : schema["anyOf"]) {
+      std::vector<std::string> found;
+      validate(option, root, value, path, found);
+      if (found.empty()) {
+        return;
+      }
+    }
+    problems.push_back(path + ": none of the alternatives");
+    return;
+  }
+  if (schema.contains("enum") && std::find(schema["enum"].begin(), schema["enum"].end(), value) == schema["enum"].end()) {
+    problems.push_back(path + ": not one of the values");
+  }
+  if (schema.contains("type")) {
+    const json types = schema["type"].is_array() ? schema["type"] : json::array({schema["type"]});
+    const bool isRight = std::any_of(types.begin(), types.end(), [&](const json& type) {
+      return (type == "object" && value.is_object()) || (type == "array" && value.is_array()) ||
+             (type == "string" && value.is_string()) || (type == "boolean" && value.is_boolean()) ||
+             (type == "number" && value.is_number()) || (type == "integer" && value.is_number_integer()) ||
+             (type == "null" && value.is_null());
+    });
+    if (!isRight) {
+      problems.push_back(path + ": wrong type");
+      return;
+    }
+  }
+  for (const json& name : schema.value("required", json::array())) {
+    if (!value.contains(name.get<std::string>())) {
+      problems.push_back(path + ": " + name.get<std::string>() + " is missing");
+    }
+  }
+  if (schema.contains("properties") && value.is_object()) {
+    for (const auto& [name, member] : value.items()) {
+      if (schema["properties"].contains(name)) {
+        validate(schema["properties"][name], root, member, path + "." + name, problems);
+      }
+    }
+  }
+  if (schema.contains("items")) {
+    for (std::size_t i = 0; i < value.size(); ++i) {
+      validate(schema["items"], root, value[i], path + "[" + std::to_string(i) + "]", problems);
+    }
+    if (value.size() < schema.value("minItems", 0U) || value.size() > schema.value("maxItems", 1'000'000U)) {
+      problems.push_back(path + ": wrong length");
+    }
+  }
+}
+
+/// Runs the codec's decoder of a method's params, where there is one. The error's message or nothing.
+std::string decodeParams(const Message& message) {
+  const auto problemOf = [](const auto& decoded) {
+    const auto* error = std::get_if<Error>(&decoded);
+    return error == nullptr ? std::string() : error->message;
+  };
+  const Payload& payload = message.payload;
+  const std::string& method = message.method;
+  if (method == "hello") return problemOf(decodeHelloParams(payload));
+  if (method == "model.check" || method == "model.load") return problemOf(decodeModelParams(payload));
+  if (method == "simulation.create") return problemOf(decodeCreateParams(payload));
+  if (method == "simulation.step" || method == "simulation.run") return problemOf(decodeStepParams(payload));
+  if (method == "simulation.get") return problemOf(decodeGetParams(payload));
+  if (method == "simulation.reset") return problemOf(decodeResetParams(payload));
+  if (method == "simulation.restore") return problemOf(decodeRestoreParams(payload));
+  if (method == "environment.open") return problemOf(decodeOpenParams(payload));
+  if (method == "environment.step") return problemOf(decodeEnvironmentStepParams(payload));
+  if (method == "environment.restore") return problemOf(decodeRestoreStateParams(payload));
+  if (method == "stream.open") return problemOf(decodeStreamOpenParams(payload));
+  if (method == "stream.ack") return problemOf(decodeStreamAckParams(payload));
+  if (method == "$/cancel") return problemOf(decodeCancelParams(payload));
+  return {};
+}
+
+TEST(Readme, EveryExampleIsAMessageThatTheCodecAndTheSchemaAccept) {
+  const json schema = json::parse(contentOf("espalier-1.schema.json"));
+  const json& methods = schema["$defs"]["methods"];
+  std::map<std::string, std::string> methodOfId;
+  std::size_t count = 0;
+  for (const std::string& line : exampleLines()) {
+    SCOPED_TRACE(line);
+    ++count;
+    const auto decoded = decodeMessage(line);
+    if (const auto* bad = std::get_if<BadMessage>(&decoded)) {
+      FAIL() << bad->error.message;
+    }
+    const auto& message = std::get<Message>(decoded);
+    const json value = json::parse(line);
+    std::vector<std::string> problems;
+    validate(schema, schema, value, "message", problems);
+    if (!message.method.empty()) {
+      EXPECT_EQ(decodeParams(message), "");
+      ASSERT_TRUE(methods.contains(message.method));
+      validate(methods[message.method]["params"], schema, value.value("params", json::object()), "params", problems);
+      methodOfId[toText(message.id)] = message.method;
+    } else if (message.kind == Message::Kind::Result) {
+      ASSERT_TRUE(methodOfId.contains(toText(message.id))) << "an answer to no example";
+      validate(methods[methodOfId[toText(message.id)]]["result"], schema, value["result"], "result", problems);
+    } else {
+      EXPECT_NE(nameOf(message.error.code), "unknown");
+    }
+    for (const std::string& problem : problems) {
+      ADD_FAILURE() << problem;
+    }
+  }
+  EXPECT_GE(count, 40U);
+}
+
+TEST(Readme, NamesEveryMethodOfTheSchemaAndEveryErrorNumber) {
+  const std::string text = contentOf("README.md");
+  const json schema = json::parse(contentOf("espalier-1.schema.json"));
+  for (const auto& [name, shapes] : schema["$defs"]["methods"].items()) {
+    EXPECT_NE(text.find(name), std::string::npos) << name;
+  }
+  for (int code = 1001; code <= 1015; ++code) {
+    EXPECT_NE(text.find("| " + std::to_string(code) + " |"), std::string::npos) << code;
+    EXPECT_NE(nameOf(static_cast<ErrorCode>(code)), "unknown") << code;
+  }
+}
+
+}  // namespace
+}  // namespace espalier::protocol

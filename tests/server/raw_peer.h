@@ -1,0 +1,45 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "server/line_channel.h"
+#include "server_fixture.h"
+
+namespace espalier::server {
+
+inline constexpr std::string_view kHello =
+    R"({"jsonrpc":"2.0","id":1,"method":"hello","params":{"protocol":[1],"roles":["controller"],"name":"probe","version":"1"}})";
+
+/// A peer that sends exactly the bytes it is told to.
+class RawPeer {
+ public:
+  explicit RawPeer(const RunningServer& server) : channel_(dial(server.address()), Descriptor(), 100'000'000) {}
+
+  void send(std::string_view bytes) { (void)channel_.write(bytes, soon()); }
+  /// The next line; "(closed)" or "(timeout)" when there is none.
+  std::string line() {
+    std::string text;
+    switch (channel_.readLine(text, soon())) {
+      case LineChannel::Status::Done: return text;
+      case LineChannel::Status::Timeout: return "(timeout)";
+      default: return "(closed)";
+    }
+  }
+  std::string ask(std::string_view text) {
+    send(std::string(text) + "\n");
+    return line();
+  }
+
+ private:
+  static Deadline soon() { return std::chrono::steady_clock::now() + std::chrono::seconds(30); }
+  static Descriptor dial(const std::string& address) {
+    auto dialled = dialTcp(address, soon());
+    EXPECT_TRUE(std::holds_alternative<Descriptor>(dialled));
+    return std::move(std::get<Descriptor>(dialled));
+  }
+  LineChannel channel_;
+};
+
+}  // namespace espalier::server

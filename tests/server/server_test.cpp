@@ -1,0 +1,277 @@
+#include "server/server.h"
+
+#include <sys/types.h>
+#include <sys/wait.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "raw_peer.h"
+
+namespace espalier::server {
+namespace {
+
+TEST(Server, GrowsAPlantThroughTheWholeDialogue) {
+  const RunningServer server;
+  const auto client = connectTo(server);
+  const std::string created = resultOf(client->request("simulation.create", createParams(kGrowth, R"([{"type":"height"}])",
+                                                                                        R"("seed":7)")));
+  EXPECT_EQ(member(created, "step"), "0");
+  EXPECT_EQ(member(created, "seed"), "7");
+  EXPECT_EQ(member(created, "derivationLength"), "6");
+  const std::string simulation = member(created, "simulation");
+  const std::string stepped = resultOf(client->request("simulation.step", named(simulation, R"("steps":3)")));
+  EXPECT_EQ(member(stepped, "step"), "3");
+  EXPECT_EQ(member(stepped, "finished"), "false");
+  EXPECT_EQ(member(stepped, "truncated"), "false");
+  EXPECT_EQ(member(member(stepped, "statistics"), "queries"), "3");
+  EXPECT_EQ(member(member(stepped, "statistics"), "modules"), "5");
+  // the apex asks at heights 1, 2, 3 and stops at 3
+  EXPECT_EQ(stringOf(*client, simulation), "F(1)F(1)F(1)?E(3)");
+  const std::string run = resultOf(client->request("simulation.run", named(simulation)));
+  EXPECT_EQ(member(run, "step"), "6");
+  EXPECT_EQ(member(run, "finished"), "true");
+}
+
+TEST(Server, DrawsASeedOnceAndSaysWhich) {
+  const RunningServer server;
+  const auto client = connectTo(server);
+  const std::string a = resultOf(client->request("simulation.create", createParams(kGrowth)));
+  const std::string b = resultOf(client->request("simulation.create", createParams(kGrowth)));
+  EXPECT_NE(member(a, "seed"), member(b, "seed"));
+  EXPECT_EQ(member(member(resultOf(client->request("simulation.get",
+                                                   named(member(a, "simulation"), R"("what":"information")"))),
+                          "information"),
+                   "seed"),
+            member(a, "seed"));
+}
+
+TEST(Server, AModelWithErrorsCreatesNothingAndSaysWhere) {
+  const RunningServer server;
+  const auto client = connectTo(server);
+  const auto error = errorOf(client->request("simulation.create", createParams("Lsystem: 1\nAxiom: A(\nendlsystem\n")));
+  EXPECT_EQ(static_cast<int>(error.code), 1009);
+  EXPECT_NE(error.data.find("\"line\":2"), std::string::npos) << error.data;
+  EXPECT_EQ(member(resultOf(client->request("simulation.list", "{}")), "simulations"), "[]");
+  const std::string checked = resultOf(client->request("model.check", R"({"source":"Lsystem: 1\nAxiom: A\nA --> AA\nendlsystem\n"})"));
+  EXPECT_EQ(member(checked, "valid"), "true");
+}
+
+TEST(Server, AnUnknownEnvironmentIsAnErrorWithItsPathAndTheNearestName) {
+  const RunningServer server;
+  const auto client = connectTo(server);
+  const auto error = errorOf(client->request("simulation.create", createParams(kGrowth, R"([{"type":"hight"}])")));
+  EXPECT_EQ(static_cast<int>(error.code), -32602);
+  EXPECT_NE(error.message.find("params.environment[0]"), std::string::npos) << error.message;
+  EXPECT_NE(error.message.find("'height'"), std::string::npos) << error.message;
+}
+
+TEST(Server, ALoadedModelServesSeveralSimulations) {
+  const RunningServer server;
+  const auto client = connectTo(server);
+  protocol::JsonWriter params;
+  params.beginObject().key("source").text(kGrowth).endObject();
+  const std::string model = member(resultOf(client->request("model.load", params.view())), "model");
+  for (int i = 0; i < 2; ++i) {
+    const std::string created = resultOf(client->request(
+        "simulation.create", R"({"model":{"loaded":")" + model + R"("},"environment":[{"type":"height"}]})"));
+    const std::string simulation = member(created, "simulation");
+    resultOf(client->request("simulation.step", named(simulation, R"("until":2)")));
+    EXPECT_EQ(stringOf(*client, simulation), "F(1)F(1)F(1)A?E(2)");
+  }
+}
+
+TEST(Server, SimulationsBelongToTheServerAndOutliveTheirSession) {
+  const RunningServer server;
+  std::string simulation;
+  {
+    const auto client = connectTo(server);
+    simulation = create(*client, kGrowth, R"([{"type":"height"}])");
+  }
+  const auto other = connectTo(server);
+  resultOf(other->request("simulation.step", named(simulation)));
+  EXPECT_EQ(stringOf(*other, simulation), "F(1)F(1)A?E(1)");
+  resultOf(other->request("simulation.delete", named(simulation)));
+  EXPECT_EQ(static_cast<int>(errorOf(other->request("simulation.step", named(simulation))).code), 1011);
+}
+
+TEST(Server, SaveAndRestoreGoBackToTheSameState) {
+  const RunningServer server;
+  const auto client = connectTo(server);
+  const std::string simulation = create(*client, kGrowth, R"([{"type":"height"}])", R"("seed":3)");
+  resultOf(client->request("simulation.step", named(simulation)));
+  const std::string hash = member(resultOf(client->request("simulation.get", named(simulation, R"("what":"state-hash")"))),
+                                  "stateHash");
+  const std::string snapshot = member(resultOf(client->request("simulation.save", named(simulation))), "snapshot");
+  resultOf(client->request("simulation.step", named(simulation, R"("steps":2)")));
+  const std::string grown = stringOf(*client, simulation);
+  resultOf(client->request("simulation.restore", named(simulation, "\"snapshot\":\"" + snapshot + "\"")));
+  EXPECT_EQ(member(resultOf(client->request("simulation.get", named(simulation, R"("what":"state-hash")"))), "stateHash"),
+            hash);
+  resultOf(client->request("simulation.step", named(simulation, R"("steps":2)")));
+  EXPECT_EQ(stringOf(*client, simulation), grown);
+  EXPECT_EQ(static_cast<int>(
+                errorOf(client->request("simulation.restore", named(simulation, R"("snapshot":"AAAA")"))).code),
+            1013);
+}
+
+TEST(Server, ResetGoesToStepZeroWithAnotherSeedWhenGiven) {
+  const RunningServer server;
+  const auto client = connectTo(server);
+  const std::string simulation = create(*client, kGrowth, R"([{"type":"height"}])", R"("seed":3)");
+  resultOf(client->request("simulation.step", named(simulation)));
+  const std::string reset = resultOf(client->request("simulation.reset", named(simulation, R"("seed":9)")));
+  EXPECT_EQ(member(reset, "step"), "0");
+  EXPECT_EQ(member(reset, "seed"), "9");
+  EXPECT_EQ(stringOf(*client, simulation), "F(1)A?E(0)");
+}
+
+TEST(Server, KeepsSimulationsInTheDataFolderAcrossRestarts) {
+  const TemporaryFolder folder;
+  ServerOptions options;
+  options.dataFolder = folder.path();
+  std::string simulation;
+  {
+    const RunningServer server(options);
+    const auto client = connectTo(server);
+    simulation = create(*client, kGrowth, R"([{"type":"height"}])", R"("seed":3,"name":"my plant")");
+    EXPECT_EQ(member(resultOf(client->request("simulation.step", named(simulation))), "saved"), "true");
+  }
+  const RunningServer server(options);
+  const auto client = connectTo(server);
+  EXPECT_EQ(stringOf(*client, simulation), "F(1)F(1)A?E(1)");
+  const std::string information =
+      member(resultOf(client->request("simulation.get", named(simulation, R"("what":"information")"))), "information");
+  EXPECT_EQ(member(information, "name"), "my plant");
+  EXPECT_EQ(member(information, "seed"), "3");
+  EXPECT_EQ(member(resultOf(client->request("simulation.run", named(simulation))), "step"), "6");
+  EXPECT_EQ(stringOf(*client, simulation), "F(1)F(1)F(1)?E(3)");
+}
+
+TEST(Server, ADeletedSimulationIsGoneFromTheDataFolder) {
+  const TemporaryFolder folder;
+  ServerOptions options;
+  options.dataFolder = folder.path();
+  const RunningServer server(options);
+  const auto client = connectTo(server);
+  const std::string simulation = create(*client, kGrowth);
+  EXPECT_FALSE(std::filesystem::is_empty(folder.path() + "/simulations"));
+  resultOf(client->request("simulation.delete", named(simulation)));
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path() + "/simulations"));
+}
+
+TEST(Server, ADamagedSnapshotIsLeftAloneAndTheOthersAreLoaded) {
+  const TemporaryFolder folder;
+  ServerOptions options;
+  options.dataFolder = folder.path();
+  std::string simulation;
+  {
+    const RunningServer server(options);
+    simulation = create(*connectTo(server), kGrowth);
+  }
+  std::ofstream(folder.path() + "/simulations/sim-broken.snapshot") << "not a snapshot";
+  std::ofstream(folder.path() + "/simulations/sim-broken.json") << "{}";
+  const RunningServer server(options);
+  const auto client = connectTo(server);
+  EXPECT_EQ(stringOf(*client, simulation), "F(1)A?E(0)");
+  EXPECT_TRUE(std::filesystem::exists(folder.path() + "/simulations/sim-broken.snapshot"));
+}
+
+TEST(Server, LimitsAreNamedInTheErrorsTheyCause) {
+  ServerOptions options;
+  options.limits.simulations = 1;
+  const RunningServer server(options);
+  const auto client = connectTo(server);
+  (void)create(*client, kGrowth);
+  const auto error = errorOf(client->request("simulation.create", createParams(kGrowth)));
+  EXPECT_EQ(static_cast<int>(error.code), 1004);
+  EXPECT_EQ(error.message, "simulations is limited to 1, this is 2. Delete one first.");
+}
+
+TEST(Server, AModuleLimitStopsTheStepAndTheSimulationStays) {
+  const RunningServer server;
+  const auto client = connectTo(server);
+  const std::string simulation = create(*client, "Lsystem: 1\nderivation length: 9\nAxiom: A\nA --> AA\nendlsystem\n", {},
+                                        R"("limits":{"modules":4})");
+  const auto error = errorOf(client->request("simulation.step", named(simulation, R"("steps":5)")));
+  EXPECT_EQ(static_cast<int>(error.code), 1004);
+  EXPECT_EQ(stringOf(*client, simulation), "AAAA");
+}
+
+TEST(Server, RefusesAnAddressBeyondLoopbackWithoutTokenAndWithoutInsecure) {
+  ServerOptions options;
+  options.host = "0.0.0.0";
+  options.logLevel = "off";
+  EXPECT_EQ(Server(options).listen().value_or("").substr(0, 70),
+            "'0.0.0.0' can be reached from other machines: give a token that client");
+  options.token = "secret";
+  EXPECT_NE(Server(options).listen().value_or("").find("--insecure"), std::string::npos);
+}
+
+TEST(Server, APortInUseIsOneLineThatSaysWhatToDo) {
+  const RunningServer server;
+  ServerOptions options;
+  options.logLevel = "off";
+  const std::string address = server.address();
+  options.port = static_cast<std::uint16_t>(std::stoi(address.substr(address.find(':') + 1)));
+  const std::string problem = Server(options).listen().value_or("");
+  EXPECT_NE(problem.find("the port is in use. Choose another with --listen, or port 0"), std::string::npos) << problem;
+  EXPECT_EQ(problem.find('\n'), std::string::npos);
+}
+
+TEST(Server, ShutdownTellsSessionsAndFinishesTheRunningStep) {
+  RunningServer server;
+  const auto controller = connectTo(server);
+  std::atomic<bool> isAsked{false};
+  std::atomic<bool> isReleased{false};
+  auto environment = std::make_unique<OfferingEnvironment>(
+      server, "slow", [&](client::Client& self, const client::IncomingRequest& request) {
+        if (request.method != "environment.step") {
+          (void)self.respondError(request.id, {protocol::ErrorCode::UnknownMethod, "no", {}});
+          return;
+        }
+        isAsked = true;
+        isAsked.notify_all();
+        isReleased.wait(false);
+        (void)self.respond(request.id, R"({"replies":[{"id":0,"parameters":[1]}]})");
+      });
+  const std::string simulation = create(*controller, kGrowth, R"([{"type":"offered","name":"slow"}])");
+  const auto id = std::get<std::int64_t>(controller->send("simulation.step", named(simulation)));
+  isAsked.wait(false);
+  std::thread stopping([&] { server.stop(); });
+  const auto told = controller->nextNotification(std::chrono::seconds(30));
+  ASSERT_TRUE(told.has_value());
+  EXPECT_EQ(told->method, "server.shutdown");
+  isReleased = true;
+  isReleased.notify_all();
+  EXPECT_EQ(member(resultOf(controller->waitFor(id, std::chrono::seconds(30))), "step"), "1");
+  stopping.join();
+  environment.reset();
+}
+
+TEST(Server, CancelGivesUpARunBetweenStepsOrWithinOne) {
+  const RunningServer server;
+  const auto client = connectTo(server);
+  const std::string simulation =
+      create(*client, "Lsystem: 1\nderivation length: 100000000\nAxiom: A\nA --> A\nendlsystem\n");
+  const auto id = std::get<std::int64_t>(client->send("simulation.run", named(simulation)));
+  EXPECT_FALSE(client->notify("$/cancel", "{\"id\":" + std::to_string(id) + "}").has_value());
+  const auto error = errorOf(client->waitFor(id, std::chrono::seconds(30)));
+  EXPECT_EQ(static_cast<int>(error.code), 1010);
+  EXPECT_EQ(member(resultOf(client->request("simulation.step", named(simulation))), "truncated"), "false");
+}
+
+TEST(Server, OthersAreServedWhileALongRunGoesOn) {
+  const RunningServer server;
+  const auto runner = connectTo(server);
+  const std::string simulation =
+      create(*runner, "Lsystem: 1\nderivation length: 100000000\nAxiom: A\nA --> A\nendlsystem\n");
+  const auto id = std::get<std::int64_t>(runner->send("simulation.run", named(simulation)));
+  const auto other = connectTo(server);
+  EXPECT_EQ(stringOf(*other, simulation), "A");
+  EXPECT_FALSE(runner->notify("$/cancel", "{\"id\":" + std::to_string(id) + "}").has_value());
+  EXPECT_EQ(static_cast<int>(errorOf(runner->waitFor(id, std::chrono::seconds(30))).code), 1010);
+}
+
+}  // namespace
+}  // namespace espalier::server

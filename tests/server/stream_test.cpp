@@ -1,0 +1,146 @@
+#include "server/stream.h"
+
+#include "raw_peer.h"
+
+namespace espalier::server {
+namespace {
+
+constexpr std::string_view kChain = "Lsystem: 1\nderivation length: 50\nAxiom: FA\nA --> FA\nendlsystem\n";
+
+std::string nextFrame(client::Client& client) {
+  while (const auto notification = client.nextNotification(std::chrono::seconds(30))) {
+    if (notification->method == "stream.data") {
+      return notification->paramsJson;
+    }
+  }
+  ADD_FAILURE() << "no frame came";
+  return "{}";
+}
+
+TEST(Stream, SendsThePresentStateFirstAndThenEveryStep) {
+  const RunningServer server;
+  const auto client = connectTo(server);
+  const std::string simulation = create(*client, kChain);
+  const std::string opened = resultOf(client->request("stream.open", named(simulation, R"("what":"string")")));
+  resultOf(client->request("simulation.step", named(simulation, R"("steps":2)")));
+  for (int step = 0; step <= 2; ++step) {
+    const std::string frame = nextFrame(*client);
+    EXPECT_EQ(member(frame, "stream"), member(opened, "stream"));
+    EXPECT_EQ(member(frame, "step"), std::to_string(step));
+    EXPECT_EQ(member(frame, "sequence"), std::to_string(step));
+    EXPECT_EQ(member(frame, "key"), "true");
+    EXPECT_EQ(member(frame, "missed"), "0");
+    EXPECT_EQ(member(frame, "string"), "F" + std::string(static_cast<std::size_t>(step), 'F') + "A");
+  }
+}
+
+TEST(Stream, TurtleRecordsCanBeSelectedBySymbolAndKeepTheirIndex) {
+  const RunningServer server;
+  const auto client = connectTo(server);
+  const std::string simulation = create(*client, "Lsystem: 1\nderivation length: 1\nAxiom: F(2)[+(90)G(3)]\nZ --> Z\nendlsystem\n");
+  resultOf(client->request("stream.open", named(simulation, R"("what":"turtle","select":{"symbols":["G"]})")));
+  const std::string records = member(nextFrame(*client), "records");
+  EXPECT_NE(records.find("\"symbol\":\"G\""), std::string::npos) << records;
+  EXPECT_EQ(records.find("\"symbol\":\"F\""), std::string::npos) << records;
+  EXPECT_NE(records.find("\"index\":"), std::string::npos) << records;
+}
+
+TEST(Stream, EverySelectsTheSteps) {
+  const RunningServer server;
+  const auto client = connectTo(server);
+  const std::string simulation = create(*client, kChain);
+  resultOf(client->request("stream.open", named(simulation, R"("what":"statistics","every":3)")));
+  resultOf(client->request("simulation.step", named(simulation, R"("steps":7)")));
+  EXPECT_EQ(member(nextFrame(*client), "step"), "0");
+  EXPECT_EQ(member(nextFrame(*client), "step"), "3");
+  EXPECT_EQ(member(nextFrame(*client), "step"), "6");
+}
+
+TEST(Stream, AViewerWithoutCreditIsMovedToTheLatestFrameAndToldHowManyItMissed) {
+  const RunningServer server;
+  const auto client = connectTo(server);
+  const std::string simulation = create(*client, kChain);
+  const std::string stream = member(
+      resultOf(client->request("stream.open", named(simulation, R"("what":"string","credits":1)"))), "stream");
+  resultOf(client->request("simulation.step", named(simulation, R"("steps":10)")));
+  const std::string first = nextFrame(*client);
+  EXPECT_EQ(member(first, "step"), "0");
+  EXPECT_FALSE(client->notify("stream.ack", "{\"stream\":\"" + stream + "\",\"sequence\":0}").has_value());
+  const std::string latest = nextFrame(*client);
+  EXPECT_EQ(member(latest, "step"), "10");
+  EXPECT_EQ(member(latest, "sequence"), "1");
+  EXPECT_EQ(member(latest, "missed"), "9");
+}
+
+TEST(Stream, AViewerThatDoesNotReadNeitherStopsTheSimulationNorFillsTheServer) {
+  ServerOptions options;
+  options.limits.outboxBytes = 400'000;
+  const RunningServer server(options);
+  const auto controller = connectTo(server);
+  // 20,000 modules a frame: far more than the connection and the outbox hold
+  const std::string simulation = create(*controller,
+                                        "Lsystem: 1\nderivation length: 300\nAxiom: X(20000)A\n"
+                                        "X(n) : n > 0 --> X(n - 1)\nA --> AFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFF"
+                                        "FFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFF\nendlsystem\n");
+  RawPeer viewer(server);
+  (void)viewer.ask(kHello);
+  viewer.send(R"({"jsonrpc":"2.0","id":2,"method":"stream.open","params":{"simulation":")" + simulation +
+              R"(","what":"string"}})"
+              "\n");
+  EXPECT_EQ(member(resultOf(controller->request("simulation.run", named(simulation))), "step"), "300");
+  // when it reads at last, it ends at the latest step without having been closed
+  std::string frame = viewer.line();
+  std::uint64_t missed = 0;
+  while (member(member(frame, "params"), "step") != "300") {
+    frame = viewer.line();
+    ASSERT_NE(frame, "(closed)");
+    ASSERT_NE(frame, "(timeout)");
+    missed += member(frame, "method") == "stream.data" ? std::stoull(member(member(frame, "params"), "missed")) : 0;
+  }
+  EXPECT_EQ(member(member(frame, "params"), "finished"), "true");
+  EXPECT_GE(std::stoull(member(member(frame, "params"), "sequence")) + missed, 1U);
+}
+
+TEST(Stream, EndsWithAReasonWhenTheSimulationIsDeleted) {
+  const RunningServer server;
+  const auto client = connectTo(server);
+  const std::string simulation = create(*client, kChain);
+  resultOf(client->request("stream.open", named(simulation, R"("what":"string")")));
+  resultOf(client->request("simulation.delete", named(simulation)));
+  std::string method;
+  std::string reason;
+  while (method != "stream.end") {
+    const auto notification = client->nextNotification(std::chrono::seconds(30));
+    ASSERT_TRUE(notification.has_value());
+    method = notification->method;
+    reason = member(notification->paramsJson, "reason");
+  }
+  EXPECT_EQ(reason, "the simulation was deleted");
+}
+
+TEST(Stream, ClosedStreamsAreSilentAndUnknownOnesAnError) {
+  const RunningServer server;
+  const auto client = connectTo(server);
+  const std::string simulation = create(*client, kChain);
+  const std::string stream =
+      member(resultOf(client->request("stream.open", named(simulation, R"("what":"string")"))), "stream");
+  (void)nextFrame(*client);
+  resultOf(client->request("stream.close", "{\"stream\":\"" + stream + "\"}"));
+  resultOf(client->request("simulation.step", named(simulation)));
+  EXPECT_FALSE(client->nextNotification(std::chrono::milliseconds(0)).has_value());
+  EXPECT_EQ(static_cast<int>(errorOf(client->request("stream.close", "{\"stream\":\"" + stream + "\"}")).code), 1011);
+}
+
+TEST(Stream, MoreThanTheSessionMayHaveIsALimit) {
+  ServerOptions options;
+  options.limits.streamsPerSession = 1;
+  const RunningServer server(options);
+  const auto client = connectTo(server);
+  const std::string simulation = create(*client, kChain);
+  resultOf(client->request("stream.open", named(simulation, R"("what":"string")")));
+  EXPECT_EQ(member(errorOf(client->request("stream.open", named(simulation, R"("what":"string")"))).data, "limit"),
+            "streamsPerSession");
+}
+
+}  // namespace
+}  // namespace espalier::server
