@@ -44,11 +44,15 @@ TEST(LineChannel, LinesCrossAndALateOneIsATimeout) {
 TEST(LineChannel, TwoThatBothWriteMuchDoNotBlockEachOther) {
   Pair pair;
   const std::string much = std::string(900'000, 'x') + "\n";
-  std::thread other([&] { EXPECT_EQ(pair.b->write(much, in(std::chrono::seconds(30))), Status::Done); });
-  EXPECT_EQ(pair.a.write(much, in(std::chrono::seconds(30))), Status::Done);
-  std::string line;
-  EXPECT_EQ(pair.a.readLine(line, in(std::chrono::seconds(30))), Status::Done);
-  EXPECT_EQ(line.size(), 900'000U);
+  // each reads on after its own write, as a peer that answers does
+  const auto exchange = [&much](LineChannel& channel) {
+    std::string line;
+    EXPECT_EQ(channel.write(much, in(std::chrono::seconds(30))), Status::Done);
+    EXPECT_EQ(channel.readLine(line, in(std::chrono::seconds(30))), Status::Done);
+    EXPECT_EQ(line.size(), 900'000U);
+  };
+  std::thread other([&] { exchange(*pair.b); });
+  exchange(pair.a);
   other.join();
 }
 
