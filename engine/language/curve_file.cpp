@@ -142,6 +142,10 @@ class CurveReader {
       return false;
     }
     const std::size_t multiplicity = numbers[3] >= 1.0 ? static_cast<std::size_t>(numbers[3]) : 0;
+    if (!file_.spendPoints(multiplicity)) {
+      file_.warn(line.rangeFrom(begin), "the files of one view file have too many points", kConsequence);
+      return false;
+    }
     points.insert(points.end(), multiplicity, Vec3{numbers[0], numbers[1], numbers[2]});
     return true;
   }

@@ -14,12 +14,18 @@ namespace espalier::language {
 inline constexpr std::size_t kMostPoints = 100'000;  // of one function, curve or contour, multiplicities counted
 inline constexpr int kMostSamples = 10'000;            // of one function or curve
 
+/// What is left for all files of one view file together.
+struct ReadingBudget {
+  std::size_t points = 1'000'000;
+  std::size_t samples = 500'000;
+};
+
 /// A file that a view file names, while it is read.
 class DataFile {
  public:
-  /// `diagnostics` must outlive the object.
-  DataFile(std::string name, std::string text, core::DiagnosticList& diagnostics)
-      : map_(plainSourceMap(std::move(name), std::move(text))), diagnostics_(&diagnostics) {}
+  /// `diagnostics` and `budget` must outlive the object; without a budget only the bounds of one item hold.
+  DataFile(std::string name, std::string text, core::DiagnosticList& diagnostics, ReadingBudget* budget = nullptr)
+      : map_(plainSourceMap(std::move(name), std::move(text))), diagnostics_(&diagnostics), budget_(budget) {}
 
   [[nodiscard]] const std::string& name() const { return map_.files.front().name; }
   [[nodiscard]] const std::string& text() const { return map_.files.front().text; }
@@ -34,13 +40,18 @@ class DataFile {
   /// "expected EXPECTED while reading CONTEXT, found …" at the cursor.
   void warnExpected(const TextCursor& at, const std::string& expected, const std::string& context,
                     std::string hint = {}) const;
+  /// Takes points or samples from the budget; false, and nothing taken, when it has fewer.
+  [[nodiscard]] bool spendPoints(std::size_t count) const;
+  [[nodiscard]] bool spendSamples(std::size_t count) const;
 
  private:
   SourceMap map_;
   core::DiagnosticList* diagnostics_;
+  ReadingBudget* budget_;
 };
 
-/// The sample count within 0 .. kMostSamples, with a warning at `range` when it was larger.
+/// The sample count within 0 .. kMostSamples, with a warning at `range` when it was larger; 0, with a warning, when the
+/// budget has not so many.
 [[nodiscard]] int boundedSampleCount(const DataFile& file, core::SourceRange range, int count);
 
 }  // namespace espalier::language

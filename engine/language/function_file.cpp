@@ -121,12 +121,17 @@ class FunctionReader {
     }
     line.skipBlanks();
     const int multiplicity = line.integer().value_or(1);
-    if (multiplicity > static_cast<int>(kMostPoints - points.size())) {
+    const std::size_t count = multiplicity > 0 ? static_cast<std::size_t>(multiplicity) : 0;
+    if (count > kMostPoints - points.size()) {
       file_.warn(line.rangeFrom(begin),
                  context() + " has more than " + std::to_string(kMostPoints) + " points; it is 0 everywhere");
       return false;
     }
-    points.insert(points.end(), static_cast<std::size_t>(multiplicity > 0 ? multiplicity : 0), point);
+    if (!file_.spendPoints(count)) {
+      file_.warn(line.rangeFrom(begin), "the files of one view file have too many points; " + context() + " is 0 everywhere");
+      return false;
+    }
+    points.insert(points.end(), count, point);
     return true;
   }
 
@@ -186,6 +191,11 @@ std::vector<SplineFunction> readFunctionSet(const DataFile& file, core::Compatib
     if (cursor.atEnd()) {
       file.warnExpected(cursor, "function " + std::to_string(i + 1) + " of " + std::to_string(*count), "a function set",
                         "correct the count after 'items:'");
+      break;
+    }
+    // also a function that turns out to be 0 takes memory
+    if (!file.spendPoints(kLeastPoints)) {
+      file.warnExpected(cursor, "fewer points", "the files of one view file");
       break;
     }
     std::optional<SplineFunction> function = FunctionReader(file, cursor).read(std::nullopt);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
@@ -7,6 +8,7 @@
 
 #include "engine/core/identifiers.h"
 #include "engine/core/streams.h"
+#include "engine/language/data_file.h"
 #include "engine/language/source_map.h"
 #include "engine/language/text_cursor.h"
 #include "engine/language/view_file.h"
@@ -31,7 +33,11 @@ struct ViewCommandContext {
     core::SourceRange range;
   };
   std::vector<NamedContour> contours{};
+
+  // what the files named may still take
+  std::uint64_t remainingBytes = 0;
   int openedFileCount = 0;
+  ReadingBudget budget{};
 
   [[nodiscard]] ViewSettings& settings() const { return result.settings; }
   [[nodiscard]] bool isCompatible() const { return compatibility != core::Compatibility::Espalier; }

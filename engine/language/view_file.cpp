@@ -1,6 +1,8 @@
 #include "engine/language/view_file.h"
 
 #include <algorithm>
+#include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -120,6 +122,8 @@ ViewFileResult readViewFile(const std::string& file, core::FileProvider& files, 
   ViewLexer lexer(text.text, compatibility);
   TextReport report(text.sourceMap, result.diagnostics);
   ViewCommandContext context{lexer, report, result, files, file, compatibility};
+  // places in a file are 32-bit numbers
+  context.remainingBytes = std::min<std::uint64_t>(limits.maximumSourceBytes, std::numeric_limits<std::uint32_t>::max());
   executeCommands(context);
   readNamedContours(context);
 

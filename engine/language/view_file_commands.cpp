@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -37,18 +36,23 @@ std::optional<DataFile> openFile(Context& c, core::SourceRange range, const std:
   }
   const std::string file = nameBeside(c.viewFile, name);
   std::optional<std::string> text = c.files.read(file);
-  // places in a file are 32-bit numbers
-  if (!text || text->size() >= std::numeric_limits<std::uint32_t>::max()) {
+  if (!text) {
     c.report.warn(range, "the file '" + file + "' cannot be read; " + consequence,
                   "files of a view file are looked for beside it");
     return std::nullopt;
   }
+  if (text->size() > c.remainingBytes) {
+    c.report.warn(range, "the files of the view file have more bytes than the limit of a model's source allows: '" + file +
+                             "' is not read; " + consequence);
+    return std::nullopt;
+  }
+  c.remainingBytes -= text->size();
   const bool isNew = std::none_of(c.result.sources.begin(), c.result.sources.end(),
                                   [&](const SourceMap::File& source) { return source.name == file; });
   if (isNew) {
     c.result.sources.push_back({file, *text});
   }
-  return DataFile(file, std::move(*text), c.result.diagnostics);
+  return DataFile(file, std::move(*text), c.result.diagnostics, &c.budget);
 }
 
 /// The id, file and scale with which `surface:` and `tsurface:` begin.

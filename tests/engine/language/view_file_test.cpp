@@ -376,5 +376,33 @@ TEST(ViewFile, TooManyFilesAreNotOpened) {
   EXPECT_EQ(messages(result), Texts{"1001:1 more than 1000 files in one view file; function 1001 is 0 everywhere"});
 }
 
+TEST(ViewFile, AllFilesTogetherHaveABudget) {
+  const std::string many = "fver 1 1\nname: one\nsamples: 10000\nflip: off\npoints: 4\n0 1 90000\n0.3 1\n0.6 1\n1 1\n";
+  std::string text;
+  for (int i = 0; i < 12; ++i) {
+    text += "function: f.func\n";
+  }
+  const ViewFileResult points = read(text, {{"m/f.func", many}});
+  EXPECT_EQ(points.settings.functions[10].value(0.9), 1.0);
+  EXPECT_EQ(points.settings.functions[11].value(0.9), 0.0);
+  EXPECT_EQ(messages(points), Texts{"6:1 the files of one view file have too many points; function 'one' is 0 everywhere"});
+
+  std::string set = "funcgalleryver 1 1\nitems: 51\n";
+  for (int i = 0; i < 51; ++i) {
+    set += "fver 1 1\nname: one\nsamples: 10000\nflip: off\npoints: 4\n0 1\n0.3 1\n0.6 1\n1 1\n";
+  }
+  const ViewFileResult samples = read("function set: s.fset\n", {{"m/s.fset", set}});
+  EXPECT_EQ(samples.settings.functions.size(), 51U);
+  EXPECT_EQ(messages(samples),
+            Texts{"455:1 the functions and curves of one view file have too many samples; this one has no table"});
+
+  core::MemoryFileProvider files({{"model.v", "function: f.func\n"}, {"f.func", kFunction}});
+  core::Limits limits;
+  limits.maximumSourceBytes = 40;
+  EXPECT_EQ(messages(readViewFile("model.v", files, Compatibility::Espalier, limits)),
+            Texts{"1:1 the files of the view file have more bytes than the limit of a model's source allows: 'f.func' is not "
+                  "read; function 1 is 0 everywhere"});
+}
+
 }  // namespace
 }  // namespace espalier::language
