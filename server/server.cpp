@@ -52,8 +52,14 @@ class Server::Implementation {
   void run(bool handleSignals) {
     core_.log().info("serving on " + core_.options().host + ":" + std::to_string(port()));
     network_.run(handleSignals, [this] { stop(); });
-    if (closer_.joinable()) {
-      closer_.join();
+    // run() can be here before stop() has kept the thread it started
+    std::thread closer;
+    {
+      const std::lock_guard lock(mutex_);
+      closer = std::move(closer_);
+    }
+    if (closer.joinable()) {
+      closer.join();
     }
     core_.log().info("stopped");
   }
