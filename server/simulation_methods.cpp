@@ -331,14 +331,14 @@ std::shared_ptr<Command> makeStreamOpenCommand(SessionPointer session, const pro
 }
 
 void deleteSimulation(Session& session, const protocol::MessageId& id, const std::shared_ptr<SimulationRunner>& runner) {
-  // the files go after the last turn, so that none writes them again
+  // after the last turn: none writes the files again, and none adds a stream
   const auto command = makeCommand(session.shared_from_this(), id,
                                    [](SimulationRunner& self) -> std::variant<std::string, protocol::Error> {
                                      self.hosted().removeFromDisk();
+                                     self.endStreams("the simulation was deleted");
                                      return std::string("{}");
                                    });
   runner->closeWith(command, {ErrorCode::NotFound, "The simulation was deleted.", {}});
-  runner->endStreams("the simulation was deleted");
 }
 
 }  // namespace espalier::server
