@@ -13,7 +13,8 @@ namespace {
 
 int check(ModelOptions& options) {
   server::DiskFileProvider files;
-  const std::shared_ptr<const language::Program> program = loadProgram(options, files);
+  FolderSettings folder;
+  const std::shared_ptr<const language::Program> program = loadProgram(options, files, &folder);
   if (!program) {
     return kFailure;
   }

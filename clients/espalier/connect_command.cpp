@@ -153,6 +153,7 @@ int create(Client& client, const ConnectOptions& options) {
       printError(*problem);
       return kFailure;
     }
+    printDiagnostics(std::get<ModelFiles>(found).remarks, false);
     writeModelFiles(params, std::get<ModelFiles>(found));
   }
   params.endObject();

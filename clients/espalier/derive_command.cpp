@@ -43,16 +43,19 @@ void printStep(const simulation::Simulation& simulation) {
   printString(simulation.program(), simulation.string());
 }
 
-// steps until the end, printing what was asked for; the strings after the queries' answers belong to the step before
-Outcome runAllSteps(simulation::Simulation& simulation, const DeriveOptions& options, RunFigures& figures) {
+// steps until the end, or to step `last`, printing what was asked for; the strings after the queries' answers belong to the step before
+Outcome runAllSteps(simulation::Simulation& simulation, const DeriveOptions& options, const FolderSettings& folder,
+                    RunFigures& figures) {
   if (Outcome failure = simulation.rewind()) {
     return failure;
   }
+  // --steps is the derivation length itself
+  const std::optional<std::uint64_t> last = options.model.steps ? std::nullopt : lastStepOf(folder, std::nullopt, simulation);
   const bool printsDerived = options.printsEveryStep && !options.printsAnswered;
   if (printsDerived) {
     printStep(simulation);
   }
-  while (!simulation.isFinished()) {
+  while (!isOver(simulation, last)) {
     if (Outcome failure = timed(figures.environmentMilliseconds, [&] { return simulation.answer(); })) {
       return failure;
     }
@@ -102,7 +105,7 @@ int derive(DeriveOptions& options) {
   simulation::Simulation simulation(loaded->program, {turtle::PlantPlacement{}}, std::move(loaded->environment.process),
                                     std::move(loaded->simulationOptions));
   RunFigures figures;
-  const Outcome failure = runAllSteps(simulation, options, figures);
+  const Outcome failure = runAllSteps(simulation, options, loaded->folder, figures);
   if (failure) {
     printError(formatSimulationError(*failure));
   }

@@ -133,6 +133,10 @@ Process makeEnvironment(const std::string& name, core::Compatibility compatibili
   if (suffix == ".e") {
     return loadFieldFile(name, compatibility, isQuiet, files);
   }
+  // a model folder may give its field file any name; no built-in process is called like a path
+  if (name.find_first_of("./") != std::string::npos && files.read(name)) {
+    return loadFieldFile(name, compatibility, isQuiet, files);
+  }
   return orPrintErrors(environment::makeProcess(name, ""), "");
 }
 

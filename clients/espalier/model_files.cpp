@@ -2,20 +2,34 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <string_view>
 #include <system_error>
-#include <vector>
+#include <utility>
+
+#include "server/disk_files.h"
 
 namespace espalier::command {
 namespace {
 
 namespace fs = std::filesystem;
 
-// files of the folder with the suffix, sorted by name
+using FilesOrProblem = std::variant<ModelFiles, std::string>;
+
+constexpr std::string_view kTitleSeparator = " / ";
+
+std::string nameOf(const std::string& file) { return fs::path(file).filename().string(); }
+
+bool isFile(const fs::path& file) {
+  std::error_code error;
+  return fs::is_regular_file(file, error);
+}
+
+// files of the folder with the suffix, sorted by name; control panels of editors belong to no model
 std::vector<fs::path> filesWithSuffix(const fs::path& folder, const char* suffix) {
   std::vector<fs::path> found;
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
-    if (entry.path().extension() == suffix && !entry.is_directory(error)) {
+    if (entry.path().extension() == suffix && entry.path().stem() != "panel" && !entry.is_directory(error)) {
       found.push_back(entry.path());
     }
   }
@@ -27,8 +41,26 @@ std::vector<fs::path> filesWithSuffix(const fs::path& folder, const char* suffix
 std::string besideModel(const fs::path& model, const char* suffix) {
   fs::path file = model;
   file.replace_extension(suffix);
-  std::error_code error;
-  return fs::is_regular_file(file, error) ? file.string() : std::string{};
+  return isFile(file) ? file.string() : std::string{};
+}
+
+// beside a model of a folder: the file of its stem, else the only one of its kind; a remark names what is left out
+std::string companion(const fs::path& model, const char* suffix, const std::string& consequence, ModelFiles& files) {
+  const std::vector<fs::path> candidates = filesWithSuffix(model.parent_path(), suffix);
+  std::string chosen = besideModel(model, suffix);
+  if (chosen.empty() && candidates.size() == 1) {
+    chosen = candidates.front().string();
+  }
+  for (const fs::path& candidate : candidates) {
+    if (candidate.string() != chosen) {
+      core::Diagnostic remark;
+      remark.severity = core::Severity::Note;
+      remark.location.file = candidate.string();
+      remark.message = "the file is not used: " + consequence;
+      files.remarks.push_back(std::move(remark));
+    }
+  }
+  return chosen;
 }
 
 std::string listOf(const std::vector<fs::path>& files) {
@@ -39,43 +71,150 @@ std::string listOf(const std::vector<fs::path>& files) {
   return text;
 }
 
+FilesOrProblem onlyModelOf(const std::string& folder) {
+  const std::vector<fs::path> models = filesWithSuffix(folder, ".l");
+  if (models.empty()) {
+    return "the folder '" + folder + "' holds no L-system file (.l): give a folder that does, or the file itself";
+  }
+  if (models.size() > 1) {
+    return "the folder '" + folder + "' holds more than one L-system file (" + listOf(models) + "): give the name of one";
+  }
+  ModelFiles files;
+  files.model = models.front().string();
+  files.view = companion(models.front(), ".v", "its settings do not count", files);
+  files.environment = companion(models.front(), ".e", "it does not answer communication modules", files);
+  files.animation = companion(models.front(), ".a", "it does not decide which step is the last", files);
+  const std::string materials = companion(models.front(), ".mat", "its materials are not used", files);
+  const std::string map = companion(models.front(), ".map", "its colours are not used", files);
+  if (!map.empty()) {
+    files.colours.push_back({map, 1, false});
+  }
+  // of a map and materials the last one named counts
+  if (!materials.empty()) {
+    files.colours.push_back({materials, 1, true});
+  }
+  return files;
+}
+
+std::string listOf(const std::vector<language::FolderCommand>& commands) {
+  std::string text;
+  for (std::size_t i = 0; i < commands.size(); ++i) {
+    text += (i == 0 ? "" : ", ") + std::to_string(i + 1) + " '" + commands[i].title + "' (" + nameOf(commands[i].model) + ")";
+  }
+  return text;
+}
+
+bool isCalled(const language::FolderCommand& command, const std::string& object) {
+  const std::string tail = std::string(kTitleSeparator) + object;
+  return command.title == object || command.title.ends_with(tail) || nameOf(command.model) == object;
+}
+
+// the command that `object` means, by number or by name
+std::variant<language::FolderCommand, std::string> chosenCommand(const std::string& folder,
+                                                                 const std::vector<language::FolderCommand>& commands,
+                                                                 const std::string& object) {
+  for (std::size_t i = 0; i < commands.size(); ++i) {
+    if (object == std::to_string(i + 1)) {
+      return commands[i];
+    }
+  }
+  std::vector<language::FolderCommand> called;
+  std::copy_if(commands.begin(), commands.end(), std::back_inserter(called),
+               [&](const language::FolderCommand& command) { return isCalled(command, object); });
+  if (called.size() == 1) {
+    return called.front();
+  }
+  return "the folder '" + folder + "' has " + (called.empty() ? "no object" : "several objects") + " '" + object +
+         "': give one of " + listOf(commands);
+}
+
+// the sentence for a command whose model is not there
+std::string missingModel(const std::string& folder, const std::string& model, const std::vector<std::string>& names) {
+  const std::vector<std::string_view> candidates(names.begin(), names.end());
+  const std::string_view nearest = core::nearestName(nameOf(model), candidates);
+  return "the folder '" + folder + "' has no file '" + nameOf(model) + "', the model that its specifications run" +
+         (nearest.empty() ? std::string(": add it, or give the name of a model") : ": did you mean '" + std::string(nearest) + "'?");
+}
+
+FilesOrProblem commandOf(const std::string& path, const std::string& object) {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(path, error)) {
+    names.push_back(entry.path().filename().string());
+  }
+  std::sort(names.begin(), names.end());
+  server::DiskFileProvider provider;
+  const language::ModelFolder folder = language::readModelFolder(path, names, provider);
+
+  ModelFiles files;
+  for (const core::Diagnostic& diagnostic : folder.diagnostics.entries()) {
+    if (diagnostic.severity == core::Severity::Error) {
+      return diagnostic.location.file + ": " + diagnostic.message + ": " + diagnostic.hint;
+    }
+    files.remarks.push_back(diagnostic);
+  }
+  language::FolderCommand command = folder.commands.front();
+  if (!object.empty()) {
+    auto chosen = chosenCommand(path, folder.commands, object);
+    if (const std::string* problem = std::get_if<std::string>(&chosen)) {
+      return *problem;
+    }
+    command = std::get<language::FolderCommand>(chosen);
+  } else if (folder.commands.size() > 1) {
+    core::Diagnostic remark;
+    remark.severity = core::Severity::Note;
+    remark.location.file = path;
+    remark.message = "the folder offers " + std::to_string(folder.commands.size()) +
+                     " objects and the first is used: " + listOf(folder.commands);
+    remark.hint = "--object TITLE chooses another";
+    files.remarks.push_back(std::move(remark));
+  }
+  if (!isFile(command.model)) {
+    return missingModel(path, command.model, names);
+  }
+  if (command.writesAfterHomomorphism) {
+    core::Diagnostic remark;
+    remark.severity = core::Severity::Note;
+    remark.location.file = (fs::path(path) / "specifications").string();
+    remark.message = "the switch -homo is not used: strings are printed before homomorphism";
+    files.remarks.push_back(std::move(remark));
+  }
+  files.model = command.model;
+  files.view = command.view;
+  files.environment = isFile(command.environment) ? command.environment : std::string{};
+  files.animation = isFile(command.animation) ? command.animation : std::string{};
+  // one that is not there was named in a remark
+  for (const language::ColourFile& colours : command.colours) {
+    if (isFile(colours.file)) {
+      files.colours.push_back(colours);
+    }
+  }
+  files.colourBase = command.colourBase;
+  files.startsInAnimation = command.startsInAnimation;
+  return files;
+}
+
 }  // namespace
 
-std::variant<ModelFiles, std::string> findModelFiles(const std::string& path) {
+std::variant<ModelFiles, std::string> findModelFiles(const std::string& path, const std::string& object) {
   std::error_code error;
   const bool isFolder = fs::is_directory(path, error);
   if (!isFolder && !fs::exists(path, error)) {
     return "there is no file '" + path + "': give the name of an L-system file (.l) or of the folder that holds it";
   }
+  if (isFolder && isFile(fs::path(path) / "specifications")) {
+    return commandOf(path, object);
+  }
+  if (!object.empty()) {
+    return "--object chooses among the commands of a folder's specifications, and '" + path + "' has none: leave it out";
+  }
+  if (isFolder) {
+    return onlyModelOf(path);
+  }
   ModelFiles files;
-  if (!isFolder) {
-    files.model = path;
-    files.view = besideModel(path, ".v");
-    files.environment = besideModel(path, ".e");
-    return files;
-  }
-
-  // a folder: exactly one model
-  const std::vector<fs::path> models = filesWithSuffix(path, ".l");
-  if (models.empty()) {
-    return "the folder '" + path + "' holds no L-system file (.l): give a folder that does, or the file itself";
-  }
-  if (models.size() > 1) {
-    return "the folder '" + path + "' holds more than one L-system file (" + listOf(models) + "): give the name of one";
-  }
-  files.model = models.front().string();
-
-  // its companions by stem, else the only one of their kind
-  files.view = besideModel(models.front(), ".v");
-  files.environment = besideModel(models.front(), ".e");
-  const std::vector<fs::path> views = filesWithSuffix(path, ".v");
-  if (files.view.empty() && views.size() == 1) {
-    files.view = views.front().string();
-  }
-  const std::vector<fs::path> environments = filesWithSuffix(path, ".e");
-  if (files.environment.empty() && environments.size() == 1) {
-    files.environment = environments.front().string();
-  }
+  files.model = path;
+  files.view = besideModel(path, ".v");
+  files.environment = besideModel(path, ".e");
   return files;
 }
 

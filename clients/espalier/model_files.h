@@ -2,6 +2,10 @@
 
 #include <string>
 #include <variant>
+#include <vector>
+
+#include "engine/core/diagnostic.h"
+#include "engine/language/model_folder.h"
 
 namespace espalier::command {
 
@@ -9,12 +13,20 @@ namespace espalier::command {
 struct ModelFiles {
   std::string model;
   std::string view;         // empty: none
-  std::string environment;  // a `.e` file; empty: none
+  std::string environment;  // a field file; empty: none
+  std::string animation;    // empty: none
+  std::vector<language::ColourFile> colours;
+  int colourBase = 1;
+  bool startsInAnimation = false;            // the animation file decides which step is the last
+  std::vector<core::Diagnostic> remarks;     // warnings and notes about the folder
 };
 
-/// The files of a model given as `MODEL.l` or as the folder that holds exactly one model: beside `MODEL.l`, the `.v` and `.e`
-/// files of the same stem; in a folder, its only `.v` and `.e` when none has the model's stem. Returns the files or one
-/// sentence that says what to do.
-[[nodiscard]] std::variant<ModelFiles, std::string> findModelFiles(const std::string& path);
+/// The files of a model given as `MODEL.l` or as a folder:
+/// - beside `MODEL.l`, the `.v` and `.e` files of the same stem;
+/// - in a folder with a file `specifications`, what its first cpfg command names, or the command that `object` chooses: by
+///   its place in the menu, the end of that, the name of its model, or its number from 1;
+/// - in a folder without, its only `.l`, with its only `.v`, `.e` and colour file when none has the model's stem.
+/// Returns the files or one sentence that says what to do.
+[[nodiscard]] std::variant<ModelFiles, std::string> findModelFiles(const std::string& path, const std::string& object = {});
 
 }  // namespace espalier::command

@@ -39,9 +39,14 @@ core::Compatibility ModelOptions::mode() const {
 
 void addReadingOptions(CLI::App& command, ModelOptions& options, bool isModelRequired) {
   CLI::Option* model =
-      command.add_option("model", options.model, "The L-system file (.l), or a folder that holds exactly one");
+      command.add_option("model", options.model, "The L-system file (.l), or a model folder");
   model->type_name("MODEL");
   model->required(isModelRequired);
+  command
+      .add_option("--object", options.object,
+                  "Of a folder whose specifications run several models: the one with this title in the\n"
+                  "menu, model file or number; without it the first")
+      ->type_name("TITLE");
   command.add_option("--view", options.view, "View file; without it the .v beside the model with the same name")
       ->type_name("FILE.v");
   command
@@ -68,6 +73,8 @@ void addReadingOptions(CLI::App& command, ModelOptions& options, bool isModelReq
 void addRunningOptions(CLI::App& command, ModelOptions& options) {
   command.add_option("--steps", options.steps, "Number of steps instead of the model's derivation length (Z)")
       ->type_name("N");
+  command.add_flag("-a,--animate", options.isAnimated,
+                   "The folder's animation file decides which step is the last, as with its switch -a");
   command.add_option("--seed", options.seed, "Seed of the random numbers; it replaces the model's `seed:`")
       ->type_name("S");
   command
@@ -95,13 +102,22 @@ bool needsDrawnSeed(const language::Program& program) {
   });
 }
 
-std::shared_ptr<const language::Program> loadProgram(ModelOptions& options, core::FileProvider& files) {
-  auto found = findModelFiles(options.model);
+std::shared_ptr<const language::Program> loadProgram(ModelOptions& options, core::FileProvider& files,
+                                                     FolderSettings* folder) {
+  auto found = findModelFiles(options.model, options.object);
   if (const std::string* problem = std::get_if<std::string>(&found)) {
     printError(*problem);
     return nullptr;
   }
   const ModelFiles& modelFiles = std::get<ModelFiles>(found);
+  core::DiagnosticList remarks;
+  for (const core::Diagnostic& remark : modelFiles.remarks) {
+    remarks.add(remark);
+  }
+  if (folder != nullptr) {
+    *folder = readFolderSettings(modelFiles, options.isAnimated, files, remarks);
+  }
+  printDiagnostics(remarks.entries(), options.isQuiet);
   if (options.view.empty()) {
     options.view = modelFiles.view;
   } else if (const auto problem = whyUnreadable(options.view, "--view")) {
@@ -148,7 +164,7 @@ simulation::SimulationOptions simulationOptionsFor(const ModelOptions& options, 
 
 std::optional<LoadedModel> loadModel(ModelOptions& options, core::FileProvider& files) {
   LoadedModel loaded;
-  loaded.program = loadProgram(options, files);
+  loaded.program = loadProgram(options, files, &loaded.folder);
   if (!loaded.program) {
     return std::nullopt;
   }

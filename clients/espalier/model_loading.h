@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "clients/espalier/environment_loading.h"
+#include "clients/espalier/folder_settings.h"
 #include "engine/core/identifiers.h"
 #include "engine/core/streams.h"
 #include "engine/language/program.h"
@@ -21,22 +22,24 @@ namespace espalier::command {
 
 /// What derive, run and check are told about a model on the command line.
 struct ModelOptions {
-  std::string model;        // a `.l` file or a folder with one
-  std::string view;         // empty: the one beside the model
-  std::string environment;  // empty: the `.e` beside the model
+  std::string model;        // a `.l` file or a model folder
+  std::string object;       // which command of the folder; empty: the first
+  std::string view;         // empty: the folder's, or the one beside the model
+  std::string environment;  // empty: the folder's, or the `.e` beside the model
   std::optional<std::uint64_t> steps;
   std::optional<std::uint64_t> seed;
   std::string compatibility;          // "", "cpfg" or "cpfg-batch"
   std::vector<std::string> defines;   // NAME=VALUE
   unsigned threads = 1;
+  bool isAnimated = false;            // the animation file decides which step is the last
   bool isQuiet = false;
 
   [[nodiscard]] core::Compatibility mode() const;
 };
 
-/// The options which say how a model is read: MODEL, --view, --environment, --compat, --define, --quiet.
+/// The options which say how a model is read: MODEL, --object, --view, --environment, --compat, --define, --quiet.
 void addReadingOptions(CLI::App& command, ModelOptions& options, bool isModelRequired);
-/// The options which say how it is run: --steps, --seed, --threads.
+/// The options which say how it is run: --steps, --animate, --seed, --threads.
 void addRunningOptions(CLI::App& command, ModelOptions& options);
 
 /// `NAME=VALUE` as the preprocessor's -D has it: without `=` the value is 1.
@@ -46,12 +49,15 @@ void addRunningOptions(CLI::App& command, ModelOptions& options);
 [[nodiscard]] bool needsDrawnSeed(const language::Program& program);
 
 /// Reads and compiles the model of `options` and completes options.view and options.environment with the files beside it.
-/// Writes diagnostics and errors to standard error; null when there is an error.
-[[nodiscard]] std::shared_ptr<const language::Program> loadProgram(ModelOptions& options, core::FileProvider& files);
+/// `folder`, when not null, receives its colours and animation. Writes diagnostics and errors to standard error; null when
+/// there is an error.
+[[nodiscard]] std::shared_ptr<const language::Program> loadProgram(ModelOptions& options, core::FileProvider& files,
+                                                                   FolderSettings* folder = nullptr);
 
 /// A model ready to run. The environment's process is null when there is none.
 struct LoadedModel {
   std::shared_ptr<const language::Program> program;
+  FolderSettings folder;
   LoadedEnvironment environment;
   simulation::SimulationOptions simulationOptions;
 };

@@ -56,7 +56,7 @@ bool writeOutput(const std::string& file, const std::string& content) {
   return true;
 }
 
-bool writeResult(const simulation::Simulation& simulation, const std::string& file) {
+bool writeResult(const simulation::Simulation& simulation, const language::Palette& palette, const std::string& file) {
   const std::string suffix = fs::path(file).extension().string();
   if (suffix == ".snapshot") {
     core::StringSink sink;
@@ -73,12 +73,15 @@ bool writeResult(const simulation::Simulation& simulation, const std::string& fi
   const turtle::Scene& scene = std::get<turtle::Scene>(drawn);
   core::StringSink picture;
   if (suffix == ".svg") {
-    turtle::writeSvg(scene, simulation.program().view, turtle::SvgOptions{}, picture);
+    turtle::SvgOptions options;
+    options.palette = &palette;
+    turtle::writeSvg(scene, simulation.program().view, options, picture);
     return writeOutput(file, picture.take());
   }
   core::StringSink materials;
   const fs::path materialFile = fs::path(file).replace_extension(".mtl");
-  turtle::writeObj(scene, simulation.program().view, materialFile.filename().string(), picture, materials);
+  turtle::writeObj(scene, simulation.program().view, materialFile.filename().string(), picture, materials,
+                   &palette);
   return writeOutput(file, picture.take()) && writeOutput(materialFile.string(), materials.take());
 }
 
@@ -104,9 +107,9 @@ std::optional<ResumedRun> readResumedRun(const std::string& file, core::FileProv
 
 // the model given on the command line, or the one that the snapshot carries
 std::shared_ptr<const language::Program> resumedProgram(ModelOptions& options, simulation::SnapshotInfo& info,
-                                                        core::FileProvider& files) {
+                                                        FolderSettings& folder, core::FileProvider& files) {
   if (!options.model.empty()) {
-    return loadProgram(options, files);
+    return loadProgram(options, files, &folder);
   }
   language::CompileResult compiled = language::compile(info.compileInput, info.files);
   printDiagnostics(compiled.diagnostics.entries(), true);
@@ -141,7 +144,7 @@ std::optional<LoadedModel> loadResumed(ModelOptions& options, simulation::Snapsh
     options.seed = info.seed;
   }
   LoadedModel loaded;
-  loaded.program = resumedProgram(options, info, files);
+  loaded.program = resumedProgram(options, info, loaded.folder, files);
   if (!loaded.program) {
     return std::nullopt;
   }
@@ -156,23 +159,15 @@ std::optional<LoadedModel> loadResumed(ModelOptions& options, simulation::Snapsh
   return loaded;
 }
 
-// goes on to the last step, of the model or `steps`; the bar is shown on a terminal only
-std::optional<core::SimulationError> runToEnd(simulation::Simulation& simulation, std::optional<std::uint64_t> steps,
+// goes on to the last step, of the model or `last`; the bar is shown on a terminal only
+std::optional<core::SimulationError> runToEnd(simulation::Simulation& simulation, std::optional<std::uint64_t> last,
                                               bool hasProgress) {
   ProgressBar bar(hasProgress);
-  const std::uint64_t last = steps.value_or(simulation.derivationLength());
-  const auto isDone = [&] {
-    return steps ? simulation.completedSteps() >= *steps : simulation.isFinished();
-  };
-  while (!isDone()) {
+  while (!isOver(simulation, last)) {
     if (auto failure = simulation.step()) {
       return failure;
     }
-    bar.show(simulation.completedSteps(), last, simulation.statistics().modules);
-    // the model may have stopped itself before the last step
-    if (simulation.isFinished() && simulation.completedSteps() < simulation.derivationLength()) {
-      break;
-    }
+    bar.show(simulation.completedSteps(), last.value_or(simulation.derivationLength()), simulation.statistics().modules);
   }
   return std::nullopt;
 }
@@ -202,14 +197,14 @@ int run(RunOptions& options) {
                                     std::move(loaded->environment.process), std::move(loaded->simulationOptions));
   std::optional<core::SimulationError> failure = resumed ? simulation.restore(resumed->bytes) : simulation.rewind();
   if (!failure) {
-    failure = runToEnd(simulation, options.model.steps, !options.model.isQuiet);
+    failure = runToEnd(simulation, lastStepOf(loaded->folder, options.model.steps, simulation), !options.model.isQuiet);
   }
   if (failure) {
     printError(formatSimulationError(*failure));
     return kFailure;
   }
   for (const std::string& file : options.outputs) {
-    if (!writeResult(simulation, file)) {
+    if (!writeResult(simulation, loaded->folder.palette, file)) {
       return kFailure;
     }
     if (!options.model.isQuiet) {
@@ -227,7 +222,9 @@ void addRun(CLI::App& program, int& status) {
   command->footer(
       "The suffix of the output file decides what is written: .svg a picture, .obj (and .mtl) geometry, .snapshot the\n"
       "complete state.\n"
+      "A model folder brings its colours, its environment and, with -a, its last step.\n"
       "Examples:\n"
+      "  espalier run lilac -o lilac.svg\n"
       "  espalier run tree.l -o tree.svg\n"
       "  espalier run tiers.l --environment honda.json --steps 5 -o tiers.snapshot\n"
       "  espalier run --resume tiers.snapshot --steps 12 -o tiers.svg");

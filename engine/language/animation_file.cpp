@@ -206,4 +206,18 @@ std::optional<AnimationFrame> nextFrame(const AnimationSettings& settings, std::
   return AnimationFrame{current.counter + settings.step, current.derivedSteps + settings.step};
 }
 
+AnimationFrame finalFrame(const AnimationSettings& settings, std::int64_t derivationLength) {
+  AnimationFrame frame = firstFrame(settings);
+  if (settings.intervals.empty()) {
+    // as many advances as reach the last frame
+    const std::int64_t missing = std::max<std::int64_t>(0, settings.lastFrame.value_or(derivationLength) - frame.counter);
+    const std::int64_t advance = (missing + settings.step - 1) / settings.step * settings.step;
+    return {frame.counter + advance, frame.derivedSteps + advance};
+  }
+  while (const std::optional<AnimationFrame> next = nextFrame(settings, derivationLength, frame)) {
+    frame = *next;
+  }
+  return frame;
+}
+
 }  // namespace espalier::language

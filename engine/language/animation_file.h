@@ -51,4 +51,7 @@ struct AnimationFrame {
 [[nodiscard]] std::optional<AnimationFrame> nextFrame(const AnimationSettings& settings, std::int64_t derivationLength,
                                                       AnimationFrame current);
 
+/// The frame shown last: the first when there is no other.
+[[nodiscard]] AnimationFrame finalFrame(const AnimationSettings& settings, std::int64_t derivationLength);
+
 }  // namespace espalier::language

@@ -134,7 +134,7 @@ void findOnlyModel(const std::string& folder, const std::vector<std::string>& na
       "name the model and its view file"));
 }
 
-/// Warns about files that a command names and the folder lacks.
+/// Warns about files that a command names and the folder lacks, except its model: without that there is nothing to run.
 void checkNames(const std::string& folder, const std::vector<std::string>& names, const FolderCommand& command,
                 ModelFolder& result) {
   const std::vector<std::string_view> candidates(names.begin(), names.end());
@@ -148,9 +148,8 @@ void checkNames(const std::string& folder, const std::vector<std::string>& names
                                             "the folder has no file '" + name + "': " + consequence,
                                             nearest.empty() ? "" : "did you mean '" + std::string(nearest) + "'?"));
   };
-  check(command.model, "the model cannot be run");
   check(command.view, "every view setting has its default");
-  check(command.animation, "the steps shown are the default ones");
+  check(command.animation, "the derivation length decides which step is last");
   check(command.environment, "communication modules are not answered");
   for (const ColourFile& colours : command.colours) {
     check(colours.file, "its colours are the default ones");

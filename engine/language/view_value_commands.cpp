@@ -247,6 +247,19 @@ bool passLine(Context& c) {
   c.lexer.skipLine();
   return true;
 }
+/// A command whose files no picture of ours shows.
+bool texture(Context& c) {
+  c.report.note(c.lexer.commandRange(), "the texture is not used: what wears it has its plain colour");
+  return passLine(c);
+}
+bool backgroundScene(Context& c) {
+  c.report.note(c.lexer.commandRange(), "the background scene is not drawn; an environment may still read its file");
+  return passLine(c);
+}
+bool rayshadeObjects(Context& c) {
+  c.report.note(c.lexer.commandRange(), "the objects are not used: no scene for Rayshade is written");
+  return passLine(c);
+}
 
 constexpr std::array kCommands = {
     ViewCommand{"angle increment:", setNumber<&ViewSettings::angleIncrementDegrees>},
@@ -294,12 +307,12 @@ constexpr std::array kCommands = {
     ViewCommand{"surface ambient:", passNumber},
     ViewCommand{"surface diffuse:", passNumber},
     ViewCommand{"shadow map:", passLine},
-    ViewCommand{"texture:", passLine},
-    ViewCommand{"background scene:", passLine},
+    ViewCommand{"texture:", texture},
+    ViewCommand{"background scene:", backgroundScene},
     ViewCommand{"font:", passLine},
     ViewCommand{"winfont:", passLine},
     ViewCommand{"PS linecap:", passNumber},
-    ViewCommand{"rayshade objects:", passLine},
+    ViewCommand{"rayshade objects:", rayshadeObjects},
     ViewCommand{"rayshade scale:", passNumber},
     ViewCommand{"background color:", passTriple},
     ViewCommand{"ambient light:", passTriple},

@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -21,10 +23,19 @@ constexpr int kSphereRings = 8;
 constexpr int kSphereSides = 12;
 constexpr double kPixelsAcross = 800.0;  // a pixel's width is this part of the scene's extent
 
+void writeComponents(std::string_view keyword, const std::array<double, 3>& components, TextOutput& out) {
+  out << keyword;
+  for (const double component : components) {
+    out << ' ';
+    out.number(component, 4);
+  }
+  out << '\n';
+}
+
 class ObjWriter {
  public:
-  ObjWriter(const Scene& scene, const language::ViewSettings& view, core::ByteSink& sink)
-      : scene_(scene), view_(view), palette_(scene), out_(sink) {}
+  ObjWriter(const Scene& scene, const language::ViewSettings& view, const language::Palette* colours, core::ByteSink& sink)
+      : scene_(scene), view_(view), palette_(scene, colours), out_(sink) {}
 
   void write(const std::string& materialFile);
   void writeMaterials(core::ByteSink& sink) const;
@@ -245,20 +256,29 @@ void ObjWriter::write(const std::string& materialFile) {
 void ObjWriter::writeMaterials(core::ByteSink& sink) const {
   TextOutput out(sink);
   for (const std::int32_t material : used_) {
-    const Colour colour = palette_.ofMaterial(material);
     out << "newmtl colour_";
-    out.integer(material) << "\nKd ";
-    out.number(colour.red / 255.0, 4) << ' ';
-    out.number(colour.green / 255.0, 4) << ' ';
-    out.number(colour.blue / 255.0, 4) << "\nKa 0 0 0\nKs 0.04 0.04 0.04\nNs 10\nillum 2\n";
+    out.integer(material) << '\n';
+    if (const std::optional<language::Material> own = palette_.folderMaterial(material)) {
+      writeComponents("Kd", own->diffuse, out);
+      writeComponents("Ka", own->ambient, out);
+      writeComponents("Ks", own->specular, out);
+      writeComponents("Ke", own->emission, out);
+      out << "Ns ";
+      out.number(own->shininess, 4) << "\nd ";
+      out.number(own->opacity, 4) << "\nillum 2\n";
+      continue;
+    }
+    const Colour colour = palette_.ofMaterial(material);
+    writeComponents("Kd", {colour.red / 255.0, colour.green / 255.0, colour.blue / 255.0}, out);
+    out << "Ka 0 0 0\nKs 0.04 0.04 0.04\nNs 10\nillum 2\n";
   }
 }
 
 }  // namespace
 
 void writeObj(const Scene& scene, const language::ViewSettings& view, const std::string& materialFile,
-              core::ByteSink& object, core::ByteSink& materials) {
-  ObjWriter writer(scene, view, object);
+              core::ByteSink& object, core::ByteSink& materials, const language::Palette* palette) {
+  ObjWriter writer(scene, view, palette, object);
   writer.write(materialFile);
   writer.writeMaterials(materials);
 }

@@ -22,10 +22,13 @@ constexpr std::array kRamp = {
     Anchor{168, {140, 178, 84}}, Anchor{200, {226, 190, 84}}, Anchor{228, {204, 88, 96}},  Anchor{255, {246, 232, 226}},
 };
 
+constexpr Colour kBackground{250, 248, 242};
 constexpr Colour kTrunk{104, 76, 54};
 constexpr Colour kTwig{106, 148, 74};
 
 unsigned char channel(double value) { return static_cast<unsigned char>(std::lround(std::clamp(value, 0.0, 255.0))); }
+
+int indexOf(std::int32_t index) { return ((index % 256) + 256) % 256; }
 
 }  // namespace
 
@@ -35,7 +38,7 @@ Colour mixed(const Colour& a, const Colour& b, double t) {
 }
 
 Colour defaultColour(std::int32_t index) {
-  const std::int32_t wrapped = ((index % 256) + 256) % 256;
+  const std::int32_t wrapped = indexOf(index);
   for (std::size_t i = 1; i < kRamp.size(); ++i) {
     if (wrapped <= kRamp[i].index) {
       const double t = static_cast<double>(wrapped - kRamp[i - 1].index) / (kRamp[i].index - kRamp[i - 1].index);
@@ -45,9 +48,10 @@ Colour defaultColour(std::int32_t index) {
   return kRamp.back().colour;
 }
 
-Palette::Palette(const Scene& scene) {
-  isPlain_ = std::all_of(scene.segments.begin(), scene.segments.end(),
-                         [](const Segment& segment) { return segment.colour == kDefaultIndex; });
+Palette::Palette(const Scene& scene, const language::Palette* colours)
+    : colours_(colours != nullptr && !colours->empty() ? colours : nullptr) {
+  isPlain_ = colours_ == nullptr && std::all_of(scene.segments.begin(), scene.segments.end(),
+                                                 [](const Segment& segment) { return segment.colour == kDefaultIndex; });
   for (const Segment& segment : scene.segments) {
     maximumOrder_ = std::max(maximumOrder_, segment.branchOrder);
   }
@@ -55,17 +59,45 @@ Palette::Palette(const Scene& scene) {
 
 std::int32_t Palette::materialOf(const Segment& segment) const {
   return isPlain_ ? kFirstOrderMaterial + static_cast<std::int32_t>(std::min<std::uint32_t>(segment.branchOrder, 100'000))
-                  : ((segment.colour % 256) + 256) % 256;
+                  : indexOf(segment.colour);
 }
 
 Colour Palette::ofMaterial(std::int32_t material) const {
   if (material < kFirstOrderMaterial) {
-    return defaultColour(material);
+    return ofIndex(material);
   }
   if (maximumOrder_ == 0) {
     return mixed(kTrunk, kTwig, 0.75);
   }
   return mixed(kTrunk, kTwig, std::sqrt(static_cast<double>(material - kFirstOrderMaterial) / maximumOrder_));
+}
+
+Colour Palette::ofIndex(std::int32_t index) const {
+  if (colours_ == nullptr) {
+    return defaultColour(index);
+  }
+  const language::PaletteColour colour = colours_->colour(indexOf(index));
+  return {colour.red, colour.green, colour.blue};
+}
+
+double Palette::opacityOfIndex(std::int32_t index) const {
+  const std::optional<language::Material> material = folderMaterial(index);
+  return material ? material->opacity : 1.0;
+}
+
+Colour Palette::background() const {
+  if (colours_ == nullptr) {
+    return kBackground;
+  }
+  const language::PaletteColour colour = colours_->background();
+  return {colour.red, colour.green, colour.blue};
+}
+
+std::optional<language::Material> Palette::folderMaterial(std::int32_t index) const {
+  if (colours_ == nullptr || !colours_->usesMaterials) {
+    return std::nullopt;
+  }
+  return colours_->material(indexOf(index));
 }
 
 Colour Palette::ofSegment(const Segment& segment) const { return ofMaterial(materialOf(segment)); }

@@ -17,7 +17,6 @@ using core::Vec3;
 
 namespace {
 
-constexpr Colour kBackground{250, 248, 242};
 constexpr double kThinnestLine = 0.5;      // pixels
 constexpr double kHighlightFrom = 3.0;     // line width in pixels from which a branch gets a highlight
 constexpr double kDepthCue = 0.28;         // share of the background in the farthest colours
@@ -33,6 +32,7 @@ struct Item {
   double startWidth = 0.0;  // lines: picture units, or pixels when the line style is pixel; spheres and circles: diameter
   double endWidth = 0.0;
   Colour colour;
+  double opacity = 1.0;
   std::uint32_t label = 0;  // texts: index into Scene::labels
 };
 
@@ -51,8 +51,8 @@ struct Bounds {
 
 class Picture {
  public:
-  Picture(const Scene& scene, const language::ViewSettings& view)
-      : scene_(scene), view_(view), projection_(view), palette_(scene) {
+  Picture(const Scene& scene, const language::ViewSettings& view, const SvgOptions& options)
+      : scene_(scene), view_(view), projection_(view), palette_(scene, options.palette) {
     light_ = core::normalised(-0.45 * projection_.right() + 0.75 * projection_.up() + 0.6 * projection_.towardViewer());
   }
 
@@ -105,11 +105,12 @@ class Picture {
       const Vec3 direction = core::normalised(segment.end - segment.start);
       const double across = std::sqrt(std::max(0.0, 1.0 - core::dot(direction, light_) * core::dot(direction, light_)));
       item.colour = lit(palette_.ofSegment(segment), 0.82 + 0.18 * across);
+      item.opacity = palette_.opacityOfIndex(segment.colour);
       items_.push_back(item);
     }
   }
 
-  void addFace(const std::vector<Vec3>& corners, const Vec3& normal, const Colour& colour) {
+  void addFace(const std::vector<Vec3>& corners, const Vec3& normal, std::int32_t colour) {
     Item item;
     item.kind = Item::Kind::Face;
     item.firstPoint = static_cast<std::uint32_t>(points_.size());
@@ -119,7 +120,8 @@ class Picture {
       static_cast<void>(addPoint(p, 0.0));
       item.depth += p.depth / static_cast<double>(corners.size());
     }
-    item.colour = lit(colour, 0.68 + 0.36 * std::abs(core::dot(normal, light_)));
+    item.opacity = palette_.opacityOfIndex(colour);
+    item.colour = lit(palette_.ofIndex(colour), 0.68 + 0.36 * std::abs(core::dot(normal, light_)));
     items_.push_back(item);
   }
 
@@ -130,7 +132,7 @@ class Picture {
       for (std::size_t i = 0; i < polygon.vertices.size(); ++i) {
         normal = normal + core::cross(polygon.vertices[i], polygon.vertices[(i + 1) % polygon.vertices.size()]);
       }
-      addFace(polygon.vertices, core::normalised(normal), palette_.ofIndex(polygon.colour));
+      addFace(polygon.vertices, core::normalised(normal), polygon.colour);
     }
   }
 
@@ -139,7 +141,7 @@ class Picture {
       if (ball.kind == Ball::Kind::Disc) {
         mesh_.clear();
         appendDisc(mesh_, ball, kDiscSides);
-        addFace({mesh_.positions.begin() + 1, mesh_.positions.end() - 1}, ball.frame.up, palette_.ofIndex(ball.colour));
+        addFace({mesh_.positions.begin() + 1, mesh_.positions.end() - 1}, ball.frame.up, ball.colour);
         continue;
       }
       const ProjectedPoint p = projection_.project(ball.centre);
@@ -151,6 +153,7 @@ class Picture {
       item.firstPoint = addPoint(p, item.startWidth / 2.0);
       item.pointCount = 1;
       item.colour = palette_.ofIndex(ball.colour);
+      item.opacity = palette_.opacityOfIndex(ball.colour);
       items_.push_back(item);
     }
   }
@@ -166,7 +169,7 @@ class Picture {
           normal = normal + mesh_.normals[vertex];
         }
       }
-      addFace(corners, core::normalised(normal), palette_.ofIndex(colour));
+      addFace(corners, core::normalised(normal), colour);
     }
   }
 
@@ -212,7 +215,7 @@ class Picture {
     // a flat scene has no depth worth showing
     const double strength = width > 0.0 ? kDepthCue * std::min(1.0, range / width) : 0.0;
     const double t = range > 0.0 ? (item.depth - nearest_) / range : 0.0;
-    return mixed(item.colour, kBackground, strength * std::clamp(t, 0.0, 1.0));
+    return mixed(item.colour, palette_.background(), strength * std::clamp(t, 0.0, 1.0));
   }
 
   void writeItem(const Item& item, TextOutput& out);
@@ -422,11 +425,18 @@ void Picture::write(const SvgOptions& options, TextOutput& out) {
   writeGradients(out);
   if (options.hasBackground) {
     out << "<rect width=\"100%\" height=\"100%\" fill=\"";
-    writeHex(kBackground, out);
+    writeHex(palette_.background(), out);
     out << "\"/>\n";
   }
   for (const Item& item : items_) {
+    if (item.opacity < 1.0) {
+      out << "<g opacity=\"";
+      out.number(item.opacity, 3) << "\">\n";
+    }
     writeItem(item, out);
+    if (item.opacity < 1.0) {
+      out << "</g>\n";
+    }
   }
   out << "</svg>\n";
 }
@@ -434,7 +444,7 @@ void Picture::write(const SvgOptions& options, TextOutput& out) {
 }  // namespace
 
 void writeSvg(const Scene& scene, const language::ViewSettings& view, const SvgOptions& options, core::ByteSink& sink) {
-  Picture picture(scene, view);
+  Picture picture(scene, view, options);
   picture.collect();
   TextOutput out(sink);
   picture.write(options, out);

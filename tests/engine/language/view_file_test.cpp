@@ -231,10 +231,17 @@ TEST(ViewFile, PictureCommandsAreAcceptedSilently) {
       "front distance: -100\nback distance: 100\nbox: x: -1,1 y: 0,2 z: -1,1\nmin zoom: .1\nrender mode: shaded\n"
       "shade mode: 3\nz buffer: on\nantialiasing: off\nconcave polygons: off\ncue range: 5\nlight: O 1 2 3 D 1 1 1\n"
       "light direction: 1,0,0\ndiffuse reflection: 10\nsurface ambient: 0.15\nsurface diffuse: 0.75\n"
-      "shadow map: size: 512\ntexture: F: a.png\nbackground scene: ground.txt\nfont: DejaVu Sans,12,-1\n"
+      "shadow map: size: 512\nfont: DejaVu Sans,12,-1\n"
       "winfont: \"Arial\" 12\nPS linecap: 1\nrayshade scale: 1\nbackground color: 0,0,0\nambient light: 1,1,1\n"
       "interpretation step: 50\ngenerate on view change: off\n");
   EXPECT_EQ(messages(result), Texts{});
+}
+
+TEST(ViewFile, FilesThatNoPictureShowsAreNamedWithTheConsequence) {
+  const ViewFileResult result = read("texture: F: a.png\nbackground scene: ground.txt\nrayshade objects: box.ray\n");
+  EXPECT_EQ(messages(result), (Texts{"1:1 the texture is not used: what wears it has its plain colour",
+                                     "2:1 the background scene is not drawn; an environment may still read its file",
+                                     "3:1 the objects are not used: no scene for Rayshade is written"}));
 }
 
 TEST(ViewFile, FlagsAreOnOrOff) {

@@ -1,0 +1,82 @@
+#include "clients/espalier/folder_settings.h"
+
+#include <algorithm>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "engine/language/data_file.h"
+
+namespace espalier::command {
+namespace {
+
+void remark(core::Severity severity, const std::string& file, std::string message, core::DiagnosticList& diagnostics) {
+  core::Diagnostic diagnostic;
+  diagnostic.severity = severity;
+  diagnostic.location.file = file;
+  diagnostic.message = std::move(message);
+  diagnostics.add(std::move(diagnostic));
+}
+
+std::optional<language::AnimationSettings> readAnimation(const std::string& file, core::FileProvider& files,
+                                                         core::DiagnosticList& diagnostics) {
+  std::optional<std::string> text = files.read(file);
+  if (!text) {
+    remark(core::Severity::Warning, file, "the animation file cannot be read; the derivation length decides which step is last",
+           diagnostics);
+    return std::nullopt;
+  }
+  language::AnimationSettings settings = language::readAnimationFile(language::DataFile(file, std::move(*text), diagnostics));
+  const bool moves = std::any_of(settings.intervals.begin(), settings.intervals.end(), [](const auto& interval) {
+    return interval.motion != language::FrameInterval::Motion::None;
+  });
+  if (moves) {
+    remark(core::Severity::Note, file, "pictures are neither turned nor scaled as its frame intervals say", diagnostics);
+  }
+  return settings;
+}
+
+}  // namespace
+
+FolderSettings readFolderSettings(const ModelFiles& model, bool isAnimated, core::FileProvider& files,
+                                  core::DiagnosticList& diagnostics) {
+  FolderSettings folder;
+  language::FolderCommand command;
+  command.colours = model.colours;
+  command.colourBase = model.colourBase;
+  folder.palette = language::readPalette(command, files, diagnostics);
+
+  const bool usesAnimation = isAnimated || model.startsInAnimation;
+  if (usesAnimation && model.animation.empty()) {
+    remark(core::Severity::Warning, model.model,
+           "there is no animation file for it; the derivation length decides which step is last", diagnostics);
+  } else if (usesAnimation) {
+    folder.animation = readAnimation(model.animation, files, diagnostics);
+  } else if (!model.animation.empty()) {
+    remark(core::Severity::Note, model.animation,
+           "the animation file is not read without --animate or the switch -a; the derivation length decides which step is last",
+           diagnostics);
+  }
+  return folder;
+}
+
+std::optional<std::uint64_t> lastStepOf(const FolderSettings& folder, std::optional<std::uint64_t> steps,
+                                        const simulation::Simulation& simulation) {
+  if (steps || !folder.animation) {
+    return steps;
+  }
+  constexpr auto kMost = static_cast<std::uint64_t>(std::numeric_limits<std::int32_t>::max());
+  const auto length = static_cast<std::int64_t>(std::min(simulation.derivationLength(), kMost));
+  return static_cast<std::uint64_t>(language::finalFrame(*folder.animation, length).derivedSteps);
+}
+
+bool isOver(const simulation::Simulation& simulation, std::optional<std::uint64_t> last) {
+  if (!last) {
+    return simulation.isFinished();
+  }
+  // finished before its derivation length: the model has stopped itself
+  return simulation.completedSteps() >= *last ||
+         (simulation.isFinished() && simulation.completedSteps() < simulation.derivationLength());
+}
+
+}  // namespace espalier::command
