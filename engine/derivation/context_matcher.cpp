@@ -13,6 +13,21 @@ void bind(const language::Program& program, const language::FormalModule& formal
   }
 }
 
+/// Adds an entry to `looks`, if anybody wants it, and returns whether the element matched.
+bool look(std::vector<ContextLook>* looks, ContextLook::Result result, const language::Program& program,
+          const ContextString& string, std::uint64_t module, std::uint64_t offset) {
+  if (looks != nullptr) {
+    ContextLook& entry = looks->emplace_back();
+    entry.result = result;
+    if (result == ContextLook::Result::Matched || result == ContextLook::Result::OtherModule) {
+      entry.module = module;
+      entry.type = string.types[module];
+      entry.parameters.assign(string.parameters + offset, string.parameters + offset + program.arity[entry.type]);
+    }
+  }
+  return result == ContextLook::Result::Matched;
+}
+
 }  // namespace
 
 ContextRules::ContextRules(const language::Program& program, const language::LSystem& system)
@@ -24,7 +39,8 @@ ContextRules::ContextRules(const language::Program& program, const language::LSy
 }
 
 bool matchesLeft(const language::Program& program, const ContextRules& rules, const ContextString& string,
-                 std::span<const ContextElement> context, std::uint64_t module, std::uint64_t offset, double* frame) {
+                 std::span<const ContextElement> context, std::uint64_t module, std::uint64_t offset, double* frame,
+                 std::vector<ContextLook>* looks) {
   for (const ContextElement& element : context) {
     if (element.kind != ContextElement::Kind::Module) {
       return false;
@@ -34,13 +50,13 @@ bool matchesLeft(const language::Program& program, const ContextRules& rules, co
     while (true) {
       if (module == 0) {
         if (!rules.isRing() || !string.canWrap) {
-          return false;
+          return look(looks, ContextLook::Result::StringEnd, program, string, 0, 0);
         }
         module = string.size;
         offset = string.parameterCount;
       }
       if (--remaining == 0) {
-        return false;
+        return look(looks, ContextLook::Result::StringEnd, program, string, 0, 0);
       }
       --module;
       const core::ModuleTypeId type = string.types[module];
@@ -48,7 +64,7 @@ bool matchesLeft(const language::Program& program, const ContextRules& rules, co
       if (type == program.closeBranch) {
         const StringIndex::Link& link = string.index->link(module);
         if (link.partner == StringIndex::kNone) {
-          return false;
+          return look(looks, ContextLook::Result::LoneBracket, program, string, 0, 0);
         }
         module = link.partner;
         offset -= link.parameterCount;
@@ -58,8 +74,9 @@ bool matchesLeft(const language::Program& program, const ContextRules& rules, co
         continue;
       }
       if (type != element.module.type) {
-        return false;
+        return look(looks, ContextLook::Result::OtherModule, program, string, module, offset);
       }
+      look(looks, ContextLook::Result::Matched, program, string, module, offset);
       bind(program, element.module, string.parameters + offset, frame);
       break;
     }
@@ -68,24 +85,26 @@ bool matchesLeft(const language::Program& program, const ContextRules& rules, co
 }
 
 bool matchesRight(const language::Program& program, const ContextRules& rules, const ContextString& string,
-                  std::span<const ContextElement> context, std::uint64_t module, std::uint64_t offset, double* frame) {
+                  std::span<const ContextElement> context, std::uint64_t module, std::uint64_t offset, double* frame,
+                 std::vector<ContextLook>* looks) {
   for (const ContextElement& element : context) {
     const bool isBranchEnd = element.kind == ContextElement::Kind::SkipToBranchEnd;
     std::uint64_t remaining = string.size + 1;
     while (true) {
       if (module >= string.size) {
         if (!rules.isRing() || string.size == 0) {
-          return false;
+          return look(looks, ContextLook::Result::StringEnd, program, string, 0, 0);
         }
         module = 0;
         offset = 0;
       }
       if (--remaining == 0) {
-        return false;
+        return look(looks, ContextLook::Result::StringEnd, program, string, 0, 0);
       }
       const core::ModuleTypeId type = string.types[module];
       // the end of the branch is found by its brackets alone
       if (isBranchEnd && type == program.closeBranch) {
+        look(looks, ContextLook::Result::Matched, program, string, module, offset);
         break;
       }
       const bool isSkippedBranch =
@@ -94,7 +113,7 @@ bool matchesRight(const language::Program& program, const ContextRules& rules, c
       if (isSkippedBranch) {
         const StringIndex::Link& link = string.index->link(module);
         if (link.partner == StringIndex::kNone) {
-          return false;
+          return look(looks, ContextLook::Result::LoneBracket, program, string, 0, 0);
         }
         module = link.partner + std::uint64_t{1};
         offset += link.parameterCount;
@@ -106,8 +125,9 @@ bool matchesRight(const language::Program& program, const ContextRules& rules, c
         continue;
       }
       if (type != element.module.type) {
-        return false;
+        return look(looks, ContextLook::Result::OtherModule, program, string, module, offset);
       }
+      look(looks, ContextLook::Result::Matched, program, string, module, offset);
       bind(program, element.module, string.parameters + offset, frame);
       offset += program.arity[type];
       ++module;

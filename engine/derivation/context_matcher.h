@@ -32,17 +32,27 @@ struct ContextString {
   bool canWrap = true;  // false: no search continues at the other end, even in a ring
 };
 
+/// What a search saw for one element of a context.
+struct ContextLook {
+  enum class Result : std::uint8_t { Matched, OtherModule, StringEnd, LoneBracket };
+  Result result = Result::Matched;
+  std::uint64_t module = 0;  // of the searched string; Matched and OtherModule
+  core::ModuleTypeId type = core::kNoModuleType;
+  std::vector<double> parameters;
+};
+
 /// Whether the modules left of module `module` (its parameters begin at `offset`) match a left context, given nearest
 /// first; the parameters found are bound to `frame`. Branches that end on the way are skipped, a `[` leads into the mother
-/// axis, ignored symbols are skipped (LANGUAGE §1.6). O(modules passed).
+/// axis, ignored symbols are skipped (LANGUAGE §1.6). `looks`, when given, gets an entry for each element up to the first
+/// that fails. O(modules passed).
 [[nodiscard]] bool matchesLeft(const language::Program& program, const ContextRules& rules, const ContextString& string,
                                std::span<const language::ContextElement> context, std::uint64_t module,
-                               std::uint64_t offset, double* frame);
+                               std::uint64_t offset, double* frame, std::vector<ContextLook>* looks = nullptr);
 
 /// The same to the right, from module `module` on: ignored symbols are skipped first, then a branch unless the context
 /// names its `[`; `]` is a symbol like any other.
 [[nodiscard]] bool matchesRight(const language::Program& program, const ContextRules& rules, const ContextString& string,
                                 std::span<const language::ContextElement> context, std::uint64_t module,
-                                std::uint64_t offset, double* frame);
+                                std::uint64_t offset, double* frame, std::vector<ContextLook>* looks = nullptr);
 
 }  // namespace espalier::derivation

@@ -313,6 +313,9 @@ Derivation& Derivation::operator=(Derivation&&) noexcept = default;
 
 void Derivation::rewind(PlantState& state) { implementation_->rewind(state); }
 void Derivation::derive(PlantState& state) { implementation_->derive(state); }
+void Derivation::deriveRecorded(PlantState& state, ModuleRecord& record) {
+  implementation_->deriveRecorded(state, record);
+}
 bool Derivation::hasHomomorphism() const { return implementation_->hasHomomorphism(); }
 void Derivation::beginInterpretation(PlantState& state) { implementation_->beginInterpretation(state); }
 std::uint64_t Derivation::expand(PlantState& state, std::uint32_t instance, std::uint64_t module,

@@ -12,6 +12,8 @@
 
 namespace espalier::derivation {
 
+struct ModuleRecord;
+
 struct DerivationOptions {
   std::uint64_t seed = 0;                          // Espalier mode: of all draws; cpfg mode: replaces `seed:` when hasSeed
   bool hasSeed = false;
@@ -40,6 +42,10 @@ class Derivation {
   /// decomposition, EndEach, and End when it is the last step. On failure `state` is as before the call, except for
   /// the string's contents, which the caller may have changed before and which are untouched here.
   void derive(PlantState& state);
+
+  /// The same, and writes down what the step does with the module `record.module` of the string. Slower: no shortcut of the
+  /// scan is taken. When the step fails, the record holds what happened to the module before that.
+  void deriveRecorded(PlantState& state, ModuleRecord& record);
 
   /// Whether interpreting has side effects on `state` or needs `expand` at all: any homomorphism production exists.
   [[nodiscard]] bool hasHomomorphism() const;

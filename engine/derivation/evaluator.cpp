@@ -364,6 +364,22 @@ void Evaluator::warnOnce(std::uint32_t at, const std::string& message) {
   }
 }
 
+std::optional<std::pair<std::string, double>> Evaluator::variableRead(const language::Instruction& instruction) const {
+  const std::size_t index = instruction.operand;
+  switch (instruction.operation) {
+    case language::Operation::LoadStatic:
+      return std::pair(program_->staticNames[index], state_->statics[index]);
+    case language::Operation::LoadVariable:
+      return std::pair(system_->variables[index], instance_->variables[index]);
+    case language::Operation::LoadStep:
+      return std::pair(std::string("Q"), step_);
+    case language::Operation::LoadLength:
+      return std::pair(std::string("Z"), static_cast<double>(state_->derivationLength));
+    default:
+      return std::nullopt;
+  }
+}
+
 void Evaluator::warn(const std::string& message, core::SourceRange range) const {
   if (!options_.messages) {
     return;

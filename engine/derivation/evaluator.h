@@ -2,8 +2,10 @@
 
 #include <atomic>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "engine/core/limits.h"
@@ -62,6 +64,10 @@ class Evaluator {
   /// Runs code; a value it leaves is at the bottom of the stack. Throws SimulationFailure: too many loop iterations,
   /// cancelled.
   void run(language::CodeRange code, double* frame);
+
+  /// The name and the present value of the variable that an instruction loads (a static, an L-system's variable, Q or Z);
+  /// nothing for other instructions.
+  [[nodiscard]] std::optional<std::pair<std::string, double>> variableRead(const language::Instruction& instruction) const;
 
   /// Reports a warning with a place in the model, if anybody listens.
   void warn(const std::string& message, core::SourceRange range) const;

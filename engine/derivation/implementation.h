@@ -7,6 +7,7 @@
 #include "engine/derivation/derivation.h"
 #include "engine/derivation/evaluator.h"
 #include "engine/derivation/random_source.h"
+#include "engine/derivation/rewrite_record.h"
 #include "engine/derivation/rewriter.h"
 #include "engine/derivation/string_index.h"
 #include "engine/derivation/system_tables.h"
@@ -26,6 +27,7 @@ class Derivation::Implementation {
   std::uint64_t expand(PlantState& state, std::uint32_t instance, std::uint64_t module, std::uint64_t parameterOffset,
                        ModuleString& image);
   void endInterpretation();
+  void deriveRecorded(PlantState& state, ModuleRecord& record);
   [[nodiscard]] const DerivationOptions& options() const { return options_; }
 
  private:
@@ -83,10 +85,21 @@ class Derivation::Implementation {
   void reserveOutput(std::uint64_t moduleCount, std::uint64_t parameterCount);
   void reserveEstimate(const ModuleString& old);
   Outcome rewriteModule(const SystemTables& tables, const ModuleString& old, std::uint64_t module, std::uint64_t offset,
-                        double draw, ModuleString& output);
+                        double draw, ModuleString& output) {
+    return record_ == nullptr ? rewrite(tables, old, module, offset, draw, output)
+                              : rewriteRecorded(tables, old, module, offset, draw, output);
+  }
+  Outcome rewrite(const SystemTables& tables, const ModuleString& old, std::uint64_t module, std::uint64_t offset,
+                  double draw, ModuleString& output);
   [[nodiscard]] StringPart cutPart(const ModuleString& old, std::uint64_t module, std::uint64_t offset) const;
   void keepCutPart(const ModuleString& old, const StringPart& part, std::uint64_t offset);
   void appendKeptParts(const ModuleString& old);
+
+  // recording.cpp
+  void scanRecorded(const PlantState& state);
+  Outcome rewriteRecorded(const SystemTables& tables, const ModuleString& old, std::uint64_t module,
+                          std::uint64_t offset, double draw, ModuleString& output);
+  void recordCut(const StringPart& part);
 
   // sub_systems.cpp
   void scanWithCalls(PlantState& state);
@@ -121,6 +134,7 @@ class Derivation::Implementation {
   std::vector<double> frame_;             // formal parameters of the scan's shortcuts (Program::maximumSlots)
   std::vector<double> weights_;           // of the scan's shortcuts
   std::vector<const QuickRule*> quickMatches_;
+  ModuleRecord* record_ = nullptr;        // of the caller of deriveRecorded, while it runs
   std::uint64_t step_ = 0;                // the step being made; while interpreting: the completed steps
   double moduleGrowth_ = 2.0;             // new modules per old one in the last step, for the first reservation
   double parameterGrowth_ = 2.0;

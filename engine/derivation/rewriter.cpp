@@ -29,19 +29,27 @@ void Rewriter::setStrings(const ContextString& around, const ModuleString* produ
 }
 
 bool Rewriter::matchesShape(const Production& production, const ContextRules& rules, const PredecessorPlace& place,
-                            const Surroundings& surroundings, double* frame) {
+                            const Surroundings& surroundings, double* frame, CandidateRecord* record) {
+  using Result = CandidateRecord::Result;
+  const auto differs = [record](Result result, std::size_t module) {
+    if (record != nullptr) {
+      record->result = result;
+      record->predecessorModule = module;
+    }
+    return false;
+  };
   // the strict predecessor: contiguous modules of equal type
   const std::size_t length = production.predecessor.size();
   // from right to left the modules behind the first one are rewritten already
   if (place.size - place.module < length || (pieces_ != nullptr && length > 1 && place.types == around_.types)) {
-    return false;
+    return differs(Result::Predecessor, place.size - place.module < length ? place.size - place.module : 1);
   }
   std::uint64_t offset = place.offset;
   for (std::size_t i = 0; i < length; ++i) {
     const language::FormalModule& formal = production.predecessor[i];
     const core::ModuleTypeId type = place.types[place.module + i];
     if (type != formal.type || (i > 0 && !isBarrier_.empty() && isBarrier_[type] != 0)) {
-      return false;
+      return differs(Result::Predecessor, i);
     }
     const std::size_t arity = program_->arity[type];
     for (std::size_t k = 0; k < arity; ++k) {
@@ -54,12 +62,15 @@ bool Rewriter::matchesShape(const Production& production, const ContextRules& ru
     const bool isBehind = surroundings.isBehindPredecessor;
     if (!matchesRight(*program_, rules, around_, production.rightContext,
                       isBehind ? place.module + length : surroundings.right,
-                      isBehind ? offset : surroundings.rightOffset, frame)) {
-      return false;
+                      isBehind ? offset : surroundings.rightOffset, frame,
+                      record == nullptr ? nullptr : &record->rightLooks)) {
+      return differs(Result::RightContext, 0);
     }
   }
-  return production.leftContext.empty() || matchesLeft(*program_, rules, around_, production.leftContext,
-                                                       surroundings.left, surroundings.leftOffset, frame);
+  return production.leftContext.empty() ||
+         matchesLeft(*program_, rules, around_, production.leftContext, surroundings.left, surroundings.leftOffset,
+                     frame, record == nullptr ? nullptr : &record->leftLooks) ||
+         differs(Result::LeftContext, 0);
 }
 
 bool Rewriter::matchesProduced(const Production& production, const ContextRules& rules, double* frame) {
@@ -82,25 +93,72 @@ bool Rewriter::matchesProduced(const Production& production, const ContextRules&
 
 bool Rewriter::matches(const Production& production, const ContextRules& rules, const PredecessorPlace& place,
                        const Surroundings& surroundings, double* frame) {
-  if (!matchesShape(production, rules, place, surroundings, frame)) {
+  CandidateRecord* record = nullptr;
+  if (record_ != nullptr) {
+    record = &record_->searches.back().candidates.emplace_back();
+    record->production = &production;
+  }
+  if (!matchesShape(production, rules, place, surroundings, frame, record)) {
     return false;
   }
   if ((!production.newLeftContext.empty() || !production.newRightContext.empty()) &&
       !matchesProduced(production, rules, frame)) {
+    if (record != nullptr) {
+      record->result = CandidateRecord::Result::ProducedContext;
+    }
     return false;
   }
   if (!production.preBlock.empty()) {
     evaluator_->run(production.preBlock, frame);
   }
+  if (record != nullptr) {
+    return recordCondition(production, frame, *record);
+  }
   return !production.condition || evaluator_->value(*production.condition, frame) != 0.0;
+}
+
+SearchRecord& Rewriter::beginSearch(const ProductionList& list, const PredecessorPlace& place, std::uint32_t depth) {
+  SearchRecord& search = record_->searches.emplace_back();
+  search.list = &list;
+  search.type = place.types[place.module];
+  search.parameters.assign(place.parameters + place.offset,
+                           place.parameters + place.offset + program_->arity[search.type]);
+  search.depth = depth;
+  return search;
+}
+
+bool Rewriter::recordCondition(const Production& production, double* frame, CandidateRecord& record) {
+  record.formals.assign(frame, frame + production.slotCount);
+  if (!production.condition) {
+    return true;
+  }
+  record.condition = evaluator_->value(*production.condition, frame);
+  const language::CodeRange code = production.condition->code;
+  for (std::uint32_t i = code.begin; i < code.end; ++i) {
+    if (auto variable = evaluator_->variableRead(program_->code[i])) {
+      if (std::find(record.variables.begin(), record.variables.end(), *variable) == record.variables.end()) {
+        record.variables.push_back(std::move(*variable));
+      }
+    }
+  }
+  if (*record.condition == 0.0) {
+    record.result = CandidateRecord::Result::Condition;
+  }
+  return *record.condition != 0.0;
 }
 
 const Production* Rewriter::chooseFirst(const ProductionList& list, const ContextRules& rules,
                                         const PredecessorPlace& place, const Surroundings& surroundings) {
   chosenFrame_ = frames_.data();
+  if (record_ != nullptr) {
+    beginSearch(list, place, searchDepth_);
+  }
   for (const std::uint32_t candidate : list.index.candidates(place.types[place.module])) {
     const Production& production = list.productions[candidate];
     if (matches(production, rules, place, surroundings, chosenFrame_)) {
+      if (record_ != nullptr) {
+        record_->searches.back().chosen = &production;
+      }
       return &production;
     }
   }
@@ -115,6 +173,9 @@ const Production* Rewriter::chooseByWeights(const ProductionList& list, const Co
   if (frames_.size() < candidates.size() * frameSize) {
     frames_.resize(candidates.size() * frameSize, 0.0);
   }
+  if (record_ != nullptr) {
+    beginSearch(list, place, searchDepth_).isStochastic = true;
+  }
   // every match keeps a frame of its own until one is chosen
   matches_.clear();
   weights_.clear();
@@ -127,6 +188,9 @@ const Production* Rewriter::chooseByWeights(const ProductionList& list, const Co
       matches_.push_back(&production);
       weights_.push_back(weight);
       sum += weight;
+      if (record_ != nullptr) {
+        record_->searches.back().candidates.back().weight = weight;
+      }
     }
   }
   if (matches_.empty()) {
@@ -137,8 +201,14 @@ const Production* Rewriter::chooseByWeights(const ProductionList& list, const Co
     if (!storesFloats_ && !std::isfinite(sum)) {
       failWeights(*matches_.front());
     }
-    chosen = chooseByWeight(weights_, storesFloats_ ? draw : 1.0 - random_->selection(step, place.module),
-                            storesFloats_);
+    const double number = storesFloats_ ? draw : 1.0 - random_->selection(step, place.module);
+    chosen = chooseByWeight(weights_, number, storesFloats_);
+    if (record_ != nullptr) {
+      record_->searches.back().draw = number;
+    }
+  }
+  if (record_ != nullptr) {
+    record_->searches.back().chosen = matches_[chosen];
   }
   chosenFrame_ = frames_.data() + chosen * frameSize;
   return matches_[chosen];
@@ -148,7 +218,13 @@ void Rewriter::apply(const Production& production, ModuleString& output) {
   if (!production.postBlock.empty()) {
     evaluator_->run(production.postBlock, chosenFrame_);
   }
+  const std::uint64_t firstModule = output.size();
+  const std::uint64_t firstParameter = output.parameterCount();
   appendSuccessor(production, chosenFrame_, output);
+  if (record_ != nullptr) {
+    record_->searches.back().made.appendAll(output.types().subspan(firstModule),
+                                            output.parameters().subspan(firstParameter));
+  }
 }
 
 void Rewriter::appendSuccessor(const Production& production, double* frame, ModuleString& output) {
@@ -170,6 +246,7 @@ void Rewriter::applyNested(const Production& production, const ProductionList& l
   // an earlier failure may have left something behind
   scratch_.clear();
   levels_.clear();
+  searchDepth_ = 0;
   apply(production, scratch_);
   levels_.push_back({0, 0, 0, 0, scratch_.size(), depth});
   // the productions of the first level are of another list than the ones below it
@@ -177,6 +254,7 @@ void Rewriter::applyNested(const Production& production, const ProductionList& l
     random_->key(domain, step, index);
   }
   rewriteLevels(list, rules, surroundings, dropsCut, output);
+  searchDepth_ = 0;
 }
 
 void Rewriter::rewriteLevels(const ProductionList& list, const ContextRules& rules, const Surroundings& surroundings,
@@ -198,7 +276,11 @@ void Rewriter::rewriteLevels(const ProductionList& list, const ContextRules& rul
     if (!list.index.empty() && !list.index.candidates(type).empty()) {
       const PredecessorPlace place{scratch_.types().data(), scratch_.parameters().data(), level.end, level.module,
                                    level.offset};
+      searchDepth_ = level.depth;
       if (level.depth >= list.maximumDepth) {
+        if (record_ != nullptr) {
+          beginSearch(list, place, level.depth).isAtMaximumDepth = true;
+        }
         warnAtDepth(list, rules, place, surroundings);
       } else if (const Production* production = chooseFirst(list, rules, place, surroundings)) {
         const std::uint32_t depth = level.depth + 1;
@@ -238,7 +320,7 @@ void Rewriter::warnAtDepth(const ProductionList& list, const ContextRules& rules
     if (!production.preBlock.empty() || (production.condition && !production.condition->isPure)) {
       continue;
     }
-    if (matchesShape(production, rules, place, surroundings, frames_.data()) &&
+    if (matchesShape(production, rules, place, surroundings, frames_.data(), nullptr) &&
         (!production.condition || evaluator_->value(*production.condition, frames_.data()) != 0.0)) {
       warnedLists_.push_back(&list);
       evaluator_->warn("the maximum depth of " + std::to_string(list.maximumDepth) + " was reached while '" +

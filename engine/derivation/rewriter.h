@@ -10,6 +10,7 @@
 #include "engine/derivation/module_string.h"
 #include "engine/derivation/produced_pieces.h"
 #include "engine/derivation/random_source.h"
+#include "engine/derivation/rewrite_record.h"
 #include "engine/derivation/string_index.h"
 #include "engine/language/program.h"
 
@@ -47,6 +48,9 @@ class Rewriter {
 
   /// A module type that a predecessor may begin with but never reach over (calls of sub-L-systems and their `$`), by type.
   void setBarriers(std::vector<std::uint8_t> isBarrier) { isBarrier_ = std::move(isBarrier); }
+
+  /// Every search and application from now on is added to `record`; null: none. It changes nothing else.
+  void setRecord(ModuleRecord* record) { record_ = record; }
 
   /// The first production of the list that matches, or null. Runs the pre-blocks of all candidates up to it.
   [[nodiscard]] const language::Production* chooseFirst(const language::ProductionList& list, const ContextRules& rules,
@@ -105,8 +109,11 @@ class Rewriter {
   [[nodiscard]] bool matches(const language::Production& production, const ContextRules& rules,
                              const PredecessorPlace& place, const Surroundings& surroundings, double* frame);
   [[nodiscard]] bool matchesShape(const language::Production& production, const ContextRules& rules,
-                                  const PredecessorPlace& place, const Surroundings& surroundings, double* frame);
+                                  const PredecessorPlace& place, const Surroundings& surroundings, double* frame,
+                                  CandidateRecord* record);
   [[nodiscard]] bool matchesProduced(const language::Production& production, const ContextRules& rules, double* frame);
+  SearchRecord& beginSearch(const language::ProductionList& list, const PredecessorPlace& place, std::uint32_t depth);
+  bool recordCondition(const language::Production& production, double* frame, CandidateRecord& record);
   void warnAtDepth(const language::ProductionList& list, const ContextRules& rules, const PredecessorPlace& place,
                    const Surroundings& surroundings);
   void appendSuccessor(const language::Production& production, double* frame, ModuleString& output);
@@ -117,6 +124,8 @@ class Rewriter {
   Evaluator* evaluator_;
   RandomSource* random_;
   const core::Limits* limits_;
+  ModuleRecord* record_ = nullptr;          // of the caller; null: nothing is recorded
+  std::uint32_t searchDepth_ = 0;           // of the module that is looked at, for the record
   bool storesFloats_;
   ContextString around_;
   const ModuleString* produced_ = nullptr;  // the string being produced, of the caller

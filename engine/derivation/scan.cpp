@@ -57,6 +57,8 @@ void Derivation::Implementation::scan(PlantState& state) {
     scanWithCalls(state);
   } else if (isBackwards) {
     scanBackwards(state);
+  } else if (record_ != nullptr) {
+    scanRecorded(state);
   } else if (random_.isSequential() && program_->systems.front().isStochastic) {
     hasParameters_ ? scanPlain<true, true>(state) : scanPlain<true, false>(state);
   } else {
@@ -284,11 +286,10 @@ void Derivation::Implementation::failQuickValue(const QuickRule& rule, std::uint
   evaluator_.failHere(core::SimulationErrorCode::NonFinite, "a parameter is not finite");
 }
 
-Derivation::Implementation::Outcome Derivation::Implementation::rewriteModule(const SystemTables& tables,
-                                                                               const ModuleString& old,
-                                                                               std::uint64_t module,
-                                                                               std::uint64_t offset, double draw,
-                                                                               ModuleString& output) {
+Derivation::Implementation::Outcome Derivation::Implementation::rewrite(const SystemTables& tables,
+                                                                         const ModuleString& old, std::uint64_t module,
+                                                                         std::uint64_t offset, double draw,
+                                                                         ModuleString& output) {
   const core::ModuleTypeId type = old.types()[module];
   const PredecessorPlace place{old.types().data(), old.parameters().data(), old.size(), module, offset};
   Surroundings surroundings{module, offset, 0, 0, true};
@@ -364,6 +365,7 @@ Derivation::Implementation::StringPart Derivation::Implementation::cutPart(const
 }
 
 void Derivation::Implementation::keepCutPart(const ModuleString& old, const StringPart& part, std::uint64_t offset) {
+  recordCut(part);
   if (old.types()[part.firstModule - 1] == cutWithTurtle_) {
     keptParts_.push_back({part, old.parameters()[offset]});
   }

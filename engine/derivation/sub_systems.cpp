@@ -175,6 +175,7 @@ Derivation::Implementation::StringPart Derivation::Implementation::cutWithCalls(
   while (calls_.depth() > outerDepth) {
     removeCall();
   }
+  recordCut(part);
   return part;
 }
 

@@ -265,6 +265,15 @@ const derivation::ModuleString& Simulation::string(std::size_t plant) const {
   return implementation_->plants_[plant].string;
 }
 
+const derivation::PlantState& Simulation::plantState(std::size_t plant) const {
+  ESPALIER_CHECK(plant < implementation_->plants_.size());
+  return implementation_->plants_[plant];
+}
+
+derivation::DerivationOptions Simulation::derivationOptions(std::size_t plant) const {
+  return implementation_->derivationOptions(static_cast<std::uint32_t>(plant));
+}
+
 std::string Simulation::stringText(std::size_t plant) const {
   return derivation::toText(program(), string(plant), derivation::numberStyle(program().compatibility));
 }

@@ -94,6 +94,10 @@ class Simulation {
   [[nodiscard]] std::uint64_t derivationLength() const;
   [[nodiscard]] std::size_t plantCount() const;
   [[nodiscard]] const derivation::ModuleString& string(std::size_t plant = 0) const;
+  /// Everything that the next derivation of a plant starts from.
+  [[nodiscard]] const derivation::PlantState& plantState(std::size_t plant = 0) const;
+  /// What its Derivation was made with.
+  [[nodiscard]] derivation::DerivationOptions derivationOptions(std::size_t plant = 0) const;
   [[nodiscard]] std::string stringText(std::size_t plant = 0) const;
   [[nodiscard]] const StepStatistics& statistics() const;
   [[nodiscard]] const language::Program& program() const;

@@ -26,6 +26,7 @@ class Simulation::Implementation {
   [[nodiscard]] Outcome answer();
   [[nodiscard]] bool isFinished() const;
   [[nodiscard]] std::uint64_t derivationLength() const;
+  [[nodiscard]] derivation::DerivationOptions derivationOptions(std::uint32_t plant) const;
   [[nodiscard]] Outcome draw(turtle::Scene* scene, std::vector<turtle::TurtleRecord>* records);
   [[nodiscard]] std::uint64_t stateHash() const;
   void save(core::ByteSink& sink);
@@ -55,7 +56,6 @@ class Simulation::Implementation {
   [[nodiscard]] bool isCompatible() const { return program_->compatibility != core::Compatibility::Espalier; }
   [[nodiscard]] std::uint64_t effectiveSeed() const;
   void makeDerivations();
-  [[nodiscard]] derivation::DerivationOptions derivationOptions(std::uint32_t plant) const;
   [[nodiscard]] turtle::EnvironmentContext environmentContext() const;
 
   // the parts of a step: they throw SimulationFailure and are undone by undoStep
