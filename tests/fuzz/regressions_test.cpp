@@ -41,6 +41,42 @@ TEST(FuzzRegressions, TargetsAcceptTextsWithoutMeaning) {
   }
 }
 
+std::string repeated(const std::string& text, int count) {
+  std::string result;
+  for (int i = 0; i < count; ++i) {
+    result += text;
+  }
+  return result;
+}
+
+// deeper than any stack would hold if the readers called themselves for every level; fuzzers make no texts of this length
+TEST(FuzzRegressions, DeepNestingIsRefusedNotFollowed) {
+  constexpr int kDepth = 60'000;
+  const auto withAxiom = [](const std::string& expression) {
+    return "Lsystem: 1\nderivation length: 1\nAxiom: A(" + expression + ")\nA(x) --> A(x+1)\nendlsystem\n";
+  };
+  const std::string texts[] = {
+      withAxiom(repeated("(", kDepth) + "1" + repeated(")", kDepth)),
+      withAxiom(repeated("-", kDepth) + "1"),
+      withAxiom(repeated("2^", kDepth) + "1"),
+      withAxiom(repeated("1+", kDepth) + "1"),
+      withAxiom(repeated("1?", kDepth) + "1"),
+      withAxiom(repeated("(", kDepth)),
+      "Lsystem: 1\nderivation length: 1\nAxiom: " + repeated("[", kDepth) + "F" + repeated("]", kDepth) +
+          "\nF --> F\nendlsystem\n",
+      "#if " + repeated("(", kDepth) + "1" + repeated(")", kDepth) + "\n#endif\n" + withAxiom("1"),
+      "#if " + repeated("!", kDepth) + "1\n#endif\n" + withAxiom("1"),
+      repeated("#if 1\n", kDepth / 4) + withAxiom("1") + repeated("#endif\n", kDepth / 4),
+      "#define F(x) x\n" + withAxiom(repeated("F(", kDepth / 2) + "1" + repeated(")", kDepth / 2)),
+  };
+  for (const std::string& text : texts) {
+    SCOPED_TRACE(text.substr(0, 80));
+    for (const NamedTarget& target : kTargets) {
+      EXPECT_NO_THROW(target.run(text));
+    }
+  }
+}
+
 // a seed that is refused early teaches a fuzzer nothing
 TEST(FuzzSeeds, TheViewFileWithEveryFormatIsReadWithoutAWarning) {
   core::MemoryFileProvider files = unbundle(
