@@ -88,7 +88,7 @@ TEST(EnvironmentHost, TcpAndStdioGiveBitwiseTheSameStringsAsInProcess) {
     EXPECT_EQ(inside.size(), 6U);
     const Hosted hosted(name);
     EXPECT_EQ(grow(remote(hosted.address())), inside);
-    EXPECT_EQ(grow(remote("stdio:exec " ESPALIER_BINARY_DIR "/bin/espalier environment " + name + " --stdio")), inside);
+    EXPECT_EQ(grow(remote("stdio:exec '" ESPALIER_BINARY_DIR "/bin/espalier' environment " + name + " --stdio")), inside);
   }
 }
 
