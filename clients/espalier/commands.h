@@ -12,6 +12,9 @@ namespace espalier::command {
 void addDerive(CLI::App& program, int& status);
 void addCheck(CLI::App& program, int& status);
 void addRun(CLI::App& program, int& status);
+void addFormat(CLI::App& program, int& status);
+void addDisassemble(CLI::App& program, int& status);
+void addExplain(CLI::App& program, int& status);
 void addServe(CLI::App& program, int& status);
 void addEnvironment(CLI::App& program, int& status);
 void addConnect(CLI::App& program, int& status);

@@ -22,6 +22,9 @@ int main(int argumentCount, char** arguments) {
   addDerive(program, status);
   addRun(program, status);
   addCheck(program, status);
+  addExplain(program, status);
+  addFormat(program, status);
+  addDisassemble(program, status);
   addServe(program, status);
   addEnvironment(program, status);
   addConnect(program, status);

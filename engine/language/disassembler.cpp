@@ -23,7 +23,7 @@ std::string quoted(const std::string& text) {
 
 class Disassembler {
  public:
-  explicit Disassembler(const Program& program) : program_(program) {}
+  Disassembler(const Program& program, DisassemblyPlaces places) : program_(program), places_(places) {}
 
   std::string run() {
     for (const LSystem& system : program_.systems) {
@@ -51,6 +51,7 @@ class Disassembler {
     for (std::size_t i = 0; i < list.productions.size(); ++i) {
       const Production& production = list.productions[i];
       text_ += name + " " + std::to_string(i) + ": " + production.text + "\n";
+      writePlace(production.range);
       writeBlock("block before", production.preBlock);
       if (production.condition.has_value()) {
         writeExpression("condition", *production.condition);
@@ -60,6 +61,15 @@ class Disassembler {
       if (production.probability.has_value()) {
         writeExpression("probability", *production.probability);
       }
+    }
+  }
+
+  /// Where a production stands, and its line as it was written.
+  void writePlace(core::SourceRange range) {
+    if (places_ == DisassemblyPlaces::Shown) {
+      const core::SourceLocation place = program_.sourceMap.locate(range);
+      text_ += "  # " + place.file + ":" + std::to_string(place.line) + ":" + std::to_string(place.column) + ": " +
+               place.lineText + "\n";
     }
   }
 
@@ -146,12 +156,13 @@ class Disassembler {
   }
 
   const Program& program_;
+  DisassemblyPlaces places_;
   const LSystem* system_ = nullptr;
   std::string text_;
 };
 
 }  // namespace
 
-std::string disassemble(const Program& program) { return Disassembler(program).run(); }
+std::string disassemble(const Program& program, DisassemblyPlaces places) { return Disassembler(program, places).run(); }
 
 }  // namespace espalier::language

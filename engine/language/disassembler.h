@@ -1,10 +1,14 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include "engine/language/program.h"
 
 namespace espalier::language {
+
+/// Whether the text says where the productions stand.
+enum class DisassemblyPlaces : std::uint8_t { Hidden, Shown };
 
 /// The code of a Program as text, one instruction a line, for tests and for people: the same Program always gives the same
 /// text. L-systems in order, each with its blocks, axiom and productions; numbers in their shortest form.
@@ -21,6 +25,9 @@ namespace espalier::language {
 ///          0  LoadSlot 0
 ///          1  Constant 2
 ///          2  Multiply
-[[nodiscard]] std::string disassemble(const Program& program);
+///
+/// With places, a line `  # tree.l:7:1: A(l) --> F(l)A(l*R)` follows each production's heading: where it stands and the line
+/// as it was written, before macros were expanded.
+[[nodiscard]] std::string disassemble(const Program& program, DisassemblyPlaces places = DisassemblyPlaces::Hidden);
 
 }  // namespace espalier::language
