@@ -175,9 +175,13 @@ class AnimationReader {
 
 }  // namespace
 
-AnimationSettings readAnimationFile(const DataFile& file) { return AnimationReader(file).read(); }
+AnimationSettings readAnimationFile(const DataFile& file) {
+  return AnimationReader(file).read();
+}
 
-AnimationFrame firstFrame(const AnimationSettings& settings) { return {settings.firstFrame, settings.firstFrame}; }
+AnimationFrame firstFrame(const AnimationSettings& settings) {
+  return {settings.firstFrame, settings.firstFrame};
+}
 
 std::optional<AnimationFrame> nextFrame(const AnimationSettings& settings, std::int64_t derivationLength,
                                         AnimationFrame current) {
@@ -210,7 +214,8 @@ AnimationFrame finalFrame(const AnimationSettings& settings, std::int64_t deriva
   AnimationFrame frame = firstFrame(settings);
   if (settings.intervals.empty()) {
     // as many advances as reach the last frame
-    const std::int64_t missing = std::max<std::int64_t>(0, settings.lastFrame.value_or(derivationLength) - frame.counter);
+    const std::int64_t missing =
+        std::max<std::int64_t>(0, settings.lastFrame.value_or(derivationLength) - frame.counter);
     const std::int64_t advance = (missing + settings.step - 1) / settings.step * settings.step;
     return {frame.counter + advance, frame.derivedSteps + advance};
   }

@@ -14,9 +14,9 @@ struct FrameInterval {
   enum class Motion : std::uint8_t { None, Rotate, Scale };
   std::int64_t start = 0;
   std::int64_t end = 0;
-  std::optional<std::int64_t> step;    // nothing: AnimationSettings::step
+  std::optional<std::int64_t> step;  // nothing: AnimationSettings::step
   Motion motion = Motion::None;
-  std::array<double, 3> amount{};      // degrees added, or factors, per frame
+  std::array<double, 3> amount{};  // degrees added, or factors, per frame
 };
 
 /// What an animation file `.a` says: which steps are shown.
@@ -31,7 +31,7 @@ struct AnimationSettings {
   bool centresBetweenFrames = false;
   bool centresHorizontally = false;
   bool hasDoubleBuffer = true;
-  std::int64_t swapInterval = 1;              // tenths of a second per frame
+  std::int64_t swapInterval = 1;  // tenths of a second per frame
 };
 
 /// A shown frame. The counter is the derivation step, except that intervals with step 0 count frames without deriving.

@@ -21,9 +21,7 @@ BSplineWeights clampedBSplineWeights(std::size_t pointCount, double p) {
   const double t = std::clamp(p, 0.0, 1.0) * static_cast<double>(spans);
   const std::size_t span = std::min(static_cast<std::size_t>(t), spans - 1);
   // knot i counted from the one that begins the span: the inner knots are the integers 0 .. spans
-  const auto knot = [&](int i) {
-    return std::clamp(static_cast<double>(span) + i, 0.0, static_cast<double>(spans));
-  };
+  const auto knot = [&](int i) { return std::clamp(static_cast<double>(span) + i, 0.0, static_cast<double>(spans)); };
   BSplineWeights result;
   result.first = span;
   std::array<double, 4>& basis = result.weights;

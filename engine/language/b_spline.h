@@ -14,8 +14,9 @@ struct BSplineWeights {
 /// Uniform cubic B-spline without end conditions: segment `segment` at `u` in [0, 1].
 [[nodiscard]] BSplineWeights uniformBSplineWeights(std::size_t segment, double u);
 
-/// Open uniform cubic B-spline (end knots fourfold, so that it starts in the first control point and ends in the last) of
-/// pointCount >= 4 points, at parameter p, clamped to [0, 1]. De Boor 1978, algorithm of the non-zero basis functions.
+/// Open uniform cubic B-spline (end knots fourfold, so that it starts in the first control point and ends in the last)
+/// of pointCount >= 4 points, at parameter p, clamped to [0, 1]. De Boor 1978, algorithm of the non-zero basis
+/// functions.
 [[nodiscard]] BSplineWeights clampedBSplineWeights(std::size_t pointCount, double p);
 
 }  // namespace espalier::language

@@ -174,6 +174,8 @@ double BlobField::value(const core::Vec3& point) const {
   return sum;
 }
 
-BlobField readBlobFile(const DataFile& file) { return BlobReader(file).read(); }
+BlobField readBlobFile(const DataFile& file) {
+  return BlobReader(file).read();
+}
 
 }  // namespace espalier::language

@@ -11,7 +11,9 @@ namespace {
 constexpr std::size_t kMapBytes = 768;
 constexpr std::size_t kRecordBytes = 15;
 
-double component(std::string_view bytes, std::size_t i) { return static_cast<unsigned char>(bytes[i]) / 255.0; }
+double component(std::string_view bytes, std::size_t i) {
+  return static_cast<unsigned char>(bytes[i]) / 255.0;
+}
 
 std::array<double, 3> triple(std::string_view bytes, std::size_t i) {
   return {component(bytes, i), component(bytes, i + 1), component(bytes, i + 2)};
@@ -84,8 +86,9 @@ void readColourMap(std::string_view bytes, const std::string& file, int block, P
 void readMaterials(std::string_view bytes, const std::string& file, int block, Palette& palette,
                    core::DiagnosticList& diagnostics) {
   if (bytes.size() % kRecordBytes != 0) {
-    warn(file, "a material file has records of 15 bytes; the last " + std::to_string(bytes.size() % kRecordBytes) +
-                   " of its " + std::to_string(bytes.size()) + " bytes are left out",
+    warn(file,
+         "a material file has records of 15 bytes; the last " + std::to_string(bytes.size() % kRecordBytes) +
+             " of its " + std::to_string(bytes.size()) + " bytes are left out",
          diagnostics);
   }
   std::array<Material, Palette::kBlockSize> set{};

@@ -51,8 +51,8 @@ struct Palette {
   [[nodiscard]] PaletteColour background() const;
 };
 
-/// Reads a colour map `.map` (768 bytes, 256 times red, green, blue) into a block. A shorter file leaves the other indices
-/// grey, with a warning.
+/// Reads a colour map `.map` (768 bytes, 256 times red, green, blue) into a block. A shorter file leaves the other
+/// indices grey, with a warning.
 void readColourMap(std::string_view bytes, const std::string& file, int block, Palette& palette,
                    core::DiagnosticList& diagnostics);
 

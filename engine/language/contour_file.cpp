@@ -116,15 +116,15 @@ class ContourReader {
       }
       const std::size_t count = multiplicity > 0 ? static_cast<std::size_t>(multiplicity) : 0;
       if (count > kMostPoints - contour_.points.size()) {
-        file_.warn(line.rangeFrom(begin), "a contour has at most " + std::to_string(kMostPoints) + " points", kConsequence);
+        file_.warn(line.rangeFrom(begin), "a contour has at most " + std::to_string(kMostPoints) + " points",
+                   kConsequence);
         return false;
       }
       if (!file_.spendPoints(count)) {
         file_.warn(line.rangeFrom(begin), "the files of one view file have too many points", kConsequence);
         return false;
       }
-      contour_.points.insert(contour_.points.end(), count,
-                             Vec3{numbers[0], numbers[1], numbers[2]});
+      contour_.points.insert(contour_.points.end(), count, Vec3{numbers[0], numbers[1], numbers[2]});
     }
     return true;
   }

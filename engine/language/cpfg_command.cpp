@@ -21,22 +21,32 @@ constexpr std::string_view kOutput = "choose what is written with the options of
 
 // longer names first where one begins with another
 constexpr std::array kUnused = {
-    UnusedSwitch{"-wpr", 2, kWindow},      UnusedSwitch{"-wnb", 0, kWindow},
-    UnusedSwitch{"-wnm", 0, kWindow},      UnusedSwitch{"-wr", 2, kWindow},
-    UnusedSwitch{"-wp", 2, kWindow},       UnusedSwitch{"-wt", 1, kWindow},
-    UnusedSwitch{"-w", 2, kWindow},        UnusedSwitch{"-rmode", 1, ""},
-    UnusedSwitch{"-strb", 1, kOutput},     UnusedSwitch{"-str", 1, kOutput},
-    UnusedSwitch{"-ps", 1, kOutput},       UnusedSwitch{"-rgb", 1, kOutput},
-    UnusedSwitch{"-ras", 1, kOutput},      UnusedSwitch{"-tga", 1, kOutput},
-    UnusedSwitch{"-ray", 1, kOutput},      UnusedSwitch{"-gls", 1, kOutput},
-    UnusedSwitch{"-vv", 1, kOutput},       UnusedSwitch{"-obj", 1, kOutput},
+    UnusedSwitch{"-wpr", 2, kWindow},
+    UnusedSwitch{"-wnb", 0, kWindow},
+    UnusedSwitch{"-wnm", 0, kWindow},
+    UnusedSwitch{"-wr", 2, kWindow},
+    UnusedSwitch{"-wp", 2, kWindow},
+    UnusedSwitch{"-wt", 1, kWindow},
+    UnusedSwitch{"-w", 2, kWindow},
+    UnusedSwitch{"-rmode", 1, ""},
+    UnusedSwitch{"-strb", 1, kOutput},
+    UnusedSwitch{"-str", 1, kOutput},
+    UnusedSwitch{"-ps", 1, kOutput},
+    UnusedSwitch{"-rgb", 1, kOutput},
+    UnusedSwitch{"-ras", 1, kOutput},
+    UnusedSwitch{"-tga", 1, kOutput},
+    UnusedSwitch{"-ray", 1, kOutput},
+    UnusedSwitch{"-gls", 1, kOutput},
+    UnusedSwitch{"-vv", 1, kOutput},
+    UnusedSwitch{"-obj", 1, kOutput},
     UnusedSwitch{"-pipestrb", 0, "strings are not read from standard input"},
     UnusedSwitch{"-mb", 0, "there is no menu bar"},
     UnusedSwitch{"-b", 1, "nothing is saved by this switch"},
     UnusedSwitch{"-C", 1, "an environment is chosen with -e or by the options of this program"},
     UnusedSwitch{"-S", 1, "this program has its own server"},
     UnusedSwitch{"-P", 1, "the model is read by the built-in preprocessor"},
-    UnusedSwitch{"-V", 0, ""},             UnusedSwitch{"-v", 0, ""},
+    UnusedSwitch{"-V", 0, ""},
+    UnusedSwitch{"-v", 0, ""},
     UnusedSwitch{"-d", 0, ""},
 };
 
@@ -99,7 +109,8 @@ class CommandReader {
         return;
       case 'g':
         command_.isBatch = true;
-        note(word, "the switch -g runs in batch mode, which has other random numbers; choose --compat cpfg-batch for them");
+        note(word,
+             "the switch -g runs in batch mode, which has other random numbers; choose --compat cpfg-batch for them");
         return;
       default:
         warn(word, "unknown switch '" + word.text + "' is ignored");

@@ -60,8 +60,9 @@ class CurveReader {
       return std::nullopt;
     }
     if (points.size() < least) {
-      file_.warn(cursor_.rangeFrom(pointsBegin_), "a curve of this type needs at least " + std::to_string(least) +
-                                                      " points, this one has " + std::to_string(points.size()),
+      file_.warn(cursor_.rangeFrom(pointsBegin_),
+                 "a curve of this type needs at least " + std::to_string(least) + " points, this one has " +
+                     std::to_string(points.size()),
                  kConsequence);
       return std::nullopt;
     }
@@ -133,7 +134,8 @@ class CurveReader {
       numbers[i] = *number;
     }
     if (!line.atLineEnd()) {
-      file_.warnExpected(line, "the end of a point of " + std::to_string(dimension_) + " numbers", "a curve", kConsequence);
+      file_.warnExpected(line, "the end of a point of " + std::to_string(dimension_) + " numbers", "a curve",
+                         kConsequence);
       return false;
     }
     ++readLines_;

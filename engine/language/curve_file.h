@@ -8,8 +8,8 @@ namespace espalier::language {
 /// The default sample count of a `curve:` command.
 inline constexpr int kDefaultCurveSamples = 100;
 
-/// A curve that is the origin everywhere and has no length: what a curve file with an error gives, so that the ids of the
-/// following curves stay.
+/// A curve that is the origin everywhere and has no length: what a curve file with an error gives, so that the ids of
+/// the following curves stay.
 [[nodiscard]] ParametricCurve zeroCurve();
 
 /// Reads a curve file (FILES §9). What is wrong is a warning and gives zeroCurve().

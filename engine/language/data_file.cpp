@@ -36,8 +36,8 @@ bool DataFile::spendSamples(std::size_t count) const {
 
 int boundedSampleCount(const DataFile& file, core::SourceRange range, int count) {
   if (count > kMostSamples) {
-    file.warn(range, "more than " + std::to_string(kMostSamples) + " samples; " + std::to_string(kMostSamples) +
-                         " are used");
+    file.warn(range,
+              "more than " + std::to_string(kMostSamples) + " samples; " + std::to_string(kMostSamples) + " are used");
   }
   const int bounded = std::clamp(count, 0, kMostSamples);
   if (!file.spendSamples(static_cast<std::size_t>(bounded))) {

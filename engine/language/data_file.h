@@ -9,10 +9,10 @@
 
 namespace espalier::language {
 
-/// Bounds of what the readers of a model folder's files accept, so that a number in a file cannot ask for more memory than
-/// its text is worth by more than a fixed factor.
+/// Bounds of what the readers of a model folder's files accept, so that a number in a file cannot ask for more memory
+/// than its text is worth by more than a fixed factor.
 inline constexpr std::size_t kMostPoints = 100'000;  // of one function, curve or contour, multiplicities counted
-inline constexpr int kMostSamples = 10'000;            // of one function or curve
+inline constexpr int kMostSamples = 10'000;          // of one function or curve
 
 /// What is left for all files of one view file together.
 struct ReadingBudget {

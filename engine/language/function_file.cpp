@@ -128,7 +128,8 @@ class FunctionReader {
       return false;
     }
     if (!file_.spendPoints(count)) {
-      file_.warn(line.rangeFrom(begin), "the files of one view file have too many points; " + context() + " is 0 everywhere");
+      file_.warn(line.rangeFrom(begin),
+                 "the files of one view file have too many points; " + context() + " is 0 everywhere");
       return false;
     }
     points.insert(points.end(), count, point);
@@ -165,7 +166,9 @@ SplineFunction namedByMacro(SplineFunction function) {
 
 }  // namespace
 
-SplineFunction zeroFunction() { return SplineFunction({}, std::vector<std::array<double, 2>>(kLeastPoints), 0); }
+SplineFunction zeroFunction() {
+  return SplineFunction({}, std::vector<std::array<double, 2>>(kLeastPoints), 0);
+}
 
 SplineFunction readFunctionFile(const DataFile& file, std::optional<int> sampleCount) {
   TextCursor cursor = file.cursor();

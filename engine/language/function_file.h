@@ -17,9 +17,9 @@ namespace espalier::language {
 /// command's, used by the old format alone. What is wrong is a warning and gives zeroFunction().
 [[nodiscard]] SplineFunction readFunctionFile(const DataFile& file, std::optional<int> sampleCount);
 
-/// Reads a `.fset` file: functions in file order, each named by its macro (the `name:` up to its last point). After an item
-/// with an error the Espalier mode goes on with the next item; the compatible modes stay where the error was found, as the
-/// reference does.
+/// Reads a `.fset` file: functions in file order, each named by its macro (the `name:` up to its last point). After an
+/// item with an error the Espalier mode goes on with the next item; the compatible modes stay where the error was
+/// found, as the reference does.
 [[nodiscard]] std::vector<SplineFunction> readFunctionSet(const DataFile& file, core::Compatibility compatibility);
 
 }  // namespace espalier::language

@@ -39,7 +39,9 @@ bool isRefreshMode(std::string_view line) {
 }
 
 /// A panel is an editor's control panel, whatever its suffix.
-bool isPanel(std::string_view name) { return name.starts_with("panel."); }
+bool isPanel(std::string_view name) {
+  return name.starts_with("panel.");
+}
 
 core::Diagnostic folderDiagnostic(core::Severity severity, const std::string& folder, std::string message,
                                   std::string hint = {}) {
@@ -98,8 +100,8 @@ void readMenu(const DataFile& file, TextCursor& cursor, ModelFolder& result) {
     }
     FolderCommand command = readCpfgCommand(file, words);
     if (command.model.empty() || command.view.empty()) {
-      file.warn(words.front().range, "the command is ignored: it names no " +
-                                         std::string(command.model.empty() ? "model" : "view file"));
+      file.warn(words.front().range,
+                "the command is ignored: it names no " + std::string(command.model.empty() ? "model" : "view file"));
       continue;
     }
     for (std::size_t i = 0; i < std::min(depth, titles.size()); ++i) {
@@ -127,11 +129,11 @@ void findOnlyModel(const std::string& folder, const std::vector<std::string>& na
     result.commands.push_back(std::move(command));
     return;
   }
-  result.diagnostics.add(folderDiagnostic(
-      core::Severity::Error, folder,
-      "the folder has no file 'specifications', and " + std::to_string(models.size()) + " models and " +
-          std::to_string(views.size()) + " view files to choose from",
-      "name the model and its view file"));
+  result.diagnostics.add(folderDiagnostic(core::Severity::Error, folder,
+                                          "the folder has no file 'specifications', and " +
+                                              std::to_string(models.size()) + " models and " +
+                                              std::to_string(views.size()) + " view files to choose from",
+                                          "name the model and its view file"));
 }
 
 /// Warns about files that a command names and the folder lacks, except its model: without that there is nothing to run.
@@ -160,7 +162,8 @@ void checkNames(const std::string& folder, const std::vector<std::string>& names
 void noteUnusedFiles(const std::string& folder, const std::vector<std::string>& names, ModelFolder& result) {
   const auto isNamed = [&](const std::string& name) {
     return std::any_of(result.commands.begin(), result.commands.end(), [&](const FolderCommand& command) {
-      return name == command.model || name == command.view || name == command.animation || name == command.environment ||
+      return name == command.model || name == command.view || name == command.animation ||
+             name == command.environment ||
              std::any_of(command.colours.begin(), command.colours.end(),
                          [&](const ColourFile& colours) { return colours.file == name; });
     });

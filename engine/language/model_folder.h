@@ -20,22 +20,22 @@ struct ColourFile {
 
 /// One cpfg command of a model folder. File names are joined to the folder; empty: not given.
 struct FolderCommand {
-  std::string title;          // its place in the menu, from the top: "plant / display"; empty without `specifications`
+  std::string title;  // its place in the menu, from the top: "plant / display"; empty without `specifications`
   std::string model;
   std::string view;
   std::string animation;
   std::string environment;
   std::vector<ColourFile> colours;  // in the order of the command: of maps and materials, the last kind counts
   int colourBase = 1;
-  bool startsInAnimation = false;      // the animation file decides which steps are shown
+  bool startsInAnimation = false;  // the animation file decides which steps are shown
   bool writesAfterHomomorphism = false;
-  bool isBatch = false;                // -g: other random numbers (core::Compatibility::CpfgBatch)
+  bool isBatch = false;  // -g: other random numbers (core::Compatibility::CpfgBatch)
 };
 
 struct ModelFolder {
-  std::vector<FolderCommand> commands;       // in the order of the menu; the first is the one to run
-  std::vector<std::string> listedFiles;      // the file list of `specifications`, as written
-  core::DiagnosticList diagnostics;          // an error when there is no command; notes for what is not used
+  std::vector<FolderCommand> commands;   // in the order of the menu; the first is the one to run
+  std::vector<std::string> listedFiles;  // the file list of `specifications`, as written
+  core::DiagnosticList diagnostics;      // an error when there is no command; notes for what is not used
 };
 
 /// Finds what to run in a published model folder: the cpfg commands of its `specifications`, or its only `.l` and `.v`.

@@ -19,7 +19,8 @@ constexpr int kMostSubdivision = 10;
 
 /// The eight neighbours of a patch, in the order of the file, and where the patch stands in that neighbour's own list:
 /// above left is answered by below right, and so on.
-constexpr std::array<std::string_view, 8> kNeighbourKeywords = {"AL: ", "A: ", "AR: ", "L: ", "R: ", "BL: ", "B: ", "BR: "};
+constexpr std::array<std::string_view, 8> kNeighbourKeywords = {
+    "AL: ", "A: ", "AR: ", "L: ", "R: ", "BL: ", "B: ", "BR: "};
 constexpr std::array<std::size_t, 8> kOpposite = {7, 6, 5, 4, 3, 2, 1, 0};
 
 struct NamedPatch {
@@ -153,7 +154,9 @@ class LocalFrame {
   Vec3 heading_, left_, up_;
 };
 
-bool isFinite(const Vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+bool isFinite(const Vec3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
 
 /// Whether every neighbour exists and names the patch back.
 bool areNeighboursMutual(const DataFile& file, const std::vector<NamedPatch>& patches) {
@@ -168,8 +171,8 @@ bool areNeighboursMutual(const DataFile& file, const std::vector<NamedPatch>& pa
       }
       const auto neighbour = byName.find(patch.neighbours[i]);
       const std::string keyword(kNeighbourKeywords[i].substr(0, kNeighbourKeywords[i].size() - 1));
-      const std::string place =
-          "'" + keyword + "' of patch '" + std::string(patch.name) + "' names '" + std::string(patch.neighbours[i]) + "'";
+      const std::string place = "'" + keyword + "' of patch '" + std::string(patch.name) + "' names '" +
+                                std::string(patch.neighbours[i]) + "'";
       if (neighbour == byName.end()) {
         file.warn(patch.range, place + ", which is no patch of this surface",
                   "the surface is undefined and draws nothing; write ~ for no neighbour");
@@ -218,8 +221,9 @@ std::optional<Surface> readSurfaceFile(const DataFile& file, char id, double sca
     surface.patches.push_back(named.patch);
   }
   if (!isPlaced) {
-    file.warn({0, 1}, "the size " + std::string(placement.size == 0.0 ? "0" : "or a point") +
-                          " of the surface gives points that are no numbers",
+    file.warn({0, 1},
+              "the size " + std::string(placement.size == 0.0 ? "0" : "or a point") +
+                  " of the surface gives points that are no numbers",
               "the surface is undefined and draws nothing");
     return std::nullopt;
   }

@@ -10,9 +10,15 @@
 namespace espalier::language {
 namespace {
 
-bool isBlank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f'; }
-bool isSpace(char c) { return isBlank(c) || c == '\n'; }
-bool isDigit(char c) { return c >= '0' && c <= '9'; }
+bool isBlank(char c) {
+  return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
+}
+bool isSpace(char c) {
+  return isBlank(c) || c == '\n';
+}
+bool isDigit(char c) {
+  return c >= '0' && c <= '9';
+}
 
 /// Whether a number that from_chars calls out of range is too small rather than too large.
 bool isTooSmall(std::string_view number) {
@@ -59,9 +65,9 @@ std::optional<double> TextCursor::number() {
     ++begin;
   }
   // from_chars would also take inf, nan and a second sign
-  const bool isNumber = begin < text_.size() &&
-                        (isDigit(text_[begin]) ||
-                         (text_[begin] == '.' && begin + 1 < text_.size() && isDigit(text_[begin + 1])));
+  const bool isNumber =
+      begin < text_.size() &&
+      (isDigit(text_[begin]) || (text_[begin] == '.' && begin + 1 < text_.size() && isDigit(text_[begin + 1])));
   if (!isNumber) {
     return std::nullopt;
   }

@@ -10,8 +10,8 @@
 
 namespace espalier::language {
 
-/// A place in a text that reads words, numbers and lines from there on. Offsets count from the beginning of the whole text,
-/// also in the cursor of a single line, so that every place can be named. The text must outlive the cursor.
+/// A place in a text that reads words, numbers and lines from there on. Offsets count from the beginning of the whole
+/// text, also in the cursor of a single line, so that every place can be named. The text must outlive the cursor.
 class TextCursor {
  public:
   explicit TextCursor(std::string_view text, std::size_t position = 0) : text_(text), position_(position) {}
@@ -23,7 +23,9 @@ class TextCursor {
   [[nodiscard]] char peek() const { return atEnd() ? '\0' : text_[position_]; }
   /// At a newline or the end of the text, after blanks that are not passed.
   [[nodiscard]] bool atLineEnd() const;
-  [[nodiscard]] std::string_view rest() const { return text_.substr(position_ < text_.size() ? position_ : text_.size()); }
+  [[nodiscard]] std::string_view rest() const {
+    return text_.substr(position_ < text_.size() ? position_ : text_.size());
+  }
 
   [[nodiscard]] std::string_view textBetween(std::size_t begin, std::size_t end) const {
     return text_.substr(begin, end > begin ? end - begin : 0);
@@ -48,8 +50,8 @@ class TextCursor {
   bool take(char character);
   /// Passes `keywords` when they are next. A blank of the keywords stands for any number of blanks and newlines.
   bool takeKeywords(std::string_view keywords);
-  /// The rest of the line, without its newline and a carriage return before it, as a cursor of its own; moves to the next
-  /// line.
+  /// The rest of the line, without its newline and a carriage return before it, as a cursor of its own; moves to the
+  /// next line.
   [[nodiscard]] TextCursor takeLine();
 
   /// From an earlier position to this one, at least one byte.

@@ -76,8 +76,8 @@ std::optional<TriangleSurface> readTriangleSurfaceFile(const DataFile& file, cha
       triangle.points[i] = vertex->position * scale;
       normals[i] = vertex->normal;
     }
-    const Vec3 faceNormal = core::normalised(
-        core::cross(triangle.points[1] - triangle.points[0], triangle.points[2] - triangle.points[0]));
+    const Vec3 faceNormal =
+        core::normalised(core::cross(triangle.points[1] - triangle.points[0], triangle.points[2] - triangle.points[0]));
     for (std::size_t i = 0; i < 3; ++i) {
       triangle.normals[i] = normals[i].value_or(faceNormal);
     }

@@ -39,7 +39,8 @@ void warnUnknown(const TextReport& report, const ViewLexer::Label& label) {
   }
   std::string_view name = withoutColon(label.text);
   if (name.starts_with('\t') && findCommand(label.text.substr(label.text.find_first_not_of(" \t"))) != nullptr) {
-    report.warn(label.range, "the line is skipped because a TAB stands before its label", "use blanks instead of the TAB");
+    report.warn(label.range, "the line is skipped because a TAB stands before its label",
+                "use blanks instead of the TAB");
     return;
   }
   while (!name.empty() && (name.back() == ' ' || name.back() == '\t' || name.back() == '\r')) {
@@ -72,11 +73,11 @@ void warnMissing(const ViewCommandContext& context, const ViewLexer::Label& labe
   TextCursor next = at;
   const std::string found = next.found();
   const bool isLost = context.isCompatible();
-  context.report.warn(label.range,
-                      "expected " + context.lexer.expected() + " while reading '" + std::string(label.text) +
-                          "', found " + found,
-                      isLost ? "the command is ignored, and what stands where the argument was looked for is skipped"
-                             : "the command is ignored");
+  context.report.warn(
+      label.range,
+      "expected " + context.lexer.expected() + " while reading '" + std::string(label.text) + "', found " + found,
+      isLost ? "the command is ignored, and what stands where the argument was looked for is skipped"
+             : "the command is ignored");
 }
 
 /// Executes the commands in file order.
@@ -123,7 +124,8 @@ ViewFileResult readViewFile(const std::string& file, core::FileProvider& files, 
   TextReport report(text.sourceMap, result.diagnostics);
   ViewCommandContext context{lexer, report, result, files, file, compatibility};
   // places in a file are 32-bit numbers
-  context.remainingBytes = std::min<std::uint64_t>(limits.maximumSourceBytes, std::numeric_limits<std::uint32_t>::max());
+  context.remainingBytes =
+      std::min<std::uint64_t>(limits.maximumSourceBytes, std::numeric_limits<std::uint32_t>::max());
   executeCommands(context);
   readNamedContours(context);
 

@@ -27,7 +27,8 @@ constexpr std::size_t kReferenceBlobs = 10;
 constexpr int kMostFiles = 1000;
 constexpr int kLastContour = 31;
 
-/// The file of a command beside the view file; nothing, with a warning that says the consequence, when it cannot be read.
+/// The file of a command beside the view file; nothing, with a warning that says the consequence, when it cannot be
+/// read.
 std::optional<DataFile> openFile(Context& c, core::SourceRange range, const std::string& name,
                                  const std::string& consequence) {
   if (++c.openedFileCount > kMostFiles) {
@@ -42,8 +43,8 @@ std::optional<DataFile> openFile(Context& c, core::SourceRange range, const std:
     return std::nullopt;
   }
   if (text->size() > c.remainingBytes) {
-    c.report.warn(range, "the files of the view file have more bytes than the limit of a model's source allows: '" + file +
-                             "' is not read; " + consequence);
+    c.report.warn(range, "the files of the view file have more bytes than the limit of a model's source allows: '" +
+                             file + "' is not read; " + consequence);
     return std::nullopt;
   }
   c.remainingBytes -= text->size();
@@ -118,8 +119,8 @@ bool surface(Context& c) {
   if (!file) {
     return true;
   }
-  std::optional<Surface> read = readSurfaceFile(*file, arguments->id, arguments->scale,
-                                                hasSubdivisions ? *extra[0] : 0, hasSubdivisions ? *extra[1] : 0);
+  std::optional<Surface> read = readSurfaceFile(*file, arguments->id, arguments->scale, hasSubdivisions ? *extra[0] : 0,
+                                                hasSubdivisions ? *extra[1] : 0);
   if (read) {
     read->texture = texture.value_or(-1);
     c.settings().surfaces.push_back(std::move(*read));
@@ -156,8 +157,8 @@ bool function(Context& c) {
   const std::string fileName(*name);
   const std::optional<int> samples = c.lexer.optionalInteger();
   std::vector<SplineFunction>& functions = c.settings().functions;
-  const std::optional<DataFile> file = openFile(c, c.lexer.commandRange(), fileName,
-                                                "function " + std::to_string(functions.size() + 1) + " is 0 everywhere");
+  const std::optional<DataFile> file = openFile(
+      c, c.lexer.commandRange(), fileName, "function " + std::to_string(functions.size() + 1) + " is 0 everywhere");
   functions.push_back(file ? readFunctionFile(*file, samples) : zeroFunction());
   c.settings().functionSetDefinesMacros = false;
   return true;
@@ -168,7 +169,8 @@ bool functionSet(Context& c) {
   if (!name) {
     return false;
   }
-  const std::optional<DataFile> file = openFile(c, c.lexer.commandRange(), std::string(*name), "it defines no functions");
+  const std::optional<DataFile> file =
+      openFile(c, c.lexer.commandRange(), std::string(*name), "it defines no functions");
   // a set discards the functions before it
   c.settings().functions = file ? readFunctionSet(*file, c.compatibility) : std::vector<SplineFunction>{};
   c.settings().functionSetDefinesMacros = c.compatibility != core::Compatibility::CpfgBatch;
@@ -183,8 +185,8 @@ bool curve(Context& c) {
   const std::string fileName(*name);
   const int samples = c.lexer.optionalInteger().value_or(kDefaultCurveSamples);
   std::vector<ParametricCurve>& curves = c.settings().curves;
-  const std::optional<DataFile> file = openFile(c, c.lexer.commandRange(), fileName,
-                                                "curve " + std::to_string(curves.size() + 1) + " is the origin everywhere");
+  const std::optional<DataFile> file = openFile(
+      c, c.lexer.commandRange(), fileName, "curve " + std::to_string(curves.size() + 1) + " is the origin everywhere");
   curves.push_back(file ? readCurveFile(*file, boundedSampleCount(*file, {0, 1}, samples)) : zeroCurve());
   return true;
 }
@@ -211,7 +213,8 @@ bool blob(Context& c) {
   const std::string fileName(*name);
   const core::SourceRange range = c.lexer.commandRange();
   if (!fileName.ends_with(".sdat") || fileName.find('.') != fileName.size() - 5) {
-    c.warn("the name of a blob field ends in .sdat and has no other point; '" + fileName.substr(0, 40) + "' is ignored");
+    c.warn("the name of a blob field ends in .sdat and has no other point; '" + fileName.substr(0, 40) +
+           "' is ignored");
     return true;
   }
   if (c.isCompatible() && c.settings().blobFields.size() >= kReferenceBlobs) {
@@ -224,19 +227,17 @@ bool blob(Context& c) {
 }
 
 constexpr std::array kCommands = {
-    ViewCommand{"contour:", contour},
-    ViewCommand{"surface:", surface},
-    ViewCommand{"line:", surface},
-    ViewCommand{"tsurface:", triangleSurface},
-    ViewCommand{"function:", function},
-    ViewCommand{"function set:", functionSet},
-    ViewCommand{"curve:", curve},
-    ViewCommand{"blob:", blob},
+    ViewCommand{"contour:", contour},   ViewCommand{"surface:", surface},
+    ViewCommand{"line:", surface},      ViewCommand{"tsurface:", triangleSurface},
+    ViewCommand{"function:", function}, ViewCommand{"function set:", functionSet},
+    ViewCommand{"curve:", curve},       ViewCommand{"blob:", blob},
 };
 
 }  // namespace
 
-std::span<const ViewCommand> fileCommands() { return kCommands; }
+std::span<const ViewCommand> fileCommands() {
+  return kCommands;
+}
 
 void readNamedContours(ViewCommandContext& context) {
   for (const ViewCommandContext::NamedContour& named : context.contours) {

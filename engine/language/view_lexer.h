@@ -12,8 +12,8 @@ namespace espalier::language {
 
 /// Reads labels and their arguments from the preprocessed text of a view file (FILES §4.1).
 ///
-/// Numbers are looked for across newlines in every mode. When an argument is missing, the compatible modes have gone to the
-/// next line and lose it; the Espalier mode keeps it.
+/// Numbers are looked for across newlines in every mode. When an argument is missing, the compatible modes have gone to
+/// the next line and lose it; the Espalier mode keeps it.
 class ViewLexer {
  public:
   /// The text must outlive the object.

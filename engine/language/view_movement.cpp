@@ -42,7 +42,8 @@ void readMovement(ViewCommandContext& context, Movement::Kind kind) {
     const std::string found = line.found();
     const char key = line.peek();
     // the key is the first letter of a word; its numbers may follow without a blank
-    while (!line.atEnd() && ((line.peek() >= 'A' && line.peek() <= 'Z') || (line.peek() >= 'a' && line.peek() <= 'z'))) {
+    while (!line.atEnd() &&
+           ((line.peek() >= 'A' && line.peek() <= 'Z') || (line.peek() >= 'a' && line.peek() <= 'z'))) {
       line.setPosition(line.position() + 1);
     }
     std::array<double, 3> numbers{};
@@ -51,8 +52,8 @@ void readMovement(ViewCommandContext& context, Movement::Kind kind) {
       return drop("expected T, A, I, E or S, found " + found, "write it as 'T: 0,1,0 A: 0 I: 1 E: 0.2 S: 0'");
     }
     if (!readNumbers(line, numbers.data(), count)) {
-      return drop("expected " + std::string(count == 3 ? "three numbers" : "a number") + " after '" + key + "', found " +
-                  line.found());
+      return drop("expected " + std::string(count == 3 ? "three numbers" : "a number") + " after '" + key +
+                  "', found " + line.found());
     }
     switch (key) {
       case 'T':

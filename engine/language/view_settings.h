@@ -67,7 +67,8 @@ class ParametricCurve {
   double arcLength_ = 0.0;
 };
 
-/// One 4x4 bicubic Bezier patch of a surface, in the surface's local coordinates (FILES §6.1: components along L, H, U).
+/// One 4x4 bicubic Bezier patch of a surface, in the surface's local coordinates (FILES §6.1: components along L, H,
+/// U).
 struct SurfacePatch {
   std::array<core::Vec3, 16> points;  // row by row; row index runs with s, column with t
   int topColour = 0;                  // 0: the turtle's
@@ -105,7 +106,8 @@ struct Contour {
   std::vector<core::Vec3> points;  // control points with multiplicities repeated; z is 0 for plane contours
 };
 
-/// A field of `blob:`, the values of inblob(id, x, y, z): the sum over points and segments that fade to 0 at their radius.
+/// A field of `blob:`, the values of inblob(id, x, y, z): the sum over points and segments that fade to 0 at their
+/// radius.
 class BlobField {
  public:
   /// A segment; a point when both ends are equal.
@@ -113,8 +115,8 @@ class BlobField {
     core::Vec3 start, end;
     double startRadius = 2.0;
     double endRadius = 2.0;
-    bool isEllipsoid = false;            // a point whose distance is measured along `axes`; the radius is then 1
-    std::array<core::Vec3, 3> axes{};    // semi-axes
+    bool isEllipsoid = false;          // a point whose distance is measured along `axes`; the radius is then 1
+    std::array<core::Vec3, 3> axes{};  // semi-axes
     double weight = 1.0;
   };
   void add(const Object& object) { objects_.push_back(object); }
@@ -149,13 +151,13 @@ struct ViewSettings {
   OldTropism oldTropism;
   std::vector<Movement> movements;  // id - 1
 
-  std::vector<SplineFunction> functions;        // id - 1
-  bool functionSetDefinesMacros = false;        // a `function set:` not followed by a `function:`
-  std::vector<ParametricCurve> curves;          // id - 1
+  std::vector<SplineFunction> functions;  // id - 1
+  bool functionSetDefinesMacros = false;  // a `function set:` not followed by a `function:`
+  std::vector<ParametricCurve> curves;    // id - 1
   std::vector<Surface> surfaces;
   std::vector<TriangleSurface> triangleSurfaces;
   std::vector<Contour> contours;
-  std::vector<BlobField> blobFields;            // id - 1
+  std::vector<BlobField> blobFields;  // id - 1
 
   // camera and colour: pictures only
   bool isPerspective = false;

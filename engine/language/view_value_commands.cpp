@@ -239,10 +239,18 @@ bool twist(Context& c) {
 
 // what only a picture would need: the arguments are read so that a command behind them on the same line is found
 
-bool passNumber(Context& c) { return c.lexer.number().has_value(); }
-bool passWord(Context& c) { return c.lexer.word().has_value(); }
-bool passTriple(Context& c) { return c.lexer.triple().has_value(); }
-bool passFlag(Context& c) { return readFlag(c, true).has_value(); }
+bool passNumber(Context& c) {
+  return c.lexer.number().has_value();
+}
+bool passWord(Context& c) {
+  return c.lexer.word().has_value();
+}
+bool passTriple(Context& c) {
+  return c.lexer.triple().has_value();
+}
+bool passFlag(Context& c) {
+  return readFlag(c, true).has_value();
+}
 bool passLine(Context& c) {
   c.lexer.skipLine();
   return true;
@@ -320,6 +328,8 @@ constexpr std::array kCommands = {
 
 }  // namespace
 
-std::span<const ViewCommand> valueCommands() { return kCommands; }
+std::span<const ViewCommand> valueCommands() {
+  return kCommands;
+}
 
 }  // namespace espalier::language

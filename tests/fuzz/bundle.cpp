@@ -28,6 +28,8 @@ core::MemoryFileProvider unbundle(std::string_view text, const std::string& main
   return files;
 }
 
-std::string bundleHead(std::string_view name) { return std::string(kMark) + std::string(name) + '\n'; }
+std::string bundleHead(std::string_view name) {
+  return std::string(kMark) + std::string(name) + '\n';
+}
 
 }  // namespace espalier::fuzz

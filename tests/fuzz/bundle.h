@@ -7,8 +7,8 @@
 
 namespace espalier::fuzz {
 
-/// Several files in one text, as a fuzzer changes it: the main file, then for each other file a line `==== name` and its
-/// content. Names are one word; a later file of a name replaces the earlier one.
+/// Several files in one text, as a fuzzer changes it: the main file, then for each other file a line `==== name` and
+/// its content. Names are one word; a later file of a name replaces the earlier one.
 [[nodiscard]] core::MemoryFileProvider unbundle(std::string_view text, const std::string& mainFile);
 
 /// The line that begins a file of a bundle.

@@ -35,7 +35,8 @@ TEST(FuzzRegressions, EveryFormerFindingIsAnsweredNow) {
 TEST(FuzzRegressions, TargetsAcceptTextsWithoutMeaning) {
   for (const NamedTarget& target : kTargets) {
     SCOPED_TRACE(std::string(target.name));
-    for (const std::string& text : {std::string(), std::string("\0\xff(", 3), std::string(2000, '('), std::string("Lsystem: 1")}) {
+    for (const std::string& text :
+         {std::string(), std::string("\0\xff(", 3), std::string(2000, '('), std::string("Lsystem: 1")}) {
       EXPECT_NO_THROW(target.run(text));
     }
   }
@@ -49,7 +50,8 @@ std::string repeated(const std::string& text, int count) {
   return result;
 }
 
-// deeper than any stack would hold if the readers called themselves for every level; fuzzers make no texts of this length
+// deeper than any stack would hold if the readers called themselves for every level; fuzzers make no texts of this
+// length
 TEST(FuzzRegressions, DeepNestingIsRefusedNotFollowed) {
   constexpr int kDepth = 60'000;
   const auto withAxiom = [](const std::string& expression) {
@@ -93,7 +95,8 @@ TEST(FuzzSeeds, TheViewFileWithEveryFormatIsReadWithoutAWarning) {
 }
 
 TEST(Bundle, SplitsATextIntoItsFiles) {
-  core::MemoryFileProvider files = unbundle("main\n" + bundleHead("a.h") + "one\n" + bundleHead("b") + "two", "model.l");
+  core::MemoryFileProvider files =
+      unbundle("main\n" + bundleHead("a.h") + "one\n" + bundleHead("b") + "two", "model.l");
   EXPECT_EQ(files.read("model.l"), "main\n");
   EXPECT_EQ(files.read("a.h"), "one\n");
   EXPECT_EQ(files.read("b"), "two");

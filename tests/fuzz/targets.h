@@ -4,13 +4,14 @@
 
 namespace espalier::fuzz {
 
-/// Gives a text to a part of the engine that reads what strangers write. Whatever the text is, a target returns: a message
-/// to the text's author is an answer, an exception or a check that fails is a finding. Texts are bundles (bundle.h).
+/// Gives a text to a part of the engine that reads what strangers write. Whatever the text is, a target returns: a
+/// message to the text's author is an answer, an exception or a check that fails is a finding. Texts are bundles
+/// (bundle.h).
 using Target = void (*)(std::string_view text);
 
 void fuzzPreprocessor(std::string_view text);
-void fuzzCompile(std::string_view text);   // a model, in every mode; what compiles is disassembled
-void fuzzViewFile(std::string_view text);  // a view file with the files it names, in the Espalier and the Cpfg mode
+void fuzzCompile(std::string_view text);     // a model, in every mode; what compiles is disassembled
+void fuzzViewFile(std::string_view text);    // a view file with the files it names, in the Espalier and the Cpfg mode
 void fuzzDerivation(std::string_view text);  // a model, a few steps and its scene, within small limits; then a snapshot
 
 struct NamedTarget {

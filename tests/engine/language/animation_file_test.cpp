@@ -98,9 +98,11 @@ TEST(AnimationFile, ReportsBrokenIntervals) {
   EXPECT_EQ(read("frame intervals: 1-x\n").messages,
             std::vector<std::string>{"1:20 expected a step number while reading 'frame intervals:', found 'x'"});
   EXPECT_EQ(read("frame intervals: 1 rotate 1 2\n").messages,
-            std::vector<std::string>{"1:30 expected three numbers of a motion while reading 'frame intervals:', found the end"});
-  EXPECT_EQ(read("frame intervals: 1 2\n").messages,
-            std::vector<std::string>{"1:20 expected a comma between intervals while reading 'frame intervals:', found '2'"});
+            std::vector<std::string>{
+                "1:30 expected three numbers of a motion while reading 'frame intervals:', found the end"});
+  EXPECT_EQ(
+      read("frame intervals: 1 2\n").messages,
+      std::vector<std::string>{"1:20 expected a comma between intervals while reading 'frame intervals:', found '2'"});
   std::string many = "frame intervals: 0";
   for (int i = 1; i <= 1000; ++i) {
     many += "," + std::to_string(i);
@@ -109,6 +111,29 @@ TEST(AnimationFile, ReportsBrokenIntervals) {
   EXPECT_EQ(result.settings.intervals.size(), 1000U);
   ASSERT_EQ(result.messages.size(), 1U);
   EXPECT_NE(result.messages[0].find("at most 1000 frame intervals are used"), std::string::npos);
+}
+
+TEST(AnimationFile, TheFinalFrameIsWhereTheFramesEnd) {
+  const auto endOf = [](std::int64_t first, std::optional<std::int64_t> last, std::int64_t step) {
+    AnimationSettings settings;
+    settings.firstFrame = first;
+    settings.lastFrame = last;
+    settings.step = step;
+    return finalFrame(settings, 7).derivedSteps;
+  };
+  EXPECT_EQ(endOf(0, 10, 3), 12);
+  EXPECT_EQ(endOf(0, 10, 5), 10);
+  EXPECT_EQ(endOf(4, 4, 3), 4);
+  EXPECT_EQ(endOf(1, std::nullopt, 1), 7);
+  EXPECT_EQ(endOf(9, std::nullopt, 1), 9);
+  EXPECT_EQ(endOf(0, 2'000'000'000, 1), 2'000'000'000);
+
+  // ten frames of a turntable derive nothing
+  AnimationSettings settings;
+  settings.firstFrame = 3;
+  settings.lastFrame = 13;
+  settings.intervals.push_back({.start = 3, .end = 13, .step = 0, .motion = FrameInterval::Motion::Rotate});
+  EXPECT_EQ(finalFrame(settings, 7), (AnimationFrame{13, 3}));
 }
 
 }  // namespace

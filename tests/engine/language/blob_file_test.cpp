@@ -54,7 +54,8 @@ TEST(BlobField, UnknownLinesAreLeftOutWithAWarning) {
   EXPECT_EQ(diagnostics.entries()[0].message, "expected one of # L l e o r a q while reading a blob field, found 'z'");
   EXPECT_EQ(diagnostics.entries()[0].location.line, 2U);
   EXPECT_EQ(diagnostics.entries()[1].message, "expected 'l' or 'e' before 'o' while reading a blob field, found 'o'");
-  EXPECT_EQ(diagnostics.entries()[2].message, "expected three coordinates after 'o' while reading a blob field, found 'o'");
+  EXPECT_EQ(diagnostics.entries()[2].message,
+            "expected three coordinates after 'o' while reading a blob field, found 'o'");
 }
 
 }  // namespace

@@ -18,7 +18,8 @@ Read read(const std::string& text) {
   Read result{readContourFile(file, 2), ""};
   if (!diagnostics.entries().empty()) {
     const core::Diagnostic& first = diagnostics.entries().front();
-    result.message = std::to_string(first.location.line) + ":" + std::to_string(first.location.column) + " " + first.message;
+    result.message =
+        std::to_string(first.location.line) + ":" + std::to_string(first.location.column) + " " + first.message;
   }
   return result;
 }
@@ -53,7 +54,8 @@ TEST(ContourFile, ReadsTheOlderForms) {
 }
 
 TEST(ContourFile, ReportsWhatIsWrong) {
-  EXPECT_EQ(read("cver 1 4\n").message, "1:9 expected version '1 1', '1 2' or '1 3' while reading a contour, found the end");
+  EXPECT_EQ(read("cver 1 4\n").message,
+            "1:9 expected version '1 1', '1 2' or '1 3' while reading a contour, found the end");
   EXPECT_EQ(read("hello\n").message,
             "1:1 expected 'cver 1 3', or a count, the dimension 2 or 3 and 'open' or 'closed' while reading a contour, "
             "found 'hello'");

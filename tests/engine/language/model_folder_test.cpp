@@ -46,8 +46,9 @@ TEST(ModelFolder, ReadsAPublishedFolder) {
 }
 
 TEST(ModelFolder, OffersSeveralCommandsByTheirTitles) {
-  const ModelFolder folder = read("*\nplant:\n\twhole:\n\t\tcpfg p.l p.v\n\tleaf:\n\t\t/usr/bin/cpfg.exe q.l q.v\nother:\n\tcpfg r.l r.v\n",
-                                  {"p.l", "p.v", "q.l", "q.v", "r.l", "r.v"});
+  const ModelFolder folder =
+      read("*\nplant:\n\twhole:\n\t\tcpfg p.l p.v\n\tleaf:\n\t\t/usr/bin/cpfg.exe q.l q.v\nother:\n\tcpfg r.l r.v\n",
+           {"p.l", "p.v", "q.l", "q.v", "r.l", "r.v"});
   ASSERT_EQ(folder.commands.size(), 3U);
   EXPECT_EQ(folder.commands[0].title, "plant / whole");
   EXPECT_EQ(folder.commands[1].title, "plant / leaf");
@@ -63,7 +64,8 @@ TEST(ModelFolder, EditorsAndPipelinesAreNoCommands) {
 }
 
 TEST(ModelFolder, PositionsDecideNotSuffixes) {
-  const ModelFolder folder = read("*\ngo:\n\tcpfg 'a model' view.txt libcomm.a\n", {"a model", "view.txt", "libcomm.a"});
+  const ModelFolder folder =
+      read("*\ngo:\n\tcpfg 'a model' view.txt libcomm.a\n", {"a model", "view.txt", "libcomm.a"});
   ASSERT_EQ(folder.commands.size(), 1U);
   EXPECT_EQ(folder.commands[0].model, "plant/a model");
   EXPECT_EQ(folder.commands[0].view, "plant/view.txt");
@@ -71,8 +73,8 @@ TEST(ModelFolder, PositionsDecideNotSuffixes) {
 }
 
 TEST(ModelFolder, ReadsEverySwitchThatMatters) {
-  const ModelFolder folder =
-      read("*\ngo:\n\tcpfg -m2 b.map -M m.mat -c 3 -s100 -homo -rmode cont -v p.l p.v\n", {"p.l", "p.v", "b.map", "m.mat"});
+  const ModelFolder folder = read("*\ngo:\n\tcpfg -m2 b.map -M m.mat -c 3 -s100 -homo -rmode cont -v p.l p.v\n",
+                                  {"p.l", "p.v", "b.map", "m.mat"});
   EXPECT_EQ(texts(folder.diagnostics), Names{});
   const FolderCommand& command = folder.commands.at(0);
   ASSERT_EQ(command.colours.size(), 2U);
@@ -84,19 +86,22 @@ TEST(ModelFolder, ReadsEverySwitchThatMatters) {
 
 TEST(ModelFolder, NamesUnusedSwitchesWithTheirConsequence) {
   const ModelFolder folder = read("*\ngo:\n\tcpfg -w 300 200 -wt title -ps out.ps -g p.l p.v\n");
-  EXPECT_EQ(texts(folder.diagnostics),
-            (Names{"plant/specifications:3:7: note: the switch -w is not used: there is no window; the picture has its own size\n"
-                   "    3 | \tcpfg -w 300 200 -wt title -ps out.ps -g p.l p.v\n"
-                   "      | \t     ^~",
-                   "plant/specifications:3:18: note: the switch -wt is not used: there is no window; the picture has its own size\n"
-                   "    3 | \tcpfg -w 300 200 -wt title -ps out.ps -g p.l p.v\n"
-                   "      | \t                ^~~",
-                   "plant/specifications:3:28: note: the switch -ps is not used: choose what is written with the options of this program\n"
-                   "    3 | \tcpfg -w 300 200 -wt title -ps out.ps -g p.l p.v\n"
-                   "      | \t                          ^~~",
-                   "plant/specifications:3:39: note: the switch -g runs in batch mode, which has other random numbers; choose --compat cpfg-batch for them\n"
-                   "    3 | \tcpfg -w 300 200 -wt title -ps out.ps -g p.l p.v\n"
-                   "      | \t                                     ^~"}));
+  EXPECT_EQ(texts(folder.diagnostics), (Names{"plant/specifications:3:7: note: the switch -w is not used: there is no "
+                                              "window; the picture has its own size\n"
+                                              "    3 | \tcpfg -w 300 200 -wt title -ps out.ps -g p.l p.v\n"
+                                              "      | \t     ^~",
+                                              "plant/specifications:3:18: note: the switch -wt is not used: there is "
+                                              "no window; the picture has its own size\n"
+                                              "    3 | \tcpfg -w 300 200 -wt title -ps out.ps -g p.l p.v\n"
+                                              "      | \t                ^~~",
+                                              "plant/specifications:3:28: note: the switch -ps is not used: choose "
+                                              "what is written with the options of this program\n"
+                                              "    3 | \tcpfg -w 300 200 -wt title -ps out.ps -g p.l p.v\n"
+                                              "      | \t                          ^~~",
+                                              "plant/specifications:3:39: note: the switch -g runs in batch mode, "
+                                              "which has other random numbers; choose --compat cpfg-batch for them\n"
+                                              "    3 | \tcpfg -w 300 200 -wt title -ps out.ps -g p.l p.v\n"
+                                              "      | \t                                     ^~"}));
   ASSERT_EQ(folder.commands.size(), 1U);
   EXPECT_TRUE(folder.commands[0].isBatch);
   EXPECT_EQ(folder.commands[0].model, "plant/p.l");
@@ -122,7 +127,8 @@ TEST(ModelFolder, WarnsAboutWhatItDoesNotUnderstand) {
 }
 
 TEST(ModelFolder, MissingAndUnusedFilesAreNamedWithTheirConsequence) {
-  const ModelFolder folder = read("*\ngo:\n\tcpfg -M leafs.mat p.l p.v\n", {"p.l", "p.v", "leaf.mat", "panel.a", "old.e"});
+  const ModelFolder folder =
+      read("*\ngo:\n\tcpfg -M leafs.mat p.l p.v\n", {"p.l", "p.v", "leaf.mat", "panel.a", "old.e"});
   EXPECT_EQ(texts(folder.diagnostics),
             (Names{"plant: warning: the folder has no file 'leafs.mat': its colours are the default ones\n"
                    "   hint: did you mean 'leaf.mat'?",

@@ -44,8 +44,8 @@ TEST(ParametricCurve, BezierSegmentsShareTheirEnds) {
   const ParametricCurve one(Kind::Bezier, {{0, 0, 0}, {0, 1, 0}, {1, 1, 0}, {1, 0, 0}}, 101);
   EXPECT_NEAR(one.point(0.5).x, 0.5, 1e-5);
   EXPECT_NEAR(one.point(0.5).y, 0.75, 1e-5);
-  const ParametricCurve two(
-      Kind::Bezier, {{0, 0, 0}, {0, 1, 0}, {1, 1, 0}, {1, 0, 0}, {1, -1, 0}, {2, -1, 0}, {2, 0, 0}}, 201);
+  const ParametricCurve two(Kind::Bezier,
+                            {{0, 0, 0}, {0, 1, 0}, {1, 1, 0}, {1, 0, 0}, {1, -1, 0}, {2, -1, 0}, {2, 0, 0}}, 201);
   EXPECT_NEAR(two.point(0.5).x, 1.0, 1e-4);
   EXPECT_NEAR(two.point(1.0).x, 2.0, 1e-4);
 }
@@ -118,8 +118,7 @@ TEST(CurveFile, DimensionIsTwoByDefault) {
 
 TEST(CurveFile, ReportsAPointWithTooFewNumbersAndIsTheOriginThen) {
   const Read result = read("points: 4\ndim: 3\n0 0 0\n1 0\n2 0 0\n3 0 0\n");
-  EXPECT_EQ(firstMessage(result.diagnostics),
-            "4:4 expected 3 numbers of a point while reading a curve, found the end");
+  EXPECT_EQ(firstMessage(result.diagnostics), "4:4 expected 3 numbers of a point while reading a curve, found the end");
   EXPECT_EQ(result.curve.point(0.5), (Vec3{0, 0, 0}));
   EXPECT_EQ(result.curve.arcLength(), 0.0);
 }

@@ -38,8 +38,8 @@ TEST(SplineFunction, ClampsItsArgument) {
   EXPECT_EQ(ramp.value(std::numeric_limits<double>::quiet_NaN()), ramp.value(0.0));
 }
 
-// control points on the line y = 2x + 1 with x equal to the Greville abscissae 0, 1/3, 2/3, 1: the spline is that line and
-// x(p) = p, so only the search's error of at most 0.001 in x, i.e. 0.002 in y, remains
+// control points on the line y = 2x + 1 with x equal to the Greville abscissae 0, 1/3, 2/3, 1: the spline is that line
+// and x(p) = p, so only the search's error of at most 0.001 in x, i.e. 0.002 in y, remains
 TEST(SplineFunction, ExactValuesAreWithinTheSearchError) {
   const SplineFunction line("line", Points{{0, 1}, {1.0 / 3, 5.0 / 3}, {2.0 / 3, 7.0 / 3}, {1, 3}}, 2);
   for (double x = 0.0; x <= 1.0; x += 0.0625) {

@@ -11,11 +11,11 @@ namespace {
 using core::Vec3;
 
 std::string surfaceText(const std::string& heading, const std::string& up, const std::string& end,
-                        const std::string& size, const std::string& neighbours = "AL: ~ A: ~ AR: ~ L: ~ R: ~ BL: ~ B: ~ BR: ~",
+                        const std::string& size,
+                        const std::string& neighbours = "AL: ~ A: ~ AR: ~ L: ~ R: ~ BL: ~ B: ~ BR: ~",
                         const std::string& precision = "") {
   return "0 1 0 1 0 0\n" + precision + "CONTACT POINT X: 0 Y: 0 Z: 0\nEND POINT " + end + "\nHEADING " + heading +
-         "\nUP " + up + "\nSIZE: " + size +
-         "\none\nTOP COLOR: 3 DIFFUSE: 0 BOTTOM COLOR: 4 DIFFUSE: 0\n" + neighbours +
+         "\nUP " + up + "\nSIZE: " + size + "\none\nTOP COLOR: 3 DIFFUSE: 0 BOTTOM COLOR: 4 DIFFUSE: 0\n" + neighbours +
          "\n0 0 0 .33 0 0 .66 0 0 1 0 0\n0 .33 0 .33 .33 0 .66 .33 0 1 .33 0\n"
          "0 .66 0 .33 .66 0 .66 .66 0 1 .66 0\n0 1 0 .33 1 0 .66 1 0 1 1 0\n";
 }
@@ -33,7 +33,8 @@ Read read(const std::string& text, double scale = 1.0, int s = 0, int t = 0) {
   Read result{readSurfaceFile(file, 'p', scale, s, t), ""};
   if (!diagnostics.entries().empty()) {
     const core::Diagnostic& first = diagnostics.entries().front();
-    result.message = std::to_string(first.location.line) + ":" + std::to_string(first.location.column) + " " + first.message;
+    result.message =
+        std::to_string(first.location.line) + ":" + std::to_string(first.location.column) + " " + first.message;
   }
   return result;
 }
@@ -118,7 +119,8 @@ TEST(SurfaceFile, SizeOfZeroIsRefused) {
 
 TEST(TriangleSurfaceFile, ReadsVerticesScalesPositionsAndFillsNormals) {
   core::DiagnosticList diagnostics;
-  const DataFile file("t.ray", "remark\ntriangle\n0,0,0 0 0 1\n\n1 0 0\t0 0 1 .5 .5\n0 1 0\ntriangle\n0 0 0\n1 0 0\n0 0 1\n",
+  const DataFile file("t.ray",
+                      "remark\ntriangle\n0,0,0 0 0 1\n\n1 0 0\t0 0 1 .5 .5\n0 1 0\ntriangle\n0 0 0\n1 0 0\n0 0 1\n",
                       diagnostics);
   const std::optional<TriangleSurface> surface = readTriangleSurfaceFile(file, 't', 2.0);
   ASSERT_TRUE(surface.has_value());

@@ -8,7 +8,9 @@
 namespace espalier::language {
 namespace {
 
-std::optional<double> number(std::string_view text) { return TextCursor(text).number(); }
+std::optional<double> number(std::string_view text) {
+  return TextCursor(text).number();
+}
 
 TEST(TextCursor, ReadsNumbersAsStrtodDoes) {
   EXPECT_EQ(number(".5"), 0.5);

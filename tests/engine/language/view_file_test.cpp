@@ -132,7 +132,8 @@ TEST(ViewFile, MissingArgumentKeepsTheNextLineInEspalierMode) {
 }
 
 TEST(ViewFile, MissingArgumentSwallowsTheNextLineInCompatibleModes) {
-  const ViewFileResult result = read("initial scale:\nangle increment: 30\ncontour sides: 6\n", {}, Compatibility::Cpfg);
+  const ViewFileResult result =
+      read("initial scale:\nangle increment: 30\ncontour sides: 6\n", {}, Compatibility::Cpfg);
   EXPECT_EQ(messages(result), Texts{"1:1 expected a number while reading 'initial scale:', found 'angle'"});
   EXPECT_EQ(result.settings.angleIncrementDegrees, 45.0);
   EXPECT_EQ(result.settings.contourSides, 6);
@@ -204,7 +205,9 @@ TEST(ViewFile, MovementsAcceptEverySeparator) {
 }
 
 TEST(ViewFile, IntensityScalesTheGivenDirectionWithinItsLength) {
-  const auto direction = [](const std::string& line) { return read("tropism: " + line + "\n").settings.movements.at(0).direction; };
+  const auto direction = [](const std::string& line) {
+    return read("tropism: " + line + "\n").settings.movements.at(0).direction;
+  };
   EXPECT_EQ(direction("T: 0,1,0 I: 0.5"), (Vec3{0, 0.5, 0}));
   EXPECT_EQ(direction("T: 0,1,0 I: 2"), (Vec3{0, 1, 0}));
   EXPECT_EQ(direction("T: 0,2,0 I: 2"), (Vec3{0, 2, 0}));
@@ -245,21 +248,20 @@ TEST(ViewFile, FilesThatNoPictureShowsAreNamedWithTheConsequence) {
 }
 
 TEST(ViewFile, FlagsAreOnOrOff) {
-  EXPECT_EQ(messages(read("tapered lines: maybe\n")),
-            Texts{"1:1 expected 'on' or 'off', found 'maybe'; it stays on"});
+  EXPECT_EQ(messages(read("tapered lines: maybe\n")), Texts{"1:1 expected 'on' or 'off', found 'maybe'; it stays on"});
 }
 
 TEST(ViewFile, EqualViewpointAndReferencePointAreMovedApart) {
   const ViewFileResult result = read("viewpoint: 1,1,1\nview reference point: 1,1,1\n");
-  EXPECT_EQ(messages(result), Texts{"1:1 viewpoint and view reference point are equal; the view is from 0,0,-1 to 0,0,0"});
+  EXPECT_EQ(messages(result),
+            Texts{"1:1 viewpoint and view reference point are equal; the view is from 0,0,-1 to 0,0,0"});
   EXPECT_EQ(result.settings.viewpoint, (Vec3{0, 0, -1}));
 }
 
 constexpr const char* kFunction = "fver 1 1\nname: one\nsamples: 10\nflip: off\npoints: 4\n0 1\n0.3 1\n0.6 1\n1 1\n";
 
 TEST(ViewFile, FunctionsAreReadBesideTheViewFileAndKeepTheirIds) {
-  const ViewFileResult result =
-      read("function: missing.func\nfunction: one.func 5\n", {{"m/one.func", kFunction}});
+  const ViewFileResult result = read("function: missing.func\nfunction: one.func 5\n", {{"m/one.func", kFunction}});
   ASSERT_EQ(result.settings.functions.size(), 2U);
   EXPECT_EQ(result.settings.functions[0].value(0.5), 0.0);
   EXPECT_EQ(result.settings.functions[1].value(0.5), 1.0);
@@ -299,9 +301,9 @@ constexpr const char* kSurface =
     "SIZE: 1\n";
 
 TEST(ViewFile, SurfaceArgumentsAreScaleThenTextureOrSubdivisions) {
-  const ViewSettings s = read("surface: a p.s 2\nsurface: b p.s 1 3\nline: c p.s 1 4 6\nsurface: d p.s -1 4 6 0\n",
-                              {{"m/p.s", kSurface}})
-                             .settings;
+  const ViewSettings s =
+      read("surface: a p.s 2\nsurface: b p.s 1 3\nline: c p.s 1 4 6\nsurface: d p.s -1 4 6 0\n", {{"m/p.s", kSurface}})
+          .settings;
   ASSERT_EQ(s.surfaces.size(), 4U);
   EXPECT_EQ(s.surfaces[0].endPoint, (Vec3{0, 2, 0}));
   EXPECT_EQ(s.surfaces[0].texture, -1);
@@ -321,11 +323,10 @@ TEST(ViewFile, SurfaceIdsAreUniqueSingleCharacters) {
       read("surface: a p.s 1\ntsurface: a t.ray 1\nsurface: leaf p.s 1\nsurface: ~ p.s 1\nsurface: x none.s 1\n",
            {{"m/p.s", kSurface}, {"m/t.ray", ""}});
   EXPECT_EQ(result.settings.surfaces.size(), 1U);
-  EXPECT_EQ(messages(result),
-            (Texts{"2:1 the surface 'a' is defined already; this one is ignored",
-                   "3:1 the name of a surface is one character, found 'leaf'; the surface is ignored",
-                   "4:1 only the first surface can be named '~'; this one is ignored",
-                   "5:1 the file 'm/none.s' cannot be read; ~x draws nothing and the turtle stays"}));
+  EXPECT_EQ(messages(result), (Texts{"2:1 the surface 'a' is defined already; this one is ignored",
+                                     "3:1 the name of a surface is one character, found 'leaf'; the surface is ignored",
+                                     "4:1 only the first surface can be named '~'; this one is ignored",
+                                     "5:1 the file 'm/none.s' cannot be read; ~x draws nothing and the turtle stays"}));
 }
 
 TEST(ViewFile, SurfaceScaleIsMandatory) {
@@ -337,17 +338,17 @@ TEST(ViewFile, SurfaceScaleIsMandatory) {
 
 TEST(ViewFile, ContoursAreNumberedAndTheLastOfANumberCounts) {
   const std::string open = "cver 1 3\nname: a\npoints: 2 6\ntype: or\nsamples: 8\n-1 0 0 3\n1 0 0 3\n";
-  const ViewFileResult result =
-      read("contour: 2 a.con\ncontour: 2 b.con\ncontour: 40 a.con\ncontour: 3 none.con\n",
-           {{"m/a.con", open}, {"m/b.con", "3 2 closed\n1 0\n0 1\n-1 0\n"}});
+  const ViewFileResult result = read("contour: 2 a.con\ncontour: 2 b.con\ncontour: 40 a.con\ncontour: 3 none.con\n",
+                                     {{"m/a.con", open}, {"m/b.con", "3 2 closed\n1 0\n0 1\n-1 0\n"}});
   ASSERT_EQ(result.settings.contours.size(), 1U);
   EXPECT_TRUE(result.settings.contours[0].isClosed);
-  EXPECT_EQ(messages(result), (Texts{"3:1 contour 40 is ignored",
-                                     "4:1 the file 'm/none.con' cannot be read; contour 3 is the circle"}));
+  EXPECT_EQ(messages(result),
+            (Texts{"3:1 contour 40 is ignored", "4:1 the file 'm/none.con' cannot be read; contour 3 is the circle"}));
 }
 
 TEST(ViewFile, CurvesKeepTheirIds) {
-  const ViewFileResult result = read("curve: none.con\ncurve: c.con 50\n", {{"m/c.con", "points: 4\n0 0\n1 0\n2 0\n3 0\n"}});
+  const ViewFileResult result =
+      read("curve: none.con\ncurve: c.con 50\n", {{"m/c.con", "points: 4\n0 0\n1 0\n2 0\n3 0\n"}});
   ASSERT_EQ(result.settings.curves.size(), 2U);
   EXPECT_EQ(result.settings.curves[0].arcLength(), 0.0);
   EXPECT_NEAR(result.settings.curves[1].arcLength(), 1.0, 1e-5);
@@ -392,7 +393,8 @@ TEST(ViewFile, AllFilesTogetherHaveABudget) {
   const ViewFileResult points = read(text, {{"m/f.func", many}});
   EXPECT_EQ(points.settings.functions[10].value(0.9), 1.0);
   EXPECT_EQ(points.settings.functions[11].value(0.9), 0.0);
-  EXPECT_EQ(messages(points), Texts{"6:1 the files of one view file have too many points; function 'one' is 0 everywhere"});
+  EXPECT_EQ(messages(points),
+            Texts{"6:1 the files of one view file have too many points; function 'one' is 0 everywhere"});
 
   std::string set = "funcgalleryver 1 1\nitems: 51\n";
   for (int i = 0; i < 51; ++i) {
@@ -406,9 +408,10 @@ TEST(ViewFile, AllFilesTogetherHaveABudget) {
   core::MemoryFileProvider files({{"model.v", "function: f.func\n"}, {"f.func", kFunction}});
   core::Limits limits;
   limits.maximumSourceBytes = 40;
-  EXPECT_EQ(messages(readViewFile("model.v", files, Compatibility::Espalier, limits)),
-            Texts{"1:1 the files of the view file have more bytes than the limit of a model's source allows: 'f.func' is not "
-                  "read; function 1 is 0 everywhere"});
+  EXPECT_EQ(
+      messages(readViewFile("model.v", files, Compatibility::Espalier, limits)),
+      Texts{"1:1 the files of the view file have more bytes than the limit of a model's source allows: 'f.func' is not "
+            "read; function 1 is 0 everywhere"});
 }
 
 }  // namespace

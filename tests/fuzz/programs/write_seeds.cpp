@@ -1,5 +1,5 @@
-// write_seeds SOURCE OUT: writes what the fuzzers begin with below OUT, one folder for each program, from the models of the
-// conformance suite and the gallery below SOURCE, and the texts in tests/fuzz/seeds.
+// write_seeds SOURCE OUT: writes what the fuzzers begin with below OUT, one folder for each program, from the models of
+// the conformance suite and the gallery below SOURCE, and the texts in tests/fuzz/seeds.
 
 #include <algorithm>
 #include <filesystem>
