@@ -81,6 +81,7 @@ void Analyser::analyseSystem(std::size_t index) {
   LSystemSyntax& system = model_.systems[index];
   Scope scope(system, model_.staticNames);
   predecessor_ = {};
+  unknown_.clear();
   evaluateItems(system, index == 0);
   defineArrays(system, scope);
   defineVariables(system, scope);
@@ -96,11 +97,6 @@ void Analyser::analyseSystem(std::size_t index) {
   system.isStochastic =
       system.seed != kNoExpression || (compatibility_ == core::Compatibility::Espalier && hasProbabilities);
   warnAboutProbabilities(system);
-  if (!system.isStochastic) {
-    warnAboutUnreachable(system.productions);
-  }
-  warnAboutUnreachable(system.decomposition);
-  warnAboutUnreachable(system.homomorphism);
 }
 
 // ---- items that are constant
@@ -354,28 +350,6 @@ void Analyser::warnAboutProbabilities(LSystemSyntax& system) {
                         "probabilities are ignored: the L-system has no 'seed:', so the first production that matches is applied",
                         "put 'seed: 1' before the axiom");
       return;
-    }
-  }
-}
-
-void Analyser::warnAboutUnreachable(const ProductionListSyntax& list) {
-  // a context-free production without a condition hides the later ones whose predecessor starts as its own
-  std::map<core::ModuleTypeId, std::vector<const ProductionSyntax*>> unconditional;
-  for (const ProductionSyntax& production : list.productions) {
-    std::vector<const ProductionSyntax*>& earlier = unconditional[production.predecessor.front().type];
-    const auto hides = [&](const ProductionSyntax* other) {
-      return other->predecessor.size() <= production.predecessor.size() &&
-             std::equal(other->predecessor.begin(), other->predecessor.end(), production.predecessor.begin(),
-                        [](const FormalModuleSyntax& a, const FormalModuleSyntax& b) { return a.type == b.type; });
-    };
-    const auto hiding = std::find_if(earlier.begin(), earlier.end(), hides);
-    if (hiding != earlier.end()) {
-      const core::SourceRange range = (*hiding)->range;
-      messages_.warning(production.predecessorRange, "this production is never applied: an earlier one matches always",
-                        "the earlier one is: " + foldBlanks(text_.substr(range.begin, std::min(range.end - range.begin, 60U))));
-    } else if (production.leftContext.empty() && production.rightContext.empty() && production.newLeftContext.empty() &&
-               production.newRightContext.empty() && production.condition == kNoExpression) {
-      earlier.push_back(&production);
     }
   }
 }

@@ -25,6 +25,9 @@ class Analyser {
 
   void analyse();
 
+  /// Names that #define gave a meaning, with the lines to find them: a misspelt one is suggested. Must outlive the analyser.
+  void setMacros(const std::vector<std::string>& names) { macros_ = &names; }
+
  private:
   class Scope;
 
@@ -39,7 +42,6 @@ class Analyser {
   void evaluateItems(LSystemSyntax& system, bool isMain);
   void collectAssignedInProductions(const LSystemSyntax& system);
   void warnAboutProbabilities(LSystemSyntax& system);
-  void warnAboutUnreachable(const ProductionListSyntax& list);
   [[nodiscard]] double constantItem(ExpressionIndex expression, std::string_view name, double least);
 
   // analyser_expressions.cpp
@@ -67,6 +69,8 @@ class Analyser {
   bool hasSteps_ = false;           // Q and Z are defined
   std::string place_;               // where the current expression stands, for messages
   core::SourceRange predecessor_;   // of the current production; empty: none
+  const std::vector<std::string>* macros_ = nullptr;  // names of macros; null: none are known
+  std::set<std::string> unknown_;   // names of the current L-system reported as unknown: they are no suggestions
   std::set<std::string> assignedInProductions_;  // names assigned in the current L-system's productions
   std::vector<std::optional<double>> values_;  // of constant items, by expression (scratch)
 };

@@ -152,18 +152,25 @@ void Analyser::reportUnknownName(const ExpressionNode& node, const Scope& scope)
   if (!scope.isProduction() && assignedInProductions_.contains(node.text)) {
     return;
   }
-  std::string hint;
-  if (compatibility_ == core::Compatibility::Espalier) {
-    std::vector<std::string_view> names = scope.names();
-    if (hasSteps_) {
-      names.insert(names.end(), {"Q", "Z"});
-    }
-    const std::string_view near = core::nearestName(node.text, names);
-    hint = near.empty() ? "" : "did you mean '" + std::string(near) + "'? ";
-    hint += names.empty() ? "no names are visible here" : "names visible here: " + joined(names);
-    if (!near.empty()) {
-      hint[hint.find("names visible")] = 'N';
-    }
+  // once is enough
+  if (!unknown_.insert(node.text).second) {
+    return;
+  }
+  std::vector<std::string_view> names = scope.names();
+  std::erase_if(names, [&](std::string_view name) { return unknown_.contains(std::string(name)); });
+  if (hasSteps_) {
+    names.insert(names.end(), {"Q", "Z"});
+  }
+  std::vector<std::string_view> candidates = names;
+  if (macros_ != nullptr) {
+    candidates.insert(candidates.end(), macros_->begin(), macros_->end());
+  }
+  const std::string_view near = core::nearestName(node.text, candidates);
+  std::string hint = near.empty() ? "" : "did you mean '" + std::string(near) + "'? ";
+  hint += names.empty() ? "no names are visible here" : "names visible here: " + joined(names);
+  if (!near.empty()) {
+    const std::size_t list = near.size() + 17;
+    hint[list] = static_cast<char>(hint[list] - 'a' + 'A');
   }
   messages_.warning(node.range, "unknown name '" + node.text + "' in " + describePlace() + ": its value is 0", std::move(hint));
 }
@@ -241,8 +248,22 @@ void Analyser::resolveFunction(ExpressionNode& node, Scope& scope) {
   for (const auto& [name, callee] : kSpecialCalls) {
     names.push_back(name);
   }
+  // names of other languages
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 9> kElsewhere{
+      {{"pow", "the power is an operator: x^2"},
+       {"abs", "did you mean 'fabs'?"},
+       {"ln", "'log' is the natural logarithm"},
+       {"log10", "'log' is the natural logarithm: log(x) / log(10)"},
+       {"random", "did you mean 'ran'? ran(1) is a random number between 0 and 1"},
+       {"rand", "did you mean 'ran'? ran(1) is a random number between 0 and 1"},
+       {"round", "did you mean 'trunc'? It rounds to the nearest whole number"},
+       {"int", "did you mean 'floor'?"},
+       {"fscan", "did you mean 'fscanf'?"}}};
   const std::string_view near = core::nearestName(node.text, names);
   std::string hint = near.empty() ? "functions: " + joined(names) : "did you mean '" + std::string(near) + "'?";
+  for (const auto& [name, advice] : kElsewhere) {
+    hint = node.text == name ? std::string(advice) : std::move(hint);
+  }
   if (scope.find(node.text).kind != Binding::Kind::Unbound) {
     hint = "'" + node.text + "' is a variable; write the multiplication as '" + node.text + " * (...)'";
   }

@@ -7,6 +7,7 @@
 #include "engine/language/analyser.h"
 #include "engine/language/code_generator.h"
 #include "engine/language/message_list.h"
+#include "engine/language/model_checks.h"
 #include "engine/language/parser.h"
 #include "engine/language/preprocessor.h"
 #include "engine/language/syntax.h"
@@ -94,10 +95,18 @@ CompileResult compile(const CompileInput& input, core::FileProvider& files) {
   Parser(source.text, input.limits, model, messages).parseFile();
   if (!source.diagnostics.hasErrors()) {
     const bool hasSyntaxErrors = messages.errorCount() > 0;
-    Analyser(source.text, input.compatibility, input.limits, model, messages).analyse();
+    Analyser analyser(source.text, input.compatibility, input.limits, model, messages);
+    analyser.setMacros(source.macros);
+    analyser.analyse();
     if (hasSyntaxErrors) {
       messages.dropWarnings();
+    } else if (messages.errorCount() == 0) {
+      checkModel(source.text, input.compatibility, model, messages);
     }
+  }
+  if (source.hasLostText) {
+    // what is missing at the end is in the comment that was reported
+    messages.dropFrom(static_cast<std::uint32_t>(source.text.find_last_not_of(" \t\n") + 1));
   }
   const bool hasErrors = messages.errorCount() > 0 || source.diagnostics.hasErrors();
   messages.moveTo(result.diagnostics, source.sourceMap);

@@ -57,6 +57,14 @@ void MacroTable::undefine(std::string_view name) {
   }
 }
 
+std::vector<std::string> MacroTable::names() const {
+  std::vector<std::string> result;
+  for (const auto& [name, macro] : macros_) {
+    result.push_back(name);
+  }
+  return result;
+}
+
 const Macro* MacroTable::find(std::string_view name) const {
   const auto found = macros_.find(name);
   return found == macros_.end() ? nullptr : &found->second;

@@ -50,6 +50,7 @@ class MacroTable {
   /// Adds or replaces a macro. False: the name is fixed by the caller and nothing was changed.
   bool define(Macro macro);
   void undefine(std::string_view name);
+  [[nodiscard]] std::vector<std::string> names() const;
   [[nodiscard]] const Macro* find(std::string_view name) const;
 
   /// The pieces of `line` in order; `problem` is called for each mistake (the use is then copied as it is).

@@ -27,17 +27,32 @@ class MessageList {
     std::erase_if(messages_, [](const Message& message) { return message.severity != core::Severity::Error; });
   }
 
+  /// Drops what was said about the text from `offset` on.
+  void dropFrom(std::uint32_t offset) {
+    std::erase_if(messages_, [&](const Message& message) { return message.range.begin >= offset; });
+  }
+
   /// Adds all messages to `list`, in the order of the text.
   void moveTo(core::DiagnosticList& list, const SourceMap& map) {
     std::stable_sort(messages_.begin(), messages_.end(),
                      [](const Message& a, const Message& b) { return a.range.begin < b.range.begin; });
+    // a line that could not be preprocessed makes no sense to the parser either
+    const std::vector<core::Diagnostic> earlier = list.entries();
+    const auto isExplained = [&](const core::SourceLocation& place) {
+      return std::any_of(earlier.begin(), earlier.end(), [&](const core::Diagnostic& diagnostic) {
+        return diagnostic.severity == core::Severity::Error && place.line > 0 && diagnostic.location.line == place.line &&
+               diagnostic.location.file == place.file;
+      });
+    };
     std::size_t errors = 0;
     std::size_t warnings = 0;
     for (Message& message : messages_) {
       // a place costs a walk through its file; the list keeps no more than its limit of each severity
       const std::size_t rank = message.severity == core::Severity::Error ? errors++ : warnings++;
       core::SourceLocation place = rank < core::DiagnosticList::kLimit ? map.locate(message.range) : core::SourceLocation{};
-      list.add({message.severity, std::move(message.text), std::move(place), std::move(message.hint)});
+      if (!isExplained(place)) {
+        list.add({message.severity, std::move(message.text), std::move(place), std::move(message.hint)});
+      }
     }
     messages_.clear();
   }

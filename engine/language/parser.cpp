@@ -1,6 +1,7 @@
 #include "engine/language/parser.h"
 
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace espalier::language {
@@ -29,10 +30,12 @@ std::string Parser::describeReading() const {
 }
 
 bool Parser::expected(std::string_view what, const Token& token, std::string hint) {
-  if (token.kind == TokenKind::Invalid && !token.hint.empty()) {
-    hint = token.hint;
-  } else if (token.kind == TokenKind::Invalid && token.text[0] < 0) {
-    hint = "models are written in 7-bit ASCII; other characters may stand in comments and strings only";
+  if (token.kind == TokenKind::EndOfFile && std::exchange(hasReportedEnd_, true)) {
+    return false;
+  }
+  const std::string advice = adviceFor(token);
+  if (!advice.empty() && (token.kind == TokenKind::Invalid || hint.empty())) {
+    hint = advice;
   } else if (token.kind == TokenKind::EndOfLine && !lexer_.isFreeSyntax() && lexer_.nextLineIsIndented()) {
     hint = tabHint();
     skipsIndentedLines_ = true;
@@ -97,7 +100,11 @@ void Parser::parseFile() {
     } else if (token.kind == TokenKind::Keyword && token.keyword == Keyword::Module) {
       parseModuleItem();
     } else {
-      expected("'Lsystem:'", token, "every L-system starts with 'Lsystem:' and a label, and ends with 'endlsystem'");
+      const std::string_view line = lineAt(token.range.begin);
+      expected("'Lsystem:'", token,
+               line.starts_with("define ") || line.starts_with("include ")
+                   ? "macros and includes start with '#': #" + std::string(line.substr(0, line.find(' ')))
+                   : "every L-system starts with 'Lsystem:' and a label, and ends with 'endlsystem'");
       recover();
       // one message is enough for a text that is no L-system
       while (lexer_.peekSymbol().kind != TokenKind::EndOfFile &&
@@ -180,15 +187,35 @@ void Parser::parseItems(LSystemSyntax& system) {
       parseItem(system);
     } else {
       if (!hasComplained) {
+        // productions without an axiom: one message, and the productions are read as such
+        if (lineAt(token.range.begin).find("-->") != std::string_view::npos) {
+          expected("'Axiom:'", token, "every L-system has an axiom before its productions, the string it starts from: 'Axiom: A(1)'");
+          return;
+        }
         static const std::vector<std::string_view> kItems{"derivation length", "seed", "consider", "ignore",  "axiom",
                                                           "define",            "start", "end",     "Start each", "End each"};
-        const std::string_view rest = lexer_.text().substr(token.range.begin);
-        const std::string_view line = rest.substr(0, rest.find('\n'));
-        const std::string_view near = core::nearestName(line.substr(0, line.find(':')), kItems);
+        const std::string_view line = lineAt(token.range.begin);
+        const std::string_view word = line.substr(0, line.find(':'));
+        // the first letter may be a capital
+        std::string lowered(word);
+        if (!lowered.empty() && lowered[0] >= 'A' && lowered[0] <= 'Z') {
+          lowered[0] = static_cast<char>(lowered[0] - 'A' + 'a');
+        }
+        const std::string_view near = core::nearestName(lowered, kItems);
         std::string hint = "the items come first, then 'Axiom:', then the productions";
         if (line.find(':') != std::string_view::npos && !near.empty()) {
-          hint = "did you mean '" + std::string(near) + ":'?";
-        } else if (!lexer_.isFreeSyntax() && lexer_.lineIsIndented(token.range.begin)) {
+          // a misspelt word hides nothing that follows: the next one is reported too
+          Token misspelt = token;
+          misspelt.text = word;
+          misspelt.range.end = token.range.begin + static_cast<std::uint32_t>(word.size());
+          expected("an item or 'Axiom:'", misspelt, "did you mean '" + std::string(near) + ":'?");
+          recover();
+          if (near == "axiom") {
+            return;
+          }
+          continue;
+        }
+        if (!lexer_.isFreeSyntax() && lexer_.lineIsIndented(token.range.begin)) {
           hint = tabHint();
         }
         expected("an item or 'Axiom:'", token, std::move(hint));
@@ -250,7 +277,9 @@ void Parser::parseProductions(LSystemSyntax& system, ProductionListSyntax& list,
     }
     if (token.kind != TokenKind::Keyword) {
       hasProduction = true;
-      parseProduction(list);
+      if (!skipsNoProduction(name)) {
+        parseProduction(list);
+      }
     } else if (token.keyword == Keyword::MaximumDepth && &list != &system.productions) {
       lexer_.advance();
       parseValueItem(list.maximumDepth, "'maximum depth:'");

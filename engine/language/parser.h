@@ -57,6 +57,12 @@ class Parser {
   bool internModule(core::SymbolId symbol, std::size_t arity, core::SourceRange range, core::ModuleTypeId& type);
   bool expectedArrow(std::string_view what, const Token& token, std::uint32_t begin, std::string hint = {});
   [[nodiscard]] std::string productionHint(std::uint32_t begin) const;
+  bool skipsNoProduction(std::string_view name);
+
+  // parser_hints.cpp: advice for mistakes that people make
+  [[nodiscard]] std::string adviceFor(const Token& token) const;
+  [[nodiscard]] std::string unclosedHint(core::SourceRange open, const Token& found) const;
+  [[nodiscard]] std::string_view lineAt(std::uint32_t position) const;
 
   // parser_statements.cpp: blocks
   bool parseBlock(Block& block);
@@ -66,7 +72,7 @@ class Parser {
   bool parseIf(Statement& statement);
   bool parseLoop(Statement& statement, bool isDo);
   bool parseStatementCondition(ExpressionIndex& condition, std::string_view name);
-  void skipStatement();
+  void skipStatement(bool passesParentheses = false);
 
   // parser_expressions.cpp
   ExpressionIndex parseExpression();
@@ -75,7 +81,7 @@ class Parser {
   ExpressionIndex parsePrimary();
   ExpressionIndex parseName();
   ExpressionIndex parseParentheses();
-  bool parseArguments(std::vector<ExpressionIndex>& arguments);
+  bool parseArguments(std::vector<ExpressionIndex>& arguments, core::SourceRange open);
   ExpressionIndex makeNode(ExpressionNode node);
   [[nodiscard]] core::SourceRange rangeOf(ExpressionIndex index) const { return model_.expressions[index].range; }
 
@@ -95,7 +101,9 @@ class Parser {
   std::string reading_ = "the model";      // what is being read, for messages
   core::SourceRange predecessor_;          // of the production being read; empty: none
   std::uint32_t expressionDepth_ = 0;      // recursion of the parser itself
+  std::uint32_t productionBegin_ = 0;      // of the production being read
   bool skipsIndentedLines_ = false;        // the last message was about lines that start with blanks
+  bool hasReportedEnd_ = false;            // a message said that the file ended too early: one is enough
 };
 
 /// What a message says where a TAB was meant.

@@ -190,7 +190,7 @@ ExpressionIndex Parser::parseParentheses() {
   }
   const Token close = lexer_.peekExpression();
   if (close.kind != TokenKind::CloseParenthesis) {
-    expected("')'", close);
+    expected("')'", close, unclosedHint(open.range, close));
     return kNoExpression;
   }
   lexer_.advance();
@@ -215,6 +215,7 @@ ExpressionIndex Parser::parseName() {
   bool isGood = true;
   if (lexer_.peekExpression().kind == TokenKind::OpenParenthesis) {
     node.kind = ExpressionKind::Call;
+    const core::SourceRange open = lexer_.peekExpression().range;
     lexer_.advance();
     const std::uint32_t depth = lexer_.bracketDepth();
     lexer_.setBracketDepth(depth + 1);
@@ -222,7 +223,7 @@ ExpressionIndex Parser::parseName() {
       isGood = expected("an argument of '" + name.text + "'", lexer_.peekExpression(),
                         "every function takes at least one argument, some a dummy one: " + name.text + "(0)");
     } else {
-      isGood = parseArguments(node.children);
+      isGood = parseArguments(node.children, open);
     }
     if (isGood) {
       lexer_.setBracketDepth(depth);
@@ -249,7 +250,7 @@ ExpressionIndex Parser::parseName() {
 }
 
 /// Expressions separated by commas, and the closing parenthesis.
-bool Parser::parseArguments(std::vector<ExpressionIndex>& arguments) {
+bool Parser::parseArguments(std::vector<ExpressionIndex>& arguments, core::SourceRange open) {
   while (true) {
     const ExpressionIndex argument = parseExpression();
     if (argument == kNoExpression) {
@@ -262,7 +263,7 @@ bool Parser::parseArguments(std::vector<ExpressionIndex>& arguments) {
       return true;
     }
     if (token.kind != TokenKind::Comma) {
-      return expected("',' or ')'", token);
+      return expected("',' or ')'", token, unclosedHint(open, token));
     }
     lexer_.advance();
   }

@@ -33,6 +33,7 @@ struct Parser::Segment {
 void Parser::parseProduction(ProductionListSyntax& list) {
   ProductionSyntax production;
   const std::uint32_t begin = lexer_.peekSymbol().range.begin;
+  productionBegin_ = begin;
   lexer_.setBracketDepth(0);
   reading_ = "a production";
   predecessor_ = {};
@@ -45,8 +46,7 @@ void Parser::parseProduction(ProductionListSyntax& list) {
 }
 
 std::string Parser::productionHint(std::uint32_t begin) const {
-  const std::string_view rest = lexer_.text().substr(begin);
-  const std::string_view line = rest.substr(0, rest.find('\n'));
+  const std::string_view line = lineAt(begin);
   const std::size_t colon = line.find(':');
   if (colon != std::string_view::npos) {
     static const std::vector<std::string_view> kKeywords{"decomposition", "homomorphism", "maximum depth", "derivation length",
@@ -59,13 +59,48 @@ std::string Parser::productionHint(std::uint32_t begin) const {
   return !lexer_.isFreeSyntax() && lexer_.lineIsIndented(begin) ? tabHint() : std::string();
 }
 
+/// Reports a line that cannot be a production: one that starts with blanks where a TAB was meant, or a misspelt section
+/// word. True: the line was reported and skipped.
+bool Parser::skipsNoProduction(std::string_view name) {
+  const Token token = lexer_.peekSymbol();
+  const std::string_view line = lineAt(token.range.begin);
+  if (line.find('>') != std::string_view::npos) {
+    return false;
+  }
+  if (!lexer_.isFreeSyntax() && lexer_.lineIsIndented(token.range.begin)) {
+    expected("a production", token, tabHint());
+    recover();
+    lexer_.skipIndentedLines();
+    return true;
+  }
+  static const std::vector<std::string_view> kWords{"decomposition", "homomorphism", "endlsystem", "maximum depth"};
+  const std::size_t end = std::min(line.find(':'), line.find_last_not_of(" \t\r") + 1);
+  const std::string_view word = line.substr(0, end);
+  const std::string_view near = word.size() < 4 ? std::string_view() : core::nearestName(word, kWords);
+  if (near.empty()) {
+    return false;
+  }
+  Token misspelt = token;
+  misspelt.text = word;
+  misspelt.range.end = token.range.begin + static_cast<std::uint32_t>(word.size());
+  reading_ = name;
+  expected(near == "endlsystem" ? "a production or 'endlsystem'" : "a production", misspelt,
+           "did you mean '" + std::string(near) + "'?");
+  // the end was meant: the end of the file is no further mistake
+  hasReportedEnd_ = hasReportedEnd_ || near == "endlsystem";
+  recover();
+  return true;
+}
+
 /// Reports a production, begun at `begin`, that goes on wrongly; at its arrow when that is misspelt.
 bool Parser::expectedArrow(std::string_view what, const Token& token, std::uint32_t begin, std::string hint) {
-  const std::string_view rest = lexer_.text().substr(begin);
-  const std::string_view line = rest.substr(0, rest.find('\n'));
-  const std::size_t arrow = std::min(line.find("->"), line.find("=>"));
+  const std::string_view line = lineAt(begin);
+  std::size_t arrow = std::min(line.find("->"), line.find("=>"));
+  arrow = std::min(arrow, line.find("--"));
   const bool hasArrow = line.find("-->") != std::string_view::npos || line.find("-o>") != std::string_view::npos;
-  if (!hasArrow && arrow != std::string_view::npos) {
+  // a wrong character may be the first stroke
+  const bool isEarlier = token.kind == TokenKind::Invalid && token.range.begin <= begin + arrow;
+  if (!hasArrow && arrow != std::string_view::npos && !isEarlier) {
     Token misspelt;
     misspelt.kind = TokenKind::Operator;
     misspelt.text = std::string(line.substr(arrow, 2));
@@ -230,7 +265,7 @@ bool Parser::parseGuard(ProductionSyntax& production) {
   }
   const Token& token = lexer_.peekExpression();
   if (token.kind != TokenKind::Arrow && token.kind != TokenKind::InstanceArrow) {
-    return expectedArrow("'-->'", token, production.predecessorRange.begin);
+    return expectedArrow("'-->'", token, productionBegin_);
   }
   lexer_.advance();
   return true;
@@ -262,7 +297,9 @@ bool Parser::parseSuccessor(ProductionSyntax& production) {
     return expectLineEnd(token);
   }
   return expected(production.successor.empty() ? "the end of the line" : "a module, ':' or the end of the line", token,
-                  token.kind == TokenKind::Star ? "'*' alone is the empty successor" : "");
+                  token.kind == TokenKind::Star               ? "'*' alone is the empty successor"
+                  : token.kind == TokenKind::CloseParenthesis ? "no '(' is open here"
+                                                              : "");
 }
 
 // ---- modules
@@ -276,7 +313,7 @@ bool Parser::internModule(core::SymbolId symbol, std::size_t arity, core::Source
     }
     form += declared.parameterNames.empty() ? "" : ")";
     messages_.error(range,
-                    "expected " + std::to_string(declared.parameterNames.size()) + " parameters of the module '" +
+                    "expected " + std::to_string(declared.parameterNames.size()) + (declared.parameterNames.size() == 1 ? " parameter" : " parameters") + " of the module '" +
                         declared.name + "' while reading " + describeReading() + ", found " + std::to_string(arity),
                     "it is declared as " + form);
   }
@@ -305,18 +342,20 @@ bool Parser::parseFormalModule(FormalModuleSyntax& module) {
       if (parameter.kind != TokenKind::Identifier) {
         std::string hint;
         if (parameter.kind == TokenKind::CloseParenthesis) {
-          hint = "a module without parameters has no parentheses";
+          hint = module.parameters.empty() ? "a module without parameters has no parentheses"
+                                           : "there is a comma too many";
         } else if (parameter.kind == TokenKind::Number) {
           hint = "predecessors and contexts have names as parameters; compare values in the condition, as in A(x) : x == 1";
         }
-        return expectedArrow("a parameter name", parameter, name.range.begin, std::move(hint));
+        return expectedArrow("a parameter name", parameter, productionBegin_, std::move(hint));
       }
       module.parameters.push_back({parameter.text, parameter.range});
       lexer_.advance();
     } while (lexer_.peekExpression().kind == TokenKind::Comma);
     const Token close = lexer_.peekExpression();
     if (close.kind != TokenKind::CloseParenthesis) {
-      return expectedArrow("',' or ')'", close, name.range.begin);
+      return expectedArrow("',' or ')'", close, productionBegin_,
+                           "predecessors and contexts have names as parameters, separated by commas: A(x, y)");
     }
     module.range.end = close.range.end;
     lexer_.advance();
@@ -346,12 +385,13 @@ bool Parser::parseModule(std::vector<ModuleSyntax>& modules) {
     lexer_.setBracketDepth(depth);
   }
   if (lexer_.peekSymbol().kind == TokenKind::OpenParenthesis) {
+    const core::SourceRange open = lexer_.peekSymbol().range;
     lexer_.advance();
     lexer_.setBracketDepth(depth + 1);
     if (lexer_.peekExpression().kind == TokenKind::CloseParenthesis) {
       return expected("an expression", lexer_.peekExpression(), "a module without parameters has no parentheses");
     }
-    if (!parseArguments(module.parameters)) {
+    if (!parseArguments(module.parameters, open)) {
       return false;
     }
     module.range.end = lexer_.position();

@@ -41,8 +41,19 @@ bool Parser::parseStatements(std::vector<Statement>& statements) {
     const Token keyword = lexer_.peekKeyword();
     const bool isKeyword = keyword.kind == TokenKind::Keyword && (keyword.text.back() == ':' ||
                                                                  keyword.keyword == Keyword::Endlsystem);
+    // so does an arrow: the block of a production ends before it
+    if (lexer_.peekExpression().kind == TokenKind::Arrow || lexer_.peekExpression().kind == TokenKind::InstanceArrow) {
+      const Token arrow = lexer_.peekExpression();
+      lexer_.setNesting(0);
+      return expected("'}'", arrow, "the block is not closed");
+    }
     if (isKeyword || lexer_.peekExpression().kind == TokenKind::EndOfFile) {
       return expected("'}'", isKeyword ? keyword : lexer_.peekExpression(), "the block is not closed");
+    }
+    if (isWord(lexer_.peekExpression(), "for")) {
+      expected("a statement", lexer_.peekExpression(), "there is no 'for': i = 0; while (i < n) { ... i = i + 1; }");
+      skipStatement(true);
+      continue;
     }
     Statement statement;
     if (parseStatement(statement)) {
@@ -57,14 +68,17 @@ bool Parser::parseStatements(std::vector<Statement>& statements) {
 }
 
 /// To the end of the statement, or to the brace that ends the block.
-void Parser::skipStatement() {
+void Parser::skipStatement(bool passesParentheses) {
   expressionDepth_ = 0;
   std::uint32_t depth = 0;
+  std::uint32_t parentheses = 0;
   while (true) {
     const Token token = lexer_.peekExpression();
     const Token keyword = lexer_.peekKeyword();
-    const bool isKeyword = keyword.kind == TokenKind::Keyword && keyword.text.back() == ':';
-    if (token.kind == TokenKind::EndOfFile || isKeyword || (depth == 0 && token.kind == TokenKind::CloseBrace)) {
+    const bool isKeyword = keyword.kind == TokenKind::Keyword &&
+                           (keyword.text.back() == ':' || keyword.keyword == Keyword::Endlsystem);
+    const bool isArrow = token.kind == TokenKind::Arrow || token.kind == TokenKind::InstanceArrow;
+    if (token.kind == TokenKind::EndOfFile || isKeyword || isArrow || (depth == 0 && token.kind == TokenKind::CloseBrace)) {
       return;
     }
     // a peeked keyword may have replaced the token
@@ -72,7 +86,11 @@ void Parser::skipStatement() {
     lexer_.advance();
     depth += token.kind == TokenKind::OpenBrace ? 1U : 0U;
     depth -= token.kind == TokenKind::CloseBrace ? 1U : 0U;
-    if (depth == 0 && (token.kind == TokenKind::Semicolon || token.kind == TokenKind::CloseBrace)) {
+    if (passesParentheses) {
+      parentheses += token.kind == TokenKind::OpenParenthesis ? 1U : 0U;
+      parentheses -= token.kind == TokenKind::CloseParenthesis && parentheses > 0 ? 1U : 0U;
+    }
+    if (depth == 0 && parentheses == 0 && (token.kind == TokenKind::Semicolon || token.kind == TokenKind::CloseBrace)) {
       return;
     }
   }
@@ -111,13 +129,19 @@ bool Parser::parseSimpleStatement(Statement& statement) {
       return false;
     }
   }
+  const ExpressionNode& node = model_.expressions[statement.value];
+  const bool isTypeName = node.kind == ExpressionKind::Name && (node.text == "int" || node.text == "float" || node.text == "double");
+  if (isTypeName && lexer_.peekExpression().kind == TokenKind::Identifier) {
+    return expected("';'", lexer_.peekExpression(), "variables have no types: write " + lexer_.peekExpression().text + " = 0;");
+  }
   return expectExpressionToken(TokenKind::Semicolon, "';'");
 }
 
 bool Parser::parseStatementCondition(ExpressionIndex& condition, std::string_view name) {
   const Token& open = lexer_.peekExpression();
   if (open.kind != TokenKind::OpenParenthesis) {
-    return expected("'(' after '" + std::string(name) + "'", open);
+    return expected("'(' after '" + std::string(name) + "'", open,
+                    "a condition stands in parentheses: " + std::string(name) + " (n > 1) { ... }");
   }
   lexer_.advance();
   condition = parseExpression();

@@ -40,6 +40,7 @@ class Preprocessor {
       result_.diagnostics.add({core::Severity::Error, "cannot read the file '" + input_.file + "'", {},
                                "check the name and that the file may be read"});
     }
+    result_.macros = macros_.names();
     result_.isComplete = file.has_value() && !hasStopped_;
     result_.sourceMap.files.assign(std::make_move_iterator(files_.begin()), std::make_move_iterator(files_.end()));
     return std::move(result_);
@@ -86,6 +87,7 @@ class Preprocessor {
                             std::to_string(input_.limits.maximumSourceBytes) + " bytes)");
       return;
     }
+    openFiles_.push_back(files_[file].name);
     const std::size_t outerConditionals = conditionals_.size();
     LineReader reader(text);
     LogicalLine line;
@@ -97,14 +99,17 @@ class Preprocessor {
       }
     }
     if (reader.isInComment()) {
+      result_.hasLostText = true;
       error(file, static_cast<std::uint32_t>(reader.commentBegin()), 2,
-            "expected '*/' while reading a comment, found the end of the file", "");
+            "expected '*/' while reading a comment, found the end of the file",
+            "everything from here on is part of the comment");
     }
     while (conditionals_.size() > outerConditionals) {
       error(file, conditionals_.back().offset, 1, "expected #endif while reading this conditional, found the end of the file",
-            "");
+            "every #if, #ifdef and #ifndef ends with #endif");
       conditionals_.pop_back();
     }
+    openFiles_.pop_back();
     // the text of the including file starts on a line of its own
     if (!result_.text.empty() && result_.text.back() != '\n') {
       emit('\n', file, static_cast<std::uint32_t>(text.size()), SourceMap::kNoExpansion);
@@ -162,9 +167,9 @@ class Preprocessor {
   void error(std::uint32_t file, std::uint32_t offset, std::size_t length, std::string message, std::string hint) {
     add(core::Severity::Error, file, offset, length, std::move(message), std::move(hint));
   }
-  void fatal(std::uint32_t file, std::uint32_t offset, std::size_t length, std::string message) {
+  void fatal(std::uint32_t file, std::uint32_t offset, std::size_t length, std::string message, std::string hint = {}) {
     if (!hasStopped_) {
-      error(file, offset, length, std::move(message), "");
+      error(file, offset, length, std::move(message), std::move(hint));
     }
     hasStopped_ = true;
   }
@@ -396,7 +401,10 @@ class Preprocessor {
     const std::string name = nameBeside(files_[file].name, rest.substr(1, close - 1));
     if (depth + 1 > input_.limits.maximumIncludeDepth) {
       fatal(file, line.offsetOf(first), close + 1, "files are included deeper than the limit maximumIncludeDepth (" +
-                                                       std::to_string(input_.limits.maximumIncludeDepth) + ")");
+                                                       std::to_string(input_.limits.maximumIncludeDepth) + ")",
+            std::find(openFiles_.begin(), openFiles_.end(), name) != openFiles_.end()
+                ? "'" + name + "' includes itself, directly or through another file"
+                : "");
       return;
     }
     const std::optional<std::uint32_t> included = open(name);
@@ -415,6 +423,7 @@ class Preprocessor {
   std::deque<SourceMap::File> files_;  // stable addresses while files are being read
   std::map<std::string, std::uint32_t> fileIndices_;
   std::vector<Conditional> conditionals_;
+  std::vector<std::string> openFiles_;  // being read, each included by the one before
   std::uint64_t readBytes_ = 0;
   bool hasStopped_ = false;  // a limit was reached
 };

@@ -22,6 +22,8 @@ struct PreprocessResult {
   std::string text;
   SourceMap sourceMap;
   core::DiagnosticList diagnostics;
+  std::vector<std::string> macros;  // names of those defined at the end
+  bool hasLostText = false;  // a comment without an end swallowed the rest of a file
   bool isComplete = true;  // false: the file could not be read, or a limit ended the reading
 };
 

@@ -64,7 +64,7 @@ TEST(Analyser, TheReferenceDefinesStepAndLengthOnlyWithADerivationLength) {
   const std::string without = header("", "A(x) --> A(Q)");
   EXPECT_TRUE(contains(codeOf(without), "LoadStep"));
   EXPECT_EQ(messagesOf(without, Compatibility::Cpfg),
-            Messages{"4:12: warning: unknown name 'Q' in the successor of A(x): its value is 0"});
+            Messages{"4:12: warning: unknown name 'Q' in the successor of A(x): its value is 0 | names visible here: x"});
 }
 
 TEST(Analyser, AssigningStepOrLengthHidesThem) {
@@ -78,14 +78,14 @@ TEST(Analyser, AssigningStepOrLengthHidesThem) {
 TEST(Analyser, PiIsAConstantInEspaliersOwnModeOnly) {
   EXPECT_EQ(messagesOf(header("", "A(x) --> A(pi)")), Messages{});
   EXPECT_EQ(messagesOf(header("", "A(x) --> A(pi)"), Compatibility::Cpfg),
-            Messages{"4:12: warning: unknown name 'pi' in the successor of A(x): its value is 0"});
+            Messages{"4:12: warning: unknown name 'pi' in the successor of A(x): its value is 0 | names visible here: x"});
   EXPECT_EQ(messagesOf(header("", "A(pi) --> A(pi)")), Messages{});
 }
 
 // ---- names and calls
 
 TEST(Analyser, UnknownNamesAreZeroWithAWarning) {
-  const std::string text = header("Start: {width = 1;}", "A(length) --> A(lenght)\nB --> A(widht*widht)\nC --> A(zzz)");
+  const std::string text = header("Start: {width = 1;}", "A(length) --> A(lenght)BC\nB --> A(widht*widht)\nC --> A(zzz)");
   EXPECT_EQ(messagesOf(text),
             (Messages{"4:17: warning: unknown name 'lenght' in the successor of A(length): its value is 0 | did you mean 'length'? "
                       "Names visible here: length, width, Q, Z",
@@ -93,7 +93,8 @@ TEST(Analyser, UnknownNamesAreZeroWithAWarning) {
                       "visible here: width, Q, Z",
                       "6:9: warning: unknown name 'zzz' in the successor of C: its value is 0 | names visible here: width, Q, Z"}));
   EXPECT_EQ(messagesOf(text, Compatibility::Cpfg)[0],
-            "4:17: warning: unknown name 'lenght' in the successor of A(length): its value is 0");
+            "4:17: warning: unknown name 'lenght' in the successor of A(length): its value is 0 | did you mean 'length'? "
+            "Names visible here: length, width");
   EXPECT_TRUE(contains(codeOf(text), "LoadStatic 0 lenght"));
 }
 
@@ -193,7 +194,7 @@ TEST(Analyser, ItemsOutOfRangeCountAsTheNearestValue) {
 }
 
 TEST(Analyser, OnlyTheFirstDerivationLengthCounts) {
-  EXPECT_EQ(messagesOf(model("A(n) --> A(n)") + "Lsystem: 2\nderivation length: 3\nAxiom: B\nB --> B\nendlsystem\n"),
+  EXPECT_EQ(messagesOf(model("A(n) --> A(n)?(2)B$") + "Lsystem: 2\nderivation length: 3\nAxiom: B\nB --> B\nendlsystem\n"),
             Messages{"6:1: warning: the derivation length of a sub-L-system has no effect | only that of the first L-system counts"});
 }
 
@@ -207,13 +208,14 @@ TEST(Analyser, ProbabilitiesMakeAnLSystemStochasticInEspaliersOwnMode) {
   EXPECT_EQ(messagesOf(text, Compatibility::Cpfg),
             (Messages{"4:17: warning: probabilities are ignored: the L-system has no 'seed:', so the first production that matches is "
                       "applied | put 'seed: 1' before the axiom",
-                      "5:1: warning: this production is never applied: an earlier one matches always | the earlier one is: A(n) --> "
-                      "A(n)"}));
+                      "5:1: warning: this production is never applied: an earlier one matches wherever it would | the earlier one "
+                      "is: A(n) --> A(n); put it after this one"}));
 }
 
 TEST(Analyser, ProductionsBehindAnUnconditionalOneAreReported) {
-  EXPECT_EQ(messagesOf(header("", "A(n) : n > 1 --> B\nA(n) --> C\nA(n)B > C --> D\nA --> E")),
-            Messages{"6:1: warning: this production is never applied: an earlier one matches always | the earlier one is: A(n) --> C"});
+  EXPECT_EQ(messagesOf(header("", "A(n) : n > 1 --> BA\nA(n) --> C\nA(n)B > C --> D\nA --> E")),
+            Messages{"6:1: warning: this production is never applied: an earlier one matches wherever it would | the earlier one is: "
+                     "A(n) --> C; put it after this one"});
 }
 
 TEST(Analyser, ProbabilitiesOfADecompositionHaveNoEffect) {

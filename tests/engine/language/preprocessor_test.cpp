@@ -50,7 +50,8 @@ TEST(Preprocessor, AQuoteWithoutPartnerProtectsNothing) { EXPECT_EQ(textOf("A\" 
 
 TEST(Preprocessor, AnOpenCommentIsAnError) {
   EXPECT_EQ(problemsOf("A /* b\nc\n"),
-            Messages{"1:3: error: expected '*/' while reading a comment, found the end of the file"});
+            Messages{"1:3: error: expected '*/' while reading a comment, found the end of the file | everything from here on is part "
+                     "of the comment"});
 }
 
 // ---- macros
@@ -159,7 +160,8 @@ TEST(Preprocessor, UnbalancedConditionalsAreErrors) {
   EXPECT_EQ(problemsOf("#else\n#endif\n#elif 1\n#if 1\n#else\n#else\n"),
             (Messages{"1:1: error: #else without #if", "2:1: error: #endif without #if", "3:1: error: #elif without #if",
                       "6:1: error: #else after #else",
-                      "4:1: error: expected #endif while reading this conditional, found the end of the file"}));
+                      "4:1: error: expected #endif while reading this conditional, found the end of the file | every #if, "
+                      "#ifdef and #ifndef ends with #endif"}));
 }
 
 // ---- directives
@@ -261,7 +263,8 @@ TEST(Preprocessor, AFileThatIncludesItselfEndsAtALimit) {
   PreprocessInput input;
   input.limits.maximumIncludeDepth = 3;
   EXPECT_EQ(problemsOf("#include \"m.l\"\n", input),
-            Messages{"1:10: error: files are included deeper than the limit maximumIncludeDepth (3)"});
+            Messages{"1:10: error: files are included deeper than the limit maximumIncludeDepth (3) | 'm.l' includes itself, "
+                     "directly or through another file"});
 }
 
 TEST(Preprocessor, TooMuchTextEndsAtALimit) {
