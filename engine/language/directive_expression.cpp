@@ -84,11 +84,25 @@ class Evaluator {
     return true;
   }
 
+  std::nullopt_t failNesting() {
+    return failAt(position_, position_ + 1, "the condition is nested deeper than the limit maximumExpressionDepth (" +
+                                                std::to_string(maximumDepth_) + ")");
+  }
+
+  // both arms recurse, so each conditional counts as a level of nesting
   std::optional<std::int64_t> conditional() {
-    const auto condition = binary(1);
-    if (!condition.has_value() || !accept("?")) {
-      return condition;
+    if (++depth_ > maximumDepth_) {
+      return failNesting();
     }
+    std::optional<std::int64_t> value = binary(1);
+    if (value.has_value() && accept("?")) {
+      value = arms(*value != 0);
+    }
+    --depth_;
+    return value;
+  }
+
+  std::optional<std::int64_t> arms(bool takesFirst) {
     const auto first = conditional();
     if (!first.has_value()) {
       return std::nullopt;
@@ -100,7 +114,7 @@ class Evaluator {
     if (!second.has_value()) {
       return std::nullopt;
     }
-    return *condition != 0 ? first : second;
+    return takesFirst ? first : second;
   }
 
   const BinaryOperator* peekOperator() {
@@ -158,8 +172,7 @@ class Evaluator {
 
   std::optional<std::int64_t> unary() {
     if (++depth_ > maximumDepth_) {
-      return failAt(position_, position_ + 1, "the condition is nested deeper than the limit maximumExpressionDepth (" +
-                                                  std::to_string(maximumDepth_) + ")");
+      return failNesting();
     }
     std::optional<std::int64_t> value;
     skipBlanks();
