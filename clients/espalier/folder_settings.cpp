@@ -22,16 +22,18 @@ std::optional<language::AnimationSettings> readAnimation(const std::string& file
                                                          core::DiagnosticList& diagnostics) {
   std::optional<std::string> text = files.read(file);
   if (!text) {
-    remark(core::Severity::Warning, file, "the animation file cannot be read; the derivation length decides which step is last",
-           diagnostics);
+    remark(core::Severity::Warning, file,
+           "the animation file cannot be read; the derivation length decides which step is last", diagnostics);
     return std::nullopt;
   }
-  language::AnimationSettings settings = language::readAnimationFile(language::DataFile(file, std::move(*text), diagnostics));
+  language::AnimationSettings settings =
+      language::readAnimationFile(language::DataFile(file, std::move(*text), diagnostics));
   const bool moves = std::any_of(settings.intervals.begin(), settings.intervals.end(), [](const auto& interval) {
     return interval.motion != language::FrameInterval::Motion::None;
   });
   if (moves) {
-    remark(core::Severity::Note, file, "pictures are neither turned nor scaled as its frame intervals say", diagnostics);
+    remark(core::Severity::Note, file, "pictures are neither turned nor scaled as its frame intervals say",
+           diagnostics);
   }
   return settings;
 }
@@ -52,9 +54,10 @@ FolderSettings readFolderSettings(const ModelFiles& model, bool isAnimated, core
            "there is no animation file for it; the derivation length decides which step is last", diagnostics);
   } else if (usesAnimation) {
     folder.animation = readAnimation(model.animation, files, diagnostics);
-  } else if (!model.animation.empty()) {
+  } else if (model.isFolder && !model.animation.empty()) {
     remark(core::Severity::Note, model.animation,
-           "the animation file is not read without --animate or the switch -a; the derivation length decides which step is last",
+           "the animation file is not read without --animate or the switch -a; the derivation length decides which "
+           "step is last",
            diagnostics);
   }
   return folder;

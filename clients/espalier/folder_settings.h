@@ -15,12 +15,13 @@ namespace espalier::command {
 
 /// What a model folder says beside its model: the colours of pictures, and which step is the last.
 struct FolderSettings {
-  language::Palette palette;                               // empty: the folder has no colours
-  std::optional<language::AnimationSettings> animation;    // nothing: the derivation length decides
+  language::Palette palette;                             // empty: the folder has no colours
+  std::optional<language::AnimationSettings> animation;  // nothing: the derivation length decides
 };
 
-/// Reads the colour and animation files of a model. The animation file counts when the folder's command has the switch -a
-/// or `isAnimated`. What cannot be used is in `diagnostics` with its consequence.
+/// Reads the colour and animation files of a model. The animation file counts when the folder's command has the switch
+/// -a or `isAnimated`; one that a folder has and does not count is named. What cannot be used is in `diagnostics` with
+/// its consequence.
 [[nodiscard]] FolderSettings readFolderSettings(const ModelFiles& model, bool isAnimated, core::FileProvider& files,
                                                 core::DiagnosticList& diagnostics);
 

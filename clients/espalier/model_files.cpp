@@ -17,7 +17,9 @@ using FilesOrProblem = std::variant<ModelFiles, std::string>;
 
 constexpr std::string_view kTitleSeparator = " / ";
 
-std::string nameOf(const std::string& file) { return fs::path(file).filename().string(); }
+std::string nameOf(const std::string& file) {
+  return fs::path(file).filename().string();
+}
 
 bool isFile(const fs::path& file) {
   std::error_code error;
@@ -77,9 +79,11 @@ FilesOrProblem onlyModelOf(const std::string& folder) {
     return "the folder '" + folder + "' holds no L-system file (.l): give a folder that does, or the file itself";
   }
   if (models.size() > 1) {
-    return "the folder '" + folder + "' holds more than one L-system file (" + listOf(models) + "): give the name of one";
+    return "the folder '" + folder + "' holds more than one L-system file (" + listOf(models) +
+           "): give the name of one";
   }
   ModelFiles files;
+  files.isFolder = true;
   files.model = models.front().string();
   files.view = companion(models.front(), ".v", "its settings do not count", files);
   files.environment = companion(models.front(), ".e", "it does not answer communication modules", files);
@@ -99,7 +103,8 @@ FilesOrProblem onlyModelOf(const std::string& folder) {
 std::string listOf(const std::vector<language::FolderCommand>& commands) {
   std::string text;
   for (std::size_t i = 0; i < commands.size(); ++i) {
-    text += (i == 0 ? "" : ", ") + std::to_string(i + 1) + " '" + commands[i].title + "' (" + nameOf(commands[i].model) + ")";
+    text += (i == 0 ? "" : ", ") + std::to_string(i + 1) + " '" + commands[i].title + "' (" +
+            nameOf(commands[i].model) + ")";
   }
   return text;
 }
@@ -133,7 +138,8 @@ std::string missingModel(const std::string& folder, const std::string& model, co
   const std::vector<std::string_view> candidates(names.begin(), names.end());
   const std::string_view nearest = core::nearestName(nameOf(model), candidates);
   return "the folder '" + folder + "' has no file '" + nameOf(model) + "', the model that its specifications run" +
-         (nearest.empty() ? std::string(": add it, or give the name of a model") : ": did you mean '" + std::string(nearest) + "'?");
+         (nearest.empty() ? std::string(": add it, or give the name of a model")
+                          : ": did you mean '" + std::string(nearest) + "'?");
 }
 
 FilesOrProblem commandOf(const std::string& path, const std::string& object) {
@@ -147,6 +153,7 @@ FilesOrProblem commandOf(const std::string& path, const std::string& object) {
   const language::ModelFolder folder = language::readModelFolder(path, names, provider);
 
   ModelFiles files;
+  files.isFolder = true;
   for (const core::Diagnostic& diagnostic : folder.diagnostics.entries()) {
     if (diagnostic.severity == core::Severity::Error) {
       return diagnostic.location.file + ": " + diagnostic.message + ": " + diagnostic.hint;
@@ -180,10 +187,10 @@ FilesOrProblem commandOf(const std::string& path, const std::string& object) {
     files.remarks.push_back(std::move(remark));
   }
   files.model = command.model;
-  files.view = command.view;
+  // files that are not there were named in remarks
+  files.view = isFile(command.view) ? command.view : std::string{};
   files.environment = isFile(command.environment) ? command.environment : std::string{};
   files.animation = isFile(command.animation) ? command.animation : std::string{};
-  // one that is not there was named in a remark
   for (const language::ColourFile& colours : command.colours) {
     if (isFile(colours.file)) {
       files.colours.push_back(colours);
@@ -206,7 +213,8 @@ std::variant<ModelFiles, std::string> findModelFiles(const std::string& path, co
     return commandOf(path, object);
   }
   if (!object.empty()) {
-    return "--object chooses among the commands of a folder's specifications, and '" + path + "' has none: leave it out";
+    return "--object chooses among the commands of a folder's specifications, and '" + path +
+           "' has none: leave it out";
   }
   if (isFolder) {
     return onlyModelOf(path);
@@ -215,6 +223,7 @@ std::variant<ModelFiles, std::string> findModelFiles(const std::string& path, co
   files.model = path;
   files.view = besideModel(path, ".v");
   files.environment = besideModel(path, ".e");
+  files.animation = besideModel(path, ".a");
   return files;
 }
 

@@ -17,16 +17,19 @@ struct ModelFiles {
   std::string animation;    // empty: none
   std::vector<language::ColourFile> colours;
   int colourBase = 1;
-  bool startsInAnimation = false;            // the animation file decides which step is the last
-  std::vector<core::Diagnostic> remarks;     // warnings and notes about the folder
+  bool isFolder = false;                  // found in a folder, not beside a file that was named
+  bool startsInAnimation = false;         // the animation file decides which step is the last
+  std::vector<core::Diagnostic> remarks;  // warnings and notes about the folder
 };
 
 /// The files of a model given as `MODEL.l` or as a folder:
-/// - beside `MODEL.l`, the `.v` and `.e` files of the same stem;
-/// - in a folder with a file `specifications`, what its first cpfg command names, or the command that `object` chooses: by
+/// - beside `MODEL.l`, the `.v`, `.e` and `.a` files of the same stem;
+/// - in a folder with a file `specifications`, what its first cpfg command names, or the command that `object` chooses:
+/// by
 ///   its place in the menu, the end of that, the name of its model, or its number from 1;
 /// - in a folder without, its only `.l`, with its only `.v`, `.e` and colour file when none has the model's stem.
 /// Returns the files or one sentence that says what to do.
-[[nodiscard]] std::variant<ModelFiles, std::string> findModelFiles(const std::string& path, const std::string& object = {});
+[[nodiscard]] std::variant<ModelFiles, std::string> findModelFiles(const std::string& path,
+                                                                   const std::string& object = {});
 
 }  // namespace espalier::command

@@ -122,6 +122,21 @@ class Gallery(unittest.TestCase):
         self.assertGreater(last.count("L"), 0)
         self.assertGreater(last.count("A("), 0)
 
+    def test_model_folders_run_as_their_specifications_say(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            lilac = espalier("run", str(GALLERY / "lilac"), "-o", f"{folder}/lilac.svg")
+            # the last frame of lilac.a, in the colours of lilac.map, and nothing to remark
+            self.assertRegex(lilac.stderr, r"\Awrote \S+lilac.svg \(step 22, \d+ modules\)\n\Z")
+            picture = Path(folder, "lilac.svg").read_text(encoding="utf-8")
+            self.assertIn('<rect width="100%" height="100%" fill="#f7f4fa"/>', picture)
+
+            espalier("run", str(GALLERY / "shaded-maple"), "--quiet", "--steps", "4", "-o", f"{folder}/maple.obj")
+            materials = Path(folder, "maple.mtl").read_text(encoding="utf-8")
+            self.assertIn("newmtl colour_1\nKd 0.4392 0.3608 0.3059\n", materials)
+            # the environment of its specifications puts buds in the shade
+            self.assertIn("S(", espalier("derive", str(GALLERY / "shaded-maple"), "--quiet").stdout)
+            self.assertIn("V(5)", espalier("derive", str(GALLERY / "shaded-maple"), "--object", "leaf").stdout)
+
     def test_every_model_is_complete_and_without_errors(self) -> None:
         listed = (GALLERY / "README.md").read_text(encoding="utf-8")
         folders = sorted(path for path in GALLERY.iterdir() if path.is_dir())

@@ -354,5 +354,28 @@ TEST(Palette, ASceneThatSaysNothingAboutColourGoesFromBrownToGreen) {
   EXPECT_EQ(Palette(coloured.scene).ofSegment(coloured.scene.segments[1]).red, defaultColour(200).red);
 }
 
+TEST(Palette, AFoldersColoursReplaceTheRamp) {
+  Scene scene;
+  scene.segments.emplace_back();
+  language::Palette colours;
+  EXPECT_FALSE(Palette(scene, &colours).folderMaterial(128));
+  EXPECT_EQ(Palette(scene, &colours).materialOf(scene.segments[0]), 256) << "an empty palette is none";
+
+  colours.maps[1][128] = {10, 20, 30};
+  colours.maps[1][0] = {1, 2, 3};
+  const Palette mapped(scene, &colours);
+  EXPECT_EQ(mapped.materialOf(scene.segments[0]), 128);
+  const Colour colour = mapped.ofSegment(scene.segments[0]);
+  EXPECT_EQ((std::array{colour.red, colour.green, colour.blue}), (std::array<unsigned char, 3>{10, 20, 30}));
+  EXPECT_EQ(mapped.background().blue, 3);
+  EXPECT_EQ(mapped.opacityOfIndex(128), 1.0);
+
+  colours.materials[1][128].opacity = 0.25;
+  colours.usesMaterials = true;
+  const Palette material(scene, &colours);
+  EXPECT_EQ(material.opacityOfIndex(128), 0.25);
+  EXPECT_EQ(material.ofIndex(128).red, 255) << "a material's diffuse colour is white unless the file says otherwise";
+}
+
 }  // namespace
 }  // namespace espalier::turtle
