@@ -43,14 +43,16 @@ void printStep(const simulation::Simulation& simulation) {
   printString(simulation.program(), simulation.string());
 }
 
-// steps until the end, or to step `last`, printing what was asked for; the strings after the queries' answers belong to the step before
+// steps until the end, or to step `last`, printing what was asked for; the strings after the queries' answers belong to
+// the step before
 Outcome runAllSteps(simulation::Simulation& simulation, const DeriveOptions& options, const FolderSettings& folder,
                     RunFigures& figures) {
   if (Outcome failure = simulation.rewind()) {
     return failure;
   }
   // --steps is the derivation length itself
-  const std::optional<std::uint64_t> last = options.model.steps ? std::nullopt : lastStepOf(folder, std::nullopt, simulation);
+  const std::optional<std::uint64_t> last =
+      options.model.steps ? std::nullopt : lastStepOf(folder, std::nullopt, simulation);
   const bool printsDerived = options.printsEveryStep && !options.printsAnswered;
   if (printsDerived) {
     printStep(simulation);
@@ -90,8 +92,7 @@ void printStatistics(const simulation::Simulation& simulation, const RunFigures&
                "{\"steps\":%llu,\"modules\":%llu,\"parameters\":%llu,\"queries\":%llu,\"derivationMilliseconds\":%.3f,"
                "\"environmentMilliseconds\":%.3f,\"bytes\":%llu}\n",
                static_cast<unsigned long long>(simulation.completedSteps()),
-               static_cast<unsigned long long>(string.size()),
-               static_cast<unsigned long long>(string.parameterCount()),
+               static_cast<unsigned long long>(string.size()), static_cast<unsigned long long>(string.parameterCount()),
                static_cast<unsigned long long>(figures.queries), figures.derivationMilliseconds,
                figures.environmentMilliseconds, static_cast<unsigned long long>(string.bytes()));
 }

@@ -28,10 +28,10 @@ struct ModelOptions {
   std::string environment;  // empty: the folder's, or the `.e` beside the model
   std::optional<std::uint64_t> steps;
   std::optional<std::uint64_t> seed;
-  std::string compatibility;          // "", "cpfg" or "cpfg-batch"
-  std::vector<std::string> defines;   // NAME=VALUE
+  std::string compatibility;         // "", "cpfg" or "cpfg-batch"
+  std::vector<std::string> defines;  // NAME=VALUE
   unsigned threads = 1;
-  bool isAnimated = false;            // the animation file decides which step is the last
+  bool isAnimated = false;  // the animation file decides which step is the last
   bool isQuiet = false;
 
   [[nodiscard]] core::Compatibility mode() const;
@@ -48,9 +48,9 @@ void addRunningOptions(CLI::App& command, ModelOptions& options);
 /// Whether a run of the program depends on a seed that neither the model nor the caller gave.
 [[nodiscard]] bool needsDrawnSeed(const language::Program& program);
 
-/// Reads and compiles the model of `options` and completes options.view and options.environment with the files beside it.
-/// `folder`, when not null, receives its colours and animation. Writes diagnostics and errors to standard error; null when
-/// there is an error.
+/// Reads and compiles the model of `options` and completes options.view and options.environment with the files beside
+/// it. `folder`, when not null, receives its colours and animation. Writes diagnostics and errors to standard error;
+/// null when there is an error.
 [[nodiscard]] std::shared_ptr<const language::Program> loadProgram(ModelOptions& options, core::FileProvider& files,
                                                                    FolderSettings* folder = nullptr);
 

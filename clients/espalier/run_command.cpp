@@ -80,8 +80,7 @@ bool writeResult(const simulation::Simulation& simulation, const language::Palet
   }
   core::StringSink materials;
   const fs::path materialFile = fs::path(file).replace_extension(".mtl");
-  turtle::writeObj(scene, simulation.program().view, materialFile.filename().string(), picture, materials,
-                   &palette);
+  turtle::writeObj(scene, simulation.program().view, materialFile.filename().string(), picture, materials, &palette);
   return writeOutput(file, picture.take()) && writeOutput(materialFile.string(), materials.take());
 }
 
@@ -167,7 +166,8 @@ std::optional<core::SimulationError> runToEnd(simulation::Simulation& simulation
     if (auto failure = simulation.step()) {
       return failure;
     }
-    bar.show(simulation.completedSteps(), last.value_or(simulation.derivationLength()), simulation.statistics().modules);
+    bar.show(simulation.completedSteps(), last.value_or(simulation.derivationLength()),
+             simulation.statistics().modules);
   }
   return std::nullopt;
 }

@@ -20,7 +20,8 @@ struct SvgOptions {
   double heightPixels = 800.0;
   double marginFraction = 0.05;
   bool hasBackground = true;
-  const language::Palette* palette = nullptr;  // a model folder's colours, its background too; null or empty: Espalier's own
+  const language::Palette* palette =
+      nullptr;  // a model folder's colours, its background too; null or empty: Espalier's own
 };
 
 /// Writes a picture of the scene as SVG 1.1: parallel or perspective view of the view settings, far to near, tapered
@@ -28,8 +29,8 @@ struct SvgOptions {
 void writeSvg(const Scene& scene, const language::ViewSettings& view, const SvgOptions& options, core::ByteSink& sink);
 
 /// Writes a Wavefront OBJ: an `o` per organ kind and plant, tubes swept along connected segments with normals and
-/// texture coordinates, polygons, spheres, surfaces; materials go to a companion .mtl, in the colours of `palette` unless
-/// it is null or empty.
+/// texture coordinates, polygons, spheres, surfaces; materials go to a companion .mtl, in the colours of `palette`
+/// unless it is null or empty.
 void writeObj(const Scene& scene, const language::ViewSettings& view, const std::string& materialFile,
               core::ByteSink& object, core::ByteSink& materials, const language::Palette* palette = nullptr);
 

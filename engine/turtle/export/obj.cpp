@@ -34,7 +34,8 @@ void writeComponents(std::string_view keyword, const std::array<double, 3>& comp
 
 class ObjWriter {
  public:
-  ObjWriter(const Scene& scene, const language::ViewSettings& view, const language::Palette* colours, core::ByteSink& sink)
+  ObjWriter(const Scene& scene, const language::ViewSettings& view, const language::Palette* colours,
+            core::ByteSink& sink)
       : scene_(scene), view_(view), palette_(scene, colours), out_(sink) {}
 
   void write(const std::string& materialFile);
@@ -60,9 +61,9 @@ class ObjWriter {
   std::vector<std::int32_t> materials_;  // of each segment
   std::vector<SegmentChain> chains_;
   std::set<std::int32_t> used_;
-  std::int32_t current_ = -1;        // material in use; -1: none
-  std::uint64_t vertexCount_ = 0;    // written so far: positions, normals and texture coordinates run together
-  std::string organs_;               // object that is written once its first mesh is
+  std::int32_t current_ = -1;      // material in use; -1: none
+  std::uint64_t vertexCount_ = 0;  // written so far: positions, normals and texture coordinates run together
+  std::string organs_;             // object that is written once its first mesh is
   int sides_ = 8;
 };
 
@@ -180,8 +181,8 @@ void ObjWriter::writePolygons(std::uint32_t plant) {
     for (std::size_t i = 0; i < polygon.vertices.size(); ++i) {
       mesh_.positions.push_back(polygon.vertices[i]);
       mesh_.normals.push_back(normal);
-      mesh_.coordinates.push_back({0.5 + 0.5 * std::cos(turn * static_cast<double>(i)),
-                                   0.5 + 0.5 * std::sin(turn * static_cast<double>(i))});
+      mesh_.coordinates.push_back(
+          {0.5 + 0.5 * std::cos(turn * static_cast<double>(i)), 0.5 + 0.5 * std::sin(turn * static_cast<double>(i))});
     }
     // a fan from the first vertex
     for (std::uint32_t i = 1; i + 1 < polygon.vertices.size(); ++i) {

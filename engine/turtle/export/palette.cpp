@@ -18,17 +18,21 @@ struct Anchor {
 
 // from bark over leaf to flower
 constexpr std::array kRamp = {
-    Anchor{0, {58, 42, 30}},     Anchor{48, {108, 78, 52}},   Anchor{96, {128, 116, 62}},  Anchor{128, {84, 132, 62}},
-    Anchor{168, {140, 178, 84}}, Anchor{200, {226, 190, 84}}, Anchor{228, {204, 88, 96}},  Anchor{255, {246, 232, 226}},
+    Anchor{0, {58, 42, 30}},     Anchor{48, {108, 78, 52}},   Anchor{96, {128, 116, 62}}, Anchor{128, {84, 132, 62}},
+    Anchor{168, {140, 178, 84}}, Anchor{200, {226, 190, 84}}, Anchor{228, {204, 88, 96}}, Anchor{255, {246, 232, 226}},
 };
 
 constexpr Colour kBackground{250, 248, 242};
 constexpr Colour kTrunk{104, 76, 54};
 constexpr Colour kTwig{106, 148, 74};
 
-unsigned char channel(double value) { return static_cast<unsigned char>(std::lround(std::clamp(value, 0.0, 255.0))); }
+unsigned char channel(double value) {
+  return static_cast<unsigned char>(std::lround(std::clamp(value, 0.0, 255.0)));
+}
 
-int indexOf(std::int32_t index) { return ((index % 256) + 256) % 256; }
+int indexOf(std::int32_t index) {
+  return ((index % 256) + 256) % 256;
+}
 
 }  // namespace
 
@@ -51,15 +55,16 @@ Colour defaultColour(std::int32_t index) {
 Palette::Palette(const Scene& scene, const language::Palette* colours)
     : colours_(colours != nullptr && !colours->empty() ? colours : nullptr) {
   isPlain_ = colours_ == nullptr && std::all_of(scene.segments.begin(), scene.segments.end(),
-                                                 [](const Segment& segment) { return segment.colour == kDefaultIndex; });
+                                                [](const Segment& segment) { return segment.colour == kDefaultIndex; });
   for (const Segment& segment : scene.segments) {
     maximumOrder_ = std::max(maximumOrder_, segment.branchOrder);
   }
 }
 
 std::int32_t Palette::materialOf(const Segment& segment) const {
-  return isPlain_ ? kFirstOrderMaterial + static_cast<std::int32_t>(std::min<std::uint32_t>(segment.branchOrder, 100'000))
-                  : indexOf(segment.colour);
+  return isPlain_
+             ? kFirstOrderMaterial + static_cast<std::int32_t>(std::min<std::uint32_t>(segment.branchOrder, 100'000))
+             : indexOf(segment.colour);
 }
 
 Colour Palette::ofMaterial(std::int32_t material) const {
@@ -100,6 +105,8 @@ std::optional<language::Material> Palette::folderMaterial(std::int32_t index) co
   return colours_->material(indexOf(index));
 }
 
-Colour Palette::ofSegment(const Segment& segment) const { return ofMaterial(materialOf(segment)); }
+Colour Palette::ofSegment(const Segment& segment) const {
+  return ofMaterial(materialOf(segment));
+}
 
 }  // namespace espalier::turtle

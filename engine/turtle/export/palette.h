@@ -9,8 +9,9 @@
 
 namespace espalier::turtle {
 
-/// The colours of one picture: those of a model folder's maps or materials, else Espalier's own. There a scene whose lines all have the turtle's default colour 128 says nothing about colour: its
-/// branches then go from brown to green with their order, its surfaces and polygons are leaf green.
+/// The colours of one picture: those of a model folder's maps or materials, else Espalier's own. There a scene whose
+/// lines all have the turtle's default colour 128 says nothing about colour: its branches then go from brown to green
+/// with their order, its surfaces and polygons are leaf green.
 class Palette {
  public:
   /// `colours` is a model folder's and must outlive the object; null or empty: there is none.

@@ -17,9 +17,9 @@ using core::Vec3;
 
 namespace {
 
-constexpr double kThinnestLine = 0.5;      // pixels
-constexpr double kHighlightFrom = 3.0;     // line width in pixels from which a branch gets a highlight
-constexpr double kDepthCue = 0.28;         // share of the background in the farthest colours
+constexpr double kThinnestLine = 0.5;   // pixels
+constexpr double kHighlightFrom = 3.0;  // line width in pixels from which a branch gets a highlight
+constexpr double kDepthCue = 0.28;      // share of the background in the farthest colours
 constexpr int kDiscSides = 24;
 
 /// Something to paint, in picture units until the page is fitted.
@@ -29,7 +29,8 @@ struct Item {
   double depth = 0.0;
   std::uint32_t firstPoint = 0;  // into Picture::points
   std::uint32_t pointCount = 0;
-  double startWidth = 0.0;  // lines: picture units, or pixels when the line style is pixel; spheres and circles: diameter
+  double startWidth =
+      0.0;  // lines: picture units, or pixels when the line style is pixel; spheres and circles: diameter
   double endWidth = 0.0;
   Colour colour;
   double opacity = 1.0;
@@ -207,7 +208,8 @@ class Picture {
   }
 
   [[nodiscard]] static Colour lit(const Colour& colour, double factor) {
-    return factor <= 1.0 ? mixed(Colour{22, 26, 30}, colour, factor) : mixed(colour, Colour{255, 255, 250}, factor - 1.0);
+    return factor <= 1.0 ? mixed(Colour{22, 26, 30}, colour, factor)
+                         : mixed(colour, Colour{255, 255, 250}, factor - 1.0);
   }
   [[nodiscard]] Colour withDepth(const Item& item) const {
     const double range = farthest_ - nearest_;
@@ -393,7 +395,8 @@ void Picture::writeGradients(TextOutput& out) {
     if (item.kind != Item::Kind::Sphere || !written.insert(gradientName(item.colour)).second) {
       continue;
     }
-    out << "<radialGradient id=\"" << gradientName(item.colour) << "\" cx=\"0.38\" cy=\"0.32\" r=\"0.75\"><stop offset=\"0\" "
+    out << "<radialGradient id=\"" << gradientName(item.colour)
+        << "\" cx=\"0.38\" cy=\"0.32\" r=\"0.75\"><stop offset=\"0\" "
         << "stop-color=\"";
     writeHex(mixed(item.colour, {255, 252, 240}, 0.45), out);
     out << "\"/><stop offset=\"0.55\" stop-color=\"";
@@ -417,7 +420,8 @@ void Picture::write(const SvgOptions& options, TextOutput& out) {
     offsetX_ = options.widthPixels / 2.0 - scale_ * (bounds_.left + bounds_.right) / 2.0;
     offsetY_ = options.heightPixels / 2.0 + scale_ * (bounds_.bottom + bounds_.top) / 2.0;
   }
-  out << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" version=\"1.1\" width=\"";
+  out << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" version=\"1.1\" "
+         "width=\"";
   out.number(options.widthPixels, 2) << "\" height=\"";
   out.number(options.heightPixels, 2) << "\" viewBox=\"0 0 ";
   out.number(options.widthPixels, 2) << ' ';
