@@ -1,6 +1,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
+#include <optional>
 
 #include "clients/espalier/commands.h"
 #include "clients/espalier/environment_loading.h"
@@ -20,9 +21,15 @@ int check(ModelOptions& options) {
   }
   // an environment in another process is for runs: a check connects to nothing
   const bool isRemote = options.environment.rfind("tcp://", 0) == 0 || options.environment.rfind("stdio:", 0) == 0;
-  if (!options.environment.empty() && !isRemote &&
-      !loadEnvironment(options.environment, options.mode(), options.isQuiet, files)) {
-    return kFailure;
+  if (!isRemote) {
+    std::optional<LoadedEnvironment> environment;
+    if (!options.environment.empty()) {
+      environment = loadEnvironment(options.environment, options.mode(), options.isQuiet, files);
+      if (!environment) {
+        return kFailure;
+      }
+    }
+    warnAboutUnansweredQueries(*program, environment ? &*environment : nullptr, options.isQuiet);
   }
   std::printf("%s: no errors\n", program->modelFile.c_str());
   return kSuccess;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "clients/espalier/messages.h"
+#include "engine/language/model_queries.h"
 #include "environment/environment_entries.h"
 #include "environment/environment_set.h"
 #include "environment/registry.h"
@@ -82,7 +83,7 @@ Process makeEntry(const environment::EnvironmentEntry& entry, const std::string&
 }
 
 // one process as it is, several as a set whose members are addressed by their names
-Process loadConfiguration(const std::string& file, core::FileProvider& files) {
+Process loadConfiguration(const std::string& file, core::FileProvider& files, std::vector<std::string>& names) {
   const std::optional<std::string> json = files.read(file);
   if (!json) {
     printError("there is no environment file '" + file + "': check the name and the working folder");
@@ -103,6 +104,9 @@ Process loadConfiguration(const std::string& file, core::FileProvider& files) {
     if (!process) {
       return nullptr;
     }
+    if (entries.size() > 1) {
+      names.push_back(entry.name);
+    }
     // a single environment takes all queries, whatever they are called
     processes.emplace_back(entries.size() == 1 ? std::string{} : entry.name, std::move(process));
   }
@@ -122,13 +126,13 @@ Process loadFieldFile(const std::string& file, core::Compatibility compatibility
 }
 
 Process makeEnvironment(const std::string& name, core::Compatibility compatibility, bool isQuiet,
-                        core::FileProvider& files) {
+                        core::FileProvider& files, std::vector<std::string>& names) {
   if (startsWith(name, "tcp://") || startsWith(name, "stdio:")) {
     return connectRemote(name, "");
   }
   const std::string suffix = std::filesystem::path(name).extension().string();
   if (suffix == ".json") {
-    return loadConfiguration(name, files);
+    return loadConfiguration(name, files, names);
   }
   if (suffix == ".e") {
     return loadFieldFile(name, compatibility, isQuiet, files);
@@ -146,12 +150,19 @@ std::optional<LoadedEnvironment> loadEnvironment(const std::string& name, core::
                                                  bool isQuiet, core::FileProvider& files) {
   RecordingFileProvider recorder(files);
   LoadedEnvironment loaded;
-  loaded.process = makeEnvironment(name, compatibility, isQuiet, recorder);
+  loaded.process = makeEnvironment(name, compatibility, isQuiet, recorder, loaded.processNames);
   if (!loaded.process) {
     return std::nullopt;
   }
   loaded.origin = {name, recorder.take()};
   return loaded;
+}
+
+void warnAboutUnansweredQueries(const language::Program& program, const LoadedEnvironment* environment, bool isQuiet) {
+  if (environment == nullptr || !environment->processNames.empty()) {
+    printDiagnostics(language::unansweredQueries(program, environment == nullptr ? std::vector<std::string>{} : environment->processNames),
+                     isQuiet);
+  }
 }
 
 }  // namespace espalier::command

@@ -3,9 +3,11 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "engine/core/identifiers.h"
 #include "engine/core/streams.h"
+#include "engine/language/program.h"
 #include "engine/simulation/simulation.h"
 #include "engine/turtle/environment_process.h"
 
@@ -14,6 +16,7 @@ namespace espalier::command {
 struct LoadedEnvironment {
   std::unique_ptr<turtle::EnvironmentProcess> process;
   simulation::EnvironmentOrigin origin;  // its name and the files it was read from, to make it again from a snapshot
+  std::vector<std::string> processNames;        // of several processes in one; empty: one that answers every query
 };
 
 /// Makes the environment that a command line names: `tcp://HOST:PORT` and `stdio:COMMAND` are other processes, `*.json` is
@@ -21,5 +24,9 @@ struct LoadedEnvironment {
 /// defaults. Writes what is wrong, and warnings unless `isQuiet`, to standard error; nothing on an error.
 [[nodiscard]] std::optional<LoadedEnvironment> loadEnvironment(const std::string& name, core::Compatibility compatibility,
                                                                bool isQuiet, core::FileProvider& files);
+
+/// Warns on standard error about communication modules of the model that no process of `environment` answers. Null: there is
+/// no environment.
+void warnAboutUnansweredQueries(const language::Program& program, const LoadedEnvironment* environment, bool isQuiet);
 
 }  // namespace espalier::command

@@ -38,8 +38,7 @@ core::Compatibility ModelOptions::mode() const {
 }
 
 void addReadingOptions(CLI::App& command, ModelOptions& options, bool isModelRequired) {
-  CLI::Option* model =
-      command.add_option("model", options.model, "The L-system file (.l), or a model folder");
+  CLI::Option* model = command.add_option("model", options.model, "The L-system file (.l), or a model folder");
   model->type_name("MODEL");
   model->required(isModelRequired);
   command
@@ -77,8 +76,7 @@ void addRunningOptions(CLI::App& command, ModelOptions& options) {
                    "The folder's animation file decides which step is the last, as with its switch -a");
   command.add_option("--seed", options.seed, "Seed of the random numbers; it replaces the model's `seed:`")
       ->type_name("S");
-  command
-      .add_option("--threads", options.threads, "Threads that derive; the result does not depend on them")
+  command.add_option("--threads", options.threads, "Threads that derive; the result does not depend on them")
       ->type_name("N")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
@@ -176,6 +174,7 @@ std::optional<LoadedModel> loadModel(ModelOptions& options, core::FileProvider& 
     }
     loaded.environment = std::move(*environment);
   }
+  warnAboutUnansweredQueries(*loaded.program, options.environment.empty() ? nullptr : &loaded.environment, options.isQuiet);
   loaded.simulationOptions = simulationOptionsFor(options, *loaded.program);
   loaded.simulationOptions.environmentOrigin = loaded.environment.origin;
   return loaded;

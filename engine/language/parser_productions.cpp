@@ -64,7 +64,14 @@ std::string Parser::productionHint(std::uint32_t begin) const {
 bool Parser::skipsNoProduction(std::string_view name) {
   const Token token = lexer_.peekSymbol();
   const std::string_view line = lineAt(token.range.begin);
-  if (line.find('>') != std::string_view::npos) {
+  // the arrow may stand on a line that continues this one
+  std::string_view whole = lexer_.text().substr(token.range.begin);
+  std::size_t lineEnd = whole.find('\n');
+  while (lineEnd + 1 < whole.size() && lineEnd != std::string_view::npos && whole[lineEnd + 1] == '\t') {
+    lineEnd = whole.find('\n', lineEnd + 1);
+  }
+  whole = whole.substr(0, lineEnd);
+  if (whole.find('>') != std::string_view::npos || whole.find('{') != std::string_view::npos) {
     return false;
   }
   if (!lexer_.isFreeSyntax() && lexer_.lineIsIndented(token.range.begin)) {

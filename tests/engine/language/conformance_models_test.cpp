@@ -44,5 +44,40 @@ TEST(ConformanceModels, AllCompileInTheReferencesMode) {
   }
 }
 
+// the suite is full of odd models, yet few of them look like mistakes: warnings must stay rare to be read
+TEST(ConformanceModels, FewGiveWarnings) {
+  FolderFiles files;
+  std::size_t count = 0;
+  std::string all;
+  for (const auto& entry : std::filesystem::directory_iterator(ESPALIER_SOURCE_DIR "/tests/conformance/cases")) {
+    CompileInput input;
+    input.modelFile = (entry.path() / "model.l").string();
+    input.viewFile = std::filesystem::exists(entry.path() / "model.v") ? (entry.path() / "model.v").string() : "";
+    input.compatibility = core::Compatibility::Cpfg;
+    const CompileResult result = compile(input, files);
+    for (const core::Diagnostic& diagnostic : result.diagnostics.entries()) {
+      count += diagnostic.location.file == input.modelFile ? 1U : 0U;
+      all += core::formatDiagnostic(diagnostic) + "\n";
+    }
+  }
+  EXPECT_LE(count, 12U) << all;
+}
+
+// the gallery is what people copy from
+TEST(GalleryModels, GiveNoWarnings) {
+  FolderFiles files;
+  std::size_t count = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(ESPALIER_SOURCE_DIR "/clients/gallery")) {
+    if (entry.path().extension() == ".l") {
+      CompileInput input;
+      input.modelFile = entry.path().string();
+      const CompileResult result = compile(input, files);
+      EXPECT_TRUE(result.diagnostics.entries().empty()) << core::formatDiagnostic(result.diagnostics.entries().front());
+      ++count;
+    }
+  }
+  EXPECT_GT(count, 10U);
+}
+
 }  // namespace
 }  // namespace espalier::language

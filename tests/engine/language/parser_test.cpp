@@ -263,6 +263,10 @@ TEST(Parser, AnOpenBlockEndsAtTheNextKeyword) {
                       "4:9: error: expected an expression while reading the successor of A, found the end of the line"}));
 }
 
+TEST(Parser, AnIndentedProductionMayHaveItsArrowOnTheNextLine) {
+  EXPECT_EQ(messagesOf(model("  A(n) : n < 3\n\t--> A(n + 1)\n  A(n) : {n = 4;\n} n < 3\n\t--> A(n)")), Messages{});
+}
+
 TEST(Parser, MistakesOfLinesWithBlanksForTabs) {
   const std::string hint =
       " | a line that continues the one before must start with a TAB, not with blanks (or write 'Syntax: free' before the first "

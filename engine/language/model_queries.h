@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "engine/core/diagnostic.h"
+#include "engine/language/program.h"
+
+namespace espalier::language {
+
+/// A communication module that a model makes: `E` of ?E(...), or the name of a declared ?Name(...).
+struct ModelQuery {
+  std::string name;
+  core::SourceRange range;  // where an axiom or successor makes it first
+};
+
+/// The communication modules that the axioms and successors of a model make, each name once, in the order of the text.
+[[nodiscard]] std::vector<ModelQuery> queriesOf(const Program& program);
+
+/// A warning for every query of a model that no process answers. `processNames` are the names of the environment's
+/// processes, letter case aside; ?E(...) is answered by any. An empty list: there is no environment.
+[[nodiscard]] std::vector<core::Diagnostic> unansweredQueries(const Program& program,
+                                                              const std::vector<std::string>& processNames);
+
+}  // namespace espalier::language
