@@ -160,8 +160,8 @@ std::optional<LoadedEnvironment> loadEnvironment(const std::string& name, core::
 
 void warnAboutUnansweredQueries(const language::Program& program, const LoadedEnvironment* environment, bool isQuiet) {
   if (environment == nullptr || !environment->processNames.empty()) {
-    printDiagnostics(language::unansweredQueries(program, environment == nullptr ? std::vector<std::string>{} : environment->processNames),
-                     isQuiet);
+    const std::vector<std::string> names = environment == nullptr ? std::vector<std::string>{} : environment->processNames;
+    printDiagnostics(language::unansweredQueries(program, names), isQuiet);
   }
 }
 

@@ -189,7 +189,8 @@ void Parser::parseItems(LSystemSyntax& system) {
       if (!hasComplained) {
         // productions without an axiom: one message, and the productions are read as such
         if (lineAt(token.range.begin).find("-->") != std::string_view::npos) {
-          expected("'Axiom:'", token, "every L-system has an axiom before its productions, the string it starts from: 'Axiom: A(1)'");
+          expected("'Axiom:'", token,
+                   "every L-system has an axiom before its productions, the string it starts from: 'Axiom: A(1)'");
           return;
         }
         static const std::vector<std::string_view> kItems{"derivation length", "seed", "consider", "ignore",  "axiom",

@@ -44,7 +44,8 @@ std::string_view Parser::lineAt(std::uint32_t position) const {
 std::string Parser::adviceFor(const Token& token) const {
   const char before = token.range.begin > 0 ? lexer_.text()[token.range.begin - 1] : '\n';
   if ((token.kind == TokenKind::Arrow || token.kind == TokenKind::Keyword) && !lexer_.isFreeSyntax()) {
-    const std::size_t newline = token.range.begin == 0 ? std::string_view::npos : lexer_.text().rfind('\n', token.range.begin - 1);
+    const std::size_t newline =
+        token.range.begin == 0 ? std::string_view::npos : lexer_.text().rfind('\n', token.range.begin - 1);
     if (newline != std::string_view::npos && lexer_.text()[newline + 1] == '\t') {
       return "this line starts with a TAB and so continues the line before; start it in column 1";
     }

@@ -320,7 +320,8 @@ bool Parser::internModule(core::SymbolId symbol, std::size_t arity, core::Source
     }
     form += declared.parameterNames.empty() ? "" : ")";
     messages_.error(range,
-                    "expected " + std::to_string(declared.parameterNames.size()) + (declared.parameterNames.size() == 1 ? " parameter" : " parameters") + " of the module '" +
+                    "expected " + std::to_string(declared.parameterNames.size()) +
+                        (declared.parameterNames.size() == 1 ? " parameter" : " parameters") + " of the module '" +
                         declared.name + "' while reading " + describeReading() + ", found " + std::to_string(arity),
                     "it is declared as " + form);
   }

@@ -130,7 +130,8 @@ bool Parser::parseSimpleStatement(Statement& statement) {
     }
   }
   const ExpressionNode& node = model_.expressions[statement.value];
-  const bool isTypeName = node.kind == ExpressionKind::Name && (node.text == "int" || node.text == "float" || node.text == "double");
+  const bool isTypeName =
+      node.kind == ExpressionKind::Name && (node.text == "int" || node.text == "float" || node.text == "double");
   if (isTypeName && lexer_.peekExpression().kind == TokenKind::Identifier) {
     return expected("';'", lexer_.peekExpression(), "variables have no types: write " + lexer_.peekExpression().text + " = 0;");
   }
