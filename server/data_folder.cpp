@@ -1,7 +1,13 @@
 #include "server/data_folder.h"
 
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
 #include <filesystem>
+#include <system_error>
 
 #include "protocol/codec.h"
 #include "server/disk_files.h"
@@ -65,7 +71,7 @@ std::string DataFolder::fileOf(const std::string& id, std::string_view suffix) c
   return (fs::path(folder_) / "simulations" / (id + std::string(suffix))).string();
 }
 
-std::optional<std::string> DataFolder::prepare() const {
+std::optional<std::string> DataFolder::prepare() {
   if (!isKept()) {
     return std::nullopt;
   }
@@ -75,6 +81,20 @@ std::optional<std::string> DataFolder::prepare() const {
     return "cannot use the data folder '" + folder_ + "': " + error.message() +
            ". Give --data a folder that can be written.";
   }
+  const std::string lockName = (fs::path(folder_) / "lock").string();
+  const int descriptor = open(lockName.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  if (descriptor < 0) {
+    return "cannot use the data folder '" + folder_ + "': " + std::generic_category().message(errno) +
+           ". Give --data a folder that can be written.";
+  }
+  if (flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
+    close(descriptor);
+    return "the data folder '" + folder_ + "' is used by another server. Stop it, or give --data another folder.";
+  }
+  lock_ = std::shared_ptr<const int>(new int(descriptor), [](const int* held) {
+    close(*held);
+    delete held;
+  });
   return std::nullopt;
 }
 

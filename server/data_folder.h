@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -25,8 +26,9 @@ class DataFolder {
   explicit DataFolder(std::string folder) : folder_(std::move(folder)) {}
 
   [[nodiscard]] bool isKept() const { return !folder_.empty(); }
-  /// Makes the folder. An error sentence, or nothing.
-  [[nodiscard]] std::optional<std::string> prepare() const;
+  /// Makes the folder and takes its lock, which is held as long as a copy of this object lives: two servers on one folder
+  /// would overwrite each other's simulations. An error sentence, or nothing.
+  [[nodiscard]] std::optional<std::string> prepare();
   [[nodiscard]] std::optional<std::string> saveRecord(const SimulationRecord& record) const;
   [[nodiscard]] std::optional<std::string> saveSnapshot(const std::string& id, std::string_view snapshot) const;
   void remove(const std::string& id) const;
@@ -42,6 +44,7 @@ class DataFolder {
   [[nodiscard]] std::string fileOf(const std::string& id, std::string_view suffix) const;
 
   std::string folder_;
+  std::shared_ptr<const int> lock_;  // descriptor of `folder_`/lock, locked; closed with the last copy
 };
 
 }  // namespace espalier::server

@@ -70,8 +70,9 @@ asio::awaitable<void> acceptConnections(tcp::acceptor& acceptor, const ProcessFa
 
 }  // namespace
 
-std::optional<std::string> hostEnvironment(const std::string& host, std::uint16_t port, const ProcessFactory& factory,
+std::optional<std::string> hostEnvironment(const HostAddress& address, const ProcessFactory& factory,
                                            const std::function<void(std::uint16_t)>& onListening) {
+  const auto& [host, port, isInsecureAllowed] = address;
   const unsigned threadCount = std::max(2U, std::thread::hardware_concurrency());
   asio::io_context context(static_cast<int>(threadCount));
   tcp::acceptor acceptor(context);
@@ -82,6 +83,11 @@ std::optional<std::string> hostEnvironment(const std::string& host, std::uint16_
     return "the address '" + host + "' is unknown; use 127.0.0.1 or an address of this machine.";
   }
   const tcp::endpoint endpoint = found.begin()->endpoint();
+  if (!endpoint.address().is_loopback() && !isInsecureAllowed) {
+    return "'" + host +
+           "' can be reached from other machines, and an environment asks nobody who it is: add --insecure if that is "
+           "acceptable, or listen on 127.0.0.1.";
+  }
   acceptor.open(endpoint.protocol(), error);
   if (!error) {
     acceptor.set_option(tcp::acceptor::reuse_address(true), error);

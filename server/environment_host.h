@@ -13,10 +13,16 @@ namespace espalier::server {
 /// Makes a fresh process for each simulation that opens one.
 using ProcessFactory = std::function<std::unique_ptr<turtle::EnvironmentProcess>()>;
 
+/// Where an environment is served.
+struct HostAddress {
+  std::string host = "127.0.0.1";
+  std::uint16_t port = 0;          // 0: a free one
+  bool isInsecureAllowed = false;  // an address that other machines reach: nothing is encrypted, nobody is asked who it is
+};
+
 /// Serves a process over the protocol on a TCP address until SIGINT or SIGTERM. Calls `onListening` with the port when
-/// ready. Returns an error sentence (port in use, address unknown), or nothing after a clean stop.
-[[nodiscard]] std::optional<std::string> hostEnvironment(const std::string& host, std::uint16_t port,
-                                                         const ProcessFactory& factory,
+/// ready. Returns an error sentence (port in use, address unknown or not loopback), or nothing after a clean stop.
+[[nodiscard]] std::optional<std::string> hostEnvironment(const HostAddress& address, const ProcessFactory& factory,
                                                          const std::function<void(std::uint16_t)>& onListening);
 
 /// The same on standard input and output, until the input ends.

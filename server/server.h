@@ -19,7 +19,8 @@ struct ServerLimits {
   std::uint32_t requestsPerSession = 1'000;      // in progress at a time
   std::uint32_t handshakeMilliseconds = 10'000;
   std::uint32_t environmentStepMilliseconds = 60'000;
-  core::Limits simulation;
+  /// Of each simulation. A server has many of them: one string may take 4 GB, where a program of its own may take 16.
+  core::Limits simulation{.maximumModules = 200'000'000, .maximumStringBytes = 4'000'000'000};
 };
 
 struct ServerOptions {

@@ -19,6 +19,7 @@ struct EnvironmentOptions {
   std::string address;
   std::string configurationFile;
   bool isOnStdio = false;
+  bool isInsecureAllowed = false;
   bool describes = false;
   bool printsSchema = false;
   bool lists = false;
@@ -34,15 +35,14 @@ int listProcesses() {
   return kSuccess;
 }
 
-int serveOn(const std::string& address, const server::ProcessFactory& factory) {
-  std::string host;
-  std::uint16_t port = 0;
-  if (!server::splitAddress(address, host, port)) {
+int serveOn(const std::string& address, bool isInsecureAllowed, const server::ProcessFactory& factory) {
+  server::HostAddress where{.isInsecureAllowed = isInsecureAllowed};
+  if (!server::splitAddress(address, where.host, where.port)) {
     printError("'" + address + "' is not an address: write HOST:PORT, for example 127.0.0.1:4000");
     return kUsage;
   }
   const std::string shownHost = address.substr(0, address.rfind(':'));
-  const auto problem = server::hostEnvironment(host, port, factory, [&](std::uint16_t boundPort) {
+  const auto problem = server::hostEnvironment(where, factory, [&](std::uint16_t boundPort) {
     std::printf("listening on %s:%u\n", shownHost.c_str(), static_cast<unsigned>(boundPort));
     std::fflush(stdout);
   });
@@ -100,7 +100,7 @@ int runEnvironment(const EnvironmentOptions& options) {
     }
     return kSuccess;
   }
-  return serveOn(options.address, factory);
+  return serveOn(options.address, options.isInsecureAllowed, factory);
 }
 
 }  // namespace
@@ -117,6 +117,8 @@ void addEnvironment(CLI::App& program, int& status) {
       "With --listen it prints `listening on HOST:PORT` when ready and serves until SIGINT or SIGTERM.");
   command->add_option("NAME", options->name, "A built-in environment; --list names them");
   command->add_option("--listen", options->address, "Serve on HOST:PORT; port 0 takes a free one");
+  command->add_flag("--insecure", options->isInsecureAllowed,
+                    "Serve on an address that other machines reach, without encryption and without asking who it is");
   command->add_flag("--stdio", options->isOnStdio, "Serve on standard input and output until the input ends");
   command->add_option("--configuration", options->configurationFile, "JSON file with its configuration; see --schema");
   command->add_flag("--describe", options->describes, "Print what it needs, its inputs and outputs with units, as JSON");

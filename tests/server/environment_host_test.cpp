@@ -65,7 +65,7 @@ class Hosted {
     auto port = listening.get_future();
     thread_ = std::thread([name = std::move(name), &listening] {
       const auto problem = hostEnvironment(
-          "127.0.0.1", 0, [&name] { return builtIn(name); }, [&listening](std::uint16_t p) { listening.set_value(p); });
+          {}, [&name] { return builtIn(name); }, [&listening](std::uint16_t p) { listening.set_value(p); });
       EXPECT_EQ(problem, std::nullopt);
     });
     address_ = "tcp://127.0.0.1:" + std::to_string(port.get());
@@ -92,11 +92,19 @@ TEST(EnvironmentHost, TcpAndStdioGiveBitwiseTheSameStringsAsInProcess) {
   }
 }
 
+TEST(EnvironmentHost, AnAddressThatOtherMachinesReachIsRefusedUnlessAllowed) {
+  const auto problem = hostEnvironment({.host = "0.0.0.0"}, [] { return builtIn("height"); },
+                                       [](std::uint16_t) { ADD_FAILURE() << "listens"; });
+  EXPECT_EQ(problem.value_or(""),
+            "'0.0.0.0' can be reached from other machines, and an environment asks nobody who it is: add --insecure if that "
+            "is acceptable, or listen on 127.0.0.1.");
+}
+
 TEST(EnvironmentHost, APortInUseIsAnErrorThatSaysWhatToDo) {
   const RunningServer server;
   const std::string address = server.address();
   const auto port = static_cast<std::uint16_t>(std::stoi(address.substr(address.find(':') + 1)));
-  const auto problem = hostEnvironment("127.0.0.1", port, [] { return builtIn("height"); }, [](std::uint16_t) {});
+  const auto problem = hostEnvironment({.port = port}, [] { return builtIn("height"); }, [](std::uint16_t) {});
   ASSERT_TRUE(problem.has_value());
   EXPECT_NE(problem->find("Choose another port, or 0 for a free one."), std::string::npos) << *problem;
 }
