@@ -15,8 +15,8 @@ namespace espalier::protocol {
 template <typename T>
 using Decoded = std::variant<T, Error>;
 
-// Reading params. Unknown fields are ignored; a wrong type, a missing field or a number out of range is an error with the
-// field's path.
+// Reading params. Unknown fields are ignored; a wrong type, a missing field or a number out of range is an error with
+// the field's path.
 [[nodiscard]] Decoded<HelloParams> decodeHelloParams(const Payload& payload);
 [[nodiscard]] Decoded<ModelParams> decodeModelParams(const Payload& payload);
 [[nodiscard]] Decoded<CreateParams> decodeCreateParams(const Payload& payload);

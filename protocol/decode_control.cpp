@@ -88,7 +88,8 @@ void readModelReference(const Field& field, ModelReference& model) {
 void readModelParams(const Field& params, ModelParams& model) {
   // model.check {source} is short for model.check {model:{source}}
   const Field reference = params["model"];
-  if (reference.isAbsent() && (!params["source"].isAbsent() || !params["gallery"].isAbsent() || !params["files"].isAbsent())) {
+  if (reference.isAbsent() &&
+      (!params["source"].isAbsent() || !params["gallery"].isAbsent() || !params["files"].isAbsent())) {
     readModelReference(params, model.model);
   } else {
     readModelReference(reference, model.model);
@@ -208,7 +209,8 @@ Decoded<GetParams> decodeGetParams(const Payload& payload) {
     get.simulation = readName(params["simulation"]);
     const Field what = params["what"];
     get.what = what.text();
-    constexpr std::array<std::string_view, 6> kKinds{"string", "statistics", "state-hash", "turtle", "model", "information"};
+    constexpr std::array<std::string_view, 6> kKinds{"string", "statistics", "state-hash",
+                                                     "turtle", "model",      "information"};
     if (std::find(kKinds.begin(), kKinds.end(), get.what) == kKinds.end()) {
       what.failExpected("one of string, statistics, state-hash, turtle, model, information");
     }

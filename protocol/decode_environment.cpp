@@ -243,19 +243,19 @@ Decoded<DescribeResult> decodeDescribeResult(const Payload& payload) {
 }
 
 Decoded<std::vector<ReplyRecord>> decodeReplies(const Payload& payload, std::size_t queryCount) {
-  return decodePayload<std::vector<ReplyRecord>>(
-      payload, [queryCount](const Field& result, std::vector<ReplyRecord>& replies) {
-        result.requireObject();
-        const Field list = result["replies"];
-        const std::size_t count = list.arraySize();
-        std::vector<bool> isAnswered(queryCount, false);
-        replies.reserve(std::min(count, queryCount));
-        for (std::size_t i = 0; i < count; ++i) {
-          ReplyRecord reply;
-          readReply(list.element(i), reply, queryCount, isAnswered);
-          replies.push_back(std::move(reply));
-        }
-      });
+  return decodePayload<std::vector<ReplyRecord>>(payload,
+                                                 [queryCount](const Field& result, std::vector<ReplyRecord>& replies) {
+                                                   result.requireObject();
+                                                   const Field list = result["replies"];
+                                                   const std::size_t count = list.arraySize();
+                                                   std::vector<bool> isAnswered(queryCount, false);
+                                                   replies.reserve(std::min(count, queryCount));
+                                                   for (std::size_t i = 0; i < count; ++i) {
+                                                     ReplyRecord reply;
+                                                     readReply(list.element(i), reply, queryCount, isAnswered);
+                                                     replies.push_back(std::move(reply));
+                                                   }
+                                                 });
 }
 
 Decoded<std::string> decodeSaveResult(const Payload& payload) {

@@ -43,7 +43,8 @@ std::string parserMessage(const nlohmann::json::exception& exception) {
 std::variant<nlohmann::json, Error> parse(std::string_view text) {
   if (nestingOf(text) > kDeepestNesting) {
     return Error{ErrorCode::Parse,
-                 "The message nests brackets deeper than " + std::to_string(kDeepestNesting) + ". Send flatter JSON.", {}};
+                 "The message nests brackets deeper than " + std::to_string(kDeepestNesting) + ". Send flatter JSON.",
+                 {}};
   }
   try {
     return nlohmann::json::parse(text);
@@ -76,8 +77,8 @@ std::optional<std::string> readId(const nlohmann::json& value, MessageId& id) {
     return std::nullopt;
   }
   if (value.is_number_integer()) {
-    const bool isHuge = value.is_number_unsigned() &&
-                        value.get<std::uint64_t>() > static_cast<std::uint64_t>(kMaximumExactInteger);
+    const bool isHuge =
+        value.is_number_unsigned() && value.get<std::uint64_t>() > static_cast<std::uint64_t>(kMaximumExactInteger);
     const std::int64_t number = isHuge ? 0 : value.get<std::int64_t>();
     if (isHuge || number < -kMaximumExactInteger) {
       return "an id beyond 2^53 is not exact in every language; use a smaller number or a text";
@@ -117,9 +118,15 @@ std::string begin(const MessageId* id) {
 std::string toText(const MessageId& id) {
   JsonWriter writer;
   switch (id.kind) {
-    case MessageId::Kind::Null: writer.null(); break;
-    case MessageId::Kind::Number: writer.integer(id.number); break;
-    case MessageId::Kind::Text: writer.text(id.text); break;
+    case MessageId::Kind::Null:
+      writer.null();
+      break;
+    case MessageId::Kind::Number:
+      writer.integer(id.number);
+      break;
+    case MessageId::Kind::Text:
+      writer.text(id.text);
+      break;
   }
   return writer.take();
 }
@@ -136,11 +143,12 @@ std::variant<Message, BadMessage> decodeMessage(std::string_view line) {
   auto tree = std::make_shared<JsonTree>(JsonTree{std::move(std::get<nlohmann::json>(parsed))});
   const nlohmann::json& root = tree->value;
   if (root.is_array()) {
-    return BadMessage{{}, {ErrorCode::InvalidRequest, "Batch arrays are not part of espalier/1. Send one object per line.",
-                           {}}};
+    return BadMessage{
+        {}, {ErrorCode::InvalidRequest, "Batch arrays are not part of espalier/1. Send one object per line.", {}}};
   }
   if (!root.is_object()) {
-    return BadMessage{{}, {ErrorCode::InvalidRequest, "A message is a JSON object; this line is another JSON value.", {}}};
+    return BadMessage{{},
+                      {ErrorCode::InvalidRequest, "A message is a JSON object; this line is another JSON value.", {}}};
   }
 
   // the id first, so that everything wrong after it can be answered
@@ -177,7 +185,8 @@ std::variant<Message, BadMessage> decodeMessage(std::string_view line) {
   const auto result = root.find("result");
   const auto error = root.find("error");
   if ((result == root.end()) == (error == root.end())) {
-    return invalid(message.id, "method", "a message needs a method, a result or an error, and a response only one of the two");
+    return invalid(message.id, "method",
+                   "a message needs a method, a result or an error, and a response only one of the two");
   }
   if (result != root.end()) {
     message.kind = Message::Kind::Result;

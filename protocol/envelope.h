@@ -65,8 +65,8 @@ struct BadMessage {
   Error error;
 };
 
-/// Reads one line. Strict: an object, JSON-RPC "2.0", an id that is a whole number within ±2^53 or a text of at most 200
-/// bytes, params an object, nesting at most 64. Unknown fields are ignored.
+/// Reads one line. Strict: an object, JSON-RPC "2.0", an id that is a whole number within ±2^53 or a text of at most
+/// 200 bytes, params an object, nesting at most 64. Unknown fields are ignored.
 [[nodiscard]] std::variant<Message, BadMessage> decodeMessage(std::string_view line);
 
 /// Each returns one line with its `\n`. The json arguments are compact JSON texts.

@@ -6,26 +6,46 @@ namespace espalier::protocol {
 
 std::string_view nameOf(ErrorCode code) {
   switch (code) {
-    case ErrorCode::Parse: return "parse";
-    case ErrorCode::InvalidRequest: return "invalid request";
-    case ErrorCode::UnknownMethod: return "unknown method";
-    case ErrorCode::InvalidParams: return "invalid params";
-    case ErrorCode::Internal: return "internal";
-    case ErrorCode::Version: return "version";
-    case ErrorCode::Capability: return "capability";
-    case ErrorCode::Unauthorised: return "unauthorised";
-    case ErrorCode::Limit: return "limit";
-    case ErrorCode::Timeout: return "timeout";
-    case ErrorCode::EnvironmentFailed: return "environment failed";
-    case ErrorCode::StaleStep: return "stale step";
-    case ErrorCode::NonFinite: return "non-finite";
-    case ErrorCode::Model: return "model";
-    case ErrorCode::Cancelled: return "cancelled";
-    case ErrorCode::NotFound: return "not found";
-    case ErrorCode::HelloMissing: return "hello missing";
-    case ErrorCode::Snapshot: return "snapshot";
-    case ErrorCode::Storage: return "storage";
-    case ErrorCode::ShuttingDown: return "shutting down";
+    case ErrorCode::Parse:
+      return "parse";
+    case ErrorCode::InvalidRequest:
+      return "invalid request";
+    case ErrorCode::UnknownMethod:
+      return "unknown method";
+    case ErrorCode::InvalidParams:
+      return "invalid params";
+    case ErrorCode::Internal:
+      return "internal";
+    case ErrorCode::Version:
+      return "version";
+    case ErrorCode::Capability:
+      return "capability";
+    case ErrorCode::Unauthorised:
+      return "unauthorised";
+    case ErrorCode::Limit:
+      return "limit";
+    case ErrorCode::Timeout:
+      return "timeout";
+    case ErrorCode::EnvironmentFailed:
+      return "environment failed";
+    case ErrorCode::StaleStep:
+      return "stale step";
+    case ErrorCode::NonFinite:
+      return "non-finite";
+    case ErrorCode::Model:
+      return "model";
+    case ErrorCode::Cancelled:
+      return "cancelled";
+    case ErrorCode::NotFound:
+      return "not found";
+    case ErrorCode::HelloMissing:
+      return "hello missing";
+    case ErrorCode::Snapshot:
+      return "snapshot";
+    case ErrorCode::Storage:
+      return "storage";
+    case ErrorCode::ShuttingDown:
+      return "shutting down";
   }
   return "unknown";
 }

@@ -12,8 +12,8 @@ enum class ErrorCode : std::int32_t {
   Parse = -32700,           // not JSON; the id of the answer is null
   InvalidRequest = -32600,  // JSON, but not a message of the protocol
   UnknownMethod = -32601,
-  InvalidParams = -32602,   // a wrong type, a missing or unacceptable value: `data.path` names the field
-  Internal = -32603,        // a bug of the answering program
+  InvalidParams = -32602,  // a wrong type, a missing or unacceptable value: `data.path` names the field
+  Internal = -32603,       // a bug of the answering program
 
   // Espalier
   Version = 1001,            // no common protocol version; the connection is closed
@@ -26,11 +26,11 @@ enum class ErrorCode : std::int32_t {
   NonFinite = 1008,          // NaN or infinity in a model or a reply
   Model = 1009,              // a model does not compile or failed while running; `data`: diagnostics
   Cancelled = 1010,
-  NotFound = 1011,           // no such simulation, stream, model, gallery entry or environment
-  HelloMissing = 1012,       // anything before a successful hello
-  Snapshot = 1013,           // bytes that are not a snapshot of this model
-  Storage = 1014,            // the data folder could not be read or written
-  ShuttingDown = 1015,       // the server stops; ask again after it is back
+  NotFound = 1011,      // no such simulation, stream, model, gallery entry or environment
+  HelloMissing = 1012,  // anything before a successful hello
+  Snapshot = 1013,      // bytes that are not a snapshot of this model
+  Storage = 1014,       // the data folder could not be read or written
+  ShuttingDown = 1015,  // the server stops; ask again after it is back
 };
 
 /// The name of a code as in the table of protocol/README.md; "unknown" for other numbers.
@@ -47,6 +47,7 @@ struct Error {
 [[nodiscard]] Error fieldError(const std::string& path, const std::string& what);
 
 /// Error with `data` = {"limit", "value", "bound"}. The message names all three and ends in `remedy`.
-[[nodiscard]] Error limitError(std::string_view limit, std::uint64_t value, std::uint64_t bound, std::string_view remedy);
+[[nodiscard]] Error limitError(std::string_view limit, std::uint64_t value, std::uint64_t bound,
+                               std::string_view remedy);
 
 }  // namespace espalier::protocol

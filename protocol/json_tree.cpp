@@ -87,8 +87,7 @@ bool Field::boolean() const {
 }
 
 std::int64_t Field::integer(std::int64_t least, std::int64_t most) const {
-  const std::string expected =
-      "a whole number from " + std::to_string(least) + " to " + std::to_string(most);
+  const std::string expected = "a whole number from " + std::to_string(least) + " to " + std::to_string(most);
   if (value_ == nullptr || !value_->is_number()) {
     failExpected(expected);
   }

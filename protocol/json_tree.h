@@ -21,8 +21,8 @@ struct FieldFailure {
   Error error;
 };
 
-/// A value being decoded together with its place in the message. Lives on the decoder's stack: a child refers to its parent,
-/// and the path is only spelled out when something is wrong, because bulk messages have millions of fields.
+/// A value being decoded together with its place in the message. Lives on the decoder's stack: a child refers to its
+/// parent, and the path is only spelled out when something is wrong, because bulk messages have millions of fields.
 class Field {
  public:
   Field(const nlohmann::json* value, std::string_view name) : value_(value), name_(name) {}

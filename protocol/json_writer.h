@@ -8,9 +8,9 @@
 
 namespace espalier::protocol {
 
-/// Appends one JSON value to a string, without a tree in between: bulk messages (100,000 queries) are written in one pass.
-/// Numbers are the shortest decimal that reads back as the same double; -0 is written -0.0, because readers take -0 for the
-/// integer 0. Text that is not UTF-8 gets U+FFFD for each bad byte. Commas are placed by the writer.
+/// Appends one JSON value to a string, without a tree in between: bulk messages (100,000 queries) are written in one
+/// pass. Numbers are the shortest decimal that reads back as the same double; -0 is written -0.0, because readers take
+/// -0 for the integer 0. Text that is not UTF-8 gets U+FFFD for each bad byte. Commas are placed by the writer.
 ///
 ///     JsonWriter w;
 ///     w.beginObject().key("step").integer(3).key("radius").number(0.5).endObject();

@@ -16,37 +16,37 @@ namespace espalier::protocol {
 // ---- handshake ----
 
 struct HelloParams {
-  std::vector<std::int64_t> protocol;      // versions the peer speaks
-  std::vector<std::string> roles;          // controller, environment, viewer
-  std::string name;                        // for logs and people
+  std::vector<std::int64_t> protocol;  // versions the peer speaks
+  std::vector<std::string> roles;      // controller, environment, viewer
+  std::string name;                    // for logs and people
   std::string version;
   std::vector<std::string> capabilities;
-  std::string token;                       // empty: none
+  std::string token;  // empty: none
 };
 
 struct HelloResult {
   std::int64_t protocol = 1;
   std::string session;
-  std::string server;                                           // program and version
+  std::string server;  // program and version
   std::vector<std::string> capabilities;
-  std::vector<std::pair<std::string, std::uint64_t>> limits;    // name, bound
+  std::vector<std::pair<std::string, std::uint64_t>> limits;  // name, bound
 };
 
 // ---- models ----
 
 /// Where a model comes from: exactly one of the four.
 struct ModelReference {
-  std::optional<std::string> source;                 // the text of the `.l` file
-  std::optional<std::string> gallery;                // name of a folder of the server's gallery
-  std::map<std::string, std::string> files;          // texts by name; with `main`
-  std::string main;                                  // name of the `.l` file among `files`
-  std::optional<std::string> loaded;                 // identifier that model.load gave
+  std::optional<std::string> source;         // the text of the `.l` file
+  std::optional<std::string> gallery;        // name of a folder of the server's gallery
+  std::map<std::string, std::string> files;  // texts by name; with `main`
+  std::string main;                          // name of the `.l` file among `files`
+  std::optional<std::string> loaded;         // identifier that model.load gave
 };
 
 struct ModelParams {
   ModelReference model;
-  std::string compatibility;                                      // empty, cpfg or cpfg-batch
-  std::vector<std::pair<std::string, std::string>> defines;       // NAME, VALUE: they win over #define
+  std::string compatibility;                                 // empty, cpfg or cpfg-batch
+  std::vector<std::pair<std::string, std::string>> defines;  // NAME, VALUE: they win over #define
 };
 
 struct SourcePosition {
@@ -55,17 +55,17 @@ struct SourcePosition {
 };
 
 struct DiagnosticRecord {
-  std::string severity;      // error, warning, note
+  std::string severity;  // error, warning, note
   std::string message;
-  std::string file;          // empty: no place is known
+  std::string file;  // empty: no place is known
   SourcePosition begin;
-  SourcePosition end;        // one beyond the last byte
+  SourcePosition end;  // one beyond the last byte
   std::string hint;
-  std::string text;          // all of it as a person reads it, with the source line and a caret
+  std::string text;  // all of it as a person reads it, with the source line and a caret
 };
 
 struct ModelResult {
-  std::string model;                          // identifier; empty in the answer of model.check
+  std::string model;  // identifier; empty in the answer of model.check
   bool isValid = false;
   std::uint64_t derivationLength = 0;
   std::vector<std::string> symbols;
@@ -80,10 +80,10 @@ struct PlantPosition {
 
 struct CreateParams {
   ModelParams model;
-  std::string name;                             // for people; empty: the model's
-  std::optional<std::uint64_t> seed;            // nothing: the server draws one and says which
-  std::string environmentJson;                  // text of an array; empty: no environment
-  std::vector<std::string> environmentTypes;    // `type` of each entry
+  std::string name;                           // for people; empty: the model's
+  std::optional<std::uint64_t> seed;          // nothing: the server draws one and says which
+  std::string environmentJson;                // text of an array; empty: no environment
+  std::vector<std::string> environmentTypes;  // `type` of each entry
   std::optional<std::uint64_t> derivationLength;
   std::vector<PlantPosition> plants;            // empty: one at the origin
   std::optional<std::uint64_t> maximumModules;  // lowers the server's limits
@@ -120,15 +120,16 @@ struct StepParams {
 
 struct StepResult {
   std::uint64_t step = 0;
-  bool isFinished = false;   // the derivation length is reached or the model stopped itself
-  bool isTruncated = false;  // fewer steps were made than asked for, although not finished (stopped by a limit or cancelled)
-  bool isSaved = false;      // the state after the last step is on the server's disk
-  Statistics statistics;     // figures of the last step; queries, answers and milliseconds summed over this call
+  bool isFinished = false;  // the derivation length is reached or the model stopped itself
+  bool isTruncated =
+      false;  // fewer steps were made than asked for, although not finished (stopped by a limit or cancelled)
+  bool isSaved = false;   // the state after the last step is on the server's disk
+  Statistics statistics;  // figures of the last step; queries, answers and milliseconds summed over this call
 };
 
 struct GetParams {
   std::string simulation;
-  std::string what;          // string, statistics, state-hash, turtle, model, information
+  std::string what;  // string, statistics, state-hash, turtle, model, information
   std::uint32_t plant = 0;
 };
 
@@ -139,7 +140,7 @@ struct ResetParams {
 
 struct RestoreParams {
   std::string simulation;
-  std::string snapshot;      // bytes (base64 on the wire)
+  std::string snapshot;  // bytes (base64 on the wire)
 };
 
 struct SimulationInformation {
@@ -170,10 +171,11 @@ struct StreamSelection {
 
 struct StreamOpenParams {
   std::string simulation;
-  std::string what;                      // turtle, string, statistics
+  std::string what;  // turtle, string, statistics
   StreamSelection select;
-  std::uint64_t every = 1;               // frames at steps that are multiples of it
-  std::optional<std::uint64_t> credits;  // frames that may be unacknowledged; nothing: only the connection's speed counts
+  std::uint64_t every = 1;  // frames at steps that are multiples of it
+  std::optional<std::uint64_t>
+      credits;  // frames that may be unacknowledged; nothing: only the connection's speed counts
 };
 
 struct StreamAckParams {
@@ -184,9 +186,9 @@ struct StreamAckParams {
 
 /// One record of the turtle stream.
 struct TurtleStreamRecord {
-  std::uint64_t index = 0;    // among all records of the frame, before the selection: what `parent` refers to
+  std::uint64_t index = 0;  // among all records of the frame, before the selection: what `parent` refers to
   std::uint32_t plant = 0;
-  std::uint64_t module = 0;   // index in the plant's string
+  std::uint64_t module = 0;  // index in the plant's string
   std::string_view symbol;
   std::array<double, 3> position{}, heading{}, left{}, up{};
   double width = 1.0;
@@ -196,7 +198,8 @@ struct TurtleStreamRecord {
   std::vector<double> parameters;
 };
 
-/// A frame of a stream. `bodyJson` is the member that depends on `what`: "records":[...], "string":"..." or "statistics":{...}.
+/// A frame of a stream. `bodyJson` is the member that depends on `what`: "records":[...], "string":"..." or
+/// "statistics":{...}.
 struct StreamData {
   std::string stream;
   std::string simulation;
@@ -248,7 +251,8 @@ struct OpenParams {
   std::vector<std::string> symbols;
   std::string configurationJson;  // text of an object; empty: none
   std::uint64_t seed = 0;
-  std::optional<std::uint64_t> resumeStep;  // opened again in the middle of a run: completed steps; nothing: from the start
+  std::optional<std::uint64_t>
+      resumeStep;  // opened again in the middle of a run: completed steps; nothing: from the start
   WorldRecord world;
 };
 
@@ -268,7 +272,7 @@ struct QueryRecord {
 
 struct EnvironmentStepParams {
   std::string simulation;
-  std::uint64_t step = 0;       // completed steps when the queries were made
+  std::uint64_t step = 0;  // completed steps when the queries were made
   std::uint32_t iteration = 0;
   double timeDays = 0.0;
   std::vector<QueryRecord> queries;
@@ -281,7 +285,7 @@ struct ReplyRecord {
 
 struct RestoreStateParams {
   std::string simulation;
-  std::string state;            // bytes (base64 on the wire)
+  std::string state;  // bytes (base64 on the wire)
 };
 
 }  // namespace espalier::protocol

@@ -40,10 +40,10 @@ std::unique_ptr<ChannelLink> ChannelLink::stdio(std::string command, const Chann
     return std::make_unique<Transport>(std::move(started.input), std::move(started.output),
                                        std::make_unique<ChildProcess>(std::move(started.process)), lineBytes);
   };
-  return std::unique_ptr<ChannelLink>(new ChannelLink(
-      "environment 'stdio:" + command + "'",
-      "Run the command by hand to see what is wrong; asking for the step again starts it again.", std::move(dialer),
-      options));
+  return std::unique_ptr<ChannelLink>(
+      new ChannelLink("environment 'stdio:" + command + "'",
+                      "Run the command by hand to see what is wrong; asking for the step again starts it again.",
+                      std::move(dialer), options));
 }
 
 ChannelLink::ChannelLink(std::string label, std::string remedy, Dialer dialer, const ChannelOptions& options)
@@ -103,7 +103,8 @@ LinkOutcome ChannelLink::call(std::string_view method, const std::string& params
   const Deadline deadline = std::chrono::steady_clock::now() + timeout;
   auto outcome = exchange(id, protocol::encodeRequest(id, method, paramsJson), deadline, timeout);
   if (const auto* failure = std::get_if<LinkFailure>(&outcome);
-      failure != nullptr && (failure->kind == LinkFailure::Kind::Closed || failure->kind == LinkFailure::Kind::Garbage)) {
+      failure != nullptr &&
+      (failure->kind == LinkFailure::Kind::Closed || failure->kind == LinkFailure::Kind::Garbage)) {
     const std::lock_guard lock(mutex_);
     transport_.reset();
   }
@@ -134,7 +135,8 @@ LinkOutcome ChannelLink::exchange(const protocol::MessageId& id, const std::stri
     }
     auto& message = std::get<protocol::Message>(decoded);
     switch (message.kind) {
-      case protocol::Message::Kind::Notification: break;
+      case protocol::Message::Kind::Notification:
+        break;
       case protocol::Message::Kind::Request:
         if (const auto status = answer(message, deadline); status != LineChannel::Status::Done) {
           return failureOf(status, timeout);
@@ -169,8 +171,10 @@ LineChannel::Status ChannelLink::answer(const protocol::Message& request, Deadli
     line = protocol::encodeResult(request.id, "{}");
   } else {
     line = protocol::encodeError(request.id, {protocol::ErrorCode::UnknownMethod,
-                                              "'" + request.method + "' cannot be asked on this connection; it serves an "
-                                              "environment. Connect to the server as a controller.", {}});
+                                              "'" + request.method +
+                                                  "' cannot be asked on this connection; it serves an "
+                                                  "environment. Connect to the server as a controller.",
+                                              {}});
   }
   return transport_->channel.write(line, deadline);
 }
@@ -182,10 +186,11 @@ LinkFailure ChannelLink::failureOf(LineChannel::Status status, std::chrono::mill
     case LineChannel::Status::Interrupted:
       return {LinkFailure::Kind::Interrupted, "was not waited for: the step was given up", {}};
     case LineChannel::Status::Overflow:
-      return {LinkFailure::Kind::Garbage,
-              "sent a line longer than " + std::to_string(options_.lineBytes) + " bytes", {}};
+      return {
+          LinkFailure::Kind::Garbage, "sent a line longer than " + std::to_string(options_.lineBytes) + " bytes", {}};
     case LineChannel::Status::Closed:
-    case LineChannel::Status::Done: break;
+    case LineChannel::Status::Done:
+      break;
   }
   const std::string fate = transport_->child != nullptr ? transport_->child->fate() : std::string();
   return {LinkFailure::Kind::Closed, fate.empty() ? "closed the connection" : fate, {}};

@@ -50,8 +50,8 @@ class ChannelLink final : public EnvironmentLink {
   std::string remedy_;
   Dialer dialer_;
   ChannelOptions options_;
-  mutable std::mutex mutex_;                // guards the pointer against interrupt()
-  std::shared_ptr<Transport> transport_;    // null: not connected
+  mutable std::mutex mutex_;              // guards the pointer against interrupt()
+  std::shared_ptr<Transport> transport_;  // null: not connected
   std::uint64_t connectionCount_ = 0;
   std::uint64_t requestCount_ = 0;
 };

@@ -14,20 +14,21 @@ namespace espalier::server {
 struct SimulationRecord {
   std::string id;
   std::uint64_t seed = 0;
-  bool hasSeed = false;               // given by the caller: replaces the model's
-  protocol::CreateParams create;      // as asked for; its model is in the snapshot
+  bool hasSeed = false;           // given by the caller: replaces the model's
+  protocol::CreateParams create;  // as asked for; its model is in the snapshot
 };
 
-/// The folder given by --data: `simulations/ID.json` (how it was created) and `simulations/ID.snapshot` (its state after
-/// the last completed step), each replaced as a whole. A killed server loses nothing but the step it was in; the disk's own
-/// cache is not forced, so a power failure may cost more. Empty name: nothing is kept. Thread-safe for different simulations.
+/// The folder given by --data: `simulations/ID.json` (how it was created) and `simulations/ID.snapshot` (its state
+/// after the last completed step), each replaced as a whole. A killed server loses nothing but the step it was in; the
+/// disk's own cache is not forced, so a power failure may cost more. Empty name: nothing is kept. Thread-safe for
+/// different simulations.
 class DataFolder {
  public:
   explicit DataFolder(std::string folder) : folder_(std::move(folder)) {}
 
   [[nodiscard]] bool isKept() const { return !folder_.empty(); }
-  /// Makes the folder and takes its lock, which is held as long as a copy of this object lives: two servers on one folder
-  /// would overwrite each other's simulations. An error sentence, or nothing.
+  /// Makes the folder and takes its lock, which is held as long as a copy of this object lives: two servers on one
+  /// folder would overwrite each other's simulations. An error sentence, or nothing.
   [[nodiscard]] std::optional<std::string> prepare();
   [[nodiscard]] std::optional<std::string> saveRecord(const SimulationRecord& record) const;
   [[nodiscard]] std::optional<std::string> saveSnapshot(const std::string& id, std::string_view snapshot) const;

@@ -61,14 +61,14 @@ std::variant<std::shared_ptr<EnvironmentLink>, protocol::Error> makeLink(const e
 }
 
 /// The process that the field file of a gallery model names.
-environment::ProcessOrErrors makeFromGallery(const environment::EnvironmentEntry& entry, core::Compatibility compatibility,
-                                             const EnvironmentServices& services) {
+environment::ProcessOrErrors makeFromGallery(const environment::EnvironmentEntry& entry,
+                                             core::Compatibility compatibility, const EnvironmentServices& services) {
   const auto model = protocol::memberOf(entry.configuration, "model").value_or("");
   const auto folder = galleryFolderOf(services.galleryFolder, model);
   const std::string file = folder ? fileWithSuffix(*folder, model, ".e") : std::string();
   if (file.empty()) {
-    return std::vector{core::Diagnostic{core::Severity::Error,
-                                        "the gallery has no model '" + model + "' with a field file (.e)", {}, {}}};
+    return std::vector{core::Diagnostic{
+        core::Severity::Error, "the gallery has no model '" + model + "' with a field file (.e)", {}, {}}};
   }
   DiskFileProvider files;
   std::vector<core::Diagnostic> warnings;

@@ -29,9 +29,10 @@ struct BuiltEnvironment {
   std::vector<std::string> names;                       // of the entries, for people: honda, offered:mylight
 };
 
-/// Makes the environment of a simulation from the `environment` array of simulation.create. `isAbsenceTolerated`: entries in
-/// other processes may be away (simulations loaded from disk). Besides the built-in processes there are the types
-/// `offered` {name}, `tcp` {address}, `stdio` {command} and `gallery` {model}: the field file (`.e`) of a gallery folder.
+/// Makes the environment of a simulation from the `environment` array of simulation.create. `isAbsenceTolerated`:
+/// entries in other processes may be away (simulations loaded from disk). Besides the built-in processes there are the
+/// types `offered` {name}, `tcp` {address}, `stdio` {command} and `gallery` {model}: the field file (`.e`) of a gallery
+/// folder.
 [[nodiscard]] std::variant<BuiltEnvironment, protocol::Error> buildEnvironment(const std::string& environmentJson,
                                                                                core::Compatibility compatibility,
                                                                                bool isAbsenceTolerated,

@@ -59,15 +59,19 @@ EnvironmentDialogue::Reply EnvironmentDialogue::handle(const protocol::Message& 
     }
   } catch (const protocol::NonFiniteNumber&) {
     return protocol::Error{protocol::ErrorCode::NonFinite,
-                           "The environment computed a NaN or infinite value. Check the parameters sent to it.", {}};
+                           "The environment computed a NaN or infinite value. Check the parameters sent to it.",
+                           {}};
   } catch (const std::exception& exception) {
     return protocol::Error{protocol::ErrorCode::Internal,
-                           std::string("The environment has a bug: ") + exception.what() + ". Please report it.", {}};
+                           std::string("The environment has a bug: ") + exception.what() + ". Please report it.",
+                           {}};
   }
-  return protocol::Error{protocol::ErrorCode::UnknownMethod,
-                         "'" + request.method + "' is unknown here. An environment answers hello, environment.describe, "
-                         "environment.open, environment.step, environment.save, environment.restore and environment.close.",
-                         {}};
+  return protocol::Error{
+      protocol::ErrorCode::UnknownMethod,
+      "'" + request.method +
+          "' is unknown here. An environment answers hello, environment.describe, "
+          "environment.open, environment.step, environment.save, environment.restore and environment.close.",
+      {}};
 }
 
 EnvironmentDialogue::Reply EnvironmentDialogue::hello(const protocol::Payload& payload) const {
@@ -78,7 +82,8 @@ EnvironmentDialogue::Reply EnvironmentDialogue::hello(const protocol::Payload& p
   const auto& versions = std::get<protocol::HelloParams>(decoded).protocol;
   if (std::find(versions.begin(), versions.end(), protocol::kProtocolVersion) == versions.end()) {
     return protocol::Error{protocol::ErrorCode::Version,
-                           "No common protocol version: this environment speaks 1. Use a peer that speaks espalier/1.", {}};
+                           "No common protocol version: this environment speaks 1. Use a peer that speaks espalier/1.",
+                           {}};
   }
   const protocol::HelloResult result{.protocol = protocol::kProtocolVersion,
                                      .session = "1",
@@ -137,11 +142,11 @@ EnvironmentDialogue::Reply EnvironmentDialogue::step(const protocol::Payload& pa
       return opened.lastResult;
     }
     if (isSame || (opened.lastStep && params.step < *opened.lastStep)) {
-      return protocol::Error{protocol::ErrorCode::StaleStep,
-                             "Step " + std::to_string(params.step) + " was asked for, but the environment has made step " +
-                                 std::to_string(*opened.lastStep) +
-                                 ". Open it again, or restore the state it had before that step.",
-                             {}};
+      return protocol::Error{
+          protocol::ErrorCode::StaleStep,
+          "Step " + std::to_string(params.step) + " was asked for, but the environment has made step " +
+              std::to_string(*opened.lastStep) + ". Open it again, or restore the state it had before that step.",
+          {}};
     }
   }
 

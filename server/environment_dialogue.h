@@ -12,9 +12,9 @@
 
 namespace espalier::server {
 
-/// The environment's side of one connection: answers hello and environment.* for a process of its own per simulation. Not
-/// thread-safe. Idempotent: a step that is asked again with the same queries gets the same replies, without advancing a
-/// process that has state.
+/// The environment's side of one connection: answers hello and environment.* for a process of its own per simulation.
+/// Not thread-safe. Idempotent: a step that is asked again with the same queries gets the same replies, without
+/// advancing a process that has state.
 class EnvironmentDialogue {
  public:
   /// `factory` must outlive the object.

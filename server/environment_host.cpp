@@ -19,8 +19,9 @@ using asio::ip::tcp;
 constexpr std::size_t kLineBytes = 256'000'000;
 
 protocol::Error lineTooLong(const protocol::LineSplitter& splitter) {
-  return protocol::limitError("lineBytes", splitter.overflowBytes(), splitter.maximumLineBytes(),
-                              "Send shorter messages; the connection is closed, because what follows cannot be told apart.");
+  return protocol::limitError(
+      "lineBytes", splitter.overflowBytes(), splitter.maximumLineBytes(),
+      "Send shorter messages; the connection is closed, because what follows cannot be told apart.");
 }
 
 /// One connection: lines are answered in their order, one at a time.

@@ -14,8 +14,8 @@ namespace espalier::server {
 /// Why a call to an environment in another process has no result.
 struct LinkFailure {
   enum class Kind : std::uint8_t {
-    Away,         // nobody is there: not offered, not reachable, could not be started
-    Closed,       // it was there and went away
+    Away,    // nobody is there: not offered, not reachable, could not be started
+    Closed,  // it was there and went away
     Timeout,
     Refused,      // it answered with an error: `error`
     Garbage,      // it sent something that is not a message of the protocol

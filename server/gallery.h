@@ -10,10 +10,12 @@ namespace espalier::server {
 /// Names of the model folders in the gallery folder, sorted.
 [[nodiscard]] std::vector<std::string> galleryNames(const std::string& gallery);
 
-/// The folder of a gallery model; nothing unless `name` is one of galleryNames, so that no name leads out of the gallery.
+/// The folder of a gallery model; nothing unless `name` is one of galleryNames, so that no name leads out of the
+/// gallery.
 [[nodiscard]] std::optional<std::filesystem::path> galleryFolderOf(const std::string& gallery, const std::string& name);
 
-/// The file of a stem with the suffix in a folder, else the only one with the suffix; empty when there is none or a choice.
+/// The file of a stem with the suffix in a folder, else the only one with the suffix; empty when there is none or a
+/// choice.
 [[nodiscard]] std::string fileWithSuffix(const std::filesystem::path& folder, const std::string& stem,
                                          const std::string& suffix);
 

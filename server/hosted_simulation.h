@@ -25,8 +25,8 @@ class HostedSimulation {
       const EnvironmentServices& services, const DataFolder& data);
   /// From the data folder. Environments in other processes may be away; stepping asks for them again.
   [[nodiscard]] static std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> load(
-      SimulationRecord record, std::string_view snapshot, const core::Limits& limits, const EnvironmentServices& services,
-      const DataFolder& data);
+      SimulationRecord record, std::string_view snapshot, const core::Limits& limits,
+      const EnvironmentServices& services, const DataFolder& data);
 
   [[nodiscard]] const SimulationRecord& record() const { return record_; }
   [[nodiscard]] simulation::Simulation& simulation() { return *simulation_; }
@@ -41,8 +41,8 @@ class HostedSimulation {
   [[nodiscard]] std::optional<protocol::Error> restore(std::string_view snapshot);
   void removeFromDisk() { data_->remove(record_.id); }
 
-  /// From any thread: the step being made is given up, also while it waits for an environment; false makes steps possible
-  /// again.
+  /// From any thread: the step being made is given up, also while it waits for an environment; false makes steps
+  /// possible again.
   void setCancelled(bool isCancelled);
 
  private:
@@ -56,11 +56,11 @@ class HostedSimulation {
   core::Limits limits_;
   EnvironmentServices services_;
   const DataFolder* data_;
-  std::mutex cancelMutex_;                               // the next two change only with it held
+  std::mutex cancelMutex_;  // the next two change only with it held
   std::unique_ptr<simulation::Simulation> simulation_;
   std::vector<std::shared_ptr<EnvironmentLink>> links_;
   std::vector<std::string> environmentNames_;
-  bool isSaved_ = false;                                 // the copy on disk is of the present step
+  bool isSaved_ = false;  // the copy on disk is of the present step
 };
 
 }  // namespace espalier::server

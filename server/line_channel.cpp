@@ -103,9 +103,8 @@ LineChannel::Status LineChannel::readAvailable() {
 
 LineChannel::Status LineChannel::write(std::string_view bytes, Deadline deadline) {
   while (!bytes.empty()) {
-    const ssize_t count = isOutputSeparate_
-                              ? writeWithoutSignal(output_.number(), bytes)
-                              : ::send(input_.number(), bytes.data(), bytes.size(), MSG_NOSIGNAL);
+    const ssize_t count = isOutputSeparate_ ? writeWithoutSignal(output_.number(), bytes)
+                                            : ::send(input_.number(), bytes.data(), bytes.size(), MSG_NOSIGNAL);
     if (count > 0) {
       bytes.remove_prefix(static_cast<std::size_t>(count));
       continue;
@@ -207,7 +206,8 @@ std::variant<Descriptor, std::string> dialTcp(const std::string& address, Deadli
   // the first address that answers
   int reason = 0;
   for (const addrinfo* candidate = found; candidate != nullptr; candidate = candidate->ai_next) {
-    Descriptor socket(::socket(candidate->ai_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, candidate->ai_protocol));
+    Descriptor socket(
+        ::socket(candidate->ai_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, candidate->ai_protocol));
     if (socket.number() < 0) {
       reason = errno;
       continue;

@@ -56,8 +56,8 @@ class LineChannel {
   [[nodiscard]] int outputNumber() const { return output_.number() >= 0 ? output_.number() : input_.number(); }
 
   Descriptor input_;
-  Descriptor output_;     // none: a socket, also written through input_
-  Descriptor wakeUp_;     // eventfd
+  Descriptor output_;  // none: a socket, also written through input_
+  Descriptor wakeUp_;  // eventfd
   bool isOutputSeparate_;
   bool isInputEnded_ = false;
   protocol::LineSplitter splitter_;
@@ -69,8 +69,8 @@ class LineChannel {
 /// Splits HOST:PORT. False when it is not of that form.
 [[nodiscard]] bool splitAddress(std::string_view address, std::string& host, std::uint16_t& port);
 
-/// A child process started by the shell with pipes to its standard input and output. It is ended and reaped with its owner:
-/// first its input ends, then it is asked (SIGTERM), then killed.
+/// A child process started by the shell with pipes to its standard input and output. It is ended and reaped with its
+/// owner: first its input ends, then it is asked (SIGTERM), then killed.
 class ChildProcess {
  public:
   ChildProcess(ChildProcess&& other) noexcept;

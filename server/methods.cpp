@@ -33,7 +33,8 @@ void runOnPool(Session& session, const protocol::MessageId& id, std::function<vo
     } catch (const std::exception& exception) {
       self->core().log().error(std::string("internal error: ") + exception.what());
       self->respondError(
-          id, {ErrorCode::Internal, std::string("Espalier has a bug: ") + exception.what() + ". Please report it.", {}});
+          id,
+          {ErrorCode::Internal, std::string("Espalier has a bug: ") + exception.what() + ". Please report it.", {}});
     }
   });
 }
@@ -46,38 +47,38 @@ void compileModel(Session& session, const protocol::Message& message, bool isKep
     session.respondError(message.id, *error);
     return;
   }
-  runOnPool(session, message.id, [id = message.id, isKept, params = std::move(std::get<protocol::ModelParams>(decoded))](
-                                     Session& self) {
-    auto compiled = self.core().models().compile(params, self.core().options().limits.simulation);
-    if (const auto* error = std::get_if<protocol::Error>(&compiled)) {
-      self.respondError(id, *error);
-      return;
-    }
-    const auto& model = std::get<CompiledModel>(compiled);
-    const auto& program = model.result.program;
-    protocol::ModelResult result;
-    result.isValid = program != nullptr;
-    result.diagnostics = toRecords(model.result.diagnostics.entries());
-    if (program != nullptr) {
-      result.derivationLength = program->derivationLength;
-      for (const language::Symbol& symbol : program->symbols) {
-        result.symbols.push_back(symbol.name);
-      }
-    }
-    if (isKept) {
-      if (program == nullptr) {
-        self.respondError(id, toError(model.result.diagnostics.entries()));
-        return;
-      }
-      auto kept = self.core().models().keep(model);
-      if (const auto* error = std::get_if<protocol::Error>(&kept)) {
-        self.respondError(id, *error);
-        return;
-      }
-      result.model = std::get<std::string>(kept);
-    }
-    self.respond(id, protocol::encode(result));
-  });
+  runOnPool(session, message.id,
+            [id = message.id, isKept, params = std::move(std::get<protocol::ModelParams>(decoded))](Session& self) {
+              auto compiled = self.core().models().compile(params, self.core().options().limits.simulation);
+              if (const auto* error = std::get_if<protocol::Error>(&compiled)) {
+                self.respondError(id, *error);
+                return;
+              }
+              const auto& model = std::get<CompiledModel>(compiled);
+              const auto& program = model.result.program;
+              protocol::ModelResult result;
+              result.isValid = program != nullptr;
+              result.diagnostics = toRecords(model.result.diagnostics.entries());
+              if (program != nullptr) {
+                result.derivationLength = program->derivationLength;
+                for (const language::Symbol& symbol : program->symbols) {
+                  result.symbols.push_back(symbol.name);
+                }
+              }
+              if (isKept) {
+                if (program == nullptr) {
+                  self.respondError(id, toError(model.result.diagnostics.entries()));
+                  return;
+                }
+                auto kept = self.core().models().keep(model);
+                if (const auto* error = std::get_if<protocol::Error>(&kept)) {
+                  self.respondError(id, *error);
+                  return;
+                }
+                result.model = std::get<std::string>(kept);
+              }
+              self.respond(id, protocol::encode(result));
+            });
 }
 
 void modelCheck(Session& session, const protocol::Message& message) {
@@ -100,11 +101,12 @@ void simulationCreate(Session& session, const protocol::Message& message) {
   const ServerOptions& options = session.core().options();
   for (std::size_t i = 0; i < params.environmentTypes.size(); ++i) {
     if (params.environmentTypes[i] == "stdio" && !session.isLocal() && !options.isSpawnAllowed) {
-      session.respondError(message.id, {ErrorCode::Unauthorised,
-                                        "params.environment[" + std::to_string(i) +
-                                            "]: commands are started only for callers on the server's own machine. Start "
-                                            "the server with --allow-spawn, or offer the environment over the network.",
-                                        {}});
+      session.respondError(message.id,
+                           {ErrorCode::Unauthorised,
+                            "params.environment[" + std::to_string(i) +
+                                "]: commands are started only for callers on the server's own machine. Start "
+                                "the server with --allow-spawn, or offer the environment over the network.",
+                            {}});
       return;
     }
   }
@@ -117,8 +119,8 @@ void simulationCreate(Session& session, const protocol::Message& message) {
 std::shared_ptr<SimulationRunner> findRunner(Session& session, const protocol::MessageId& id, const std::string& name) {
   auto runner = session.core().find(name);
   if (runner == nullptr) {
-    session.respondError(id, {ErrorCode::NotFound,
-                              "There is no simulation '" + name + "'. simulation.list names those there are.", {}});
+    session.respondError(
+        id, {ErrorCode::NotFound, "There is no simulation '" + name + "'. simulation.list names those there are.", {}});
   }
   return runner;
 }
@@ -126,7 +128,7 @@ std::shared_ptr<SimulationRunner> findRunner(Session& session, const protocol::M
 /// Decodes params that name a simulation, finds it and submits what `make` returns.
 template <typename Params, typename Make>
 void onSimulation(Session& session, const protocol::Message& message, protocol::Decoded<Params> decoded,
-                  const std::string Params::* name, Make make) {
+                  const std::string Params::*name, Make make) {
   if (const auto* error = std::get_if<protocol::Error>(&decoded)) {
     session.respondError(message.id, *error);
     return;
@@ -285,8 +287,8 @@ void streamClose(Session& session, const protocol::Message& message) {
 void serverStatus(Session& session, const protocol::Message& message) {
   ServerCore& core = session.core();
   const auto runners = core.all();
-  const auto running = std::count_if(runners.begin(), runners.end(),
-                                     [](const auto& runner) { return runner->information().isRunning; });
+  const auto running =
+      std::count_if(runners.begin(), runners.end(), [](const auto& runner) { return runner->information().isRunning; });
   protocol::JsonWriter result;
   result.beginObject().key("server").text("espalier " + std::string(protocol::kProgramVersion));
   result.key("protocol").integer(protocol::kProtocolVersion).key("sessions").integer(core.sessionCount.load());

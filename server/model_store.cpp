@@ -28,8 +28,9 @@ std::variant<CompiledModel, protocol::Error> ModelStore::compileGallery(const st
     const auto names = galleryNames(galleryFolder_);
     const std::vector<std::string_view> views(names.begin(), names.end());
     return protocol::Error{protocol::ErrorCode::NotFound,
-                           names.empty() ? "This server has no gallery. Start it with --gallery FOLDER, or send the source."
-                                         : "There is no gallery model '" + name + "'. " + core::suggestName(name, views),
+                           names.empty()
+                               ? "This server has no gallery. Start it with --gallery FOLDER, or send the source."
+                               : "There is no gallery model '" + name + "'. " + core::suggestName(name, views),
                            {}};
   }
   input.modelFile = fileWithSuffix(*folder, name, ".l");
@@ -58,9 +59,10 @@ std::variant<CompiledModel, protocol::Error> ModelStore::compile(const protocol:
     const std::lock_guard lock(mutex_);
     const auto found = loaded_.find(*model.loaded);
     if (found == loaded_.end()) {
-      return protocol::Error{protocol::ErrorCode::NotFound,
-                             "There is no loaded model '" + *model.loaded + "'. Load it with model.load, or send its source.",
-                             {}};
+      return protocol::Error{
+          protocol::ErrorCode::NotFound,
+          "There is no loaded model '" + *model.loaded + "'. Load it with model.load, or send its source.",
+          {}};
     }
     return found->second;
   }

@@ -23,8 +23,8 @@ class ModelStore {
  public:
   explicit ModelStore(std::string galleryFolder) : galleryFolder_(std::move(galleryFolder)) {}
 
-  /// Reads and compiles; an error when the reference itself is wrong (no such gallery model). Files on the wire are the only
-  /// files that such a model can read.
+  /// Reads and compiles; an error when the reference itself is wrong (no such gallery model). Files on the wire are the
+  /// only files that such a model can read.
   [[nodiscard]] std::variant<CompiledModel, protocol::Error> compile(const protocol::ModelParams& params,
                                                                      const core::Limits& limits) const;
 

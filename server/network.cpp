@@ -27,12 +27,16 @@ constexpr auto kToken = asio::as_tuple(asio::use_awaitable);
 constexpr std::size_t kReadBytes = 65'536;
 constexpr std::chrono::seconds kGrace{1};
 
-/// One TCP connection: a reader that hands lines to the session, a writer that empties the outbox. Members run on the network
-/// thread unless they are Connection's.
+/// One TCP connection: a reader that hands lines to the session, a writer that empties the outbox. Members run on the
+/// network thread unless they are Connection's.
 class TcpConnection final : public Connection, public std::enable_shared_from_this<TcpConnection> {
  public:
   TcpConnection(tcp::socket socket, ServerCore& core)
-      : socket_(std::move(socket)), executor_(socket_.get_executor()), wake_(executor_), handshake_(executor_), core_(&core) {
+      : socket_(std::move(socket)),
+        executor_(socket_.get_executor()),
+        wake_(executor_),
+        handshake_(executor_),
+        core_(&core) {
     error_code error;
     const auto endpoint = socket_.remote_endpoint(error);
     peerName_ = error ? "unknown" : endpoint.address().to_string() + ":" + std::to_string(endpoint.port());
@@ -46,7 +50,8 @@ class TcpConnection final : public Connection, public std::enable_shared_from_th
 
   void send(std::shared_ptr<const std::string> line) override {
     outboxBytes_ += line->size();
-    asio::post(executor_, [self = shared_from_this(), line = std::move(line)]() mutable { self->enqueue(std::move(line)); });
+    asio::post(executor_,
+               [self = shared_from_this(), line = std::move(line)]() mutable { self->enqueue(std::move(line)); });
   }
   void closeWhenSent() override {
     asio::post(executor_, [self = shared_from_this()] {
@@ -62,8 +67,10 @@ class TcpConnection final : public Connection, public std::enable_shared_from_th
 
   void start(std::shared_ptr<Session> session) {
     session_ = std::move(session);
-    asio::co_spawn(executor_, [self = shared_from_this()] { return self->read(); }, asio::detached);
-    asio::co_spawn(executor_, [self = shared_from_this()] { return self->write(); }, asio::detached);
+    asio::co_spawn(
+        executor_, [self = shared_from_this()] { return self->read(); }, asio::detached);
+    asio::co_spawn(
+        executor_, [self = shared_from_this()] { return self->write(); }, asio::detached);
     handshake_.expires_after(std::chrono::milliseconds(core_->options().limits.handshakeMilliseconds));
     handshake_.async_wait([self = shared_from_this()](const error_code& error) {
       if (!error && self->session_ != nullptr) {
@@ -106,7 +113,8 @@ class TcpConnection final : public Connection, public std::enable_shared_from_th
     const std::uint64_t bound = core_->options().limits.outboxBytes;
     // one answer may be as large as the bound while another is being sent
     if (outboxBytes_ > 2 * bound) {
-      core_->log().warn("session with " + peerName_ + " is closed: it does not read, and its outbox grew beyond twice " +
+      core_->log().warn("session with " + peerName_ +
+                        " is closed: it does not read, and its outbox grew beyond twice " +
                         "outboxBytes=" + std::to_string(bound));
       closeNow();
       return;
@@ -182,7 +190,7 @@ class TcpConnection final : public Connection, public std::enable_shared_from_th
 
   tcp::socket socket_;
   asio::any_io_executor executor_;
-  asio::steady_timer wake_;       // cancelled when the outbox has something
+  asio::steady_timer wake_;  // cancelled when the outbox has something
   asio::steady_timer handshake_;
   ServerCore* core_;
   std::shared_ptr<Session> session_;  // null: closed
@@ -198,7 +206,8 @@ class TcpConnection final : public Connection, public std::enable_shared_from_th
 
 class Network::Implementation {
  public:
-  explicit Implementation(ServerCore& core) : core_(&core), context_(1), acceptor_(context_), signals_(context_), patience_(context_) {}
+  explicit Implementation(ServerCore& core)
+      : core_(&core), context_(1), acceptor_(context_), signals_(context_), patience_(context_) {}
 
   std::optional<std::string> listen(const std::string& host, std::uint16_t port) {
     error_code error;
@@ -253,7 +262,8 @@ class Network::Implementation {
       protocol::JsonWriter params;
       params.beginObject().key("message").text("The server is shutting down. Running steps are finished and saved.");
       params.endObject();
-      const auto line = std::make_shared<const std::string>(protocol::encodeNotification("server.shutdown", params.view()));
+      const auto line =
+          std::make_shared<const std::string>(protocol::encodeNotification("server.shutdown", params.view()));
       for (const auto& connection : connections_) {
         connection->send(line);
       }
@@ -355,7 +365,8 @@ bool Network::isLoopback(const std::string& host) {
   if (error || found.empty()) {
     return host == "localhost";
   }
-  return std::all_of(found.begin(), found.end(), [](const auto& entry) { return entry.endpoint().address().is_loopback(); });
+  return std::all_of(found.begin(), found.end(),
+                     [](const auto& entry) { return entry.endpoint().address().is_loopback(); });
 }
 
 std::optional<std::string> Network::listen(const std::string& host, std::uint16_t port) {

@@ -59,8 +59,7 @@ LinkFailure OfferedLink::away() const {
   for (const std::string& name : offered_->names()) {
     list += (list.empty() ? "" : ", ") + name;
   }
-  return {LinkFailure::Kind::Away,
-          "is not connected; offered now: " + (list.empty() ? std::string("none") : list), {}};
+  return {LinkFailure::Kind::Away, "is not connected; offered now: " + (list.empty() ? std::string("none") : list), {}};
 }
 
 std::optional<LinkFailure> OfferedLink::connect() {
@@ -92,7 +91,8 @@ LinkOutcome OfferedLink::call(std::string_view method, const std::string& params
     current_.reset();
   }
   if (!outcome) {
-    return LinkFailure{LinkFailure::Kind::Timeout, "did not answer within " + std::to_string(timeout.count()) + " ms", {}};
+    return LinkFailure{
+        LinkFailure::Kind::Timeout, "did not answer within " + std::to_string(timeout.count()) + " ms", {}};
   }
   return std::move(*outcome);
 }

@@ -37,8 +37,9 @@ class AskedPeer {
   virtual void forget(const std::string& id) = 0;
 };
 
-/// The environments that connected and offered themselves, by name. The latest offer of a name is the one that is asked, so
-/// that an environment which comes back is used even while its old connection is not known to be dead. Thread-safe.
+/// The environments that connected and offered themselves, by name. The latest offer of a name is the one that is
+/// asked, so that an environment which comes back is used even while its old connection is not known to be dead.
+/// Thread-safe.
 class OfferedEnvironments {
  public:
   struct Offer {
@@ -77,7 +78,7 @@ class OfferedLink final : public EnvironmentLink {
 
   std::string name_;
   const OfferedEnvironments* offered_;
-  std::mutex mutex_;                     // guards current_
+  std::mutex mutex_;  // guards current_
   std::shared_ptr<PendingCall> current_;
 };
 

@@ -15,9 +15,9 @@ struct RemoteEnvironmentOptions {
   std::string configurationJson;  // sent when a simulation opens it: an object as text; empty: none
 };
 
-/// An environment in another process, spoken to with the protocol: `tcp://HOST:PORT` is dialled, `stdio:COMMAND` is spawned
-/// by the shell and spoken to on its standard input and output (its standard error passes through). Bitwise the same plant
-/// as in-process. Returns the process, or a sentence that says what is wrong and what to do.
+/// An environment in another process, spoken to with the protocol: `tcp://HOST:PORT` is dialled, `stdio:COMMAND` is
+/// spawned by the shell and spoken to on its standard input and output (its standard error passes through). Bitwise the
+/// same plant as in-process. Returns the process, or a sentence that says what is wrong and what to do.
 [[nodiscard]] std::variant<std::unique_ptr<turtle::EnvironmentProcess>, std::string> connectRemoteEnvironment(
     const std::string& address, const RemoteEnvironmentOptions& options);
 

@@ -116,9 +116,9 @@ std::optional<turtle::EnvironmentError> RemoteProcess::openPeer(std::uint64_t st
             " Reset the simulation, or restore a snapshot of it; a server with --data saves after every step.",
         false};
   }
-  auto restored = call("environment.restore",
-                       protocol::encode(protocol::RestoreStateParams{context_->simulation, *savedState_}),
-                       options_.stepTimeout);
+  auto restored =
+      call("environment.restore", protocol::encode(protocol::RestoreStateParams{context_->simulation, *savedState_}),
+           options_.stepTimeout);
   if (const auto* failure = std::get_if<LinkFailure>(&restored)) {
     return errorOf(*failure, "in environment.restore");
   }
@@ -159,7 +159,8 @@ std::optional<turtle::EnvironmentError> RemoteProcess::step(const turtle::QueryB
   if (auto error = makeReady(queries.step)) {
     return error;
   }
-  const std::string during = "step " + std::to_string(queries.step) + ", " + std::to_string(queries.size()) + " queries";
+  const std::string during =
+      "step " + std::to_string(queries.step) + ", " + std::to_string(queries.size()) + " queries";
   const std::string simulation = context_ ? context_->simulation : std::string("simulation");
   std::string params;
   try {

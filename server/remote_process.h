@@ -14,8 +14,8 @@ namespace espalier::server {
 
 struct RemoteProcessOptions {
   std::chrono::milliseconds stepTimeout{60'000};
-  /// How long a peer may take to answer environment.describe; one that does not is taken for a minimal environment, which
-  /// needs everything and is asked nothing but steps.
+  /// How long a peer may take to answer environment.describe; one that does not is taken for a minimal environment,
+  /// which needs everything and is asked nothing but steps.
   std::chrono::milliseconds introductionTimeout{2'000};
   std::string configurationJson;  // text of an object for environment.open; empty: none
   /// A peer that is away is not an error before the first step (simulations loaded from disk).
@@ -24,8 +24,8 @@ struct RemoteProcessOptions {
   std::function<void(const std::function<void()>&)> runWaiting;
 };
 
-/// An environment in another process as the simulation sees it. When the peer was lost, the next step connects again, opens
-/// it again, gives back its state when it can, and sends the same step again: idempotent by (step, iteration).
+/// An environment in another process as the simulation sees it. When the peer was lost, the next step connects again,
+/// opens it again, gives back its state when it can, and sends the same step again: idempotent by (step, iteration).
 class RemoteProcess final : public turtle::EnvironmentProcess {
  public:
   RemoteProcess(std::shared_ptr<EnvironmentLink> link, RemoteProcessOptions options);
@@ -54,13 +54,13 @@ class RemoteProcess final : public turtle::EnvironmentProcess {
   std::shared_ptr<EnvironmentLink> link_;
   RemoteProcessOptions options_;
   protocol::DescribeResult description_;
-  bool isDescribed_ = false;                        // the peer said what it is
-  bool isMinimal_ = false;                          // it answers steps only
-  std::uint64_t introducedGeneration_ = 0;          // of the link; 0: none
+  bool isDescribed_ = false;                // the peer said what it is
+  bool isMinimal_ = false;                  // it answers steps only
+  std::uint64_t introducedGeneration_ = 0;  // of the link; 0: none
   std::uint64_t openedGeneration_ = 0;
   std::optional<turtle::EnvironmentContext> context_;
-  std::uint64_t stepCount_ = 0;                     // steps and ticks since open: the version of the peer's state
-  mutable std::optional<std::string> savedState_;   // of the peer, when savedAt_ == stepCount_
+  std::uint64_t stepCount_ = 0;                    // steps and ticks since open: the version of the peer's state
+  mutable std::optional<std::string> savedState_;  // of the peer, when savedAt_ == stepCount_
   mutable std::uint64_t savedAt_ = 0;
 };
 

@@ -31,7 +31,8 @@ class Server::Implementation {
     if (!Network::isLoopback(options.host)) {
       if (options.token.empty()) {
         return "'" + options.host +
-               "' can be reached from other machines: give a token that clients must send (--token TEXT or --token-file "
+               "' can be reached from other machines: give a token that clients must send (--token TEXT or "
+               "--token-file "
                "FILE), or listen on 127.0.0.1.";
       }
       if (!options.isInsecureAllowed) {

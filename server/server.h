@@ -12,11 +12,11 @@ namespace espalier::server {
 
 struct ServerLimits {
   std::uint64_t lineBytes = 64'000'000;
-  std::uint64_t outboxBytes = 64'000'000;        // per session; a slow viewer is moved to the latest key frame instead
+  std::uint64_t outboxBytes = 64'000'000;  // per session; a slow viewer is moved to the latest key frame instead
   std::uint32_t sessions = 1'000;
   std::uint32_t simulations = 10'000;
   std::uint32_t streamsPerSession = 100;
-  std::uint32_t requestsPerSession = 1'000;      // in progress at a time
+  std::uint32_t requestsPerSession = 1'000;  // in progress at a time
   std::uint32_t handshakeMilliseconds = 10'000;
   std::uint32_t environmentStepMilliseconds = 60'000;
   /// Of each simulation. A server has many of them: one string may take 4 GB, where a program of its own may take 16.
@@ -25,19 +25,19 @@ struct ServerLimits {
 
 struct ServerOptions {
   std::string host = "127.0.0.1";
-  std::uint16_t port = 0;                        // 0: a free one
-  std::string dataFolder;                        // empty: simulations are not saved
-  std::string galleryFolder;                     // empty: no gallery models by name
-  std::string token;                             // empty: none asked for; needed for any address but loopback
-  bool isInsecureAllowed = false;                // a non-loopback address without TLS
-  bool isSpawnAllowed = false;                   // callers from other machines may have commands started (stdio environments)
-  unsigned workers = 0;                          // 0: as many as cores
+  std::uint16_t port = 0;          // 0: a free one
+  std::string dataFolder;          // empty: simulations are not saved
+  std::string galleryFolder;       // empty: no gallery models by name
+  std::string token;               // empty: none asked for; needed for any address but loopback
+  bool isInsecureAllowed = false;  // a non-loopback address without TLS
+  bool isSpawnAllowed = false;     // callers from other machines may have commands started (stdio environments)
+  unsigned workers = 0;            // 0: as many as cores
   ServerLimits limits;
-  std::string logLevel = "info";                 // trace debug info warn error off
+  std::string logLevel = "info";  // trace debug info warn error off
 };
 
-/// The server. run() blocks until stop() (from any thread or a signal) and shuts down cleanly: sessions are told, running
-/// steps finish, simulations are saved.
+/// The server. run() blocks until stop() (from any thread or a signal) and shuts down cleanly: sessions are told,
+/// running steps finish, simulations are saved.
 class Server {
  public:
   explicit Server(ServerOptions options);

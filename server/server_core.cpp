@@ -5,10 +5,11 @@
 namespace espalier::server {
 namespace {
 
-const protocol::Error kShuttingDown{protocol::ErrorCode::ShuttingDown,
-                                    "The server is shutting down. Ask again when it is back; the simulation stays at its "
-                                    "last completed step.",
-                                    {}};
+const protocol::Error kShuttingDown{
+    protocol::ErrorCode::ShuttingDown,
+    "The server is shutting down. Ask again when it is back; the simulation stays at its "
+    "last completed step.",
+    {}};
 
 std::string randomName() {
   constexpr std::string_view kDigits = "0123456789abcdef";

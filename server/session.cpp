@@ -148,7 +148,8 @@ void Session::onHello(const protocol::Message& message) {
   }
   if (isGreeted_) {
     respondError(message.id, {protocol::ErrorCode::InvalidRequest,
-                              "Hello was said already on this connection. Go on with other requests.", {}});
+                              "Hello was said already on this connection. Go on with other requests.",
+                              {}});
     return;
   }
   auto decoded = protocol::decodeHelloParams(message.payload);
@@ -160,34 +161,34 @@ void Session::onHello(const protocol::Message& message) {
   if (std::find(hello.protocol.begin(), hello.protocol.end(), protocol::kProtocolVersion) == hello.protocol.end()) {
     protocol::JsonWriter data;
     data.beginObject().key("supported").beginArray().integer(protocol::kProtocolVersion).endArray().endObject();
-    refuse(message.id, {protocol::ErrorCode::Version,
-                        "No common protocol version: this server speaks 1. Use a client that speaks espalier/1.",
-                        data.take()});
+    refuse(message.id,
+           {protocol::ErrorCode::Version,
+            "No common protocol version: this server speaks 1. Use a client that speaks espalier/1.", data.take()});
     return;
   }
   const ServerOptions& options = core_->options();
   if (!options.token.empty() && !isEqualInConstantTime(hello.token, options.token)) {
     refuse(message.id, {protocol::ErrorCode::Unauthorised,
-                        "The token is missing or wrong. Send the server's token as params.token.", {}});
+                        "The token is missing or wrong. Send the server's token as params.token.",
+                        {}});
     return;
   }
   isGreeted_ = true;
   core_->log().info("session " + id_ + ": " + (hello.name.empty() ? std::string("a peer") : hello.name) + " " +
                     hello.version + " from " + connection_->peerName());
   const ServerLimits& limits = options.limits;
-  const protocol::HelloResult result{
-      .protocol = protocol::kProtocolVersion,
-      .session = id_,
-      .server = "espalier " + std::string(protocol::kProgramVersion),
-      .capabilities = {"checkpoint", "cancel", "streams", "credits", "offer"},
-      .limits = {{"lineBytes", limits.lineBytes},
-                 {"outboxBytes", limits.outboxBytes},
-                 {"sessions", limits.sessions},
-                 {"simulations", limits.simulations},
-                 {"streamsPerSession", limits.streamsPerSession},
-                 {"requestsPerSession", limits.requestsPerSession},
-                 {"modules", limits.simulation.maximumModules},
-                 {"queries", limits.simulation.maximumQueries}}};
+  const protocol::HelloResult result{.protocol = protocol::kProtocolVersion,
+                                     .session = id_,
+                                     .server = "espalier " + std::string(protocol::kProgramVersion),
+                                     .capabilities = {"checkpoint", "cancel", "streams", "credits", "offer"},
+                                     .limits = {{"lineBytes", limits.lineBytes},
+                                                {"outboxBytes", limits.outboxBytes},
+                                                {"sessions", limits.sessions},
+                                                {"simulations", limits.simulations},
+                                                {"streamsPerSession", limits.streamsPerSession},
+                                                {"requestsPerSession", limits.requestsPerSession},
+                                                {"modules", limits.simulation.maximumModules},
+                                                {"queries", limits.simulation.maximumQueries}}};
   respond(message.id, protocol::encode(result));
 }
 
@@ -203,8 +204,9 @@ void Session::onHandshakeTimeout() {
     const std::uint32_t bound = core_->options().limits.handshakeMilliseconds;
     protocol::JsonWriter data;
     data.beginObject().key("milliseconds").integer(bound).endObject();
-    refuse({}, {protocol::ErrorCode::Timeout,
-                "No hello came within " + std::to_string(bound) + " ms. Connect again and say hello first.", data.take()});
+    refuse({},
+           {protocol::ErrorCode::Timeout,
+            "No hello came within " + std::to_string(bound) + " ms. Connect again and say hello first.", data.take()});
   }
 }
 

@@ -48,7 +48,8 @@ class Session final : public AskedPeer, public std::enable_shared_from_this<Sess
   [[nodiscard]] ServerCore& core() { return *core_; }
   [[nodiscard]] bool isLocal() const { return connection_->isLocal(); }
   /// Sends a command to a simulation as the work of a request, so that $/cancel and a lost connection reach it.
-  void submit(const protocol::MessageId& id, std::shared_ptr<SimulationRunner> runner, std::shared_ptr<Command> command);
+  void submit(const protocol::MessageId& id, std::shared_ptr<SimulationRunner> runner,
+              std::shared_ptr<Command> command);
   void cancelRequest(const protocol::MessageId& id);
   /// Nothing when the session has as many streams as it may.
   [[nodiscard]] std::shared_ptr<Stream> openStream(protocol::StreamOpenParams params, SimulationRunner& runner);
@@ -72,13 +73,13 @@ class Session final : public AskedPeer, public std::enable_shared_from_this<Sess
   const std::string id_;
   ServerCore* core_;
   std::shared_ptr<Connection> connection_;
-  bool isGreeted_ = false;                               // network thread
-  std::mutex mutex_;                                     // guards what follows
+  bool isGreeted_ = false;  // network thread
+  std::mutex mutex_;        // guards what follows
   bool isClosed_ = false;
   std::uint64_t askedCount_ = 0;
   std::uint64_t streamCount_ = 0;
-  std::map<std::string, std::shared_ptr<PendingCall>> pending_;   // questions to the peer, by id
-  std::map<std::string, InProgress> inProgress_;                  // its requests, by the text of their id
+  std::map<std::string, std::shared_ptr<PendingCall>> pending_;  // questions to the peer, by id
+  std::map<std::string, InProgress> inProgress_;                 // its requests, by the text of their id
   std::map<std::string, std::pair<std::shared_ptr<Stream>, std::weak_ptr<SimulationRunner>>> streams_;
 };
 

@@ -12,8 +12,9 @@ namespace {
 using protocol::ErrorCode;
 
 /// A command of one turn that returns the result's JSON or an error.
-std::shared_ptr<Command> makeCommand(SessionPointer session, const protocol::MessageId& id,
-                                     std::function<std::variant<std::string, protocol::Error>(SimulationRunner&)> work) {
+std::shared_ptr<Command> makeCommand(
+    SessionPointer session, const protocol::MessageId& id,
+    std::function<std::variant<std::string, protocol::Error>(SimulationRunner&)> work) {
   auto command = std::make_shared<Command>();
   std::weak_ptr<Session> weak = session;
   command->advance = [weak, id, work = std::move(work)](SimulationRunner& runner, Command&) {
@@ -294,16 +295,16 @@ std::shared_ptr<Command> makeSaveCommand(SessionPointer session, const protocol:
 
 std::shared_ptr<Command> makeRestoreCommand(SessionPointer session, const protocol::MessageId& id,
                                             protocol::RestoreParams params) {
-  return makeCommand(std::move(session), id,
-                     [snapshot = std::move(params.snapshot)](
-                         SimulationRunner& runner) -> std::variant<std::string, protocol::Error> {
-                       if (auto error = runner.hosted().restore(snapshot)) {
-                         return std::move(*error);
-                       }
-                       runner.setLastError({});
-                       runner.publishFrames(true);
-                       return stateAfter(runner);
-                     });
+  return makeCommand(
+      std::move(session), id,
+      [snapshot = std::move(params.snapshot)](SimulationRunner& runner) -> std::variant<std::string, protocol::Error> {
+        if (auto error = runner.hosted().restore(snapshot)) {
+          return std::move(*error);
+        }
+        runner.setLastError({});
+        runner.publishFrames(true);
+        return stateAfter(runner);
+      });
 }
 
 std::shared_ptr<Command> makeStreamOpenCommand(SessionPointer session, const protocol::MessageId& id,
@@ -330,7 +331,8 @@ std::shared_ptr<Command> makeStreamOpenCommand(SessionPointer session, const pro
   return command;
 }
 
-void deleteSimulation(Session& session, const protocol::MessageId& id, const std::shared_ptr<SimulationRunner>& runner) {
+void deleteSimulation(Session& session, const protocol::MessageId& id,
+                      const std::shared_ptr<SimulationRunner>& runner) {
   // after the last turn: none writes the files again, and none adds a stream
   const auto command = makeCommand(session.shared_from_this(), id,
                                    [](SimulationRunner& self) -> std::variant<std::string, protocol::Error> {

@@ -97,7 +97,8 @@ void SimulationRunner::runGuarded(Command& command, bool& wantsMore) {
     return;
   } catch (const std::bad_alloc&) {
     command.fail({protocol::ErrorCode::Limit,
-                  "The server has not enough memory for this. Use a smaller model or fewer steps.", {}});
+                  "The server has not enough memory for this. Use a smaller model or fewer steps.",
+                  {}});
     return;
   } catch (const std::exception& exception) {
     bug = exception.what();
@@ -105,7 +106,8 @@ void SimulationRunner::runGuarded(Command& command, bool& wantsMore) {
   // a bug of ours closes this simulation and nothing else
   log_->error("simulation " + id_ + " is closed after an internal error: " + bug);
   const protocol::Error error{protocol::ErrorCode::Internal,
-                              "Espalier has a bug: " + bug + ". This simulation is closed; please report it.", {}};
+                              "Espalier has a bug: " + bug + ". This simulation is closed; please report it.",
+                              {}};
   command.fail(error);
   close(error, false);
   endStreams(error.message);

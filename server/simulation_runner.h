@@ -19,16 +19,16 @@ namespace espalier::server {
 class Log;
 class SimulationRunner;
 
-/// Something to do with a simulation. `advance` runs on a worker and returns whether it wants another turn: long commands do
-/// one step a turn, so that others get in between. `fail` is called instead when the simulation goes away.
+/// Something to do with a simulation. `advance` runs on a worker and returns whether it wants another turn: long
+/// commands do one step a turn, so that others get in between. `fail` is called instead when the simulation goes away.
 struct Command {
   std::function<bool(SimulationRunner&, Command&)> advance;
   std::function<void(const protocol::Error&)> fail;
   std::atomic<bool> isCancelled{false};
 };
 
-/// Gives a simulation its turns on the pool: one worker owns it at a time, commands run in the order they came, and everyone
-/// else sees the published information. Lives as long as somebody holds it.
+/// Gives a simulation its turns on the pool: one worker owns it at a time, commands run in the order they came, and
+/// everyone else sees the published information. Lives as long as somebody holds it.
 class SimulationRunner final : public std::enable_shared_from_this<SimulationRunner> {
  public:
   SimulationRunner(std::unique_ptr<HostedSimulation> hosted, WorkerPool& pool, const Log& log);
@@ -71,8 +71,8 @@ class SimulationRunner final : public std::enable_shared_from_this<SimulationRun
   std::unique_ptr<HostedSimulation> hosted_;
   WorkerPool* pool_;
   const Log* log_;
-  double milliseconds_ = 0.0;   // of the last step; the owner's
-  std::string lastError_;       // the owner's
+  double milliseconds_ = 0.0;  // of the last step; the owner's
+  std::string lastError_;      // the owner's
 
   mutable std::mutex mutex_;
   std::deque<std::shared_ptr<Command>> queue_;
@@ -81,7 +81,7 @@ class SimulationRunner final : public std::enable_shared_from_this<SimulationRun
   std::optional<protocol::Error> closed_;
   protocol::SimulationInformation information_;
   std::vector<std::shared_ptr<Stream>> streams_;
-  bool isCatchingUp_ = false;   // such a command is queued
+  bool isCatchingUp_ = false;  // such a command is queued
 };
 
 }  // namespace espalier::server

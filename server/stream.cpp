@@ -8,7 +8,8 @@
 
 namespace espalier::server {
 
-Stream::Stream(std::string id, protocol::StreamOpenParams params, std::weak_ptr<Session> session, std::size_t readyBytes)
+Stream::Stream(std::string id, protocol::StreamOpenParams params, std::weak_ptr<Session> session,
+               std::size_t readyBytes)
     : id_(std::move(id)),
       params_(std::move(params)),
       session_(std::move(session)),
@@ -94,7 +95,8 @@ bool Stream::isClosed() const {
 }
 
 std::variant<std::string, core::SimulationError> frameBody(const protocol::StreamOpenParams& params,
-                                                           const simulation::Simulation& simulation, double milliseconds,
+                                                           const simulation::Simulation& simulation,
+                                                           double milliseconds,
                                                            std::optional<std::vector<turtle::TurtleRecord>>& records) {
   if (params.what == "statistics") {
     protocol::JsonWriter body;

@@ -17,8 +17,8 @@ namespace espalier::server {
 class Session;
 
 /// One viewer's stream of one simulation. A frame is made only when the viewer is ready for it, so a slow one costs the
-/// simulation nothing and the server no memory: steps in between are counted as missed, and the next frame shows the latest
-/// step. Every frame is complete in itself. Thread-safe.
+/// simulation nothing and the server no memory: steps in between are counted as missed, and the next frame shows the
+/// latest step. Every frame is complete in itself. Thread-safe.
 class Stream {
  public:
   Stream(std::string id, protocol::StreamOpenParams params, std::weak_ptr<Session> session, std::size_t readyBytes);
@@ -45,11 +45,11 @@ class Stream {
   const std::string id_;
   const protocol::StreamOpenParams params_;
   const std::weak_ptr<Session> session_;
-  const std::size_t readyBytes_;            // queued on the connection: below it the viewer is ready
+  const std::size_t readyBytes_;  // queued on the connection: below it the viewer is ready
   mutable std::mutex mutex_;
   std::uint64_t nextSequence_ = 0;
-  std::uint64_t allowedSequence_ = 0;       // frames below it may be sent, when there are credits
-  std::uint64_t missed_ = 0;                // since the last frame
+  std::uint64_t allowedSequence_ = 0;  // frames below it may be sent, when there are credits
+  std::uint64_t missed_ = 0;           // since the last frame
   std::optional<std::uint64_t> lastMissedStep_;
   bool isClosed_ = false;
 };

@@ -46,9 +46,15 @@ std::vector<turtle::EnvironmentVariable> fromVariables(const std::vector<protoco
 protocol::DiagnosticRecord toRecord(const core::Diagnostic& diagnostic) {
   protocol::DiagnosticRecord record;
   switch (diagnostic.severity) {
-    case core::Severity::Error: record.severity = "error"; break;
-    case core::Severity::Warning: record.severity = "warning"; break;
-    case core::Severity::Note: record.severity = "note"; break;
+    case core::Severity::Error:
+      record.severity = "error";
+      break;
+    case core::Severity::Warning:
+      record.severity = "warning";
+      break;
+    case core::Severity::Note:
+      record.severity = "note";
+      break;
   }
   record.message = diagnostic.message;
   record.file = diagnostic.location.file;
@@ -70,12 +76,24 @@ std::vector<protocol::DiagnosticRecord> toRecords(const std::vector<core::Diagno
 protocol::Error toError(const core::SimulationError& error, const std::vector<std::string>& environment) {
   protocol::Error result;
   switch (error.code) {
-    case core::SimulationErrorCode::LimitExceeded: result.code = protocol::ErrorCode::Limit; break;
-    case core::SimulationErrorCode::NonFinite: result.code = protocol::ErrorCode::NonFinite; break;
-    case core::SimulationErrorCode::Model: result.code = protocol::ErrorCode::Model; break;
-    case core::SimulationErrorCode::EnvironmentFailed: result.code = protocol::ErrorCode::EnvironmentFailed; break;
-    case core::SimulationErrorCode::Cancelled: result.code = protocol::ErrorCode::Cancelled; break;
-    case core::SimulationErrorCode::Snapshot: result.code = protocol::ErrorCode::Snapshot; break;
+    case core::SimulationErrorCode::LimitExceeded:
+      result.code = protocol::ErrorCode::Limit;
+      break;
+    case core::SimulationErrorCode::NonFinite:
+      result.code = protocol::ErrorCode::NonFinite;
+      break;
+    case core::SimulationErrorCode::Model:
+      result.code = protocol::ErrorCode::Model;
+      break;
+    case core::SimulationErrorCode::EnvironmentFailed:
+      result.code = protocol::ErrorCode::EnvironmentFailed;
+      break;
+    case core::SimulationErrorCode::Cancelled:
+      result.code = protocol::ErrorCode::Cancelled;
+      break;
+    case core::SimulationErrorCode::Snapshot:
+      result.code = protocol::ErrorCode::Snapshot;
+      break;
   }
   result.message = error.message;
   protocol::JsonWriter data;

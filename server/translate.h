@@ -25,7 +25,8 @@ namespace espalier::server {
 [[nodiscard]] std::vector<protocol::DiagnosticRecord> toRecords(const std::vector<core::Diagnostic>& diagnostics);
 /// A failed step as an error of the wire; `data` has step, plant, module, place and whether it can be tried again.
 /// `environment`: the simulation's environments for an error of theirs.
-[[nodiscard]] protocol::Error toError(const core::SimulationError& error, const std::vector<std::string>& environment = {});
+[[nodiscard]] protocol::Error toError(const core::SimulationError& error,
+                                      const std::vector<std::string>& environment = {});
 /// A model that does not compile: all diagnostics in `data`.
 [[nodiscard]] protocol::Error toError(const std::vector<core::Diagnostic>& diagnostics);
 

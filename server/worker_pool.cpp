@@ -75,7 +75,8 @@ void WorkerPool::blockWhile(const std::function<void()>& wait) {
   }
   wake_.notify_one();
   wait();
-  // for a moment one thread more than `workers` may compute: waiting for a place here could deadlock two that wait for each other
+  // for a moment one thread more than `workers` may compute: waiting for a place here could deadlock two that wait for
+  // each other
   const std::lock_guard lock(mutex_);
   --blocked_;
 }

@@ -46,9 +46,9 @@ class WorkerPool {
   std::condition_variable wake_;
   std::condition_variable idle_;
   std::deque<Task> tasks_;
-  std::size_t running_ = 0;   // tasks being run, blocked ones included
-  std::size_t blocked_ = 0;   // of them, inside blockWhile
-  std::size_t waiting_ = 0;   // threads without a task
+  std::size_t running_ = 0;  // tasks being run, blocked ones included
+  std::size_t blocked_ = 0;  // of them, inside blockWhile
+  std::size_t waiting_ = 0;  // threads without a task
   bool isStopping_ = false;
   std::vector<std::thread> threads_;
 };

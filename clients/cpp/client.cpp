@@ -25,7 +25,8 @@ Error lost(const std::string& what) {
 
 Error late(std::string_view what, std::chrono::milliseconds timeout) {
   return {ErrorCode::Timeout,
-          "No answer to " + std::string(what) + " within " + std::to_string(timeout.count()) + " ms.", {}};
+          "No answer to " + std::string(what) + " within " + std::to_string(timeout.count()) + " ms.",
+          {}};
 }
 
 }  // namespace
@@ -39,7 +40,8 @@ class Client::Implementation {
     const std::size_t colon = address.rfind(':');
     if (colon == std::string::npos || colon == 0 || colon + 1 == address.size()) {
       return Error{ErrorCode::InvalidParams,
-                   "'" + address + "' is not an address; write HOST:PORT, for example 127.0.0.1:4321.", {}};
+                   "'" + address + "' is not an address; write HOST:PORT, for example 127.0.0.1:4321.",
+                   {}};
     }
     std::string host = address.substr(0, colon);
     if (host.size() > 2 && host.front() == '[' && host.back() == ']') {

@@ -15,7 +15,7 @@
 namespace espalier::client {
 
 struct ClientOptions {
-  std::string name = "espalier-client";          // for the server's log
+  std::string name = "espalier-client";  // for the server's log
   std::string version = "0.1.0";
   std::vector<std::string> roles{"controller"};  // controller, environment, viewer
   std::string token;                             // empty: none
@@ -57,8 +57,8 @@ class Client {
   /// The server's answer to hello, as JSON.
   [[nodiscard]] const std::string& helloResult() const;
 
-  /// Asks and waits for the answer. Notifications and requests that come meanwhile are kept for the functions below. A lost
-  /// connection is an error with the code Internal, a missing answer one with Timeout.
+  /// Asks and waits for the answer. Notifications and requests that come meanwhile are kept for the functions below. A
+  /// lost connection is an error with the code Internal, a missing answer one with Timeout.
   [[nodiscard]] Outcome request(std::string_view method, std::string_view paramsJson);
 
   /// Sends without waiting; returns the id to give to waitFor or cancel.
@@ -71,7 +71,8 @@ class Client {
   /// The next request of the server, to be answered with respond or respondError.
   [[nodiscard]] std::optional<IncomingRequest> nextRequest(std::chrono::milliseconds timeout);
   [[nodiscard]] std::optional<protocol::Error> respond(const protocol::MessageId& id, std::string_view resultJson);
-  [[nodiscard]] std::optional<protocol::Error> respondError(const protocol::MessageId& id, const protocol::Error& error);
+  [[nodiscard]] std::optional<protocol::Error> respondError(const protocol::MessageId& id,
+                                                            const protocol::Error& error);
 
   [[nodiscard]] bool isOpen() const;
   void close();

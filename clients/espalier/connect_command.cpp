@@ -91,7 +91,8 @@ void writeModelFiles(protocol::JsonWriter& params, const ModelFiles& model) {
     if (const auto text = files.read(name.string())) {
       protocol::JsonWriter key;
       protocol::JsonWriter value;
-      members += (members.empty() ? "" : ",") + key.text(name.filename().string()).take() + ":" + value.text(*text).take();
+      members +=
+          (members.empty() ? "" : ",") + key.text(name.filename().string()).take() + ":" + value.text(*text).take();
     }
   }
   params.key("files").raw("{" + members + "}").key("main").text(main.filename().string());
@@ -327,7 +328,8 @@ void addConnect(CLI::App& program, int& status) {
   action->add_option("--gallery", options->gallery, "A model of the server's gallery instead");
   action->add_option("--environment", options->environment,
                      "NAME, tcp://HOST:PORT, offered:NAME, 'stdio:COMMAND', JSON, or a .json file");
-  action->add_option("--seed", options->seed, "Seed of all random draws; without it the server draws one and says which");
+  action->add_option("--seed", options->seed,
+                     "Seed of all random draws; without it the server draws one and says which");
   action->add_option("--derivation-length", options->derivationLength, "Number of steps, instead of the model's");
   action->add_option("--compat", options->compatibility, "cpfg or cpfg-batch");
 
@@ -345,7 +347,8 @@ void addConnect(CLI::App& program, int& status) {
       ->capture_default_str();
   action->add_option("--plant", options->plant, "Number of the plant, from 0")->capture_default_str();
 
-  action = addAction(*command, options, "stream", "Print a frame after each step, until the simulation is finished", stream);
+  action =
+      addAction(*command, options, "stream", "Print a frame after each step, until the simulation is finished", stream);
   addSimulation(action, options);
   action->add_option("WHAT", options->what, "turtle, string or statistics")->capture_default_str();
   action->add_option("--every", options->every, "Only steps that are multiples of this")->capture_default_str();
@@ -364,7 +367,8 @@ void addConnect(CLI::App& program, int& status) {
   addSimulation(action, options);
   action->add_option("FILE", options->file, "File that `save` wrote")->required();
 
-  action = addAction(*command, options, "delete", "Delete a simulation and its saved state", asking("simulation.delete"));
+  action =
+      addAction(*command, options, "delete", "Delete a simulation and its saved state", asking("simulation.delete"));
   addSimulation(action, options);
 
   addAction(*command, options, "list", "All simulations of the server", asking("simulation.list"));

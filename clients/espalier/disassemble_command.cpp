@@ -28,7 +28,8 @@ int disassemble(ModelOptions& options) {
 void addDisassemble(CLI::App& program, int& status) {
   CLI::App* command = program.add_subcommand("disassemble", "Print the code that a model is compiled to");
   command->footer(
-      "For every L-system its blocks, axiom and productions; under each production the place and the line it was written\n"
+      "For every L-system its blocks, axiom and productions; under each production the place and the line it was "
+      "written\n"
       "on, then its condition and the parameters it makes. `slot 0` is the first formal parameter, `= 2` a constant;\n"
       "numbered lines are instructions of a stack machine: LoadSlot pushes a formal parameter, Constant a number, the\n"
       "others take their operands from the stack and push what they make.\n"

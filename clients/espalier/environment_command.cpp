@@ -60,8 +60,9 @@ int runEnvironment(const EnvironmentOptions& options) {
   const int modes = (options.address.empty() ? 0 : 1) + (options.isOnStdio ? 1 : 0) + (options.describes ? 1 : 0) +
                     (options.printsSchema ? 1 : 0);
   if (options.name.empty() || modes != 1) {
-    printError("give the NAME of a built-in environment and one of --listen HOST:PORT, --stdio, --describe and --schema; "
-               "--list names them");
+    printError(
+        "give the NAME of a built-in environment and one of --listen HOST:PORT, --stdio, --describe and --schema; "
+        "--list names them");
     return kUsage;
   }
   std::string configuration;
@@ -121,7 +122,8 @@ void addEnvironment(CLI::App& program, int& status) {
                     "Serve on an address that other machines reach, without encryption and without asking who it is");
   command->add_flag("--stdio", options->isOnStdio, "Serve on standard input and output until the input ends");
   command->add_option("--configuration", options->configurationFile, "JSON file with its configuration; see --schema");
-  command->add_flag("--describe", options->describes, "Print what it needs, its inputs and outputs with units, as JSON");
+  command->add_flag("--describe", options->describes,
+                    "Print what it needs, its inputs and outputs with units, as JSON");
   command->add_flag("--schema", options->printsSchema, "Print the JSON Schema of its configuration");
   command->add_flag("--list", options->lists, "Print the names of all, each with a sentence");
   command->callback([options, &status] { status = runEnvironment(*options); });

@@ -37,7 +37,9 @@ class RecordingFileProvider final : public core::FileProvider {
   std::vector<std::pair<std::string, std::string>> recorded_;
 };
 
-bool startsWith(const std::string& text, const char* prefix) { return text.rfind(prefix, 0) == 0; }
+bool startsWith(const std::string& text, const char* prefix) {
+  return text.rfind(prefix, 0) == 0;
+}
 
 // the process, or null after its errors were printed, each after the name of the file it is about
 Process orPrintErrors(environment::ProcessOrErrors&& made, const std::string& file) {
@@ -74,8 +76,8 @@ Process makeEntry(const environment::EnvironmentEntry& entry, const std::string&
   const std::string key = isTcp ? "address" : "command";
   const std::string target = protocol::memberOf(entry.configuration, key).value_or("");
   if (target.empty()) {
-    printError(file + ": the environment '" + entry.name + "' needs a '" + key + "': " +
-               (isTcp ? "HOST:PORT" : "a command line that starts it"));
+    printError(file + ": the environment '" + entry.name + "' needs a '" + key +
+               "': " + (isTcp ? "HOST:PORT" : "a command line that starts it"));
     return nullptr;
   }
   const std::string scheme = isTcp && startsWith(target, "tcp://") ? "" : isTcp ? "tcp://" : "stdio:";
@@ -160,7 +162,8 @@ std::optional<LoadedEnvironment> loadEnvironment(const std::string& name, core::
 
 void warnAboutUnansweredQueries(const language::Program& program, const LoadedEnvironment* environment, bool isQuiet) {
   if (environment == nullptr || !environment->processNames.empty()) {
-    const std::vector<std::string> names = environment == nullptr ? std::vector<std::string>{} : environment->processNames;
+    const std::vector<std::string> names =
+        environment == nullptr ? std::vector<std::string>{} : environment->processNames;
     printDiagnostics(language::unansweredQueries(program, names), isQuiet);
   }
 }

@@ -15,18 +15,19 @@ namespace espalier::command {
 
 struct LoadedEnvironment {
   std::unique_ptr<turtle::EnvironmentProcess> process;
-  simulation::EnvironmentOrigin origin;  // its name and the files it was read from, to make it again from a snapshot
-  std::vector<std::string> processNames;        // of several processes in one; empty: one that answers every query
+  simulation::EnvironmentOrigin origin;   // its name and the files it was read from, to make it again from a snapshot
+  std::vector<std::string> processNames;  // of several processes in one; empty: one that answers every query
 };
 
-/// Makes the environment that a command line names: `tcp://HOST:PORT` and `stdio:COMMAND` are other processes, `*.json` is
-/// a configuration of one process or several, `*.e` a field file, anything else the name of a built-in process with its
-/// defaults. Writes what is wrong, and warnings unless `isQuiet`, to standard error; nothing on an error.
-[[nodiscard]] std::optional<LoadedEnvironment> loadEnvironment(const std::string& name, core::Compatibility compatibility,
-                                                               bool isQuiet, core::FileProvider& files);
+/// Makes the environment that a command line names: `tcp://HOST:PORT` and `stdio:COMMAND` are other processes, `*.json`
+/// is a configuration of one process or several, `*.e` a field file, anything else the name of a built-in process with
+/// its defaults. Writes what is wrong, and warnings unless `isQuiet`, to standard error; nothing on an error.
+[[nodiscard]] std::optional<LoadedEnvironment> loadEnvironment(const std::string& name,
+                                                               core::Compatibility compatibility, bool isQuiet,
+                                                               core::FileProvider& files);
 
-/// Warns on standard error about communication modules of the model that no process of `environment` answers. Null: there is
-/// no environment.
+/// Warns on standard error about communication modules of the model that no process of `environment` answers. Null:
+/// there is no environment.
 void warnAboutUnansweredQueries(const language::Program& program, const LoadedEnvironment* environment, bool isQuiet);
 
 }  // namespace espalier::command

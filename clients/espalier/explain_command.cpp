@@ -54,9 +54,8 @@ int explain(ExplainOptions& options) {
     printError(formatSimulationError(*failure));
     return kFailure;
   }
-  const auto explained =
-      derivation::explain(simulation.program(), simulation.derivationOptions(options.plant),
-                          simulation.plantState(options.plant), options.module);
+  const auto explained = derivation::explain(simulation.program(), simulation.derivationOptions(options.plant),
+                                             simulation.plantState(options.plant), options.module);
   if (const auto* error = std::get_if<core::SimulationError>(&explained)) {
     printError(formatSimulationError(*error));
     return kFailure;
@@ -71,9 +70,12 @@ int explain(ExplainOptions& options) {
 void addExplain(CLI::App& program, int& status) {
   CLI::App* command = program.add_subcommand("explain", "Say why a step did with a module what it did");
   command->footer(
-      "Step K rewrites the string of step K-1, which `espalier derive MODEL --every` prints; modules are counted from 0, and\n"
-      "`[`, `]` and `?` count. The answer names the production that fired and what it made, and for every other candidate\n"
-      "why it did not apply: the modules that its contexts saw, the value of its condition. In a stochastic model it shows\n"
+      "Step K rewrites the string of step K-1, which `espalier derive MODEL --every` prints; modules are counted from "
+      "0, and\n"
+      "`[`, `]` and `?` count. The answer names the production that fired and what it made, and for every other "
+      "candidate\n"
+      "why it did not apply: the modules that its contexts saw, the value of its condition. In a stochastic model it "
+      "shows\n"
       "the weights and the draw; draws depend on the seed, so give --seed when the model has no `seed:`.\n"
       "Examples:\n"
       "  espalier explain tree.l --step 3 --module 12\n"

@@ -71,14 +71,17 @@ void addFormat(CLI::App& program, int& status) {
   command->footer(
       "Writes the model on standard output with blanks in the same places everywhere: around ':', '-->', '<', '>' and\n"
       "operators, none before commas, blocks indented. Comments, directives, macros, line breaks and the spelling of\n"
-      "keywords stay; included files are not touched. The result means exactly the same: this is checked, and an item that\n"
+      "keywords stay; included files are not touched. The result means exactly the same: this is checked, and an item "
+      "that\n"
       "would change is left as it is.\n"
       "Examples:\n"
       "  espalier format tree.l --in-place\n"
       "  espalier format tree.l --check     exit status 1 when the file would be changed");
   auto options = std::make_shared<FormatOptions>();
-  CLI::Option* inPlace = command->add_flag("--in-place", options->isInPlace, "Write the file instead of standard output");
-  command->add_flag("--check", options->isCheck, "Write nothing; only say whether the file would be changed")->excludes(inPlace);
+  CLI::Option* inPlace =
+      command->add_flag("--in-place", options->isInPlace, "Write the file instead of standard output");
+  command->add_flag("--check", options->isCheck, "Write nothing; only say whether the file would be changed")
+      ->excludes(inPlace);
   command->add_option("model", options->model.model, "The L-system file (.l), or a folder that holds exactly one")
       ->type_name("MODEL")
       ->required();

@@ -14,9 +14,13 @@ void writeToStandardError(std::string_view text) {
 
 }  // namespace
 
-void printError(std::string_view sentence) { writeToStandardError("error: " + std::string(sentence) + "\n"); }
+void printError(std::string_view sentence) {
+  writeToStandardError("error: " + std::string(sentence) + "\n");
+}
 
-void printNote(std::string_view line) { writeToStandardError(std::string(line) + "\n"); }
+void printNote(std::string_view line) {
+  writeToStandardError(std::string(line) + "\n");
+}
 
 void printDiagnostics(const std::vector<core::Diagnostic>& diagnostics, bool isQuiet) {
   for (const core::Diagnostic& diagnostic : diagnostics) {

@@ -24,7 +24,8 @@ void printNote(std::string_view line);
 /// Writes diagnostics on standard error in the order given. With `isQuiet` only the errors.
 void printDiagnostics(const std::vector<core::Diagnostic>& diagnostics, bool isQuiet);
 
-/// The line for a model that failed while running: which step, what happened, and the step that the simulation stays at.
+/// The line for a model that failed while running: which step, what happened, and the step that the simulation stays
+/// at.
 [[nodiscard]] std::string formatSimulationError(const core::SimulationError& error);
 
 /// A model's printf output and run-time warnings on standard error. With `isQuiet` the printf output only.

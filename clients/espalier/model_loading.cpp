@@ -174,7 +174,8 @@ std::optional<LoadedModel> loadModel(ModelOptions& options, core::FileProvider& 
     }
     loaded.environment = std::move(*environment);
   }
-  warnAboutUnansweredQueries(*loaded.program, options.environment.empty() ? nullptr : &loaded.environment, options.isQuiet);
+  warnAboutUnansweredQueries(*loaded.program, options.environment.empty() ? nullptr : &loaded.environment,
+                             options.isQuiet);
   loaded.simulationOptions = simulationOptionsFor(options, *loaded.program);
   loaded.simulationOptions.environmentOrigin = loaded.environment.origin;
   return loaded;

@@ -12,13 +12,16 @@ std::string progressLine(std::uint64_t completedSteps, std::uint64_t totalSteps,
   const double fraction =
       totalSteps == 0 ? 1.0 : std::min(1.0, static_cast<double>(completedSteps) / static_cast<double>(totalSteps));
   const auto filled = static_cast<std::size_t>(fraction * static_cast<double>(width));
-  return "[" + std::string(filled, '#') + std::string(width - filled, ' ') + "] step " + std::to_string(completedSteps) +
-         " of " + std::to_string(totalSteps) + ", " + std::to_string(moduleCount) + " modules";
+  return "[" + std::string(filled, '#') + std::string(width - filled, ' ') + "] step " +
+         std::to_string(completedSteps) + " of " + std::to_string(totalSteps) + ", " + std::to_string(moduleCount) +
+         " modules";
 }
 
 ProgressBar::ProgressBar(bool isWanted) : isOnTerminal_(isWanted && isatty(STDERR_FILENO) == 1) {}
 
-ProgressBar::~ProgressBar() { clear(); }
+ProgressBar::~ProgressBar() {
+  clear();
+}
 
 void ProgressBar::show(std::uint64_t completedSteps, std::uint64_t totalSteps, std::uint64_t moduleCount) {
   if (!isOnTerminal_) {

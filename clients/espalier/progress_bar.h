@@ -6,8 +6,8 @@
 namespace espalier::command {
 
 /// One line of progress: a bar of `width` characters, the step, and the modules of the strings.
-[[nodiscard]] std::string progressLine(std::uint64_t completedSteps, std::uint64_t totalSteps, std::uint64_t moduleCount,
-                                       std::size_t width);
+[[nodiscard]] std::string progressLine(std::uint64_t completedSteps, std::uint64_t totalSteps,
+                                       std::uint64_t moduleCount, std::size_t width);
 
 /// A progress bar on standard error, redrawn in place. Shows nothing when standard error is not a terminal.
 class ProgressBar {

@@ -39,12 +39,13 @@ std::optional<std::string> setLimit(const std::string& text, server::ServerLimit
                                                    {"modules", &limits.simulation.maximumModules},
                                                    {"queries", &limits.simulation.maximumQueries},
                                                    {"stringBytes", &limits.simulation.maximumStringBytes}};
-  const std::map<std::string, std::uint32_t*> narrow{{"sessions", &limits.sessions},
-                                                     {"simulations", &limits.simulations},
-                                                     {"streamsPerSession", &limits.streamsPerSession},
-                                                     {"requestsPerSession", &limits.requestsPerSession},
-                                                     {"handshakeMilliseconds", &limits.handshakeMilliseconds},
-                                                     {"environmentStepMilliseconds", &limits.environmentStepMilliseconds}};
+  const std::map<std::string, std::uint32_t*> narrow{
+      {"sessions", &limits.sessions},
+      {"simulations", &limits.simulations},
+      {"streamsPerSession", &limits.streamsPerSession},
+      {"requestsPerSession", &limits.requestsPerSession},
+      {"handshakeMilliseconds", &limits.handshakeMilliseconds},
+      {"environmentStepMilliseconds", &limits.environmentStepMilliseconds}};
   const std::string name = text.substr(0, equals);
   if (const auto found = wide.find(name); found != wide.end()) {
     *found->second = number;
@@ -105,22 +106,27 @@ void addServe(CLI::App& program, int& status) {
       "  espalier serve --listen 127.0.0.1:4321 --data plants &\n"
       "  espalier connect 127.0.0.1:4321 create MODEL.l\n"
       "With --data every simulation is saved after each step and is there again when the server is started again.");
-  command->add_option("--listen", options->address,
-                      "HOST:PORT; port 0 takes a free one. Addresses that other machines reach need a token and --insecure")
+  command
+      ->add_option(
+          "--listen", options->address,
+          "HOST:PORT; port 0 takes a free one. Addresses that other machines reach need a token and --insecure")
       ->capture_default_str();
   command->add_option("--data", options->server.dataFolder, "Folder in which simulations are kept; made when missing");
   command->add_option("--gallery", options->server.galleryFolder,
                       "Folder of model folders that clients can name: {\"gallery\":\"NAME\"}");
   command->add_option("--token", options->server.token, "Text that clients must send as `token` in hello");
-  command->add_option("--token-file", options->tokenFile, "File whose first line is the token (other users cannot see it)");
-  command->add_flag("--insecure", options->server.isInsecureAllowed, "Allow an address beyond this machine without encryption");
+  command->add_option("--token-file", options->tokenFile,
+                      "File whose first line is the token (other users cannot see it)");
+  command->add_flag("--insecure", options->server.isInsecureAllowed,
+                    "Allow an address beyond this machine without encryption");
   command->add_flag("--allow-spawn", options->server.isSpawnAllowed,
                     "Let clients on other machines start commands as environments (`stdio`)");
   command->add_option("--workers", options->server.workers, "Simulations that compute at a time; 0: as many as cores")
       ->capture_default_str();
-  command->add_option("--limit", options->limits,
-                      "NAME=NUMBER, repeatable: lineBytes outboxBytes sessions simulations streamsPerSession\n"
-                      "requestsPerSession modules queries stringBytes handshakeMilliseconds environmentStepMilliseconds");
+  command->add_option(
+      "--limit", options->limits,
+      "NAME=NUMBER, repeatable: lineBytes outboxBytes sessions simulations streamsPerSession\n"
+      "requestsPerSession modules queries stringBytes handshakeMilliseconds environmentStepMilliseconds");
   command->add_option("--log-level", options->server.logLevel, "trace, debug, info, warn, error or off")
       ->check(CLI::IsMember({"trace", "debug", "info", "warn", "error", "off"}))
       ->capture_default_str();

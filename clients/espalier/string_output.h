@@ -5,8 +5,8 @@
 
 namespace espalier::command {
 
-/// Writes the text form of a string of modules and a newline on standard output, in pieces: a string of a hundred million
-/// modules needs no copy of its text in memory.
+/// Writes the text form of a string of modules and a newline on standard output, in pieces: a string of a hundred
+/// million modules needs no copy of its text in memory.
 void printString(const language::Program& program, const derivation::ModuleString& string);
 
 }  // namespace espalier::command

@@ -13,7 +13,9 @@ namespace {
 constexpr std::size_t kMappedBytes = std::size_t{1} << 20U;
 constexpr std::size_t kHugePageBytes = std::size_t{2} << 20U;
 
-std::size_t mappedSize(std::size_t byteCount) { return (byteCount + kHugePageBytes - 1) & ~(kHugePageBytes - 1); }
+std::size_t mappedSize(std::size_t byteCount) {
+  return (byteCount + kHugePageBytes - 1) & ~(kHugePageBytes - 1);
+}
 
 }  // namespace
 

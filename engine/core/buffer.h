@@ -8,7 +8,8 @@
 
 namespace espalier::core {
 
-/// Maps or frees page-aligned memory; large blocks ask for huge pages so that first touch is cheap. Throws std::bad_alloc.
+/// Maps or frees page-aligned memory; large blocks ask for huge pages so that first touch is cheap. Throws
+/// std::bad_alloc.
 [[nodiscard]] void* mapPages(std::size_t byteCount);
 void unmapPages(void* memory, std::size_t byteCount) noexcept;
 

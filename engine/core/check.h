@@ -17,17 +17,17 @@ class InternalError : public std::logic_error {
 }  // namespace espalier::core
 
 /// Checks what can only be false through our own bug; on in all builds. Throws InternalError.
-#define ESPALIER_CHECK(expression)                                                      \
-  do {                                                                                  \
-    if (!(expression)) {                                                                \
-      ::espalier::core::throwInternalError(#expression, __FILE__, __LINE__, {});        \
-    }                                                                                   \
+#define ESPALIER_CHECK(expression)                                               \
+  do {                                                                           \
+    if (!(expression)) {                                                         \
+      ::espalier::core::throwInternalError(#expression, __FILE__, __LINE__, {}); \
+    }                                                                            \
   } while (false)
 
 /// The same with values for the message: a std::string.
-#define ESPALIER_CHECK_VALUES(expression, values)                                       \
-  do {                                                                                  \
-    if (!(expression)) {                                                                \
-      ::espalier::core::throwInternalError(#expression, __FILE__, __LINE__, (values));  \
-    }                                                                                   \
+#define ESPALIER_CHECK_VALUES(expression, values)                                      \
+  do {                                                                                 \
+    if (!(expression)) {                                                               \
+      ::espalier::core::throwInternalError(#expression, __FILE__, __LINE__, (values)); \
+    }                                                                                  \
   } while (false)

@@ -19,7 +19,9 @@ std::string_view severityWord(Severity severity) {
   return "note";
 }
 
-char lower(char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); }
+char lower(char c) {
+  return static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+}
 
 // a substitution costs 2, a change of letter case 1: distances are in half steps
 int substitutionCost(char a, char b) {
@@ -41,8 +43,8 @@ int editDistance(std::string_view a, std::string_view b) {
   for (std::size_t i = 1; i <= a.size(); ++i) {
     current[0] = static_cast<int>(i) * kStep;
     for (std::size_t j = 1; j <= b.size(); ++j) {
-      current[j] = std::min({last[j] + kStep, current[j - 1] + kStep,
-                             last[j - 1] + substitutionCost(a[i - 1], b[j - 1])});
+      current[j] =
+          std::min({last[j] + kStep, current[j - 1] + kStep, last[j - 1] + substitutionCost(a[i - 1], b[j - 1])});
       if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) {
         current[j] = std::min(current[j], beforeLast[j - 2] + kStep);
       }

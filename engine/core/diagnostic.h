@@ -17,12 +17,12 @@ struct SourceRange {
 
 /// A place in a file as a person names it.
 struct SourceLocation {
-  std::string file;           // as the user named it; empty: no place is known
-  std::uint32_t line = 0;     // 1-based
-  std::uint32_t column = 0;   // 1-based, in bytes
-  std::uint32_t length = 1;   // bytes to underline, at least 1, never beyond the line
-  std::string lineText;       // the physical line without its newline
-  std::string expansion;      // "in the expansion of R (tree.l:3:9)"; empty outside macros
+  std::string file;          // as the user named it; empty: no place is known
+  std::uint32_t line = 0;    // 1-based
+  std::uint32_t column = 0;  // 1-based, in bytes
+  std::uint32_t length = 1;  // bytes to underline, at least 1, never beyond the line
+  std::string lineText;      // the physical line without its newline
+  std::string expansion;     // "in the expansion of R (tree.l:3:9)"; empty outside macros
 
   bool operator==(const SourceLocation&) const = default;
 };
@@ -67,8 +67,8 @@ class DiagnosticList {
 };
 
 /// The name among `candidates` nearest to `name` by edit distance (insertion, deletion, substitution, transposition of
-/// neighbours; letter case counts half), or an empty string when none is near enough (distance above a third of the length,
-/// at least 1). Ties go to the first candidate. O(candidates * length^2).
+/// neighbours; letter case counts half), or an empty string when none is near enough (distance above a third of the
+/// length, at least 1). Ties go to the first candidate. O(candidates * length^2).
 [[nodiscard]] std::string_view nearestName(std::string_view name, const std::vector<std::string_view>& candidates);
 
 /// "Did you mean 'chiba'? Available: chiba, clover." or only the list when no name is near. Names are listed as given.

@@ -6,20 +6,20 @@ namespace espalier::core {
 
 /// Bounds of one simulation. Each is configuration, never a fixed buffer, and is named in the error it causes.
 struct Limits {
-  std::uint64_t maximumModules = 1'000'000'000;           // modules in one string
-  std::uint64_t maximumStringBytes = 16'000'000'000;      // one string's types and parameters
-  std::uint32_t maximumArity = 1000;                      // parameters of one module
-  std::uint64_t maximumLoopIterations = 100'000'000;      // loop turns in one execution of a block
-  std::uint32_t maximumRecursion = 10'000;                // decomposition or homomorphism depth, whatever the model asks
-  std::uint64_t maximumQueries = 100'000'000;             // communication modules in one step
-  std::uint32_t maximumTurtleStack = 1'000'000;           // open brackets while interpreting
+  std::uint64_t maximumModules = 1'000'000'000;       // modules in one string
+  std::uint64_t maximumStringBytes = 16'000'000'000;  // one string's types and parameters
+  std::uint32_t maximumArity = 1000;                  // parameters of one module
+  std::uint64_t maximumLoopIterations = 100'000'000;  // loop turns in one execution of a block
+  std::uint32_t maximumRecursion = 10'000;            // decomposition or homomorphism depth, whatever the model asks
+  std::uint64_t maximumQueries = 100'000'000;         // communication modules in one step
+  std::uint32_t maximumTurtleStack = 1'000'000;       // open brackets while interpreting
 
   // reading a model
-  std::uint64_t maximumSourceBytes = 64'000'000;          // text after preprocessing
+  std::uint64_t maximumSourceBytes = 64'000'000;  // text after preprocessing
   std::uint32_t maximumIncludeDepth = 64;
   std::uint32_t maximumMacroDepth = 256;
-  std::uint64_t maximumArrayElements = 16'000'000;        // elements of all arrays of one L-system
-  std::uint32_t maximumExpressionDepth = 1000;            // nesting in one expression or block
+  std::uint64_t maximumArrayElements = 16'000'000;  // elements of all arrays of one L-system
+  std::uint32_t maximumExpressionDepth = 1000;      // nesting in one expression or block
 };
 
 }  // namespace espalier::core

@@ -12,10 +12,12 @@ enum class NumberStyle : unsigned char {
   PercentG,  // C's %g, six significant digits
 };
 
-/// Appends a number in the given style. -0 prints as 0 in the Shortest style. Non-finite values print as nan, inf, -inf.
+/// Appends a number in the given style. -0 prints as 0 in the Shortest style. Non-finite values print as nan, inf,
+/// -inf.
 void appendNumber(std::string& text, double value, NumberStyle style);
 
-/// The value of a decimal number that fills all of `text` (as C's strtod without hexadecimal, inf or nan); nothing otherwise.
+/// The value of a decimal number that fills all of `text` (as C's strtod without hexadecimal, inf or nan); nothing
+/// otherwise.
 [[nodiscard]] std::optional<double> parseNumber(std::string_view text);
 
 /// The value that survives printing with %g and reading back.

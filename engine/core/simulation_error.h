@@ -22,9 +22,9 @@ enum class SimulationErrorCode : std::uint8_t {
 /// A model that fails while running. The simulation stays at its last completed step.
 struct SimulationError {
   SimulationErrorCode code = SimulationErrorCode::Model;
-  std::string message;                  // whole sentences: what happened and what to do
-  SourceLocation location{};            // empty file: none
-  std::uint64_t step = 0;               // the step that could not be completed
+  std::string message;        // whole sentences: what happened and what to do
+  SourceLocation location{};  // empty file: none
+  std::uint64_t step = 0;     // the step that could not be completed
   std::uint32_t plant = 0;
   std::optional<std::uint64_t> module{};  // index in the string that was being read
   bool isRetryable = false;

@@ -21,7 +21,8 @@ void CallStack::push(std::uint32_t instance, core::SourceRange range) {
   const language::LSystem& system = program_->systems[inner.system];
   if (frames_.size() > kMaximumDepth) {
     evaluator_->failHere(core::SimulationErrorCode::LimitExceeded,
-                         "calls of sub-L-systems are nested more than " + std::to_string(kMaximumDepth) + " deep", range);
+                         "calls of sub-L-systems are nested more than " + std::to_string(kMaximumDepth) + " deep",
+                         range);
   }
   const bool isActive = std::any_of(frames_.begin(), frames_.end(), [&](const Frame& frame) {
     return (*instances_)[frame.instance].system == inner.system;
@@ -48,9 +49,9 @@ void CallStack::push(std::uint32_t instance, core::SourceRange range) {
     }
     if (!isBound && hasWarned_[inner.system] == 0) {
       hasWarned_[inner.system] = 1;
-      evaluator_->warn("no caller of L-system " + system.name + " has a variable '" + name +
-                           "'; the external variable is its own",
-                       range);
+      evaluator_->warn(
+          "no caller of L-system " + system.name + " has a variable '" + name + "'; the external variable is its own",
+          range);
     }
   }
   frames_.push_back({instance, firstBinding});

@@ -10,9 +10,9 @@
 
 namespace espalier::derivation {
 
-/// The L-systems that are active at one place of the string: the main one and the calls of sub-L-systems around the place,
-/// outermost first. Entering a call copies its external variables from the nearest enclosing L-system that has a variable
-/// of that name; leaving it copies them back (LANGUAGE §1.4).
+/// The L-systems that are active at one place of the string: the main one and the calls of sub-L-systems around the
+/// place, outermost first. Entering a call copies its external variables from the nearest enclosing L-system that has a
+/// variable of that name; leaving it copies them back (LANGUAGE §1.4).
 class CallStack {
  public:
   static constexpr std::size_t kMaximumDepth = 100;
@@ -34,13 +34,13 @@ class CallStack {
 
  private:
   struct Binding {
-    std::uint32_t slot = 0;            // variable of the call
-    std::uint32_t outerInstance = 0;   // whose variable it is
+    std::uint32_t slot = 0;           // variable of the call
+    std::uint32_t outerInstance = 0;  // whose variable it is
     std::uint32_t outerSlot = 0;
   };
   struct Frame {
-    std::uint32_t instance = 0;      // index into the instances
-    std::size_t firstBinding = 0;    // in bindings_
+    std::uint32_t instance = 0;    // index into the instances
+    std::size_t firstBinding = 0;  // in bindings_
   };
 
   const language::Program* program_;

@@ -86,7 +86,7 @@ bool matchesLeft(const language::Program& program, const ContextRules& rules, co
 
 bool matchesRight(const language::Program& program, const ContextRules& rules, const ContextString& string,
                   std::span<const ContextElement> context, std::uint64_t module, std::uint64_t offset, double* frame,
-                 std::vector<ContextLook>* looks) {
+                  std::vector<ContextLook>* looks) {
   for (const ContextElement& element : context) {
     const bool isBranchEnd = element.kind == ContextElement::Kind::SkipToBranchEnd;
     std::uint64_t remaining = string.size + 1;
@@ -108,8 +108,8 @@ bool matchesRight(const language::Program& program, const ContextRules& rules, c
         break;
       }
       const bool isSkippedBranch =
-          type == program.openBranch && (isBranchEnd || (!rules.isIgnored(type) &&
-                                                         element.kind != ContextElement::Kind::OpenBranch));
+          type == program.openBranch &&
+          (isBranchEnd || (!rules.isIgnored(type) && element.kind != ContextElement::Kind::OpenBranch));
       if (isSkippedBranch) {
         const StringIndex::Link& link = string.index->link(module);
         if (link.partner == StringIndex::kNone) {

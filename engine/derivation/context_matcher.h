@@ -42,17 +42,18 @@ struct ContextLook {
 };
 
 /// Whether the modules left of module `module` (its parameters begin at `offset`) match a left context, given nearest
-/// first; the parameters found are bound to `frame`. Branches that end on the way are skipped, a `[` leads into the mother
-/// axis, ignored symbols are skipped (LANGUAGE §1.6). `looks`, when given, gets an entry for each element up to the first
-/// that fails. O(modules passed).
+/// first; the parameters found are bound to `frame`. Branches that end on the way are skipped, a `[` leads into the
+/// mother axis, ignored symbols are skipped (LANGUAGE §1.6). `looks`, when given, gets an entry for each element up to
+/// the first that fails. O(modules passed).
 [[nodiscard]] bool matchesLeft(const language::Program& program, const ContextRules& rules, const ContextString& string,
                                std::span<const language::ContextElement> context, std::uint64_t module,
                                std::uint64_t offset, double* frame, std::vector<ContextLook>* looks = nullptr);
 
 /// The same to the right, from module `module` on: ignored symbols are skipped first, then a branch unless the context
 /// names its `[`; `]` is a symbol like any other.
-[[nodiscard]] bool matchesRight(const language::Program& program, const ContextRules& rules, const ContextString& string,
-                                std::span<const language::ContextElement> context, std::uint64_t module,
-                                std::uint64_t offset, double* frame, std::vector<ContextLook>* looks = nullptr);
+[[nodiscard]] bool matchesRight(const language::Program& program, const ContextRules& rules,
+                                const ContextString& string, std::span<const language::ContextElement> context,
+                                std::uint64_t module, std::uint64_t offset, double* frame,
+                                std::vector<ContextLook>* looks = nullptr);
 
 }  // namespace espalier::derivation

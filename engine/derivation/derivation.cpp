@@ -153,8 +153,7 @@ void Derivation::Implementation::appendAxiom(ModuleString& string) {
     parameters.clear();
     for (std::size_t i = 0; i < program_->arity[module.type]; ++i) {
       const language::Expression& expression = system.axiomExpressions[module.firstExpression + i];
-      parameters.push_back(
-          rewriter_.stored(evaluator_.value(expression, frame_.data()), expression, i, module.type));
+      parameters.push_back(rewriter_.stored(evaluator_.value(expression, frame_.data()), expression, i, module.type));
     }
     string.append(module.type, parameters);
   }
@@ -204,9 +203,9 @@ bool Derivation::Implementation::needsIndex(const language::LSystem& system) con
 
 void Derivation::Implementation::buildIndex(const ModuleString& string) {
   if (string.size() > StringIndex::kMaximumModules) {
-    evaluator_.failHere(core::SimulationErrorCode::LimitExceeded,
-                        "a model with contexts can have at most " + std::to_string(StringIndex::kMaximumModules) +
-                            " modules");
+    evaluator_.failHere(
+        core::SimulationErrorCode::LimitExceeded,
+        "a model with contexts can have at most " + std::to_string(StringIndex::kMaximumModules) + " modules");
   }
   index_.clear();
   index_.extend(*program_, string);
@@ -271,10 +270,11 @@ std::uint64_t Derivation::Implementation::expand(PlantState& state, std::uint32_
 
   // contexts follow the rules of the main L-system
   const ModuleString& string = state.string;
-  rewriter_.setStrings({string.types().data(), string.parameters().data(), string.size(), string.parameterCount(), &index_},
-                       nullptr);
+  rewriter_.setStrings(
+      {string.types().data(), string.parameters().data(), string.size(), string.parameterCount(), &index_}, nullptr);
   const ContextRules& rules = tables_.front().rules;
-  const PredecessorPlace place{string.types().data(), string.parameters().data(), string.size(), module, parameterOffset};
+  const PredecessorPlace place{string.types().data(), string.parameters().data(), string.size(), module,
+                               parameterOffset};
   Surroundings surroundings{module, parameterOffset, 0, 0, true};
   const bool hasOwnStream = system.homomorphismSeed && *system.homomorphismSeed >= 0.0;
   evaluator_.setModule(module, type);
@@ -303,7 +303,9 @@ std::uint64_t Derivation::Implementation::expand(PlantState& state, std::uint32_
   return consumed;
 }
 
-void Derivation::Implementation::endInterpretation() { random_.usePrivateStream(false); }
+void Derivation::Implementation::endInterpretation() {
+  random_.usePrivateStream(false);
+}
 
 Derivation::Derivation(const language::Program& program, DerivationOptions options)
     : implementation_(std::make_unique<Implementation>(program, std::move(options))) {}
@@ -311,13 +313,21 @@ Derivation::~Derivation() = default;
 Derivation::Derivation(Derivation&&) noexcept = default;
 Derivation& Derivation::operator=(Derivation&&) noexcept = default;
 
-void Derivation::rewind(PlantState& state) { implementation_->rewind(state); }
-void Derivation::derive(PlantState& state) { implementation_->derive(state); }
+void Derivation::rewind(PlantState& state) {
+  implementation_->rewind(state);
+}
+void Derivation::derive(PlantState& state) {
+  implementation_->derive(state);
+}
 void Derivation::deriveRecorded(PlantState& state, ModuleRecord& record) {
   implementation_->deriveRecorded(state, record);
 }
-bool Derivation::hasHomomorphism() const { return implementation_->hasHomomorphism(); }
-void Derivation::beginInterpretation(PlantState& state) { implementation_->beginInterpretation(state); }
+bool Derivation::hasHomomorphism() const {
+  return implementation_->hasHomomorphism();
+}
+void Derivation::beginInterpretation(PlantState& state) {
+  implementation_->beginInterpretation(state);
+}
 std::uint64_t Derivation::expand(PlantState& state, std::uint32_t instance, std::uint64_t module,
                                  std::uint64_t parameterOffset, ModuleString& image) {
   return implementation_->expand(state, instance, module, parameterOffset, image);
@@ -326,6 +336,8 @@ void Derivation::endInterpretation(PlantState& state) {
   static_cast<void>(state);
   implementation_->endInterpretation();
 }
-const DerivationOptions& Derivation::options() const { return implementation_->options(); }
+const DerivationOptions& Derivation::options() const {
+  return implementation_->options();
+}
 
 }  // namespace espalier::derivation

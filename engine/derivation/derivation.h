@@ -15,14 +15,14 @@ namespace espalier::derivation {
 struct ModuleRecord;
 
 struct DerivationOptions {
-  std::uint64_t seed = 0;                          // Espalier mode: of all draws; cpfg mode: replaces `seed:` when hasSeed
+  std::uint64_t seed = 0;  // Espalier mode: of all draws; cpfg mode: replaces `seed:` when hasSeed
   bool hasSeed = false;
   std::uint32_t plant = 0;
-  std::optional<std::uint64_t> derivationLength;   // replaces the model's (Z and when End runs)
-  unsigned threads = 1;                            // results do not depend on it
+  std::optional<std::uint64_t> derivationLength;  // replaces the model's (Z and when End runs)
+  unsigned threads = 1;                           // results do not depend on it
   core::Limits limits;
-  const std::atomic<bool>* cancelled = nullptr;    // polled about every 65,536 modules; must outlive the Derivation
-  core::MessageSink messages;                      // printf and run-time warnings; may be empty
+  const std::atomic<bool>* cancelled = nullptr;  // polled about every 65,536 modules; must outlive the Derivation
+  core::MessageSink messages;                    // printf and run-time warnings; may be empty
 };
 
 /// Derives the strings of one plant. Holds working memory only: everything that matters between steps is in PlantState.
@@ -43,8 +43,8 @@ class Derivation {
   /// the string's contents, which the caller may have changed before and which are untouched here.
   void derive(PlantState& state);
 
-  /// The same, and writes down what the step does with the module `record.module` of the string. Slower: no shortcut of the
-  /// scan is taken. When the step fails, the record holds what happened to the module before that.
+  /// The same, and writes down what the step does with the module `record.module` of the string. Slower: no shortcut of
+  /// the scan is taken. When the step fails, the record holds what happened to the module before that.
   void deriveRecorded(PlantState& state, ModuleRecord& record);
 
   /// Whether interpreting has side effects on `state` or needs `expand` at all: any homomorphism production exists.
@@ -55,8 +55,8 @@ class Derivation {
 
   /// Applies the homomorphism to the modules from `module` on (parameters from `parameterOffset`), depth first to the
   /// maximum depth, and appends the image to `image`. Returns how many modules of the string were consumed; 0: no
-  /// production applies and the module stands for itself. A `%` of the image is left out. `instance` is the index of the
-  /// sub-L-system instance around the module (0: the main one). May run blocks, hence `state` is mutable.
+  /// production applies and the module stands for itself. A `%` of the image is left out. `instance` is the index of
+  /// the sub-L-system instance around the module (0: the main one). May run blocks, hence `state` is mutable.
   std::uint64_t expand(PlantState& state, std::uint32_t instance, std::uint64_t module, std::uint64_t parameterOffset,
                        ModuleString& image);
 

@@ -35,7 +35,9 @@ Evaluator::Evaluator(const language::Program& program, RandomSource& random, Opt
   place_.plant = options_.plant;
 }
 
-void Evaluator::attach(PlantState& state) { state_ = &state; }
+void Evaluator::attach(PlantState& state) {
+  state_ = &state;
+}
 
 void Evaluator::enter(InstanceState& instance) {
   instance_ = &instance;
@@ -204,7 +206,8 @@ void Evaluator::run(language::CodeRange code, double* frame) {
         *top++ = 0.0;
         break;
       case Operation::FileOpen:
-        warnOnce(at, "fopen(\"" + program_->strings[operand] + "\") is refused: models open no files here; the handle is 0");
+        warnOnce(
+            at, "fopen(\"" + program_->strings[operand] + "\") is refused: models open no files here; the handle is 0");
         *top++ = 0.0;
         break;
       case Operation::FileClose:
@@ -336,8 +339,8 @@ double Evaluator::call(Function function, std::span<const double> arguments, std
     case Function::VvZmin:
     case Function::VvZmax:
     case Function::VvScale:
-      warnOnce(at, std::string(language::functionInfo(function).name) +
-                       ": a derivation has no view volume; the value is 0");
+      warnOnce(
+          at, std::string(language::functionInfo(function).name) + ": a derivation has no view volume; the value is 0");
       return 0.0;
     case Function::Display:
       return 0.0;

@@ -17,9 +17,9 @@
 
 namespace espalier::derivation {
 
-/// Runs the code of a Program: a stack machine over doubles (engine/language/instruction.def). It works on the state given
-/// by attach and enter and allocates nothing while it runs. Code draws its random numbers from the RandomSource, whose key
-/// the caller sets.
+/// Runs the code of a Program: a stack machine over doubles (engine/language/instruction.def). It works on the state
+/// given by attach and enter and allocates nothing while it runs. Code draws its random numbers from the RandomSource,
+/// whose key the caller sets.
 class Evaluator {
  public:
   struct Options {
@@ -65,15 +65,17 @@ class Evaluator {
   /// cancelled.
   void run(language::CodeRange code, double* frame);
 
-  /// The name and the present value of the variable that an instruction loads (a static, an L-system's variable, Q or Z);
-  /// nothing for other instructions.
-  [[nodiscard]] std::optional<std::pair<std::string, double>> variableRead(const language::Instruction& instruction) const;
+  /// The name and the present value of the variable that an instruction loads (a static, an L-system's variable, Q or
+  /// Z); nothing for other instructions.
+  [[nodiscard]] std::optional<std::pair<std::string, double>> variableRead(
+      const language::Instruction& instruction) const;
 
   /// Reports a warning with a place in the model, if anybody listens.
   void warn(const std::string& message, core::SourceRange range) const;
   /// Throws SimulationFailure when the caller asked to stop.
   void pollCancelled() const;
-  [[noreturn]] void failHere(core::SimulationErrorCode code, const std::string& what, core::SourceRange range = {}) const {
+  [[noreturn]] void failHere(core::SimulationErrorCode code, const std::string& what,
+                             core::SourceRange range = {}) const {
     fail(*program_, place_, code, what, range);
   }
 
@@ -87,9 +89,9 @@ class Evaluator {
   RandomSource* random_;
   Options options_;
   FailurePlace place_;
-  double step_ = 0.0;                    // Q
-  PlantState* state_ = nullptr;          // the attached plant
-  InstanceState* instance_ = nullptr;    // the entered instance
+  double step_ = 0.0;                  // Q
+  PlantState* state_ = nullptr;        // the attached plant
+  InstanceState* instance_ = nullptr;  // the entered instance
   const language::LSystem* system_ = nullptr;
   std::vector<double> stack_;            // (Program::maximumStack and a margin)
   std::vector<std::uint8_t> hasWarned_;  // by instruction: each place warns once (code size)

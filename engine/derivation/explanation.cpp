@@ -86,8 +86,8 @@ class Writer {
              (isDecomposition(*production) ? " (decomposition)." : "."));
         line("  " + production->chosen->text);
         if (record_.consumed > 1) {
-          line("Its predecessor is " + counted(record_.consumed, "module") + ", " + std::to_string(record_.first) + " to " +
-               std::to_string(record_.first + record_.consumed - 1) + "; this one is number " +
+          line("Its predecessor is " + counted(record_.consumed, "module") + ", " + std::to_string(record_.first) +
+               " to " + std::to_string(record_.first + record_.consumed - 1) + "; this one is number " +
                std::to_string(record_.module - record_.first + 1) + " of them.");
         }
         line("It made: " + shown(record_.result));
@@ -126,8 +126,9 @@ class Writer {
 
   void writeSearches() {
     const core::ModuleTypeId type = state_.string.types()[record_.first];
-    const bool hasProductionSearch = std::any_of(record_.searches.begin(), record_.searches.end(),
-                                                 [this](const SearchRecord& search) { return !isDecomposition(search); });
+    const bool hasProductionSearch =
+        std::any_of(record_.searches.begin(), record_.searches.end(),
+                    [this](const SearchRecord& search) { return !isDecomposition(search); });
     if (!hasProductionSearch) {
       SearchRecord none;
       none.list = &record_.system->productions;
@@ -163,7 +164,8 @@ class Writer {
       line(title + ": none begins with '" + std::string(program_.nameOf(search.type)) + "'");
       return;
     }
-    line(title + (isDecomposition(search) ? ": productions" : "") + " that begin with '" + std::string(program_.nameOf(search.type)) + "', in the order of the file:");
+    line(title + (isDecomposition(search) ? ": productions" : "") + " that begin with '" +
+         std::string(program_.nameOf(search.type)) + "', in the order of the file:");
     for (const Production* production : related) {
       line("  " + place(*production) + ": " + production->text);
       writeCandidate(search, *production);
@@ -172,13 +174,15 @@ class Writer {
   }
 
   void writeCandidate(const SearchRecord& search, const Production& production) {
-    const auto found = std::find_if(search.candidates.begin(), search.candidates.end(),
-                                    [&](const CandidateRecord& candidate) { return candidate.production == &production; });
+    const auto found =
+        std::find_if(search.candidates.begin(), search.candidates.end(),
+                     [&](const CandidateRecord& candidate) { return candidate.production == &production; });
     if (found == search.candidates.end()) {
       const std::size_t arity = program_.arity[production.predecessor.front().type];
       const std::size_t has = program_.arity[search.type];
-      line(arity != has ? "    failed: it wants " + counted(arity, "parameter") + ", the module has " + std::to_string(has)
-                        : "    not tried: an earlier one applied");
+      line(arity != has
+               ? "    failed: it wants " + counted(arity, "parameter") + ", the module has " + std::to_string(has)
+               : "    not tried: an earlier one applied");
       return;
     }
     const CandidateRecord& candidate = *found;
@@ -229,9 +233,7 @@ class Writer {
     return source == number(weight) ? source : source + " = " + number(weight);
   }
 
-  [[nodiscard]] bool isDecomposedLater(const SearchRecord& search) const {
-    return &search != &record_.searches.back();
-  }
+  [[nodiscard]] bool isDecomposedLater(const SearchRecord& search) const { return &search != &record_.searches.back(); }
 
   void writeChoice(const SearchRecord& search) {
     if (!search.isStochastic || search.chosen == nullptr) {
@@ -263,7 +265,7 @@ class Writer {
       const ContextLook& look = looks[i];
       std::string text = "    " + side + " context: wants ";
       text += context[i].kind == language::ContextElement::Kind::SkipToBranchEnd ? std::string("the end of the branch")
-                                                                                : formalText(context[i].module);
+                                                                                 : formalText(context[i].module);
       switch (look.result) {
         case ContextLook::Result::Matched:
           text += ", saw " + module(look.module);
@@ -395,8 +397,8 @@ std::variant<std::string, core::SimulationError> explain(const language::Program
     error.step = state.step + 1;
     error.plant = options.plant;
     error.module = module;
-    error.message = "there is no module " + std::to_string(module) + " in the string of step " + std::to_string(state.step) +
-                    ": " +
+    error.message = "there is no module " + std::to_string(module) + " in the string of step " +
+                    std::to_string(state.step) + ": " +
                     (state.string.empty() ? std::string("it is empty")
                                           : "it has " + counted(state.string.size(), "module") + ", numbered 0 to " +
                                                 std::to_string(state.string.size() - 1));

@@ -15,7 +15,8 @@ void fail(const language::Program& program, const FailurePlace& place, core::Sim
   }
   std::string where;
   if (!error.location.file.empty()) {
-    where = error.location.file + ":" + std::to_string(error.location.line) + ":" + std::to_string(error.location.column);
+    where =
+        error.location.file + ":" + std::to_string(error.location.line) + ":" + std::to_string(error.location.column);
   }
 
   std::string message = "step " + std::to_string(place.step) + ", plant " + std::to_string(place.plant);
@@ -53,6 +54,8 @@ std::string sourceText(const language::Program& program, core::SourceRange range
   return text;
 }
 
-const char* nonFiniteName(double value) { return std::isnan(value) ? "NaN" : "infinite"; }
+const char* nonFiniteName(double value) {
+  return std::isnan(value) ? "NaN" : "infinite";
+}
 
 }  // namespace espalier::derivation

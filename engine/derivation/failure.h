@@ -10,15 +10,15 @@ namespace espalier::derivation {
 
 /// Where in a derivation something goes wrong: what a failure's message starts with.
 struct FailurePlace {
-  std::uint64_t step = 0;      // the step that cannot be completed; 0: rewinding
+  std::uint64_t step = 0;  // the step that cannot be completed; 0: rewinding
   std::uint32_t plant = 0;
   bool hasModule = false;
-  std::uint64_t module = 0;    // index in the string that is being read
+  std::uint64_t module = 0;                       // index in the string that is being read
   core::ModuleTypeId type = core::kNoModuleType;  // its type
 };
 
-/// Throws the SimulationFailure "step 41, plant 0, module 1093 ('B', tree.l:15:3): WHAT. The simulation stays at step 40."
-/// `what` has no final full stop; an empty range names no place in the model.
+/// Throws the SimulationFailure "step 41, plant 0, module 1093 ('B', tree.l:15:3): WHAT. The simulation stays at
+/// step 40." `what` has no final full stop; an empty range names no place in the model.
 [[noreturn]] void fail(const language::Program& program, const FailurePlace& place, core::SimulationErrorCode code,
                        const std::string& what, core::SourceRange range = {});
 

@@ -37,7 +37,7 @@ class Derivation::Implementation {
   /// What happened to the module at a position.
   enum class Fate : std::uint8_t { Rewritten, Copied, Cut };
   struct Outcome {
-    std::uint64_t modules = 1;     // of the old string consumed
+    std::uint64_t modules = 1;  // of the old string consumed
     std::uint64_t parameters = 0;
     Fate fate = Fate::Rewritten;
   };
@@ -118,37 +118,37 @@ class Derivation::Implementation {
   Evaluator evaluator_;
   Rewriter rewriter_;
   CallStack calls_;
-  std::vector<SystemTables> tables_;      // by L-system
-  std::vector<std::uint8_t> isCall_;      // by module type: `?` with parameters; only when sub-L-systems are called
+  std::vector<SystemTables> tables_;  // by L-system
+  std::vector<std::uint8_t> isCall_;  // by module type: `?` with parameters; only when sub-L-systems are called
   core::ModuleTypeId cutWithTurtle_ = core::kNoModuleType;  // `%` with one parameter
   core::ModuleTypeId keptCut_ = core::kNoModuleType;        // `%` with two
-  std::vector<core::ModuleTypeId> tooLong_;  // types with more parameters than the limits allow
+  std::vector<core::ModuleTypeId> tooLong_;                 // types with more parameters than the limits allow
   bool hasHomomorphism_ = false;
   bool hasHomomorphismContexts_ = false;
   bool hasParameters_ = false;
 
-  ModuleString working_;                  // the string being produced; swapped with the old one at the end of a step
-  ProducedPieces pieces_;                 // the same while it is produced from right to left
-  StringIndex index_;                     // of the string that is being read
+  ModuleString working_;   // the string being produced; swapped with the old one at the end of a step
+  ProducedPieces pieces_;  // the same while it is produced from right to left
+  StringIndex index_;      // of the string that is being read
   Backup backup_;
-  std::vector<double> frame_;             // formal parameters of the scan's shortcuts (Program::maximumSlots)
-  std::vector<double> weights_;           // of the scan's shortcuts
+  std::vector<double> frame_;    // formal parameters of the scan's shortcuts (Program::maximumSlots)
+  std::vector<double> weights_;  // of the scan's shortcuts
   std::vector<const QuickRule*> quickMatches_;
-  ModuleRecord* record_ = nullptr;        // of the caller of deriveRecorded, while it runs
-  std::uint64_t step_ = 0;                // the step being made; while interpreting: the completed steps
-  double moduleGrowth_ = 2.0;             // new modules per old one in the last step, for the first reservation
+  ModuleRecord* record_ = nullptr;  // of the caller of deriveRecorded, while it runs
+  std::uint64_t step_ = 0;          // the step being made; while interpreting: the completed steps
+  double moduleGrowth_ = 2.0;       // new modules per old one in the last step, for the first reservation
   double parameterGrowth_ = 2.0;
   struct KeptPart {
     StringPart part;
     double parameter = 0.0;
   };
-  std::vector<KeptPart> keptParts_;       // cut by `%(p)` in this step, to be appended at the end
+  std::vector<KeptPart> keptParts_;  // cut by `%(p)` in this step, to be appended at the end
   struct CallOrigin {
     bool isFresh = false;
-    std::uint32_t index = 0;              // of the old instance, or the L-system of a fresh one
+    std::uint32_t index = 0;  // of the old instance, or the L-system of a fresh one
   };
-  std::vector<CallOrigin> callOrigins_;   // of the calls in the string being produced, in order
-  std::vector<std::uint32_t> parents_;    // by instance: the call around it; while interpreting
+  std::vector<CallOrigin> callOrigins_;  // of the calls in the string being produced, in order
+  std::vector<std::uint32_t> parents_;   // by instance: the call around it; while interpreting
   std::vector<std::uint32_t> chain_;
 };
 

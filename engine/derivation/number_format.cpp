@@ -12,7 +12,9 @@ namespace {
 
 constexpr int kMaximumWidth = 1000;
 
-bool isOneOf(char c, std::string_view set) { return set.find(c) != std::string_view::npos; }
+bool isOneOf(char c, std::string_view set) {
+  return set.find(c) != std::string_view::npos;
+}
 
 /// One conversion of a printf format.
 struct Conversion {
@@ -75,11 +77,12 @@ void appendConversion(std::string& text, const Conversion& conversion, double va
   if (isOneOf(conversion.letter, "diouxX")) {
     specification += "ll";
     specification.push_back(conversion.letter);
-    length = std::snprintf(buffer.data(), buffer.size(), specification.c_str(),
-                           static_cast<long long>(toInteger(value)));
+    length =
+        std::snprintf(buffer.data(), buffer.size(), specification.c_str(), static_cast<long long>(toInteger(value)));
   } else if (conversion.letter == 'c') {
     specification.push_back('c');
-    length = std::snprintf(buffer.data(), buffer.size(), specification.c_str(), static_cast<int>(toInteger(value) & 0xFF));
+    length =
+        std::snprintf(buffer.data(), buffer.size(), specification.c_str(), static_cast<int>(toInteger(value) & 0xFF));
   } else {
     // only numbers exist: %s and whatever else is unknown print like %g
     specification.push_back(isOneOf(conversion.letter, "eEfFgGaA") ? conversion.letter : 'g');

@@ -7,7 +7,9 @@ void ProducedPieces::clear() {
   pieces_.clear();
 }
 
-void ProducedPieces::begin() { pieces_.push_back({modules_.size(), modules_.parameterCount()}); }
+void ProducedPieces::begin() {
+  pieces_.push_back({modules_.size(), modules_.parameterCount()});
+}
 
 void ProducedPieces::dropBefore(std::uint64_t count) {
   // they stay as empty pieces, so that every old module keeps one
@@ -27,7 +29,8 @@ std::uint64_t ProducedPieces::endModule(std::size_t piece) const {
 void ProducedPieces::appendTo(ModuleString& string) const {
   for (std::size_t i = pieces_.size(); i-- > 0;) {
     const Piece& piece = pieces_[i];
-    const std::uint64_t endParameter = i + 1 < pieces_.size() ? pieces_[i + 1].firstParameter : modules_.parameterCount();
+    const std::uint64_t endParameter =
+        i + 1 < pieces_.size() ? pieces_[i + 1].firstParameter : modules_.parameterCount();
     string.appendAll(modules_.types().subspan(piece.firstModule, endModule(i) - piece.firstModule),
                      modules_.parameters().subspan(piece.firstParameter, endParameter - piece.firstParameter));
   }

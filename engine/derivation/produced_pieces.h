@@ -10,8 +10,8 @@
 
 namespace espalier::derivation {
 
-/// A string that is produced from right to left, as pieces in the order they were made: the piece of the last old module
-/// first. Inside a piece the modules stand as they will in the new string.
+/// A string that is produced from right to left, as pieces in the order they were made: the piece of the last old
+/// module first. Inside a piece the modules stand as they will in the new string.
 class ProducedPieces {
  public:
   void clear();
@@ -26,8 +26,8 @@ class ProducedPieces {
   /// Appends the whole new string to `string`, left to right. O(modules).
   void appendTo(ModuleString& string) const;
 
-  /// Whether the new string right of the piece that is being made matches a right context, given nearest first; with the
-  /// search rules of matchesRight, without ring. O(modules passed).
+  /// Whether the new string right of the piece that is being made matches a right context, given nearest first; with
+  /// the search rules of matchesRight, without ring. O(modules passed).
   [[nodiscard]] bool matchesRight(const language::Program& program, const ContextRules& rules,
                                   std::span<const language::ContextElement> context, double* frame) const;
 
@@ -37,7 +37,7 @@ class ProducedPieces {
     std::uint64_t firstParameter = 0;
   };
   struct Cursor {
-    std::size_t piece = 0;       // index + 1; 0: behind the last module
+    std::size_t piece = 0;  // index + 1; 0: behind the last module
     std::uint64_t module = 0;
     std::uint64_t offset = 0;
   };

@@ -59,7 +59,8 @@ QuickValue makeQuickValue(const language::Program& program, const Expression& ex
   const bool isSecondSlot = second.operation == Operation::LoadSlot;
   const bool isFirstConstant = first.operation == Operation::Constant;
   const bool isSecondConstant = second.operation == Operation::Constant;
-  if ((!isFirstSlot && !isFirstConstant) || (!isSecondSlot && !isSecondConstant) || (isFirstConstant && isSecondConstant) ||
+  if ((!isFirstSlot && !isFirstConstant) || (!isSecondSlot && !isSecondConstant) ||
+      (isFirstConstant && isSecondConstant) ||
       !isQuickOperator(operation, isSecondConstant && program.constants[second.operand] != 0.0)) {
     return value;
   }
@@ -91,15 +92,18 @@ bool isQuickProduction(const language::LSystem& system, const Production& produc
       !production.newRightContext.empty() || !production.preBlock.empty() || !production.postBlock.empty()) {
     return false;
   }
-  return std::none_of(production.successor.begin(), production.successor.end(),
-                      [&](const language::SuccessorModule& module) {
-                        return hasCandidates(system.decomposition, module.type);
-                      });
+  return std::none_of(
+      production.successor.begin(), production.successor.end(),
+      [&](const language::SuccessorModule& module) { return hasCandidates(system.decomposition, module.type); });
 }
 
-bool canDraw(const Expression& expression) { return !expression.isPure; }
+bool canDraw(const Expression& expression) {
+  return !expression.isPure;
+}
 
-bool isCode(const QuickValue& value) { return value.form == QuickValue::Form::Code; }
+bool isCode(const QuickValue& value) {
+  return value.form == QuickValue::Form::Code;
+}
 
 /// Symbols that the scan treats specially when no production applies.
 bool isScanSymbol(const language::Program& program, core::ModuleTypeId type) {

@@ -32,9 +32,9 @@ struct QuickValue {
 /// The forms above that need no Evaluator. Identical to what the Evaluator computes.
 [[nodiscard]] double quickValue(const QuickValue& value, const double* frame);
 
-/// The offset of the chosen weight: w / sum is the chance of each, weights in file order, `draw` uniform. Espalier's own mode
-/// takes draws in (0, 1] and doubles; the reference takes [0, 1) and keeps the sum and the remainder in 32-bit floats. When
-/// all weights are 0 the first is chosen.
+/// The offset of the chosen weight: w / sum is the chance of each, weights in file order, `draw` uniform. Espalier's
+/// own mode takes draws in (0, 1] and doubles; the reference takes [0, 1) and keeps the sum and the remainder in 32-bit
+/// floats. When all weights are 0 the first is chosen.
 [[nodiscard]] std::size_t chooseByWeight(std::span<const double> weights, double draw, bool usesFloats);
 
 /// A production without contexts and blocks whose predecessor is one module: only a condition and a weight decide.
@@ -43,9 +43,9 @@ struct QuickRule {
   bool hasCondition = false;
   bool hasWeight = false;
   QuickValue condition;
-  QuickValue weight;            // 1 when the production has no probability
-  std::uint32_t firstType = 0;  // ProductionPlan::types: the successor
-  std::uint32_t length = 0;     // modules of the successor
+  QuickValue weight;             // 1 when the production has no probability
+  std::uint32_t firstType = 0;   // ProductionPlan::types: the successor
+  std::uint32_t length = 0;      // modules of the successor
   std::uint32_t firstValue = 0;  // ProductionPlan::values: its parameters
   std::uint32_t valueCount = 0;
 };
@@ -55,8 +55,8 @@ struct TypePlan {
   static constexpr std::size_t kInlineTypes = 16;
 
   enum class Kind : std::uint8_t {
-    Fixed,    // the same modules every time: a block of types, and the module's own parameters when it stands for itself
-    Rules,    // QuickRules, the first whose condition holds
+    Fixed,  // the same modules every time: a block of types, and the module's own parameters when it stands for itself
+    Rules,  // QuickRules, the first whose condition holds
     Weights,  // QuickRules, one chosen by weight among those whose condition holds
     General,  // everything else
   };
@@ -65,14 +65,15 @@ struct TypePlan {
   std::uint32_t firstType = 0;                           // Fixed: the block in ProductionPlan::types
   std::uint32_t firstRule = 0;                           // Rules, Weights: in ProductionPlan::rules
   std::uint32_t ruleCount = 0;
-  std::uint16_t arity = 0;                               // parameters of the module
-  std::uint16_t copied = 0;                              // Fixed: parameters copied, 0 or all
+  std::uint16_t arity = 0;   // parameters of the module
+  std::uint16_t copied = 0;  // Fixed: parameters copied, 0 or all
   Kind kind = Kind::General;
-  bool drawsRandom = false;                              // Rules, Weights: an expression may draw
-  bool usesCode = false;                                 // Rules, Weights: an expression needs the Evaluator
+  bool drawsRandom = false;  // Rules, Weights: an expression may draw
+  bool usesCode = false;     // Rules, Weights: an expression needs the Evaluator
 };
 
-/// How one L-system rewrites each module type, precomputed for the scan. A table over the Program, which must outlive it.
+/// How one L-system rewrites each module type, precomputed for the scan. A table over the Program, which must outlive
+/// it.
 class ProductionPlan {
  public:
   ProductionPlan(const language::Program& program, const language::LSystem& system);
@@ -93,7 +94,7 @@ class ProductionPlan {
   void makeFixed(TypePlan& plan, std::uint32_t firstType, std::uint32_t length);
   std::uint32_t addRule(const language::Program& program, const language::Production& production, bool usesWeights);
 
-  std::vector<TypePlan> plans_;             // by module type (moduleTypeCount)
+  std::vector<TypePlan> plans_;  // by module type (moduleTypeCount)
   std::vector<QuickRule> rules_;
   std::vector<core::ModuleTypeId> types_;
   std::vector<QuickValue> values_;

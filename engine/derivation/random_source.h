@@ -11,9 +11,9 @@ namespace espalier::derivation {
 
 /// All random numbers of one plant, in both modes (LANGUAGE §1.3).
 ///
-/// Espalier's own mode: counter-based; a draw is named by (seed, plant, domain, step, index, draw number). key() names the
-/// first three of them and starts counting draws at 0. The compatible modes: two sequential streams held in RandomState,
-/// and key() has no effect.
+/// Espalier's own mode: counter-based; a draw is named by (seed, plant, domain, step, index, draw number). key() names
+/// the first three of them and starts counting draws at 0. The compatible modes: two sequential streams held in
+/// RandomState, and key() has no effect.
 class RandomSource {
  public:
   RandomSource(core::Compatibility compatibility, std::uint32_t plant);
@@ -41,8 +41,8 @@ class RandomSource {
   /// srand: seeds the main stream (an integer part; the reference uses its low 32 bits) and drops a kept normal value.
   void seed(double value);
 
-  /// The selection draw of a string position, uniform in [0, 1). In Espalier's own mode a pure function of (step, index);
-  /// in the compatible modes the next value of the selection stream.
+  /// The selection draw of a string position, uniform in [0, 1). In Espalier's own mode a pure function of (step,
+  /// index); in the compatible modes the next value of the selection stream.
   [[nodiscard]] double selection(std::uint64_t step, std::uint64_t index) {
     if (isSequential_) {
       return state_->selection.uniform();
@@ -56,8 +56,8 @@ class RandomSource {
   }
   [[nodiscard]] bool isSequential() const { return isSequential_; }
 
-  /// Creates the stream that a homomorphism's own seed names. Between usePrivateStream(true) and (false) the main stream is
-  /// replaced by it.
+  /// Creates the stream that a homomorphism's own seed names. Between usePrivateStream(true) and (false) the main
+  /// stream is replaced by it.
   void startPrivateStream(double seed);
   void usePrivateStream(bool isUsed);
 
@@ -66,7 +66,7 @@ class RandomSource {
 
   bool isSequential_;
   std::uint32_t plant_;
-  RandomState* state_ = nullptr;  // owned by the PlantState of the current call
+  RandomState* state_ = nullptr;   // owned by the PlantState of the current call
   core::CounterRandom selection_;  // of state_->seed
   core::CounterRandom main_;       // of state_->mainSeed
   core::DrawDomain domain_ = core::DrawDomain::Blocks;
@@ -76,7 +76,7 @@ class RandomSource {
   std::uint64_t selectionStep_ = ~std::uint64_t{0};
   std::uint64_t selectionBlock_ = ~std::uint64_t{0};
   std::array<std::uint32_t, 4> selectionWords_{};
-  RandomState private_;            // the stream that is not in use: private, or main while the private one is in state_
+  RandomState private_;  // the stream that is not in use: private, or main while the private one is in state_
   bool isPrivate_ = false;
 };
 

@@ -44,11 +44,12 @@ void Derivation::Implementation::scanRecorded(const PlantState& state) {
 }
 
 Derivation::Implementation::Outcome Derivation::Implementation::rewriteRecorded(const SystemTables& tables,
-                                                                                 const ModuleString& old,
-                                                                                 std::uint64_t module,
-                                                                                 std::uint64_t offset, double draw,
-                                                                                 ModuleString& output) {
-  // only a predecessor of several modules reaches from an earlier module to the one asked for; from right to left none does
+                                                                                const ModuleString& old,
+                                                                                std::uint64_t module,
+                                                                                std::uint64_t offset, double draw,
+                                                                                ModuleString& output) {
+  // only a predecessor of several modules reaches from an earlier module to the one asked for; from right to left none
+  // does
   std::size_t longest = 1;
   const bool isBackwards = tables_.front().isProducedBackwards && !program_->hasSubSystems;
   for (const language::ProductionList* list : {&tables.system->productions, &tables.system->decomposition}) {

@@ -60,10 +60,9 @@ bool Rewriter::matchesShape(const Production& production, const ContextRules& ru
   // right context, then left context
   if (!production.rightContext.empty()) {
     const bool isBehind = surroundings.isBehindPredecessor;
-    if (!matchesRight(*program_, rules, around_, production.rightContext,
-                      isBehind ? place.module + length : surroundings.right,
-                      isBehind ? offset : surroundings.rightOffset, frame,
-                      record == nullptr ? nullptr : &record->rightLooks)) {
+    if (!matchesRight(
+            *program_, rules, around_, production.rightContext, isBehind ? place.module + length : surroundings.right,
+            isBehind ? offset : surroundings.rightOffset, frame, record == nullptr ? nullptr : &record->rightLooks)) {
       return differs(Result::RightContext, 0);
     }
   }
@@ -85,10 +84,11 @@ bool Rewriter::matchesProduced(const Production& production, const ContextRules&
     return false;
   }
   producedIndex_.extend(*program_, *produced_);
-  const ContextString produced{produced_->types().data(), produced_->parameters().data(), produced_->size(),
-                               produced_->parameterCount(), &producedIndex_, false};
-  return matchesLeft(*program_, rules, produced, production.newLeftContext, produced.size,
-                     produced.parameterCount, frame);
+  const ContextString produced{produced_->types().data(), produced_->parameters().data(),
+                               produced_->size(),         produced_->parameterCount(),
+                               &producedIndex_,           false};
+  return matchesLeft(*program_, rules, produced, production.newLeftContext, produced.size, produced.parameterCount,
+                     frame);
 }
 
 bool Rewriter::matches(const Production& production, const ContextRules& rules, const PredecessorPlace& place,
@@ -341,14 +341,14 @@ std::uint64_t Rewriter::parameterCount(const Production& production) const {
 
 void Rewriter::checkSize(std::uint64_t moduleCount, std::uint64_t parameterCount) const {
   if (moduleCount > limits_->maximumModules) {
-    evaluator_->failHere(core::SimulationErrorCode::LimitExceeded,
-                         "the string has more than " + std::to_string(limits_->maximumModules) +
-                             " modules (limit maximumModules)");
+    evaluator_->failHere(
+        core::SimulationErrorCode::LimitExceeded,
+        "the string has more than " + std::to_string(limits_->maximumModules) + " modules (limit maximumModules)");
   }
   if (moduleCount * 2 + parameterCount * 8 > limits_->maximumStringBytes) {
-    evaluator_->failHere(core::SimulationErrorCode::LimitExceeded,
-                         "the string needs more than " + std::to_string(limits_->maximumStringBytes) +
-                             " bytes (limit maximumStringBytes)");
+    evaluator_->failHere(core::SimulationErrorCode::LimitExceeded, "the string needs more than " +
+                                                                       std::to_string(limits_->maximumStringBytes) +
+                                                                       " bytes (limit maximumStringBytes)");
   }
 }
 

@@ -27,9 +27,9 @@ struct PredecessorPlace {
 
 /// Where contexts are looked for, in the ContextString.
 struct Surroundings {
-  std::uint64_t left = 0;           // the left context ends before this module
-  std::uint64_t leftOffset = 0;     // its parameters
-  std::uint64_t right = 0;          // the right context begins here
+  std::uint64_t left = 0;        // the left context ends before this module
+  std::uint64_t leftOffset = 0;  // its parameters
+  std::uint64_t right = 0;       // the right context begins here
   std::uint64_t rightOffset = 0;
   bool isBehindPredecessor = true;  // `right` is where the predecessor ends, whatever its length; `right` is not used
 };
@@ -41,12 +41,13 @@ class Rewriter {
   /// All must outlive the object.
   Rewriter(const language::Program& program, Evaluator& evaluator, RandomSource& random, const core::Limits& limits);
 
-  /// The string around the predecessors, and the string being produced: from left to right (`<<` looks there) or from right
-  /// to left (`>>`); null: such contexts never match.
+  /// The string around the predecessors, and the string being produced: from left to right (`<<` looks there) or from
+  /// right to left (`>>`); null: such contexts never match.
   void setStrings(const ContextString& around, const ModuleString* produced, const ProducedPieces* pieces = nullptr);
   [[nodiscard]] const ContextString& around() const { return around_; }
 
-  /// A module type that a predecessor may begin with but never reach over (calls of sub-L-systems and their `$`), by type.
+  /// A module type that a predecessor may begin with but never reach over (calls of sub-L-systems and their `$`), by
+  /// type.
   void setBarriers(std::vector<std::uint8_t> isBarrier) { isBarrier_ = std::move(isBarrier); }
 
   /// Every search and application from now on is added to `record`; null: none. It changes nothing else.
@@ -54,7 +55,8 @@ class Rewriter {
 
   /// The first production of the list that matches, or null. Runs the pre-blocks of all candidates up to it.
   [[nodiscard]] const language::Production* chooseFirst(const language::ProductionList& list, const ContextRules& rules,
-                                                        const PredecessorPlace& place, const Surroundings& surroundings);
+                                                        const PredecessorPlace& place,
+                                                        const Surroundings& surroundings);
 
   /// One of all productions that match, chosen by weight, or null. Runs the pre-blocks of all candidates. `draw` is the
   /// selection draw in the compatible modes; Espalier's own mode makes it here, from (step, module).
@@ -66,8 +68,8 @@ class Rewriter {
   /// Runs the post-block of the production chosen last, then appends its successor with evaluated parameters.
   void apply(const language::Production& production, ModuleString& output);
 
-  /// The same, with every module of the successor rewritten further by `list`, depth first; the successor is at `depth`.
-  /// Contexts are those of the original predecessor. `dropsCut` leaves `%` out of the result.
+  /// The same, with every module of the successor rewritten further by `list`, depth first; the successor is at
+  /// `depth`. Contexts are those of the original predecessor. `dropsCut` leaves `%` out of the result.
   void applyNested(const language::Production& production, const language::ProductionList& list,
                    const ContextRules& rules, const Surroundings& surroundings, std::uint32_t depth, bool dropsCut,
                    core::DrawDomain domain, std::uint64_t step, std::uint64_t index, ModuleString& output);
@@ -78,8 +80,8 @@ class Rewriter {
   /// Throws LimitExceeded when a string is longer than the limits allow.
   void checkSize(std::uint64_t moduleCount, std::uint64_t parameterCount) const;
 
-  /// The value as it is stored in a string: rounded to a 32-bit float in the compatible modes; fails when it is not finite
-  /// in Espalier's own mode. `position` (from 0) and `type` name the parameter in the message.
+  /// The value as it is stored in a string: rounded to a 32-bit float in the compatible modes; fails when it is not
+  /// finite in Espalier's own mode. `position` (from 0) and `type` name the parameter in the message.
   [[nodiscard]] double stored(double value, const language::Expression& expression, std::size_t position,
                               core::ModuleTypeId type) const {
     if (storesFloats_) {
@@ -100,10 +102,10 @@ class Rewriter {
   struct Level {
     std::uint64_t firstModule = 0;  // in scratch_; everything from here goes when the level is done
     std::uint64_t firstParameter = 0;
-    std::uint64_t module = 0;       // next module
+    std::uint64_t module = 0;  // next module
     std::uint64_t offset = 0;
-    std::uint64_t end = 0;          // modules of this level end here
-    std::uint32_t depth = 0;        // rewritings it took to make them
+    std::uint64_t end = 0;    // modules of this level end here
+    std::uint32_t depth = 0;  // rewritings it took to make them
   };
 
   [[nodiscard]] bool matches(const language::Production& production, const ContextRules& rules,
@@ -124,8 +126,8 @@ class Rewriter {
   Evaluator* evaluator_;
   RandomSource* random_;
   const core::Limits* limits_;
-  ModuleRecord* record_ = nullptr;          // of the caller; null: nothing is recorded
-  std::uint32_t searchDepth_ = 0;           // of the module that is looked at, for the record
+  ModuleRecord* record_ = nullptr;  // of the caller; null: nothing is recorded
+  std::uint32_t searchDepth_ = 0;   // of the module that is looked at, for the record
   bool storesFloats_;
   ContextString around_;
   const ModuleString* produced_ = nullptr;  // the string being produced, of the caller
@@ -136,7 +138,7 @@ class Rewriter {
   double* chosenFrame_ = nullptr;           // in frames_: of the production chosen last
   std::vector<const language::Production*> matches_;
   std::vector<double> weights_;
-  ModuleString scratch_;                    // successors waiting to be rewritten further
+  ModuleString scratch_;  // successors waiting to be rewritten further
   std::vector<Level> levels_;
   std::vector<const language::ProductionList*> warnedLists_;
 };

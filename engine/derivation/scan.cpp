@@ -246,8 +246,7 @@ void Derivation::Implementation::scanBackwards(const PlantState& state) {
 const QuickRule* Derivation::Implementation::chooseQuickRule(const QuickRule* first, const QuickRule* last,
                                                              double* frame, std::uint64_t module, double draw) {
   const auto evaluate = [&](const QuickValue& value) {
-    return value.form == QuickValue::Form::Code ? evaluator_.value(*value.expression, frame)
-                                                : quickValue(value, frame);
+    return value.form == QuickValue::Form::Code ? evaluator_.value(*value.expression, frame) : quickValue(value, frame);
   };
   // the weights of the productions whose condition holds
   weights_.clear();
@@ -268,7 +267,8 @@ const QuickRule* Derivation::Implementation::chooseQuickRule(const QuickRule* fi
   if (!usesFloats && !(sum - sum == 0.0)) {
     rewriter_.failWeights(*quickMatches_.front()->production);
   }
-  return quickMatches_[chooseByWeight(weights_, usesFloats ? draw : 1.0 - random_.selection(step_, module), usesFloats)];
+  return quickMatches_[chooseByWeight(weights_, usesFloats ? draw : 1.0 - random_.selection(step_, module),
+                                      usesFloats)];
 }
 
 void Derivation::Implementation::failQuickValue(const QuickRule& rule, std::uint32_t valueIndex, double value,
@@ -287,9 +287,9 @@ void Derivation::Implementation::failQuickValue(const QuickRule& rule, std::uint
 }
 
 Derivation::Implementation::Outcome Derivation::Implementation::rewrite(const SystemTables& tables,
-                                                                         const ModuleString& old, std::uint64_t module,
-                                                                         std::uint64_t offset, double draw,
-                                                                         ModuleString& output) {
+                                                                        const ModuleString& old, std::uint64_t module,
+                                                                        std::uint64_t offset, double draw,
+                                                                        ModuleString& output) {
   const core::ModuleTypeId type = old.types()[module];
   const PredecessorPlace place{old.types().data(), old.parameters().data(), old.size(), module, offset};
   Surroundings surroundings{module, offset, 0, 0, true};
@@ -342,8 +342,8 @@ Derivation::Implementation::Outcome Derivation::Implementation::rewrite(const Sy
 }
 
 Derivation::Implementation::StringPart Derivation::Implementation::cutPart(const ModuleString& old,
-                                                                            std::uint64_t module,
-                                                                            std::uint64_t offset) const {
+                                                                           std::uint64_t module,
+                                                                           std::uint64_t offset) const {
   // from behind the cut to the `]` of the branch it is in, or to the end of the string
   const std::span<const core::ModuleTypeId> types = old.types();
   StringPart part{module + 1, module + 1, offset + program_->arity[types[module]], 0};
@@ -385,9 +385,9 @@ void Derivation::Implementation::appendKeptParts(const ModuleString& old) {
   for (const KeptPart& kept : keptParts_) {
     const std::array<double, 2> parameters{kept.parameter, number};
     working_.append(keptCut_, parameters);
-    working_.appendAll(old.types().subspan(kept.part.firstModule, kept.part.endModule - kept.part.firstModule),
-                       old.parameters().subspan(kept.part.firstParameter,
-                                                kept.part.endParameter - kept.part.firstParameter));
+    working_.appendAll(
+        old.types().subspan(kept.part.firstModule, kept.part.endModule - kept.part.firstModule),
+        old.parameters().subspan(kept.part.firstParameter, kept.part.endParameter - kept.part.firstParameter));
     number += 1.0;
   }
 }

@@ -25,8 +25,8 @@ class StringIndex {
 
   void clear();
 
-  /// Adds the modules from where the last call ended to the end of `string`. A `[` that is still open has no partner yet.
-  /// O(new modules).
+  /// Adds the modules from where the last call ended to the end of `string`. A `[` that is still open has no partner
+  /// yet. O(new modules).
   void extend(const language::Program& program, const ModuleString& string);
 
   /// The link of the bracket at `module`. Undefined for other modules.
@@ -37,10 +37,10 @@ class StringIndex {
     std::uint32_t module;
     std::uint64_t parameterOffset;  // of the first module inside
   };
-  core::Buffer<Link> links_;  // by module; defined at brackets only (moduleCount)
-  std::vector<Open> open_;    // brackets without a partner so far
-  std::uint64_t indexed_ = 0;           // modules seen
-  std::uint64_t parameterOffset_ = 0;   // of the next module
+  core::Buffer<Link> links_;           // by module; defined at brackets only (moduleCount)
+  std::vector<Open> open_;             // brackets without a partner so far
+  std::uint64_t indexed_ = 0;          // modules seen
+  std::uint64_t parameterOffset_ = 0;  // of the next module
 };
 
 }  // namespace espalier::derivation

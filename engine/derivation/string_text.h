@@ -10,7 +10,8 @@
 namespace espalier::derivation {
 
 /// Appends the text form of a string: each symbol, then its parameters in parentheses separated by commas; no blanks.
-void appendText(std::string& text, const language::Program& program, const ModuleString& string, core::NumberStyle style);
+void appendText(std::string& text, const language::Program& program, const ModuleString& string,
+                core::NumberStyle style);
 [[nodiscard]] std::string toText(const language::Program& program, const ModuleString& string, core::NumberStyle style);
 
 /// The style of the Program's mode: shortest, or %g in the compatible modes.

@@ -138,10 +138,9 @@ void Derivation::Implementation::scanWithCalls(PlantState& state) {
   calls_.reset(state.instances);
 }
 
-Derivation::Implementation::StringPart Derivation::Implementation::cutWithCalls(PlantState& state,
-                                                                                 std::uint64_t module,
-                                                                                 std::uint64_t offset,
-                                                                                 std::uint32_t& nextCall) {
+Derivation::Implementation::StringPart Derivation::Implementation::cutWithCalls(PlantState& state, std::uint64_t module,
+                                                                                std::uint64_t offset,
+                                                                                std::uint32_t& nextCall) {
   // as cutPart, but a `$` of the call around ends the part as well, and calls inside it are removed
   const std::span<const core::ModuleTypeId> types = state.string.types();
   StringPart part{module + 1, module + 1, offset + program_->arity[types[module]], 0};

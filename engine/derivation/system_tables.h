@@ -14,7 +14,7 @@ namespace espalier::derivation {
 struct SystemTables {
   SystemTables(const language::Program& program, std::uint32_t systemIndex);
 
-  const language::LSystem* system;       // in the Program
+  const language::LSystem* system;  // in the Program
   ContextRules rules;
   ProductionPlan plan;
   bool hasDecomposition = false;         // there are decomposition productions and the maximum depth is not 0

@@ -55,8 +55,8 @@ std::vector<std::string_view> Analyser::Scope::names() const {
 
 // ---- the model
 
-Analyser::Analyser(std::string_view text, core::Compatibility compatibility, const core::Limits& limits, ModelSyntax& model,
-                   MessageList& messages)
+Analyser::Analyser(std::string_view text, core::Compatibility compatibility, const core::Limits& limits,
+                   ModelSyntax& model, MessageList& messages)
     : text_(text), compatibility_(compatibility), limits_(limits), model_(model), messages_(messages) {}
 
 std::string Analyser::describePlace() const {
@@ -71,7 +71,8 @@ void Analyser::analyse() {
     return;
   }
   // in the reference only a derivation length defines Q and Z
-  hasSteps_ = compatibility_ == core::Compatibility::Espalier || model_.systems.front().derivationLength != kNoExpression;
+  hasSteps_ =
+      compatibility_ == core::Compatibility::Espalier || model_.systems.front().derivationLength != kNoExpression;
   for (std::size_t i = 0; i < model_.systems.size(); ++i) {
     analyseSystem(i);
   }
@@ -91,7 +92,9 @@ void Analyser::analyseSystem(std::size_t index) {
   analyseList(system.decomposition, scope, "the decomposition");
   analyseList(system.homomorphism, scope, "the homomorphism");
 
-  const auto hasProbability = [](const ProductionSyntax& production) { return production.probability != kNoExpression; };
+  const auto hasProbability = [](const ProductionSyntax& production) {
+    return production.probability != kNoExpression;
+  };
   const bool hasProbabilities =
       std::any_of(system.productions.productions.begin(), system.productions.productions.end(), hasProbability);
   system.isStochastic =
@@ -148,13 +151,15 @@ double Analyser::constantItem(ExpressionIndex expression, std::string_view name,
     values_[i] = foldNode(model_.expressions[i], model_, values_, compatibility_);
   }
   if (!values_[expression].has_value()) {
-    messages_.error(at(expression).range, "the value of " + place_ + " is not a number: it divides by zero or is not finite");
+    messages_.error(at(expression).range,
+                    "the value of " + place_ + " is not a number: it divides by zero or is not finite");
     return least;
   }
   const double value = *values_[expression];
   if (value < least || value > 9.0e15) {
-    messages_.warning(at(expression).range, "the value of " + place_ + " is out of range",
-                      "it counts as " + std::string(value < least ? "the least possible value" : "the largest possible value"));
+    messages_.warning(
+        at(expression).range, "the value of " + place_ + " is out of range",
+        "it counts as " + std::string(value < least ? "the least possible value" : "the largest possible value"));
   }
   return std::clamp(value, least, 9.0e15);
 }
@@ -209,8 +214,8 @@ void Analyser::defineArrays(LSystemSyntax& system, Scope& scope) {
       continue;
     }
     if (array.initial.size() > count) {
-      messages_.error(array.range, "the array '" + array.name.text + "' has " + std::to_string(count) + " elements, found " +
-                                       std::to_string(array.initial.size()) + " values");
+      messages_.error(array.range, "the array '" + array.name.text + "' has " + std::to_string(count) +
+                                       " elements, found " + std::to_string(array.initial.size()) + " values");
       continue;
     }
     for (const ExpressionIndex value : array.initial) {
@@ -346,9 +351,10 @@ void Analyser::warnAboutProbabilities(LSystemSyntax& system) {
   }
   for (const ProductionSyntax& production : system.productions.productions) {
     if (production.probability != kNoExpression) {
-      messages_.warning(at(production.probability).range,
-                        "probabilities are ignored: the L-system has no 'seed:', so the first production that matches is applied",
-                        "put 'seed: 1' before the axiom");
+      messages_.warning(
+          at(production.probability).range,
+          "probabilities are ignored: the L-system has no 'seed:', so the first production that matches is applied",
+          "put 'seed: 1' before the axiom");
       return;
     }
   }

@@ -14,9 +14,9 @@
 
 namespace espalier::language {
 
-/// Gives every name its meaning (formal parameter, production-local or L-system variable, array, Q, Z, function), evaluates
-/// what is constant when a model is read (seed, derivation length, maximum depth, array sizes), and reports what is wrong
-/// or suspicious. Completes the syntax tree in place.
+/// Gives every name its meaning (formal parameter, production-local or L-system variable, array, Q, Z, function),
+/// evaluates what is constant when a model is read (seed, derivation length, maximum depth, array sizes), and reports
+/// what is wrong or suspicious. Completes the syntax tree in place.
 class Analyser {
  public:
   /// All references must outlive the analyser; `text` is the preprocessed text.
@@ -25,7 +25,8 @@ class Analyser {
 
   void analyse();
 
-  /// Names that #define gave a meaning, with the lines to find them: a misspelt one is suggested. Must outlive the analyser.
+  /// Names that #define gave a meaning, with the lines to find them: a misspelt one is suggested. Must outlive the
+  /// analyser.
   void setMacros(const std::vector<std::string>& names) { macros_ = &names; }
 
  private:
@@ -66,13 +67,13 @@ class Analyser {
   const core::Limits& limits_;
   ModelSyntax& model_;
   MessageList& messages_;
-  bool hasSteps_ = false;           // Q and Z are defined
-  std::string place_;               // where the current expression stands, for messages
-  core::SourceRange predecessor_;   // of the current production; empty: none
+  bool hasSteps_ = false;                             // Q and Z are defined
+  std::string place_;                                 // where the current expression stands, for messages
+  core::SourceRange predecessor_;                     // of the current production; empty: none
   const std::vector<std::string>* macros_ = nullptr;  // names of macros; null: none are known
-  std::set<std::string> unknown_;   // names of the current L-system reported as unknown: they are no suggestions
+  std::set<std::string> unknown_;  // names of the current L-system reported as unknown: they are no suggestions
   std::set<std::string> assignedInProductions_;  // names assigned in the current L-system's productions
-  std::vector<std::optional<double>> values_;  // of constant items, by expression (scratch)
+  std::vector<std::optional<double>> values_;    // of constant items, by expression (scratch)
 };
 
 /// The names that the statements assign, in the order of the text, each once; with the targets of fscanf.

@@ -36,7 +36,8 @@ void collectReferences(const ModelSyntax& model, ExpressionIndex expression, std
   }
 }
 
-void collectAssigned(const ModelSyntax& model, const std::vector<Statement>& statements, std::vector<NameSyntax>& names) {
+void collectAssigned(const ModelSyntax& model, const std::vector<Statement>& statements,
+                     std::vector<NameSyntax>& names) {
   for (const Statement& statement : statements) {
     collectReferences(model, statement.value, names);
     if (statement.kind == Statement::Kind::Assign && model.expressions[statement.target].kind == ExpressionKind::Name) {
@@ -56,7 +57,8 @@ std::string joined(const std::vector<std::string_view>& names) {
 }
 
 std::string count(std::size_t least, std::size_t most) {
-  const std::string number = least == most ? std::to_string(least) : std::to_string(least) + " to " + std::to_string(most);
+  const std::string number =
+      least == most ? std::to_string(least) : std::to_string(least) + " to " + std::to_string(most);
   return number + (most == 1 ? " argument" : " arguments");
 }
 
@@ -172,7 +174,8 @@ void Analyser::reportUnknownName(const ExpressionNode& node, const Scope& scope)
     const std::size_t list = near.size() + 17;
     hint[list] = static_cast<char>(hint[list] - 'a' + 'A');
   }
-  messages_.warning(node.range, "unknown name '" + node.text + "' in " + describePlace() + ": its value is 0", std::move(hint));
+  messages_.warning(node.range, "unknown name '" + node.text + "' in " + describePlace() + ": its value is 0",
+                    std::move(hint));
 }
 
 void Analyser::resolveElement(ExpressionNode& node, Scope& scope) {
@@ -191,8 +194,9 @@ void Analyser::resolveElement(ExpressionNode& node, Scope& scope) {
   }
   const std::size_t dimensions = scope.system().arrayVariables[node.binding.index].dimensions.size();
   if (node.children.size() != dimensions) {
-    messages_.error(node.range, "expected " + std::to_string(dimensions) + (dimensions == 1 ? " subscript" : " subscripts") +
-                                    " of the array '" + node.text + "', found " + std::to_string(node.children.size()));
+    messages_.error(node.range, "expected " + std::to_string(dimensions) +
+                                    (dimensions == 1 ? " subscript" : " subscripts") + " of the array '" + node.text +
+                                    "', found " + std::to_string(node.children.size()));
   }
 }
 
@@ -318,8 +322,8 @@ void Analyser::resolveFileCall(ExpressionNode& node) {
   } else if (node.callee == Callee::FileScan && requireString(1, "a format")) {
     for (std::size_t i = 2; i < node.children.size(); ++i) {
       if (at(node.children[i]).kind != ExpressionKind::Reference) {
-        messages_.error(at(node.children[i]).range, "expected a variable with '&' as argument " + std::to_string(i + 1) +
-                                                        " of 'fscanf'",
+        messages_.error(at(node.children[i]).range,
+                        "expected a variable with '&' as argument " + std::to_string(i + 1) + " of 'fscanf'",
                         "write fscanf(f, \"%g\", &x)");
       }
     }
@@ -346,9 +350,10 @@ bool Analyser::checkFormat(const ExpressionNode& call, std::size_t formatIndex, 
       continue;
     }
     if (i >= text.size() || std::string_view("diouxXeEfFgGc").find(text[i]) == std::string_view::npos) {
-      messages_.error(format.range, "the conversion '" + text.substr(begin, i + 1 - begin) + "' of '" + call.text +
-                                        "' is not one for numbers",
-                      "use %g, %f, %e or %d; '%%' prints a percent sign");
+      messages_.error(
+          format.range,
+          "the conversion '" + text.substr(begin, i + 1 - begin) + "' of '" + call.text + "' is not one for numbers",
+          "use %g, %f, %e or %d; '%%' prints a percent sign");
       return false;
     }
     conversions += isSkipped ? 0U : 1U;

@@ -17,7 +17,9 @@ constexpr std::array kFunctions{
 #include "engine/language/function.def"
 };
 
-double sign(double x) { return x > 0.0 ? 1.0 : (x < 0.0 ? -1.0 : 0.0); }
+double sign(double x) {
+  return x > 0.0 ? 1.0 : (x < 0.0 ? -1.0 : 0.0);
+}
 
 // the remainder with the sign of the divisor
 double floorModulo(double x, double divisor, bool& dividedByZero) {
@@ -31,9 +33,13 @@ double floorModulo(double x, double divisor, bool& dividedByZero) {
 
 }  // namespace
 
-std::span<const FunctionInfo> allFunctions() { return kFunctions; }
+std::span<const FunctionInfo> allFunctions() {
+  return kFunctions;
+}
 
-const FunctionInfo& functionInfo(Function function) { return kFunctions[static_cast<std::size_t>(function)]; }
+const FunctionInfo& functionInfo(Function function) {
+  return kFunctions[static_cast<std::size_t>(function)];
+}
 
 double callPure(Function function, std::span<const double> arguments, bool& dividedByZero) {
   const double x = arguments[0];

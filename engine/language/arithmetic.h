@@ -12,10 +12,14 @@ namespace espalier::language {
 /// both give identical doubles. Nothing here depends on a plant or a view file.
 
 /// What is true of a value: everything but 0 (NaN is true).
-[[nodiscard]] constexpr bool isTrue(double value) { return value != 0.0; }
+[[nodiscard]] constexpr bool isTrue(double value) {
+  return value != 0.0;
+}
 
 /// A truth value as a number, 0 or 1.
-[[nodiscard]] constexpr double toNumber(bool truth) { return truth ? 1.0 : 0.0; }
+[[nodiscard]] constexpr double toNumber(bool truth) {
+  return truth ? 1.0 : 0.0;
+}
 
 /// a / b; a division by 0 divides by 1 and sets `dividedByZero`, which is never cleared.
 [[nodiscard]] inline double divide(double a, double b, bool& dividedByZero) {
@@ -26,8 +30,8 @@ namespace espalier::language {
   return a / b;
 }
 
-/// a % b of both operands truncated towards 0; the result has the sign of a, and is never -0. A divisor that truncates to
-/// 0 counts as 1 and sets `dividedByZero`.
+/// a % b of both operands truncated towards 0; the result has the sign of a, and is never -0. A divisor that truncates
+/// to 0 counts as 1 and sets `dividedByZero`.
 [[nodiscard]] inline double truncateModulo(double a, double b, bool& dividedByZero) {
   const double divisor = std::trunc(b);
   if (divisor == 0.0) {
@@ -37,8 +41,8 @@ namespace espalier::language {
   return std::fmod(std::trunc(a), divisor) + 0.0;
 }
 
-/// Whether the reference's `||` skips its right side after a compound left side of this value: when the value as a 32-bit
-/// integer is not a multiple of 256.
+/// Whether the reference's `||` skips its right side after a compound left side of this value: when the value as a
+/// 32-bit integer is not a multiple of 256.
 [[nodiscard]] inline bool orSkips(double value) {
   if (!(std::fabs(value) < 2147483648.0)) {
     return false;
@@ -96,7 +100,9 @@ namespace espalier::language {
 
 /// Whether callPure computes the function: Sin to Clamp of function.def. The other pure functions (func, curveX, inblob
 /// and so on) need the view file.
-[[nodiscard]] constexpr bool isArithmetic(Function function) { return function <= Function::Clamp; }
+[[nodiscard]] constexpr bool isArithmetic(Function function) {
+  return function <= Function::Clamp;
+}
 
 /// The value of an arithmetic function, the first argument first; the argument count is one that function.def allows.
 /// Angles are in degrees. mod(x, 0) counts as mod(x, 1) and sets `dividedByZero`.
@@ -106,7 +112,7 @@ struct FunctionInfo {
   const char* name = "";
   std::uint16_t least = 0;  // argument counts
   std::uint16_t most = 0;
-  bool isPure = false;      // depends on its arguments (and the view file) alone
+  bool isPure = false;  // depends on its arguments (and the view file) alone
 };
 
 /// The row of function.def.

@@ -55,7 +55,8 @@ void CodeGenerator::describeTypes() {
     program_.arity.push_back(type.arity);
     program_.symbolOf.push_back(type.symbol);
     const char character = program_.symbols[type.symbol].character();
-    program_.hasQueries = program_.hasQueries || (character == '?' && type.arity == 0) || (character == '%' && type.arity > 0);
+    program_.hasQueries =
+        program_.hasQueries || (character == '?' && type.arity == 0) || (character == '%' && type.arity > 0);
     program_.hasSubSystems = program_.hasSubSystems || (character == '?' && type.arity > 0);
   }
   program_.cut = findCharacterType('%');
@@ -75,8 +76,8 @@ void CodeGenerator::resolveIgnored(const LSystemSyntax& syntax, LSystem& system)
   for (const core::SymbolId symbol : syntax.ignored) {
     system.isIgnored[symbol] = true;
   }
-  system.ignoresBrackets =
-      system.isIgnored[program_.symbolOf[program_.openBranch]] || system.isIgnored[program_.symbolOf[program_.closeBranch]];
+  system.ignoresBrackets = system.isIgnored[program_.symbolOf[program_.openBranch]] ||
+                           system.isIgnored[program_.symbolOf[program_.closeBranch]];
 }
 
 // ---- L-systems
@@ -108,8 +109,9 @@ void CodeGenerator::generateSystem(const LSystemSyntax& syntax) {
   for (const ProductionList* list : {&system.productions, &system.decomposition}) {
     for (const Production& production : list->productions) {
       system.isPure = system.isPure && production.isPure;
-      program_.hasContexts = program_.hasContexts || !production.leftContext.empty() || !production.rightContext.empty() ||
-                             !production.newLeftContext.empty() || !production.newRightContext.empty();
+      program_.hasContexts = program_.hasContexts || !production.leftContext.empty() ||
+                             !production.rightContext.empty() || !production.newLeftContext.empty() ||
+                             !production.newRightContext.empty();
     }
   }
   program_.systems.push_back(std::move(system));

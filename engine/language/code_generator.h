@@ -23,10 +23,10 @@ class CodeGenerator {
  private:
   /// What evaluating an expression depends on and does, besides its value.
   struct Traits {
-    bool isPure = true;        // formals, Q, Z and constants alone
-    bool drawsRandom = false;  // contains ran or a relative
+    bool isPure = true;           // formals, Q, Z and constants alone
+    bool drawsRandom = false;     // contains ran or a relative
     bool isOtherwisePure = true;  // pure but for the draws
-    bool isSimple = true;      // cheap, and cannot warn: may be evaluated without need
+    bool isSimple = true;         // cheap, and cannot warn: may be evaluated without need
   };
 
   // code_generator.cpp: L-systems and productions
@@ -58,7 +58,8 @@ class CodeGenerator {
   void emitFileScan(const ExpressionNode& node);
   void emitConstant(double value, core::SourceRange range);
   /// Appends an instruction and returns its index. `stackChange` is what it adds to the depth of the stack.
-  std::uint32_t emit(Operation operation, std::uint32_t operand, std::size_t count, core::SourceRange range, int stackChange);
+  std::uint32_t emit(Operation operation, std::uint32_t operand, std::size_t count, core::SourceRange range,
+                     int stackChange);
   /// Makes the jump at `instruction` lead to the next instruction.
   void patch(std::uint32_t instruction);
   [[nodiscard]] std::uint32_t here() const { return static_cast<std::uint32_t>(program_.code.size()); }
@@ -71,8 +72,8 @@ class CodeGenerator {
   ModelSyntax& model_;
   std::string_view text_;
   Program& program_;
-  std::vector<std::optional<double>> values_;  // of constant expressions, by expression
-  std::vector<Traits> traits_;                 // by expression
+  std::vector<std::optional<double>> values_;             // of constant expressions, by expression
+  std::vector<Traits> traits_;                            // by expression
   std::map<std::uint64_t, std::uint32_t> constantIndex_;  // by bit pattern
   std::map<std::string, std::uint32_t> stringIndex_;
   int stackDepth_ = 0;

@@ -63,8 +63,8 @@ CodeGenerator::Traits CodeGenerator::traitsOf(const ExpressionNode& node) const 
 // ---- tables
 
 std::uint32_t CodeGenerator::internConstant(double value) {
-  const auto [place, isNew] =
-      constantIndex_.emplace(std::bit_cast<std::uint64_t>(value), static_cast<std::uint32_t>(program_.constants.size()));
+  const auto [place, isNew] = constantIndex_.emplace(std::bit_cast<std::uint64_t>(value),
+                                                     static_cast<std::uint32_t>(program_.constants.size()));
   if (isNew) {
     program_.constants.push_back(value);
   }
@@ -84,8 +84,8 @@ std::uint32_t CodeGenerator::addStatic(std::string name) {
   return static_cast<std::uint32_t>(program_.staticNames.size() - 1);
 }
 
-std::uint32_t CodeGenerator::emit(Operation operation, std::uint32_t operand, std::size_t count, core::SourceRange range,
-                                  int stackChange) {
+std::uint32_t CodeGenerator::emit(Operation operation, std::uint32_t operand, std::size_t count,
+                                  core::SourceRange range, int stackChange) {
   stackDepth_ += stackChange;
   ESPALIER_CHECK(stackDepth_ >= 0 && count <= 0xFFFFU);
   program_.maximumStack = std::max(program_.maximumStack, static_cast<std::uint32_t>(stackDepth_));
@@ -94,7 +94,9 @@ std::uint32_t CodeGenerator::emit(Operation operation, std::uint32_t operand, st
   return here() - 1;
 }
 
-void CodeGenerator::patch(std::uint32_t instruction) { program_.code[instruction].operand = here(); }
+void CodeGenerator::patch(std::uint32_t instruction) {
+  program_.code[instruction].operand = here();
+}
 
 void CodeGenerator::emitConstant(double value, core::SourceRange range) {
   emit(Operation::Constant, internConstant(value), 0, range, 1);
@@ -280,8 +282,8 @@ void CodeGenerator::emitName(const ExpressionNode& node) {
   }
 }
 
-/// `&&` and `||`. Both sides are evaluated when the right one is simple, so that nobody can see it, and in the reference's
-/// modes when the left one is bare. Otherwise the right side is skipped when the left one decides.
+/// `&&` and `||`. Both sides are evaluated when the right one is simple, so that nobody can see it, and in the
+/// reference's modes when the left one is bare. Otherwise the right side is skipped when the left one decides.
 void CodeGenerator::emitLogical(const ExpressionNode& node) {
   const ExpressionNode& left = at(node.children[0]);
   const bool isAnd = node.operation == Operation::LogicalAnd;

@@ -9,17 +9,18 @@
 
 namespace espalier::language {
 
-/// Whether the operand is compound in the reference's sense: an operator or a call; parentheses alone do not count. Only
-/// after a compound operand do the reference's `&&`, `||` and `?:` skip a side.
+/// Whether the operand is compound in the reference's sense: an operator or a call; parentheses alone do not count.
+/// Only after a compound operand do the reference's `&&`, `||` and `?:` skip a side.
 [[nodiscard]] bool isCompound(const ExpressionNode& node);
 
-/// The value of one node from the values of its children, exactly as the evaluator would compute it. Nothing when a child
-/// has no value, the node depends on more than its children, divides by zero, or would not be finite.
+/// The value of one node from the values of its children, exactly as the evaluator would compute it. Nothing when a
+/// child has no value, the node depends on more than its children, divides by zero, or would not be finite.
 [[nodiscard]] std::optional<double> foldNode(const ExpressionNode& node, const ModelSyntax& model,
                                              std::span<const std::optional<double>> values,
                                              core::Compatibility compatibility);
 
 /// The values of all expressions of a model that are constant, by expression index. Names must be bound.
-[[nodiscard]] std::vector<std::optional<double>> foldConstants(const ModelSyntax& model, core::Compatibility compatibility);
+[[nodiscard]] std::vector<std::optional<double>> foldConstants(const ModelSyntax& model,
+                                                               core::Compatibility compatibility);
 
 }  // namespace espalier::language

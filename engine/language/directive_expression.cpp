@@ -35,7 +35,9 @@ constexpr std::array<BinaryOperator, 18> kOperators{{{"||", 1},
                                                      {"%", 10}}};
 
 // two's complement arithmetic that cannot overflow
-std::int64_t wrap(std::uint64_t value) { return static_cast<std::int64_t>(value); }
+std::int64_t wrap(std::uint64_t value) {
+  return static_cast<std::int64_t>(value);
+}
 
 class Evaluator {
  public:
@@ -65,8 +67,8 @@ class Evaluator {
     const std::string found = position_ == text_.size()
                                   ? "the end of the line"
                                   : "'" + std::string(text_.substr(position_, end - position_)) + "'";
-    return failAt(position_, end, "expected " + std::string(expected) + " while reading the condition of a directive, found " +
-                                      found);
+    return failAt(position_, end,
+                  "expected " + std::string(expected) + " while reading the condition of a directive, found " + found);
   }
 
   void skipBlanks() {
@@ -85,8 +87,9 @@ class Evaluator {
   }
 
   std::nullopt_t failNesting() {
-    return failAt(position_, position_ + 1, "the condition is nested deeper than the limit maximumExpressionDepth (" +
-                                                std::to_string(maximumDepth_) + ")");
+    return failAt(
+        position_, position_ + 1,
+        "the condition is nested deeper than the limit maximumExpressionDepth (" + std::to_string(maximumDepth_) + ")");
   }
 
   // both arms recurse, so each conditional counts as a level of nesting

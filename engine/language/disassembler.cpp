@@ -110,7 +110,8 @@ class Disassembler {
       const Instruction& instruction = program_.code[i];
       std::string index = std::to_string(i);
       index.insert(0, index.size() < 6 ? 6 - index.size() : 0, ' ');
-      text_ += index + "  " + kOperationNames[static_cast<std::size_t>(instruction.operation)] + operandText(instruction) + "\n";
+      text_ += index + "  " + kOperationNames[static_cast<std::size_t>(instruction.operation)] +
+               operandText(instruction) + "\n";
     }
   }
 
@@ -163,6 +164,8 @@ class Disassembler {
 
 }  // namespace
 
-std::string disassemble(const Program& program, DisassemblyPlaces places) { return Disassembler(program, places).run(); }
+std::string disassemble(const Program& program, DisassemblyPlaces places) {
+  return Disassembler(program, places).run();
+}
 
 }  // namespace espalier::language

@@ -192,6 +192,8 @@ class Formatter {
 
 }  // namespace
 
-FormatResult format(const CompileInput& input, core::FileProvider& files) { return Formatter(input, files).run(); }
+FormatResult format(const CompileInput& input, core::FileProvider& files) {
+  return Formatter(input, files).run();
+}
 
 }  // namespace espalier::language

@@ -349,7 +349,8 @@ std::string ItemLayout::blankBetween(const Placed& left, const Placed& right) co
   const bool hadBlank = right.begin > left.end;
   const std::string kept = hadBlank ? " " : "";
   // strings of modules
-  if (l == TokenKind::Keyword || (isSeparator(l) && l != TokenKind::Colon) || (isSeparator(r) && r != TokenKind::Colon)) {
+  if (l == TokenKind::Keyword || (isSeparator(l) && l != TokenKind::Colon) ||
+      (isSeparator(r) && r != TokenKind::Colon)) {
     return " ";
   }
   if (l == TokenKind::EndOfLine) {
@@ -365,14 +366,15 @@ std::string ItemLayout::blankBetween(const Placed& left, const Placed& right) co
     return r == TokenKind::OpenParenthesis ? "" : kept;
   }
   if (l == TokenKind::OpenParenthesis || l == TokenKind::OpenBracket || r == TokenKind::CloseParenthesis ||
-      r == TokenKind::CloseBracket || r == TokenKind::Comma || r == TokenKind::Semicolon || r == TokenKind::OpenBracket) {
+      r == TokenKind::CloseBracket || r == TokenKind::Comma || r == TokenKind::Semicolon ||
+      r == TokenKind::OpenBracket) {
     return "";
   }
   if (l == TokenKind::Comma) {
     return left.isCompact ? "" : " ";
   }
-  if (l == TokenKind::Semicolon || l == TokenKind::OpenBrace || l == TokenKind::CloseBrace || r == TokenKind::OpenBrace ||
-      r == TokenKind::CloseBrace) {
+  if (l == TokenKind::Semicolon || l == TokenKind::OpenBrace || l == TokenKind::CloseBrace ||
+      r == TokenKind::OpenBrace || r == TokenKind::CloseBrace) {
     return " ";
   }
   // operators
@@ -380,8 +382,9 @@ std::string ItemLayout::blankBetween(const Placed& left, const Placed& right) co
     return "";
   }
   const auto isCompactOperator = [](const Placed& placed) {
-    return placed.isCompact && (placed.token.kind == TokenKind::Star ||
-                                (placed.token.kind == TokenKind::Operator && isOneOf(placed.token.text, {"+", "-", "/", "%", "^"})));
+    return placed.isCompact &&
+           (placed.token.kind == TokenKind::Star ||
+            (placed.token.kind == TokenKind::Operator && isOneOf(placed.token.text, {"+", "-", "/", "%", "^"})));
   };
   const auto isBinary = [](const Placed& placed) {
     return !placed.isPrefix && (placed.token.kind == TokenKind::Star || placed.token.kind == TokenKind::Operator ||

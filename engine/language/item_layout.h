@@ -16,11 +16,11 @@ namespace espalier::language {
 /// expanded. Every byte of the code knows its place in the file.
 struct CodeOfFile {
   struct Line {
-    std::uint32_t begin = 0;        // in the file
-    std::uint32_t end = 0;          // behind its newline
-    bool isCode = true;             // false: a directive, or left out by #if
+    std::uint32_t begin = 0;  // in the file
+    std::uint32_t end = 0;    // behind its newline
+    bool isCode = true;       // false: a directive, or left out by #if
     bool startsInComment = false;
-    bool hasSplice = false;         // `\` joins physical lines
+    bool hasSplice = false;  // `\` joins physical lines
   };
   std::string_view file;
   std::vector<Line> lines;
@@ -31,19 +31,19 @@ struct CodeOfFile {
   [[nodiscard]] std::size_t lineAt(std::uint32_t offset) const;
 };
 
-/// `activeLineEnds` are the file offsets of the newlines that reached the compiler; a final line without one counts. `file`
-/// must outlive the result.
+/// `activeLineEnds` are the file offsets of the newlines that reached the compiler; a final line without one counts.
+/// `file` must outlive the result.
 [[nodiscard]] CodeOfFile readCode(std::string_view file, const std::unordered_set<std::uint32_t>& activeLineEnds);
 
 /// An item, production or section line in a new layout.
 struct LaidOutItem {
   std::size_t firstLine = 0;  // of CodeOfFile::lines
   std::size_t lastLine = 0;
-  std::string text;           // without a final newline
+  std::string text;  // without a final newline
 };
 
-/// Cuts code into items with the real Lexer, in the modes that the parser would choose, and lays each one out anew. Items
-/// that cannot be read so, or that hold directives or joined lines, are left out of the result.
+/// Cuts code into items with the real Lexer, in the modes that the parser would choose, and lays each one out anew.
+/// Items that cannot be read so, or that hold directives or joined lines, are left out of the result.
 class ItemLayout {
  public:
   /// `code` must outlive the object. `declared` are the named modules that the whole model knows.
@@ -80,9 +80,9 @@ class ItemLayout {
   Phase phase_ = Phase::Start;
   std::uint32_t parentheses_ = 0;
   std::uint32_t subscripts_ = 0;
-  std::uint32_t branches_ = 0;   // open `[` of a string
+  std::uint32_t branches_ = 0;  // open `[` of a string
   std::uint32_t blocks_ = 0;
-  bool expectsBlock_ = false;    // behind Start: and its relatives
+  bool expectsBlock_ = false;  // behind Start: and its relatives
   bool isFinished_ = false;
 };
 

@@ -42,7 +42,9 @@ constexpr std::array<KeywordText, 22> kKeywords{{{Keyword::DerivationLength, "de
 constexpr std::array<KeywordText, 3> kLineKeywords{
     {{Keyword::Seed, "seed:", false}, {Keyword::Module, "module:", true}, {Keyword::Syntax, "syntax:", true}}};
 
-constexpr char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
+constexpr char lower(char c) {
+  return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+}
 
 // the length of the pattern's text at the start of `text`; 0 when it does not match
 std::size_t matchPattern(std::string_view text, std::string_view pattern) {
@@ -160,8 +162,7 @@ bool Lexer::newlineEnds(std::uint32_t newline) const {
 }
 
 std::uint32_t Lexer::skipBlanks(std::uint32_t position) const {
-  while (position < text_.size() &&
-         (isBlank(text_[position]) || (text_[position] == '\n' && !newlineEnds(position)))) {
+  while (position < text_.size() && (isBlank(text_[position]) || (text_[position] == '\n' && !newlineEnds(position)))) {
     ++position;
   }
   return position;
@@ -293,18 +294,18 @@ Token Lexer::scanExpression() {
     return make(TokenKind::Operator, begin, begin + 1);
   }
   constexpr std::array<std::pair<char, TokenKind>, 13> kSingle{{{'*', TokenKind::Star},
-                                                               {':', TokenKind::Colon},
-                                                               {'(', TokenKind::OpenParenthesis},
-                                                               {')', TokenKind::CloseParenthesis},
-                                                               {'=', TokenKind::Assign},
-                                                               {'&', TokenKind::Ampersand},
-                                                               {'?', TokenKind::Question},
-                                                               {',', TokenKind::Comma},
-                                                               {';', TokenKind::Semicolon},
-                                                               {'{', TokenKind::OpenBrace},
-                                                               {'}', TokenKind::CloseBrace},
-                                                               {'[', TokenKind::OpenBracket},
-                                                               {']', TokenKind::CloseBracket}}};
+                                                                {':', TokenKind::Colon},
+                                                                {'(', TokenKind::OpenParenthesis},
+                                                                {')', TokenKind::CloseParenthesis},
+                                                                {'=', TokenKind::Assign},
+                                                                {'&', TokenKind::Ampersand},
+                                                                {'?', TokenKind::Question},
+                                                                {',', TokenKind::Comma},
+                                                                {';', TokenKind::Semicolon},
+                                                                {'{', TokenKind::OpenBrace},
+                                                                {'}', TokenKind::CloseBrace},
+                                                                {'[', TokenKind::OpenBracket},
+                                                                {']', TokenKind::CloseBracket}}};
   for (const auto& [character, kind] : kSingle) {
     if (c == character) {
       return make(kind, begin, begin + 1);

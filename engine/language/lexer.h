@@ -112,8 +112,8 @@ class Lexer {
   [[nodiscard]] std::uint32_t position() const { return position_; }
   [[nodiscard]] std::string_view text() const { return text_; }
 
-  /// Moves behind the end of the current item or production, and out of any block. In a block it stops before a line that
-  /// starts with a keyword.
+  /// Moves behind the end of the current item or production, and out of any block. In a block it stops before a line
+  /// that starts with a keyword.
   void skipLine();
 
   /// Skips lines that start with a blank other than TAB, up to the first other line.

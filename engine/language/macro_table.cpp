@@ -152,8 +152,8 @@ class MacroTable::Expansion {
       }
       const Macro* last = table_.find(std::string_view(result).substr(begin));
       std::size_t end = useEnd;
-      if (last == nullptr || !last->isFunctionLike || last == &macro || isActive(last) || !opensArguments(text, useEnd) ||
-          !collectArguments(*last, text, useEnd, end, arguments)) {
+      if (last == nullptr || !last->isFunctionLike || last == &macro || isActive(last) ||
+          !opensArguments(text, useEnd) || !collectArguments(*last, text, useEnd, end, arguments)) {
         break;
       }
       useEnd = end;
@@ -201,8 +201,8 @@ class MacroTable::Expansion {
       arguments.clear();
     }
     if (arguments.size() != macro.parameters.size()) {
-      report("expected " + std::to_string(macro.parameters.size()) + " arguments while reading the macro '" + macro.name +
-                 "', found " + std::to_string(arguments.size()),
+      report("expected " + std::to_string(macro.parameters.size()) + " arguments while reading the macro '" +
+                 macro.name + "', found " + std::to_string(arguments.size()),
              "", false);
       return false;
     }

@@ -17,16 +17,16 @@ namespace espalier::language {
 struct Macro {
   std::string name;
   bool isFunctionLike = false;
-  bool isFixed = false;                 // an override: #define and #undef leave it alone
-  std::vector<std::string> parameters;  // of a function-like macro
-  std::string body;                     // comments are blanks, no blanks at the ends
+  bool isFixed = false;                          // an override: #define and #undef leave it alone
+  std::vector<std::string> parameters;           // of a function-like macro
+  std::string body;                              // comments are blanks, no blanks at the ends
   std::uint32_t file = SourceMap::kNoExpansion;  // where it was defined; kNoExpansion: by the caller
-  std::uint32_t offset = 0;             // of its name there
+  std::uint32_t offset = 0;                      // of its name there
 };
 
 /// A part of an expanded line.
 struct ExpandedPiece {
-  std::size_t begin = 0;         // bytes [begin, end) of the input it stands for
+  std::size_t begin = 0;  // bytes [begin, end) of the input it stands for
   std::size_t end = 0;
   const Macro* macro = nullptr;  // null: the input itself
   std::string text;              // replacement; empty for a copied piece
@@ -68,12 +68,18 @@ class MacroTable {
 [[nodiscard]] constexpr bool isIdentifierStart(char c) {
   return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '_';
 }
-[[nodiscard]] constexpr bool isDigit(char c) { return c >= '0' && c <= '9'; }
-[[nodiscard]] constexpr bool isIdentifierPart(char c) { return isIdentifierStart(c) || isDigit(c); }
-[[nodiscard]] constexpr bool isBlank(char c) { return c == ' ' || c == '\t'; }
+[[nodiscard]] constexpr bool isDigit(char c) {
+  return c >= '0' && c <= '9';
+}
+[[nodiscard]] constexpr bool isIdentifierPart(char c) {
+  return isIdentifierStart(c) || isDigit(c);
+}
+[[nodiscard]] constexpr bool isBlank(char c) {
+  return c == ' ' || c == '\t';
+}
 
-/// The end of the string literal that opens at `begin`, after its closing quote; `begin` itself when the line has none, so
-/// that a quote used as a symbol protects nothing.
+/// The end of the string literal that opens at `begin`, after its closing quote; `begin` itself when the line has none,
+/// so that a quote used as a symbol protects nothing.
 [[nodiscard]] std::size_t stringLiteralEnd(std::string_view line, std::size_t begin);
 
 /// The end of the identifier or number that starts at `begin`; `begin` when there is none.

@@ -10,7 +10,8 @@
 
 namespace espalier::language {
 
-/// Messages about preprocessed text, kept by their ranges until all phases are done and then put in the order of the text.
+/// Messages about preprocessed text, kept by their ranges until all phases are done and then put in the order of the
+/// text.
 class MessageList {
  public:
   void error(core::SourceRange range, std::string message, std::string hint = {}) {
@@ -40,8 +41,8 @@ class MessageList {
     const std::vector<core::Diagnostic> earlier = list.entries();
     const auto isExplained = [&](const core::SourceLocation& place) {
       return std::any_of(earlier.begin(), earlier.end(), [&](const core::Diagnostic& diagnostic) {
-        return diagnostic.severity == core::Severity::Error && place.line > 0 && diagnostic.location.line == place.line &&
-               diagnostic.location.file == place.file;
+        return diagnostic.severity == core::Severity::Error && place.line > 0 &&
+               diagnostic.location.line == place.line && diagnostic.location.file == place.file;
       });
     };
     std::size_t errors = 0;
@@ -49,7 +50,8 @@ class MessageList {
     for (Message& message : messages_) {
       // a place costs a walk through its file; the list keeps no more than its limit of each severity
       const std::size_t rank = message.severity == core::Severity::Error ? errors++ : warnings++;
-      core::SourceLocation place = rank < core::DiagnosticList::kLimit ? map.locate(message.range) : core::SourceLocation{};
+      core::SourceLocation place =
+          rank < core::DiagnosticList::kLimit ? map.locate(message.range) : core::SourceLocation{};
       if (!isExplained(place)) {
         list.add({message.severity, std::move(message.text), std::move(place), std::move(message.hint)});
       }

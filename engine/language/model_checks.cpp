@@ -79,8 +79,12 @@ class Checks {
     }
   }
   [[nodiscard]] ModuleType typeOf(core::ModuleTypeId type) const { return model_.symbols.types()[type]; }
-  [[nodiscard]] char characterOf(core::ModuleTypeId type) const { return model_.symbols[typeOf(type).symbol].character(); }
-  [[nodiscard]] const std::string& nameOf(core::ModuleTypeId type) const { return model_.symbols[typeOf(type).symbol].name; }
+  [[nodiscard]] char characterOf(core::ModuleTypeId type) const {
+    return model_.symbols[typeOf(type).symbol].character();
+  }
+  [[nodiscard]] const std::string& nameOf(core::ModuleTypeId type) const {
+    return model_.symbols[typeOf(type).symbol].name;
+  }
   [[nodiscard]] std::string textOf(core::SourceRange range) const {
     return foldBlanks(text_.substr(range.begin, range.end - range.begin));
   }
@@ -103,7 +107,8 @@ class Checks {
       }
     }
     if (!open.empty()) {
-      messages_.warning(open.back(), "this '[' is not closed in " + place, "a branch is opened and closed in the same successor");
+      messages_.warning(open.back(), "this '[' is not closed in " + place,
+                        "a branch is opened and closed in the same successor");
     }
   }
 
@@ -119,15 +124,18 @@ class Checks {
   /// Whether `earlier` matches wherever `later` would.
   [[nodiscard]] bool hides(const ProductionSyntax& earlier, const ProductionSyntax& later) const {
     if (!isAlwaysTrue(earlier) || !earlier.newLeftContext.empty() || !earlier.newRightContext.empty() ||
-        earlier.predecessor.size() > later.predecessor.size() || earlier.leftContext.size() > later.leftContext.size() ||
+        earlier.predecessor.size() > later.predecessor.size() ||
+        earlier.leftContext.size() > later.leftContext.size() ||
         earlier.rightContext.size() > later.rightContext.size() ||
         (!earlier.rightContext.empty() && earlier.predecessor.size() != later.predecessor.size())) {
       return false;
     }
     // the nearest module of a left context is the last
     return std::equal(earlier.predecessor.begin(), earlier.predecessor.end(), later.predecessor.begin(), sameTypes) &&
-           std::equal(earlier.leftContext.rbegin(), earlier.leftContext.rend(), later.leftContext.rbegin(), sameElements) &&
-           std::equal(earlier.rightContext.begin(), earlier.rightContext.end(), later.rightContext.begin(), sameElements);
+           std::equal(earlier.leftContext.rbegin(), earlier.leftContext.rend(), later.leftContext.rbegin(),
+                      sameElements) &&
+           std::equal(earlier.rightContext.begin(), earlier.rightContext.end(), later.rightContext.begin(),
+                      sameElements);
   }
 
   void checkHidden(const ProductionListSyntax& list) {
@@ -161,7 +169,8 @@ class Checks {
     const auto check = [&](const FormalModuleSyntax& module) {
       // the engine itself makes %(p,index)
       const bool isBracket = characterOf(module.type) == '[' || characterOf(module.type) == ']';
-      if (made.contains(module.type) || isBracket || characterOf(module.type) == '%' || !reported.insert(module.type).second) {
+      if (made.contains(module.type) || isBracket || characterOf(module.type) == '%' ||
+          !reported.insert(module.type).second) {
         return;
       }
       const std::string written = textOf(module.range);
@@ -277,8 +286,8 @@ class Checks {
       for (std::size_t i = 0; i < use.isRead.size(); ++i) {
         if (!use.isRead[i]) {
           const NameSyntax& parameter = use.first->parameters[i];
-          messages_.warning(parameter.range, "no production reads the parameter '" + parameter.text + "' of " +
-                                                 textOf(use.first->range),
+          messages_.warning(parameter.range,
+                            "no production reads the parameter '" + parameter.text + "' of " + textOf(use.first->range),
                             "use it or leave it out");
         }
       }
@@ -326,8 +335,9 @@ class Checks {
     for (const LSystemSyntax& system : model_.systems) {
       list += (list.empty() ? "" : ", ") + std::to_string(labelOf(system));
       if (!labels.insert(labelOf(system)).second) {
-        messages_.warning(system.labelRange, "the label " + system.label + " is used twice",
-                          "?(" + system.label + ") calls the first L-system of that label; give this one another number");
+        messages_.warning(
+            system.labelRange, "the label " + system.label + " is used twice",
+            "?(" + system.label + ") calls the first L-system of that label; give this one another number");
       }
     }
     std::set<std::int64_t> called;
@@ -366,7 +376,8 @@ class Checks {
 
 }  // namespace
 
-void checkModel(std::string_view text, core::Compatibility compatibility, const ModelSyntax& model, MessageList& messages) {
+void checkModel(std::string_view text, core::Compatibility compatibility, const ModelSyntax& model,
+                MessageList& messages) {
   Checks(text, compatibility, model, messages).run();
 }
 

@@ -13,8 +13,8 @@ void addQueries(const Program& program, const std::vector<SuccessorModule>& modu
     if (modules[i - 1].type != program.bareQuery || (!symbol.isQuery && symbol.name != "E")) {
       continue;
     }
-    const bool isKnown = std::any_of(queries.begin(), queries.end(),
-                                     [&](const ModelQuery& query) { return query.name == symbol.name; });
+    const bool isKnown =
+        std::any_of(queries.begin(), queries.end(), [&](const ModelQuery& query) { return query.name == symbol.name; });
     if (!isKnown) {
       queries.push_back({symbol.name, modules[i].range});
     }
@@ -50,9 +50,8 @@ std::vector<core::Diagnostic> unansweredQueries(const Program& program, const st
   const std::vector<std::string_view> names(processNames.begin(), processNames.end());
   for (const ModelQuery& query : queriesOf(program)) {
     const bool isAnswered = (query.name == "E" && !names.empty()) ||
-                            std::any_of(names.begin(), names.end(), [&](std::string_view name) {
-                              return equalIgnoringCase(name, query.name);
-                            });
+                            std::any_of(names.begin(), names.end(),
+                                        [&](std::string_view name) { return equalIgnoringCase(name, query.name); });
     if (isAnswered) {
       continue;
     }

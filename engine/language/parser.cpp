@@ -15,7 +15,8 @@ bool startsSection(Keyword keyword) {
 }  // namespace
 
 std::string tabHint() {
-  return "a line that continues the one before must start with a TAB, not with blanks (or write 'Syntax: free' before the "
+  return "a line that continues the one before must start with a TAB, not with blanks (or write 'Syntax: free' before "
+         "the "
          "first L-system)";
 }
 
@@ -42,9 +43,10 @@ bool Parser::expected(std::string_view what, const Token& token, std::string hin
   } else if (token.kind == TokenKind::Keyword && hint.empty()) {
     hint = "these letters are a keyword wherever they stand; blanks between symbols keep them apart";
   }
-  messages_.error(token.range, "expected " + std::string(what) + " while reading " + describeReading() + ", found " +
-                                   describe(token),
-                  std::move(hint));
+  messages_.error(
+      token.range,
+      "expected " + std::string(what) + " while reading " + describeReading() + ", found " + describe(token),
+      std::move(hint));
   return false;
 }
 
@@ -147,7 +149,8 @@ void Parser::parseLSystem() {
     ProductionListSyntax& list = isDecomposition ? system.decomposition : system.homomorphism;
     reading_ = isDecomposition ? "the decomposition" : "the homomorphism";
     if (!list.productions.empty()) {
-      messages_.error(lexer_.peekSymbol().range, reading_ + " appears twice in one L-system", "put its productions together");
+      messages_.error(lexer_.peekSymbol().range, reading_ + " appears twice in one L-system",
+                      "put its productions together");
     } else if (isDecomposition && hasHomomorphism) {
       messages_.error(lexer_.peekSymbol().range, "the decomposition must stand before the homomorphism");
     }
@@ -178,7 +181,8 @@ void Parser::parseItems(LSystemSyntax& system) {
     } else if (token.kind == TokenKind::Keyword && token.keyword == Keyword::Axiom) {
       parseAxiom(system);
       return;
-    } else if (token.kind == TokenKind::EndOfFile || (token.kind == TokenKind::Keyword && startsSection(token.keyword))) {
+    } else if (token.kind == TokenKind::EndOfFile ||
+               (token.kind == TokenKind::Keyword && startsSection(token.keyword))) {
       if (!hasComplained) {
         expected("'Axiom:'", token, "every L-system has an axiom, the string it starts from: 'Axiom: A(1)'");
       }
@@ -193,8 +197,9 @@ void Parser::parseItems(LSystemSyntax& system) {
                    "every L-system has an axiom before its productions, the string it starts from: 'Axiom: A(1)'");
           return;
         }
-        static const std::vector<std::string_view> kItems{"derivation length", "seed", "consider", "ignore",  "axiom",
-                                                          "define",            "start", "end",     "Start each", "End each"};
+        static const std::vector<std::string_view> kItems{
+            "derivation length", "seed",    "consider", "ignore", "axiom", "define", "start", "end",
+            "Start each",        "End each"};
         const std::string_view line = lineAt(token.range.begin);
         const std::string_view word = line.substr(0, line.find(':'));
         // the first letter may be a capital
@@ -251,7 +256,8 @@ void Parser::parseAxiom(LSystemSyntax& system) {
 void Parser::parseSectionHead(ProductionListSyntax& list) {
   lexer_.advance();
   const Token token = lexer_.peekSymbol();
-  if (token.kind == TokenKind::Keyword && (token.keyword == Keyword::Warnings || token.keyword == Keyword::NoWarnings)) {
+  if (token.kind == TokenKind::Keyword &&
+      (token.keyword == Keyword::Warnings || token.keyword == Keyword::NoWarnings)) {
     list.warns = token.keyword == Keyword::Warnings;
     lexer_.advance();
   }

@@ -11,8 +11,8 @@
 
 namespace espalier::language {
 
-/// Reads preprocessed text into a syntax tree by recursive descent. After a mistake reading goes on at the next statement
-/// or production, so that all mistakes of a file are found; what could not be read is left out of the tree.
+/// Reads preprocessed text into a syntax tree by recursive descent. After a mistake reading goes on at the next
+/// statement or production, so that all mistakes of a file are found; what could not be read is left out of the tree.
 class Parser {
  public:
   /// All references must outlive the parser.
@@ -47,7 +47,8 @@ class Parser {
   void parseProduction(ProductionListSyntax& list);
   bool parseHead(ProductionSyntax& production);
   bool parseSegments(std::vector<Segment>& segments, std::vector<Token>& separators);
-  bool assignSegments(std::vector<Segment>& segments, const std::vector<Token>& separators, ProductionSyntax& production);
+  bool assignSegments(std::vector<Segment>& segments, const std::vector<Token>& separators,
+                      ProductionSyntax& production);
   bool checkContext(const Segment& segment, bool isRight);
   bool parseGuard(ProductionSyntax& production);
   bool parseSuccessor(ProductionSyntax& production);
@@ -98,12 +99,12 @@ class Parser {
   ModelSyntax& model_;
   MessageList& messages_;
   Lexer lexer_;
-  std::string reading_ = "the model";      // what is being read, for messages
-  core::SourceRange predecessor_;          // of the production being read; empty: none
-  std::uint32_t expressionDepth_ = 0;      // recursion of the parser itself
-  std::uint32_t productionBegin_ = 0;      // of the production being read
-  bool skipsIndentedLines_ = false;        // the last message was about lines that start with blanks
-  bool hasReportedEnd_ = false;            // a message said that the file ended too early: one is enough
+  std::string reading_ = "the model";  // what is being read, for messages
+  core::SourceRange predecessor_;      // of the production being read; empty: none
+  std::uint32_t expressionDepth_ = 0;  // recursion of the parser itself
+  std::uint32_t productionBegin_ = 0;  // of the production being read
+  bool skipsIndentedLines_ = false;    // the last message was about lines that start with blanks
+  bool hasReportedEnd_ = false;        // a message said that the file ended too early: one is enough
 };
 
 /// What a message says where a TAB was meant.

@@ -39,7 +39,9 @@ const BinaryOperator* findOperator(const Token& token) {
   return found == kBinaryOperators.end() ? nullptr : &*found;
 }
 
-bool isReserved(std::string_view name) { return name == "if" || name == "else" || name == "while" || name == "do"; }
+bool isReserved(std::string_view name) {
+  return name == "if" || name == "else" || name == "while" || name == "do";
+}
 
 }  // namespace
 
@@ -48,8 +50,9 @@ ExpressionIndex Parser::makeNode(ExpressionNode node) {
     node.depth = std::max(node.depth, model_.expressions[child].depth + 1);
   }
   if (node.depth > limits_.maximumExpressionDepth) {
-    messages_.error(node.range, "the expression is nested deeper than the limit maximumExpressionDepth (" +
-                                    std::to_string(limits_.maximumExpressionDepth) + ")",
+    messages_.error(node.range,
+                    "the expression is nested deeper than the limit maximumExpressionDepth (" +
+                        std::to_string(limits_.maximumExpressionDepth) + ")",
                     "assign parts of it to variables first");
     return kNoExpression;
   }
@@ -174,8 +177,9 @@ ExpressionIndex Parser::parsePrimary() {
 ExpressionIndex Parser::parseParentheses() {
   const Token open = lexer_.peekExpression();
   if (expressionDepth_ >= limits_.maximumExpressionDepth) {
-    messages_.error(open.range, "the expression is nested deeper than the limit maximumExpressionDepth (" +
-                                    std::to_string(limits_.maximumExpressionDepth) + ")",
+    messages_.error(open.range,
+                    "the expression is nested deeper than the limit maximumExpressionDepth (" +
+                        std::to_string(limits_.maximumExpressionDepth) + ")",
                     "assign parts of it to variables first");
     return kNoExpression;
   }
@@ -237,8 +241,9 @@ ExpressionIndex Parser::parseName() {
     if (subscript == kNoExpression) {
       isGood = false;
     } else if (close.kind != TokenKind::CloseBracket) {
-      isGood = expected("']'", close,
-                        close.kind == TokenKind::Comma ? "every dimension has its own brackets: " + name.text + "[i][j]" : "");
+      isGood = expected(
+          "']'", close,
+          close.kind == TokenKind::Comma ? "every dimension has its own brackets: " + name.text + "[i][j]" : "");
     } else {
       lexer_.advance();
       node.children.push_back(subscript);

@@ -76,8 +76,9 @@ std::string Parser::adviceFor(const Token& token) const {
       return token.text == "and"   ? "write '&&'"
              : token.text == "or"  ? "write '||'"
              : token.text == "not" ? "write '!'"
-             : token.text == "if" && reading_ == "a production" ? "a condition stands behind ':', as in A(x) : x > 1 --> B"
-                                   : std::string();
+             : token.text == "if" && reading_ == "a production"
+                 ? "a condition stands behind ':', as in A(x) : x > 1 --> B"
+                 : std::string();
     case TokenKind::EndOfLine:
       return before == '%' ? "'%' is the remainder of a division; 50% is 0.5" : std::string();
     default:

@@ -151,8 +151,9 @@ bool Parser::parseModuleDeclaration() {
       lexer_.advance();
       const Token parameter = lexer_.peekExpression();
       if (parameter.kind != TokenKind::Identifier) {
-        return expected("a parameter name", parameter,
-                        parameter.kind == TokenKind::CloseParenthesis ? "a module without parameters has no parentheses" : "");
+        return expected(
+            "a parameter name", parameter,
+            parameter.kind == TokenKind::CloseParenthesis ? "a module without parameters has no parentheses" : "");
       }
       symbol.parameterNames.push_back(parameter.text);
       lexer_.advance();
@@ -191,8 +192,9 @@ void Parser::parseDefine(LSystemSyntax& system) {
     } else if (token.kind == TokenKind::Identifier && token.text == "external") {
       isGood = parseExternals(system);
     } else {
-      isGood = expected("'array' or 'external'", token,
-                        token.kind == TokenKind::Identifier ? "plain variables need no definition; assign them in Start" : "");
+      isGood = expected(
+          "'array' or 'external'", token,
+          token.kind == TokenKind::Identifier ? "plain variables need no definition; assign them in Start" : "");
     }
     isGood = isGood && expectExpressionToken(TokenKind::Semicolon, "';'");
   } while (isGood && lexer_.peekExpression().kind != TokenKind::CloseBrace);

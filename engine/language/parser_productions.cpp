@@ -49,8 +49,8 @@ std::string Parser::productionHint(std::uint32_t begin) const {
   const std::string_view line = lineAt(begin);
   const std::size_t colon = line.find(':');
   if (colon != std::string_view::npos) {
-    static const std::vector<std::string_view> kKeywords{"decomposition", "homomorphism", "maximum depth", "derivation length",
-                                                         "seed",          "consider",     "ignore",        "define"};
+    static const std::vector<std::string_view> kKeywords{
+        "decomposition", "homomorphism", "maximum depth", "derivation length", "seed", "consider", "ignore", "define"};
     const std::string_view near = core::nearestName(line.substr(0, colon), kKeywords);
     if (!near.empty()) {
       return "did you mean '" + std::string(near) + ":'?";
@@ -184,7 +184,8 @@ bool Parser::assignSegments(std::vector<Segment>& segments, const std::vector<To
     star.kind = TokenKind::Star;
     star.text = "*";
     star.range = predecessor.starRange;
-    return expected("a predecessor", star, "there is no wildcard predecessor; '*' stands for a whole context, condition or successor");
+    return expected("a predecessor", star,
+                    "there is no wildcard predecessor; '*' stands for a whole context, condition or successor");
   }
   if (predecessor.modules.empty()) {
     const bool isLast = strict == separators.size();
@@ -205,11 +206,10 @@ bool Parser::assignSegments(std::vector<Segment>& segments, const std::vector<To
     if (!checkContext(segments[i], isRight)) {
       return false;
     }
-    std::vector<ContextElementSyntax>& context =
-        rankOf(separator.kind) == 0 ? production.newLeftContext
-                                    : rankOf(separator.kind) == 1 ? production.leftContext
-                                                                  : rankOf(separator.kind) == 2 ? production.rightContext
-                                                                                                : production.newRightContext;
+    std::vector<ContextElementSyntax>& context = rankOf(separator.kind) == 0   ? production.newLeftContext
+                                                 : rankOf(separator.kind) == 1 ? production.leftContext
+                                                 : rankOf(separator.kind) == 2 ? production.rightContext
+                                                                               : production.newRightContext;
     for (FormalModuleSyntax& module : segments[i].modules) {
       ContextElementSyntax element;
       const ModuleType type = model_.symbols.types()[module.type];
@@ -237,9 +237,10 @@ bool Parser::assignSegments(std::vector<Segment>& segments, const std::vector<To
 
 bool Parser::checkContext(const Segment& segment, bool isRight) {
   if (segment.isStar && !segment.modules.empty()) {
-    messages_.error(segment.starRange, "'*' stands for a whole " + std::string(isRight ? "right" : "left") +
-                                           " context, not for one module",
-                    "there is no wildcard for a single module");
+    messages_.error(
+        segment.starRange,
+        "'*' stands for a whole " + std::string(isRight ? "right" : "left") + " context, not for one module",
+        "there is no wildcard for a single module");
     return false;
   }
   return true;
@@ -257,7 +258,8 @@ bool Parser::parseGuard(ProductionSyntax& production) {
     reading_ = "the condition";
     if (lexer_.peekExpression().kind == TokenKind::Star) {
       lexer_.advance();
-    } else if (lexer_.peekExpression().kind == TokenKind::Arrow || lexer_.peekExpression().kind == TokenKind::InstanceArrow) {
+    } else if (lexer_.peekExpression().kind == TokenKind::Arrow ||
+               lexer_.peekExpression().kind == TokenKind::InstanceArrow) {
       return expected("a condition", lexer_.peekExpression(), "write '*' for the condition that is always true");
     } else {
       production.condition = parseExpression();
@@ -327,7 +329,8 @@ bool Parser::internModule(core::SymbolId symbol, std::size_t arity, core::Source
   }
   if (arity > limits_.maximumArity || arity > 0xFFFFU) {
     messages_.error(range, "the module '" + declared.name + "' has " + std::to_string(arity) +
-                               " parameters, more than the limit maximumArity (" + std::to_string(limits_.maximumArity) + ")");
+                               " parameters, more than the limit maximumArity (" +
+                               std::to_string(limits_.maximumArity) + ")");
     return false;
   }
   type = model_.symbols.internType(symbol, static_cast<std::uint16_t>(arity));
@@ -353,7 +356,9 @@ bool Parser::parseFormalModule(FormalModuleSyntax& module) {
           hint = module.parameters.empty() ? "a module without parameters has no parentheses"
                                            : "there is a comma too many";
         } else if (parameter.kind == TokenKind::Number) {
-          hint = "predecessors and contexts have names as parameters; compare values in the condition, as in A(x) : x == 1";
+          hint =
+              "predecessors and contexts have names as parameters; compare values in the condition, as in A(x) : x == "
+              "1";
         }
         return expectedArrow("a parameter name", parameter, productionBegin_, std::move(hint));
       }

@@ -5,7 +5,9 @@
 namespace espalier::language {
 namespace {
 
-bool isWord(const Token& token, std::string_view word) { return token.kind == TokenKind::Identifier && token.text == word; }
+bool isWord(const Token& token, std::string_view word) {
+  return token.kind == TokenKind::Identifier && token.text == word;
+}
 
 }  // namespace
 
@@ -39,8 +41,8 @@ bool Parser::parseStatements(std::vector<Statement>& statements) {
   while (lexer_.peekExpression().kind != TokenKind::CloseBrace) {
     // a keyword here means that a brace is missing
     const Token keyword = lexer_.peekKeyword();
-    const bool isKeyword = keyword.kind == TokenKind::Keyword && (keyword.text.back() == ':' ||
-                                                                 keyword.keyword == Keyword::Endlsystem);
+    const bool isKeyword =
+        keyword.kind == TokenKind::Keyword && (keyword.text.back() == ':' || keyword.keyword == Keyword::Endlsystem);
     // so does an arrow: the block of a production ends before it
     if (lexer_.peekExpression().kind == TokenKind::Arrow || lexer_.peekExpression().kind == TokenKind::InstanceArrow) {
       const Token arrow = lexer_.peekExpression();
@@ -75,10 +77,11 @@ void Parser::skipStatement(bool passesParentheses) {
   while (true) {
     const Token token = lexer_.peekExpression();
     const Token keyword = lexer_.peekKeyword();
-    const bool isKeyword = keyword.kind == TokenKind::Keyword &&
-                           (keyword.text.back() == ':' || keyword.keyword == Keyword::Endlsystem);
+    const bool isKeyword =
+        keyword.kind == TokenKind::Keyword && (keyword.text.back() == ':' || keyword.keyword == Keyword::Endlsystem);
     const bool isArrow = token.kind == TokenKind::Arrow || token.kind == TokenKind::InstanceArrow;
-    if (token.kind == TokenKind::EndOfFile || isKeyword || isArrow || (depth == 0 && token.kind == TokenKind::CloseBrace)) {
+    if (token.kind == TokenKind::EndOfFile || isKeyword || isArrow ||
+        (depth == 0 && token.kind == TokenKind::CloseBrace)) {
       return;
     }
     // a peeked keyword may have replaced the token
@@ -133,7 +136,8 @@ bool Parser::parseSimpleStatement(Statement& statement) {
   const bool isTypeName =
       node.kind == ExpressionKind::Name && (node.text == "int" || node.text == "float" || node.text == "double");
   if (isTypeName && lexer_.peekExpression().kind == TokenKind::Identifier) {
-    return expected("';'", lexer_.peekExpression(), "variables have no types: write " + lexer_.peekExpression().text + " = 0;");
+    return expected("';'", lexer_.peekExpression(),
+                    "variables have no types: write " + lexer_.peekExpression().text + " = 0;");
   }
   return expectExpressionToken(TokenKind::Semicolon, "';'");
 }

@@ -15,8 +15,8 @@ namespace {
 /// An open #if.
 struct Conditional {
   std::uint32_t offset = 0;
-  bool wasActive = true;   // the lines around it count
-  bool hasTaken = false;   // one of its branches counted already
+  bool wasActive = true;  // the lines around it count
+  bool hasTaken = false;  // one of its branches counted already
   bool isActive = true;
   bool hasElse = false;
 };
@@ -37,7 +37,9 @@ class Preprocessor {
     if (file.has_value()) {
       processFile(*file, 0);
     } else {
-      result_.diagnostics.add({core::Severity::Error, "cannot read the file '" + input_.file + "'", {},
+      result_.diagnostics.add({core::Severity::Error,
+                               "cannot read the file '" + input_.file + "'",
+                               {},
                                "check the name and that the file may be read"});
     }
     result_.macros = macros_.names();
@@ -83,8 +85,9 @@ class Preprocessor {
     const std::string& text = files_[file].text;
     readBytes_ += text.size();
     if (readBytes_ > input_.limits.maximumSourceBytes) {
-      fatal(file, 0, 1, "the files of the model are longer than the limit maximumSourceBytes (" +
-                            std::to_string(input_.limits.maximumSourceBytes) + " bytes)");
+      fatal(file, 0, 1,
+            "the files of the model are longer than the limit maximumSourceBytes (" +
+                std::to_string(input_.limits.maximumSourceBytes) + " bytes)");
       return;
     }
     openFiles_.push_back(files_[file].name);
@@ -105,7 +108,8 @@ class Preprocessor {
             "everything from here on is part of the comment");
     }
     while (conditionals_.size() > outerConditionals) {
-      error(file, conditionals_.back().offset, 1, "expected #endif while reading this conditional, found the end of the file",
+      error(file, conditionals_.back().offset, 1,
+            "expected #endif while reading this conditional, found the end of the file",
             "every #if, #ifdef and #ifndef ends with #endif");
       conditionals_.pop_back();
     }
@@ -121,12 +125,14 @@ class Preprocessor {
   void emit(char c, std::uint32_t file, std::uint32_t offset, std::uint32_t expansion) {
     const auto position = static_cast<std::uint32_t>(result_.text.size());
     if (position >= input_.limits.maximumSourceBytes) {
-      fatal(file, offset, 1, "the preprocessed text is longer than the limit maximumSourceBytes (" +
-                                 std::to_string(input_.limits.maximumSourceBytes) + " bytes)");
+      fatal(file, offset, 1,
+            "the preprocessed text is longer than the limit maximumSourceBytes (" +
+                std::to_string(input_.limits.maximumSourceBytes) + " bytes)");
       return;
     }
     std::vector<SourceMap::Segment>& segments = result_.sourceMap.segments;
-    const bool continues = !segments.empty() && segments.back().file == file && segments.back().expansion == expansion &&
+    const bool continues = !segments.empty() && segments.back().file == file &&
+                           segments.back().expansion == expansion &&
                            (expansion != SourceMap::kNoExpansion ||
                             segments.back().fileOffset + (position - segments.back().outputBegin) == offset);
     if (!continues) {
@@ -229,11 +235,12 @@ class Preprocessor {
     static const std::vector<std::string_view> kNames{"define", "undef", "include", "if",    "ifdef", "ifndef",
                                                       "elif",   "else",  "endif",   "error", "line",  "pragma"};
     const std::string_view near = core::nearestName(name, kNames);
-    error(file, line.offsetOf(0), length,
-          "expected a directive after '#', found '" + line.text.substr(1, std::max<std::size_t>(length, 2) - 1) + "'",
-          name.empty() || near.empty()
-              ? "a '#' in column 1 starts a directive; for the symbol '#' put something before it, as in '* < #(w) --> *'"
-              : "did you mean '#" + std::string(near) + "'?");
+    error(
+        file, line.offsetOf(0), length,
+        "expected a directive after '#', found '" + line.text.substr(1, std::max<std::size_t>(length, 2) - 1) + "'",
+        name.empty() || near.empty()
+            ? "a '#' in column 1 starts a directive; for the symbol '#' put something before it, as in '* < #(w) --> *'"
+            : "did you mean '#" + std::string(near) + "'?");
   }
 
   void openConditional(std::uint32_t file, const LogicalLine& line, const std::string& name, std::size_t end) {
@@ -266,7 +273,8 @@ class Preprocessor {
   }
 
   // the macro name after a directive; empty with an error when there is none
-  std::string readName(std::uint32_t file, const LogicalLine& line, const std::string& directive, std::size_t& position) {
+  std::string readName(std::uint32_t file, const LogicalLine& line, const std::string& directive,
+                       std::size_t& position) {
     while (position < line.text.size() && isBlank(line.text[position])) {
       ++position;
     }
@@ -310,9 +318,9 @@ class Preprocessor {
       }
     }
     std::string expanded;
-    for (const ExpandedPiece& piece : macros_.expand(
-             text, [&](const ExpansionProblem& found) { reportExpansion(file, line, {begin, line.text.size(), found.message,
-                                                                                    found.hint, found.isFatal}); })) {
+    for (const ExpandedPiece& piece : macros_.expand(text, [&](const ExpansionProblem& found) {
+           reportExpansion(file, line, {begin, line.text.size(), found.message, found.hint, found.isFatal});
+         })) {
       expanded += piece.macro == nullptr ? text.substr(piece.begin, piece.end - piece.begin) : piece.text;
     }
     DirectiveProblem problem;
@@ -345,7 +353,8 @@ class Preprocessor {
       const core::SourceLocation first = locateInFile(files_[old->file], old->offset, 1);
       add(core::Severity::Warning, file, macro.offset, nameLength,
           "the macro '" + macro.name + "' is defined again; from here on this definition counts",
-          "first defined at " + first.file + ":" + std::to_string(first.line) + "; #undef it before to say that this is meant");
+          "first defined at " + first.file + ":" + std::to_string(first.line) +
+              "; #undef it before to say that this is meant");
     }
     macros_.define(std::move(macro));
   }
@@ -356,7 +365,8 @@ class Preprocessor {
     const std::size_t close = line.text.find(')', position);
     if (close == std::string::npos) {
       error(file, line.offsetOf(position - 1), 1,
-            "expected ')' while reading the parameters of the macro '" + macro.name + "', found the end of the line", "");
+            "expected ')' while reading the parameters of the macro '" + macro.name + "', found the end of the line",
+            "");
       return false;
     }
     if (trimBlanks(std::string_view(line.text).substr(position, close - position)).empty()) {
@@ -400,8 +410,9 @@ class Preprocessor {
     }
     const std::string name = nameBeside(files_[file].name, rest.substr(1, close - 1));
     if (depth + 1 > input_.limits.maximumIncludeDepth) {
-      fatal(file, line.offsetOf(first), close + 1, "files are included deeper than the limit maximumIncludeDepth (" +
-                                                       std::to_string(input_.limits.maximumIncludeDepth) + ")",
+      fatal(file, line.offsetOf(first), close + 1,
+            "files are included deeper than the limit maximumIncludeDepth (" +
+                std::to_string(input_.limits.maximumIncludeDepth) + ")",
             std::find(openFiles_.begin(), openFiles_.end(), name) != openFiles_.end()
                 ? "'" + name + "' includes itself, directly or through another file"
                 : "");

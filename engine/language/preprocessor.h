@@ -13,7 +13,7 @@ namespace espalier::language {
 
 struct PreprocessInput {
   std::string file;
-  std::vector<std::pair<std::string, std::string>> macros;     // defined before the first line; #define can replace them
+  std::vector<std::pair<std::string, std::string>> macros;  // defined before the first line; #define can replace them
   std::vector<std::pair<std::string, std::string>> overrides;  // the caller's: they win over #define
   core::Limits limits;
 };
@@ -23,8 +23,8 @@ struct PreprocessResult {
   SourceMap sourceMap;
   core::DiagnosticList diagnostics;
   std::vector<std::string> macros;  // names of those defined at the end
-  bool hasLostText = false;  // a comment without an end swallowed the rest of a file
-  bool isComplete = true;  // false: the file could not be read, or a limit ended the reading
+  bool hasLostText = false;         // a comment without an end swallowed the rest of a file
+  bool isComplete = true;           // false: the file could not be read, or a limit ended the reading
 };
 
 /// A traditional C preprocessor: #define (also with arguments), #undef, #include, #if and its relatives, both comment

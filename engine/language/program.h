@@ -48,7 +48,8 @@ struct Expression {
     Code,      // `code`, which leaves one value on the stack
   };
   Kind kind = Kind::Constant;
-  bool isPure = true;  // depends on formals, Q, Z and constants alone: reads no variable, draws nothing, changes nothing
+  bool isPure =
+      true;  // depends on formals, Q, Z and constants alone: reads no variable, draws nothing, changes nothing
   std::uint32_t slot = 0;
   double constant = 0.0;
   CodeRange code;
@@ -81,22 +82,22 @@ struct SuccessorModule {
 };
 
 struct Production {
-  std::vector<FormalModule> predecessor;       // at least one, contiguous
-  std::vector<ContextElement> leftContext;     // nearest first, i.e. reversed from the text
-  std::vector<ContextElement> rightContext;    // nearest first
-  std::vector<ContextElement> newLeftContext;  // `<<`, nearest first: the string being produced
-  std::vector<ContextElement> newRightContext; // `>>`
+  std::vector<FormalModule> predecessor;        // at least one, contiguous
+  std::vector<ContextElement> leftContext;      // nearest first, i.e. reversed from the text
+  std::vector<ContextElement> rightContext;     // nearest first
+  std::vector<ContextElement> newLeftContext;   // `<<`, nearest first: the string being produced
+  std::vector<ContextElement> newRightContext;  // `>>`
   CodeRange preBlock;
-  std::optional<Expression> condition;         // nothing: `*` or absent, always true
+  std::optional<Expression> condition;  // nothing: `*` or absent, always true
   CodeRange postBlock;
-  std::vector<SuccessorModule> successor;      // empty: `*`
-  std::vector<Expression> expressions;         // parameters of the successor, in order
+  std::vector<SuccessorModule> successor;  // empty: `*`
+  std::vector<Expression> expressions;     // parameters of the successor, in order
   std::optional<Expression> probability;
-  std::uint16_t slotCount = 0;                 // frame size
-  bool isPure = true;                          // no blocks, and every expression is pure: order of application cannot matter
-  bool drawsRandom = false;                    // contains ran and its relatives, but otherwise pure
-  core::SourceRange range;                     // predecessor to successor
-  std::string text;                            // as written, blanks folded: for messages
+  std::uint16_t slotCount = 0;  // frame size
+  bool isPure = true;           // no blocks, and every expression is pure: order of application cannot matter
+  bool drawsRandom = false;     // contains ran and its relatives, but otherwise pure
+  core::SourceRange range;      // predecessor to successor
+  std::string text;             // as written, blanks folded: for messages
 };
 
 /// Productions by the type of their first predecessor module, each list in file order.
@@ -118,9 +119,9 @@ struct ProductionList {
 
 struct ArrayVariable {
   std::string name;
-  std::vector<std::uint32_t> dimensions;   // as declared, row-major
-  std::uint32_t firstElement = 0;          // into the instance's array storage
-  std::vector<double> initial;             // all elements
+  std::vector<std::uint32_t> dimensions;  // as declared, row-major
+  std::uint32_t firstElement = 0;         // into the instance's array storage
+  std::vector<double> initial;            // all elements
 };
 
 /// One `Lsystem: ... endlsystem`.
@@ -128,13 +129,13 @@ struct LSystem {
   std::int64_t label = 0;
   std::string name;  // the label as written
   bool isRing = false;
-  bool isStochastic = false;                // a draw is made per module scanned and weights count
-  std::optional<std::int64_t> seed;         // `seed:` item
-  std::vector<bool> isIgnored;              // by symbol: skipped in context search (ignore and consider resolved)
-  bool ignoresBrackets = false;             // `[` or `]` is ignored: the right context walks into branches
+  bool isStochastic = false;         // a draw is made per module scanned and weights count
+  std::optional<std::int64_t> seed;  // `seed:` item
+  std::vector<bool> isIgnored;       // by symbol: skipped in context search (ignore and consider resolved)
+  bool ignoresBrackets = false;      // `[` or `]` is ignored: the right context walks into branches
 
-  std::vector<std::string> variables;       // names of the L-system's variables, by slot
-  std::vector<std::uint32_t> externals;     // slots declared `external`
+  std::vector<std::string> variables;    // names of the L-system's variables, by slot
+  std::vector<std::uint32_t> externals;  // slots declared `external`
   std::vector<ArrayVariable> arrays;
   std::uint32_t arrayElementCount = 0;
   CodeRange start, startEach, endEach, end;
@@ -147,14 +148,14 @@ struct LSystem {
   ProductionList homomorphism;
   std::optional<double> homomorphismSeed;
 
-  bool isPure = true;          // every production of `productions` and `decomposition` is pure and draws nothing
+  bool isPure = true;  // every production of `productions` and `decomposition` is pure and draws nothing
 };
 
 struct Symbol {
   std::string name;
-  bool isDeclared = false;                       // from `Module:`
-  bool isQuery = false;                          // declared as `?Name(...)`
-  std::vector<std::string> parameterNames;       // of a declared module
+  bool isDeclared = false;                  // from `Module:`
+  bool isQuery = false;                     // declared as `?Name(...)`
+  std::vector<std::string> parameterNames;  // of a declared module
   /// The turtle's view: the character of a one-character symbol, 0 for longer names.
   [[nodiscard]] char character() const { return name.size() == 1 ? name[0] : '\0'; }
 };
@@ -170,38 +171,38 @@ struct Program {
   std::string modelFile;
   std::vector<Symbol> symbols;
   std::vector<ModuleType> types;
-  std::vector<std::uint16_t> arity;        // by type, for the hot path
-  std::vector<core::SymbolId> symbolOf;    // by type
-  core::ModuleTypeId openBranch = core::kNoModuleType;   // always interned: `[` and `]` without parameters
+  std::vector<std::uint16_t> arity;                     // by type, for the hot path
+  std::vector<core::SymbolId> symbolOf;                 // by type
+  core::ModuleTypeId openBranch = core::kNoModuleType;  // always interned: `[` and `]` without parameters
   core::ModuleTypeId closeBranch = core::kNoModuleType;
-  core::ModuleTypeId cut = core::kNoModuleType;          // `%` without parameters, when the model uses it
-  core::ModuleTypeId bareQuery = core::kNoModuleType;    // `?` without parameters, when the model uses it
-  core::ModuleTypeId subSystemEnd = core::kNoModuleType; // `$` without parameters, when the model uses it
+  core::ModuleTypeId cut = core::kNoModuleType;           // `%` without parameters, when the model uses it
+  core::ModuleTypeId bareQuery = core::kNoModuleType;     // `?` without parameters, when the model uses it
+  core::ModuleTypeId subSystemEnd = core::kNoModuleType;  // `$` without parameters, when the model uses it
 
-  std::vector<LSystem> systems;            // the first is the main one
+  std::vector<LSystem> systems;  // the first is the main one
   std::uint64_t derivationLength = 1;
-  bool hasQueries = false;                 // a bare `?` or `%(`..`)` occurs in an axiom or production: interpret before each step
-  bool hasContexts = false;                // any production or decomposition looks at neighbours
-  bool hasSubSystems = false;              // `?(id...)` occurs
+  bool hasQueries = false;     // a bare `?` or `%(`..`)` occurs in an axiom or production: interpret before each step
+  bool hasContexts = false;    // any production or decomposition looks at neighbours
+  bool hasSubSystems = false;  // `?(id...)` occurs
 
   std::vector<Instruction> code;
   std::vector<core::SourceRange> codeRanges;  // by instruction, for messages
   std::vector<double> constants;
   std::vector<std::string> strings;
-  std::uint32_t staticCount = 0;              // production-local variables of all productions
+  std::uint32_t staticCount = 0;  // production-local variables of all productions
   std::vector<std::string> staticNames;
-  std::uint32_t maximumStack = 0;             // deepest stack of any code
-  std::uint16_t maximumSlots = 0;             // largest frame
+  std::uint32_t maximumStack = 0;  // deepest stack of any code
+  std::uint16_t maximumSlots = 0;  // largest frame
 
   ViewSettings view;
-  std::string text;                           // preprocessed
-  SourceMap sourceMap;                        // of `text`; holds every file read for it
+  std::string text;     // preprocessed
+  SourceMap sourceMap;  // of `text`; holds every file read for it
   /// Every file that was read to make this Program (model, includes, view file and what it names), by name: a snapshot
   /// carries them, so that it can be resumed anywhere.
   std::vector<SourceMap::File> sources;
   std::vector<std::pair<std::string, std::string>> defines;  // overrides given by the caller
-  std::string viewFile;                       // empty: none
-  std::uint64_t hash = 0;                     // of sources, defines and compatibility
+  std::string viewFile;                                      // empty: none
+  std::uint64_t hash = 0;                                    // of sources, defines and compatibility
 
   [[nodiscard]] std::size_t moduleTypeCount() const { return types.size(); }
   /// The type of a symbol's name with an arity, or kNoModuleType when the model never makes it. O(symbols).
@@ -214,7 +215,8 @@ struct CompileInput {
   std::string modelFile;
   std::string viewFile;  // empty: the reference's defaults
   core::Compatibility compatibility = core::Compatibility::Espalier;
-  std::vector<std::pair<std::string, std::string>> defines;  // like the preprocessor's -DNAME=VALUE; they win over #define
+  std::vector<std::pair<std::string, std::string>>
+      defines;  // like the preprocessor's -DNAME=VALUE; they win over #define
   core::Limits limits;
 };
 

@@ -14,17 +14,26 @@ bool same(const Symbol& a, const Symbol& b);
 bool same(const ModuleType& a, const ModuleType& b);
 bool same(const Instruction& a, const Instruction& b);
 
-bool same(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); }
-
-bool same(CodeRange a, CodeRange b) { return a.begin == b.begin && a.end == b.end; }
-
-bool same(const Expression& a, const Expression& b) {
-  return a.kind == b.kind && a.isPure == b.isPure && a.slot == b.slot && same(a.constant, b.constant) && same(a.code, b.code);
+bool same(double a, double b) {
+  return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
 }
 
-bool same(const FormalModule& a, const FormalModule& b) { return a.type == b.type && a.firstSlot == b.firstSlot; }
+bool same(CodeRange a, CodeRange b) {
+  return a.begin == b.begin && a.end == b.end;
+}
 
-bool same(const ContextElement& a, const ContextElement& b) { return a.kind == b.kind && same(a.module, b.module); }
+bool same(const Expression& a, const Expression& b) {
+  return a.kind == b.kind && a.isPure == b.isPure && a.slot == b.slot && same(a.constant, b.constant) &&
+         same(a.code, b.code);
+}
+
+bool same(const FormalModule& a, const FormalModule& b) {
+  return a.type == b.type && a.firstSlot == b.firstSlot;
+}
+
+bool same(const ContextElement& a, const ContextElement& b) {
+  return a.kind == b.kind && same(a.module, b.module);
+}
 
 bool same(const SuccessorModule& a, const SuccessorModule& b) {
   return a.type == b.type && a.firstExpression == b.firstExpression;
@@ -41,20 +50,23 @@ bool same(const std::vector<Value>& a, const std::vector<Value>& b) {
 }
 
 bool same(const Production& a, const Production& b) {
-  return same(a.predecessor, b.predecessor) && same(a.leftContext, b.leftContext) && same(a.rightContext, b.rightContext) &&
-         same(a.newLeftContext, b.newLeftContext) && same(a.newRightContext, b.newRightContext) &&
-         same(a.preBlock, b.preBlock) && same(a.condition, b.condition) && same(a.postBlock, b.postBlock) &&
-         same(a.successor, b.successor) && same(a.expressions, b.expressions) && same(a.probability, b.probability) &&
-         a.slotCount == b.slotCount && a.isPure == b.isPure && a.drawsRandom == b.drawsRandom;
+  return same(a.predecessor, b.predecessor) && same(a.leftContext, b.leftContext) &&
+         same(a.rightContext, b.rightContext) && same(a.newLeftContext, b.newLeftContext) &&
+         same(a.newRightContext, b.newRightContext) && same(a.preBlock, b.preBlock) && same(a.condition, b.condition) &&
+         same(a.postBlock, b.postBlock) && same(a.successor, b.successor) && same(a.expressions, b.expressions) &&
+         same(a.probability, b.probability) && a.slotCount == b.slotCount && a.isPure == b.isPure &&
+         a.drawsRandom == b.drawsRandom;
 }
 
 bool same(const ProductionList& a, const ProductionList& b) {
-  return same(a.productions, b.productions) && a.index.begin == b.index.begin && a.index.production == b.index.production &&
-         a.maximumDepth == b.maximumDepth && a.warnsAtDepth == b.warnsAtDepth;
+  return same(a.productions, b.productions) && a.index.begin == b.index.begin &&
+         a.index.production == b.index.production && a.maximumDepth == b.maximumDepth &&
+         a.warnsAtDepth == b.warnsAtDepth;
 }
 
 bool same(const ArrayVariable& a, const ArrayVariable& b) {
-  return a.name == b.name && a.dimensions == b.dimensions && a.firstElement == b.firstElement && same(a.initial, b.initial);
+  return a.name == b.name && a.dimensions == b.dimensions && a.firstElement == b.firstElement &&
+         same(a.initial, b.initial);
 }
 
 bool same(const LSystem& a, const LSystem& b) {
@@ -69,10 +81,13 @@ bool same(const LSystem& a, const LSystem& b) {
 }
 
 bool same(const Symbol& a, const Symbol& b) {
-  return a.name == b.name && a.isDeclared == b.isDeclared && a.isQuery == b.isQuery && a.parameterNames == b.parameterNames;
+  return a.name == b.name && a.isDeclared == b.isDeclared && a.isQuery == b.isQuery &&
+         a.parameterNames == b.parameterNames;
 }
 
-bool same(const ModuleType& a, const ModuleType& b) { return a.symbol == b.symbol && a.arity == b.arity; }
+bool same(const ModuleType& a, const ModuleType& b) {
+  return a.symbol == b.symbol && a.arity == b.arity;
+}
 
 bool same(const Instruction& a, const Instruction& b) {
   return a.operation == b.operation && a.count == b.count && a.operand == b.operand;

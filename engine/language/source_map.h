@@ -15,11 +15,12 @@ class SourceMap {
     std::string name;
     std::string text;  // as read
   };
-  /// A run of output bytes that came from consecutive bytes of one file (a copied run), or as a whole from one macro use.
+  /// A run of output bytes that came from consecutive bytes of one file (a copied run), or as a whole from one macro
+  /// use.
   struct Segment {
-    std::uint32_t outputBegin = 0;  // segments are sorted by it and cover the text without gaps
-    std::uint32_t file = 0;         // index into files
-    std::uint32_t fileOffset = 0;   // of the first byte; for an expansion: of the macro's use
+    std::uint32_t outputBegin = 0;           // segments are sorted by it and cover the text without gaps
+    std::uint32_t file = 0;                  // index into files
+    std::uint32_t fileOffset = 0;            // of the first byte; for an expansion: of the macro's use
     std::uint32_t expansion = kNoExpansion;  // index into expansions
   };
   struct Expansion {
@@ -39,6 +40,7 @@ class SourceMap {
 };
 
 /// The place of `length` bytes at `offset` of a file; the end of the file when the offset is beyond it. O(offset).
-[[nodiscard]] core::SourceLocation locateInFile(const SourceMap::File& file, std::uint32_t offset, std::uint32_t length);
+[[nodiscard]] core::SourceLocation locateInFile(const SourceMap::File& file, std::uint32_t offset,
+                                                std::uint32_t length);
 
 }  // namespace espalier::language

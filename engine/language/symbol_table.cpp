@@ -15,8 +15,8 @@ core::SymbolId SymbolTable::internCharacter(char character) {
 
 bool SymbolTable::declare(Symbol symbol, core::SymbolId* id) {
   const bool isCharacter = symbol.name.size() == 1;
-  const auto known = std::find_if(symbols_.begin(), symbols_.end(),
-                                  [&](const Symbol& other) { return other.name == symbol.name; });
+  const auto known =
+      std::find_if(symbols_.begin(), symbols_.end(), [&](const Symbol& other) { return other.name == symbol.name; });
   if (known != symbols_.end()) {
     *id = static_cast<core::SymbolId>(known - symbols_.begin());
     if (known->isDeclared) {
@@ -45,7 +45,8 @@ core::SymbolId SymbolTable::longestDeclared(std::string_view text) const {
 }
 
 core::ModuleTypeId SymbolTable::internType(core::SymbolId symbol, std::uint16_t arity) {
-  const auto [place, isNew] = typeIndex_.emplace(std::pair{symbol, arity}, static_cast<core::ModuleTypeId>(types_.size()));
+  const auto [place, isNew] =
+      typeIndex_.emplace(std::pair{symbol, arity}, static_cast<core::ModuleTypeId>(types_.size()));
   if (isNew) {
     if (types_.size() >= core::kNoModuleType) {
       typeIndex_.erase(place);

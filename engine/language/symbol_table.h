@@ -36,8 +36,8 @@ class SymbolTable {
  private:
   std::vector<Symbol> symbols_;
   std::vector<ModuleType> types_;
-  std::array<core::SymbolId, 128> characters_{};           // symbol of each one-character name, or kNoSymbol
-  std::vector<core::SymbolId> declared_;                   // longest name first
+  std::array<core::SymbolId, 128> characters_{};  // symbol of each one-character name, or kNoSymbol
+  std::vector<core::SymbolId> declared_;          // longest name first
   std::map<std::pair<core::SymbolId, std::uint16_t>, core::ModuleTypeId> typeIndex_;
 };
 

@@ -60,7 +60,7 @@ struct Statement {
   ExpressionIndex target = kNoExpression;  // Assign: a Name or Element
   ExpressionIndex value = kNoExpression;   // Assign and Evaluate; the condition of the others
   std::vector<Statement> body;
-  std::vector<Statement> otherwise;        // If
+  std::vector<Statement> otherwise;  // If
   core::SourceRange range;
 };
 
@@ -112,9 +112,9 @@ struct ProductionSyntax {
 
 struct ProductionListSyntax {
   std::vector<ProductionSyntax> productions;
-  std::optional<bool> warns;                    // `warnings`, `no warnings`
+  std::optional<bool> warns;  // `warnings`, `no warnings`
   ExpressionIndex maximumDepth = kNoExpression;
-  ExpressionIndex seed = kNoExpression;         // homomorphism
+  ExpressionIndex seed = kNoExpression;  // homomorphism
   // set by the analyser
   std::uint32_t maximumDepthValue = 1;
   std::optional<double> seedValue;
@@ -146,7 +146,7 @@ struct LSystemSyntax {
   // set by the analyser
   std::optional<std::int64_t> seedValue;
   bool isStochastic = false;
-  std::vector<std::string> variables;          // L-system variables by slot
+  std::vector<std::string> variables;  // L-system variables by slot
   std::vector<std::uint32_t> externalSlots;
   std::vector<ArrayVariable> arrayVariables;
   std::uint32_t arrayElementCount = 0;
@@ -158,7 +158,7 @@ struct ModelSyntax {
   SymbolTable symbols;
   // set by the analyser
   std::uint64_t derivationLength = 1;
-  std::vector<std::string> staticNames;        // production-local variables of all productions
+  std::vector<std::string> staticNames;  // production-local variables of all productions
 };
 
 /// Source text for a message: runs of blanks and newlines become one blank, none at the ends.

@@ -14,8 +14,8 @@ namespace espalier::language {
 
 struct ViewFileResult {
   ViewSettings settings;
-  core::DiagnosticList diagnostics;         // a view file never causes an error: warnings only
-  std::vector<SourceMap::File> sources;     // the view file, its includes and every file it names that could be read
+  core::DiagnosticList diagnostics;      // a view file never causes an error: warnings only
+  std::vector<SourceMap::File> sources;  // the view file, its includes and every file it names that could be read
 };
 
 /// Reads a view file and the functions, curves, surfaces and contours that it names (beside it). FILES §4 to §9.

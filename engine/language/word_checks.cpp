@@ -20,7 +20,7 @@ struct Word {
   std::string text;
   core::SourceRange range;
   bool hasParameters = false;
-  bool isPredecessor = false;        // is the whole predecessor of a production
+  bool isPredecessor = false;           // is the whole predecessor of a production
   std::vector<std::string> parameters;  // names, of a predecessor
   std::size_t count = 1;
 };
@@ -44,7 +44,8 @@ class WordFinder {
     std::vector<Word> result;
     std::copy_if(words_.begin(), words_.end(), std::back_inserter(result), [&](const Word& word) {
       // a letter with productions of its own is a module, and a row of moves is no word
-      const bool hasModules = std::any_of(word.text.begin(), word.text.end(), [&](char c) { return single_.contains(c); });
+      const bool hasModules =
+          std::any_of(word.text.begin(), word.text.end(), [&](char c) { return single_.contains(c); });
       const bool isMoves = word.text.find_first_not_of("fg", 1) == std::string::npos;
       return !hasModules && !isMoves && (word.hasParameters || (word.isPredecessor && word.count > 1));
     });
@@ -65,7 +66,8 @@ class WordFinder {
   void addFormals(const std::vector<FormalModuleSyntax>& modules) {
     std::vector<Letter> letters;
     for (const FormalModuleSyntax& module : modules) {
-      Letter& letter = letters.emplace_back(Letter{characterOf(module.type), !module.parameters.empty(), module.range, {}});
+      Letter& letter =
+          letters.emplace_back(Letter{characterOf(module.type), !module.parameters.empty(), module.range, {}});
       for (const NameSyntax& parameter : module.parameters) {
         letter.names.push_back(parameter.text);
       }
@@ -98,7 +100,8 @@ class WordFinder {
     for (std::size_t i = begin; i < end; ++i) {
       word.text.push_back(letters[i].character);
     }
-    const auto known = std::find_if(words_.begin(), words_.end(), [&](const Word& other) { return other.text == word.text; });
+    const auto known =
+        std::find_if(words_.begin(), words_.end(), [&](const Word& other) { return other.text == word.text; });
     if (known != words_.end()) {
       ++known->count;
       known->hasParameters = known->hasParameters || letters[end - 1].hasParameters;
@@ -160,11 +163,11 @@ bool checkWords(std::string_view text, const ModelSyntax& model, MessageList& me
       letters += std::string(i == 0 ? "" : ", ") + word.text[i];
     }
     // the last letter has the parameters
-    const std::string_view last = text.substr(word.range.begin + word.text.size() - 1,
-                                              word.range.end - word.range.begin - word.text.size() + 1);
+    const std::string_view last =
+        text.substr(word.range.begin + word.text.size() - 1, word.range.end - word.range.begin - word.text.size() + 1);
     messages.warning(word.range,
-                     "'" + word.text + "' is read as " + std::to_string(word.text.size()) + " modules: " + letters + " and " +
-                         foldBlanks(last),
+                     "'" + word.text + "' is read as " + std::to_string(word.text.size()) + " modules: " + letters +
+                         " and " + foldBlanks(last),
                      near.empty() ? "to make it a name, write a line before the L-system: 'Module: " + declaration + "'"
                                   : "did you mean '" + std::string(near) + "'?");
   }

@@ -39,8 +39,8 @@ void Simulation::Implementation::interpretForQueries() {
     output.needs = description_.needs;
     output.queryParameterOffsets = &queryOffsets_;
     output.changes = &undo.changes;
-    interpreter_.interpret(derivations_[plant], plants_[plant], static_cast<std::uint32_t>(plant),
-                           placements_[plant], output);
+    interpreter_.interpret(derivations_[plant], plants_[plant], static_cast<std::uint32_t>(plant), placements_[plant],
+                           output);
   }
   queries_.step = completedSteps_;
   queries_.timeDays = static_cast<double>(completedSteps_) * options_.world.stepDurationDays;

@@ -8,9 +8,9 @@
 
 namespace espalier::simulation {
 
-/// Reads what ByteWriter wrote, from bytes that nobody vouches for. Reading beyond the end, or a length that the bytes left
-/// cannot hold, makes hasFailed() true for good; every read then gives zeros and empty values. Never allocates more than
-/// the bytes it was given describe.
+/// Reads what ByteWriter wrote, from bytes that nobody vouches for. Reading beyond the end, or a length that the bytes
+/// left cannot hold, makes hasFailed() true for good; every read then gives zeros and empty values. Never allocates
+/// more than the bytes it was given describe.
 class ByteReader {
  public:
   explicit ByteReader(std::string_view bytes) : bytes_(bytes) {}

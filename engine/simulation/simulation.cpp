@@ -141,7 +141,8 @@ void Simulation::Implementation::derivePass() {
     core::SimulationError error;
     error.code = core::SimulationErrorCode::Model;
     error.step = completedSteps_ + 1;
-    error.message = "step " + std::to_string(error.step) + ": the model has stopped itself, there is no further step. "
+    error.message = "step " + std::to_string(error.step) +
+                    ": the model has stopped itself, there is no further step. "
                     "Rewind the simulation to run it again.";
     throw core::SimulationFailure(std::move(error));
   }
@@ -199,8 +200,7 @@ bool Simulation::Implementation::isFinished() const {
 Outcome Simulation::Implementation::draw(turtle::Scene* scene, std::vector<turtle::TurtleRecord>* records) {
   // its own derivations: a picture prints nothing and cannot be cancelled with a step
   while (displayDerivations_.size() < plants_.size()) {
-    derivation::DerivationOptions options =
-        derivationOptions(static_cast<std::uint32_t>(displayDerivations_.size()));
+    derivation::DerivationOptions options = derivationOptions(static_cast<std::uint32_t>(displayDerivations_.size()));
     options.cancelled = nullptr;
     if (options_.messages) {
       options.messages = [messages = options_.messages](core::MessageKind kind, std::string_view text) {
@@ -234,31 +234,48 @@ Outcome Simulation::Implementation::draw(turtle::Scene* scene, std::vector<turtl
   return std::nullopt;
 }
 
-Simulation::Simulation(std::shared_ptr<const language::Program> program,
-                       std::vector<turtle::PlantPlacement> placements,
+Simulation::Simulation(std::shared_ptr<const language::Program> program, std::vector<turtle::PlantPlacement> placements,
                        std::unique_ptr<turtle::EnvironmentProcess> environment, SimulationOptions options)
     : implementation_(std::make_unique<Implementation>(std::move(program), std::move(placements),
                                                        std::move(environment), std::move(options))) {}
 
 Simulation::~Simulation() = default;
 
-Outcome Simulation::rewind() { return implementation_->rewind(); }
+Outcome Simulation::rewind() {
+  return implementation_->rewind();
+}
 
-Outcome Simulation::step() { return implementation_->step(); }
+Outcome Simulation::step() {
+  return implementation_->step();
+}
 
-Outcome Simulation::answer() { return implementation_->answer(); }
+Outcome Simulation::answer() {
+  return implementation_->answer();
+}
 
-bool Simulation::isFinished() const { return implementation_->isFinished(); }
+bool Simulation::isFinished() const {
+  return implementation_->isFinished();
+}
 
-bool Simulation::isAnswered() const { return implementation_->isAnswered_; }
+bool Simulation::isAnswered() const {
+  return implementation_->isAnswered_;
+}
 
-std::uint64_t Simulation::seed() const { return implementation_->seed_; }
+std::uint64_t Simulation::seed() const {
+  return implementation_->seed_;
+}
 
-std::uint64_t Simulation::completedSteps() const { return implementation_->completedSteps_; }
+std::uint64_t Simulation::completedSteps() const {
+  return implementation_->completedSteps_;
+}
 
-std::uint64_t Simulation::derivationLength() const { return implementation_->derivationLength(); }
+std::uint64_t Simulation::derivationLength() const {
+  return implementation_->derivationLength();
+}
 
-std::size_t Simulation::plantCount() const { return implementation_->placements_.size(); }
+std::size_t Simulation::plantCount() const {
+  return implementation_->placements_.size();
+}
 
 const derivation::ModuleString& Simulation::string(std::size_t plant) const {
   ESPALIER_CHECK(plant < implementation_->plants_.size());
@@ -278,15 +295,25 @@ std::string Simulation::stringText(std::size_t plant) const {
   return derivation::toText(program(), string(plant), derivation::numberStyle(program().compatibility));
 }
 
-const StepStatistics& Simulation::statistics() const { return implementation_->statistics_; }
+const StepStatistics& Simulation::statistics() const {
+  return implementation_->statistics_;
+}
 
-const language::Program& Simulation::program() const { return *implementation_->program_; }
+const language::Program& Simulation::program() const {
+  return *implementation_->program_;
+}
 
-std::shared_ptr<const language::Program> Simulation::sharedProgram() const { return implementation_->program_; }
+std::shared_ptr<const language::Program> Simulation::sharedProgram() const {
+  return implementation_->program_;
+}
 
-const SimulationOptions& Simulation::options() const { return implementation_->options_; }
+const SimulationOptions& Simulation::options() const {
+  return implementation_->options_;
+}
 
-turtle::EnvironmentProcess* Simulation::environment() { return implementation_->environment_.get(); }
+turtle::EnvironmentProcess* Simulation::environment() {
+  return implementation_->environment_.get();
+}
 
 void Simulation::setCancelled(bool isCancelled) {
   implementation_->isCancelled_.store(isCancelled, std::memory_order_relaxed);
@@ -308,10 +335,16 @@ std::variant<std::vector<turtle::TurtleRecord>, core::SimulationError> Simulatio
   return records;
 }
 
-std::uint64_t Simulation::stateHash() const { return implementation_->stateHash(); }
+std::uint64_t Simulation::stateHash() const {
+  return implementation_->stateHash();
+}
 
-void Simulation::save(core::ByteSink& sink) const { implementation_->save(sink); }
+void Simulation::save(core::ByteSink& sink) const {
+  implementation_->save(sink);
+}
 
-Outcome Simulation::restore(std::string_view snapshot) { return implementation_->restore(snapshot); }
+Outcome Simulation::restore(std::string_view snapshot) {
+  return implementation_->restore(snapshot);
+}
 
 }  // namespace espalier::simulation

@@ -28,8 +28,8 @@ enum class EnvironmentPolicy : std::uint8_t {
   Keep,  // the modules keep what they sent
 };
 
-/// How the caller made the environment, in words of its own: the name it goes by and the files it was read from. A snapshot
-/// keeps it, so that whoever resumes can make the environment again with the same configuration.
+/// How the caller made the environment, in words of its own: the name it goes by and the files it was read from. A
+/// snapshot keeps it, so that whoever resumes can make the environment again with the same configuration.
 struct EnvironmentOrigin {
   std::string name;                                        // empty: not said
   std::vector<std::pair<std::string, std::string>> files;  // name, text
@@ -52,18 +52,19 @@ struct SimulationOptions {
 
 /// Figures of the last step, or summed over a run.
 struct StepStatistics {
-  std::uint64_t step = 0;             // completed steps after it
-  std::uint64_t modules = 0;          // of all plants
+  std::uint64_t step = 0;     // completed steps after it
+  std::uint64_t modules = 0;  // of all plants
   std::uint64_t parameters = 0;
   std::uint64_t queries = 0;
-  std::uint64_t answers = 0;          // queries with a reply that set something
-  std::uint64_t bytes = 0;            // of the strings
+  std::uint64_t answers = 0;  // queries with a reply that set something
+  std::uint64_t bytes = 0;    // of the strings
 };
 
 /// One plant or several of one Program, with an environment, advanced together. Not thread-safe: one worker at a time.
 ///
-/// A step: queries of all plants -> environment -> write back -> derive each plant. A step that fails leaves everything as
-/// after the last completed step and can be tried again; replies that had arrived for it are kept and not asked for twice.
+/// A step: queries of all plants -> environment -> write back -> derive each plant. A step that fails leaves everything
+/// as after the last completed step and can be tried again; replies that had arrived for it are kept and not asked for
+/// twice.
 class Simulation {
  public:
   Simulation(std::shared_ptr<const language::Program> program, std::vector<turtle::PlantPlacement> placements,
@@ -79,9 +80,9 @@ class Simulation {
   /// derivation simply goes on) but not after the model has stopped itself.
   [[nodiscard]] std::optional<core::SimulationError> step();
 
-  /// Only the interpretation pass of the next step: queries are answered and written into the strings, nothing is derived.
-  /// step() afterwards does not repeat it. What `derive --answered` prints. A model with `environment display: before`
-  /// means its strings to be shown after this pass; the strings themselves do not depend on when it is made.
+  /// Only the interpretation pass of the next step: queries are answered and written into the strings, nothing is
+  /// derived. step() afterwards does not repeat it. What `derive --answered` prints. A model with `environment display:
+  /// before` means its strings to be shown after this pass; the strings themselves do not depend on when it is made.
   [[nodiscard]] std::optional<core::SimulationError> answer();
 
   /// The derivation length is reached or the model called stop().
@@ -104,7 +105,7 @@ class Simulation {
   [[nodiscard]] std::shared_ptr<const language::Program> sharedProgram() const;
   [[nodiscard]] const SimulationOptions& options() const;
   [[nodiscard]] turtle::EnvironmentProcess* environment();  // null: none
-  void setCancelled(bool isCancelled);  // from any thread
+  void setCancelled(bool isCancelled);                      // from any thread
 
   /// Draws all plants. Does not change the simulation (homomorphism side effects happen on a copy of the variables).
   [[nodiscard]] std::variant<turtle::Scene, core::SimulationError> scene() const;

@@ -23,18 +23,18 @@ inline constexpr std::uint32_t kSnapshotVersion = 1;
 /// What a snapshot says about itself, enough to compile its model and create a Simulation to restore it into.
 struct SnapshotInfo {
   std::uint32_t version = kSnapshotVersion;
-  language::CompileInput compileInput;           // names into `files`
-  core::MemoryFileProvider files;                // every source of the model
-  std::string name;                              // of the simulation
+  language::CompileInput compileInput;  // names into `files`
+  core::MemoryFileProvider files;       // every source of the model
+  std::string name;                     // of the simulation
   std::uint64_t programHash = 0;
   std::uint64_t completedSteps = 0;
-  std::uint64_t seed = 0;                        // SimulationOptions::seed
+  std::uint64_t seed = 0;  // SimulationOptions::seed
   bool hasSeed = false;
   std::uint64_t derivationLength = 0;
   std::uint32_t plantCount = 1;
   std::vector<turtle::PlantPlacement> placements;  // (plantCount)
-  EnvironmentOrigin environmentOrigin;           // how the caller that saved had made it
-  std::string environmentName;                   // empty: none
+  EnvironmentOrigin environmentOrigin;             // how the caller that saved had made it
+  std::string environmentName;                     // empty: none
 };
 
 /// Reads the head of a snapshot. Errors say what is wrong: not a snapshot, a newer version, cut off.

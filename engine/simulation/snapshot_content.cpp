@@ -16,7 +16,6 @@ namespace {
 // a section is its tag, the length of its bytes and the bytes; unknown tags are skipped
 enum class Section : std::uint32_t { Model = 1, Run = 2, Types = 3, Plant = 4, Environment = 5, Pending = 6, End = 7 };
 
-
 void writeVector(ByteWriter& writer, const Vec3& v) {
   writer.real(v.x);
   writer.real(v.y);
@@ -274,9 +273,10 @@ std::variant<SnapshotContent, core::SimulationError> readSnapshot(std::string_vi
   // magic and version, before anything else is believed
   if (!snapshot.starts_with(kSnapshotMagic)) {
     const bool isBeginning = !snapshot.empty() && kSnapshotMagic.starts_with(snapshot);
-    return isBeginning ? cutOff()
-                       : snapshotError("This is not a snapshot: it does not begin with '" + std::string(kSnapshotMagic) +
-                                       "'. Snapshots are made with 'espalier run MODEL.l -o NAME.snapshot'.");
+    return isBeginning
+               ? cutOff()
+               : snapshotError("This is not a snapshot: it does not begin with '" + std::string(kSnapshotMagic) +
+                               "'. Snapshots are made with 'espalier run MODEL.l -o NAME.snapshot'.");
   }
   ByteReader reader(snapshot.substr(kSnapshotMagic.size()));
   const std::uint32_t version = reader.number32();
@@ -284,8 +284,9 @@ std::variant<SnapshotContent, core::SimulationError> readSnapshot(std::string_vi
     return cutOff();
   }
   if (version == 0 || version > kSnapshotVersion) {
-    return snapshotError("The snapshot has version " + std::to_string(version) + "; this Espalier reads versions 1 to " +
-                         std::to_string(kSnapshotVersion) + ". Use the Espalier that made it, or a newer one.");
+    return snapshotError("The snapshot has version " + std::to_string(version) +
+                         "; this Espalier reads versions 1 to " + std::to_string(kSnapshotVersion) +
+                         ". Use the Espalier that made it, or a newer one.");
   }
   // sections until the end, then the checksum
   SnapshotContent content;

@@ -51,9 +51,11 @@ struct SnapshotContent {
 /// Writes a snapshot in pieces, the checksum last.
 void writeSnapshot(const SnapshotContent& content, core::ByteSink& sink);
 
-/// Reads a snapshot. With `headOnly` the plants, the environment's state and the replies are left out. Errors name what is
-/// wrong: not a snapshot, a newer version, cut off, damaged. Nothing of the content is checked against a Program here.
-[[nodiscard]] std::variant<SnapshotContent, core::SimulationError> readSnapshot(std::string_view snapshot, bool headOnly);
+/// Reads a snapshot. With `headOnly` the plants, the environment's state and the replies are left out. Errors name what
+/// is wrong: not a snapshot, a newer version, cut off, damaged. Nothing of the content is checked against a Program
+/// here.
+[[nodiscard]] std::variant<SnapshotContent, core::SimulationError> readSnapshot(std::string_view snapshot,
+                                                                                bool headOnly);
 
 /// Checks a content against the Program it is to run with and turns its types into the Program's. An error sentence, or
 /// an empty string.

@@ -24,7 +24,7 @@ struct PlantVariables {
 
 /// How one plant goes back to the state after the last completed step.
 struct StepUndo {
-  PlantVariables variables;                      // before the interpretation pass
+  PlantVariables variables;  // before the interpretation pass
   bool hasVariables = false;
   std::vector<turtle::ParameterChange> changes;  // parameters overwritten by queries and replies, in order
   derivation::PlantState underived;              // before the derivation, when several plants are derived one by one

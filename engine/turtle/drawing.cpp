@@ -97,8 +97,7 @@ void Drawing::beginCylinder(const TurtleState& state, std::int32_t type, std::in
   OpenShape shape;
   shape.isCylinder = true;
   shape.stripCount = stripCount > 0 ? stripCount : kDefaultStripCount;
-  shape.cylinder.curve =
-      type >= 3 ? GeneralizedCylinder::Curve::BSpline : GeneralizedCylinder::Curve::Hermite;
+  shape.cylinder.curve = type >= 3 ? GeneralizedCylinder::Curve::BSpline : GeneralizedCylinder::Curve::Hermite;
   shape.cylinder.isClosed = type % 2 == 0;
   shape.cylinder.plant = plant_;
   shape.cylinder.module = module_;
@@ -136,8 +135,7 @@ void Drawing::addAxisCylinderPoint(const TurtleState& state, std::int32_t stripC
   if (scene_ == nullptr || state.cylinder == kNoParent) {
     return;
   }
-  scene_->cylinders[state.cylinder].points.push_back(
-      pointOf(state, stripCount > 0 ? stripCount : kDefaultStripCount));
+  scene_->cylinders[state.cylinder].points.push_back(pointOf(state, stripCount > 0 ? stripCount : kDefaultStripCount));
 }
 
 void Drawing::endAxisCylinder(TurtleState& state, std::int32_t stripCount) {

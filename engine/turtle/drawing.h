@@ -15,9 +15,9 @@
 
 namespace espalier::turtle {
 
-/// Collects what one turtle draws into a Scene; without a scene every function does nothing. Polygons and `{(t)` cylinders
-/// may be nested and may begin in one branch and end in another, hence their own stack; a `@Gs` cylinder belongs to its
-/// axis and is part of the turtle's state.
+/// Collects what one turtle draws into a Scene; without a scene every function does nothing. Polygons and `{(t)`
+/// cylinders may be nested and may begin in one branch and end in another, hence their own stack; a `@Gs` cylinder
+/// belongs to its axis and is part of the turtle's state.
 class Drawing {
  public:
   /// `view` must outlive the object; so must `scene`, which may be null.
@@ -73,8 +73,8 @@ class Drawing {
   std::unordered_map<std::int32_t, OpenPatch> patches_;
 };
 
-/// Formats a label with numbers by C's conversions (d i u o x X c e E f F g G and %%); a conversion without a number left
-/// prints nothing.
+/// Formats a label with numbers by C's conversions (d i u o x X c e E f F g G and %%); a conversion without a number
+/// left prints nothing.
 [[nodiscard]] std::string formatLabel(std::string_view format, std::span<const double> numbers);
 
 }  // namespace espalier::turtle

@@ -30,17 +30,21 @@ void ReplyBatch::prepare(const QueryBatch& queries) {
   surplusCount = 0;
 }
 
-std::optional<EnvironmentError> EnvironmentProcess::tick(std::uint64_t /*step*/) { return std::nullopt; }
+std::optional<EnvironmentError> EnvironmentProcess::tick(std::uint64_t /*step*/) {
+  return std::nullopt;
+}
 
-std::string EnvironmentProcess::save() const { return {}; }
+std::string EnvironmentProcess::save() const {
+  return {};
+}
 
 std::optional<EnvironmentError> EnvironmentProcess::restore(std::string_view state) {
   if (state.empty()) {
     return std::nullopt;
   }
   const EnvironmentDescription description = describe();
-  return EnvironmentError{"environment '" + description.name +
-                              "' keeps no state but is given " + std::to_string(state.size()) +
+  return EnvironmentError{"environment '" + description.name + "' keeps no state but is given " +
+                              std::to_string(state.size()) +
                               " bytes of it. Use the environment that the snapshot was made with.",
                           false};
 }

@@ -38,11 +38,11 @@ struct EnvironmentVariable {
 
 struct EnvironmentDescription {
   std::string name;
-  std::string summary;                          // one sentence
+  std::string summary;  // one sentence
   EnvironmentNeeds needs;
-  std::vector<EnvironmentVariable> inputs;      // parameters sent, in order
-  std::vector<EnvironmentVariable> outputs;     // parameters set, in order
-  bool isStateful = false;                      // has state that a snapshot must hold
+  std::vector<EnvironmentVariable> inputs;   // parameters sent, in order
+  std::vector<EnvironmentVariable> outputs;  // parameters set, in order
+  bool isStateful = false;                   // has state that a snapshot must hold
 };
 
 /// The world a simulation lives in (ENVIRONMENTS §1).
@@ -58,30 +58,30 @@ struct World {
 
 /// What a process is told when it is opened.
 struct EnvironmentContext {
-  std::string simulation;             // identifier, for messages
+  std::string simulation;  // identifier, for messages
   std::uint32_t plantCount = 1;
-  std::vector<std::string> symbols;   // names by SymbolId: what QueryBatch::symbol and following refer to
+  std::vector<std::string> symbols;  // names by SymbolId: what QueryBatch::symbol and following refer to
   std::uint64_t seed = 0;
   World world;
 };
 
-/// All communication modules of all plants in one step, as a structure of arrays in (plant, module) order. The index of a
-/// query is its id. Arrays that the process does not need may be empty.
+/// All communication modules of all plants in one step, as a structure of arrays in (plant, module) order. The index of
+/// a query is its id. Arrays that the process does not need may be empty.
 struct QueryBatch {
-  std::uint64_t step = 0;       // completed steps when the queries were made
-  std::uint32_t iteration = 0;  // 0 unless the coupling is iterated
-  double timeDays = 0.0;        // step * World::stepDurationDays
-  std::vector<std::uint32_t> plant;                 // (n)
-  std::vector<std::uint64_t> module;                // index of E(x) in its plant's string (n)
-  std::vector<core::SymbolId> symbol;               // of the communication module: E, or a declared name (n)
-  std::vector<std::uint8_t> isTransient;            // made by a homomorphism: takes part, its reply is discarded (n)
+  std::uint64_t step = 0;                 // completed steps when the queries were made
+  std::uint32_t iteration = 0;            // 0 unless the coupling is iterated
+  double timeDays = 0.0;                  // step * World::stepDurationDays
+  std::vector<std::uint32_t> plant;       // (n)
+  std::vector<std::uint64_t> module;      // index of E(x) in its plant's string (n)
+  std::vector<core::SymbolId> symbol;     // of the communication module: E, or a declared name (n)
+  std::vector<std::uint8_t> isTransient;  // made by a homomorphism: takes part, its reply is discarded (n)
   std::vector<core::Vec3> position, heading, left, up;  // (n) each
-  std::vector<double> width;                        // (n)
-  std::vector<double> scale;                        // (n)
-  std::vector<std::uint64_t> parameterOffset;       // (n + 1), always filled
-  std::vector<double> parameters;                   // concatenated
-  std::vector<core::SymbolId> following;            // the next module of the string; kNoSymbol: none (n)
-  std::vector<std::uint64_t> followingOffset;       // (n + 1)
+  std::vector<double> width;                            // (n)
+  std::vector<double> scale;                            // (n)
+  std::vector<std::uint64_t> parameterOffset;           // (n + 1), always filled
+  std::vector<double> parameters;                       // concatenated
+  std::vector<core::SymbolId> following;                // the next module of the string; kNoSymbol: none (n)
+  std::vector<std::uint64_t> followingOffset;           // (n + 1)
   std::vector<double> followingParameters;
 
   [[nodiscard]] std::size_t size() const { return plant.size(); }
@@ -97,9 +97,9 @@ struct QueryBatch {
 /// The answers, laid out as QueryBatch::parameters: value k of query q is at parameterOffset[q] + k.
 struct ReplyBatch {
   std::vector<double> values;
-  std::vector<std::uint8_t> isSet;    // 0: the module keeps what it sent
-  std::uint64_t answeredCount = 0;    // queries with at least one value set
-  std::uint64_t surplusCount = 0;     // values beyond a module's parameters, dropped
+  std::vector<std::uint8_t> isSet;  // 0: the module keeps what it sent
+  std::uint64_t answeredCount = 0;  // queries with at least one value set
+  std::uint64_t surplusCount = 0;   // values beyond a module's parameters, dropped
 
   /// Sizes the batch for the queries with nothing set.
   void prepare(const QueryBatch& queries);
@@ -131,7 +131,8 @@ class EnvironmentProcess {
   /// Called once before the first step and after every rewind: the process goes to its initial state.
   [[nodiscard]] virtual std::optional<EnvironmentError> open(const EnvironmentContext& context) = 0;
 
-  /// Answers a batch. `replies` is prepared. On an error nothing of `replies` is used and the process's state is as before.
+  /// Answers a batch. `replies` is prepared. On an error nothing of `replies` is used and the process's state is as
+  /// before.
   [[nodiscard]] virtual std::optional<EnvironmentError> step(const QueryBatch& queries, ReplyBatch& replies) = 0;
 
   /// Called when a step of simulation time passes without queries (soil diffuses). Default: nothing.

@@ -16,11 +16,12 @@ constexpr std::uint64_t kPollInterval = 65'536;  // modules between two looks at
 
 }  // namespace
 
-std::int32_t wholeNumber(double value) { return std::abs(value) < 2e9 ? static_cast<std::int32_t>(value) : 0; }
+std::int32_t wholeNumber(double value) {
+  return std::abs(value) < 2e9 ? static_cast<std::int32_t>(value) : 0;
+}
 
 Interpretation::Interpretation(Tables tables, derivation::Derivation& derivation, derivation::PlantState& plantState,
-                               std::uint32_t plant, const PlantPlacement& placement,
-                               const InterpretationOutput& output)
+                               std::uint32_t plant, const PlantPlacement& placement, const InterpretationOutput& output)
     : program_(tables.program),
       view_(tables.program.view),
       commandOf_(tables.commandOf),
@@ -178,8 +179,7 @@ std::uint64_t Interpretation::executeAt(const Sequence& sequence, std::uint64_t 
     if (arity == 0 && takesSecondSymbol(first) && next + 1 < sequence.count) {
       const ModuleTypeId secondType = sequence.types[next + 1];
       const char second = characterOf(secondType);
-      const TurtleCommand command =
-          second != '\0' ? commandAfterAt(first, second) : TurtleCommand::None;
+      const TurtleCommand command = second != '\0' ? commandAfterAt(first, second) : TurtleCommand::None;
       if (command != TurtleCommand::None) {
         performAt(command, {sequence.parameters + nextOffset, program_.arity[secondType]});
         return 3;
@@ -187,8 +187,7 @@ std::uint64_t Interpretation::executeAt(const Sequence& sequence, std::uint64_t 
       name += program_.nameOf(secondType);
     }
     const bool isWhole = !(arity == 0 && takesSecondSymbol(first));
-    const TurtleCommand command =
-        first != '\0' && isWhole ? commandAfterAt(first, '\0') : TurtleCommand::None;
+    const TurtleCommand command = first != '\0' && isWhole ? commandAfterAt(first, '\0') : TurtleCommand::None;
     if (command != TurtleCommand::None) {
       performAt(command, {sequence.parameters + nextOffset, arity});
       return 2;
@@ -213,8 +212,8 @@ std::uint64_t Interpretation::executeSurface(const Sequence& sequence, std::uint
   const Arguments arguments{sequence.parameters + nextOffset, program_.arity[type]};
   // fewer than three parameters: the first scales all directions
   const double a = arguments.valueOr(0, 1.0);
-  const core::Vec3 factor = arguments.count >= 3 ? core::Vec3{a, arguments.values[1], arguments.values[2]}
-                                                 : core::Vec3{a, a, a};
+  const core::Vec3 factor =
+      arguments.count >= 3 ? core::Vec3{a, arguments.values[1], arguments.values[2]} : core::Vec3{a, a, a};
   for (std::size_t k = 0; k < view_.surfaces.size(); ++k) {
     const language::Surface& surface = view_.surfaces[k];
     if (surface.id != id) {
@@ -223,8 +222,8 @@ std::uint64_t Interpretation::executeSurface(const Sequence& sequence, std::uint
     drawing_.surface(state_, static_cast<std::uint32_t>(k), false, factor * state_.scale);
     // the end point is scaled by the first parameter alone
     const core::Vec3 end = surface.endPoint * (a * state_.scale);
-    state_.position = state_.position + end.x * state_.frame.left + end.y * state_.frame.heading +
-                      end.z * state_.frame.up;
+    state_.position =
+        state_.position + end.x * state_.frame.left + end.y * state_.frame.heading + end.z * state_.frame.up;
     checkPosition();
     isTouched_ = true;
     return 2;

@@ -103,15 +103,15 @@ class Interpretation {
   Drawing drawing_;
 
   TurtleState state_;
-  std::vector<TurtleState> stack_;              // states at the open brackets
-  std::vector<ScaleFrame> scales_;              // before each open `?(id)`
-  std::vector<std::uint32_t> instances_;        // sub-L-system instance at each open `?(id)` of the string
-  std::uint32_t instanceCount_ = 0;             // `?(id)` of the string so far
-  std::uint64_t module_ = 0;                    // index in the string of the module being interpreted
-  bool isTouched_ = false;                      // the module moved the turtle, drew or is a query
-  bool isCut_ = false;                          // the rest of the branch is not interpreted
+  std::vector<TurtleState> stack_;        // states at the open brackets
+  std::vector<ScaleFrame> scales_;        // before each open `?(id)`
+  std::vector<std::uint32_t> instances_;  // sub-L-system instance at each open `?(id)` of the string
+  std::uint32_t instanceCount_ = 0;       // `?(id)` of the string so far
+  std::uint64_t module_ = 0;              // index in the string of the module being interpreted
+  bool isTouched_ = false;                // the module moved the turtle, drew or is a query
+  bool isCut_ = false;                    // the rest of the branch is not interpreted
   bool isEnvironmentPass_ = false;
-  bool skipsAttributes_ = false;                // width and colour are not executed: compatible environment pass
+  bool skipsAttributes_ = false;  // width and colour are not executed: compatible environment pass
   derivation::ModuleString image_;
 };
 

@@ -16,7 +16,9 @@ constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
 constexpr double kSmallestWidth = 1e-7;
 constexpr double kStepLength = 1.0;  // of F without a parameter
 
-std::int32_t wrappedColour(std::int64_t colour) { return static_cast<std::int32_t>(((colour % 256) + 256) % 256); }
+std::int32_t wrappedColour(std::int64_t colour) {
+  return static_cast<std::int32_t>(((colour % 256) + 256) % 256);
+}
 
 }  // namespace
 
@@ -87,8 +89,8 @@ void Interpretation::perform(TurtleCommand command, const Arguments& arguments) 
       return;
     case TurtleCommand::Elasticity:
       if (view_.oldTropism.isActive) {
-        state_.oldElasticity = arguments.count > 0 ? arguments.values[0]
-                                                   : state_.oldElasticity + view_.oldTropism.elasticityIncrement;
+        state_.oldElasticity =
+            arguments.count > 0 ? arguments.values[0] : state_.oldElasticity + view_.oldTropism.elasticityIncrement;
       }
       return;
     default:

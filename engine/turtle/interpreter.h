@@ -32,20 +32,21 @@ inline constexpr std::uint64_t kTransientQuery = std::numeric_limits<std::uint64
 /// What one interpretation produces. Null members are not produced.
 struct InterpretationOutput {
   Scene* scene = nullptr;
-  QueryBatch* queries = nullptr;              // communication modules are appended
-  EnvironmentNeeds needs{};                   // of whoever reads `queries`
+  QueryBatch* queries = nullptr;  // communication modules are appended
+  EnvironmentNeeds needs{};       // of whoever reads `queries`
   std::vector<TurtleRecord>* records = nullptr;
   /// Per appended query: where its parameters are in the string; kTransientQuery when a homomorphism made it.
   std::vector<std::uint64_t>* queryParameterOffsets = nullptr;
-  std::vector<ParameterChange>* changes = nullptr;              // every parameter that was filled is appended
-  bool fillsQueries = true;                                     // ?P ?H ?L ?U ?Q ?F are written into the string
+  std::vector<ParameterChange>* changes = nullptr;  // every parameter that was filled is appended
+  bool fillsQueries = true;                         // ?P ?H ?L ?U ?Q ?F are written into the string
 };
 
 /// Interprets the string of one plant from left to right, with homomorphism, filling ?P ?H ?L ?U ?Q (and ?F) in place.
-/// An interpretation with `queries` is an environment pass: in the compatible modes it does not execute width and colour
-/// symbols, and it overwrites the legacy `s`. The table of symbols is in README.md. Throws core::SimulationFailure: a
-/// position that is not finite, a limit, cancelled; the string may then be partly filled (`changes` tells how to undo it).
-/// O(modules). Warnings go to the Derivation's message sink, each text once per Interpreter.
+/// An interpretation with `queries` is an environment pass: in the compatible modes it does not execute width and
+/// colour symbols, and it overwrites the legacy `s`. The table of symbols is in README.md. Throws
+/// core::SimulationFailure: a position that is not finite, a limit, cancelled; the string may then be partly filled
+/// (`changes` tells how to undo it). O(modules). Warnings go to the Derivation's message sink, each text once per
+/// Interpreter.
 class Interpreter {
  public:
   /// `program` must outlive the object.

@@ -15,12 +15,12 @@ namespace espalier::turtle {
 /// A drawn line (F, G): a cylinder, strip or pixel line by the view file's line style.
 struct Segment {
   core::Vec3 start, end;
-  core::Frame frame;                 // at the end
-  double startWidth = 1.0;           // diameters, world units
+  core::Frame frame;        // at the end
+  double startWidth = 1.0;  // diameters, world units
   double endWidth = 1.0;
   std::int32_t colour = 128;
   std::uint32_t plant = 0;
-  std::uint64_t module = 0;          // index in the plant's string
+  std::uint64_t module = 0;  // index in the plant's string
   std::uint32_t branchOrder = 0;
   std::uint32_t parent = kNoParent;  // the segment this one continues or branches from
 };
@@ -47,11 +47,11 @@ struct Ball {
 
 /// A predefined surface ~c placed by the turtle. The sampled mesh: row-major quads.
 struct SurfaceInstance {
-  std::uint32_t surface = 0;         // index into ViewSettings::surfaces
-  bool isTriangleSurface = false;    // index into triangleSurfaces instead
+  std::uint32_t surface = 0;       // index into ViewSettings::surfaces
+  bool isTriangleSurface = false;  // index into triangleSurfaces instead
   core::Vec3 position;
   core::Frame frame;
-  core::Vec3 scale{1.0, 1.0, 1.0};   // along L, H, U, the turtle's scale included
+  core::Vec3 scale{1.0, 1.0, 1.0};  // along L, H, U, the turtle's scale included
   std::int32_t colour = 128;
   std::uint32_t plant = 0;
   std::uint64_t module = 0;
@@ -71,11 +71,11 @@ struct CylinderPoint {
   double width = 1.0;
   std::int32_t colour = 128;
   std::int32_t contour = 0;
-  std::int32_t stripCount = 4;       // mesh strips of the stretch that ends here
+  std::int32_t stripCount = 4;  // mesh strips of the stretch that ends here
   std::int32_t sideCount = 8;
-  double startTangent = 1.2;         // length factor of the tangent at the start of the stretch that ends here (@Gt)
-  double endTangent = 1.2;           // and at its end
-  bool hasSmoothRadius = false;      // the radius has level ends over that stretch (@Gr), else it changes linearly
+  double startTangent = 1.2;     // length factor of the tangent at the start of the stretch that ends here (@Gt)
+  double endTangent = 1.2;       // and at its end
+  bool hasSmoothRadius = false;  // the radius has level ends over that stretch (@Gr), else it changes linearly
 };
 
 /// A generalized cylinder ({(t)...}(t) or @Gs ... @Ge).
@@ -113,12 +113,13 @@ struct Scene {
   [[nodiscard]] bool empty() const;
 };
 
-/// One entry of the turtle stream: the turtle's state after a module that moved it, drew something or is a communication
-/// or query module. Of symbols that belong together (`?E(x)`, `@M(x,y)`, `~l(s)`) the last one is the record's module.
+/// One entry of the turtle stream: the turtle's state after a module that moved it, drew something or is a
+/// communication or query module. Of symbols that belong together (`?E(x)`, `@M(x,y)`, `~l(s)`) the last one is the
+/// record's module.
 struct TurtleRecord {
   std::uint32_t plant = 0;
-  std::uint64_t module = 0;          // index in the plant's string
-  std::uint16_t symbol = 0;          // core::SymbolId of the string's module
+  std::uint64_t module = 0;  // index in the plant's string
+  std::uint16_t symbol = 0;  // core::SymbolId of the string's module
   core::Vec3 position;
   core::Frame frame;
   double width = 1.0;

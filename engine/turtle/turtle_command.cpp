@@ -13,17 +13,17 @@ struct Entry {
 };
 
 constexpr std::array kSingle = {
-    Entry{"F", TurtleCommand::DrawVertex},   Entry{"G", TurtleCommand::Draw},
-    Entry{"f", TurtleCommand::MoveVertex},   Entry{"g", TurtleCommand::Move},
-    Entry{"+", TurtleCommand::TurnLeft},     Entry{"-", TurtleCommand::TurnRight},
-    Entry{"&", TurtleCommand::PitchDown},    Entry{"^", TurtleCommand::PitchUp},
-    Entry{"/", TurtleCommand::RollRight},    Entry{"\\", TurtleCommand::RollLeft},
-    Entry{"|", TurtleCommand::TurnAround},   Entry{";", TurtleCommand::ColourUp},
-    Entry{",", TurtleCommand::ColourDown},   Entry{"#", TurtleCommand::WidthUp},
-    Entry{"!", TurtleCommand::WidthDown},    Entry{"{", TurtleCommand::PolygonBegin},
-    Entry{".", TurtleCommand::Vertex},       Entry{"}", TurtleCommand::PolygonEnd},
-    Entry{"_", TurtleCommand::Elasticity},   Entry{"~", TurtleCommand::Surface},
-    Entry{"@", TurtleCommand::At},           Entry{"?", TurtleCommand::Query},
+    Entry{"F", TurtleCommand::DrawVertex}, Entry{"G", TurtleCommand::Draw},
+    Entry{"f", TurtleCommand::MoveVertex}, Entry{"g", TurtleCommand::Move},
+    Entry{"+", TurtleCommand::TurnLeft},   Entry{"-", TurtleCommand::TurnRight},
+    Entry{"&", TurtleCommand::PitchDown},  Entry{"^", TurtleCommand::PitchUp},
+    Entry{"/", TurtleCommand::RollRight},  Entry{"\\", TurtleCommand::RollLeft},
+    Entry{"|", TurtleCommand::TurnAround}, Entry{";", TurtleCommand::ColourUp},
+    Entry{",", TurtleCommand::ColourDown}, Entry{"#", TurtleCommand::WidthUp},
+    Entry{"!", TurtleCommand::WidthDown},  Entry{"{", TurtleCommand::PolygonBegin},
+    Entry{".", TurtleCommand::Vertex},     Entry{"}", TurtleCommand::PolygonEnd},
+    Entry{"_", TurtleCommand::Elasticity}, Entry{"~", TurtleCommand::Surface},
+    Entry{"@", TurtleCommand::At},         Entry{"?", TurtleCommand::Query},
 };
 
 constexpr std::array kAfterAt = {

@@ -32,43 +32,43 @@ enum class TurtleCommand : std::uint8_t {
   Cut,           // %
   SubSystemEnd,  // $
   // first symbol of a pair or triple
-  Surface,       // ~
-  At,            // @
-  Query,         // ?
+  Surface,  // ~
+  At,       // @
+  Query,    // ?
   // the legacy query
   LegacyPosition,  // s
   // after @
-  SetPosition,        // M
-  SetHeading,         // R
-  RollToVertical,     // v
-  Sphere,             // O
-  ScreenDisc,         // o
-  Disc,               // c
-  SetScale,           // D
-  ScaleUp,            // Di
-  ScaleDown,          // Dd
-  SetContourSides,    // !
-  SetContour,         // #
-  CylinderStart,      // Gs
-  CylinderPoint,      // Gc
-  CylinderEnd,        // Ge
-  CylinderTangents,   // Gt
-  CylinderRadius,     // Gr
-  SetTexture,         // Tx
-  ElasticitySet,      // Ts
-  ElasticityUp,       // Ti
-  ElasticityDown,     // Td
-  KeepTwist,          // Tf
-  TransportUp,        // Tp
-  PatchStart,         // PS
-  PatchPoint,         // PC
-  PatchDraw,          // PD
-  Label,              // L
-  SystemCall,         // S
-  Ignored,            // I J mo: for other renderers
-  ConditionalCut,     // mc
-  BackColourUp,       // ;
-  BackColourDown,     // ,
+  SetPosition,       // M
+  SetHeading,        // R
+  RollToVertical,    // v
+  Sphere,            // O
+  ScreenDisc,        // o
+  Disc,              // c
+  SetScale,          // D
+  ScaleUp,           // Di
+  ScaleDown,         // Dd
+  SetContourSides,   // !
+  SetContour,        // #
+  CylinderStart,     // Gs
+  CylinderPoint,     // Gc
+  CylinderEnd,       // Ge
+  CylinderTangents,  // Gt
+  CylinderRadius,    // Gr
+  SetTexture,        // Tx
+  ElasticitySet,     // Ts
+  ElasticityUp,      // Ti
+  ElasticityDown,    // Td
+  KeepTwist,         // Tf
+  TransportUp,       // Tp
+  PatchStart,        // PS
+  PatchPoint,        // PC
+  PatchDraw,         // PD
+  Label,             // L
+  SystemCall,        // S
+  Ignored,           // I J mo: for other renderers
+  ConditionalCut,    // mc
+  BackColourUp,      // ;
+  BackColourDown,    // ,
 };
 
 /// The command of a symbol with `arity` parameters on its own; `character` 0 (a declared name) has none.

@@ -25,11 +25,17 @@ Vec3 headingOrDefault(const Vec3& heading) {
 
 }  // namespace
 
-void turnLeft(Frame& frame, double radians) { turnToward(frame.heading, frame.left, radians); }
+void turnLeft(Frame& frame, double radians) {
+  turnToward(frame.heading, frame.left, radians);
+}
 
-void pitchDown(Frame& frame, double radians) { turnToward(frame.heading, frame.up, radians); }
+void pitchDown(Frame& frame, double radians) {
+  turnToward(frame.heading, frame.up, radians);
+}
 
-void rollRight(Frame& frame, double radians) { turnToward(frame.left, frame.up, radians); }
+void rollRight(Frame& frame, double radians) {
+  turnToward(frame.left, frame.up, radians);
+}
 
 void turnAround(Frame& frame) {
   frame.heading = -frame.heading;

@@ -24,19 +24,19 @@ struct TurtleState {
   double scale = 1.0;
   std::int32_t colour = 128;
   std::int32_t backColour = 128;
-  std::int32_t contour = 0;         // current contour id; 0: circle
+  std::int32_t contour = 0;  // current contour id; 0: circle
   std::int32_t contourSides = 8;
   std::int32_t texture = 0;
-  double oldElasticity = 0.0;       // of the old tropism
+  double oldElasticity = 0.0;                          // of the old tropism
   std::array<double, kMaximumMovements> elasticity{};  // by movement id - 1
-  double startTangent = 1.2;        // length factors of a Hermite cylinder's tangents (@Gt)
+  double startTangent = 1.2;                           // length factors of a Hermite cylinder's tangents (@Gt)
   double endTangent = 1.2;
-  bool hasSmoothRadius = false;     // the radius of a Hermite cylinder has level ends (@Gr)
-  std::uint32_t branchOrder = 0;    // open brackets
-  std::uint32_t segment = kNoParent;        // last drawn segment of this axis: parent of the next
-  std::uint32_t record = kNoParent;         // last turtle record of this axis: parent of the next
-  std::uint32_t cylinder = kNoParent;       // open @Gs cylinder, an index into Scene::cylinders
-  std::uint32_t cylinderOrder = 0;          // branchOrder where it was opened
+  bool hasSmoothRadius = false;        // the radius of a Hermite cylinder has level ends (@Gr)
+  std::uint32_t branchOrder = 0;       // open brackets
+  std::uint32_t segment = kNoParent;   // last drawn segment of this axis: parent of the next
+  std::uint32_t record = kNoParent;    // last turtle record of this axis: parent of the next
+  std::uint32_t cylinder = kNoParent;  // open @Gs cylinder, an index into Scene::cylinders
+  std::uint32_t cylinderOrder = 0;     // branchOrder where it was opened
 };
 
 }  // namespace espalier::turtle

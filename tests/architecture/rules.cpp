@@ -17,8 +17,7 @@ const std::vector<std::pair<std::string, std::vector<std::string>>>& directions(
       {"engine/derivation/", {"engine/core/", "engine/language/", "engine/derivation/"}},
       {"engine/turtle/", {"engine/core/", "engine/language/", "engine/derivation/", "engine/turtle/"}},
       {"engine/simulation/", {"engine/"}},
-      {"environment/",
-       {"engine/core/", "engine/language/", "engine/derivation/", "engine/turtle/", "environment/"}},
+      {"environment/", {"engine/core/", "engine/language/", "engine/derivation/", "engine/turtle/", "environment/"}},
       {"protocol/", {"protocol/"}},
       {"server/", {"engine/", "environment/", "protocol/", "server/"}},
       {"clients/cpp/", {"protocol/", "clients/cpp/"}},
@@ -27,13 +26,17 @@ const std::vector<std::pair<std::string, std::vector<std::string>>>& directions(
   return kDirections;
 }
 
-bool startsWith(const std::string& text, const std::string& prefix) { return text.rfind(prefix, 0) == 0; }
+bool startsWith(const std::string& text, const std::string& prefix) {
+  return text.rfind(prefix, 0) == 0;
+}
 
 bool endsWith(const std::string& text, const std::string& suffix) {
   return text.size() >= suffix.size() && text.compare(text.size() - suffix.size(), suffix.size(), suffix) == 0;
 }
 
-bool isCpp(const SourceFile& file) { return endsWith(file.name, ".h") || endsWith(file.name, ".cpp"); }
+bool isCpp(const SourceFile& file) {
+  return endsWith(file.name, ".h") || endsWith(file.name, ".cpp");
+}
 
 std::string folderOf(const std::string& name) {
   const std::size_t slash = name.rfind('/');

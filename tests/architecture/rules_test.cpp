@@ -24,19 +24,29 @@ TEST(Architecture, SourceTreeIsRead) {
   EXPECT_GT(tree().size(), 50U);
 }
 
-TEST(Architecture, IncludesFollowTheArrows) { EXPECT_EQ(lines(wrongDirections(tree())), ""); }
+TEST(Architecture, IncludesFollowTheArrows) {
+  EXPECT_EQ(lines(wrongDirections(tree())), "");
+}
 
 TEST(Architecture, PublicHeadersNameNoThirdPartyLibrary) {
   EXPECT_EQ(lines(thirdPartyNamesInPublicHeaders(tree())), "");
 }
 
-TEST(Architecture, EngineEnvironmentAndProtocolDoNoInputOrOutput) { EXPECT_EQ(lines(inputAndOutput(tree())), ""); }
+TEST(Architecture, EngineEnvironmentAndProtocolDoNoInputOrOutput) {
+  EXPECT_EQ(lines(inputAndOutput(tree())), "");
+}
 
-TEST(Architecture, CodeFilesAreShort) { EXPECT_EQ(lines(longFiles(tree())), ""); }
+TEST(Architecture, CodeFilesAreShort) {
+  EXPECT_EQ(lines(longFiles(tree())), "");
+}
 
-TEST(Architecture, NoFileNamesAFolderOfOneMachine) { EXPECT_EQ(lines(machinePaths(tree())), ""); }
+TEST(Architecture, NoFileNamesAFolderOfOneMachine) {
+  EXPECT_EQ(lines(machinePaths(tree())), "");
+}
 
-TEST(Architecture, EveryFolderHasAReadme) { EXPECT_EQ(lines(foldersWithoutReadme(tree())), ""); }
+TEST(Architecture, EveryFolderHasAReadme) {
+  EXPECT_EQ(lines(foldersWithoutReadme(tree())), "");
+}
 
 TEST(ArchitectureRules, WrongDirectionIsSeen) {
   EXPECT_EQ(wrongDirections({{"engine/core/a.h", "#include \"engine/language/program.h\"\n"}}),
@@ -64,8 +74,8 @@ TEST(ArchitectureRules, ThirdPartyNameIsSeenThroughOtherHeaders) {
 }
 
 TEST(ArchitectureRules, ThirdPartyNameInACommentIsNoBreach) {
-  EXPECT_EQ(thirdPartyNamesInPublicHeaders({{"server/s.cpp", "#include \"environment/a.h\"\n"},
-                                            {"environment/a.h", "// no nlohmann here\n"}}),
+  EXPECT_EQ(thirdPartyNamesInPublicHeaders(
+                {{"server/s.cpp", "#include \"environment/a.h\"\n"}, {"environment/a.h", "// no nlohmann here\n"}}),
             Breaches{});
 }
 

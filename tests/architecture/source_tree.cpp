@@ -13,11 +13,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array kSkippedFolders = {"build", "out", ".git", ".setup", "node_modules", "__pycache__", ".mypy_cache",
-                                        "cases"};
+constexpr std::array kSkippedFolders = {"build",        "out",         ".git",        ".setup",
+                                        "node_modules", "__pycache__", ".mypy_cache", "cases"};
 
-constexpr std::array kTextSuffixes = {".h",  ".cpp", ".def", ".py", ".md", ".txt", ".json", ".toml", ".sh", ".l",
-                                      ".v",  ".e",   ".ts",  ".js", ".yml", ".html", ".css"};
+constexpr std::array kTextSuffixes = {".h", ".cpp", ".def", ".py", ".md", ".txt", ".json", ".toml", ".sh",
+                                      ".l", ".v",   ".e",   ".ts", ".js", ".yml", ".html", ".css"};
 
 bool isSkipped(const fs::path& folder) {
   return std::find(kSkippedFolders.begin(), kSkippedFolders.end(), folder.filename().string()) != kSkippedFolders.end();
@@ -44,7 +44,8 @@ std::size_t skip(const std::string& text, std::size_t begin) {
     const std::size_t end = text.find(close, open);
     return end == std::string::npos ? text.size() : end + close.size();
   }
-  const bool isDigitSeparator = text[begin] == '\'' && begin > 0 && std::isalnum(static_cast<unsigned char>(text[begin - 1]));
+  const bool isDigitSeparator =
+      text[begin] == '\'' && begin > 0 && std::isalnum(static_cast<unsigned char>(text[begin - 1]));
   if ((text[begin] == '"' || text[begin] == '\'') && !isDigitSeparator) {
     std::size_t i = begin + 1;
     while (i < text.size() && text[i] != text[begin]) {
@@ -63,7 +64,8 @@ std::vector<SourceFile> readSourceTree(const std::string& root) {
     if (entry->is_directory() && isSkipped(entry->path())) {
       entry.disable_recursion_pending();
     } else if (entry->is_regular_file() && isText(entry->path())) {
-      files.push_back({fs::relative(entry->path(), root).generic_string(), readFile(entry->path().string()).value_or("")});
+      files.push_back(
+          {fs::relative(entry->path(), root).generic_string(), readFile(entry->path().string()).value_or("")});
     }
   }
   std::sort(files.begin(), files.end(), [](const SourceFile& a, const SourceFile& b) { return a.name < b.name; });

@@ -11,7 +11,8 @@ struct SourceFile {
   std::string text;
 };
 
-/// All files of the repository that people write: build results, version control, and the conformance cases are left out.
+/// All files of the repository that people write: build results, version control, and the conformance cases are left
+/// out.
 [[nodiscard]] std::vector<SourceFile> readSourceTree(const std::string& root);
 
 /// C++ text without its comments and with the contents of its literals removed; include lines keep their names.

@@ -48,7 +48,8 @@ void derive(benchmark::State& state, const Workload& workload) {
   state.counters["scanned/s"] = rate(totals.scannedModules);
   state.counters["bytes/module"] = Counter(static_cast<double>(bytes) / static_cast<double>(modules));
   // times a plain copy of all bytes that were written
-  state.counters["copies"] = Counter(secondsToCopy(totals.writtenBytes), Counter::kIsIterationInvariantRate | Counter::kInvert);
+  state.counters["copies"] =
+      Counter(secondsToCopy(totals.writtenBytes), Counter::kIsIterationInvariantRate | Counter::kInvert);
 }
 
 void addDerivation(const Workload& workload) {
@@ -60,9 +61,9 @@ void addDerivation(const Workload& workload) {
 }
 
 const bool kIsRegistered = [] {
-  for (const Workload& workload : {Workload{"d0l", "11"}, Workload{"parametric", "20"}, Workload{"parametric", "22"},
-                                   Workload{"signal-up", "123"}, Workload{"diffusion", "123"},
-                                   Workload{"signal-down", "123"}, Workload{"stochastic", "13"}}) {
+  for (const Workload& workload :
+       {Workload{"d0l", "11"}, Workload{"parametric", "20"}, Workload{"parametric", "22"}, Workload{"signal-up", "123"},
+        Workload{"diffusion", "123"}, Workload{"signal-down", "123"}, Workload{"stochastic", "13"}}) {
     addDerivation(workload);
   }
   addDerivation({"parametric", "22", 2});

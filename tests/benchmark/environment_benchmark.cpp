@@ -99,19 +99,17 @@ void process(benchmark::State& state, const std::string& name, const std::string
 const bool kIsRegistered = [] {
   for (const auto& [name, configuration] : std::vector<std::pair<std::string, std::string>>{
            {"constant", ""}, {"height", ""}, {"honda", R"({"radius":0.5,"threeDimensional":true})"}}) {
-    benchmark::RegisterBenchmark(("answer/" + name).c_str(),
-                                 [name = name, configuration = configuration](benchmark::State& state) {
-                                   answer(state, name, configuration);
-                                 })
+    benchmark::RegisterBenchmark(
+        ("answer/" + name).c_str(),
+        [name = name, configuration = configuration](benchmark::State& state) { answer(state, name, configuration); })
         ->Unit(benchmark::kMillisecond)
         ->UseRealTime();
   }
   for (const auto& [name, configuration] : std::vector<std::pair<std::string, std::string>>{
            {"height", ""}, {"honda", R"({"radius":0.5,"threeDimensional":true})"}, {"shadow", ""}}) {
-    benchmark::RegisterBenchmark(("process/" + name).c_str(),
-                                 [name = name, configuration = configuration](benchmark::State& state) {
-                                   process(state, name, configuration);
-                                 })
+    benchmark::RegisterBenchmark(
+        ("process/" + name).c_str(),
+        [name = name, configuration = configuration](benchmark::State& state) { process(state, name, configuration); })
         ->Unit(benchmark::kMillisecond)
         ->UseRealTime()
         ->RangeMultiplier(10)

@@ -13,8 +13,8 @@ namespace espalier::benchmarking {
 
 /// A model of models/ with its derivation length, as the figures of README.md have it.
 struct Workload {
-  std::string model;     // without folder and suffix
-  std::string steps;     // value of the macro N
+  std::string model;  // without folder and suffix
+  std::string steps;  // value of the macro N
   unsigned threads = 1;
 };
 
@@ -29,8 +29,8 @@ struct Workload {
 /// Throws std::runtime_error when there is an error.
 void require(const std::optional<core::SimulationError>& error);
 
-/// Seconds that copying this many bytes to memory that has not been touched yet takes, the best of three: what a step costs
-/// at least, since it writes its string. Measured once per size in a run.
+/// Seconds that copying this many bytes to memory that has not been touched yet takes, the best of three: what a step
+/// costs at least, since it writes its string. Measured once per size in a run.
 [[nodiscard]] double secondsToCopy(std::uint64_t bytes);
 
 }  // namespace espalier::benchmarking

@@ -18,7 +18,9 @@ constexpr const char* kPrinting =
 constexpr const char* kStochastic =
     "Lsystem: 1\nderivation length: 8\nAxiom: A\nA --> AA : 1\nA --> AB : 1\nendlsystem\n";
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
 
 class Cli : public testing::Test {
  protected:
@@ -44,10 +46,8 @@ TEST_F(Cli, DeriveEveryPrintsAllSteps) {
 TEST_F(Cli, DeriveAnsweredPrintsTheStringsThatTheStepsReadFrom) {
   folder_.write("up.l", kHeight);
   // F goes up by 1 a step; the query after F^k stands at height k, and the last string is never answered
-  EXPECT_EQ(run("derive up.l --every --environment height").output,
-            "0\tA?E(0)\n1\tFA?E(0)\n2\tFFA?E(1)\n3\tFF?E(2)\n");
-  EXPECT_EQ(run("derive up.l --every --answered --environment height").output,
-            "0\tA?E(0)\n1\tFA?E(1)\n2\tFFA?E(2)\n");
+  EXPECT_EQ(run("derive up.l --every --environment height").output, "0\tA?E(0)\n1\tFA?E(0)\n2\tFFA?E(1)\n3\tFF?E(2)\n");
+  EXPECT_EQ(run("derive up.l --every --answered --environment height").output, "0\tA?E(0)\n1\tFA?E(1)\n2\tFFA?E(2)\n");
   const ProgramRun alone = run("derive up.l --answered");
   EXPECT_EQ(alone.status, 2);
   EXPECT_TRUE(contains(alone.errors, "--every")) << alone.errors;
@@ -136,8 +136,9 @@ TEST_F(Cli, MissingFilesSayWhatToDo) {
     EXPECT_EQ(result.output, "") << arguments;
     return result.errors;
   };
-  EXPECT_EQ(error("derive nosuch.l"),
-            "error: there is no file 'nosuch.l': give the name of an L-system file (.l) or of the folder that holds it\n");
+  EXPECT_EQ(
+      error("derive nosuch.l"),
+      "error: there is no file 'nosuch.l': give the name of an L-system file (.l) or of the folder that holds it\n");
   EXPECT_EQ(error("derive many"),
             "error: the folder 'many' holds more than one L-system file (a.l, b.l): give the name of one\n");
   EXPECT_EQ(error("derive none"),
@@ -156,7 +157,8 @@ TEST_F(Cli, UnknownEnvironmentNamesTheNearest) {
   folder_.write("up.l", kHeight);
   const ProgramRun result = run("derive up.l --environment hight");
   EXPECT_EQ(result.status, 1);
-  EXPECT_TRUE(contains(result.errors, "environment process 'hight' is unknown. Did you mean 'height'?")) << result.errors;
+  EXPECT_TRUE(contains(result.errors, "environment process 'hight' is unknown. Did you mean 'height'?"))
+      << result.errors;
 }
 
 TEST_F(Cli, ConfigurationMistakesNameTheFile) {

@@ -58,11 +58,12 @@ TEST(Client, SaysHelloAndKeepsTheAnswer) {
 }
 
 TEST(Client, KeepsNotificationsAndRequestsThatComeBeforeTheAnswer) {
-  const ScriptedServer server({kWelcome,
-                               "{\"jsonrpc\":\"2.0\",\"method\":\"stream.data\",\"params\":{\"step\":1}}\n"
-                               "{\"jsonrpc\":\"2.0\",\"id\":\"s1\",\"method\":\"environment.step\",\"params\":{\"step\":4}}\n"
-                               "{\"jsonrpc\":\"2.0\",\"id\":2,\"result\":{\"a\":1}}\n",
-                               ""});
+  const ScriptedServer server(
+      {kWelcome,
+       "{\"jsonrpc\":\"2.0\",\"method\":\"stream.data\",\"params\":{\"step\":1}}\n"
+       "{\"jsonrpc\":\"2.0\",\"id\":\"s1\",\"method\":\"environment.step\",\"params\":{\"step\":4}}\n"
+       "{\"jsonrpc\":\"2.0\",\"id\":2,\"result\":{\"a\":1}}\n",
+       ""});
   const auto client = connected(server);
   EXPECT_EQ(std::get<std::string>(client->request("m", "{}")), R"({"a":1})");
   const auto notification = client->nextNotification(std::chrono::seconds(0));
@@ -112,7 +113,8 @@ TEST(Client, ALostConnectionAndALateAnswerAreErrorsThatSayWhatToDo) {
 }
 
 TEST(Client, ARefusalWithoutIdIsWhyTheConnectionClosed) {
-  const ScriptedServer server({"{\"jsonrpc\":\"2.0\",\"id\":null,\"error\":{\"code\":1004,\"message\":\"too many\"}}\n"});
+  const ScriptedServer server(
+      {"{\"jsonrpc\":\"2.0\",\"id\":null,\"error\":{\"code\":1004,\"message\":\"too many\"}}\n"});
   const auto result = Client::connect(server.address(), {});
   EXPECT_EQ(std::get<protocol::Error>(result).message, "too many");
 }

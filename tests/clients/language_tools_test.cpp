@@ -7,12 +7,15 @@
 namespace espalier::test {
 namespace {
 
-constexpr const char* kTree = "Lsystem: 1\nderivation length: 3\nAxiom: A(1)\nA(l):l<3-->F(l)A(l*2)\nA(l)-->B\nendlsystem\n";
+constexpr const char* kTree =
+    "Lsystem: 1\nderivation length: 3\nAxiom: A(1)\nA(l):l<3-->F(l)A(l*2)\nA(l)-->B\nendlsystem\n";
 constexpr const char* kHeight =
     "Lsystem: 1\nderivation length: 3\nAxiom: A?E(0)\n"
     "A > ?E(h) : h < 2 --> FA\nA > ?E(h) : h >= 2 --> *\nendlsystem\n";
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
 
 class LanguageTools : public testing::Test {
  protected:
@@ -45,7 +48,8 @@ TEST_F(LanguageTools, ExplainSeesTheAnswersOfTheEnvironment) {
   folder_.write("up.l", kHeight);
   // before step 3 the query stands at height 2
   const ProgramRun result = run("explain up.l --step 3 --module 2 --environment height");
-  EXPECT_TRUE(contains(result.output, "right context: wants E(h), saw E(2) (module 4)")) << result.output << result.errors;
+  EXPECT_TRUE(contains(result.output, "right context: wants E(h), saw E(2) (module 4)"))
+      << result.output << result.errors;
   EXPECT_TRUE(contains(result.output, "It made: nothing\n")) << result.output;
 }
 

@@ -42,6 +42,8 @@ void TemporaryFolder::write(const std::string& name, const std::string& text) co
   std::ofstream(file, std::ios::binary) << text;
 }
 
-std::string TemporaryFolder::read(const std::string& name) const { return readFile(path_ + "/" + name).value_or(""); }
+std::string TemporaryFolder::read(const std::string& name) const {
+  return readFile(path_ + "/" + name).value_or("");
+}
 
 }  // namespace espalier::test

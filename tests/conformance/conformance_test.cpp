@@ -1,5 +1,5 @@
-// The suite of the cpfg dialect, case by case: in the mode that reproduces the reference, and with Espalier's own numbers.
-// A case that is known not to pass is named in a list that may only shrink: it must go when the case passes.
+// The suite of the cpfg dialect, case by case: in the mode that reproduces the reference, and with Espalier's own
+// numbers. A case that is known not to pass is named in a list that may only shrink: it must go when the case passes.
 
 #include <gtest/gtest.h>
 

@@ -14,14 +14,15 @@ struct TextModule {
   std::string text;  // as written
 };
 
-/// How far two numbers may be apart: |a-b| <= relative * max(|a|,|b|) + absolute. Never met by a value that is not finite.
+/// How far two numbers may be apart: |a-b| <= relative * max(|a|,|b|) + absolute. Never met by a value that is not
+/// finite.
 struct Tolerance {
   double relative = 1e-5;
   double absolute = 1e-6;
 };
 
-/// Splits the text form into modules (cases/README.md, "How to compare"). Nothing when a parameter is not a number or a list
-/// has no end; `problem` then says where.
+/// Splits the text form into modules (cases/README.md, "How to compare"). Nothing when a parameter is not a number or a
+/// list has no end; `problem` then says where.
 [[nodiscard]] std::optional<std::vector<TextModule>> splitModules(std::string_view text, std::string& problem);
 
 /// The first difference between two strings in text form as a sentence, or nothing when they agree.

@@ -41,14 +41,17 @@ std::string firstMessage(const std::vector<core::Diagnostic>& diagnostics) {
   return "no error was given";
 }
 
-bool exists(const std::string& file) { return readFile(file).has_value(); }
+bool exists(const std::string& file) {
+  return readFile(file).has_value();
+}
 
 std::string describe(const core::SimulationError& error) {
   return "step " + std::to_string(error.step) + ": " + error.message;
 }
 
 // steps a simulation to its end; with `answersFirst` the answers are taken apart from the step
-void runSimulation(simulation::Simulation& simulation, bool isDisplayedBefore, bool answersFirst, Recording& recording) {
+void runSimulation(simulation::Simulation& simulation, bool isDisplayedBefore, bool answersFirst,
+                   Recording& recording) {
   const auto failed = [&](const std::optional<core::SimulationError>& error) {
     if (error) {
       recording.failure = describe(*error);
@@ -142,9 +145,13 @@ std::string compareWithFile(const std::vector<std::string>& strings, const std::
 
 }  // namespace
 
-std::string casesFolder() { return std::string(ESPALIER_SOURCE_DIR) + "/tests/conformance/cases"; }
+std::string casesFolder() {
+  return std::string(ESPALIER_SOURCE_DIR) + "/tests/conformance/cases";
+}
 
-std::string listFile(const std::string& name) { return std::string(ESPALIER_SOURCE_DIR) + "/tests/conformance/" + name; }
+std::string listFile(const std::string& name) {
+  return std::string(ESPALIER_SOURCE_DIR) + "/tests/conformance/" + name;
+}
 
 std::vector<ConformanceCase> readCases() {
   const std::optional<std::string> table = readFile(casesFolder() + "/cases.tsv");

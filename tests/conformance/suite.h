@@ -20,7 +20,9 @@ struct ConformanceCase {
   bool hasTurtleFile = false;
 };
 
-inline std::ostream& operator<<(std::ostream& stream, const ConformanceCase& entry) { return stream << entry.name; }
+inline std::ostream& operator<<(std::ostream& stream, const ConformanceCase& entry) {
+  return stream << entry.name;
+}
 
 /// All cases of the suite in the order of the table. Throws std::runtime_error when the table cannot be read.
 [[nodiscard]] std::vector<ConformanceCase> readCases();
@@ -32,12 +34,12 @@ inline std::ostream& operator<<(std::ostream& stream, const ConformanceCase& ent
 [[nodiscard]] std::string casesFolder();
 [[nodiscard]] std::string listFile(const std::string& name);
 
-/// Runs a case and compares everything that the suite recorded for it: derived strings of all steps, answered strings, log.
-/// Returns the first difference as a sentence with its step, or an empty text when all agree.
+/// Runs a case and compares everything that the suite recorded for it: derived strings of all steps, answered strings,
+/// log. Returns the first difference as a sentence with its step, or an empty text when all agree.
 [[nodiscard]] std::string runCase(const ConformanceCase& entry, core::Compatibility compatibility);
 
-/// What a runner with a list of exceptions has to say: empty when the case passes and is not listed, or fails and is listed.
-/// `difference` is what runCase returned, `list` the list's file name.
+/// What a runner with a list of exceptions has to say: empty when the case passes and is not listed, or fails and is
+/// listed. `difference` is what runCase returned, `list` the list's file name.
 [[nodiscard]] std::string judge(const ConformanceCase& entry, const std::string& difference,
                                 const std::map<std::string, std::string>& exceptions, const std::string& list);
 

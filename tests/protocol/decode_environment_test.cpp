@@ -9,7 +9,8 @@ namespace {
 
 Payload payload(const std::string& member, const std::string& json) {
   const std::string method = member == "params" ? R"("method":"m",)" : "";
-  return std::get<Message>(decodeMessage(R"({"jsonrpc":"2.0","id":1,)" + method + "\"" + member + "\":" + json + "}")).payload;
+  return std::get<Message>(decodeMessage(R"({"jsonrpc":"2.0","id":1,)" + method + "\"" + member + "\":" + json + "}"))
+      .payload;
 }
 
 template <typename T>
@@ -56,9 +57,10 @@ TEST(DecodeEnvironment, ADescriptionMayLeaveOutEverything) {
   const auto empty = std::get<DescribeResult>(decodeDescribeResult(payload("result", "{}")));
   EXPECT_EQ(empty.needs, NeedsRecord{});
   EXPECT_FALSE(empty.isStateful);
-  EXPECT_EQ(problem(decodeDescribeResult(payload("result", R"({"needs":["colour"]})"))),
-            "result.needs[0]: expected one of position, heading, left, up, width, scale, parameters, following, geometry, "
-            "found \"colour\"");
+  EXPECT_EQ(
+      problem(decodeDescribeResult(payload("result", R"({"needs":["colour"]})"))),
+      "result.needs[0]: expected one of position, heading, left, up, width, scale, parameters, following, geometry, "
+      "found \"colour\"");
 }
 
 TEST(DecodeEnvironment, QueriesMustBeNumberedInOrder) {

@@ -18,7 +18,8 @@ std::string number(double value) {
 
 /// Through text and the decoder, as between two programs.
 double roundTrip(double value) {
-  const std::string line = R"({"jsonrpc":"2.0","id":1,"result":{"replies":[{"id":0,"parameters":[)" + number(value) + "]}]}}";
+  const std::string line =
+      R"({"jsonrpc":"2.0","id":1,"result":{"replies":[{"id":0,"parameters":[)" + number(value) + "]}]}}";
   const auto message = std::get<Message>(decodeMessage(line));
   const auto replies = std::get<std::vector<ReplyRecord>>(decodeReplies(message.payload, 1));
   return *replies[0].parameters[0];
@@ -32,9 +33,19 @@ TEST(JsonWriter, WritesTheShortestDecimalThatReadsBack) {
 }
 
 TEST(JsonWriter, EveryDoubleCrossesTheWireBitwise) {
-  const std::vector<double> special{0.0, -0.0, 1.0, 0.1, 1.0 / 3.0, 9007199254740993.0, 18446744073709551616.0,
-                                    -9223372036854775808.0, 1e22, 1e23, std::numeric_limits<double>::max(),
-                                    std::numeric_limits<double>::min(), std::numeric_limits<double>::denorm_min()};
+  const std::vector<double> special{0.0,
+                                    -0.0,
+                                    1.0,
+                                    0.1,
+                                    1.0 / 3.0,
+                                    9007199254740993.0,
+                                    18446744073709551616.0,
+                                    -9223372036854775808.0,
+                                    1e22,
+                                    1e23,
+                                    std::numeric_limits<double>::max(),
+                                    std::numeric_limits<double>::min(),
+                                    std::numeric_limits<double>::denorm_min()};
   for (const double value : special) {
     EXPECT_EQ(std::bit_cast<std::uint64_t>(roundTrip(value)), std::bit_cast<std::uint64_t>(value)) << number(value);
   }
@@ -54,7 +65,8 @@ TEST(JsonWriter, RefusesNumbersThatJsonDoesNotHave) {
 
 TEST(JsonWriter, EscapesTextAndReplacesWhatIsNotUtf8) {
   EXPECT_EQ(JsonWriter().text("a\"b\\c\n\t\x01").take(), R"("a\"b\\c\n\t\u0001")");
-  EXPECT_EQ(JsonWriter().text("gr\xc3\xbcn \xe2\x82\xac \xf0\x9f\x8c\xb1").take(), "\"gr\xc3\xbcn \xe2\x82\xac \xf0\x9f\x8c\xb1\"");
+  EXPECT_EQ(JsonWriter().text("gr\xc3\xbcn \xe2\x82\xac \xf0\x9f\x8c\xb1").take(),
+            "\"gr\xc3\xbcn \xe2\x82\xac \xf0\x9f\x8c\xb1\"");
   // Latin-1, an overlong slash, a surrogate, a cut sequence
   EXPECT_EQ(JsonWriter().text("\xfc").take(), "\"\xef\xbf\xbd\"");
   EXPECT_EQ(JsonWriter().text("\xc0\xaf").take(), "\"\xef\xbf\xbd\xef\xbf\xbd\"");

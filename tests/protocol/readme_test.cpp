@@ -58,7 +58,8 @@ void validate(const json& schema, const json& root, const json& value, const std
     problems.push_back(path + ": none of the alternatives");
     return;
   }
-  if (schema.contains("enum") && std::find(schema["enum"].begin(), schema["enum"].end(), value) == schema["enum"].end()) {
+  if (schema.contains("enum") &&
+      std::find(schema["enum"].begin(), schema["enum"].end(), value) == schema["enum"].end()) {
     problems.push_back(path + ": not one of the values");
   }
   if (schema.contains("type")) {

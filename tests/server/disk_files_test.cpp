@@ -16,7 +16,8 @@ TEST(DiskFiles, ReadsBackWhatWasWrittenAndLeavesNoTemporaryFile) {
   EXPECT_EQ(writeFileAtomically(name, content), std::nullopt);
   EXPECT_EQ(writeFileAtomically(name, content + content), std::nullopt);
   EXPECT_EQ(DiskFileProvider().read(name), content + content);
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), std::filesystem::directory_iterator()), 1);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), std::filesystem::directory_iterator()),
+            1);
 }
 
 TEST(DiskFiles, WhatCannotBeReadIsNothing) {
@@ -30,9 +31,10 @@ TEST(DiskFiles, WhatCannotBeReadIsNothing) {
 TEST(DiskFiles, AnUnwritableNameIsASentenceThatSaysWhatToDo) {
   const TemporaryFolder folder;
   const std::string name = folder.path() + "/missing/a";
-  EXPECT_EQ(writeFileAtomically(name, "x"), "cannot write '" + name +
-                                                "': No such file or directory. Check that the folder exists, is writable and "
-                                                "has room.");
+  EXPECT_EQ(writeFileAtomically(name, "x"),
+            "cannot write '" + name +
+                "': No such file or directory. Check that the folder exists, is writable and "
+                "has room.");
 }
 
 }  // namespace

@@ -88,23 +88,26 @@ TEST(EnvironmentHost, TcpAndStdioGiveBitwiseTheSameStringsAsInProcess) {
     EXPECT_EQ(inside.size(), 6U);
     const Hosted hosted(name);
     EXPECT_EQ(grow(remote(hosted.address())), inside);
-    EXPECT_EQ(grow(remote("stdio:exec '" ESPALIER_BINARY_DIR "/bin/espalier' environment " + name + " --stdio")), inside);
+    EXPECT_EQ(grow(remote("stdio:exec '" ESPALIER_BINARY_DIR "/bin/espalier' environment " + name + " --stdio")),
+              inside);
   }
 }
 
 TEST(EnvironmentHost, AnAddressThatOtherMachinesReachIsRefusedUnlessAllowed) {
-  const auto problem = hostEnvironment({.host = "0.0.0.0"}, [] { return builtIn("height"); },
-                                       [](std::uint16_t) { ADD_FAILURE() << "listens"; });
-  EXPECT_EQ(problem.value_or(""),
-            "'0.0.0.0' can be reached from other machines, and an environment asks nobody who it is: add --insecure if that "
-            "is acceptable, or listen on 127.0.0.1.");
+  const auto problem = hostEnvironment(
+      {.host = "0.0.0.0"}, [] { return builtIn("height"); }, [](std::uint16_t) { ADD_FAILURE() << "listens"; });
+  EXPECT_EQ(
+      problem.value_or(""),
+      "'0.0.0.0' can be reached from other machines, and an environment asks nobody who it is: add --insecure if that "
+      "is acceptable, or listen on 127.0.0.1.");
 }
 
 TEST(EnvironmentHost, APortInUseIsAnErrorThatSaysWhatToDo) {
   const RunningServer server;
   const std::string address = server.address();
   const auto port = static_cast<std::uint16_t>(std::stoi(address.substr(address.find(':') + 1)));
-  const auto problem = hostEnvironment({.port = port}, [] { return builtIn("height"); }, [](std::uint16_t) {});
+  const auto problem = hostEnvironment(
+      {.port = port}, [] { return builtIn("height"); }, [](std::uint16_t) {});
   ASSERT_TRUE(problem.has_value());
   EXPECT_NE(problem->find("Choose another port, or 0 for a free one."), std::string::npos) << *problem;
 }
@@ -112,18 +115,19 @@ TEST(EnvironmentHost, APortInUseIsAnErrorThatSaysWhatToDo) {
 // ---- the dialogue without a network ----
 
 std::string ask(EnvironmentDialogue& dialogue, const std::string& method, const std::string& params) {
-  return dialogue
-      .answer(R"({"jsonrpc":"2.0","id":1,"method":")" + method + R"(","params":)" + params + "}")
+  return dialogue.answer(R"({"jsonrpc":"2.0","id":1,"method":")" + method + R"(","params":)" + params + "}")
       .value_or("(nothing)");
 }
 
 TEST(EnvironmentDialogue, AMinimalControllerNeedsNeitherHelloNorOpen) {
   const ProcessFactory factory = [] { return builtIn("height"); };
   EnvironmentDialogue dialogue(factory);
-  EXPECT_EQ(member(ask(dialogue, "environment.step",
-                       R"({"simulation":"a","step":0,"queries":[{"id":0,"symbol":"E","parameters":[5],"position":[1,2.5,3]}]})"),
-                   "result"),
-            R"({"replies":[{"id":0,"parameters":[2.5]}]})");
+  EXPECT_EQ(
+      member(
+          ask(dialogue, "environment.step",
+              R"({"simulation":"a","step":0,"queries":[{"id":0,"symbol":"E","parameters":[5],"position":[1,2.5,3]}]})"),
+          "result"),
+      R"({"replies":[{"id":0,"parameters":[2.5]}]})");
 }
 
 TEST(EnvironmentDialogue, DescribesTheProcess) {
@@ -141,10 +145,11 @@ TEST(EnvironmentDialogue, ErrorsNameThePathAndTheMethods) {
                    "message"),
             "params.step: expected a whole number from 0 to 9007199254740992, found -1");
   EXPECT_EQ(member(member(ask(dialogue, "simulation.step", "{}"), "error"), "code"), "-32601");
-  EXPECT_EQ(member(member(ask(dialogue, "environment.open", R"({"simulation":"a","configuration":{"radius":1}})"), "error"),
-                   "message")
-                .substr(0, 20),
-            "params.configuration");
+  EXPECT_EQ(
+      member(member(ask(dialogue, "environment.open", R"({"simulation":"a","configuration":{"radius":1}})"), "error"),
+             "message")
+          .substr(0, 20),
+      "params.configuration");
   EXPECT_EQ(dialogue.answer(R"({"jsonrpc":"2.0","method":"environment.close","params":{}})"), std::nullopt);
 }
 
@@ -189,7 +194,8 @@ TEST(EnvironmentDialogue, AStepAskedAgainIsAnsweredTheSameWithoutAdvancing) {
   EnvironmentDialogue dialogue(factory);
   const std::string first = ask(dialogue, "environment.step", stepParams(0));
   EXPECT_EQ(ask(dialogue, "environment.step", stepParams(0)), first);
-  EXPECT_EQ(member(ask(dialogue, "environment.step", stepParams(1)), "result"), R"({"replies":[{"id":0,"parameters":[2]}]})");
+  EXPECT_EQ(member(ask(dialogue, "environment.step", stepParams(1)), "result"),
+            R"({"replies":[{"id":0,"parameters":[2]}]})");
   EXPECT_EQ(member(member(ask(dialogue, "environment.step", stepParams(0)), "error"), "code"), "1007");
 }
 
@@ -197,10 +203,12 @@ TEST(EnvironmentDialogue, SaveAndRestoreCarryTheStateOfASimulation) {
   const ProcessFactory factory = [] { return std::make_unique<Counter>(); };
   EnvironmentDialogue dialogue(factory);
   (void)ask(dialogue, "environment.step", stepParams(0));
-  const std::string state = member(member(ask(dialogue, "environment.save", R"({"simulation":"a"})"), "result"), "state");
+  const std::string state =
+      member(member(ask(dialogue, "environment.save", R"({"simulation":"a"})"), "result"), "state");
   (void)ask(dialogue, "environment.step", stepParams(1));
   (void)ask(dialogue, "environment.restore", R"({"simulation":"a","state":")" + state + "\"}");
-  EXPECT_EQ(member(ask(dialogue, "environment.step", stepParams(1)), "result"), R"({"replies":[{"id":0,"parameters":[2]}]})");
+  EXPECT_EQ(member(ask(dialogue, "environment.step", stepParams(1)), "result"),
+            R"({"replies":[{"id":0,"parameters":[2]}]})");
   // another simulation has a process of its own
   EXPECT_EQ(member(ask(dialogue, "environment.step",
                        R"({"simulation":"b","step":0,"queries":[{"id":0,"symbol":"E","parameters":[0]}]})"),

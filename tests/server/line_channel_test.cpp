@@ -20,7 +20,8 @@ Deadline in(std::chrono::milliseconds time) {
 struct Pair {
   Pair() : Pair(descriptors()) {}
   explicit Pair(std::array<int, 2> ends)
-      : a(Descriptor(ends[0]), Descriptor(), 1'000'000), b(std::make_unique<LineChannel>(Descriptor(ends[1]), Descriptor(), 1'000'000)) {}
+      : a(Descriptor(ends[0]), Descriptor(), 1'000'000),
+        b(std::make_unique<LineChannel>(Descriptor(ends[1]), Descriptor(), 1'000'000)) {}
   static std::array<int, 2> descriptors() {
     std::array<int, 2> ends{};
     EXPECT_EQ(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()), 0);

@@ -22,9 +22,12 @@ class RawPeer {
   std::string line() {
     std::string text;
     switch (channel_.readLine(text, soon())) {
-      case LineChannel::Status::Done: return text;
-      case LineChannel::Status::Timeout: return "(timeout)";
-      default: return "(closed)";
+      case LineChannel::Status::Done:
+        return text;
+      case LineChannel::Status::Timeout:
+        return "(timeout)";
+      default:
+        return "(closed)";
     }
   }
   std::string ask(std::string_view text) {

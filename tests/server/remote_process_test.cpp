@@ -54,8 +54,9 @@ TEST(RemoteProcess, TheOfferIsAnsweredBeforeAnythingIsAsked) {
   const RunningServer server;
   RawPeer peer(server);
   (void)peer.ask(kHello);
-  EXPECT_EQ(member(peer.ask(R"({"jsonrpc":"2.0","id":5,"method":"environment.offer","params":{"name":"mylight"}})"), "id"),
-            "5");
+  EXPECT_EQ(
+      member(peer.ask(R"({"jsonrpc":"2.0","id":5,"method":"environment.offer","params":{"name":"mylight"}})"), "id"),
+      "5");
 }
 
 TEST(RemoteProcess, AnEnvironmentThatNobodyOffersIsARetryableError) {
@@ -109,14 +110,15 @@ TEST(RemoteProcess, ASilentEnvironmentTimesOutAndOthersAreNotStarved) {
   options.limits.environmentStepMilliseconds = 200;
   const RunningServer server(options);
   std::atomic<bool> isAsked{false};
-  const OfferingEnvironment silent(server, "mylight", [&](client::Client& self, const client::IncomingRequest& request) {
-    if (request.method == "environment.step") {
-      isAsked = true;
-      isAsked.notify_all();
-    } else {
-      (void)self.respondError(request.id, {protocol::ErrorCode::UnknownMethod, "no", {}});
-    }
-  });
+  const OfferingEnvironment silent(
+      server, "mylight", [&](client::Client& self, const client::IncomingRequest& request) {
+        if (request.method == "environment.step") {
+          isAsked = true;
+          isAsked.notify_all();
+        } else {
+          (void)self.respondError(request.id, {protocol::ErrorCode::UnknownMethod, "no", {}});
+        }
+      });
   const auto client = connectTo(server);
   const std::string waiting = create(*client, kGrowth, kOffered);
   const std::string quick = create(*client, kGrowth, R"([{"type":"height"}])");
@@ -144,7 +146,8 @@ TEST(RemoteProcess, WrongRepliesAreErrorsWithTheirPathAndNothingOfThemIsUsed) {
   const auto client = connectTo(server);
   const std::string simulation = create(*client, kGrowth, kOffered);
   const std::vector<std::pair<std::string, std::string>> cases{
-      {R"({"replies":[{"id":0,"parameters":[9]},{"id":7,"parameters":[1]}]})", "result.replies[1].id: there is no query 7"},
+      {R"({"replies":[{"id":0,"parameters":[9]},{"id":7,"parameters":[1]}]})",
+       "result.replies[1].id: there is no query 7"},
       {R"({"replies":[{"id":0,"parameters":[9]},{"id":0,"parameters":[1]}]})",
        "result.replies[1].id: query 0 is answered twice"},
       {R"({"replies":[{"id":0,"parameters":["high"]}]})", "result.replies[0].parameters[0]: expected a number"},
@@ -184,13 +187,14 @@ TEST(RemoteProcess, AnAnswerThatIsNotJsonFailsTheStepAtOnce) {
 
 TEST(RemoteProcess, NullAndMissingParametersKeepWhatWasSent) {
   const RunningServer server;
-  const OfferingEnvironment partial(server, "mylight", [](client::Client& self, const client::IncomingRequest& request) {
-    if (request.method == "environment.step") {
-      (void)self.respond(request.id, R"({"replies":[{"id":1,"parameters":[null,0.3]},{"id":0,"parameters":[1]}]})");
-    } else {
-      (void)self.respondError(request.id, {protocol::ErrorCode::UnknownMethod, "no", {}});
-    }
-  });
+  const OfferingEnvironment partial(
+      server, "mylight", [](client::Client& self, const client::IncomingRequest& request) {
+        if (request.method == "environment.step") {
+          (void)self.respond(request.id, R"({"replies":[{"id":1,"parameters":[null,0.3]},{"id":0,"parameters":[1]}]})");
+        } else {
+          (void)self.respondError(request.id, {protocol::ErrorCode::UnknownMethod, "no", {}});
+        }
+      });
   const auto client = connectTo(server);
   const std::string simulation =
       create(*client, "Lsystem: 1\nderivation length: 3\nAxiom: ?E(5,6)?E(7,8)?E(9)\nZ --> Z\nendlsystem\n", kOffered);

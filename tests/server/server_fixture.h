@@ -97,7 +97,8 @@ inline constexpr std::string_view kGrowth =
     "A > ?E(h) : h < 3 --> F(1)A\nA > ?E(h) : h >= 3 --> *\nendlsystem\n";
 
 /// simulation.create of a source with an environment array (JSON text; empty: none) and further members.
-inline std::string createParams(std::string_view source, std::string_view environment = {}, std::string_view more = {}) {
+inline std::string createParams(std::string_view source, std::string_view environment = {},
+                                std::string_view more = {}) {
   protocol::JsonWriter params;
   params.beginObject().key("model").beginObject().key("source").text(source).endObject();
   if (!environment.empty()) {
@@ -127,12 +128,13 @@ inline std::string stringOf(client::Client& client, const std::string& simulatio
   return member(resultOf(client.request("simulation.get", named(simulation, R"("what":"string")"))), "string");
 }
 
-/// An environment that offers itself and answers in a thread of its own: with the query's y coordinate as first parameter,
-/// unless `answer` says otherwise.
+/// An environment that offers itself and answers in a thread of its own: with the query's y coordinate as first
+/// parameter, unless `answer` says otherwise.
 class OfferingEnvironment {
  public:
   using Answer = std::function<void(client::Client&, const client::IncomingRequest&)>;
-  OfferingEnvironment(const RunningServer& server, const std::string& name, Answer answer) : client_(connectTo(server)) {
+  OfferingEnvironment(const RunningServer& server, const std::string& name, Answer answer)
+      : client_(connectTo(server)) {
     resultOf(client_->request("environment.offer", R"({"name":")" + name + R"("})"));
     thread_ = std::thread([this, answer = std::move(answer)] {
       while (!isStopped_ && client_->isOpen()) {

@@ -14,8 +14,8 @@ namespace {
 TEST(Server, GrowsAPlantThroughTheWholeDialogue) {
   const RunningServer server;
   const auto client = connectTo(server);
-  const std::string created = resultOf(client->request("simulation.create", createParams(kGrowth, R"([{"type":"height"}])",
-                                                                                        R"("seed":7)")));
+  const std::string created =
+      resultOf(client->request("simulation.create", createParams(kGrowth, R"([{"type":"height"}])", R"("seed":7)")));
   EXPECT_EQ(member(created, "step"), "0");
   EXPECT_EQ(member(created, "seed"), "7");
   EXPECT_EQ(member(created, "derivationLength"), "6");
@@ -39,11 +39,12 @@ TEST(Server, DrawsASeedOnceAndSaysWhich) {
   const std::string a = resultOf(client->request("simulation.create", createParams(kGrowth)));
   const std::string b = resultOf(client->request("simulation.create", createParams(kGrowth)));
   EXPECT_NE(member(a, "seed"), member(b, "seed"));
-  EXPECT_EQ(member(member(resultOf(client->request("simulation.get",
-                                                   named(member(a, "simulation"), R"("what":"information")"))),
-                          "information"),
-                   "seed"),
-            member(a, "seed"));
+  EXPECT_EQ(
+      member(
+          member(resultOf(client->request("simulation.get", named(member(a, "simulation"), R"("what":"information")"))),
+                 "information"),
+          "seed"),
+      member(a, "seed"));
 }
 
 TEST(Server, AModelWithErrorsCreatesNothingAndSaysWhere) {
@@ -53,7 +54,8 @@ TEST(Server, AModelWithErrorsCreatesNothingAndSaysWhere) {
   EXPECT_EQ(static_cast<int>(error.code), 1009);
   EXPECT_NE(error.data.find("\"line\":2"), std::string::npos) << error.data;
   EXPECT_EQ(member(resultOf(client->request("simulation.list", "{}")), "simulations"), "[]");
-  const std::string checked = resultOf(client->request("model.check", R"({"source":"Lsystem: 1\nAxiom: A\nA --> AA\nendlsystem\n"})"));
+  const std::string checked =
+      resultOf(client->request("model.check", R"({"source":"Lsystem: 1\nAxiom: A\nA --> AA\nendlsystem\n"})"));
   EXPECT_EQ(member(checked, "valid"), "true");
 }
 
@@ -100,19 +102,20 @@ TEST(Server, SaveAndRestoreGoBackToTheSameState) {
   const auto client = connectTo(server);
   const std::string simulation = create(*client, kGrowth, R"([{"type":"height"}])", R"("seed":3)");
   resultOf(client->request("simulation.step", named(simulation)));
-  const std::string hash = member(resultOf(client->request("simulation.get", named(simulation, R"("what":"state-hash")"))),
-                                  "stateHash");
+  const std::string hash =
+      member(resultOf(client->request("simulation.get", named(simulation, R"("what":"state-hash")"))), "stateHash");
   const std::string snapshot = member(resultOf(client->request("simulation.save", named(simulation))), "snapshot");
   resultOf(client->request("simulation.step", named(simulation, R"("steps":2)")));
   const std::string grown = stringOf(*client, simulation);
   resultOf(client->request("simulation.restore", named(simulation, "\"snapshot\":\"" + snapshot + "\"")));
-  EXPECT_EQ(member(resultOf(client->request("simulation.get", named(simulation, R"("what":"state-hash")"))), "stateHash"),
-            hash);
+  EXPECT_EQ(
+      member(resultOf(client->request("simulation.get", named(simulation, R"("what":"state-hash")"))), "stateHash"),
+      hash);
   resultOf(client->request("simulation.step", named(simulation, R"("steps":2)")));
   EXPECT_EQ(stringOf(*client, simulation), grown);
-  EXPECT_EQ(static_cast<int>(
-                errorOf(client->request("simulation.restore", named(simulation, R"("snapshot":"AAAA")"))).code),
-            1013);
+  EXPECT_EQ(
+      static_cast<int>(errorOf(client->request("simulation.restore", named(simulation, R"("snapshot":"AAAA")"))).code),
+      1013);
 }
 
 TEST(Server, ResetGoesToStepZeroWithAnotherSeedWhenGiven) {
@@ -191,8 +194,8 @@ TEST(Server, LimitsAreNamedInTheErrorsTheyCause) {
 TEST(Server, AModuleLimitStopsTheStepAndTheSimulationStays) {
   const RunningServer server;
   const auto client = connectTo(server);
-  const std::string simulation = create(*client, "Lsystem: 1\nderivation length: 9\nAxiom: A\nA --> AA\nendlsystem\n", {},
-                                        R"("limits":{"modules":4})");
+  const std::string simulation = create(*client, "Lsystem: 1\nderivation length: 9\nAxiom: A\nA --> AA\nendlsystem\n",
+                                        {}, R"("limits":{"modules":4})");
   const auto error = errorOf(client->request("simulation.step", named(simulation, R"("steps":5)")));
   EXPECT_EQ(static_cast<int>(error.code), 1004);
   EXPECT_EQ(stringOf(*client, simulation), "AAAA");

@@ -69,7 +69,8 @@ TEST(Session, ARubbishLineIsAParseErrorWithIdNullAndTheSessionGoesOn) {
   const std::string answer = peer.ask("this is not JSON");
   EXPECT_EQ(member(answer, "id"), "null");
   EXPECT_EQ(member(member(answer, "error"), "code"), "-32700");
-  EXPECT_EQ(member(member(peer.ask(R"({"jsonrpc":"2.0","id":2,"method":"server.status"})"), "result"), "protocol"), "1");
+  EXPECT_EQ(member(member(peer.ask(R"({"jsonrpc":"2.0","id":2,"method":"server.status"})"), "result"), "protocol"),
+            "1");
 }
 
 TEST(Session, NamesThePathOfAWrongField) {
@@ -115,7 +116,8 @@ TEST(Session, DeeplyNestedBracketsAreRefusedAndHarmless) {
   RawPeer peer(server);
   (void)peer.ask(kHello);
   EXPECT_EQ(member(member(peer.ask(std::string(1'000'000, '[')), "error"), "code"), "-32700");
-  EXPECT_EQ(member(member(peer.ask(R"({"jsonrpc":"2.0","id":2,"method":"server.status"})"), "result"), "protocol"), "1");
+  EXPECT_EQ(member(member(peer.ask(R"({"jsonrpc":"2.0","id":2,"method":"server.status"})"), "result"), "protocol"),
+            "1");
 }
 
 TEST(Session, AnswersThatNobodyAskedForAndNotificationsAreIgnored) {

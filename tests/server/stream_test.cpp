@@ -37,7 +37,8 @@ TEST(Stream, SendsThePresentStateFirstAndThenEveryStep) {
 TEST(Stream, TurtleRecordsCanBeSelectedBySymbolAndKeepTheirIndex) {
   const RunningServer server;
   const auto client = connectTo(server);
-  const std::string simulation = create(*client, "Lsystem: 1\nderivation length: 1\nAxiom: F(2)[+(90)G(3)]\nZ --> Z\nendlsystem\n");
+  const std::string simulation =
+      create(*client, "Lsystem: 1\nderivation length: 1\nAxiom: F(2)[+(90)G(3)]\nZ --> Z\nendlsystem\n");
   resultOf(client->request("stream.open", named(simulation, R"("what":"turtle","select":{"symbols":["G"]})")));
   const std::string records = member(nextFrame(*client), "records");
   EXPECT_NE(records.find("\"symbol\":\"G\""), std::string::npos) << records;
@@ -60,8 +61,8 @@ TEST(Stream, AViewerWithoutCreditIsMovedToTheLatestFrameAndToldHowManyItMissed) 
   const RunningServer server;
   const auto client = connectTo(server);
   const std::string simulation = create(*client, kChain);
-  const std::string stream = member(
-      resultOf(client->request("stream.open", named(simulation, R"("what":"string","credits":1)"))), "stream");
+  const std::string stream =
+      member(resultOf(client->request("stream.open", named(simulation, R"("what":"string","credits":1)"))), "stream");
   resultOf(client->request("simulation.step", named(simulation, R"("steps":10)")));
   const std::string first = nextFrame(*client);
   EXPECT_EQ(member(first, "step"), "0");
@@ -78,10 +79,11 @@ TEST(Stream, AViewerThatDoesNotReadNeitherStopsTheSimulationNorFillsTheServer) {
   const RunningServer server(options);
   const auto controller = connectTo(server);
   // 20,000 modules a frame: far more than the connection and the outbox hold
-  const std::string simulation = create(*controller,
-                                        "Lsystem: 1\nderivation length: 300\nAxiom: X(20000)A\n"
-                                        "X(n) : n > 0 --> X(n - 1)\nA --> AFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFF"
-                                        "FFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFF\nendlsystem\n");
+  const std::string simulation =
+      create(*controller,
+             "Lsystem: 1\nderivation length: 300\nAxiom: X(20000)A\n"
+             "X(n) : n > 0 --> X(n - 1)\nA --> AFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFF"
+             "FFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFF\nendlsystem\n");
   RawPeer viewer(server);
   (void)viewer.ask(kHello);
   viewer.send(R"({"jsonrpc":"2.0","id":2,"method":"stream.open","params":{"simulation":")" + simulation +

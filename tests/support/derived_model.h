@@ -11,12 +11,13 @@
 
 namespace espalier::test {
 
-/// A model given as text, compiled and rewound, with everything it prints. Throws std::runtime_error with the diagnostics
-/// when the text has errors. The file is called "model.l".
+/// A model given as text, compiled and rewound, with everything it prints. Throws std::runtime_error with the
+/// diagnostics when the text has errors. The file is called "model.l".
 class DerivedModel {
  public:
   explicit DerivedModel(const std::string& text, derivation::DerivationOptions options = {},
-                        core::Compatibility compatibility = core::Compatibility::Espalier, const std::string& view = {});
+                        core::Compatibility compatibility = core::Compatibility::Espalier,
+                        const std::string& view = {});
 
   /// Makes steps and returns the string.
   std::string steps(std::uint64_t count);
@@ -45,8 +46,8 @@ class DerivedModel {
 [[nodiscard]] std::string derive(const std::string& text, std::uint64_t stepCount,
                                  core::Compatibility compatibility = core::Compatibility::Espalier);
 
-/// "Lsystem: 1 / derivation length: 100 / ITEMS / Axiom: AXIOM / REST / endlsystem", one line each; `items` and `rest` end
-/// with newlines or are empty.
+/// "Lsystem: 1 / derivation length: 100 / ITEMS / Axiom: AXIOM / REST / endlsystem", one line each; `items` and `rest`
+/// end with newlines or are empty.
 [[nodiscard]] std::string modelText(const std::string& items, const std::string& axiom, const std::string& rest);
 
 }  // namespace espalier::test

@@ -81,8 +81,8 @@ void bind(const PlainModule& module, const language::FormalModule& formal, std::
 
 }  // namespace
 
-bool PlainDerivation::matchesPredecessor(const PlainString& old, std::size_t at,
-                                         const language::Production& production, Frame& frame) const {
+bool PlainDerivation::matchesPredecessor(const PlainString& old, std::size_t at, const language::Production& production,
+                                         Frame& frame) const {
   for (std::size_t i = 0; i < production.predecessor.size(); ++i) {
     if (at + i >= old.size() || old[at + i].type != production.predecessor[i].type) {
       return false;
@@ -127,8 +127,8 @@ bool PlainDerivation::matchesLeft(const PlainString& old, std::size_t at, const 
   return true;
 }
 
-bool PlainDerivation::matchesRight(const PlainString& old, std::size_t behind,
-                                   const language::Production& production, Frame& frame) const {
+bool PlainDerivation::matchesRight(const PlainString& old, std::size_t behind, const language::Production& production,
+                                   Frame& frame) const {
   std::size_t at = behind;
   const auto skipBranch = [&] {
     int depth = 1;
@@ -247,8 +247,7 @@ PlainString PlainDerivation::derive(const PlainString& old, std::uint64_t step) 
     for (const language::SuccessorModule& module : match.production->successor) {
       PlainModule next{module.type, {}};
       for (std::size_t i = 0; i < program_->arity[module.type]; ++i) {
-        next.parameters.push_back(
-            value(match.production->expressions.at(module.firstExpression + i), match.frame, q));
+        next.parameters.push_back(value(match.production->expressions.at(module.firstExpression + i), match.frame, q));
       }
       made.push_back(std::move(next));
     }

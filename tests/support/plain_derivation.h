@@ -18,10 +18,10 @@ struct PlainModule {
 
 using PlainString = std::vector<PlainModule>;
 
-/// An executable specification of derivation, written for being obviously right, not for speed, and sharing nothing with
-/// engine/derivation but the Program and the random numbers: pure productions with predecessors of any length, contexts
-/// over brackets with ignored symbols, conditions, stochastic choice, the cut symbol. No blocks, variables, decomposition or
-/// sub-L-systems; Espalier's own mode only.
+/// An executable specification of derivation, written for being obviously right, not for speed, and sharing nothing
+/// with engine/derivation but the Program and the random numbers: pure productions with predecessors of any length,
+/// contexts over brackets with ignored symbols, conditions, stochastic choice, the cut symbol. No blocks, variables,
+/// decomposition or sub-L-systems; Espalier's own mode only.
 class PlainDerivation {
  public:
   PlainDerivation(const language::Program& program, std::uint64_t seed);

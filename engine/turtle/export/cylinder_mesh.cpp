@@ -14,14 +14,16 @@ namespace {
 struct AxisSample {
   Vec3 position;
   Vec3 tangent;
-  Vec3 turtleUp;     // the turtle's own, interpolated
+  Vec3 turtleUp;  // the turtle's own, interpolated
   double radius = 0.5;
   std::size_t from = 0;  // control points whose contours are blended
   std::size_t to = 0;
   double blend = 0.0;
 };
 
-Vec3 headingAt(const GeneralizedCylinder& cylinder, std::size_t i) { return cylinder.points[i].frame.heading; }
+Vec3 headingAt(const GeneralizedCylinder& cylinder, std::size_t i) {
+  return cylinder.points[i].frame.heading;
+}
 
 AxisSample hermite(const GeneralizedCylinder& cylinder, std::size_t from, std::size_t to, double t) {
   const CylinderPoint& a = cylinder.points[from];
@@ -70,8 +72,8 @@ std::vector<AxisSample> sampleAxis(const GeneralizedCylinder& cylinder) {
   std::vector<AxisSample> samples;
   const std::size_t count = cylinder.points.size();
   const bool isHermite = cylinder.curve == GeneralizedCylinder::Curve::Hermite;
-  const std::size_t segments = isHermite ? (cylinder.isClosed ? count : count - 1)
-                                         : (cylinder.isClosed ? count : count + 1);
+  const std::size_t segments =
+      isHermite ? (cylinder.isClosed ? count : count - 1) : (cylinder.isClosed ? count : count + 1);
   for (std::size_t segment = 0; segment < segments; ++segment) {
     const std::size_t from = isHermite || cylinder.isClosed ? segment : (segment == 0 ? 0 : segment - 1);
     const std::size_t to = cylinder.isClosed ? (segment + 1) % count : std::min(from + 1, count - 1);
@@ -82,7 +84,8 @@ std::vector<AxisSample> sampleAxis(const GeneralizedCylinder& cylinder) {
       sample.from = from;
       sample.to = to;
       sample.blend = t;
-      sample.turtleUp = cylinder.points[from].frame.up + t * (cylinder.points[to].frame.up - cylinder.points[from].frame.up);
+      sample.turtleUp =
+          cylinder.points[from].frame.up + t * (cylinder.points[to].frame.up - cylinder.points[from].frame.up);
       if (core::length(sample.tangent) < 1e-12) {
         sample.tangent = samples.empty() ? headingAt(cylinder, from) : samples.back().tangent;
       }

@@ -15,8 +15,8 @@ struct Mesh {
   static constexpr std::uint32_t kNoVertex = 0xFFFFFFFF;
 
   std::vector<core::Vec3> positions;
-  std::vector<core::Vec3> normals;                 // (vertexCount), unit
-  std::vector<std::array<double, 2>> coordinates;  // (vertexCount)
+  std::vector<core::Vec3> normals;                  // (vertexCount), unit
+  std::vector<std::array<double, 2>> coordinates;   // (vertexCount)
   std::vector<std::array<std::uint32_t, 4>> faces;  // a triangle's fourth is kNoVertex
 
   void clear();
@@ -46,8 +46,8 @@ struct TubeRing {
 /// A tube through rings with shared vertices, closed at both ends.
 void appendTube(Mesh& mesh, const std::vector<TubeRing>& rings, int sides);
 
-/// A generalized cylinder: Hermite or B-spline through its points, circular or with the contours of the view file, with the
-/// least twist unless the view file wants the turtle's.
+/// A generalized cylinder: Hermite or B-spline through its points, circular or with the contours of the view file, with
+/// the least twist unless the view file wants the turtle's.
 void appendCylinder(Mesh& mesh, const GeneralizedCylinder& cylinder, const language::ViewSettings& view);
 
 /// `sides + 1` points of a contour at equal distances along it (FILES §8); a circle when `id` is not in the view file.

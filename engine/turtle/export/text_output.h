@@ -33,8 +33,8 @@ class TextOutput {
     if (!std::isfinite(value)) {
       value = 0.0;
     }
-    const auto result = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, std::chars_format::fixed,
-                                      decimals);
+    const auto result =
+        std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, std::chars_format::fixed, decimals);
     std::string_view text(buffer.data(), static_cast<std::size_t>(result.ptr - buffer.data()));
     if (text.find('.') != std::string_view::npos) {
       while (text.ends_with('0')) {

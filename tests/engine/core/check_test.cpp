@@ -18,7 +18,9 @@ TEST(Check, SaysExpressionPlaceAndValues) {
   }
 }
 
-TEST(Check, PassesSilently) { EXPECT_NO_THROW(ESPALIER_CHECK(1 + 1 == 2)); }
+TEST(Check, PassesSilently) {
+  EXPECT_NO_THROW(ESPALIER_CHECK(1 + 1 == 2));
+}
 
 }  // namespace
 }  // namespace espalier::core

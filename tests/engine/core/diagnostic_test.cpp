@@ -6,11 +6,10 @@ namespace espalier::core {
 namespace {
 
 TEST(Diagnostic, ShowsPlaceLineCaretAndHint) {
-  const Diagnostic diagnostic{
-      Severity::Error,
-      "unknown name 'ww' in the successor of A(l,w)",
-      {"tree.l", 12, 33, 2, "A(l,w) : l > 1 --> F(l)[+A(l*R, ww)]A(l*R, w)", ""},
-      "did you mean 'w'?"};
+  const Diagnostic diagnostic{Severity::Error,
+                              "unknown name 'ww' in the successor of A(l,w)",
+                              {"tree.l", 12, 33, 2, "A(l,w) : l > 1 --> F(l)[+A(l*R, ww)]A(l*R, w)", ""},
+                              "did you mean 'w'?"};
   EXPECT_EQ(formatDiagnostic(diagnostic),
             "tree.l:12:33: error: unknown name 'ww' in the successor of A(l,w)\n"
             "   12 | A(l,w) : l > 1 --> F(l)[+A(l*R, ww)]A(l*R, w)\n"

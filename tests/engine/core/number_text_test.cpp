@@ -46,7 +46,9 @@ TEST(NumberText, WholeNumbersHaveNoPoint) {
   EXPECT_EQ(shortest(0.1), "0.1");
 }
 
-TEST(NumberText, NegativeZeroPrintsAsZero) { EXPECT_EQ(shortest(-0.0), "0"); }
+TEST(NumberText, NegativeZeroPrintsAsZero) {
+  EXPECT_EQ(shortest(-0.0), "0");
+}
 
 TEST(NumberText, PercentGIsThatOfC) {
   for (const double value : {0.0, 1.0, 0.1, 123456.0, 1234567.0, 1e-5, 0.00012345678, -2.5e10, 1e100, 6.12323e-17}) {

@@ -57,7 +57,8 @@ TEST(ContextMatcher, IgnoredBracketsLetTheRightContextWalkIntoBranches) {
 TEST(ContextMatcher, BindsParametersBehindSkippedBranches) {
   EXPECT_EQ(once("", "J(1)[B(7)[D(8,9)]]C(3)", "J(x) > C(y) --> J(y)\n"), "J(3)[B(7)[D(8,9)]]C(3)");
   EXPECT_EQ(once("", "C(3)[B(7)[D(8,9)]]J(1)", "C(y) < J(x) --> J(y)\n"), "C(3)[B(7)[D(8,9)]]J(3)");
-  EXPECT_EQ(once("", "J(1)[B(7)C(8)[D(9)]D(6)]C(3)", "J(x) > [B(a)=]C(y) --> J(a+y)\n"), "J(10)[B(7)C(8)[D(9)]D(6)]C(3)");
+  EXPECT_EQ(once("", "J(1)[B(7)C(8)[D(9)]D(6)]C(3)", "J(x) > [B(a)=]C(y) --> J(a+y)\n"),
+            "J(10)[B(7)C(8)[D(9)]D(6)]C(3)");
 }
 
 TEST(ContextMatcher, StringEndsDoNotMatch) {
@@ -65,7 +66,8 @@ TEST(ContextMatcher, StringEndsDoNotMatch) {
 }
 
 TEST(ContextMatcher, RingContinuesAtTheOtherEnd) {
-  EXPECT_EQ(once("Ring Lsystem\n", "B(9)A(1)A(2)", "B(p) < A(q) --> B(q+10)\nA(p) > B(q) --> A(p*2)\n"), "B(9)B(11)A(4)");
+  EXPECT_EQ(once("Ring Lsystem\n", "B(9)A(1)A(2)", "B(p) < A(q) --> B(q+10)\nA(p) > B(q) --> A(p*2)\n"),
+            "B(9)B(11)A(4)");
 }
 
 TEST(ContextMatcher, RingOfIgnoredSymbolsEndsTheSearch) {

@@ -14,8 +14,8 @@ namespace {
 
 using core::Compatibility;
 using core::SimulationErrorCode;
-using test::DerivedModel;
 using test::derive;
+using test::DerivedModel;
 using test::modelText;
 
 TEST(Derivation, RewritesAllModulesAtOnce) {
@@ -40,14 +40,16 @@ TEST(Derivation, ConsumesTheWholeStrictPredecessor) {
 
 TEST(Derivation, RunsPreBlocksOfCandidatesWhoseContextMatchesUntilOneApplies) {
   const std::string rest =
-      "A : {n=n+1;} 0 --> x\nB < A : {n=n+10;} 0 --> x\nA : {n=n+100;} * {n=n+1000;} --> A(n)\nA : {n=n+10000;} * --> x\n";
+      "A : {n=n+1;} 0 --> x\nB < A : {n=n+10;} 0 --> x\nA : {n=n+100;} * {n=n+1000;} --> A(n)\nA : {n=n+10000;} * --> "
+      "x\n";
   EXPECT_EQ(derive(modelText("Start: {n=0;}\n", "A", rest), 1), "A(1101)");
 }
 
 TEST(Derivation, RunsTheBlocksOfAStepInOrder) {
-  DerivedModel model("Lsystem: 1\nderivation length: 2\nStart: {printf(\"start \");}\nStartEach: {printf(\"before%g \",Q);}\n"
-                     "EndEach: {printf(\"after \");}\nEnd: {printf(\"end\");}\nAxiom: A\n"
-                     "A : {printf(\"A \");} * --> AA\nendlsystem\n");
+  DerivedModel model(
+      "Lsystem: 1\nderivation length: 2\nStart: {printf(\"start \");}\nStartEach: {printf(\"before%g \",Q);}\n"
+      "EndEach: {printf(\"after \");}\nEnd: {printf(\"end\");}\nAxiom: A\n"
+      "A : {printf(\"A \");} * --> AA\nendlsystem\n");
   model.steps(2);
   EXPECT_EQ(model.printed(), "start before1 A after before2 A A after end");
   EXPECT_TRUE(model.state().isStopped);
@@ -83,7 +85,8 @@ TEST(Derivation, DecomposesSuccessorsAndUnmatchedModulesDepthFirst) {
 }
 
 TEST(Derivation, DecompositionLooksAtTheOldString) {
-  EXPECT_EQ(derive(modelText("", "aMb", "M --> PMP\na --> d\ndecomposition\na < P > b --> Q\nM < P --> V\n"), 1), "dQMQb");
+  EXPECT_EQ(derive(modelText("", "aMb", "M --> PMP\na --> d\ndecomposition\na < P > b --> Q\nM < P --> V\n"), 1),
+            "dQMQb");
 }
 
 TEST(Derivation, WarnsOnceWhenTheDepthStopsADecomposition) {
@@ -197,9 +200,10 @@ TEST(Derivation, StopsAtTheModuleLimit) {
   model.steps(9);
   const core::SimulationError error = model.failingStep();
   EXPECT_EQ(error.code, SimulationErrorCode::LimitExceeded);
-  EXPECT_EQ(error.message,
-            "step 10, plant 0: the string has more than 1000 modules (limit maximumModules). The simulation stays at step "
-            "9.");
+  EXPECT_EQ(
+      error.message,
+      "step 10, plant 0: the string has more than 1000 modules (limit maximumModules). The simulation stays at step "
+      "9.");
   EXPECT_EQ(model.state().string.size(), 512U);
 }
 
@@ -259,8 +263,9 @@ TEST(Derivation, CancelsEndlessLoops) {
 }
 
 TEST(Derivation, ContinuesFromACopyOfTheState) {
-  const std::string text = modelText("Seed: 3\nStart: {n=1;}\n", "A(1)B",
-                                     "A(x) : {n=n+ran(1);} * --> A(x+n)B : 2\nA(x) --> A(ran(x))\nB --> BA(nran(1,2))\n");
+  const std::string text =
+      modelText("Seed: 3\nStart: {n=1;}\n", "A(1)B",
+                "A(x) : {n=n+ran(1);} * --> A(x+n)B : 2\nA(x) --> A(ran(x))\nB --> BA(nran(1,2))\n");
   for (const Compatibility compatibility : {Compatibility::Espalier, Compatibility::Cpfg}) {
     DerivedModel whole(text, {}, compatibility);
     const std::string expected = whole.steps(6);
@@ -276,7 +281,8 @@ TEST(Derivation, ContinuesFromACopyOfTheState) {
 }
 
 TEST(Derivation, RewindStartsOver) {
-  DerivedModel model(modelText("Seed: 3\nStart: {n=1;}\n", "A(n)", "A(x) : {n=n+1;} * --> A(n)A(ran(1))\nA(x) --> B\n"));
+  DerivedModel model(
+      modelText("Seed: 3\nStart: {n=1;}\n", "A(n)", "A(x) : {n=n+1;} * --> A(n)A(ran(1))\nA(x) --> B\n"));
   const std::string first = model.steps(4);
   model.derivation().rewind(model.state());
   EXPECT_EQ(model.text(), "A(1)");
@@ -301,14 +307,16 @@ std::string image(DerivedModel& model, std::uint64_t module, std::uint64_t offse
 }
 
 TEST(Derivation, ExpandsHomomorphismsToTheMaximumDepth) {
-  DerivedModel model(modelText("", "xA(4)", "x --> x\nhomomorphism no warnings\nmaximum depth: 3\nA(n) : n>0 --> F(n)A(n-1)%G\n"));
+  DerivedModel model(
+      modelText("", "xA(4)", "x --> x\nhomomorphism no warnings\nmaximum depth: 3\nA(n) : n>0 --> F(n)A(n-1)%G\n"));
   EXPECT_TRUE(model.derivation().hasHomomorphism());
   EXPECT_EQ(image(model, 0, 0), "");
   EXPECT_EQ(image(model, 1, 0), "F(4)F(3)F(2)A(1)GGG");
 }
 
 TEST(Derivation, HomomorphismSeesTheRealStringAndConsumesItsPredecessor) {
-  DerivedModel model(modelText("", "ABBA", "x --> x\nhomomorphism\nmaximum depth: 2\nAB --> XB\nB < B --> F\nX > B --> Y\n"));
+  DerivedModel model(
+      modelText("", "ABBA", "x --> x\nhomomorphism\nmaximum depth: 2\nAB --> XB\nB < B --> F\nX > B --> Y\n"));
   derivation::ModuleString string;
   model.derivation().beginInterpretation(model.state());
   EXPECT_EQ(model.derivation().expand(model.state(), 0, 0, 0, string), 2U);

@@ -9,8 +9,8 @@ namespace {
 
 using core::Compatibility;
 using core::SimulationErrorCode;
-using test::DerivedModel;
 using test::derive;
+using test::DerivedModel;
 using test::modelText;
 
 /// The value of an expression of x = 7 and y = -2.5, as printed.
@@ -55,14 +55,13 @@ TEST(Evaluator, KeepsArraysInBoundsWithAWarning) {
 }
 
 TEST(Evaluator, StoresTwoDimensionsRowByRow) {
-  EXPECT_EQ(derive(modelText("Define: { array g[2][3] = {10,11,12,20,21,22}; }\n", "A", "A --> B(g[1][0],g[0][2])\n"), 1),
-            "B(20,12)");
+  EXPECT_EQ(
+      derive(modelText("Define: { array g[2][3] = {10,11,12,20,21,22}; }\n", "A", "A --> B(g[1][0],g[0][2])\n"), 1),
+      "B(20,12)");
 }
 
 TEST(Evaluator, RunsLoopsAndBranches) {
-  EXPECT_EQ(derive(modelText("", "P(84,36)",
-                             "P(a,b) : {x=a; y=b; while (y>0) {r=x%y; x=y; y=r;} } * --> G(x)\n"),
-                   1),
+  EXPECT_EQ(derive(modelText("", "P(84,36)", "P(a,b) : {x=a; y=b; while (y>0) {r=x%y; x=y; y=r;} } * --> G(x)\n"), 1),
             "G(12)");
   EXPECT_EQ(derive(modelText("", "P(3)",
                              "P(a) : {n=0; do {n=n+1;} while (n<a); if (n==3) {n=30;} else {n=40;} } * --> G(n)\n"),
@@ -77,9 +76,10 @@ TEST(Evaluator, StopsLoopsAtTheLimit) {
   const core::SimulationError error = model.failingStep();
   EXPECT_EQ(error.code, SimulationErrorCode::LimitExceeded);
   EXPECT_EQ(error.location.line, 4U);
-  EXPECT_NE(error.message.find("a loop ran more than 1000 iterations (limit maximumLoopIterations). The simulation stays "
-                               "at step 0."),
-            std::string::npos)
+  EXPECT_NE(
+      error.message.find("a loop ran more than 1000 iterations (limit maximumLoopIterations). The simulation stays "
+                         "at step 0."),
+      std::string::npos)
       << error.message;
 }
 
@@ -100,8 +100,9 @@ TEST(Evaluator, PrintsToTheMessageSink) {
 }
 
 TEST(Evaluator, RefusesFiles) {
-  DerivedModel model(modelText("Start: {f=fopen(\"/etc/passwd\",\"r\"); fprintf(f,\"%g\",1); x=7; n=fscanf(f,\"%g\",&x); fclose(f);}\n",
-                               "A(f,n)", "A --> A\n"));
+  DerivedModel model(modelText(
+      "Start: {f=fopen(\"/etc/passwd\",\"r\"); fprintf(f,\"%g\",1); x=7; n=fscanf(f,\"%g\",&x); fclose(f);}\n",
+      "A(f,n)", "A --> A\n"));
   EXPECT_EQ(model.text(), "A(0,-1)");
   ASSERT_FALSE(model.warnings().empty());
   EXPECT_NE(model.warnings()[0].find("fopen(\"/etc/passwd\") is refused: models open no files here; the handle is 0"),
@@ -113,7 +114,8 @@ TEST(Evaluator, WarnsAboutFunctionsThatTheViewFileDoesNotDefine) {
   DerivedModel model(modelText("", "A", "A --> B(func(1,0.5),curveX(1,0.5),inblob(1,0,0,0),vvXmin(0))\n"));
   EXPECT_EQ(model.steps(1), "B(0,0,0,0)");
   ASSERT_EQ(model.warnings().size(), 4U);
-  EXPECT_NE(model.warnings()[0].find("func: the view file defines no such function; its value is 0"), std::string::npos);
+  EXPECT_NE(model.warnings()[0].find("func: the view file defines no such function; its value is 0"),
+            std::string::npos);
   EXPECT_NE(model.warnings()[1].find("curve functions: the view file defines no such curve; the value is 0"),
             std::string::npos);
   EXPECT_NE(model.warnings()[2].find("inblob: the view file defines no such field; its value is 0"), std::string::npos);
@@ -131,8 +133,9 @@ TEST(Evaluator, StopEndsTheDerivationButStopOneDoesNot) {
 }
 
 TEST(Evaluator, SetDerivationLengthChangesZ) {
-  EXPECT_EQ(derive(modelText("Start: {SetDerivationLength(7);}\n", "A(Z)", "A(z) --> A(GetDerivationLength(0)+Z)\n"), 1),
-            "A(14)");
+  EXPECT_EQ(
+      derive(modelText("Start: {SetDerivationLength(7);}\n", "A(Z)", "A(z) --> A(GetDerivationLength(0)+Z)\n"), 1),
+      "A(14)");
 }
 
 TEST(Evaluator, CountsStepsInQ) {

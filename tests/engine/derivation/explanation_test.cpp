@@ -26,13 +26,17 @@ std::string explained(const std::string& text, std::uint64_t stepsBefore, std::u
 }
 
 /// What follows the heading: from "What happened" on.
-std::string happened(const std::string& text) { return text.substr(std::min(text.find("What happened"), text.size())); }
+std::string happened(const std::string& text) {
+  return text.substr(std::min(text.find("What happened"), text.size()));
+}
 
 std::string events(const std::string& items, const std::string& axiom, const std::string& rest, std::uint64_t module) {
   return happened(explained(modelText(items, axiom, rest), 0, module));
 }
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
 
 TEST(Explanation, ContextFree) {
   EXPECT_EQ(explained(modelText("", "A(1)B", "A(l) --> F(l)A(l*2)\nA(l,m) --> F\nA(x) : x > 0 --> B\n"), 1, 1),
@@ -103,7 +107,8 @@ TEST(Explanation, AContextModuleWithAnotherNumberOfParametersIsSaid) {
 
 TEST(Explanation, StochasticChoiceShowsWeightsAndDraw) {
   // in the compatible mode the draw of position 0 is the first of the selection stream, which seed 7 begins
-  const std::string model = modelText("seed: 7\n", "AB", "A --> AA : 2\nA --> AB : 3*Q\nA --> C\nB : 0 --> C\nB --> D\n");
+  const std::string model =
+      modelText("seed: 7\n", "AB", "A --> AA : 2\nA --> AB : 3*Q\nA --> C\nB : 0 --> C\nB --> D\n");
   DerivedModel derived(model, {}, core::Compatibility::Cpfg);
   core::SequentialRandom stream = derived.state().random.selection;
   const double draw = stream.uniform();
@@ -146,27 +151,28 @@ TEST(Explanation, AModuleInsideAPredecessorOfSeveralModules) {
 }
 
 TEST(Explanation, DecompositionIsShownLevelByLevel) {
-  EXPECT_EQ(events("", "A", "A --> D(3)\ndecomposition no warnings\nmaximum depth: 2\nD(k) : k > 0 --> GD(k-1)\n", 0),
-            "What happened: model.l:4:1 fired.\n"
-            "  A --> D(3)\n"
-            "It made: GGD(1)\n"
-            "\n"
-            "Productions that begin with 'A', in the order of the file:\n"
-            "  model.l:4:1: A --> D(3)\n"
-            "    applied\n"
-            "    made, before its decomposition: D(3)\n"
-            "\n"
-            "Decomposition of D(3): productions that begin with 'D', in the order of the file:\n"
-            "  model.l:7:1: D(k) : k > 0 --> GD(k-1)\n"
-            "    applied: the condition 'k > 0' is 1 with k = 3\n"
-            "    made: GD(2)\n"
-            "\n"
-            "Decomposition of D(2), made by 1 decomposition: productions that begin with 'D', in the order of the file:\n"
-            "  model.l:7:1: D(k) : k > 0 --> GD(k-1)\n"
-            "    applied: the condition 'k > 0' is 1 with k = 2\n"
-            "    made: GD(1)\n"
-            "\n"
-            "Decomposition of D(1), made by 2 decompositions: not tried, the maximum depth is 2\n");
+  EXPECT_EQ(
+      events("", "A", "A --> D(3)\ndecomposition no warnings\nmaximum depth: 2\nD(k) : k > 0 --> GD(k-1)\n", 0),
+      "What happened: model.l:4:1 fired.\n"
+      "  A --> D(3)\n"
+      "It made: GGD(1)\n"
+      "\n"
+      "Productions that begin with 'A', in the order of the file:\n"
+      "  model.l:4:1: A --> D(3)\n"
+      "    applied\n"
+      "    made, before its decomposition: D(3)\n"
+      "\n"
+      "Decomposition of D(3): productions that begin with 'D', in the order of the file:\n"
+      "  model.l:7:1: D(k) : k > 0 --> GD(k-1)\n"
+      "    applied: the condition 'k > 0' is 1 with k = 3\n"
+      "    made: GD(2)\n"
+      "\n"
+      "Decomposition of D(2), made by 1 decomposition: productions that begin with 'D', in the order of the file:\n"
+      "  model.l:7:1: D(k) : k > 0 --> GD(k-1)\n"
+      "    applied: the condition 'k > 0' is 1 with k = 2\n"
+      "    made: GD(1)\n"
+      "\n"
+      "Decomposition of D(1), made by 2 decompositions: not tried, the maximum depth is 2\n");
   // a module without a production of its own is decomposed too
   const std::string alone = events("", "AD(1)", "A --> A\ndecomposition\nD(k) : k > 0 --> GD(k-1)\n", 1);
   EXPECT_TRUE(contains(alone, "What happened: model.l:6:1 fired (decomposition).\n")) << alone;
@@ -175,9 +181,11 @@ TEST(Explanation, DecompositionIsShownLevelByLevel) {
 
 TEST(Explanation, CutsAreNamed) {
   EXPECT_EQ(events("", "A[%BC]D", "A --> A\n", 4),
-            "What happened: it was cut away. % (module 2), a cut symbol without a production, removed what stood right of it in "
+            "What happened: it was cut away. % (module 2), a cut symbol without a production, removed what stood right "
+            "of it in "
             "its branch.\n");
-  EXPECT_TRUE(contains(events("", "A[%BC]D", "A --> A\n", 2), "the cut symbol removed itself and what stood right of it"));
+  EXPECT_TRUE(
+      contains(events("", "A[%BC]D", "A --> A\n", 2), "the cut symbol removed itself and what stood right of it"));
   // also where the string is produced from right to left, and what is cut was rewritten before
   const std::string backwards = events("", "A[%AC]D", "A >> D --> A\nA --> B\n", 3);
   EXPECT_TRUE(contains(backwards, "it was cut away. % (module 2)")) << backwards;
@@ -198,13 +206,15 @@ TEST(Explanation, AModuleThatDoesNotExistIsAnError) {
 
 TEST(Explanation, AStepThatFailsIsExplainedUpToTheFailure) {
   const std::string model = modelText("", "A(1)B(1)C", "B(x) --> B(log(x-1)*0)\n");
-  EXPECT_TRUE(contains(explained(model, 0, 0), "\nThe step failed: step 1, plant 0, module 1 ")) << explained(model, 0, 0);
+  EXPECT_TRUE(contains(explained(model, 0, 0), "\nThe step failed: step 1, plant 0, module 1 "))
+      << explained(model, 0, 0);
   EXPECT_TRUE(contains(explained(model, 0, 1), "What happened: the step failed while this module was rewritten.\n"));
   EXPECT_TRUE(contains(explained(model, 0, 2), "error: step 1, plant 0, module 1 "));
 }
 
 TEST(Explanation, MacrosAndIncludesKeepTheirPlace) {
-  const std::string text = explained("#define GROW F(l)A(l)\nLsystem: 1\nAxiom: A(1)\nA(l) --> GROW\nendlsystem\n", 0, 0);
+  const std::string text =
+      explained("#define GROW F(l)A(l)\nLsystem: 1\nAxiom: A(1)\nA(l) --> GROW\nendlsystem\n", 0, 0);
   EXPECT_TRUE(contains(text, "What happened: model.l:4:1 fired.\n")) << text;
 }
 

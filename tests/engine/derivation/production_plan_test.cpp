@@ -15,7 +15,8 @@ using derivation::TypePlan;
 using test::DerivedModel;
 using test::modelText;
 
-TypePlan::Kind kindOf(const std::string& items, const std::string& rest, const std::string& symbol, std::uint16_t arity) {
+TypePlan::Kind kindOf(const std::string& items, const std::string& rest, const std::string& symbol,
+                      std::uint16_t arity) {
   DerivedModel model(modelText(items, "AB(1)C(1)%", rest));
   const ProductionPlan plan(model.program(), model.program().systems[0]);
   return plan[model.program().findType(symbol, arity)].kind;

@@ -6,14 +6,14 @@ namespace espalier {
 namespace {
 
 using core::SimulationErrorCode;
-using test::DerivedModel;
 using test::derive;
+using test::DerivedModel;
 
 /// A main L-system 1 and one more.
 std::string two(const std::string& mainItems, const std::string& axiom, const std::string& productions,
                 const std::string& second) {
-  return "Lsystem: 1\nderivation length: 100\n" + mainItems + "Axiom: " + axiom + "\n" + productions +
-         "endlsystem\n" + second;
+  return "Lsystem: 1\nderivation length: 100\n" + mainItems + "Axiom: " + axiom + "\n" + productions + "endlsystem\n" +
+         second;
 }
 
 TEST(SubSystems, RewritesTheModulesOfACallByItsProductions) {
@@ -41,8 +41,9 @@ TEST(SubSystems, InstancesFollowTheCallsOfTheString) {
 }
 
 TEST(SubSystems, CutStopsAtTheEndOfTheCallAndEndsCallsInside) {
-  const std::string second = "Lsystem: 4\nAxiom: X\nJ --> j%\nendlsystem\n"
-                             "Lsystem: 6\nEnd: {printf(\"end of 6 \");}\nAxiom: X\nW --> WW\nendlsystem\n";
+  const std::string second =
+      "Lsystem: 4\nAxiom: X\nJ --> j%\nendlsystem\n"
+      "Lsystem: 6\nEnd: {printf(\"end of 6 \");}\nAxiom: X\nW --> WW\nendlsystem\n";
   DerivedModel model(two("", "A?(4)JK[?(6)W$]L$B", "B --> BB\n", second));
   EXPECT_EQ(model.state().instances.size(), 3U);
   EXPECT_EQ(model.steps(1), "A?(4)j%K[?(6)WW$]L$BB");
@@ -52,9 +53,10 @@ TEST(SubSystems, CutStopsAtTheEndOfTheCallAndEndsCallsInside) {
 }
 
 TEST(SubSystems, LastStepEndsEveryCallInnerOnesFirst) {
-  DerivedModel model("Lsystem: 1\nderivation length: 1\nEnd: {printf(\"1\");}\nAxiom: ?(2)A?(3)A$$\nx --> x\nendlsystem\n"
-                     "Lsystem: 2\nEnd: {printf(\"2\");}\nAxiom: X\nx --> x\nendlsystem\n"
-                     "Lsystem: 3\nEnd: {printf(\"3\");}\nAxiom: X\nx --> x\nendlsystem\n");
+  DerivedModel model(
+      "Lsystem: 1\nderivation length: 1\nEnd: {printf(\"1\");}\nAxiom: ?(2)A?(3)A$$\nx --> x\nendlsystem\n"
+      "Lsystem: 2\nEnd: {printf(\"2\");}\nAxiom: X\nx --> x\nendlsystem\n"
+      "Lsystem: 3\nEnd: {printf(\"3\");}\nAxiom: X\nx --> x\nendlsystem\n");
   model.steps(1);
   EXPECT_EQ(model.printed(), "321");
 }
@@ -68,8 +70,8 @@ TEST(SubSystems, ExternalVariablesAreTheCallers) {
 }
 
 TEST(SubSystems, WarnsOnceAboutAnExternalVariableThatNoCallerHas) {
-  DerivedModel model(two("", "?(2)K$?(2)K$", "x --> x\n",
-                         "Lsystem: 2\nDefine: { external n; }\nAxiom: X\nK --> K(n)\nendlsystem\n"));
+  DerivedModel model(
+      two("", "?(2)K$?(2)K$", "x --> x\n", "Lsystem: 2\nDefine: { external n; }\nAxiom: X\nK --> K(n)\nendlsystem\n"));
   EXPECT_EQ(model.steps(1), "?(2)K(0)$?(2)K(0)$");
   ASSERT_EQ(model.warnings().size(), 1U);
   EXPECT_NE(model.warnings()[0].find("no caller of L-system 2 has a variable 'n'; the external variable is its own"),
@@ -102,8 +104,9 @@ TEST(SubSystems, CallsOfUnknownSystemsFail) {
 }
 
 TEST(SubSystems, FailedStepsKeepTheInstances) {
-  DerivedModel model(two("", "?(2)A(3)$", "x --> x\n",
-                         "Lsystem: 2\nStart: {n=0;}\nAxiom: X\nA(x) : {n=n+1;} * --> ?(1)A(10^(1000*x))$\nendlsystem\n"));
+  DerivedModel model(
+      two("", "?(2)A(3)$", "x --> x\n",
+          "Lsystem: 2\nStart: {n=0;}\nAxiom: X\nA(x) : {n=n+1;} * --> ?(1)A(10^(1000*x))$\nendlsystem\n"));
   static_cast<void>(model.failingStep());
   ASSERT_EQ(model.state().instances.size(), 2U);
   EXPECT_FALSE(model.state().instances[1].hasStarted);

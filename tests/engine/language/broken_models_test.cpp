@@ -1,4 +1,5 @@
-// Golden tests of what a person sees: every model in broken/ has a mistake, or several, and beside it the exact messages.
+// Golden tests of what a person sees: every model in broken/ has a mistake, or several, and beside it the exact
+// messages.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -81,7 +82,8 @@ TEST(BrokenModels, EveryMessageHasAPlaceAndNoneRepeatsAnother) {
                        std::to_string(diagnostic.location.column));
     }
     std::sort(places.begin(), places.end());
-    EXPECT_TRUE(std::adjacent_find(places.begin(), places.end()) == places.end()) << model << ": two messages at one place";
+    EXPECT_TRUE(std::adjacent_find(places.begin(), places.end()) == places.end())
+        << model << ": two messages at one place";
   }
 }
 

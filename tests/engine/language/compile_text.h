@@ -11,7 +11,8 @@ namespace espalier::language {
 
 /// Compiles a model held in memory as `m.l`.
 inline CompileResult compileText(const std::string& text, core::Compatibility mode = core::Compatibility::Espalier,
-                                 core::Limits limits = {}, std::vector<std::pair<std::string, std::string>> defines = {}) {
+                                 core::Limits limits = {},
+                                 std::vector<std::pair<std::string, std::string>> defines = {}) {
   core::MemoryFileProvider files({{"m.l", text}});
   CompileInput input;
   input.modelFile = "m.l";
@@ -23,8 +24,9 @@ inline CompileResult compileText(const std::string& text, core::Compatibility mo
 
 /// "line:column: error: message | hint", the hint only when there is one.
 inline std::string brief(const core::Diagnostic& diagnostic) {
-  std::string text = std::to_string(diagnostic.location.line) + ":" + std::to_string(diagnostic.location.column) + ": " +
-                     (diagnostic.severity == core::Severity::Error ? "error: " : "warning: ") + diagnostic.message;
+  std::string text = std::to_string(diagnostic.location.line) + ":" + std::to_string(diagnostic.location.column) +
+                     ": " + (diagnostic.severity == core::Severity::Error ? "error: " : "warning: ") +
+                     diagnostic.message;
   return diagnostic.hint.empty() ? text : text + " | " + diagnostic.hint;
 }
 
@@ -36,7 +38,8 @@ inline std::vector<std::string> briefs(const core::DiagnosticList& diagnostics) 
   return result;
 }
 
-inline std::vector<std::string> messagesOf(const std::string& text, core::Compatibility mode = core::Compatibility::Espalier,
+inline std::vector<std::string> messagesOf(const std::string& text,
+                                           core::Compatibility mode = core::Compatibility::Espalier,
                                            core::Limits limits = {}) {
   return briefs(compileText(text, mode, limits).diagnostics);
 }

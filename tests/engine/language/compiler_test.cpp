@@ -12,7 +12,9 @@ using core::Compatibility;
 
 std::shared_ptr<const Program> programOf(const std::string& text, Compatibility mode = Compatibility::Espalier) {
   const CompileResult result = compileText(text, mode);
-  EXPECT_TRUE(result.program != nullptr) << (result.diagnostics.entries().empty() ? "" : brief(result.diagnostics.entries()[0]));
+  EXPECT_TRUE(result.program != nullptr) << (result.diagnostics.entries().empty()
+                                                 ? ""
+                                                 : brief(result.diagnostics.entries()[0]));
   return result.program;
 }
 
@@ -35,9 +37,10 @@ std::string conditionCode(const std::string& condition, Compatibility mode) {
 // ---- code
 
 TEST(Compiler, GoldenDisassembly) {
-  EXPECT_EQ(disassemble(*programOf("Lsystem: 1\nderivation length: 3\nDefine: { array w[2]; }\nStart: {k = 0; printf(\"k %g\\n\", k);}\n"
-                                   "Axiom: A(1)B\nA(l) : {i = 0; while (i < 2) {w[i] = l; i = i + 1;} } l > Q --> F(l)[+(2*15)A(l / 2)]\n"
-                                   "B --> B : 1\nendlsystem\n")),
+  EXPECT_EQ(disassemble(*programOf(
+                "Lsystem: 1\nderivation length: 3\nDefine: { array w[2]; }\nStart: {k = 0; printf(\"k %g\\n\", k);}\n"
+                "Axiom: A(1)B\nA(l) : {i = 0; while (i < 2) {w[i] = l; i = i + 1;} } l > Q --> F(l)[+(2*15)A(l / 2)]\n"
+                "B --> B : 1\nendlsystem\n")),
             "L-system 1\n"
             "  start\n"
             "     0  Constant 0\n"
@@ -109,10 +112,12 @@ TEST(Compiler, ConditionalsSkipOneSide) {
   EXPECT_EQ(conditionCode("n ? 1 : 2", Compatibility::Espalier), "LoadSlot 0\nConstant 1\nConstant 2\nSelect\n");
   EXPECT_EQ(conditionCode("n ? ran(1) : 2", Compatibility::Espalier),
             "LoadSlot 0\nJumpIfZero 5\nConstant 1\nCall ran 1\nJump 6\nConstant 2\n");
-  EXPECT_EQ(conditionCode("n ? ran(1) : 2", Compatibility::Cpfg), "LoadSlot 0\nConstant 1\nCall ran 1\nConstant 2\nSelect\n");
+  EXPECT_EQ(conditionCode("n ? ran(1) : 2", Compatibility::Cpfg),
+            "LoadSlot 0\nConstant 1\nCall ran 1\nConstant 2\nSelect\n");
   // a bare first value does not keep the reference from evaluating the second
-  EXPECT_EQ(conditionCode("!n ? 2 : ran(1)", Compatibility::Cpfg),
-            "LoadSlot 0\nNot\nJumpIfZero 8\nConstant 2\nConstant 1\nCall ran 1\nPop\nJump 10\nConstant 1\nCall ran 1\n");
+  EXPECT_EQ(
+      conditionCode("!n ? 2 : ran(1)", Compatibility::Cpfg),
+      "LoadSlot 0\nNot\nJumpIfZero 8\nConstant 2\nConstant 1\nCall ran 1\nPop\nJump 10\nConstant 1\nCall ran 1\n");
 }
 
 TEST(Compiler, OnlyPureConstantsAreFolded) {
@@ -137,11 +142,14 @@ TEST(Compiler, FoldingOrFollowsTheMode) {
 }
 
 TEST(Compiler, FscanfAssignsOnlyWhatWasRead) {
-  const std::string code = disassemble(*programOf("Lsystem: 1\nStart: {f = 0; fscanf(f, \"%g\", &x);}\nAxiom: A\nA --> A\nendlsystem\n"));
-  EXPECT_NE(code.find("     3  FileScan \"%g\" 1\n     4  StoreStatic 0 (numbers read)\n     5  StoreStatic 1 (number read)\n"
-                      "     6  LoadStatic 0 (numbers read)\n     7  Constant 1\n     8  GreaterEqual\n     9  JumpIfZero 12\n"
-                      "    10  LoadStatic 1 (number read)\n    11  StoreVariable 1 x\n    12  LoadStatic 0 (numbers read)\n    13  Pop\n"),
-            std::string::npos)
+  const std::string code =
+      disassemble(*programOf("Lsystem: 1\nStart: {f = 0; fscanf(f, \"%g\", &x);}\nAxiom: A\nA --> A\nendlsystem\n"));
+  EXPECT_NE(
+      code.find("     3  FileScan \"%g\" 1\n     4  StoreStatic 0 (numbers read)\n     5  StoreStatic 1 (number read)\n"
+                "     6  LoadStatic 0 (numbers read)\n     7  Constant 1\n     8  GreaterEqual\n     9  JumpIfZero 12\n"
+                "    10  LoadStatic 1 (number read)\n    11  StoreVariable 1 x\n    12  LoadStatic 0 (numbers read)\n  "
+                "  13  Pop\n"),
+      std::string::npos)
       << code;
 }
 
@@ -170,7 +178,8 @@ TEST(Compiler, PurityOfProductions) {
 TEST(Compiler, PurityOfLSystems) {
   EXPECT_TRUE(programOf(model("A(n) --> B\nhomomorphism\nB --> C(ran(1))"))->systems[0].isPure);
   EXPECT_FALSE(programOf(model("A(n) --> B\ndecomposition\nB --> C(ran(1))"))->systems[0].isPure);
-  EXPECT_TRUE(programOf("Lsystem: 1\nStart: {x = ran(1);}\nAxiom: A\nA --> A\nendlsystem\n")->systems[0].blocksDrawRandom);
+  EXPECT_TRUE(
+      programOf("Lsystem: 1\nStart: {x = ran(1);}\nAxiom: A\nA --> A\nendlsystem\n")->systems[0].blocksDrawRandom);
   EXPECT_FALSE(programOf("Lsystem: 1\nStart: {x = 1;}\nAxiom: A\nA --> A\nendlsystem\n")->systems[0].blocksDrawRandom);
 }
 
@@ -247,8 +256,9 @@ TEST(Compiler, BracketsAreIgnoredUnlessConsiderListsThem) {
 
 TEST(Compiler, SourcesHoldEveryFileAndTheHashFollowsThem) {
   const auto compileFiles = [](const std::string& included, Compatibility mode, const std::string& value) {
-    core::MemoryFileProvider files(
-        {{"d/m.l", "#include \"r.h\"\n" + model("A(n) --> B(R*N)")}, {"d/r.h", included}, {"d/m.v", "angle increment: 30\n"}});
+    core::MemoryFileProvider files({{"d/m.l", "#include \"r.h\"\n" + model("A(n) --> B(R*N)")},
+                                    {"d/r.h", included},
+                                    {"d/m.v", "angle increment: 30\n"}});
     CompileInput input;
     input.modelFile = "d/m.l";
     input.viewFile = "d/m.v";
@@ -271,7 +281,8 @@ TEST(Compiler, SourcesHoldEveryFileAndTheHashFollowsThem) {
 }
 
 TEST(Compiler, FunctionSetsDefineMacrosExceptInBatchMode) {
-  const std::string function = "fver 1 1\nname: grow.rate\nsamples: 10\nflip: off\npoints: 4\n0 0\n0.3 0.3\n0.7 0.7\n1 1\n";
+  const std::string function =
+      "fver 1 1\nname: grow.rate\nsamples: 10\nflip: off\npoints: 4\n0 0\n0.3 0.3\n0.7 0.7\n1 1\n";
   const auto indexOf = [&](Compatibility mode) {
     core::MemoryFileProvider files({{"m.l", model("A(n) --> B(grow)")},
                                     {"m.v", "function set: f.fset\n"},
@@ -290,7 +301,8 @@ TEST(Compiler, FunctionSetsDefineMacrosExceptInBatchMode) {
 }
 
 TEST(Compiler, CallersDefinesWinOverTheFile) {
-  const CompileResult result = compileText("#define N 3\n" + model("A(n) --> B(N)"), Compatibility::Espalier, {}, {{"N", "9"}});
+  const CompileResult result =
+      compileText("#define N 3\n" + model("A(n) --> B(N)"), Compatibility::Espalier, {}, {{"N", "9"}});
   ASSERT_TRUE(result.program != nullptr);
   EXPECT_EQ(onlyProduction(result.program).expressions[0].constant, 9.0);
 }
@@ -305,10 +317,12 @@ TEST(Compiler, AMissingModelIsAnErrorWithoutProgram) {
 }
 
 TEST(Compiler, ErrorsOfThePreprocessorDoNotHideThoseOfTheText) {
-  EXPECT_EQ(messagesOf("#include \"no.h\"\n" + model("A(n) --> B(")),
-            (Messages{"1:10: error: cannot read the included file 'no.h' | included files are looked for beside the file that names "
-                      "them",
-                      "4:12: error: expected an expression while reading the successor of A(n), found the end of the line"}));
+  EXPECT_EQ(
+      messagesOf("#include \"no.h\"\n" + model("A(n) --> B(")),
+      (Messages{"1:10: error: cannot read the included file 'no.h' | included files are looked for beside the file "
+                "that names "
+                "them",
+                "4:12: error: expected an expression while reading the successor of A(n), found the end of the line"}));
 }
 
 TEST(Compiler, MistakesInsideMacrosNameUseAndDefinition) {
@@ -332,10 +346,11 @@ TEST(Compiler, AnErrorBehindManyWarningsHasItsPlace) {
 }
 
 TEST(Compiler, MessagesComeInTheOrderOfTheText) {
-  EXPECT_EQ(messagesOf(model("A(n) --> B(sine(n))\nA(n) --> B(\nA(n) --> B(sqr(n))")),
-            (Messages{"3:12: error: unknown function 'sine' in the successor of A(n) | did you mean 'sin'?",
-                      "4:12: error: expected an expression while reading the successor of A(n), found the end of the line",
-                      "5:12: error: unknown function 'sqr' in the successor of A(n) | did you mean 'sqrt'?"}));
+  EXPECT_EQ(
+      messagesOf(model("A(n) --> B(sine(n))\nA(n) --> B(\nA(n) --> B(sqr(n))")),
+      (Messages{"3:12: error: unknown function 'sine' in the successor of A(n) | did you mean 'sin'?",
+                "4:12: error: expected an expression while reading the successor of A(n), found the end of the line",
+                "5:12: error: unknown function 'sqr' in the successor of A(n) | did you mean 'sqrt'?"}));
 }
 
 }  // namespace

@@ -40,7 +40,8 @@ TEST(ConformanceModels, AllCompileInTheReferencesMode) {
     input.viewFile = std::filesystem::exists(folder / "model.v") ? (folder / "model.v").string() : "";
     input.compatibility = core::Compatibility::Cpfg;
     const CompileResult result = compile(input, files);
-    EXPECT_TRUE(result.program != nullptr) << folder << "\n" << core::formatDiagnostic(result.diagnostics.entries().at(0));
+    EXPECT_TRUE(result.program != nullptr) << folder << "\n"
+                                           << core::formatDiagnostic(result.diagnostics.entries().at(0));
   }
 }
 

@@ -27,7 +27,9 @@ FormatResult formatted(const std::string& text, core::MemoryFileProvider files =
   return format(input, files);
 }
 
-std::string layout(const std::string& text) { return formatted(text).text; }
+std::string layout(const std::string& text) {
+  return formatted(text).text;
+}
 
 /// A model around productions, which stand alone in what is returned.
 std::string productions(const std::string& lines) {
@@ -43,7 +45,8 @@ std::string productions(const std::string& lines) {
 std::vector<fs::path> publishedModels() {
   std::vector<fs::path> found;
   for (const char* folder : {"/tests/conformance/cases", "/clients/gallery"}) {
-    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(ESPALIER_SOURCE_DIR + std::string(folder))) {
+    for (const fs::directory_entry& entry :
+         fs::recursive_directory_iterator(ESPALIER_SOURCE_DIR + std::string(folder))) {
       if (entry.path().extension() == ".l") {
         found.push_back(entry.path());
       }
@@ -162,13 +165,15 @@ TEST(Formatter, ContinuationLinesKeepTheirTab) {
 }
 
 TEST(Formatter, BlocksAreIndented) {
-  EXPECT_EQ(layout("Lsystem: 1\nStart:\n{\nn=1;\nif(n>0){\nn=max(n, 2);}\n}\nAxiom: A\nA:{x=1;\n\n\n  y=2;\n}x>0-->A\nendlsystem"),
+  EXPECT_EQ(layout("Lsystem: 1\nStart:\n{\nn=1;\nif(n>0){\nn=max(n, 2);}\n}\nAxiom: A\nA:{x=1;\n\n\n  "
+                   "y=2;\n}x>0-->A\nendlsystem"),
             "Lsystem: 1\nStart: {\n  n = 1;\n  if (n > 0) {\n    n = max(n,2); }\n}\nAxiom: A\n"
             "A : { x = 1;\n\n  y = 2;\n} x > 0 --> A\nendlsystem\n");
 }
 
 TEST(Formatter, CommentsStay) {
-  EXPECT_EQ(productions("/* one */ F-->F  /* two */F  // three\n// four   \n\n\n"), "/* one */ F --> F /* two */ F // three\n// four\n\n");
+  EXPECT_EQ(productions("/* one */ F-->F  /* two */F  // three\n// four   \n\n\n"),
+            "/* one */ F --> F /* two */ F // three\n// four\n\n");
 }
 
 TEST(Formatter, DirectivesAndLinesLeftOutStayAsTheyAre) {
@@ -190,8 +195,9 @@ TEST(Formatter, AnItemThatWouldMeanSomethingElseStaysAsItIs) {
       "#define LESS <\nLsystem: 1\nAxiom: A(1)\nA(x):x LESS= 1-->B\nA(x):x LESS 3-->C\nB-->C\nendlsystem\n";
   const FormatResult result = formatted(text);
   ASSERT_TRUE(result.isCompiled);
-  EXPECT_EQ(result.text,
-            "#define LESS <\nLsystem: 1\nAxiom: A(1)\nA(x):x LESS= 1-->B\nA(x) : x LESS 3 --> C\nB --> C\nendlsystem\n");
+  EXPECT_EQ(
+      result.text,
+      "#define LESS <\nLsystem: 1\nAxiom: A(1)\nA(x):x LESS= 1-->B\nA(x) : x LESS 3 --> C\nB --> C\nendlsystem\n");
   EXPECT_EQ(result.untouchedItems, 1U);
 }
 
@@ -203,7 +209,8 @@ TEST(Formatter, FreeSyntaxAndNamedModules) {
 }
 
 TEST(Formatter, LineEndsOfTheFileAreKept) {
-  EXPECT_EQ(layout("Lsystem:1\r\nAxiom:F\r\nF-->FF  \r\nendlsystem\r\n"), "Lsystem: 1\r\nAxiom: F\r\nF --> FF\r\nendlsystem\r\n");
+  EXPECT_EQ(layout("Lsystem:1\r\nAxiom:F\r\nF-->FF  \r\nendlsystem\r\n"),
+            "Lsystem: 1\r\nAxiom: F\r\nF --> FF\r\nendlsystem\r\n");
 }
 
 TEST(Formatter, AModelWithErrorsIsReturnedAsItIs) {

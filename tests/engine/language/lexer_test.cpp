@@ -19,7 +19,9 @@ std::string symbols(std::string_view text, bool isFree = false, std::vector<std:
     const Token token = lexer.peekSymbol();
     lexer.advance();
     result += result.empty() ? "" : " ";
-    result += token.kind == TokenKind::EndOfLine ? "$" : token.kind == TokenKind::Keyword ? "<" + token.text + ">" : token.text;
+    result += token.kind == TokenKind::EndOfLine ? "$"
+              : token.kind == TokenKind::Keyword ? "<" + token.text + ">"
+                                                 : token.text;
   }
   return result;
 }
@@ -35,7 +37,9 @@ std::vector<Token> expressions(std::string_view text) {
   return result;
 }
 
-TEST(Lexer, EveryCharacterIsASymbol) { EXPECT_EQ(symbols(".&|_;{}~!^\\+12@M"), ". & | _ ; { } ~ ! ^ \\ + 1 2 @ M"); }
+TEST(Lexer, EveryCharacterIsASymbol) {
+  EXPECT_EQ(symbols(".&|_;{}~!^\\+12@M"), ". & | _ ; { } ~ ! ^ \\ + 1 2 @ M");
+}
 
 TEST(Lexer, ArrowsAndContextsAreNoSymbols) {
   EXPECT_EQ(symbols("A << B < C > D >> E : * --> F -o> G"), "A << B < C > D >> E : * --> F -o> G");
@@ -47,14 +51,19 @@ TEST(Lexer, ANewlineEndsUnlessATabFollows) {
 }
 
 TEST(Lexer, KeywordsAreFoundEverywhere) {
-  EXPECT_EQ(symbols("lsystem: 1\nDerivationlength: 2\nderivation length: 3\nRing Lsystem\nStartEach:\nStart Each:\nAwarningsB"),
-            "<lsystem:> 1 $ <Derivationlength:> 2 $ <derivation length:> 3 $ <Ring Lsystem> $ <StartEach:> $ <Start Each:> $ A "
-            "<warnings> B");
+  EXPECT_EQ(
+      symbols(
+          "lsystem: 1\nDerivationlength: 2\nderivation length: 3\nRing Lsystem\nStartEach:\nStart Each:\nAwarningsB"),
+      "<lsystem:> 1 $ <Derivationlength:> 2 $ <derivation length:> 3 $ <Ring Lsystem> $ <StartEach:> $ <Start Each:> $ "
+      "A "
+      "<warnings> B");
   EXPECT_EQ(symbols("no warnings\nEndlsystem\nHomomorphism:\nhomomorphism\nseed:\nEnd: EndEach:"),
             "<no warnings> $ <Endlsystem> $ <Homomorphism:> $ <homomorphism> $ <seed:> $ <End:> <EndEach:>");
 }
 
-TEST(Lexer, OnlyTheFirstLetterOfAKeywordMayBeUpperCase) { EXPECT_EQ(symbols("AXIOM:"), "A X I O M :"); }
+TEST(Lexer, OnlyTheFirstLetterOfAKeywordMayBeUpperCase) {
+  EXPECT_EQ(symbols("AXIOM:"), "A X I O M :");
+}
 
 TEST(Lexer, DeclaredNamesAreMatchedLongestFirst) {
   EXPECT_EQ(symbols("ApexApX[Ap", false, {"Ap", "Apex"}), "Apex Ap X [ Ap");

@@ -35,8 +35,10 @@ TEST(ModelQueries, AModelWithoutQueriesHasNone) {
 
 TEST(ModelQueries, EachQueryThatNoProcessAnswersIsReported) {
   EXPECT_EQ(unanswered({"light", "WATER"}), Messages{});
-  EXPECT_EQ(unanswered({"ligth", "Water"}),
-            Messages{"4:8: warning: no environment process is named 'Light' | Did you mean 'ligth'? Available: ligth, Water."});
+  EXPECT_EQ(
+      unanswered({"ligth", "Water"}),
+      Messages{
+          "4:8: warning: no environment process is named 'Light' | Did you mean 'ligth'? Available: ligth, Water."});
 }
 
 TEST(ModelQueries, WithoutAnEnvironmentNobodyAnswers) {

@@ -7,30 +7,39 @@
 namespace espalier::language {
 namespace {
 
-PreprocessResult run(const std::string& text, PreprocessInput input = {}, std::map<std::string, std::string> others = {}) {
+PreprocessResult run(const std::string& text, PreprocessInput input = {},
+                     std::map<std::string, std::string> others = {}) {
   core::MemoryFileProvider files(std::move(others));
   files.add("m.l", text);
   input.file = "m.l";
   return preprocess(input, files);
 }
 
-std::string textOf(const std::string& text, PreprocessInput input = {}, std::map<std::string, std::string> others = {}) {
+std::string textOf(const std::string& text, PreprocessInput input = {},
+                   std::map<std::string, std::string> others = {}) {
   const PreprocessResult result = run(text, std::move(input), std::move(others));
   EXPECT_EQ(briefs(result.diagnostics), Messages{});
   return result.text;
 }
 
-Messages problemsOf(const std::string& text, PreprocessInput input = {}, std::map<std::string, std::string> others = {}) {
+Messages problemsOf(const std::string& text, PreprocessInput input = {},
+                    std::map<std::string, std::string> others = {}) {
   return briefs(run(text, std::move(input), std::move(others)).diagnostics);
 }
 
 // ---- lines and comments
 
-TEST(Preprocessor, PlainTextIsUnchanged) { EXPECT_EQ(textOf("A --> B\n\tC\n"), "A --> B\n\tC\n"); }
+TEST(Preprocessor, PlainTextIsUnchanged) {
+  EXPECT_EQ(textOf("A --> B\n\tC\n"), "A --> B\n\tC\n");
+}
 
-TEST(Preprocessor, AMissingFinalNewlineIsAdded) { EXPECT_EQ(textOf("A"), "A\n"); }
+TEST(Preprocessor, AMissingFinalNewlineIsAdded) {
+  EXPECT_EQ(textOf("A"), "A\n");
+}
 
-TEST(Preprocessor, CarriageReturnsBeforeNewlinesAreDropped) { EXPECT_EQ(textOf("A\r\nB\r\n"), "A\nB\n"); }
+TEST(Preprocessor, CarriageReturnsBeforeNewlinesAreDropped) {
+  EXPECT_EQ(textOf("A\r\nB\r\n"), "A\nB\n");
+}
 
 TEST(Preprocessor, BackslashNewlineJoinsLines) {
   EXPECT_EQ(textOf("K --> \\\nL\n"), "K --> L\n");
@@ -38,20 +47,26 @@ TEST(Preprocessor, BackslashNewlineJoinsLines) {
   EXPECT_EQ(textOf("A\\B\n"), "A\\B\n");
 }
 
-TEST(Preprocessor, ACommentIsOneBlank) { EXPECT_EQ(textOf("A/* K */B // N\n"), "A B  \n"); }
+TEST(Preprocessor, ACommentIsOneBlank) {
+  EXPECT_EQ(textOf("A/* K */B // N\n"), "A B  \n");
+}
 
-TEST(Preprocessor, ACommentOverLinesKeepsItsNewlines) { EXPECT_EQ(textOf("A/* 1\n2 */B\n"), "A \nB\n"); }
+TEST(Preprocessor, ACommentOverLinesKeepsItsNewlines) {
+  EXPECT_EQ(textOf("A/* 1\n2 */B\n"), "A \nB\n");
+}
 
 TEST(Preprocessor, CommentsAndMacrosInsideStringsStay) {
   EXPECT_EQ(textOf("#define n 3\nprintf(\"// n /* %g\\\" n\",n)\n"), "printf(\"// n /* %g\\\" n\",3)\n");
 }
 
-TEST(Preprocessor, AQuoteWithoutPartnerProtectsNothing) { EXPECT_EQ(textOf("A\" // x\n"), "A\"  \n"); }
+TEST(Preprocessor, AQuoteWithoutPartnerProtectsNothing) {
+  EXPECT_EQ(textOf("A\" // x\n"), "A\"  \n");
+}
 
 TEST(Preprocessor, AnOpenCommentIsAnError) {
-  EXPECT_EQ(problemsOf("A /* b\nc\n"),
-            Messages{"1:3: error: expected '*/' while reading a comment, found the end of the file | everything from here on is part "
-                     "of the comment"});
+  EXPECT_EQ(problemsOf("A /* b\nc\n"), Messages{"1:3: error: expected '*/' while reading a comment, found the end of "
+                                                "the file | everything from here on is part "
+                                                "of the comment"});
 }
 
 // ---- macros
@@ -81,7 +96,9 @@ TEST(Preprocessor, ANameThatResultsMayTakeFollowingArguments) {
   EXPECT_EQ(textOf("#define F HALF\n#define HALF(v) v/2\nF(3)\n"), "3/2\n");
 }
 
-TEST(Preprocessor, UndefEndsAMacro) { EXPECT_EQ(textOf("#define A 1\nA\n#undef A\nA\n"), "1\nA\n"); }
+TEST(Preprocessor, UndefEndsAMacro) {
+  EXPECT_EQ(textOf("#define A 1\nA\n#undef A\nA\n"), "1\nA\n");
+}
 
 TEST(Preprocessor, CallersMacrosCanBeReplacedAndOverridesCannot) {
   PreprocessInput input;
@@ -91,9 +108,10 @@ TEST(Preprocessor, CallersMacrosCanBeReplacedAndOverridesCannot) {
 }
 
 TEST(Preprocessor, AnotherDefinitionOfAMacroIsAWarning) {
-  EXPECT_EQ(problemsOf("#define A 1\n#define A 1\n#define A 2\n"),
-            Messages{"3:9: warning: the macro 'A' is defined again; from here on this definition counts | first defined at "
-                     "m.l:2; #undef it before to say that this is meant"});
+  EXPECT_EQ(
+      problemsOf("#define A 1\n#define A 1\n#define A 2\n"),
+      Messages{"3:9: warning: the macro 'A' is defined again; from here on this definition counts | first defined at "
+               "m.l:2; #undef it before to say that this is meant"});
 }
 
 TEST(Preprocessor, AWrongNumberOfArgumentsIsAnError) {
@@ -102,27 +120,31 @@ TEST(Preprocessor, AWrongNumberOfArgumentsIsAnError) {
 }
 
 TEST(Preprocessor, OpenArgumentsAreAnError) {
-  EXPECT_EQ(problemsOf("#define F(a) a\nF(1\n)\n"),
-            Messages{"2:1: error: expected ')' while reading the arguments of the macro 'F', found the end of the line | the "
-                     "arguments of a macro stand on one line; a '\\' at its end joins the next line to it"});
+  EXPECT_EQ(
+      problemsOf("#define F(a) a\nF(1\n)\n"),
+      Messages{"2:1: error: expected ')' while reading the arguments of the macro 'F', found the end of the line | the "
+               "arguments of a macro stand on one line; a '\\' at its end joins the next line to it"});
 }
 
 TEST(Preprocessor, WrongDefinitionsAreErrors) {
-  EXPECT_EQ(problemsOf("#define\n#define 3\n#define F(a\n#define G(1) x\n#define H(a,a) x\n#undef +\n"),
-            (Messages{"1:8: error: expected a name while reading #define, found the end of the line",
-                      "2:9: error: expected a name while reading #define, found '3'",
-                      "3:10: error: expected ')' while reading the parameters of the macro 'F', found the end of the line",
-                      "4:11: error: expected a parameter name while reading the macro 'G', found '1'",
-                      "5:13: error: the macro 'H' has two parameters named 'a'",
-                      "6:8: error: expected a name while reading #undef, found '+'"}));
+  EXPECT_EQ(
+      problemsOf("#define\n#define 3\n#define F(a\n#define G(1) x\n#define H(a,a) x\n#undef +\n"),
+      (Messages{"1:8: error: expected a name while reading #define, found the end of the line",
+                "2:9: error: expected a name while reading #define, found '3'",
+                "3:10: error: expected ')' while reading the parameters of the macro 'F', found the end of the line",
+                "4:11: error: expected a parameter name while reading the macro 'G', found '1'",
+                "5:13: error: the macro 'H' has two parameters named 'a'",
+                "6:8: error: expected a name while reading #undef, found '+'"}));
 }
 
 TEST(Preprocessor, ACallersNameThatIsNoNameIsAnError) {
   PreprocessInput input;
   input.overrides = {{"a-b", "1"}};
-  EXPECT_EQ(problemsOf("A\n", input),
-            Messages{"0:0: error: 'a-b' cannot be defined: it is not a macro name | a name consists of letters, digits and '_' "
-                     "and does not start with a digit"});
+  EXPECT_EQ(
+      problemsOf("A\n", input),
+      Messages{
+          "0:0: error: 'a-b' cannot be defined: it is not a macro name | a name consists of letters, digits and '_' "
+          "and does not start with a digit"});
 }
 
 // ---- conditionals
@@ -147,9 +169,9 @@ TEST(Preprocessor, DirectivesLeaveNoLineSoThatAProductionGoesOnBehindThem) {
 }
 
 TEST(Preprocessor, WrongConditionsAreErrors) {
-  EXPECT_EQ(problemsOf("#if 1 +\n#endif\n#if 1.5\n#endif\n#if 1/0\n#endif\n#if (1\n#endif\n#if 1 2\n#endif\n"),
-            (Messages{
-                "1:5: error: expected an integer while reading the condition of a directive, found the end of the line",
+  EXPECT_EQ(
+      problemsOf("#if 1 +\n#endif\n#if 1.5\n#endif\n#if 1/0\n#endif\n#if (1\n#endif\n#if 1 2\n#endif\n"),
+      (Messages{"1:5: error: expected an integer while reading the condition of a directive, found the end of the line",
                 "3:5: error: expected an integer while reading the condition of a directive, found '1.5'",
                 "5:5: error: division by zero in the condition of a directive",
                 "7:5: error: expected ')' while reading the condition of a directive, found the end of the line",
@@ -157,26 +179,30 @@ TEST(Preprocessor, WrongConditionsAreErrors) {
 }
 
 TEST(Preprocessor, UnbalancedConditionalsAreErrors) {
-  EXPECT_EQ(problemsOf("#else\n#endif\n#elif 1\n#if 1\n#else\n#else\n"),
-            (Messages{"1:1: error: #else without #if", "2:1: error: #endif without #if", "3:1: error: #elif without #if",
-                      "6:1: error: #else after #else",
-                      "4:1: error: expected #endif while reading this conditional, found the end of the file | every #if, "
-                      "#ifdef and #ifndef ends with #endif"}));
+  EXPECT_EQ(
+      problemsOf("#else\n#endif\n#elif 1\n#if 1\n#else\n#else\n"),
+      (Messages{"1:1: error: #else without #if", "2:1: error: #endif without #if", "3:1: error: #elif without #if",
+                "6:1: error: #else after #else",
+                "4:1: error: expected #endif while reading this conditional, found the end of the file | every #if, "
+                "#ifdef and #ifndef ends with #endif"}));
 }
 
 // ---- directives
 
-TEST(Preprocessor, OnlyColumnOneStartsADirective) { EXPECT_EQ(textOf(" #(2)F\n\t#(2)\n"), " #(2)F\n\t#(2)\n"); }
+TEST(Preprocessor, OnlyColumnOneStartsADirective) {
+  EXPECT_EQ(textOf(" #(2)F\n\t#(2)\n"), " #(2)F\n\t#(2)\n");
+}
 
 TEST(Preprocessor, LinesForToolsAreIgnored) {
   EXPECT_EQ(textOf("#line 3 \"x\"\n# 4 \"y\"\n#pragma once\n#\n#ident \"x\"\nA\n"), "A\n");
 }
 
 TEST(Preprocessor, UnknownDirectivesAreErrors) {
-  EXPECT_EQ(problemsOf("#(w) --> x\n#defin A\n"),
-            (Messages{"1:1: error: expected a directive after '#', found '(' | a '#' in column 1 starts a directive; for the "
-                      "symbol '#' put something before it, as in '* < #(w) --> *'",
-                      "2:1: error: expected a directive after '#', found 'defin' | did you mean '#define'?"}));
+  EXPECT_EQ(
+      problemsOf("#(w) --> x\n#defin A\n"),
+      (Messages{"1:1: error: expected a directive after '#', found '(' | a '#' in column 1 starts a directive; for the "
+                "symbol '#' put something before it, as in '* < #(w) --> *'",
+                "2:1: error: expected a directive after '#', found 'defin' | did you mean '#define'?"}));
 }
 
 TEST(Preprocessor, ErrorAndWarningDirectivesSpeak) {
@@ -187,7 +213,8 @@ TEST(Preprocessor, ErrorAndWarningDirectivesSpeak) {
 // ---- includes
 
 TEST(Preprocessor, IncludesAreLookedForBesideTheFileThatNamesThem) {
-  core::MemoryFileProvider files({{"d/m.l", "#include \"s/a.h\"\nM\n"}, {"d/s/a.h", "#include <b.h>\nA"}, {"d/s/b.h", "B\n"}});
+  core::MemoryFileProvider files(
+      {{"d/m.l", "#include \"s/a.h\"\nM\n"}, {"d/s/a.h", "#include <b.h>\nA"}, {"d/s/b.h", "B\n"}});
   PreprocessInput input;
   input.file = "d/m.l";
   const PreprocessResult result = preprocess(input, files);
@@ -199,11 +226,13 @@ TEST(Preprocessor, IncludesAreLookedForBesideTheFileThatNamesThem) {
 }
 
 TEST(Preprocessor, AMissingIncludeIsAnError) {
-  EXPECT_EQ(problemsOf("#include \"no.h\"\n#include no\n#include\n"),
-            (Messages{"1:10: error: cannot read the included file 'no.h' | included files are looked for beside the file that "
-                      "names them",
-                      "2:10: error: expected \"file\" or <file> while reading #include, found 'no'",
-                      "3:9: error: expected \"file\" or <file> while reading #include, found the end of the line"}));
+  EXPECT_EQ(
+      problemsOf("#include \"no.h\"\n#include no\n#include\n"),
+      (Messages{
+          "1:10: error: cannot read the included file 'no.h' | included files are looked for beside the file that "
+          "names them",
+          "2:10: error: expected \"file\" or <file> while reading #include, found 'no'",
+          "3:9: error: expected \"file\" or <file> while reading #include, found the end of the line"}));
 }
 
 TEST(Preprocessor, AMissingFileIsAnError) {
@@ -262,9 +291,10 @@ TEST(Preprocessor, DeepMacrosEndAtALimit) {
 TEST(Preprocessor, AFileThatIncludesItselfEndsAtALimit) {
   PreprocessInput input;
   input.limits.maximumIncludeDepth = 3;
-  EXPECT_EQ(problemsOf("#include \"m.l\"\n", input),
-            Messages{"1:10: error: files are included deeper than the limit maximumIncludeDepth (3) | 'm.l' includes itself, "
-                     "directly or through another file"});
+  EXPECT_EQ(
+      problemsOf("#include \"m.l\"\n", input),
+      Messages{"1:10: error: files are included deeper than the limit maximumIncludeDepth (3) | 'm.l' includes itself, "
+               "directly or through another file"});
 }
 
 TEST(Preprocessor, TooMuchTextEndsAtALimit) {

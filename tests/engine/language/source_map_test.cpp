@@ -24,7 +24,9 @@ TEST(SourceMap, CopiedBytesMapOneByOne) {
   EXPECT_EQ(place.expansion, "");
 }
 
-TEST(SourceMap, RangeIsUnderlinedOnlyToTheEndOfItsSegment) { EXPECT_EQ(twoSegments().locate({2, 9}).length, 2U); }
+TEST(SourceMap, RangeIsUnderlinedOnlyToTheEndOfItsSegment) {
+  EXPECT_EQ(twoSegments().locate({2, 9}).length, 2U);
+}
 
 TEST(SourceMap, ExpansionMapsToTheUseOfTheMacro) {
   const core::SourceLocation place = twoSegments().locate({7, 8});
@@ -48,7 +50,9 @@ TEST(SourceMap, EmptyTextMapsToTheStartOfTheFile) {
   EXPECT_EQ(place.column, 1U);
 }
 
-TEST(SourceMap, WithoutFilesNoPlaceIsKnown) { EXPECT_EQ(SourceMap().locate({0, 1}).file, ""); }
+TEST(SourceMap, WithoutFilesNoPlaceIsKnown) {
+  EXPECT_EQ(SourceMap().locate({0, 1}).file, "");
+}
 
 TEST(SourceMap, LocateInFileClampsToTheFileAndTheLine) {
   const SourceMap::File file{"a.l", "ab\ncd"};

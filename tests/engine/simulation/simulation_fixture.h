@@ -101,8 +101,8 @@ class FakeEnvironment final : public turtle::EnvironmentProcess {
 
 /// A simulation and what its environment saw.
 struct TestRun {
-  explicit TestRun(std::shared_ptr<const language::Program> program, std::size_t plants = 1, SimulationOptions options = {},
-               bool hasEnvironment = true)
+  explicit TestRun(std::shared_ptr<const language::Program> program, std::size_t plants = 1,
+                   SimulationOptions options = {}, bool hasEnvironment = true)
       : simulation(std::move(program), placements(plants),
                    hasEnvironment ? std::make_unique<FakeEnvironment>(log) : nullptr, std::move(options)) {}
 

@@ -56,8 +56,8 @@ TEST(Simulation, IsFinishedAtTheDerivationLengthAndGoesOnWhenAsked) {
 
 TEST(Simulation, AModelThatStoppedItselfHasNoFurtherStep) {
   TestRun run(compileText("Lsystem: 1\nderivation length: 9\nAxiom: A(0)\nA(n) : {if (n==1) {stop(2);}} 1 --> A(n+1)\n"
-                      "endlsystem\n"),
-          1, {}, false);
+                          "endlsystem\n"),
+              1, {}, false);
   expectSuccess(run.simulation.rewind());
   while (!run.simulation.isFinished()) {
     expectSuccess(run.simulation.step());
@@ -65,9 +65,10 @@ TEST(Simulation, AModelThatStoppedItselfHasNoFurtherStep) {
   EXPECT_EQ(run.simulation.completedSteps(), 2U);
   const auto error = run.simulation.step();
   ASSERT_TRUE(error.has_value());
-  EXPECT_EQ(error->message,
-            "step 3: the model has stopped itself, there is no further step. Rewind the simulation to run it again. The "
-            "simulation stays at step 2.");
+  EXPECT_EQ(
+      error->message,
+      "step 3: the model has stopped itself, there is no further step. Rewind the simulation to run it again. The "
+      "simulation stays at step 2.");
 }
 
 TEST(Simulation, MustBeStartedBeforeTheFirstStep) {
@@ -175,9 +176,10 @@ TEST(Simulation, ANonFiniteReplyIsAnErrorThatNamesEnvironmentAndQuery) {
   const auto error = run.simulation.step();
   ASSERT_TRUE(error.has_value());
   EXPECT_EQ(error->code, core::SimulationErrorCode::NonFinite);
-  EXPECT_EQ(error->message,
-            "step 1, plant 0, module 2 ('E'): environment 'fake' answered nan for parameter 1 of query 0. Replies must be "
-            "finite numbers: correct the environment. The simulation stays at step 0.");
+  EXPECT_EQ(
+      error->message,
+      "step 1, plant 0, module 2 ('E'): environment 'fake' answered nan for parameter 1 of query 0. Replies must be "
+      "finite numbers: correct the environment. The simulation stays at step 0.");
   EXPECT_EQ(run.simulation.stringText(), "A?E(9)");
 }
 
@@ -231,8 +233,9 @@ TEST(Simulation, RepliesAreFloatsInTheCompatibleModesOnly) {
 }
 
 TEST(Simulation, AQueryOfAHomomorphismTakesPartAndItsReplyIsDiscarded) {
-  TestRun run(compileText("Lsystem: 1\nderivation length: 2\nAxiom: J?E(2)\nJ --> J\nhomomorphism\nJ --> F(3)?E(7)\n"
-                      "endlsystem\n"));
+  TestRun run(
+      compileText("Lsystem: 1\nderivation length: 2\nAxiom: J?E(2)\nJ --> J\nhomomorphism\nJ --> F(3)?E(7)\n"
+                  "endlsystem\n"));
   expectSuccess(run.simulation.rewind());
   expectSuccess(run.simulation.answer());
   EXPECT_EQ(run.simulation.stringText(), "J?E(1)");

@@ -125,15 +125,17 @@ TEST(Snapshot, OfAnotherEnvironmentIsRefused) {
   TestRun bare(program, 1, {}, false);
   const auto error = bare.simulation.restore(snapshotOf(run.simulation));
   ASSERT_TRUE(error.has_value());
-  EXPECT_EQ(error->message,
-            "The snapshot was made with environment 'fake' and the simulation has no environment. Give it the one it was "
-            "made with.");
+  EXPECT_EQ(
+      error->message,
+      "The snapshot was made with environment 'fake' and the simulation has no environment. Give it the one it was "
+      "made with.");
 }
 
 TEST(Snapshot, ThatIsNoneIsSaidToBeNone) {
-  EXPECT_EQ(messageOf(readSnapshotInfo("<svg>")),
-            "This is not a snapshot: it does not begin with 'ESPALIER'. Snapshots are made with 'espalier run MODEL.l -o "
-            "NAME.snapshot'.");
+  EXPECT_EQ(
+      messageOf(readSnapshotInfo("<svg>")),
+      "This is not a snapshot: it does not begin with 'ESPALIER'. Snapshots are made with 'espalier run MODEL.l -o "
+      "NAME.snapshot'.");
 }
 
 TEST(Snapshot, OfANewerVersionIsRefused) {
@@ -141,9 +143,10 @@ TEST(Snapshot, OfANewerVersionIsRefused) {
   expectSuccess(run.simulation.rewind());
   std::string snapshot = snapshotOf(run.simulation);
   snapshot[kSnapshotMagic.size()] = 9;
-  EXPECT_EQ(messageOf(readSnapshotInfo(snapshot)),
-            "The snapshot has version 9; this Espalier reads versions 1 to 1. Use the Espalier that made it, or a newer "
-            "one.");
+  EXPECT_EQ(
+      messageOf(readSnapshotInfo(snapshot)),
+      "The snapshot has version 9; this Espalier reads versions 1 to 1. Use the Espalier that made it, or a newer "
+      "one.");
 }
 
 TEST(Snapshot, CutOffAnywhereIsAnError) {

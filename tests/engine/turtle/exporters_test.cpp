@@ -100,7 +100,7 @@ TEST(Svg, EveryOrganIsPainted) {
   EXPECT_TRUE(svg.starts_with("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg "));
   EXPECT_TRUE(svg.ends_with("</svg>\n"));
   EXPECT_EQ(count(svg, "<radialGradient"), 1U);
-  EXPECT_EQ(count(svg, "<circle"), 2U);          // a sphere and a disc on the screen
+  EXPECT_EQ(count(svg, "<circle"), 2U);                              // a sphere and a disc on the screen
   EXPECT_GE(count(svg, "stroke-width=\"0.4\""), 1U + 1U + 6U + 8U);  // polygon, disc, 2x3 quads, cylinder
   EXPECT_EQ(count(svg, "nan"), 0U);
   EXPECT_EQ(count(svg, "inf"), 0U);

@@ -69,8 +69,15 @@ TEST(InterpretationQueries, ChangesTellHowToUndoTheFilling) {
 
 TEST(InterpretationQueries, CommunicationModulesAreCollectedWithTheirTurtleState) {
   TurtleRun run("F(2)?E(1,2)[+(90)F?E(3)]?Light(4)A(5)", {}, core::Compatibility::Espalier, {"Light"});
-  run.pass({.position = true, .heading = true, .left = true, .up = true, .width = true, .scale = true,
-            .parameters = true, .following = true, .geometry = false});
+  run.pass({.position = true,
+            .heading = true,
+            .left = true,
+            .up = true,
+            .width = true,
+            .scale = true,
+            .parameters = true,
+            .following = true,
+            .geometry = false});
   const QueryBatch& batch = run.queries;
   ASSERT_EQ(batch.size(), 3U);
   EXPECT_EQ(batch.module, (std::vector<std::uint64_t>{2, 7, 10}));
@@ -133,9 +140,10 @@ TEST(InterpretationQueries, TooManyAreAFailureThatNamesTheLimit) {
     run.pass();
     FAIL() << "no failure";
   } catch (const core::SimulationFailure& failure) {
-    EXPECT_EQ(failure.error().message,
-              "step 1, plant 0, module 2 ('?'): more than 1 communication modules in one step, the limit maximumQueries. "
-              "Raise the limit if the model is meant to do this.");
+    EXPECT_EQ(
+        failure.error().message,
+        "step 1, plant 0, module 2 ('?'): more than 1 communication modules in one step, the limit maximumQueries. "
+        "Raise the limit if the model is meant to do this.");
   }
 }
 

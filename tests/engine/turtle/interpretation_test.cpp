@@ -46,7 +46,9 @@ TEST(Interpretation, BracketsRestoreTheWholeTurtle) {
   expectParameters(positionAfter("F[+(90)F(3)@D(5)!(7)]F"), {0, 2, 0});
 }
 
-TEST(Interpretation, AClosingBracketWithoutAnOpenOneIsIgnored) { expectParameters(positionAfter("F]F"), {0, 2, 0}); }
+TEST(Interpretation, AClosingBracketWithoutAnOpenOneIsIgnored) {
+  expectParameters(positionAfter("F]F"), {0, 2, 0});
+}
 
 TEST(Interpretation, ScaleCommandsSetMultiplyAndDivide) {
   language::ViewSettings view;
@@ -93,8 +95,9 @@ TEST(Interpretation, RecordedRollToVertical) {
 }
 
 TEST(Interpretation, WidthColourAndShapesDoNotMove) {
-  expectParameters(positionAfter("F!(3)#(0.5);(4),(2);,#!@O(2)@o(1)@c(3){.}x_(0.3)@Gs@Gc(3)@Ge@!(5)@#(1)@Gt(1,1)@Gr(0)@Tx(0)"),
-                   {0, 1, 0});
+  expectParameters(
+      positionAfter("F!(3)#(0.5);(4),(2);,#!@O(2)@o(1)@c(3){.}x_(0.3)@Gs@Gc(3)@Ge@!(5)@#(1)@Gt(1,1)@Gr(0)@Tx(0)"),
+      {0, 1, 0});
 }
 
 TEST(Interpretation, AnUnknownSymbolAfterAtIsInterpretedOnItsOwn) {

@@ -81,8 +81,7 @@ TEST(Tropism, ElasticityOfAnUnknownMovementIsReported) {
 // recorded: a torque of (0,-1,0), elasticity 0.25
 TEST(Tropism, RecordedTorque) {
   language::ViewSettings view;
-  view.movements.push_back(
-      {.kind = language::Movement::Kind::Torque, .direction = {0, -1, 0}, .elasticity = 0.25});
+  view.movements.push_back({.kind = language::Movement::Kind::Torque, .direction = {0, -1, 0}, .elasticity = 0.25});
   TurtleRun run("&(70)/(40)F?L(0,0,0)", view);
   run.pass();
   expectParameters(run.lastParameters(), {-0.660631, -0.705437, -0.256758});

@@ -5,7 +5,9 @@
 namespace espalier::turtle {
 namespace {
 
-TEST(TurtleCommand, DeclaredNamesHaveNone) { EXPECT_EQ(commandOf('\0', 1), TurtleCommand::None); }
+TEST(TurtleCommand, DeclaredNamesHaveNone) {
+  EXPECT_EQ(commandOf('\0', 1), TurtleCommand::None);
+}
 
 TEST(TurtleCommand, BracketsAndCutsHaveNoParameters) {
   EXPECT_EQ(commandOf('[', 0), TurtleCommand::OpenBranch);

@@ -16,8 +16,8 @@
 
 namespace espalier::turtle {
 
-/// A string and a Program that knows its modules, made without the compiler: a symbol is one character, or a declared name
-/// as given; parameters are numbers.
+/// A string and a Program that knows its modules, made without the compiler: a symbol is one character, or a declared
+/// name as given; parameters are numbers.
 class TurtleRun {
  public:
   explicit TurtleRun(std::string_view text, language::ViewSettings view = {},

@@ -1,2 +1,2 @@
-#define LIMIT 3 +* 2
-#define GROW(l) (l*growthRate)
+#define LIMIT 3 + *2
+#define GROW(l) (l * growthRate)
