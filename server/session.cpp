@@ -250,12 +250,12 @@ void Session::onClosed() {
   }
   core_->offered().withdraw(this);
   failPendingCalls({LinkFailure::Kind::Closed, "closed the connection", {}});
-  // requests end with the connection they came on, between two steps
+  // requests end with the connection they came on, also within a step: who has left keeps no worker busy
   for (const auto& [id, request] : requests) {
     const auto runner = request.runner.lock();
     const auto command = request.command.lock();
     if (runner != nullptr && command != nullptr) {
-      command->isCancelled = true;
+      runner->cancel(command);
     }
   }
   core_->log().debug("session " + id_ + " is closed");

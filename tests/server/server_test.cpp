@@ -264,6 +264,25 @@ TEST(Server, CancelGivesUpARunBetweenStepsOrWithinOne) {
   EXPECT_EQ(member(resultOf(client->request("simulation.step", named(simulation))), "truncated"), "false");
 }
 
+TEST(Server, WhoLeavesWithinAStepKeepsNoWorkerBusy) {
+  const RunningServer server;
+  auto leaver = connectTo(server);
+  // one step of hundreds of seconds: no loop alone exceeds the limit of its iterations
+  const std::string simulation =
+      create(*leaver, "Lsystem: 1\nderivation length: 9\nAxiom: " + std::string(2000, 'A') +
+                          "\nA : {i = 0; while (i < 50000000) {i = i + 1;}} * --> A\nendlsystem\n");
+  (void)leaver->send("simulation.step", named(simulation));
+  const auto other = connectTo(server);
+  std::string running = "0";
+  for (int i = 0; i < 1'000'000 && running == "0"; ++i) {
+    running = member(resultOf(other->request("server.status", "{}")), "running");
+  }
+  ASSERT_EQ(running, "1");
+  leaver.reset();
+  // answered only when the step is given up
+  EXPECT_EQ(member(resultOf(other->request("simulation.get", named(simulation, R"("what":"string")"))), "step"), "0");
+}
+
 TEST(Server, OthersAreServedWhileALongRunGoesOn) {
   const RunningServer server;
   const auto runner = connectTo(server);
