@@ -241,6 +241,23 @@ std::optional<std::string> memberOf(std::string_view json, std::string_view name
   return found->is_string() ? found->get<std::string>() : found->dump();
 }
 
+std::optional<std::map<std::string, std::string>> textsOf(std::string_view json, std::string_view name) {
+  auto parsed = parse(json);
+  const auto* root = std::get_if<nlohmann::json>(&parsed);
+  const auto found = root != nullptr && root->is_object() ? root->find(name) : nlohmann::json::const_iterator();
+  if (root == nullptr || !root->is_object() || found == root->end() || !found->is_object()) {
+    return std::nullopt;
+  }
+  std::map<std::string, std::string> texts;
+  for (const auto& [key, value] : found->items()) {
+    if (!value.is_string()) {
+      return std::nullopt;
+    }
+    texts.emplace(key, value.get<std::string>());
+  }
+  return texts;
+}
+
 std::optional<std::string> jsonProblem(std::string_view json) {
   if (nestingOf(json) > kDeepestNesting) {
     return "brackets are nested deeper than " + std::to_string(kDeepestNesting);

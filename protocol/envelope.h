@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -78,6 +79,10 @@ struct BadMessage {
 /// One member of a JSON object given as text, for small programs: the text of a string, or the compact JSON of anything
 /// else; nothing when the text is not an object or has no such member.
 [[nodiscard]] std::optional<std::string> memberOf(std::string_view json, std::string_view name);
+
+/// The member `name` of a JSON object given as text, when it is itself an object whose members are all texts; nothing
+/// otherwise.
+[[nodiscard]] std::optional<std::map<std::string, std::string>> textsOf(std::string_view json, std::string_view name);
 
 /// What is wrong with a text that should be one JSON value, or nothing. `line 3, column 7: ...`.
 [[nodiscard]] std::optional<std::string> jsonProblem(std::string_view json);

@@ -75,6 +75,26 @@ environment::ProcessOrErrors makeFromGallery(const environment::EnvironmentEntry
   return environment::makeFromFieldFile(file, files, compatibility, warnings);
 }
 
+/// The process that a field file on the wire names; only the files that came with it can be read.
+std::variant<std::unique_ptr<turtle::EnvironmentProcess>, protocol::Error> makeFromSentFiles(
+    const environment::EnvironmentEntry& entry, const std::string& path, core::Compatibility compatibility) {
+  const auto main = protocol::memberOf(entry.configuration, "main");
+  auto texts = protocol::textsOf(entry.configuration, "files");
+  if (!texts) {
+    return protocol::fieldError(path + ".files", "expected an object of file names and their texts");
+  }
+  if (!main || !texts->contains(*main)) {
+    return protocol::fieldError(path + ".main", "expected the name of the field file (.e) among \"files\"");
+  }
+  core::MemoryFileProvider files(std::move(*texts));
+  std::vector<core::Diagnostic> warnings;
+  auto made = environment::makeFromFieldFile(*main, files, compatibility, warnings);
+  if (const auto* problems = std::get_if<std::vector<core::Diagnostic>>(&made)) {
+    return protocol::fieldError(path, sentences(*problems));
+  }
+  return std::move(std::get<std::unique_ptr<turtle::EnvironmentProcess>>(made));
+}
+
 }  // namespace
 
 std::variant<BuiltEnvironment, protocol::Error> buildEnvironment(const std::string& environmentJson,
@@ -113,6 +133,13 @@ std::variant<BuiltEnvironment, protocol::Error> buildEnvironment(const std::stri
       built.links.push_back(link);
       built.names.push_back(entry.type == "offered" ? "offered:" + entry.name : entry.type);
       process = std::move(remote);
+    } else if (entry.type == "field") {
+      auto made = makeFromSentFiles(entry, path, compatibility);
+      if (auto* error = std::get_if<protocol::Error>(&made)) {
+        return std::move(*error);
+      }
+      process = std::move(std::get<std::unique_ptr<turtle::EnvironmentProcess>>(made));
+      built.names.push_back(entry.name == entry.type ? *protocol::memberOf(entry.configuration, "main") : entry.name);
     } else {
       auto made = entry.type == "gallery" ? makeFromGallery(entry, compatibility, services)
                                           : environment::makeProcess(entry.type, entry.configuration);

@@ -31,8 +31,8 @@ struct BuiltEnvironment {
 
 /// Makes the environment of a simulation from the `environment` array of simulation.create. `isAbsenceTolerated`:
 /// entries in other processes may be away (simulations loaded from disk). Besides the built-in processes there are the
-/// types `offered` {name}, `tcp` {address}, `stdio` {command} and `gallery` {model}: the field file (`.e`) of a gallery
-/// folder.
+/// types `offered` {name}, `tcp` {address}, `stdio` {command}, `gallery` {model}: the field file (`.e`) of a gallery
+/// folder, and `field` {main, files}: a field file with the files it names, as texts.
 [[nodiscard]] std::variant<BuiltEnvironment, protocol::Error> buildEnvironment(const std::string& environmentJson,
                                                                                core::Compatibility compatibility,
                                                                                bool isAbsenceTolerated,

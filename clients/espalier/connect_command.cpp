@@ -6,14 +6,17 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 
 #include "clients/cpp/client.h"
 #include "clients/espalier/commands.h"
+#include "clients/espalier/environment_loading.h"
 #include "clients/espalier/messages.h"
 #include "clients/espalier/model_files.h"
 #include "protocol/base64.h"
 #include "protocol/json_writer.h"
 #include "server/disk_files.h"
+#include "server/translate.h"
 
 namespace espalier::command {
 namespace {
@@ -139,12 +142,37 @@ std::variant<std::string, std::string> environmentArray(const std::string& text)
   return std::variant<std::string, std::string>(std::in_place_index<0>, isArray ? json : "[" + json + "]");
 }
 
+/// The field file beside a model, with the files it names, as the environment array; nothing after an error was
+/// printed.
+std::optional<std::string> fieldFileArray(const std::string& file, const std::string& compatibility) {
+  server::DiskFileProvider files(16'000'000);
+  const auto loaded = loadEnvironment(file, server::toCompatibility(compatibility), false, files);
+  if (!loaded) {
+    return std::nullopt;
+  }
+  // names as seen from the folder of the field file: where that is, is nobody else's business
+  const std::filesystem::path folder = std::filesystem::path(file).parent_path();
+  const auto nameIn = [&](const std::string& name) {
+    return std::filesystem::path(name).lexically_relative(folder).generic_string();
+  };
+  protocol::JsonWriter array;
+  array.beginArray().beginObject().key("type").text("field").key("main").text(nameIn(file)).key("files").beginObject();
+  std::set<std::string> names;
+  for (const auto& [name, text] : loaded->origin.files) {
+    if (names.insert(name).second) {
+      array.key(nameIn(name)).text(text);
+    }
+  }
+  return array.endObject().endObject().endArray().take();
+}
+
 int create(Client& client, const ConnectOptions& options) {
   if (options.model.empty() == options.gallery.empty()) {
     printError("give a MODEL.l, a folder, or --gallery NAME");
     return kUsage;
   }
   protocol::JsonWriter params;
+  std::string fieldFile;
   params.beginObject().key("model").beginObject();
   if (!options.gallery.empty()) {
     params.key("gallery").text(options.gallery);
@@ -156,6 +184,7 @@ int create(Client& client, const ConnectOptions& options) {
     }
     printDiagnostics(std::get<ModelFiles>(found).remarks, false);
     writeModelFiles(params, std::get<ModelFiles>(found));
+    fieldFile = std::get<ModelFiles>(found).environment;
   }
   params.endObject();
   if (!options.environment.empty()) {
@@ -165,6 +194,12 @@ int create(Client& client, const ConnectOptions& options) {
       return kUsage;
     }
     params.key("environment").raw(std::get<0>(array));
+  } else if (!fieldFile.empty()) {
+    const auto array = fieldFileArray(fieldFile, options.compatibility);
+    if (!array) {
+      return kFailure;
+    }
+    params.key("environment").raw(*array);
   }
   if (options.seed) {
     params.key("seed").integer(*options.seed);
@@ -326,8 +361,10 @@ void addConnect(CLI::App& program, int& status) {
   CLI::App* action = addAction(*command, options, "create", "Create a simulation; prints its identifier", create);
   action->add_option("MODEL", options->model, "A .l file or its folder; files beside it that models name are sent too");
   action->add_option("--gallery", options->gallery, "A model of the server's gallery instead");
-  action->add_option("--environment", options->environment,
-                     "NAME, tcp://HOST:PORT, offered:NAME, 'stdio:COMMAND', JSON, or a .json file");
+  action->add_option(
+      "--environment", options->environment,
+      "NAME, tcp://HOST:PORT, offered:NAME, 'stdio:COMMAND', JSON, or a .json file; without it the .e file "
+      "beside the model, if there is one");
   action->add_option("--seed", options->seed,
                      "Seed of all random draws; without it the server draws one and says which");
   action->add_option("--derivation-length", options->derivationLength, "Number of steps, instead of the model's");

@@ -38,6 +38,13 @@ class ClientAndServer(unittest.TestCase):
         self.assertTrue(simulation.step(8).finished)
         self.assertEqual(simulation.string(), strings("branch-tiers")[-1])
 
+    def test_the_shell_sends_a_model_folder_with_its_environment(self) -> None:
+        address = self.server.address
+        simulation = espalier("connect", address, "create", str(GALLERY / "branch-tiers")).stdout.strip()
+        espalier("connect", address, "run", simulation)
+        self.assertEqual(espalier("connect", address, "get", simulation, "string").stdout.strip(),
+                         strings("branch-tiers")[-1])
+
     def test_streams_a_frame_for_every_step(self) -> None:
         simulation = self.client.create(gallery="growth-to-a-height", environment=[{"type": "height"}])
         seen = []

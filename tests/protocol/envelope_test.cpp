@@ -89,5 +89,15 @@ TEST(Envelope, MemberOfReadsTextsAndJson) {
   EXPECT_EQ(memberOf("rubbish", "c"), std::nullopt);
 }
 
+TEST(Envelope, ReadsAnObjectOfTexts) {
+  const auto texts = textsOf(R"({"files":{"a.e":"x: 1\n","b":""}})", "files");
+  ASSERT_TRUE(texts.has_value());
+  EXPECT_EQ(*texts, (std::map<std::string, std::string>{{"a.e", "x: 1\n"}, {"b", ""}}));
+  EXPECT_EQ(textsOf(R"({"files":{"a.e":1}})", "files"), std::nullopt);
+  EXPECT_EQ(textsOf(R"({"files":"a"})", "files"), std::nullopt);
+  EXPECT_EQ(textsOf(R"({})", "files"), std::nullopt);
+  EXPECT_EQ(textsOf("rubbish", "files"), std::nullopt);
+}
+
 }  // namespace
 }  // namespace espalier::protocol

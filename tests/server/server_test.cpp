@@ -68,6 +68,26 @@ TEST(Server, AnUnknownEnvironmentIsAnErrorWithItsPathAndTheNearestName) {
   EXPECT_NE(error.message.find("'height'"), std::string::npos) << error.message;
 }
 
+TEST(Server, AFieldFileFromTheWireReadsTheFilesThatCameWithIt) {
+  const RunningServer server;
+  const auto client = connectTo(server);
+  // two discs of one vigor, nearer than the radius of the specification file: both are refused
+  const std::string model = "Lsystem: 1\nderivation length: 1\nAxiom: ?E(1)[+F?E(1)]\nA --> A\nendlsystem\n";
+  const std::string environment =
+      R"([{"type":"field","main":"d.e","files":{"d.e":"executable: honda81 d.spec\nturtle position: %f %f %f\n","d.spec":"radius: 5\n3D case: on\n"}}])";
+  const std::string created = resultOf(client->request("simulation.create", createParams(model, environment)));
+  resultOf(client->request("simulation.step", named(member(created, "simulation"))));
+  EXPECT_EQ(stringOf(*client, member(created, "simulation")), "?E(0)[+F?E(0)]");
+
+  auto error = errorOf(client->request("simulation.create",
+                                       createParams(model, R"([{"type":"field","main":"x.e","files":{"d.e":""}}])")));
+  EXPECT_NE(error.message.find("params.environment[0].main: expected the name of the field file (.e) among \"files\""),
+            std::string::npos)
+      << error.message;
+  error = errorOf(client->request("simulation.create", createParams(model, R"([{"type":"field","main":"x.e"}])")));
+  EXPECT_NE(error.message.find("params.environment[0].files"), std::string::npos) << error.message;
+}
+
 TEST(Server, ALoadedModelServesSeveralSimulations) {
   const RunningServer server;
   const auto client = connectTo(server);
