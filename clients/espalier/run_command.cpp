@@ -1,5 +1,7 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -20,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kOutputKinds = ".svg, .obj or .snapshot";
+constexpr const char* kSnapshotSuffix = ".snapshot";
 
 struct RunOptions {
   ModelOptions model;
@@ -28,9 +30,17 @@ struct RunOptions {
   std::string resumed;  // snapshot to go on from; empty: none
 };
 
+// the suffixes of all outputs, for messages: `.svg, .obj or .snapshot`
+std::string outputKinds() {
+  std::string kinds;
+  for (const turtle::ExportFormat& format : turtle::exportFormats()) {
+    kinds += (kinds.empty() ? "" : ", ") + std::string(format.suffix);
+  }
+  return kinds + " or " + kSnapshotSuffix;
+}
+
 bool hasKnownSuffix(const std::string& file) {
-  const std::string suffix = fs::path(file).extension().string();
-  return suffix == ".svg" || suffix == ".obj" || suffix == ".snapshot";
+  return fs::path(file).extension() == kSnapshotSuffix || turtle::findExportFormatOfFile(file) != nullptr;
 }
 
 // before a long run rather than after it: can the file be written at all
@@ -42,7 +52,7 @@ bool isWritable(const std::string& file) {
     return false;
   }
   if (fs::is_directory(file, error)) {
-    printError("cannot write '" + file + "': it is a folder; give a file name that ends in " + kOutputKinds);
+    printError("cannot write '" + file + "': it is a folder; give a file name that ends in " + outputKinds());
     return false;
   }
   return true;
@@ -57,31 +67,34 @@ bool writeOutput(const std::string& file, const std::string& content) {
 }
 
 bool writeResult(const simulation::Simulation& simulation, const language::Palette& palette, const std::string& file) {
-  const std::string suffix = fs::path(file).extension().string();
-  if (suffix == ".snapshot") {
+  if (fs::path(file).extension() == kSnapshotSuffix) {
     core::StringSink sink;
     simulation.save(sink);
     return writeOutput(file, sink.take());
   }
 
-  // pictures: the turtle draws the last string
+  // pictures and geometry: the turtle draws the last string
   const auto drawn = simulation.scene();
   if (const auto* failure = std::get_if<core::SimulationError>(&drawn)) {
     printError(formatSimulationError(*failure));
     return false;
   }
-  const turtle::Scene& scene = std::get<turtle::Scene>(drawn);
-  core::StringSink picture;
-  if (suffix == ".svg") {
-    turtle::SvgOptions options;
-    options.palette = &palette;
-    turtle::writeSvg(scene, simulation.program().view, options, picture);
-    return writeOutput(file, picture.take());
+  core::StringSink content;
+  std::map<std::string, core::StringSink> companions;
+  const turtle::ExportTarget target{
+      .fileName = fs::path(file).filename().string(),
+      .sink = content,
+      .openCompanion = [&companions](const std::string& name) -> core::ByteSink& { return companions[name]; },
+      .progress = {}};
+  const turtle::ExportInput input{
+      .scene = std::get<turtle::Scene>(drawn), .view = simulation.program().view, .palette = &palette};
+  if (const auto problem = turtle::findExportFormatOfFile(file)->write(input, target)) {
+    printError("cannot write '" + file + "': " + *problem);
+    return false;
   }
-  core::StringSink materials;
-  const fs::path materialFile = fs::path(file).replace_extension(".mtl");
-  turtle::writeObj(scene, simulation.program().view, materialFile.filename().string(), picture, materials, &palette);
-  return writeOutput(file, picture.take()) && writeOutput(materialFile.string(), materials.take());
+  return writeOutput(file, content.take()) && std::ranges::all_of(companions, [&file](auto& companion) {
+           return writeOutput(fs::path(file).replace_filename(companion.first).string(), companion.second.take());
+         });
 }
 
 // a snapshot file and what it says about itself
@@ -237,7 +250,7 @@ void addRun(CLI::App& program, int& status) {
       ->allow_extra_args(false)
       ->check([](const std::string& file) {
         return hasKnownSuffix(file) ? std::string{}
-                                    : "'" + file + "' has no known suffix: give a name that ends in " + kOutputKinds;
+                                    : "'" + file + "' has no known suffix: give a name that ends in " + outputKinds();
       });
   command
       ->add_option("--resume", options->resumed,

@@ -186,9 +186,9 @@ TEST_F(Cli, WrongUsageIsStatusTwo) {
   EXPECT_EQ(run("derive algae.l --steps many").status, 2);
   EXPECT_EQ(run("run algae.l").status, 2);
   EXPECT_EQ(run("run -o a.svg").status, 2);
-  const ProgramRun suffix = run("run algae.l -o a.png");
+  const ProgramRun suffix = run("run algae.l -o a.sgv");
   EXPECT_EQ(suffix.status, 2);
-  EXPECT_TRUE(contains(suffix.errors, "'a.png' has no known suffix: give a name that ends in .svg, .obj or .snapshot"))
+  EXPECT_TRUE(contains(suffix.errors, "'a.sgv' has no known suffix: give a name that ends in .svg, .obj"))
       << suffix.errors;
 }
 

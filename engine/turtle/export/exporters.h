@@ -1,5 +1,11 @@
 #pragma once
 
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
 #include "engine/core/streams.h"
 #include "engine/language/colour_files.h"
 #include "engine/language/view_settings.h"
@@ -7,31 +13,46 @@
 
 namespace espalier::turtle {
 
-/// RGB of a colour index, each 0..255.
-struct Colour {
-  unsigned char red = 0, green = 0, blue = 0;
+/// What is exported. Everything referred to must outlive the export.
+struct ExportInput {
+  const Scene& scene;
+  const language::ViewSettings& view;          // surfaces, contours, camera: of the model that drew the scene
+  const language::Palette* palette = nullptr;  // a model folder's colours; null or empty: Espalier's own
+  std::span<const TurtleRecord> records = {};  // of the same interpretation
 };
 
-/// The colour of an index without a palette: Espalier's own readable botanical ramp.
-[[nodiscard]] Colour defaultColour(std::int32_t index);
+/// Told how far an export is: parts written and parts in all. Called from time to time, at least once at the end.
+using ExportProgress = std::function<void(std::uint64_t done, std::uint64_t total)>;
 
-struct SvgOptions {
-  double widthPixels = 800.0;
-  double heightPixels = 800.0;
-  double marginFraction = 0.05;
-  bool hasBackground = true;
-  const language::Palette* palette =
-      nullptr;  // a model folder's colours, its background too; null or empty: Espalier's own
+/// Where an export goes.
+struct ExportTarget {
+  std::string fileName;  // without folders; its companions are named after it
+  core::ByteSink& sink;
+  /// Opens a further file beside the first, as the `.mtl` of an `.obj`; `name` has no folders. The sink stays open
+  /// until the export has ended. Without it companions are not written and not referred to.
+  std::function<core::ByteSink&(const std::string& name)> openCompanion;
+  ExportProgress progress;  // may be empty
 };
 
-/// Writes a picture of the scene as SVG 1.1: parallel or perspective view of the view settings, far to near, tapered
-/// branches as polygons, fitted to the picture with the margin. Deterministic text. O(n log n).
-void writeSvg(const Scene& scene, const language::ViewSettings& view, const SvgOptions& options, core::ByteSink& sink);
+/// A file format that a scene can be written in. A writer streams to the target and never holds a second copy of the
+/// scene; the same input gives the same bytes. It returns an error sentence, or nothing on success.
+struct ExportFormat {
+  std::string_view name;     // as in `--format`
+  std::string_view suffix;   // with its point, lower case
+  std::string_view summary;  // what it is, a few words
+  std::optional<std::string> (*write)(const ExportInput& input, const ExportTarget& target);
+};
 
-/// Writes a Wavefront OBJ: an `o` per organ kind and plant, tubes swept along connected segments with normals and
-/// texture coordinates, polygons, spheres, surfaces; materials go to a companion .mtl, in the colours of `palette`
-/// unless it is null or empty.
-void writeObj(const Scene& scene, const language::ViewSettings& view, const std::string& materialFile,
-              core::ByteSink& object, core::ByteSink& materials, const language::Palette* palette = nullptr);
+/// All formats, the table that the command line lists.
+[[nodiscard]] std::span<const ExportFormat> exportFormats();
+
+/// The format of that name; null: there is none.
+[[nodiscard]] const ExportFormat* findExportFormat(std::string_view name);
+
+/// The format whose suffix a file's name ends in, in upper or lower case; null: there is none.
+[[nodiscard]] const ExportFormat* findExportFormatOfFile(std::string_view fileName);
+
+/// `fileName` with its suffix replaced by `suffix` (with its point).
+[[nodiscard]] std::string withSuffix(std::string_view fileName, std::string_view suffix);
 
 }  // namespace espalier::turtle

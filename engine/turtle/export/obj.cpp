@@ -1,3 +1,5 @@
+#include "engine/turtle/export/obj.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "engine/turtle/export/exporters.h"
 #include "engine/turtle/export/mesh.h"
 #include "engine/turtle/export/palette.h"
 #include "engine/turtle/export/text_output.h"
@@ -277,11 +278,17 @@ void ObjWriter::writeMaterials(core::ByteSink& sink) const {
 
 }  // namespace
 
-void writeObj(const Scene& scene, const language::ViewSettings& view, const std::string& materialFile,
-              core::ByteSink& object, core::ByteSink& materials, const language::Palette* palette) {
-  ObjWriter writer(scene, view, palette, object);
+std::optional<std::string> exportObj(const ExportInput& input, const ExportTarget& target) {
+  ObjWriter writer(input.scene, input.view, input.palette, target.sink);
+  const std::string materialFile = target.openCompanion ? withSuffix(target.fileName, ".mtl") : "";
   writer.write(materialFile);
-  writer.writeMaterials(materials);
+  if (!materialFile.empty()) {
+    writer.writeMaterials(target.openCompanion(materialFile));
+  }
+  if (target.progress) {
+    target.progress(1, 1);
+  }
+  return std::nullopt;
 }
 
 }  // namespace espalier::turtle

@@ -4,10 +4,17 @@
 #include <optional>
 
 #include "engine/language/colour_files.h"
-#include "engine/turtle/export/exporters.h"
 #include "engine/turtle/scene.h"
 
 namespace espalier::turtle {
+
+/// RGB of a colour index, each 0..255.
+struct Colour {
+  unsigned char red = 0, green = 0, blue = 0;
+};
+
+/// The colour of an index without a palette: Espalier's own readable botanical ramp.
+[[nodiscard]] Colour defaultColour(std::int32_t index);
 
 /// The colours of one picture: those of a model folder's maps or materials, else Espalier's own. There a scene whose
 /// lines all have the turtle's default colour 128 says nothing about colour: its branches then go from brown to green

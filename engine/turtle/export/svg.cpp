@@ -1,3 +1,5 @@
+#include "engine/turtle/export/svg.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -5,7 +7,6 @@
 #include <set>
 #include <vector>
 
-#include "engine/turtle/export/exporters.h"
 #include "engine/turtle/export/mesh.h"
 #include "engine/turtle/export/palette.h"
 #include "engine/turtle/export/projection.h"

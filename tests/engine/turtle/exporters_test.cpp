@@ -7,8 +7,10 @@
 #include <sstream>
 
 #include "engine/turtle/export/mesh.h"
+#include "engine/turtle/export/obj.h"
 #include "engine/turtle/export/palette.h"
 #include "engine/turtle/export/projection.h"
+#include "engine/turtle/export/svg.h"
 #include "engine/turtle/export/tubes.h"
 #include "tests/engine/turtle/turtle_fixture.h"
 
@@ -46,6 +48,21 @@ std::size_t count(const std::string& text, const std::string& part) {
     ++found;
   }
   return found;
+}
+
+struct WrittenObj {
+  core::StringSink object;
+  core::StringSink materials;
+};
+
+// an OBJ without a name has no companion
+void writeObj(const Scene& scene, const language::ViewSettings& view, const std::string& fileName,
+              WrittenObj& written) {
+  ExportTarget target{.fileName = fileName, .sink = written.object, .openCompanion = {}, .progress = {}};
+  if (!fileName.empty()) {
+    target.openCompanion = [&written](const std::string&) -> core::ByteSink& { return written.materials; };
+  }
+  EXPECT_EQ(exportObj({.scene = scene, .view = view}, target), std::nullopt);
 }
 
 // what a reader of an OBJ file sees
@@ -91,6 +108,25 @@ ObjContent parseObj(const std::string& text) {
     }
   }
   return content;
+}
+
+TEST(Exporters, FormatsAreFoundByNameAndBySuffixInAnyCase) {
+  for (const ExportFormat& format : exportFormats()) {
+    EXPECT_EQ(findExportFormat(format.name), &format);
+    EXPECT_EQ(findExportFormatOfFile("a.b" + std::string(format.suffix)), &format);
+    EXPECT_TRUE(format.suffix.starts_with('.'));
+    EXPECT_FALSE(format.summary.empty());
+  }
+  EXPECT_EQ(findExportFormatOfFile("TREE.OBJ"), findExportFormat("obj"));
+  EXPECT_EQ(findExportFormatOfFile("tree"), nullptr);
+  EXPECT_EQ(findExportFormat("OBJ"), nullptr);
+}
+
+TEST(Exporters, ASuffixIsReplacedOrAdded) {
+  EXPECT_EQ(withSuffix("tree.obj", ".mtl"), "tree.mtl");
+  EXPECT_EQ(withSuffix("a.tree.obj", ".mtl"), "a.tree.mtl");
+  EXPECT_EQ(withSuffix("tree", ".mtl"), "tree.mtl");
+  EXPECT_EQ(withSuffix(".tree", ".mtl"), ".tree.mtl");
 }
 
 TEST(Svg, EveryOrganIsPainted) {
@@ -186,10 +222,9 @@ TEST(Projection, LookingDownHasMinusZUp) {
 TEST(Obj, IndicesAreValidNormalsUnitAndOrgansNamed) {
   TurtleRun run(kPlant, plantView());
   run.draw();
-  core::StringSink object;
-  core::StringSink materials;
-  writeObj(run.scene, run.program.view, "plant.mtl", object, materials);
-  const ObjContent content = parseObj(object.text());
+  WrittenObj written;
+  writeObj(run.scene, run.program.view, "plant.obj", written);
+  const ObjContent content = parseObj(written.object.text());
   EXPECT_EQ(content.library, "plant.mtl");
   EXPECT_EQ(content.objects, (std::set<std::string>{"plant_0_balls", "plant_0_branches", "plant_0_cylinders",
                                                     "plant_0_polygons", "plant_0_surfaces"}));
@@ -209,7 +244,7 @@ TEST(Obj, IndicesAreValidNormalsUnitAndOrgansNamed) {
     EXPECT_NEAR(core::length(normal), 1.0, 1e-4);
   }
   for (const std::string& material : content.materials) {
-    EXPECT_NE(materials.text().find("newmtl " + material + "\n"), std::string::npos);
+    EXPECT_NE(written.materials.text().find("newmtl " + material + "\n"), std::string::npos);
   }
 }
 
@@ -219,10 +254,9 @@ TEST(Obj, AStraightTubeHasItsRadiusAndSharesTheRingAtTheJoint) {
   view.contourSides = 6;
   TurtleRun run("!(2)F(3)F(4)", view);
   run.draw();
-  core::StringSink object;
-  core::StringSink materials;
-  writeObj(run.scene, view, "", object, materials);
-  const ObjContent content = parseObj(object.text());
+  WrittenObj written;
+  writeObj(run.scene, view, "", written);
+  const ObjContent content = parseObj(written.object.text());
   // three rings of 7 vertices, two ends of 8
   EXPECT_EQ(content.vertices.size(), 3U * 7U + 2U * 8U);
   EXPECT_EQ(content.faces.size(), 2U * 6U + 2U * 6U);
@@ -238,10 +272,9 @@ TEST(Obj, FacesLookOutward) {
   view.lineStyle = language::LineStyle::Cylinder;
   TurtleRun run("!(1)F(2)@M(5,0)@O(2)", view);
   run.draw();
-  core::StringSink object;
-  core::StringSink materials;
-  writeObj(run.scene, view, "x.mtl", object, materials);
-  const ObjContent content = parseObj(object.text());
+  WrittenObj written;
+  writeObj(run.scene, view, "x.obj", written);
+  const ObjContent content = parseObj(written.object.text());
   for (const auto& face : content.faces) {
     const auto at = [&](std::size_t k) { return content.vertices[static_cast<std::size_t>(face[k][0] - 1)]; };
     const core::Vec3 normal = core::cross(at(1) - at(0), at(2) - at(0)) +

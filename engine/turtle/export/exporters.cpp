@@ -1,0 +1,54 @@
+#include "engine/turtle/export/exporters.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+
+#include "engine/turtle/export/obj.h"
+#include "engine/turtle/export/svg.h"
+
+namespace espalier::turtle {
+
+namespace {
+
+std::optional<std::string> exportSvg(const ExportInput& input, const ExportTarget& target) {
+  writeSvg(input.scene, input.view, {.palette = input.palette}, target.sink);
+  return std::nullopt;
+}
+
+constexpr std::array kFormats = {
+    ExportFormat{"svg", ".svg", "a picture of paths and shapes", exportSvg},
+    ExportFormat{"obj", ".obj", "triangles and quads for 3-D programs, with a .mtl of colours", exportObj},
+};
+
+char lowerCase(char c) {
+  return static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+}
+
+}  // namespace
+
+std::span<const ExportFormat> exportFormats() {
+  return kFormats;
+}
+
+const ExportFormat* findExportFormat(std::string_view name) {
+  const auto* const found = std::ranges::find(kFormats, name, &ExportFormat::name);
+  return found == kFormats.end() ? nullptr : found;
+}
+
+const ExportFormat* findExportFormatOfFile(std::string_view fileName) {
+  const auto* const found = std::ranges::find_if(kFormats, [fileName](const ExportFormat& format) {
+    return fileName.size() >= format.suffix.size() &&
+           std::ranges::equal(fileName.substr(fileName.size() - format.suffix.size()), format.suffix, {}, lowerCase);
+  });
+  return found == kFormats.end() ? nullptr : found;
+}
+
+std::string withSuffix(std::string_view fileName, std::string_view suffix) {
+  const std::size_t point = fileName.rfind('.');
+  // a leading point begins a hidden file's name
+  const bool hasSuffix = point != std::string_view::npos && point > 0;
+  return std::string(hasSuffix ? fileName.substr(0, point) : fileName) + std::string(suffix);
+}
+
+}  // namespace espalier::turtle

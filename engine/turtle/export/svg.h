@@ -1,0 +1,23 @@
+#pragma once
+
+#include "engine/core/streams.h"
+#include "engine/language/colour_files.h"
+#include "engine/language/view_settings.h"
+#include "engine/turtle/scene.h"
+
+namespace espalier::turtle {
+
+struct SvgOptions {
+  double widthPixels = 800.0;
+  double heightPixels = 800.0;
+  double marginFraction = 0.05;
+  bool hasBackground = true;
+  const language::Palette* palette =
+      nullptr;  // a model folder's colours, its background too; null or empty: Espalier's own
+};
+
+/// Writes a picture of the scene as SVG 1.1: parallel or perspective view of the view settings, far to near, tapered
+/// branches as polygons, fitted to the picture with the margin. Deterministic text. O(n log n).
+void writeSvg(const Scene& scene, const language::ViewSettings& view, const SvgOptions& options, core::ByteSink& sink);
+
+}  // namespace espalier::turtle
