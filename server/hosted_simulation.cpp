@@ -50,14 +50,18 @@ std::optional<protocol::Error> HostedSimulation::build(std::shared_ptr<const lan
 
 std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> HostedSimulation::create(
     SimulationRecord record, std::shared_ptr<const language::Program> program, const core::Limits& limits,
-    const EnvironmentServices& services, const DataFolder& data) {
+    const EnvironmentServices& services, const DataFolder& data, Interruption& interruption) {
   std::unique_ptr<HostedSimulation> hosted(new HostedSimulation(std::move(record), limits, services, data));
   if (auto error = hosted->build(std::move(program), false)) {
     return std::move(*error);
   }
-  if (auto error = hosted->simulation_->rewind()) {
-    return toError(*error, hosted->environmentNames_);
+  {
+    const Interruption::Scope scope(interruption, [&hosted] { hosted->setCancelled(true); });
+    if (auto error = hosted->simulation_->rewind()) {
+      return toError(*error, hosted->environmentNames_);
+    }
   }
+  hosted->setCancelled(false);
   if (data.isKept() && hosted->record_.create.isSaved) {
     if (auto problem = data.saveRecord(hosted->record_)) {
       return protocol::Error{protocol::ErrorCode::Storage, *problem, {}};

@@ -12,6 +12,7 @@
 #include "protocol/messages.h"
 #include "server/data_folder.h"
 #include "server/environment_builder.h"
+#include "server/interruption.h"
 
 namespace espalier::server {
 
@@ -20,9 +21,10 @@ namespace espalier::server {
 class HostedSimulation {
  public:
   /// Builds the environment, goes to step 0 and saves. `limits` are the server's; the record can lower them.
+  /// `interruption` ends it, as long as nothing is saved.
   [[nodiscard]] static std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> create(
       SimulationRecord record, std::shared_ptr<const language::Program> program, const core::Limits& limits,
-      const EnvironmentServices& services, const DataFolder& data);
+      const EnvironmentServices& services, const DataFolder& data, Interruption& interruption);
   /// From the data folder. Environments in other processes may be away; stepping asks for them again.
   [[nodiscard]] static std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> load(
       SimulationRecord record, std::string_view snapshot, const core::Limits& limits,

@@ -19,9 +19,18 @@ namespace {
 
 using protocol::ErrorCode;
 
-/// Runs work on the pool; its exceptions become the answer.
-void runOnPool(Session& session, const protocol::MessageId& id, std::function<void(Session&)> work) {
-  session.core().pool().post([weak = session.weak_from_this(), id, work = std::move(work)] {
+/// Runs work on the pool; its exceptions become the answer. `interruption`, when given, ends it when the request is
+/// cancelled, the connection lost or the time of a call over.
+void runOnPool(Session& session, const protocol::MessageId& id, std::function<void(Session&)> work,
+               const std::shared_ptr<Interruption>& interruption = nullptr) {
+  WorkerPool::Task task;
+  task.owner = session.id();
+  if (interruption != nullptr) {
+    session.onCancel(id, [interruption] { interruption->interrupt(Interruption::Reason::Cancelled); });
+    task.limit = std::chrono::seconds(session.core().options().limits.callSeconds);
+    task.onLimit = [interruption] { interruption->interrupt(Interruption::Reason::CallSeconds); };
+  }
+  task.run = [weak = session.weak_from_this(), id, work = std::move(work)] {
     const auto self = weak.lock();
     if (self == nullptr) {
       return;
@@ -36,7 +45,8 @@ void runOnPool(Session& session, const protocol::MessageId& id, std::function<vo
           id,
           {ErrorCode::Internal, std::string("Espalier has a bug: ") + exception.what() + ". Please report it.", {}});
     }
-  });
+  };
+  session.core().pool().post(std::move(task));
 }
 
 // ---- models ----
@@ -110,9 +120,13 @@ void simulationCreate(Session& session, const protocol::Message& message) {
       return;
     }
   }
-  runOnPool(session, message.id, [id = message.id, create = std::move(params)](Session& self) mutable {
-    createSimulation(self, id, std::move(create));
-  });
+  const auto interruption = std::make_shared<Interruption>();
+  runOnPool(
+      session, message.id,
+      [id = message.id, create = std::move(params), interruption](Session& self) mutable {
+        createSimulation(self, id, std::move(create), *interruption);
+      },
+      interruption);
 }
 
 /// The runner named in the params, or nothing after answering.

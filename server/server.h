@@ -6,22 +6,9 @@
 #include <optional>
 #include <string>
 
-#include "engine/core/limits.h"
+#include "server/limits.h"
 
 namespace espalier::server {
-
-struct ServerLimits {
-  std::uint64_t lineBytes = 64'000'000;
-  std::uint64_t outboxBytes = 64'000'000;  // per session; a slow viewer is moved to the latest key frame instead
-  std::uint32_t sessions = 1'000;
-  std::uint32_t simulations = 10'000;
-  std::uint32_t streamsPerSession = 100;
-  std::uint32_t requestsPerSession = 1'000;  // in progress at a time
-  std::uint32_t handshakeMilliseconds = 10'000;
-  std::uint32_t environmentStepMilliseconds = 60'000;
-  /// Of each simulation. A server has many of them: one string may take 4 GB, where a program of its own may take 16.
-  core::Limits simulation{.maximumModules = 200'000'000, .maximumStringBytes = 4'000'000'000};
-};
 
 struct ServerOptions {
   std::string host = "127.0.0.1";

@@ -34,7 +34,7 @@ ServerCore::ServerCore(ServerOptions options)
       log_(options_.logLevel),
       data_(options_.dataFolder),
       models_(options_.galleryFolder),
-      pool_(options_.workers) {}
+      pool_({.workers = options_.workers}) {}
 
 EnvironmentServices ServerCore::environmentServices() {
   EnvironmentServices services;
@@ -90,7 +90,7 @@ std::optional<std::string> ServerCore::reserve() {
 }
 
 void ServerCore::add(const std::string& simulation, std::unique_ptr<HostedSimulation> hosted) {
-  auto runner = std::make_shared<SimulationRunner>(std::move(hosted), pool_, log_);
+  auto runner = std::make_shared<SimulationRunner>(std::move(hosted), pool_, log_, options_.limits.callSeconds);
   const std::lock_guard lock(mutex_);
   simulations_.insert_or_assign(simulation, std::move(runner));
 }

@@ -104,7 +104,7 @@ void Session::onMessage(const protocol::Message& message) {
       if (inProgress_.size() >= bound) {
         refusal = protocol::limitError("requestsPerSession", inProgress_.size() + 1, bound,
                                        "Wait for answers before asking more.");
-      } else if (!inProgress_.emplace(protocol::toText(message.id), InProgress{}).second) {
+      } else if (!inProgress_.emplace(protocol::toText(message.id), std::function<void()>()).second) {
         refusal = protocol::Error{protocol::ErrorCode::InvalidRequest,
                                   "The id " + protocol::toText(message.id) +
                                       " belongs to a request in progress. Give each request an id of its own.",
@@ -176,19 +176,15 @@ void Session::onHello(const protocol::Message& message) {
   isGreeted_ = true;
   core_->log().info("session " + id_ + ": " + (hello.name.empty() ? std::string("a peer") : hello.name) + " " +
                     hello.version + " from " + connection_->peerName());
-  const ServerLimits& limits = options.limits;
+  std::vector<std::pair<std::string, std::uint64_t>> limits;
+  for (const LimitEntry& entry : limitEntries()) {
+    limits.emplace_back(entry.name, entry.get(options.limits));
+  }
   const protocol::HelloResult result{.protocol = protocol::kProtocolVersion,
                                      .session = id_,
                                      .server = "espalier " + std::string(protocol::kProgramVersion),
                                      .capabilities = {"checkpoint", "cancel", "streams", "credits", "offer"},
-                                     .limits = {{"lineBytes", limits.lineBytes},
-                                                {"outboxBytes", limits.outboxBytes},
-                                                {"sessions", limits.sessions},
-                                                {"simulations", limits.simulations},
-                                                {"streamsPerSession", limits.streamsPerSession},
-                                                {"requestsPerSession", limits.requestsPerSession},
-                                                {"modules", limits.simulation.maximumModules},
-                                                {"queries", limits.simulation.maximumQueries}}};
+                                     .limits = std::move(limits)};
   respond(message.id, protocol::encode(result));
 }
 
@@ -238,7 +234,7 @@ void Session::failPendingCalls(const LinkFailure& failure) {
 }
 
 void Session::onClosed() {
-  std::map<std::string, InProgress> requests;
+  std::map<std::string, std::function<void()>> requests;
   {
     const std::lock_guard lock(mutex_);
     isClosed_ = true;
@@ -251,11 +247,9 @@ void Session::onClosed() {
   core_->offered().withdraw(this);
   failPendingCalls({LinkFailure::Kind::Closed, "closed the connection", {}});
   // requests end with the connection they came on, also within a step: who has left keeps no worker busy
-  for (const auto& [id, request] : requests) {
-    const auto runner = request.runner.lock();
-    const auto command = request.command.lock();
-    if (runner != nullptr && command != nullptr) {
-      runner->cancel(command);
+  for (const auto& [id, cancel] : requests) {
+    if (cancel) {
+      cancel();
     }
   }
   core_->log().debug("session " + id_ + " is closed");
@@ -287,27 +281,33 @@ void Session::forget(const std::string& id) {
 
 void Session::submit(const protocol::MessageId& id, std::shared_ptr<SimulationRunner> runner,
                      std::shared_ptr<Command> command) {
-  {
-    const std::lock_guard lock(mutex_);
-    inProgress_[protocol::toText(id)] = {runner, command};
-  }
+  onCancel(id, [weakRunner = std::weak_ptr(runner), weakCommand = std::weak_ptr(command)] {
+    const auto owner = weakRunner.lock();
+    const auto submitted = weakCommand.lock();
+    if (owner != nullptr && submitted != nullptr) {
+      owner->cancel(submitted);
+    }
+  });
   runner->submit(std::move(command));
 }
 
+void Session::onCancel(const protocol::MessageId& id, std::function<void()> cancel) {
+  const std::lock_guard lock(mutex_);
+  inProgress_[protocol::toText(id)] = std::move(cancel);
+}
+
 void Session::cancelRequest(const protocol::MessageId& id) {
-  InProgress request;
+  std::function<void()> cancel;
   {
     const std::lock_guard lock(mutex_);
     const auto found = inProgress_.find(protocol::toText(id));
     if (found == inProgress_.end()) {
       return;
     }
-    request = found->second;
+    cancel = found->second;
   }
-  const auto runner = request.runner.lock();
-  const auto command = request.command.lock();
-  if (runner != nullptr && command != nullptr) {
-    runner->cancel(command);
+  if (cancel) {
+    cancel();
   }
 }
 

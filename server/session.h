@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -50,6 +51,8 @@ class Session final : public AskedPeer, public std::enable_shared_from_this<Sess
   /// Sends a command to a simulation as the work of a request, so that $/cancel and a lost connection reach it.
   void submit(const protocol::MessageId& id, std::shared_ptr<SimulationRunner> runner,
               std::shared_ptr<Command> command);
+  /// How a request in progress is given up when it is cancelled or its connection is lost.
+  void onCancel(const protocol::MessageId& id, std::function<void()> cancel);
   void cancelRequest(const protocol::MessageId& id);
   /// Nothing when the session has as many streams as it may.
   [[nodiscard]] std::shared_ptr<Stream> openStream(protocol::StreamOpenParams params, SimulationRunner& runner);
@@ -57,11 +60,6 @@ class Session final : public AskedPeer, public std::enable_shared_from_this<Sess
   [[nodiscard]] bool closeStream(const std::string& id);
 
  private:
-  struct InProgress {
-    std::weak_ptr<SimulationRunner> runner;
-    std::weak_ptr<Command> command;
-  };
-
   void onMessage(const protocol::Message& message);
   void onAnswer(const protocol::Message& message);
   void onHello(const protocol::Message& message);
@@ -79,7 +77,7 @@ class Session final : public AskedPeer, public std::enable_shared_from_this<Sess
   std::uint64_t askedCount_ = 0;
   std::uint64_t streamCount_ = 0;
   std::map<std::string, std::shared_ptr<PendingCall>> pending_;  // questions to the peer, by id
-  std::map<std::string, InProgress> inProgress_;                 // its requests, by the text of their id
+  std::map<std::string, std::function<void()>> inProgress_;      // how to cancel its requests, by the text of their id
   std::map<std::string, std::pair<std::shared_ptr<Stream>, std::weak_ptr<SimulationRunner>>> streams_;
 };
 

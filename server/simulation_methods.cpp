@@ -16,6 +16,7 @@ std::shared_ptr<Command> makeCommand(
     SessionPointer session, const protocol::MessageId& id,
     std::function<std::variant<std::string, protocol::Error>(SimulationRunner&)> work) {
   auto command = std::make_shared<Command>();
+  command->owner = session->id();
   std::weak_ptr<Session> weak = session;
   command->advance = [weak, id, work = std::move(work)](SimulationRunner& runner, Command&) {
     const auto self = weak.lock();
@@ -42,6 +43,19 @@ protocol::Error cancelledError(std::uint64_t step) {
   protocol::JsonWriter data;
   data.beginObject().key("step").integer(step).endObject();
   return {ErrorCode::Cancelled, "Cancelled; the simulation stays at step " + std::to_string(step) + ".", data.take()};
+}
+
+/// A call that computed too long. `outcome` says how things are now, `step` is the last completed one.
+protocol::Error callSecondsError(std::uint64_t bound, const std::string& outcome, std::optional<std::uint64_t> step) {
+  protocol::JsonWriter data;
+  data.beginObject().key("limit").text("callSeconds").key("value").integer(bound + 1).key("bound").integer(bound);
+  if (step) {
+    data.key("step").integer(*step);
+  }
+  return {ErrorCode::Limit,
+          "callSeconds is limited to " + std::to_string(bound) + ", and this has computed longer. " + outcome +
+              " Use a smaller model, or start the server with a higher --limit callSeconds=N.",
+          data.endObject().take()};
 }
 
 /// The seed that a run uses: the caller's, else the model's, else one drawn now.
@@ -106,9 +120,19 @@ bool advanceSteps(SimulationRunner& runner, Command& command, Session& session, 
     progress.milliseconds += milliseconds;
     runner.setMilliseconds(milliseconds);
   }
+  if (error && command.isCancelled) {
+    runner.setLastError({});
+    session.respondError(id, cancelledError(simulation.completedSteps()));
+    return false;
+  }
   if (error) {
-    runner.setLastError(command.isCancelled ? std::string() : error->message);
-    session.respondError(id, command.isCancelled ? cancelledError(simulation.completedSteps()) : *error);
+    const std::uint64_t stays = simulation.completedSteps();
+    const protocol::Error reason =
+        command.isOverLimit ? callSecondsError(runner.callSeconds(),
+                                               "The simulation stays at step " + std::to_string(stays) + ".", stays)
+                            : *error;
+    runner.setLastError(reason.message);
+    session.respondError(id, reason);
     return false;
   }
   runner.setLastError({});
@@ -186,7 +210,8 @@ std::string stateAfter(SimulationRunner& runner) {
 
 }  // namespace
 
-void createSimulation(Session& session, const protocol::MessageId& id, protocol::CreateParams params) {
+void createSimulation(Session& session, const protocol::MessageId& id, protocol::CreateParams params,
+                      Interruption& interruption) {
   ServerCore& core = session.core();
   auto compiled = core.models().compile(params.model, core.options().limits.simulation);
   if (const auto* error = std::get_if<protocol::Error>(&compiled)) {
@@ -221,14 +246,24 @@ void createSimulation(Session& session, const protocol::MessageId& id, protocol:
   std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> made = protocol::Error{};
   try {
     made = HostedSimulation::create(std::move(record), model.result.program, core.options().limits.simulation,
-                                    core.environmentServices(), core.data());
+                                    core.environmentServices(), core.data(), interruption);
   } catch (...) {
     core.remove(*name);
     throw;
   }
   if (const auto* error = std::get_if<protocol::Error>(&made)) {
     core.remove(*name);
-    session.respondError(id, *error);
+    switch (interruption.reason()) {
+      case Interruption::Reason::None:
+        session.respondError(id, *error);
+        break;
+      case Interruption::Reason::Cancelled:
+        session.respondError(id, {ErrorCode::Cancelled, "Cancelled; nothing was created.", {}});
+        break;
+      case Interruption::Reason::CallSeconds:
+        session.respondError(id, callSecondsError(core.options().limits.callSeconds, "Nothing was created.", {}));
+        break;
+    }
     return;
   }
   auto& hosted = std::get<std::unique_ptr<HostedSimulation>>(made);
@@ -249,6 +284,8 @@ void createSimulation(Session& session, const protocol::MessageId& id, protocol:
 std::shared_ptr<Command> makeStepCommand(SessionPointer session, const protocol::MessageId& id,
                                          protocol::StepParams params) {
   auto command = std::make_shared<Command>();
+  command->lane = Lane::Step;
+  command->owner = session->id();
   const auto progress = std::make_shared<StepProgress>();
   progress->params = std::move(params);
   std::weak_ptr<Session> weak = session;
@@ -310,6 +347,7 @@ std::shared_ptr<Command> makeRestoreCommand(SessionPointer session, const protoc
 std::shared_ptr<Command> makeStreamOpenCommand(SessionPointer session, const protocol::MessageId& id,
                                                std::shared_ptr<Stream> stream) {
   auto command = std::make_shared<Command>();
+  command->owner = session->id();
   std::weak_ptr<Session> weak = session;
   command->advance = [weak, id, stream](SimulationRunner& runner, Command&) {
     if (const auto owner = weak.lock()) {

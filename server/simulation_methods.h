@@ -15,7 +15,8 @@ class Session;
 using SessionPointer = std::shared_ptr<Session>;
 
 /// Compiles, builds, saves and answers. On a worker.
-void createSimulation(Session& session, const protocol::MessageId& id, protocol::CreateParams params);
+void createSimulation(Session& session, const protocol::MessageId& id, protocol::CreateParams params,
+                      Interruption& interruption);
 
 [[nodiscard]] std::shared_ptr<Command> makeStepCommand(SessionPointer session, const protocol::MessageId& id,
                                                        protocol::StepParams params);

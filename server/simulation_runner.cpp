@@ -7,8 +7,9 @@
 
 namespace espalier::server {
 
-SimulationRunner::SimulationRunner(std::unique_ptr<HostedSimulation> hosted, WorkerPool& pool, const Log& log)
-    : id_(hosted->record().id), hosted_(std::move(hosted)), pool_(&pool), log_(&log) {
+SimulationRunner::SimulationRunner(std::unique_ptr<HostedSimulation> hosted, WorkerPool& pool, const Log& log,
+                                   std::uint32_t callSeconds)
+    : id_(hosted->record().id), hosted_(std::move(hosted)), pool_(&pool), log_(&log), callSeconds_(callSeconds) {
   publishInformation();
 }
 
@@ -61,7 +62,13 @@ void SimulationRunner::submit(std::shared_ptr<Command> command) {
 void SimulationRunner::schedule() {
   if (!isScheduled_ && !queue_.empty()) {
     isScheduled_ = true;
-    pool_->post([self = shared_from_this()] { self->takeTurn(); });
+    const Command& next = *queue_.front();
+    const auto self = shared_from_this();
+    pool_->post({.run = [self] { self->takeTurn(); },
+                 .lane = next.lane,
+                 .owner = next.owner,
+                 .limit = std::chrono::seconds(callSeconds_),
+                 .onLimit = [self, turn = turnCount_ + 1] { self->giveUpTurn(turn); }});
   }
 }
 
@@ -69,6 +76,7 @@ void SimulationRunner::takeTurn() {
   std::shared_ptr<Command> command;
   {
     const std::lock_guard lock(mutex_);
+    ++turnCount_;
     if (queue_.empty()) {
       isScheduled_ = false;
       return;
@@ -76,6 +84,7 @@ void SimulationRunner::takeTurn() {
     command = std::move(queue_.front());
     queue_.pop_front();
     current_ = command;
+    command->isOverLimit = false;
     hosted_->setCancelled(false);
   }
   bool wantsMore = false;
@@ -87,6 +96,14 @@ void SimulationRunner::takeTurn() {
   }
   isScheduled_ = false;
   schedule();
+}
+
+void SimulationRunner::giveUpTurn(std::uint64_t turn) {
+  const std::lock_guard lock(mutex_);
+  if (current_ != nullptr && turnCount_ == turn) {
+    current_->isOverLimit = true;
+    hosted_->setCancelled(true);
+  }
 }
 
 void SimulationRunner::runGuarded(Command& command, bool& wantsMore) {

@@ -24,14 +24,19 @@ class SimulationRunner;
 struct Command {
   std::function<bool(SimulationRunner&, Command&)> advance;
   std::function<void(const protocol::Error&)> fail;
+  Lane lane = Lane::Short;  // of its turns
+  std::string owner;        // the session whose share of the workers they take
   std::atomic<bool> isCancelled{false};
+  std::atomic<bool> isOverLimit{false};  // this turn took longer than a call may
 };
 
 /// Gives a simulation its turns on the pool: one worker owns it at a time, commands run in the order they came, and
 /// everyone else sees the published information. Lives as long as somebody holds it.
 class SimulationRunner final : public std::enable_shared_from_this<SimulationRunner> {
  public:
-  SimulationRunner(std::unique_ptr<HostedSimulation> hosted, WorkerPool& pool, const Log& log);
+  /// A turn that computes longer than `callSeconds` is given up; 0: never.
+  SimulationRunner(std::unique_ptr<HostedSimulation> hosted, WorkerPool& pool, const Log& log,
+                   std::uint32_t callSeconds);
 
   // thread-safe
   void submit(std::shared_ptr<Command> command);
@@ -52,6 +57,7 @@ class SimulationRunner final : public std::enable_shared_from_this<SimulationRun
 
   // inside Command::advance only
   [[nodiscard]] HostedSimulation& hosted() { return *hosted_; }
+  [[nodiscard]] std::uint32_t callSeconds() const { return callSeconds_; }
   /// Sends frames of the present state to the streams that want one. `isDue`: a step was just completed.
   void publishFrames(bool isDue);
   /// A viewer that comes late sees the present state at once.
@@ -63,6 +69,7 @@ class SimulationRunner final : public std::enable_shared_from_this<SimulationRun
  private:
   void schedule();  // with mutex_ held
   void takeTurn();
+  void giveUpTurn(std::uint64_t turn);
   void runGuarded(Command& command, bool& wantsMore);
   void publishInformation();  // without mutex_
   void publishTo(Stream& stream, std::optional<std::vector<turtle::TurtleRecord>>& records);
@@ -71,6 +78,7 @@ class SimulationRunner final : public std::enable_shared_from_this<SimulationRun
   std::unique_ptr<HostedSimulation> hosted_;
   WorkerPool* pool_;
   const Log* log_;
+  const std::uint32_t callSeconds_;
   double milliseconds_ = 0.0;  // of the last step; the owner's
   std::string lastError_;      // the owner's
 
@@ -78,6 +86,7 @@ class SimulationRunner final : public std::enable_shared_from_this<SimulationRun
   std::deque<std::shared_ptr<Command>> queue_;
   std::shared_ptr<Command> current_;
   bool isScheduled_ = false;
+  std::uint64_t turnCount_ = 0;  // turns begun
   std::optional<protocol::Error> closed_;
   protocol::SimulationInformation information_;
   std::vector<std::shared_ptr<Stream>> streams_;

@@ -3,87 +3,232 @@
 #include <algorithm>
 
 namespace espalier::server {
+namespace {
 
-WorkerPool::WorkerPool(unsigned workers)
-    : workers_(workers > 0 ? workers : std::max(1U, std::thread::hardware_concurrency())) {}
+/// How often the keeper looks while tasks run, at most.
+constexpr std::chrono::milliseconds kLongestLook{50};
+
+}  // namespace
+
+thread_local WorkerPool::Running* WorkerPool::current_ = nullptr;
+
+WorkerPool::WorkerPool(const WorkerPoolOptions& options)
+    : workers_(options.workers > 0 ? options.workers : std::max(1U, std::thread::hardware_concurrency())),
+      overtime_(options.overtime) {
+  lanes_[static_cast<std::size_t>(Lane::Short)].workers = std::max(2U, workers_);
+  lanes_[static_cast<std::size_t>(Lane::Step)].workers = workers_;
+  keeper_ = std::thread([this] { keepTime(); });
+}
 
 WorkerPool::~WorkerPool() {
   std::vector<std::thread> threads;
   {
     std::unique_lock lock(mutex_);
-    idle_.wait(lock, [this] { return tasks_.empty() && running_ == 0; });
+    idle_.wait(lock, [this] { return isIdle(); });
     isStopping_ = true;
     threads.swap(threads_);
   }
   wake_.notify_all();
+  time_.notify_all();
   for (std::thread& thread : threads) {
     thread.join();
   }
+  keeper_.join();
 }
 
 void WorkerPool::post(Task task) {
   {
     const std::lock_guard lock(mutex_);
-    tasks_.push_back(std::move(task));
+    LaneState& lane = laneOf(task);
+    ++lane.waiting;
+    lane.owners[task.owner].tasks.push_back(std::move(task));
     startThreadIfNeeded();
   }
   wake_.notify_one();
 }
 
-std::size_t WorkerPool::computing() const {
-  return running_ > blocked_ ? running_ - blocked_ : 0;
+WorkerPool::Owner* WorkerPool::nextOwner(LaneState& lane) {
+  if (lane.waiting == 0 || lane.counted >= lane.workers || lane.computing >= lane.workers + kMaximumOvertime) {
+    return nullptr;
+  }
+  // who computes least, and of those who was served longest ago
+  Owner* next = nullptr;
+  for (auto& [name, owner] : lane.owners) {
+    const bool isReady =
+        !owner.tasks.empty() && owner.computing < lane.workers && owner.blocked < kMaximumBlockedPerOwner;
+    if (isReady && (next == nullptr || owner.computing < next->computing ||
+                    (owner.computing == next->computing && owner.lastServed < next->lastServed))) {
+      next = &owner;
+    }
+  }
+  return next;
+}
+
+WorkerPool::LaneState* WorkerPool::readyLane() {
+  for (LaneState& lane : lanes_) {
+    if (nextOwner(lane) != nullptr) {
+      return &lane;
+    }
+  }
+  return nullptr;
 }
 
 void WorkerPool::startThreadIfNeeded() {
-  const bool hasWork = !tasks_.empty() && computing() < workers_;
-  if (hasWork && waiting_ == 0 && threads_.size() < kMaximumThreads) {
-    ++waiting_;
+  if (freeThreads_ == 0 && threads_.size() < kMaximumThreads && readyLane() != nullptr) {
+    ++freeThreads_;
     threads_.emplace_back([this] { work(); });
+  }
+}
+
+bool WorkerPool::isIdle() const {
+  return running_.empty() &&
+         std::all_of(lanes_.begin(), lanes_.end(), [](const LaneState& lane) { return lane.waiting == 0; });
+}
+
+void WorkerPool::begin(Running& running) {
+  LaneState& lane = laneOf(running.task);
+  Owner& owner = lane.owners[running.task.owner];
+  --lane.waiting;
+  ++lane.counted;
+  ++lane.computing;
+  ++owner.computing;
+  owner.lastServed = ++begunCount_;
+  running.start = Clock::now();
+  if (isKeeperResting_) {
+    isKeeperResting_ = false;
+    time_.notify_one();
+  }
+}
+
+void WorkerPool::end(Running& running) {
+  LaneState& lane = laneOf(running.task);
+  const auto owner = lane.owners.find(running.task.owner);
+  --lane.computing;
+  --owner->second.computing;
+  if (!running.isOvertime) {
+    --lane.counted;
+  }
+  if (owner->second.tasks.empty() && owner->second.computing == 0 && owner->second.blocked == 0) {
+    lane.owners.erase(owner);
   }
 }
 
 void WorkerPool::work() {
   std::unique_lock lock(mutex_);
   while (true) {
-    wake_.wait(lock, [this] { return isStopping_ || (!tasks_.empty() && computing() < workers_); });
+    wake_.wait(lock, [this] { return isStopping_ || readyLane() != nullptr; });
     if (isStopping_) {
       return;
     }
-    Task task = std::move(tasks_.front());
-    tasks_.pop_front();
-    --waiting_;
-    ++running_;
+    Owner& owner = *nextOwner(*readyLane());
+    const auto running = running_.emplace(running_.end());
+    running->task = std::move(owner.tasks.front());
+    owner.tasks.pop_front();
+    begin(*running);
+    --freeThreads_;
     // more tasks than threads that look for one
     startThreadIfNeeded();
     lock.unlock();
-    task();
-    task = nullptr;
+    current_ = &*running;
+    running->task.run();
+    running->task.run = nullptr;
+    current_ = nullptr;
     lock.lock();
-    --running_;
-    ++waiting_;
-    if (tasks_.empty() && running_ == 0) {
+    end(*running);
+    // what its callback holds may end in a destructor that posts
+    std::list<Running> done;
+    done.splice(done.begin(), running_, running);
+    ++freeThreads_;
+    if (isIdle()) {
       idle_.notify_all();
     }
+    lock.unlock();
+    done.clear();
+    lock.lock();
   }
 }
 
 void WorkerPool::blockWhile(const std::function<void()>& wait) {
+  Running* const running = current_;
+  if (running == nullptr) {
+    wait();
+    return;
+  }
+  const Clock::time_point before = Clock::now();
   {
     const std::lock_guard lock(mutex_);
-    ++blocked_;
+    LaneState& lane = laneOf(running->task);
+    Owner& owner = lane.owners[running->task.owner];
+    running->isBlocked = true;
+    --owner.computing;
+    ++owner.blocked;
+    --lane.computing;
+    lane.counted -= running->isOvertime ? 0U : 1U;
     startThreadIfNeeded();
   }
   wake_.notify_one();
   wait();
-  // for a moment one thread more than `workers` may compute: waiting for a place here could deadlock two that wait for
-  // each other
+  // for a moment one more than `workers` may compute: waiting for a place here could deadlock two that wait for each
+  // other
   const std::lock_guard lock(mutex_);
-  --blocked_;
+  LaneState& lane = laneOf(running->task);
+  Owner& owner = lane.owners[running->task.owner];
+  running->isBlocked = false;
+  running->start += Clock::now() - before;
+  ++owner.computing;
+  --owner.blocked;
+  ++lane.computing;
+  lane.counted += running->isOvertime ? 0U : 1U;
+}
+
+bool WorkerPool::look(Clock::time_point now, std::vector<std::function<void()>>& reached) {
+  bool isFreed = false;
+  for (Running& running : running_) {
+    if (running.isBlocked) {
+      continue;
+    }
+    const auto computed = now - running.start;
+    if (!running.isOvertime && computed >= overtime_) {
+      running.isOvertime = true;
+      --laneOf(running.task).counted;
+      isFreed = true;
+    }
+    const Task& task = running.task;
+    if (task.limit.count() > 0 && !running.isLimitReached && computed >= task.limit) {
+      running.isLimitReached = true;
+      reached.push_back(task.onLimit);
+    }
+  }
+  return isFreed;
+}
+
+void WorkerPool::keepTime() {
+  const auto interval = std::clamp(overtime_ / 4, std::chrono::milliseconds(1), kLongestLook);
+  std::vector<std::function<void()>> reached;
+  std::unique_lock lock(mutex_);
+  while (!isStopping_) {
+    if (running_.empty()) {
+      isKeeperResting_ = true;
+      time_.wait(lock, [this] { return isStopping_ || !isKeeperResting_; });
+      continue;
+    }
+    time_.wait_for(lock, interval, [this] { return isStopping_; });
+    if (look(Clock::now(), reached)) {
+      startThreadIfNeeded();
+      wake_.notify_all();
+    }
+    lock.unlock();
+    for (const auto& call : reached) {
+      call();
+    }
+    reached.clear();
+    lock.lock();
+  }
 }
 
 bool WorkerPool::waitUntilIdle(std::chrono::milliseconds time) {
   std::unique_lock lock(mutex_);
-  return idle_.wait_for(lock, time, [this] { return tasks_.empty() && running_ == 0; });
+  return idle_.wait_for(lock, time, [this] { return isIdle(); });
 }
 
 }  // namespace espalier::server

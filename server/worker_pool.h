@@ -1,31 +1,60 @@
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <condition_variable>
+#include <cstdint>
 #include <deque>
 #include <functional>
+#include <list>
+#include <map>
 #include <mutex>
+#include <string>
 #include <thread>
 #include <vector>
 
 namespace espalier::server {
 
-/// Threads that compute: compiling, stepping, saving. `workers` of them compute at a time. One that waits for a remote
-/// environment says so (blockWhile) and another takes its place, so that a slow environment starves nobody.
+/// Two kinds of work with workers of their own: short requests never wait behind steps.
+enum class Lane : std::uint8_t {
+  Short,  // compiling, creating, reading, saving
+  Step,   // steps of simulations
+};
+
+struct WorkerPoolOptions {
+  unsigned workers = 0;  // tasks of a lane that compute at a time; 0: as many as cores. Short has at least two
+  /// A task that computes longer gives its place to another, while it goes on.
+  std::chrono::milliseconds overtime{250};
+};
+
+/// Threads that compute: compiling, stepping, saving. In each lane `workers` tasks compute at a time, taken in turn
+/// from the owners who have some, so that no owner's number of tasks makes others wait. A task cannot be interrupted,
+/// so one beyond `overtime` is no longer counted and another is begun beside it: an endless step keeps a core busy,
+/// never the server. One owner has at most `workers` tasks of a lane computing, and all owners together
+/// kMaximumOvertime more than there are workers. A task that waits for a remote environment says so (blockWhile) and
+/// another takes its place.
 class WorkerPool {
  public:
-  using Task = std::function<void()>;
+  struct Task {
+    std::function<void()> run{};  // must not throw
+    Lane lane = Lane::Short;
+    std::string owner{};  // whose share it takes: a session; empty: the server's own
+    /// Once it has computed so long (waiting in blockWhile not counted) onLimit is called, once, from another thread,
+    /// perhaps when the task has just ended; 0: never.
+    std::chrono::milliseconds limit{0};
+    std::function<void()> onLimit{};
+  };
 
-  explicit WorkerPool(unsigned workers);
+  explicit WorkerPool(const WorkerPoolOptions& options);
   /// Waits for everything posted.
   ~WorkerPool();
   WorkerPool(const WorkerPool&) = delete;
   WorkerPool& operator=(const WorkerPool&) = delete;
 
-  /// Thread-safe. Tasks must not throw.
+  /// Thread-safe.
   void post(Task task);
 
-  /// Runs `wait`, which blocks, on the calling thread while another computes in its place.
+  /// Runs `wait`, which blocks, on the calling thread while another computes in its place. In a task only.
   void blockWhile(const std::function<void()>& wait);
 
   /// Waits until nothing is posted or running; false when the time is over before.
@@ -34,23 +63,62 @@ class WorkerPool {
   [[nodiscard]] unsigned workers() const { return workers_; }
 
  private:
+  using Clock = std::chrono::steady_clock;
+
+  /// A task that has a thread.
+  struct Running {
+    Task task;
+    Clock::time_point start;  // moved forward by the time spent in blockWhile
+    bool isBlocked = false;   // in blockWhile
+    bool isOvertime = false;
+    bool isLimitReached = false;
+  };
+  struct Owner {
+    std::deque<Task> tasks;
+    std::size_t computing = 0;     // running and not blocked
+    std::size_t blocked = 0;       // in blockWhile
+    std::uint64_t lastServed = 0;  // when a task was last begun, in numbers of begun tasks
+  };
+  struct LaneState {
+    unsigned workers = 1;
+    std::map<std::string, Owner> owners;  // those with tasks or running ones
+    std::size_t waiting = 0;              // tasks without a thread
+    std::size_t counted = 0;              // computing and not in overtime
+    std::size_t computing = 0;            // running and not blocked
+  };
+
   void work();
+  void keepTime();
   // with mutex_ held
+  [[nodiscard]] Owner* nextOwner(LaneState& lane);
+  [[nodiscard]] LaneState* readyLane();
   void startThreadIfNeeded();
-  [[nodiscard]] std::size_t computing() const;
+  [[nodiscard]] LaneState& laneOf(const Task& task) { return lanes_[static_cast<std::size_t>(task.lane)]; }
+  void begin(Running& running);
+  void end(Running& running);
+  [[nodiscard]] bool isIdle() const;
+  /// Marks tasks in overtime; whether any was found. Fills `reached` with what to call for tasks beyond their limit.
+  [[nodiscard]] bool look(Clock::time_point now, std::vector<std::function<void()>>& reached);
 
   static constexpr std::size_t kMaximumThreads = 1024;
+  static constexpr std::size_t kMaximumOvertime = 64;          // of each lane
+  static constexpr std::size_t kMaximumBlockedPerOwner = 256;  // of each lane
+  static thread_local Running* current_;                       // of this thread; null: none
 
   const unsigned workers_;
+  const std::chrono::milliseconds overtime_;
   std::mutex mutex_;
   std::condition_variable wake_;
   std::condition_variable idle_;
-  std::deque<Task> tasks_;
-  std::size_t running_ = 0;  // tasks being run, blocked ones included
-  std::size_t blocked_ = 0;  // of them, inside blockWhile
-  std::size_t waiting_ = 0;  // threads without a task
+  std::condition_variable time_;
+  std::array<LaneState, 2> lanes_;
+  std::list<Running> running_;
+  std::uint64_t begunCount_ = 0;
+  std::size_t freeThreads_ = 0;   // threads that look for a task
+  bool isKeeperResting_ = false;  // nothing runs: it waits to be called
   bool isStopping_ = false;
   std::vector<std::thread> threads_;
+  std::thread keeper_;
 };
 
 }  // namespace espalier::server

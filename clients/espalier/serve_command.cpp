@@ -1,7 +1,6 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <fstream>
-#include <map>
 #include <memory>
 #include <optional>
 
@@ -20,49 +19,15 @@ struct ServeOptions {
   server::ServerOptions server;
 };
 
-/// Sets a limit by its name on the wire. An error sentence for an unknown name or a bad number.
-std::optional<std::string> setLimit(const std::string& text, server::ServerLimits& limits) {
-  const std::size_t equals = text.find('=');
-  std::uint64_t number = 0;
-  try {
-    std::size_t used = 0;
-    const std::string digits = equals == std::string::npos ? "" : text.substr(equals + 1);
-    number = std::stoull(digits, &used);
-    if (used != digits.size() || digits.front() == '-') {
-      throw std::invalid_argument("not a number");
-    }
-  } catch (const std::exception&) {
-    return "'" + text + "' is not a limit; write NAME=NUMBER, for example sessions=100.";
+/// The names of all limits with their meanings and defaults, for --help.
+std::string limitHelp() {
+  const server::ServerLimits defaults;
+  std::string text = "NAME=NUMBER, repeatable:";
+  for (const server::LimitEntry& entry : server::limitEntries()) {
+    text += "\n  " + std::string(entry.name) + "  " + std::string(entry.meaning) + " (" +
+            std::to_string(entry.get(defaults)) + ")";
   }
-  const std::map<std::string, std::uint64_t*> wide{{"lineBytes", &limits.lineBytes},
-                                                   {"outboxBytes", &limits.outboxBytes},
-                                                   {"modules", &limits.simulation.maximumModules},
-                                                   {"queries", &limits.simulation.maximumQueries},
-                                                   {"stringBytes", &limits.simulation.maximumStringBytes}};
-  const std::map<std::string, std::uint32_t*> narrow{
-      {"sessions", &limits.sessions},
-      {"simulations", &limits.simulations},
-      {"streamsPerSession", &limits.streamsPerSession},
-      {"requestsPerSession", &limits.requestsPerSession},
-      {"handshakeMilliseconds", &limits.handshakeMilliseconds},
-      {"environmentStepMilliseconds", &limits.environmentStepMilliseconds}};
-  const std::string name = text.substr(0, equals);
-  if (const auto found = wide.find(name); found != wide.end()) {
-    *found->second = number;
-    return std::nullopt;
-  }
-  if (const auto found = narrow.find(name); found != narrow.end()) {
-    *found->second = number > UINT32_MAX ? UINT32_MAX : static_cast<std::uint32_t>(number);
-    return std::nullopt;
-  }
-  std::vector<std::string_view> names;
-  for (const auto& entry : wide) {
-    names.push_back(entry.first);
-  }
-  for (const auto& entry : narrow) {
-    names.push_back(entry.first);
-  }
-  return "there is no limit '" + name + "'. " + core::suggestName(name, names);
+  return text;
 }
 
 int runServe(ServeOptions options) {
@@ -71,7 +36,7 @@ int runServe(ServeOptions options) {
     return kUsage;
   }
   for (const std::string& limit : options.limits) {
-    if (const auto problem = setLimit(limit, options.server.limits)) {
+    if (const auto problem = server::setLimit(options.server.limits, limit)) {
       printError(*problem);
       return kUsage;
     }
@@ -123,10 +88,7 @@ void addServe(CLI::App& program, int& status) {
                     "Let clients on other machines start commands as environments (`stdio`)");
   command->add_option("--workers", options->server.workers, "Simulations that compute at a time; 0: as many as cores")
       ->capture_default_str();
-  command->add_option(
-      "--limit", options->limits,
-      "NAME=NUMBER, repeatable: lineBytes outboxBytes sessions simulations streamsPerSession\n"
-      "requestsPerSession modules queries stringBytes handshakeMilliseconds environmentStepMilliseconds");
+  command->add_option("--limit", options->limits, limitHelp());
   command->add_option("--log-level", options->server.logLevel, "trace, debug, info, warn, error or off")
       ->check(CLI::IsMember({"trace", "debug", "info", "warn", "error", "off"}))
       ->capture_default_str();

@@ -284,13 +284,16 @@ TEST(Server, CancelGivesUpARunBetweenStepsOrWithinOne) {
   EXPECT_EQ(member(resultOf(client->request("simulation.step", named(simulation))), "truncated"), "false");
 }
 
+/// A model whose every step takes hundreds of seconds: no loop alone exceeds the limit of its iterations.
+std::string endlessModel() {
+  return "Lsystem: 1\nderivation length: 9\nAxiom: " + std::string(2000, 'A') +
+         "\nA : {i = 0; while (i < 50000000) {i = i + 1;}} * --> A\nendlsystem\n";
+}
+
 TEST(Server, WhoLeavesWithinAStepKeepsNoWorkerBusy) {
   const RunningServer server;
   auto leaver = connectTo(server);
-  // one step of hundreds of seconds: no loop alone exceeds the limit of its iterations
-  const std::string simulation =
-      create(*leaver, "Lsystem: 1\nderivation length: 9\nAxiom: " + std::string(2000, 'A') +
-                          "\nA : {i = 0; while (i < 50000000) {i = i + 1;}} * --> A\nendlsystem\n");
+  const std::string simulation = create(*leaver, endlessModel());
   (void)leaver->send("simulation.step", named(simulation));
   const auto other = connectTo(server);
   std::string running = "0";
@@ -301,6 +304,73 @@ TEST(Server, WhoLeavesWithinAStepKeepsNoWorkerBusy) {
   leaver.reset();
   // answered only when the step is given up
   EXPECT_EQ(member(resultOf(other->request("simulation.get", named(simulation, R"("what":"string")"))), "step"), "0");
+}
+
+void cancelAndExpectIt(client::Client& client, std::int64_t id) {
+  EXPECT_FALSE(client.notify("$/cancel", "{\"id\":" + std::to_string(id) + "}").has_value());
+  EXPECT_EQ(static_cast<int>(errorOf(client.waitFor(id, std::chrono::seconds(30))).code), 1010);
+}
+
+TEST(Server, EndlessStepsOfOneClientKeepNobodyElseWaiting) {
+  ServerOptions options;
+  options.workers = 1;
+  const RunningServer server(options);
+  const auto hog = connectTo(server);
+  std::vector<std::int64_t> steps;
+  for (int i = 0; i < 3; ++i) {
+    steps.push_back(std::get<std::int64_t>(hog->send("simulation.step", named(create(*hog, endlessModel())))));
+  }
+  const auto other = connectTo(server);
+  // short requests, then steps of its own; each would wait for hundreds of seconds
+  EXPECT_EQ(
+      member(resultOf(other->request("model.check", R"({"source":"Lsystem: 1\nAxiom: A\nA --> A\nendlsystem\n"})")),
+             "valid"),
+      "true");
+  const std::string simulation = create(*other, kGrowth, R"([{"type":"height"}])");
+  EXPECT_EQ(stringOf(*other, simulation), "F(1)A?E(0)");
+  EXPECT_EQ(member(resultOf(other->request("simulation.run", named(simulation))), "step"), "6");
+  for (const std::int64_t step : steps) {
+    cancelAndExpectIt(*hog, step);
+  }
+}
+
+TEST(Server, ACallBeyondItsSecondsIsEndedAndTheSimulationStays) {
+  ServerOptions options;
+  options.limits.callSeconds = 1;
+  options.limits.simulation.maximumLoopIterations = UINT64_MAX;
+  const RunningServer server(options);
+  const auto client = connectTo(server);
+  const std::string simulation = create(*client, endlessModel());
+  const auto error = errorOf(client->request("simulation.step", named(simulation, R"("steps":5)")));
+  EXPECT_EQ(static_cast<int>(error.code), 1004);
+  EXPECT_EQ(error.message,
+            "callSeconds is limited to 1, and this has computed longer. The simulation stays at step 0. Use a smaller "
+            "model, or start the server with a higher --limit callSeconds=N.");
+  EXPECT_EQ(error.data, R"({"bound":1,"limit":"callSeconds","step":0,"value":2})");
+  EXPECT_EQ(member(resultOf(client->request("simulation.get", named(simulation, R"("what":"statistics")"))), "step"),
+            "0");
+  // also while it is being created
+  const auto unmade = errorOf(client->request(
+      "simulation.create",
+      createParams(
+          "Lsystem: 1\nStart: {i = 0; while (i < 1000000000000) {i = i + 1;}}\nAxiom: A\nA --> A\nendlsystem\n")));
+  EXPECT_EQ(
+      unmade.message,
+      "callSeconds is limited to 1, and this has computed longer. Nothing was created. Use a smaller model, or start "
+      "the server with a higher --limit callSeconds=N.");
+}
+
+TEST(Server, ACreationCanBeCancelled) {
+  ServerOptions options;
+  options.limits.simulation.maximumLoopIterations = UINT64_MAX;
+  const RunningServer server(options);
+  const auto client = connectTo(server);
+  const auto id = std::get<std::int64_t>(client->send(
+      "simulation.create",
+      createParams(
+          "Lsystem: 1\nStart: {i = 0; while (i < 1000000000000) {i = i + 1;}}\nAxiom: A\nA --> A\nendlsystem\n")));
+  cancelAndExpectIt(*client, id);
+  EXPECT_EQ(member(resultOf(client->request("simulation.list", "{}")), "simulations"), "[]");
 }
 
 TEST(Server, OthersAreServedWhileALongRunGoesOn) {

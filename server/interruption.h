@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <utility>
+
+namespace espalier::server {
+
+/// Ends a piece of work from another thread. The work says how it can be stopped while it can. Thread-safe.
+class Interruption {
+ public:
+  enum class Reason : std::uint8_t {
+    None,
+    Cancelled,    // by its caller, or its caller has left
+    CallSeconds,  // it took longer than a call may
+  };
+
+  /// Stops the work, now or as soon as it can be stopped. The first reason counts.
+  void interrupt(Reason reason) {
+    const std::lock_guard lock(mutex_);
+    if (reason_ == Reason::None) {
+      reason_ = reason;
+    }
+    if (stop_) {
+      stop_();
+    }
+  }
+  [[nodiscard]] Reason reason() const {
+    const std::lock_guard lock(mutex_);
+    return reason_;
+  }
+
+  /// While it lives the work can be stopped by `stop`, which must be quick and may come from any thread.
+  class Scope {
+   public:
+    Scope(Interruption& interruption, std::function<void()> stop) : interruption_(&interruption) {
+      const std::lock_guard lock(interruption_->mutex_);
+      interruption_->stop_ = std::move(stop);
+      if (interruption_->reason_ != Reason::None) {
+        interruption_->stop_();
+      }
+    }
+    ~Scope() {
+      const std::lock_guard lock(interruption_->mutex_);
+      interruption_->stop_ = nullptr;
+    }
+    Scope(const Scope&) = delete;
+    Scope& operator=(const Scope&) = delete;
+
+   private:
+    Interruption* interruption_;
+  };
+
+ private:
+  mutable std::mutex mutex_;
+  Reason reason_ = Reason::None;
+  std::function<void()> stop_;
+};
+
+}  // namespace espalier::server

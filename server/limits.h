@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "engine/core/limits.h"
+
+namespace espalier::server {
+
+/// Bounds of a server. Each has one name (limitEntries): on the command line, in a configuration, on the wire and in
+/// the error it causes.
+struct ServerLimits {
+  std::uint64_t lineBytes = 64'000'000;
+  std::uint64_t outboxBytes = 64'000'000;  // per session; a slow viewer is moved to the latest key frame instead
+  std::uint32_t sessions = 1'000;
+  std::uint32_t simulations = 10'000;
+  std::uint32_t streamsPerSession = 100;
+  std::uint32_t requestsPerSession = 1'000;  // in progress at a time
+  std::uint32_t handshakeMilliseconds = 10'000;
+  std::uint32_t environmentStepMilliseconds = 60'000;
+  std::uint32_t callSeconds = 600;  // of computing without a completed step; 0: no bound
+  /// Of each simulation. A server has many of them: one string may take 4 GB, where a program of its own may take 16.
+  core::Limits simulation{.maximumModules = 200'000'000, .maximumStringBytes = 4'000'000'000};
+};
+
+/// One limit by name.
+struct LimitEntry {
+  std::string_view name;
+  std::uint64_t minimum;     // smallest value that makes sense
+  std::uint64_t maximum;     // largest that fits
+  std::string_view meaning;  // for people, with the unit
+  std::uint64_t (*get)(const ServerLimits&);
+  void (*set)(ServerLimits&, std::uint64_t);
+};
+
+/// All limits, in the order in which they are listed.
+[[nodiscard]] std::span<const LimitEntry> limitEntries();
+
+/// Null: there is none of that name.
+[[nodiscard]] const LimitEntry* findLimit(std::string_view name);
+
+/// Sets a limit. An error sentence for an unknown name or a value out of range.
+[[nodiscard]] std::optional<std::string> setLimit(ServerLimits& limits, std::string_view name, std::uint64_t value);
+
+/// The same from NAME=NUMBER, as --limit has it.
+[[nodiscard]] std::optional<std::string> setLimit(ServerLimits& limits, std::string_view assignment);
+
+}  // namespace espalier::server
