@@ -2,9 +2,10 @@
 
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cmath>
 
-#include "environment/registry.h"
 #include "tests/benchmark/workload.h"
 
 namespace espalier::benchmarking {
@@ -12,18 +13,42 @@ namespace {
 
 using Counter = benchmark::Counter;
 using Process = std::unique_ptr<turtle::EnvironmentProcess>;
+using Clock = std::chrono::steady_clock;
 
-Process makeProcess(const std::string& name, const std::string& configuration) {
-  auto made = environment::makeProcess(name, configuration);
-  if (const auto* errors = std::get_if<std::vector<core::Diagnostic>>(&made)) {
-    throw std::runtime_error(errors->front().message);
+// the environment part of the reference's open.l over the steps in which it is grown: `environmentMilliseconds` of
+// `espalier derive --environment PROCESS --statistics`, steps 18 to 37
+void answerSteps(benchmark::State& state, const std::string& name, unsigned threads) {
+  constexpr std::uint64_t kFirstStep = 18;
+  const auto program = compileWorkload({"open", "37", ""});
+  simulation::SimulationOptions options;
+  options.threads = threads;
+  std::uint64_t queries = 0;
+  double best = 1e30;
+  for (auto _ : state) {
+    simulation::Simulation simulation(program, {turtle::PlantPlacement{}}, makeProcess(name, ""), options);
+    require(simulation.rewind());
+    double seconds = 0.0;
+    queries = 0;
+    while (!simulation.isFinished()) {
+      const auto start = Clock::now();
+      require(simulation.answer());
+      if (simulation.completedSteps() + 1 >= kFirstStep) {
+        seconds += std::chrono::duration<double>(Clock::now() - start).count();
+        queries += simulation.statistics().queries;
+      }
+      require(simulation.step());
+    }
+    state.SetIterationTime(seconds);
+    best = std::min(best, seconds);
   }
-  return std::move(std::get<Process>(made));
+  state.counters["best ms"] = Counter(best * 1e3);
+  state.counters["queries"] = Counter(static_cast<double>(queries));
+  state.counters["queries/s"] = Counter(static_cast<double>(queries) / best);
 }
 
 // 65,536 queries a step (README.md: open.l with K=16, grown after 16 steps)
 void answer(benchmark::State& state, const std::string& name, const std::string& configuration) {
-  const auto program = compileWorkload({"open", "40"});
+  const auto program = compileWorkload({"open", "40", ""});
   simulation::Simulation simulation(program, {turtle::PlantPlacement{}}, makeProcess(name, configuration), {});
   require(simulation.rewind());
   while (simulation.completedSteps() < 18) {
@@ -97,6 +122,12 @@ void process(benchmark::State& state, const std::string& name, const std::string
 }
 
 const bool kIsRegistered = [] {
+  for (const unsigned threads : {1U, 2U}) {
+    benchmark::RegisterBenchmark(("open/height/" + std::to_string(threads)).c_str(),
+                                 [threads](benchmark::State& state) { answerSteps(state, "height", threads); })
+        ->Unit(benchmark::kMillisecond)
+        ->UseManualTime();
+  }
   for (const auto& [name, configuration] : std::vector<std::pair<std::string, std::string>>{
            {"constant", ""}, {"height", ""}, {"honda", R"({"radius":0.5,"threeDimensional":true})"}}) {
     benchmark::RegisterBenchmark(

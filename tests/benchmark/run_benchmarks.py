@@ -1,4 +1,7 @@
-"""Runs the benchmark program and prints its figures as a table; the JSON is kept."""
+"""Runs the benchmark program and prints its figures: the targets met or not met, no-cliff rows, everything else.
+
+All figures are kept as JSON; with --baseline each row also says how the time compares with an earlier JSON.
+"""
 
 import argparse
 import json
@@ -6,55 +9,189 @@ import re
 import subprocess
 import sys
 
-COLUMNS = (
+MILLION = 1e6
+
+# benchmark, counter, what it counts, target, figure of the reference program: README.md says where they are from
+TARGETS = (
+    ("derive/d0l/11", "modules/s", "final modules/s", 1500 * MILLION, 146 * MILLION),
+    ("derive/parametric/20", "modules/s", "final modules/s", 280 * MILLION, 28 * MILLION),
+    ("derive/parametric/22", "modules/s", "final modules/s", 280 * MILLION, 26 * MILLION),
+    ("derive/signal-up/123", "scanned/s", "modules read/s", 260 * MILLION, 26 * MILLION),
+    ("derive/diffusion/123", "scanned/s", "modules read/s", 130 * MILLION, 13 * MILLION),
+    ("derive/signal-down/123", "scanned/s", "modules read/s", 230 * MILLION, 23 * MILLION),
+    ("derive/stochastic/13", "modules/s", "final modules/s", 480 * MILLION, 48 * MILLION),
+    ("open/height/1", "queries/s", "queries/s", 8 * MILLION, 0.4 * MILLION),
+    ("scene/d0l/8/1", "modules/s", "modules drawn/s", 20 * MILLION, None),
+    ("scene/parametric/17/1", "modules/s", "modules drawn/s", 20 * MILLION, None),
+)
+MEMORY_TARGET = 1.1  # resident memory over the two strings' 2 bytes a module and 8 a parameter; pages are not divided
+THREAD_TARGET = 0.9  # gain of two threads over the gain of two threads that copy
+
+OTHER_COLUMNS = (
     ("modules", "modules", "{:,.0f}", 1),
     ("modules/s", "M modules/s", "{:.1f}", 1e-6),
-    ("scanned/s", "M scanned/s", "{:.1f}", 1e-6),
+    ("scanned/s", "M read/s", "{:.1f}", 1e-6),
     ("bytes/module", "bytes/module", "{:.1f}", 1),
-    ("copies", "x copying", "{:.1f}", 1),
     ("queries", "queries", "{:,.0f}", 1),
-    ("queries/s", "k queries/s", "{:.0f}", 1e-3),
+    ("queries/s", "M queries/s", "{:.2f}", 1e-6),
 )
 
 
+def print_table(title: str, rows: list[list[str]]) -> None:
+    """The first row holds the titles; columns that no row fills are left out."""
+    if len(rows) < 2:
+        return
+    used = [i for i in range(len(rows[0])) if any(row[i] for row in rows[1:])]
+    widths = {i: max(len(row[i]) for row in rows) for i in used}
+    print(f"\n{title}")
+    for row in rows:
+        cells = [row[i].ljust(widths[i]) if i == 0 else row[i].rjust(widths[i]) for i in used]
+        print("  " + "  ".join(cells).rstrip())
+
+
+def milliseconds(entry: dict) -> float:
+    return entry.get("best ms", entry["real_time"])
+
+
+def against(entry: dict, baseline: dict) -> str:
+    """Time of the baseline over the time now: above 1 is faster than it was."""
+    name = name_of(entry)
+    if name not in baseline or "error_occurred" in entry:
+        return ""
+    return f"{milliseconds(baseline[name]) / milliseconds(entry):.2f}"
+
+
+def name_of(entry: dict) -> str:
+    name = re.sub(r"/min_time:[0-9.]+", "", entry["name"])
+    return name.replace("/real_time", "").replace("/manual_time", "")
+
+
+def verdict(is_met: bool) -> str:
+    return "met" if is_met else "NOT MET"
+
+
+def target_rows(entries: dict, baseline: dict, command_times: dict) -> list[list[str]]:
+    rows = [["workload", "ms", "command ms", "figure", "measured", "target", "", "reference", "x reference",
+             "GB/s written", "GB/s copied", "of copying", "bytes/module", "x baseline"]]
+    for name, counter, figure, target, reference in TARGETS:
+        entry = entries.get(name)
+        if entry is None:
+            continue
+        measured = entry[counter]
+        row = [name, f"{milliseconds(entry):,.2f}", command_times.get(name, ""), figure, f"{measured / MILLION:,.1f} M",
+               f"{target / MILLION:,.0f} M", verdict(measured >= target),
+               f"{reference / MILLION:,.1f} M" if reference else "", f"{measured / reference:.1f}" if reference else ""]
+        if "written bytes/s" in entry:
+            written, copied = entry["written bytes/s"], entry["copied bytes/s"]
+            row += [f"{written / 1e9:.2f}", f"{copied / 1e9:.2f}", f"{written / copied:.2f}",
+                    f"{entry['bytes/module']:.1f}"]
+        else:
+            row += [""] * 4
+        rows.append(row + [against(entry, baseline)])
+    return rows
+
+
+def memory_rows(entries: dict) -> list[list[str]]:
+    rows = [["workload", "resident / (2 + 8p bytes a module, both strings)", "target", ""]]
+    for name, entry in entries.items():
+        if name.startswith("derive/") and "resident/string" in entry:
+            share = entry["resident/string"]
+            rows.append([name, f"{share:.2f}", f"{MEMORY_TARGET}", verdict(share <= MEMORY_TARGET)])
+    return rows
+
+
+def thread_rows(entries: dict) -> list[list[str]]:
+    rows = [["workload", "modules", "derivation gains", "a copy gains", "share", "target", ""]]
+    for name, entry in entries.items():
+        if "copy gain" in entry:
+            share = entry["gain"] / entry["copy gain"]
+            rows.append([name, f"{entry['modules']:,.0f}", f"{entry['gain']:.2f}", f"{entry['copy gain']:.2f}",
+                         f"{share:.2f}", f"{THREAD_TARGET}", verdict(share >= THREAD_TARGET)])
+    return rows
+
+
+def cliff_rows(entries: dict, baseline: dict) -> list[list[str]]:
+    rows = [["workload", "ms", "modules", "M read/s", "of copying", "bytes/module", "x baseline"]]
+    for name, entry in entries.items():
+        if name.startswith("cliff/"):
+            rows.append([name, f"{milliseconds(entry):,.2f}", f"{entry['modules']:,.0f}",
+                         f"{entry['scanned/s'] / MILLION:.1f}",
+                         f"{entry['written bytes/s'] / entry['copied bytes/s']:.2f}", f"{entry['bytes/module']:.1f}",
+                         against(entry, baseline)])
+    return rows
+
+
+def other_rows(entries: dict, baseline: dict) -> list[list[str]]:
+    rows = [["benchmark", "ms"] + [title for _, title, _, _ in OTHER_COLUMNS] + ["x baseline"]]
+    shown = {name for name, *_ in TARGETS}
+    for name, entry in entries.items():
+        if name in shown or name.startswith(("cliff/", "threads/")):
+            continue
+        row = [name, f"{milliseconds(entry):,.2f}"]
+        for key, _, form, factor in OTHER_COLUMNS:
+            row.append(form.format(entry[key] * factor) if key in entry else "")
+        rows.append(row + [against(entry, baseline)])
+    return rows
+
+
+def time_commands(espalier: str, models: str, entries: dict) -> dict:
+    """`derivationMilliseconds` of the command line for the workloads of the table, the best of three runs."""
+    times = {}
+    for name in entries:
+        if not name.startswith("derive/"):
+            continue
+        _, model, steps = name.split("/")
+        best = None
+        for _ in range(3):
+            run = subprocess.run([espalier, "derive", f"{models}/{model}.l", "--define", f"N={steps}", "--quiet",
+                                  "--statistics"], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
+                                 check=True)
+            taken = json.loads(run.stderr)["derivationMilliseconds"]
+            best = taken if best is None else min(best, taken)
+        times[name] = f"{best:,.2f}"
+    return times
+
+
+def read_entries(file: str) -> dict:
+    with open(file, encoding="utf-8") as results:
+        return {name_of(entry): entry for entry in json.load(results)["benchmarks"]}
+
+
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--program", required=True)
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--program", required=True, help="espalier_benchmark")
+    parser.add_argument("--espalier", required=True, help="the command line, whose own figure is shown beside")
+    parser.add_argument("--models", required=True, help="folder of the models")
     parser.add_argument("--json", required=True, help="file that receives all figures")
+    parser.add_argument("--baseline", help="JSON of an earlier run: adds the column `x baseline`, above 1 is faster now")
     parser.add_argument("names", nargs="*", help="only benchmarks whose name contains one of these")
     options = parser.parse_args()
 
+    baseline = read_entries(options.baseline) if options.baseline else {}
     command = [options.program, f"--benchmark_out={options.json}", "--benchmark_out_format=json"]
     if options.names:
         command.append("--benchmark_filter=" + "|".join(re.escape(name) for name in options.names))
-    finished = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=False)
+    finished = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
     if finished.returncode != 0:
-        sys.stdout.write(finished.stdout)
+        sys.stderr.write(finished.stdout)
         return finished.returncode
-
-    with open(options.json, encoding="utf-8") as results:
-        entries = json.load(results)["benchmarks"]
+    entries = read_entries(options.json)
     if not entries:
         print("no benchmark has such a name")
         return 1
-    rows = [["benchmark", "ms"] + [title for _, title, _, _ in COLUMNS]]
-    for entry in entries:
-        name = entry["name"].replace("/real_time", "")
-        if entry.get("error_occurred"):
-            rows.append([name, entry["error_message"]] + [""] * len(COLUMNS))
-            continue
-        row = [name, f"{entry['real_time']:,.2f}"]
-        for key, _, form, factor in COLUMNS:
-            row.append(form.format(entry[key] * factor) if key in entry else "")
-        rows.append(row)
+    failed = {name: entry for name, entry in entries.items() if entry.get("error_occurred")}
+    entries = {name: entry for name, entry in entries.items() if name not in failed}
 
-    # columns that no row fills are left out
-    used = [i for i in range(len(rows[0])) if any(row[i] for row in rows[1:])]
-    widths = {i: max(len(row[i]) for row in rows) for i in used}
-    for row in rows:
-        cells = [row[i].ljust(widths[i]) if i == 0 else row[i].rjust(widths[i]) for i in used]
-        print("  ".join(cells).rstrip())
-    return 0
+    commands = time_commands(options.espalier, options.models, entries)
+    print_table("Targets, one core", target_rows(entries, baseline, commands))
+    print_table("Memory, one core", memory_rows(entries))
+    print_table("Two threads over one", thread_rows(entries))
+    print_table("No cliff: small strings, many productions and parameters, nesting, contexts",
+                cliff_rows(entries, baseline))
+    print_table("Everything else", other_rows(entries, baseline))
+    for name, entry in failed.items():
+        print(f"{name} failed: {entry['error_message']}")
+    return 1 if failed else 0
 
 
 if __name__ == "__main__":

@@ -1,18 +1,63 @@
 #include "tests/benchmark/workload.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <chrono>
-#include <map>
+#include <cstring>
+#include <fstream>
+#include <numeric>
 #include <stdexcept>
+#include <thread>
 
 #include "engine/core/buffer.h"
 #include "engine/language/compiler.h"
+#include "environment/registry.h"
 #include "tests/support/disk_files.h"
 
 namespace espalier::benchmarking {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// below this a second thread costs more than it copies
+constexpr std::uint64_t kSmallestSharedCopy = std::uint64_t{1} << 18U;
+
+double secondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+std::uint64_t residentBytes() {
+  std::ifstream file("/proc/self/statm");
+  std::uint64_t size = 0;
+  std::uint64_t resident = 0;
+  file >> size >> resident;
+  return resident * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+}
+
+void copyShared(std::uint8_t* target, const std::uint8_t* source, std::uint64_t bytes, unsigned threads) {
+  if (threads <= 1 || bytes < kSmallestSharedCopy) {
+    std::memcpy(target, source, bytes);
+    return;
+  }
+  std::vector<std::jthread> helpers;
+  const std::uint64_t part = bytes / threads;
+  for (unsigned i = 1; i < threads; ++i) {
+    const std::uint64_t begin = part * i;
+    const std::uint64_t end = i + 1 == threads ? bytes : begin + part;
+    helpers.emplace_back([=] { std::memcpy(target + begin, source + begin, end - begin); });
+  }
+  std::memcpy(target, source, part);
+}
+
+}  // namespace
+
+std::string Workload::name() const {
+  return model + (size.empty() ? "" : "/" + size) + "/" + steps;
+}
 
 std::shared_ptr<const language::Program> compileFile(const std::string& modelFile, const std::string& viewFile,
-                                                     std::vector<std::pair<std::string, std::string>> defines) {
+                                                     Defines defines) {
   test::DiskFiles files;
   language::CompileInput input;
   input.modelFile = modelFile;
@@ -30,8 +75,20 @@ std::shared_ptr<const language::Program> compileFile(const std::string& modelFil
 }
 
 std::shared_ptr<const language::Program> compileWorkload(const Workload& workload) {
+  Defines defines{{"N", workload.steps}};
+  if (!workload.size.empty()) {
+    defines.emplace_back("K", workload.size);
+  }
   return compileFile(std::string(ESPALIER_SOURCE_DIR) + "/tests/benchmark/models/" + workload.model + ".l", "",
-                     {{"N", workload.steps}});
+                     std::move(defines));
+}
+
+std::unique_ptr<turtle::EnvironmentProcess> makeProcess(const std::string& name, const std::string& configuration) {
+  auto made = environment::makeProcess(name, configuration);
+  if (const auto* errors = std::get_if<std::vector<core::Diagnostic>>(&made)) {
+    throw std::runtime_error(errors->front().message);
+  }
+  return std::move(std::get<std::unique_ptr<turtle::EnvironmentProcess>>(made));
 }
 
 void require(const std::optional<core::SimulationError>& error) {
@@ -40,24 +97,51 @@ void require(const std::optional<core::SimulationError>& error) {
   }
 }
 
-double secondsToCopy(std::uint64_t bytes) {
-  static std::map<std::uint64_t, double> measured;
-  const auto known = measured.find(bytes);
-  if (known != measured.end()) {
-    return known->second;
+DerivationRun runDerivation(const std::shared_ptr<const language::Program>& program, unsigned threads) {
+  simulation::SimulationOptions options;
+  options.threads = threads;
+  const std::uint64_t residentBefore = residentBytes();
+  simulation::Simulation simulation(program, {turtle::PlantPlacement{}}, nullptr, options);
+  require(simulation.rewind());
+  DerivationRun run;
+  while (!simulation.isFinished()) {
+    run.scannedModules += simulation.string().size();
+    run.previousModules = simulation.string().size();
+    run.previousParameters = simulation.string().parameterCount();
+    // queries are not derivation
+    require(simulation.answer());
+    const auto start = Clock::now();
+    require(simulation.step());
+    run.seconds += secondsSince(start);
+    run.stringBytes.push_back(simulation.string().bytes());
+  }
+  run.modules = simulation.string().size();
+  run.parameters = simulation.string().parameterCount();
+  const std::uint64_t residentAfter = residentBytes();
+  run.residentBytes = residentAfter > residentBefore ? residentAfter - residentBefore : 0;
+  return run;
+}
+
+double secondsToCopy(const std::vector<std::uint64_t>& stringBytes, unsigned threads) {
+  if (stringBytes.empty()) {
+    return 0.0;
   }
   core::Buffer<std::uint8_t> source;
-  source.resize(bytes);
-  std::fill_n(source.data(), bytes, std::uint8_t{1});
-  double best = 1e30;
-  for (int run = 0; run < 3; ++run) {
-    core::Buffer<std::uint8_t> target;
-    const auto start = std::chrono::steady_clock::now();
-    target.append(source.view());
-    best = std::min(best, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  source.resize(*std::max_element(stringBytes.begin(), stringBytes.end()));
+  std::fill_n(source.data(), source.size(), std::uint8_t{1});
+  core::Buffer<std::uint8_t> target;
+  core::Buffer<std::uint8_t> other;
+  double seconds = 0.0;
+  for (const std::uint64_t bytes : stringBytes) {
+    const auto start = Clock::now();
+    // as a step does, nothing of the old contents is kept
+    target.clear();
+    target.resize(bytes);
+    copyShared(target.data(), source.data(), bytes, threads);
+    target.swap(other);
+    seconds += secondsSince(start);
   }
-  measured[bytes] = best;
-  return best;
+  return seconds;
 }
 
 }  // namespace espalier::benchmarking

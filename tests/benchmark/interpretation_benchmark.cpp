@@ -1,0 +1,53 @@
+// The turtle alone: a grown string to a scene, and to records of the turtle stream.
+
+#include <benchmark/benchmark.h>
+
+#include "tests/benchmark/workload.h"
+
+namespace espalier::benchmarking {
+namespace {
+
+using benchmark::Counter;
+
+enum class Product { Scene, Records };
+
+void interpret(benchmark::State& state, const Workload& workload, Product product, unsigned threads) {
+  simulation::SimulationOptions options;
+  options.threads = threads;
+  simulation::Simulation simulation(compileWorkload(workload), {turtle::PlantPlacement{}}, nullptr, options);
+  require(simulation.rewind());
+  while (!simulation.isFinished()) {
+    require(simulation.step());
+  }
+  for (auto _ : state) {
+    if (product == Product::Scene) {
+      benchmark::DoNotOptimize(simulation.scene());
+    } else {
+      benchmark::DoNotOptimize(simulation.turtleRecords());
+    }
+  }
+  const auto modules = static_cast<double>(simulation.string().size());
+  state.counters["modules"] = Counter(modules);
+  state.counters["modules/s"] = Counter(modules, Counter::kIsIterationInvariantRate);
+}
+
+void add(const std::string& name, const Workload& workload, Product product, unsigned threads) {
+  benchmark::RegisterBenchmark((name + workload.name() + "/" + std::to_string(threads)).c_str(),
+                               [=](benchmark::State& state) { interpret(state, workload, product, threads); })
+      ->Unit(benchmark::kMillisecond)
+      ->UseRealTime();
+}
+
+const bool kIsRegistered = [] {
+  // lines in a plane, lines in space with widths, images of a homomorphism
+  for (const unsigned threads : {1U, 2U}) {
+    add("scene/", {"d0l", "8", ""}, Product::Scene, threads);
+    add("scene/", {"parametric", "17", ""}, Product::Scene, threads);
+    add("records/", {"parametric", "17", ""}, Product::Records, threads);
+  }
+  add("scene/", {"homomorphism", "16", ""}, Product::Scene, 1);
+  return true;
+}();
+
+}  // namespace
+}  // namespace espalier::benchmarking
