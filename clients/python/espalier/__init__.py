@@ -3,11 +3,12 @@
 from .client import Client, Frame, Model, Simulation, StepResult, Stream, TurtleRecord
 from .environment import Answer, Environment, Following, Opening, Query, Variable
 from .errors import ConnectionLost, EspalierError, ProtocolError, ServerError, ServerFailed
+from .local_server import Local, local
 from .server import Server
 from .version import VERSION as __version__
 
 __all__ = [
-    "Answer", "Client", "ConnectionLost", "Environment", "EspalierError", "Following", "Frame", "Model", "Opening",
+    "Answer", "Client", "ConnectionLost", "Environment", "EspalierError", "Following", "Frame", "Local", "Model", "Opening",
     "ProtocolError", "Query", "Server", "ServerError", "ServerFailed", "Simulation", "StepResult", "Stream",
-    "TurtleRecord", "Variable", "__version__",
+    "TurtleRecord", "Variable", "__version__", "local",
 ]

@@ -257,12 +257,22 @@ def call(channel: wire.Channel, identifier: int, method: str, parameters: Dict[s
             return message.get("result")
 
 
-def offer(host: Host, name: str, address: str, token: Optional[str] = None) -> None:
-    """Connects to a server, offers the environment and answers until the server ends."""
+def open_offer(name: str, address: str, token: Optional[str] = None) -> wire.SocketChannel:
+    """Connects to a server and offers an environment under a name; the server's requests then arrive on the channel."""
     channel = wire.SocketChannel.connect(*wire.parse_address(address), CONNECT_SECONDS)
     try:
         call(channel, 1, "hello", hello_parameters(name, "environment", token))
         call(channel, 2, "environment.offer", {"name": name})
+    except BaseException:
+        channel.close()
+        raise
+    return channel
+
+
+def offer(host: Host, name: str, address: str, token: Optional[str] = None) -> None:
+    """Connects to a server, offers the environment and answers until the server ends."""
+    channel = open_offer(name, address, token)
+    try:
         print(f"environment '{name}' is offered to {channel.peer}", file=sys.stderr, flush=True)
         answer_all(host, channel)
     finally:

@@ -1,0 +1,115 @@
+"""A server of one's own, for notebooks and scripts: started when it is needed, ended with the program."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import threading
+from pathlib import Path
+from typing import Dict, List, Optional, Sequence, Type
+
+from . import wire
+from .client import Client
+from .environment import Environment
+from .errors import EspalierError, ServerFailed
+from .hosting import Host, answer_all, open_offer
+from .server import Server
+
+PROGRAM_VARIABLE = "ESPALIER_PROGRAM"
+
+
+def find_program() -> str:
+    """The program `espalier`: what ESPALIER_PROGRAM names, the one on the PATH, or the release build of the source tree
+    that holds the working folder or this package. Raises ServerFailed when there is none."""
+    named = os.environ.get(PROGRAM_VARIABLE)
+    if named:
+        return named
+    on_path = shutil.which("espalier")
+    if on_path:
+        return on_path
+    for start in (Path.cwd(), Path(__file__).resolve().parent):
+        for folder in (start, *start.parents):
+            built = folder / "build" / "release" / "bin" / "espalier"
+            if os.access(built, os.X_OK):
+                return str(built)
+    raise ServerFailed("There is no program 'espalier'. Build it with './dev build' in the source tree, and put it on the PATH "
+                       f"or name it in the variable {PROGRAM_VARIABLE}.")
+
+
+def find_gallery(program: str) -> Optional[str]:
+    """The gallery of the source tree that a program was built in; None for an installed program."""
+    for folder in Path(program).resolve().parents:
+        gallery = folder / "clients" / "gallery"
+        if gallery.is_dir():
+            return str(gallery)
+    return None
+
+
+class Local(Client):
+    """A client together with the server that it started; both end with close() or the `with` block."""
+
+    def __init__(self, program: Optional[str] = None, *, arguments: Sequence[str] = (),
+                 timeout: Optional[float] = None) -> None:
+        """Starts `espalier serve` on a free port of this machine and connects to it. `program`: find_program() by
+        default. `arguments` follow `serve`; the gallery of the source tree is there unless they name another."""
+        found = find_program() if program is None else program
+        more: List[str] = list(arguments)
+        gallery = find_gallery(found)
+        if gallery is not None and "--gallery" not in more:
+            more += ["--gallery", gallery]
+        if "--log-level" not in more:
+            more += ["--log-level", "warn"]
+        self._server = Server(found, arguments=more)
+        self._offers: List[wire.SocketChannel] = []
+        try:
+            super().__init__(self._server.address, timeout=timeout)
+        except BaseException:
+            self._server.stop()
+            raise
+
+    def __enter__(self) -> "Local":
+        return self
+
+    @property
+    def address(self) -> str:
+        """Where the server listens, for other programs."""
+        return self._server.address
+
+    def attach(self, environment: Type[Environment], name: Optional[str] = None) -> Dict[str, str]:
+        """Runs an environment of this program beside it and returns what goes into `environment=[…]` of create. A thread
+        answers the server while this one waits for a step; an exception in it is printed and fails that step."""
+        chosen = environment.name() if name is None else name
+        channel = open_offer(chosen, self.address)
+        self._offers.append(channel)
+
+        def answer() -> None:
+            try:
+                answer_all(Host(environment), channel)
+            except (EspalierError, OSError):
+                pass  # the connection ends when this object is closed
+            finally:
+                # whatever ends the thread, the server is not left waiting
+                channel.close()
+
+        threading.Thread(target=answer, name=f"environment {chosen}", daemon=True).start()
+        return {"type": "offered", "name": chosen}
+
+    def close(self) -> None:
+        """Ends the connection, the attached environments and the server."""
+        super().close()
+        for channel in self._offers:
+            channel.close()
+        self._offers.clear()
+        self._server.stop()
+
+
+def local(program: Optional[str] = None, *, arguments: Sequence[str] = (), timeout: Optional[float] = None) -> Local:
+    """A server on this machine and a client of it, without a terminal:
+
+        import espalier
+
+        with espalier.local() as client:
+            simulation = client.create(gallery="branch-tiers", seed=7)
+            simulation.step(8)
+    """
+    return Local(program, arguments=arguments, timeout=timeout)
