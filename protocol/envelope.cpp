@@ -170,7 +170,7 @@ std::variant<Message, BadMessage> decodeMessage(std::string_view line) {
       return invalid(message.id, "method", "expected the name of a method");
     }
     message.method = method->get<std::string>();
-    message.kind = id != root.end() && !id->is_null() ? Message::Kind::Request : Message::Kind::Notification;
+    message.kind = id != root.end() ? Message::Kind::Request : Message::Kind::Notification;
     const auto params = root.find("params");
     if (params != root.end() && !params->is_null()) {
       if (!params->is_object()) {

@@ -1,5 +1,8 @@
 #include "server/environment_builder.h"
 
+#include <filesystem>
+
+#include "engine/core/streams.h"
 #include "environment/environment_entries.h"
 #include "environment/environment_set.h"
 #include "environment/registry.h"
@@ -60,9 +63,11 @@ std::variant<std::shared_ptr<EnvironmentLink>, protocol::Error> makeLink(const e
   return std::shared_ptr<EnvironmentLink>(ChannelLink::stdio(std::move(*value), {}));
 }
 
-/// The process that the field file of a gallery model names.
+/// The process that the field file of a gallery model names. `origin` receives the files that it was made from, by
+/// names in the gallery.
 environment::ProcessOrErrors makeFromGallery(const environment::EnvironmentEntry& entry,
-                                             core::Compatibility compatibility, const EnvironmentServices& services) {
+                                             core::Compatibility compatibility, const EnvironmentServices& services,
+                                             simulation::EnvironmentOrigin& origin) {
   const auto model = protocol::memberOf(entry.configuration, "model").value_or("");
   const auto folder = galleryFolderOf(services.galleryFolder, model);
   const std::string file = folder ? fileWithSuffix(*folder, model, ".e") : std::string();
@@ -70,9 +75,19 @@ environment::ProcessOrErrors makeFromGallery(const environment::EnvironmentEntry
     return std::vector{core::Diagnostic{
         core::Severity::Error, "the gallery has no model '" + model + "' with a field file (.e)", {}, {}}};
   }
-  DiskFileProvider files;
+  DiskFileProvider disk;
+  core::RecordingFileProvider files(disk);
   std::vector<core::Diagnostic> warnings;
-  return environment::makeFromFieldFile(file, files, compatibility, warnings);
+  auto made = environment::makeFromFieldFile(file, files, compatibility, warnings);
+  // where the gallery is on this machine is nobody's business
+  const auto inGallery = [&services](const std::string& name) {
+    return std::filesystem::path(name).lexically_relative(services.galleryFolder).generic_string();
+  };
+  origin = {inGallery(file), files.take()};
+  for (auto& [name, text] : origin.files) {
+    name = inGallery(name);
+  }
+  return made;
 }
 
 /// The process that a field file on the wire names; only the files that came with it can be read.
@@ -111,6 +126,7 @@ std::variant<BuiltEnvironment, protocol::Error> buildEnvironment(const std::stri
   }
   const auto& entries = std::get<std::vector<environment::EnvironmentEntry>>(parsed);
   std::vector<std::pair<std::string, std::unique_ptr<turtle::EnvironmentProcess>>> processes;
+  simulation::EnvironmentOrigin galleryOrigin;
   for (std::size_t i = 0; i < entries.size(); ++i) {
     const environment::EnvironmentEntry& entry = entries[i];
     const std::string path = "params.environment[" + std::to_string(i) + "]";
@@ -141,7 +157,7 @@ std::variant<BuiltEnvironment, protocol::Error> buildEnvironment(const std::stri
       process = std::move(std::get<std::unique_ptr<turtle::EnvironmentProcess>>(made));
       built.names.push_back(entry.name == entry.type ? *protocol::memberOf(entry.configuration, "main") : entry.name);
     } else {
-      auto made = entry.type == "gallery" ? makeFromGallery(entry, compatibility, services)
+      auto made = entry.type == "gallery" ? makeFromGallery(entry, compatibility, services, galleryOrigin)
                                           : environment::makeProcess(entry.type, entry.configuration);
       if (const auto* problems = std::get_if<std::vector<core::Diagnostic>>(&made)) {
         return protocol::fieldError(path, sentences(*problems));
@@ -152,6 +168,11 @@ std::variant<BuiltEnvironment, protocol::Error> buildEnvironment(const std::stri
     // a single environment takes all queries, whatever they are called
     processes.emplace_back(entries.size() == 1 ? std::string() : entry.name, std::move(process));
   }
+  // a field file alone is an environment by itself; anything else is a configuration
+  const bool isFieldFile = entries.size() == 1 && !galleryOrigin.name.empty();
+  built.origin = isFieldFile
+                     ? std::move(galleryOrigin)
+                     : simulation::EnvironmentOrigin{"environment.json", {{"environment.json", environmentJson}}};
   if (!processes.empty()) {
     built.process = environment::makeEnvironmentSet(std::move(processes));
   }

@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "engine/simulation/simulation.h"
 #include "engine/turtle/environment_process.h"
 #include "protocol/errors.h"
 #include "server/environment_link.h"
@@ -27,6 +28,7 @@ struct BuiltEnvironment {
   std::unique_ptr<turtle::EnvironmentProcess> process;  // null: none
   std::vector<std::shared_ptr<EnvironmentLink>> links;  // to other processes, for interrupting
   std::vector<std::string> names;                       // of the entries, for people: honda, offered:mylight
+  simulation::EnvironmentOrigin origin;                 // for snapshots: how a command line makes it again
 };
 
 /// Makes the environment of a simulation from the `environment` array of simulation.create. `isAbsenceTolerated`:

@@ -39,6 +39,7 @@ std::optional<protocol::Error> HostedSimulation::build(std::shared_ptr<const lan
   options.hasSeed = record_.hasSeed;
   options.derivationLength = record_.create.derivationLength;
   options.limits = limits_;
+  options.environmentOrigin = std::move(environment.origin);
   auto made = std::make_unique<simulation::Simulation>(std::move(program), std::move(placements),
                                                        std::move(environment.process), std::move(options));
   const std::lock_guard lock(cancelMutex_);
@@ -58,7 +59,7 @@ std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> HostedSimulatio
   {
     const Interruption::Scope scope(interruption, [&hosted] { hosted->setCancelled(true); });
     if (auto error = hosted->simulation_->rewind()) {
-      return toError(*error, hosted->environmentNames_);
+      return hosted->errorOf(*error);
     }
   }
   hosted->setCancelled(false);
@@ -79,7 +80,7 @@ std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> HostedSimulatio
     const DataFolder& data) {
   auto read = simulation::readSnapshotInfo(snapshot);
   if (const auto* error = std::get_if<core::SimulationError>(&read)) {
-    return toError(*error);
+    return toError(*error, 0, limits);
   }
   auto& info = std::get<simulation::SnapshotInfo>(read);
   info.compileInput.limits = limits;
@@ -92,10 +93,14 @@ std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> HostedSimulatio
     return std::move(*error);
   }
   if (auto error = hosted->simulation_->restore(snapshot)) {
-    return toError(*error);
+    return hosted->errorOf(*error);
   }
   hosted->isSaved_ = true;
   return hosted;
+}
+
+protocol::Error HostedSimulation::errorOf(const core::SimulationError& error) const {
+  return toError(error, simulation_->completedSteps(), limits_, environmentNames_);
 }
 
 std::optional<protocol::Error> HostedSimulation::save() {
@@ -115,7 +120,7 @@ std::optional<protocol::Error> HostedSimulation::step(double& milliseconds) {
   const auto error = simulation_->step();
   milliseconds = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   if (error) {
-    return toError(*error, environmentNames_);
+    return errorOf(*error);
   }
   return save();
 }
@@ -131,7 +136,7 @@ std::optional<protocol::Error> HostedSimulation::reset(std::optional<std::uint64
       return error;
     }
     if (const auto failure = fresh.simulation_->rewind()) {
-      return toError(*failure);
+      return errorOf(*failure);
     }
     record_ = fresh.record_;
     {
@@ -147,7 +152,7 @@ std::optional<protocol::Error> HostedSimulation::reset(std::optional<std::uint64
     return save();
   }
   if (const auto error = simulation_->rewind()) {
-    return toError(*error);
+    return errorOf(*error);
   }
   return save();
 }
@@ -160,7 +165,7 @@ std::string HostedSimulation::snapshot() const {
 
 std::optional<protocol::Error> HostedSimulation::restore(std::string_view snapshot) {
   if (const auto error = simulation_->restore(snapshot)) {
-    return toError(*error);
+    return errorOf(*error);
   }
   return save();
 }

@@ -34,6 +34,8 @@ class HostedSimulation {
   [[nodiscard]] simulation::Simulation& simulation() { return *simulation_; }
   [[nodiscard]] const std::vector<std::string>& environmentNames() const { return environmentNames_; }
   [[nodiscard]] bool isSaved() const { return isSaved_; }
+  /// A failure of this simulation for the wire.
+  [[nodiscard]] protocol::Error errorOf(const core::SimulationError& error) const;
 
   /// One step and its copy on disk. `milliseconds` receives the wall time of the step alone.
   [[nodiscard]] std::optional<protocol::Error> step(double& milliseconds);

@@ -6,8 +6,6 @@
 namespace espalier::server {
 namespace {
 
-constexpr std::string_view kStays = " The simulation stays at its last completed step.";
-
 protocol::DescribeResult needsEverything() {
   protocol::DescribeResult description;
   description.needs = {.position = true,
@@ -46,7 +44,7 @@ turtle::EnvironmentError RemoteProcess::errorOf(const LinkFailure& failure, cons
   error.isRetryable = !isRefused || (failure.error.code != protocol::ErrorCode::InvalidParams &&
                                      failure.error.code != protocol::ErrorCode::StaleStep &&
                                      protocol::memberOf(failure.error.data, "retryable") != "false");
-  error.message = link_->label() + " " + failure.message + " (" + during + ")." + std::string(kStays) + " ";
+  error.message = link_->label() + " " + failure.message + " (" + during + "). ";
   error.message += isRefused ? "Correct what it says, then ask again." : link_->remedy();
   return error;
 }
@@ -68,7 +66,7 @@ std::optional<turtle::EnvironmentError> RemoteProcess::introduce() {
     auto decoded = protocol::decodeDescribeResult(*payload);
     if (const auto* error = std::get_if<protocol::Error>(&decoded)) {
       return turtle::EnvironmentError{link_->label() + " describes itself wrongly: " + error->message + "." +
-                                          std::string(kStays) + " Correct its answer to environment.describe.",
+                                          " Correct its answer to environment.describe.",
                                       false};
     }
     description_ = std::move(std::get<protocol::DescribeResult>(decoded));
@@ -111,10 +109,10 @@ std::optional<turtle::EnvironmentError> RemoteProcess::openPeer(std::uint64_t st
 
   // it was somewhere in a run: give it back its state
   if (!savedState_ || savedAt_ != stepCount_) {
-    return turtle::EnvironmentError{
-        link_->label() + " lost its state and no copy of it exists at this step." + std::string(kStays) +
-            " Reset the simulation, or restore a snapshot of it; a server with --data saves after every step.",
-        false};
+    return turtle::EnvironmentError{link_->label() +
+                                        " lost its state and no copy of it exists at this step. Reset the simulation, "
+                                        "or restore a snapshot of it; a server with --data saves after every step.",
+                                    false};
   }
   auto restored =
       call("environment.restore", protocol::encode(protocol::RestoreStateParams{context_->simulation, *savedState_}),
@@ -168,8 +166,8 @@ std::optional<turtle::EnvironmentError> RemoteProcess::step(const turtle::QueryB
                            context_ ? context_->symbols : std::vector<std::string>());
   } catch (const protocol::NonFiniteNumber&) {
     return turtle::EnvironmentError{"A query for " + link_->label() +
-                                        " has a parameter or position that is NaN or infinite (" + during + ")." +
-                                        std::string(kStays) + " Correct the model.",
+                                        " has a parameter or position that is NaN or infinite (" + during +
+                                        "). Correct the model.",
                                     false};
   }
   auto outcome = call("environment.step", params, options_.stepTimeout);
@@ -178,8 +176,8 @@ std::optional<turtle::EnvironmentError> RemoteProcess::step(const turtle::QueryB
   }
   auto decoded = protocol::decodeReplies(std::get<protocol::Payload>(outcome), queries.size());
   if (const auto* error = std::get_if<protocol::Error>(&decoded)) {
-    return turtle::EnvironmentError{link_->label() + " answered wrongly (" + during + "): " + error->message + "." +
-                                        std::string(kStays) + " Correct the environment, then ask again.",
+    return turtle::EnvironmentError{link_->label() + " answered wrongly (" + during + "): " + error->message +
+                                        ". Correct the environment, then ask again.",
                                     true};
   }
   applyReplies(std::get<std::vector<protocol::ReplyRecord>>(decoded), queries, replies);

@@ -1,6 +1,7 @@
 #include "server/server.h"
 
 #include <atomic>
+#include <filesystem>
 #include <mutex>
 #include <thread>
 
@@ -40,6 +41,11 @@ class Server::Implementation {
                "' can be reached from other machines and the connection is not encrypted: add --insecure if that is "
                "acceptable, or listen on 127.0.0.1 and use an SSH tunnel.";
       }
+    }
+    std::error_code error;
+    if (!options.galleryFolder.empty() && !std::filesystem::is_directory(options.galleryFolder, error)) {
+      return "there is no gallery folder '" + options.galleryFolder +
+             "': give --gallery a folder of model folders, or leave it out.";
     }
     // taking the port first: a second server on the same data folder and port stops here
     if (auto problem = network_.listen(options.host, options.port)) {

@@ -190,7 +190,7 @@ std::variant<std::string, protocol::Error> getResult(SimulationRunner& runner, c
     all.what = "turtle";
     auto body = frameBody(all, simulation, runner.milliseconds(), records);
     if (const auto* error = std::get_if<core::SimulationError>(&body)) {
-      return toError(*error);
+      return hosted.errorOf(*error);
     }
     result.raw(std::get<std::string>(body));
   } else {

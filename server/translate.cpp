@@ -5,6 +5,7 @@
 
 #include "protocol/codec.h"
 #include "protocol/errors.h"
+#include "server/limits.h"
 
 namespace espalier::server {
 namespace {
@@ -41,6 +42,22 @@ std::vector<turtle::EnvironmentVariable> fromVariables(const std::vector<protoco
   return variables;
 }
 
+/// The limit that a message of the engine names, which is renamed in it from the engine's word (maximumModules) to the
+/// one that options and the wire use (modules). Null: none.
+const LimitEntry* nameLimit(std::string& message) {
+  constexpr std::string_view kPrefix = "maximum";
+  for (const LimitEntry& entry : limitEntries()) {
+    std::string word = std::string(kPrefix) + std::string(entry.name);
+    word[kPrefix.size()] = static_cast<char>(word[kPrefix.size()] - 'a' + 'A');
+    const std::size_t at = message.find(word);
+    if (at != std::string::npos) {
+      message.replace(at, word.size(), entry.name);
+      return &entry;
+    }
+  }
+  return nullptr;
+}
+
 }  // namespace
 
 protocol::DiagnosticRecord toRecord(const core::Diagnostic& diagnostic) {
@@ -73,7 +90,8 @@ std::vector<protocol::DiagnosticRecord> toRecords(const std::vector<core::Diagno
   return records;
 }
 
-protocol::Error toError(const core::SimulationError& error, const std::vector<std::string>& environment) {
+protocol::Error toError(const core::SimulationError& error, std::uint64_t completedSteps, const core::Limits& limits,
+                        const std::vector<std::string>& environment) {
   protocol::Error result;
   switch (error.code) {
     case core::SimulationErrorCode::LimitExceeded:
@@ -97,7 +115,12 @@ protocol::Error toError(const core::SimulationError& error, const std::vector<st
   }
   result.message = error.message;
   protocol::JsonWriter data;
-  data.beginObject().key("step").integer(error.step).key("plant").integer(error.plant);
+  data.beginObject().key("step").integer(completedSteps).key("plant").integer(error.plant);
+  if (error.code == core::SimulationErrorCode::LimitExceeded) {
+    if (const LimitEntry* limit = nameLimit(result.message)) {
+      data.key("limit").text(limit->name).key("bound").integer(limit->get({.simulation = limits}));
+    }
+  }
   if (error.code == core::SimulationErrorCode::EnvironmentFailed) {
     std::string names;
     for (const std::string& name : environment) {

@@ -23,10 +23,11 @@ namespace espalier::server {
 
 [[nodiscard]] protocol::DiagnosticRecord toRecord(const core::Diagnostic& diagnostic);
 [[nodiscard]] std::vector<protocol::DiagnosticRecord> toRecords(const std::vector<core::Diagnostic>& diagnostics);
-/// A failed step as an error of the wire; `data` has step, plant, module, place and whether it can be tried again.
-/// `environment`: the simulation's environments for an error of theirs.
-[[nodiscard]] protocol::Error toError(const core::SimulationError& error,
-                                      const std::vector<std::string>& environment = {});
+/// A failure of a simulation as an error of the wire. `data` has the last completed step, plant, module, place and
+/// whether it can be tried again; the limit by its name on the wire, with its bound among `limits`; the simulation's
+/// environments for an error of theirs.
+[[nodiscard]] protocol::Error toError(const core::SimulationError& error, std::uint64_t completedSteps,
+                                      const core::Limits& limits, const std::vector<std::string>& environment = {});
 /// A model that does not compile: all diagnostics in `data`.
 [[nodiscard]] protocol::Error toError(const std::vector<core::Diagnostic>& diagnostics);
 

@@ -19,24 +19,6 @@ namespace {
 
 using Process = std::unique_ptr<turtle::EnvironmentProcess>;
 
-// passes on what another provider reads and keeps a copy
-class RecordingFileProvider final : public core::FileProvider {
- public:
-  explicit RecordingFileProvider(core::FileProvider& files) : files_(&files) {}
-  [[nodiscard]] std::optional<std::string> read(const std::string& name) override {
-    std::optional<std::string> text = files_->read(name);
-    if (text) {
-      recorded_.emplace_back(name, *text);
-    }
-    return text;
-  }
-  [[nodiscard]] std::vector<std::pair<std::string, std::string>> take() { return std::move(recorded_); }
-
- private:
-  core::FileProvider* files_;
-  std::vector<std::pair<std::string, std::string>> recorded_;
-};
-
 bool startsWith(const std::string& text, const char* prefix) {
   return text.rfind(prefix, 0) == 0;
 }
@@ -69,6 +51,12 @@ Process connectRemote(const std::string& address, const std::string& configurati
 
 // one entry of a configuration: `tcp` with an `address` and `stdio` with a `command` are other processes
 Process makeEntry(const environment::EnvironmentEntry& entry, const std::string& file) {
+  if (entry.type == "offered" || entry.type == "gallery") {
+    printError(file + ": the environment '" + entry.name + "' " +
+               (entry.type == "offered" ? "offers itself to a server" : "is in the gallery of a server") +
+               ": give one with --environment, such as tcp://HOST:PORT or a file");
+    return nullptr;
+  }
   if (entry.type != "tcp" && entry.type != "stdio") {
     return orPrintErrors(environment::makeProcess(entry.type, entry.configuration), file);
   }
@@ -150,7 +138,7 @@ Process makeEnvironment(const std::string& name, core::Compatibility compatibili
 
 std::optional<LoadedEnvironment> loadEnvironment(const std::string& name, core::Compatibility compatibility,
                                                  bool isQuiet, core::FileProvider& files) {
-  RecordingFileProvider recorder(files);
+  core::RecordingFileProvider recorder(files);
   LoadedEnvironment loaded;
   loaded.process = makeEnvironment(name, compatibility, isQuiet, recorder, loaded.processNames);
   if (!loaded.process) {

@@ -8,6 +8,8 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 namespace espalier::core {
 
@@ -33,6 +35,26 @@ class MemoryFileProvider final : public FileProvider {
 
  private:
   std::map<std::string, std::string> files_;
+};
+
+/// Passes on what another provider reads and keeps a copy.
+class RecordingFileProvider final : public FileProvider {
+ public:
+  /// `files` must outlive it.
+  explicit RecordingFileProvider(FileProvider& files) : files_(&files) {}
+  [[nodiscard]] std::optional<std::string> read(const std::string& name) override {
+    std::optional<std::string> text = files_->read(name);
+    if (text) {
+      recorded_.emplace_back(name, *text);
+    }
+    return text;
+  }
+  /// Names and texts in the order they were read.
+  [[nodiscard]] std::vector<std::pair<std::string, std::string>> take() { return std::move(recorded_); }
+
+ private:
+  FileProvider* files_;
+  std::vector<std::pair<std::string, std::string>> recorded_;
 };
 
 /// Where the engine's output goes.

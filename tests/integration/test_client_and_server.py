@@ -1,10 +1,13 @@
 """The Python client against the real server: models, streams, snapshots, errors."""
 
+import re
+import subprocess
+import sys
 import tempfile
 import unittest
 from pathlib import Path
 
-from support import GALLERY, espalier, program, strings
+from support import GALLERY, PACKAGE, SECONDS, espalier, program, strings, variables
 
 from espalier import Server, ServerError
 
@@ -79,6 +82,34 @@ class ClientAndServer(unittest.TestCase):
             simulation.save_to(snapshot)
             espalier("run", "--resume", str(snapshot), "-o", str(picture), "--quiet")
             self.assertIn("<svg", picture.read_text(encoding="utf-8"))
+
+    def test_the_client_example_of_the_package_works_as_written(self) -> None:
+        page = (PACKAGE / "README.md").read_text(encoding="utf-8")
+        example = page.split("## A client")[1].split("```python\n")[1].split("```")[0]
+        command = re.search(r"# espalier (run --resume .*)", example)
+        assert command is not None
+        example = example.replace("build/release/bin/espalier", program()).replace("clients/gallery", str(GALLERY))
+        with tempfile.TemporaryDirectory() as folder:
+            subprocess.run([sys.executable, "-c", example], cwd=folder, env=variables(), check=True, timeout=SECONDS,
+                           stdout=subprocess.DEVNULL)
+            subprocess.run([program(), *command.group(1).split()], cwd=folder, check=True, timeout=SECONDS,
+                           stderr=subprocess.DEVNULL)
+            self.assertIn("<svg", (Path(folder) / "tiers.svg").read_text(encoding="utf-8"))
+
+    def test_a_snapshot_of_the_server_says_how_its_environment_was_set_up(self) -> None:
+        last = strings("branch-tiers")
+        for environment in (None, [{"type": "honda", "radius": 0.5}],
+                            [{"type": "height", "name": "E"}, {"type": "honda"}]):
+            simulation = self.client.create(gallery="branch-tiers", environment=environment, seed=7)
+            simulation.step(2)
+            with tempfile.TemporaryDirectory() as folder:
+                snapshot, later = Path(folder) / "a.snapshot", Path(folder) / "b.snapshot"
+                simulation.save_to(snapshot)
+                espalier("run", "--resume", str(snapshot), "-o", str(later), "--quiet")
+                simulation.step(len(last))
+                state = simulation.get("state-hash")["stateHash"]
+                simulation.restore(later.read_bytes())
+                self.assertEqual(simulation.get("state-hash")["stateHash"], state)
 
     def test_a_deleted_simulation_is_gone(self) -> None:
         simulation = self.client.create(gallery="classic-algae")

@@ -218,7 +218,35 @@ TEST(Server, AModuleLimitStopsTheStepAndTheSimulationStays) {
                                         {}, R"("limits":{"modules":4})");
   const auto error = errorOf(client->request("simulation.step", named(simulation, R"("steps":5)")));
   EXPECT_EQ(static_cast<int>(error.code), 1004);
+  // by the name that the option has, at the last completed step
+  EXPECT_EQ(error.message.substr(0, 60), "step 3, plant 0: the string has more than 4 modules (limit m");
+  EXPECT_NE(error.message.find("(limit modules). The simulation stays at step 2."), std::string::npos) << error.message;
+  EXPECT_EQ(member(error.data, "limit"), "modules");
+  EXPECT_EQ(member(error.data, "bound"), "4");
+  EXPECT_EQ(member(error.data, "step"), "2");
   EXPECT_EQ(stringOf(*client, simulation), "AAAA");
+}
+
+TEST(Server, ErrorsNameTheLastCompletedStepWhateverFailed) {
+  const RunningServer server;
+  const auto client = connectTo(server);
+  const std::string simulation = create(*client, kGrowth, R"([{"type":"height"}])");
+  resultOf(client->request("simulation.step", named(simulation, R"("steps":2)")));
+  const auto restore = errorOf(client->request("simulation.restore", named(simulation, R"("snapshot":"AAAA")")));
+  EXPECT_EQ(member(restore.data, "step"), "2") << restore.message;
+  const std::string growing =
+      create(*client, "Lsystem: 1\nderivation length: 9\nAxiom: A(1)\nA(x) --> A(x*1.0e200)\nendlsystem\n");
+  const auto model = errorOf(client->request("simulation.run", named(growing)));
+  EXPECT_EQ(static_cast<int>(model.code), 1008);
+  EXPECT_EQ(member(model.data, "step"), "1") << model.message;
+}
+
+TEST(Server, AGalleryFolderThatIsNotThereIsRefused) {
+  ServerOptions options;
+  options.logLevel = "off";
+  options.galleryFolder = "no-such-folder";
+  EXPECT_EQ(Server(options).listen().value_or(""),
+            "there is no gallery folder 'no-such-folder': give --gallery a folder of model folders, or leave it out.");
 }
 
 TEST(Server, RefusesAnAddressBeyondLoopbackWithoutTokenAndWithoutInsecure) {

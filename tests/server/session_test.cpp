@@ -39,6 +39,15 @@ TEST(Session, ServesNothingBeforeHelloAndStillTakesItAfterwards) {
   EXPECT_EQ(member(member(peer.ask(kHello), "error"), "code"), "-32600");
 }
 
+TEST(Session, ARequestWhoseIdIsNullIsAnsweredWithNull) {
+  const RunningServer server;
+  RawPeer peer(server);
+  EXPECT_EQ(member(member(peer.ask(kHello), "result"), "protocol"), "1");
+  const std::string answer = peer.ask(R"({"jsonrpc":"2.0","id":null,"method":"server.status"})");
+  EXPECT_EQ(member(answer, "id"), "null");
+  EXPECT_EQ(member(member(answer, "result"), "protocol"), "1");
+}
+
 TEST(Session, AnUnfinishedHandshakeTimesOut) {
   ServerOptions options;
   options.limits.handshakeMilliseconds = 50;
