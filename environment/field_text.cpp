@@ -77,6 +77,17 @@ std::vector<FieldLine> readFieldLines(const std::string& file, std::string_view 
   return lines;
 }
 
+core::SourceLocation valueLocation(const FieldLine& line) {
+  core::SourceLocation location = line.location;
+  const std::size_t at =
+      line.value.empty() ? std::string::npos : location.lineText.find(line.value, line.keyword.size() + 1);
+  if (at != std::string::npos) {
+    location.column = static_cast<std::uint32_t>(at + 1);
+    location.length = static_cast<std::uint32_t>(line.value.size());
+  }
+  return location;
+}
+
 std::vector<double> readFieldNumbers(std::string_view text, std::string_view* rest) {
   std::vector<double> numbers;
   while (true) {

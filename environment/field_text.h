@@ -31,6 +31,9 @@ inline constexpr std::size_t kLongestFieldLine = 254;
 [[nodiscard]] std::vector<FieldLine> readFieldLines(const std::string& file, std::string_view text, FieldSyntax syntax,
                                                     std::vector<core::Diagnostic>& warnings);
 
+/// Where the value of a line stands.
+[[nodiscard]] core::SourceLocation valueLocation(const FieldLine& line);
+
 /// The numbers at the beginning of a text; separators are x , ; : blank and TAB. `rest` gets what follows the last one.
 [[nodiscard]] std::vector<double> readFieldNumbers(std::string_view text, std::string_view* rest = nullptr);
 

@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <chrono>
 #include <cstdio>
 #include <memory>
 
@@ -8,16 +9,23 @@
 #include "protocol/codec.h"
 #include "server/disk_files.h"
 #include "server/environment_host.h"
+#include "server/legacy_process.h"
 #include "server/line_channel.h"
 #include "server/translate.h"
 
 namespace espalier::command {
 namespace {
 
+// the name under which an existing program of the field is offered
+constexpr const char* kLegacy = "legacy";
+
 struct EnvironmentOptions {
   std::string name;
   std::string address;
   std::string configurationFile;
+  std::string executable;
+  std::string fieldFile;
+  double timeLimitSeconds = 60.0;
   bool isOnStdio = false;
   bool isInsecureAllowed = false;
   bool describes = false;
@@ -33,6 +41,19 @@ int listProcesses() {
     std::printf("%-12s %s\n", name.c_str(), summary.c_str());
   }
   return kSuccess;
+}
+
+/// What the options ask for, made anew for every simulation.
+environment::ProcessOrErrors makeAsked(const EnvironmentOptions& options, const std::string& configuration,
+                                       std::vector<core::Diagnostic>& warnings) {
+  if (options.name != kLegacy) {
+    return environment::makeProcess(options.name, configuration);
+  }
+  server::DiskFileProvider files;
+  server::LegacyProcessOptions legacy;
+  legacy.executable = options.executable;
+  legacy.stepTimeout = std::chrono::milliseconds(static_cast<std::int64_t>(options.timeLimitSeconds * 1000.0));
+  return server::makeLegacyProcess(options.fieldFile, files, legacy, warnings);
 }
 
 int serveOn(const std::string& address, bool isInsecureAllowed, const server::ProcessFactory& factory) {
@@ -75,8 +96,16 @@ int runEnvironment(const EnvironmentOptions& options) {
     configuration = std::move(*text);
   }
 
+  if ((options.name == kLegacy) == options.fieldFile.empty() ||
+      (options.name != kLegacy && !options.executable.empty())) {
+    printError(options.name == kLegacy ? "give the field file of the program with --spec FILE.e"
+                                       : "--executable and --spec are for the environment 'legacy'");
+    return kUsage;
+  }
   // made once here, so that every mistake is said before anybody connects
-  auto made = environment::makeProcess(options.name, configuration);
+  std::vector<core::Diagnostic> warnings;
+  auto made = makeAsked(options, configuration, warnings);
+  printDiagnostics(warnings, false);
   if (const auto* problems = std::get_if<std::vector<core::Diagnostic>>(&made)) {
     printDiagnostics(*problems, false);
     return kFailure;
@@ -91,7 +120,8 @@ int runEnvironment(const EnvironmentOptions& options) {
     return kSuccess;
   }
   const server::ProcessFactory factory = [&options, &configuration] {
-    auto fresh = environment::makeProcess(options.name, configuration);
+    std::vector<core::Diagnostic> said;  // above
+    auto fresh = makeAsked(options, configuration, said);
     return std::move(std::get<std::unique_ptr<turtle::EnvironmentProcess>>(fresh));
   };
   if (options.isOnStdio) {
@@ -115,6 +145,8 @@ void addEnvironment(CLI::App& program, int& status) {
       "  espalier environment honda --listen 127.0.0.1:4000 &\n"
       "  espalier derive MODEL.l --environment tcp://127.0.0.1:4000\n"
       "  espalier derive MODEL.l --environment 'stdio:espalier environment honda --stdio'\n"
+      "An existing program of the field, which speaks on pipes, is offered in the same way:\n"
+      "  espalier environment legacy --executable './soil -v' --spec roots.e --listen 127.0.0.1:4000\n"
       "With --listen it prints `listening on HOST:PORT` when ready and serves until SIGINT or SIGTERM.");
   command->add_option("NAME", options->name, "A built-in environment; --list names them");
   command->add_option("--listen", options->address, "Serve on HOST:PORT; port 0 takes a free one");
@@ -122,6 +154,15 @@ void addEnvironment(CLI::App& program, int& status) {
                     "Serve on an address that other machines reach, without encryption and without asking who it is");
   command->add_flag("--stdio", options->isOnStdio, "Serve on standard input and output until the input ends");
   command->add_option("--configuration", options->configurationFile, "JSON file with its configuration; see --schema");
+  command->add_option("--executable", options->executable,
+                      "For NAME legacy: the program and its arguments, instead of the field file's `executable`");
+  command->add_option("--spec", options->fieldFile,
+                      "For NAME legacy: the field file (.e) that says what the program is sent");
+  command
+      ->add_option("--time-limit", options->timeLimitSeconds,
+                   "For NAME legacy: seconds that the program may take for a step")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
   command->add_flag("--describe", options->describes,
                     "Print what it needs, its inputs and outputs with units, as JSON");
   command->add_flag("--schema", options->printsSchema, "Print the JSON Schema of its configuration");

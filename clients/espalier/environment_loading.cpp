@@ -10,8 +10,10 @@
 #include "engine/language/model_queries.h"
 #include "environment/environment_entries.h"
 #include "environment/environment_set.h"
+#include "environment/field_file.h"
 #include "environment/registry.h"
 #include "protocol/envelope.h"
+#include "server/legacy_process.h"
 #include "server/remote_environment.h"
 
 namespace espalier::command {
@@ -103,6 +105,25 @@ Process loadConfiguration(const std::string& file, core::FileProvider& files, st
   return environment::makeEnvironmentSet(std::move(processes));
 }
 
+// the program of a field file that is not built in but there, started; null: it is for makeFromFieldFile
+Process loadLegacyProgram(const std::string& file, bool isQuiet, core::FileProvider& files) {
+  std::vector<core::Diagnostic> warnings;
+  std::vector<core::Diagnostic> errors;
+  const environment::FieldFile field =
+      environment::readFieldFile(file, files.read(file).value_or(std::string()), warnings, errors);
+  if (field.command.empty() || !environment::configurationSchema(field.program).empty() ||
+      !server::isExecutableThere(field.command.front(), std::filesystem::path(file).parent_path().string())) {
+    return nullptr;
+  }
+  warnings.clear();
+  auto made = server::makeLegacyProcess(file, files, {}, warnings);
+  printDiagnostics(warnings, isQuiet);
+  if (!isQuiet) {
+    printNote("'" + field.program + "' is not built in: the program that " + file + " names is started");
+  }
+  return orPrintErrors(std::move(made), "");
+}
+
 Process loadFieldFile(const std::string& file, core::Compatibility compatibility, bool isQuiet,
                       core::FileProvider& files) {
   if (!files.read(file)) {
@@ -110,6 +131,9 @@ Process loadFieldFile(const std::string& file, core::Compatibility compatibility
     return nullptr;
   }
   std::vector<core::Diagnostic> warnings;
+  if (auto process = loadLegacyProgram(file, isQuiet, files)) {
+    return process;
+  }
   environment::ProcessOrErrors made = environment::makeFromFieldFile(file, files, compatibility, warnings);
   printDiagnostics(warnings, isQuiet);
   return orPrintErrors(std::move(made), "");
