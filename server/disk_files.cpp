@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -27,6 +28,20 @@ std::optional<std::string> DiskFileProvider::read(const std::string& name) {
   file.read(content.data(), static_cast<std::streamsize>(size));
   content.resize(static_cast<std::size_t>(file.gcount()));
   return content;
+}
+
+std::optional<std::string> DiskFileProvider::readInside(const std::string& folder, const std::string& name) {
+  // where the names lead once every link is followed
+  std::error_code error;
+  const std::filesystem::path root = std::filesystem::canonical(folder.empty() ? "." : folder, error);
+  if (error) {
+    return std::nullopt;
+  }
+  const std::filesystem::path file = std::filesystem::canonical(name, error);
+  if (error || std::mismatch(root.begin(), root.end(), file.begin(), file.end()).first != root.end()) {
+    return std::nullopt;
+  }
+  return read(name);
 }
 
 std::optional<std::string> writeFileAtomically(const std::string& name, std::string_view content) {

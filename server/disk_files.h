@@ -12,6 +12,7 @@ class DiskFileProvider final : public core::FileProvider {
  public:
   explicit DiskFileProvider(std::size_t maximumBytes = 256'000'000) : maximumBytes_(maximumBytes) {}
   [[nodiscard]] std::optional<std::string> read(const std::string& name) override;
+  [[nodiscard]] std::optional<std::string> readInside(const std::string& folder, const std::string& name) override;
 
  private:
   std::size_t maximumBytes_;

@@ -2,7 +2,9 @@
 #include <cstdint>
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -23,12 +25,22 @@ struct ExplainOptions {
   std::uint32_t plant = 0;
 };
 
+/// An explanation runs the model and leaves no trace of it.
+class DiscardingWriter final : public core::FileWriter {
+ public:
+  std::optional<std::string> write(const std::string& /*name*/, bool /*replaces*/,
+                                   std::string_view /*bytes*/) override {
+    return std::nullopt;
+  }
+};
+
 int explain(ExplainOptions& options) {
   server::DiskFileProvider files;
   std::optional<LoadedModel> loaded = loadModel(options.model, files);
   if (!loaded) {
     return kFailure;
   }
+  loaded->simulationOptions.fileWriter = std::make_shared<DiscardingWriter>();
   const std::vector<turtle::PlantPlacement> placements(options.plant + std::size_t{1});
   simulation::Simulation simulation(loaded->program, placements, std::move(loaded->environment.process),
                                     std::move(loaded->simulationOptions));

@@ -7,9 +7,11 @@
 #include <system_error>
 #include <variant>
 
+#include "clients/espalier/folder_writer.h"
 #include "clients/espalier/messages.h"
 #include "clients/espalier/model_files.h"
 #include "engine/language/compiler.h"
+#include "engine/language/file_name.h"
 
 namespace espalier::command {
 namespace {
@@ -147,6 +149,11 @@ simulation::SimulationOptions simulationOptionsFor(const ModelOptions& options, 
   result.derivationLength = options.steps;
   result.threads = options.threads;
   result.messages = standardErrorMessages(options.isQuiet);
+  // a model that comes from a snapshot may have no folder here: it writes into the working one
+  const std::string folder = language::folderOf(program.modelFile);
+  std::error_code error;
+  result.fileWriter =
+      std::make_shared<FolderWriter>(std::filesystem::is_directory(folder, error) ? folder : std::string{});
   if (options.seed) {
     result.seed = *options.seed;
     result.hasSeed = true;

@@ -13,6 +13,8 @@ struct Limits {
   std::uint32_t maximumRecursion = 10'000;            // decomposition or homomorphism depth, whatever the model asks
   std::uint64_t maximumQueries = 100'000'000;         // communication modules in one step
   std::uint32_t maximumTurtleStack = 1'000'000;       // open brackets while interpreting
+  std::uint32_t maximumOpenFiles = 256;               // files that one plant has open at once (fopen)
+  std::uint64_t maximumFileBytes = 1'000'000'000;     // written to files in one step, and kept of one file
 
   // reading a model
   std::uint64_t maximumSourceBytes = 64'000'000;  // text after preprocessing

@@ -20,6 +20,22 @@ class FileProvider {
   /// The whole content of a file, or nothing when it cannot be read. `name` is as the model or the user wrote it;
   /// names in a model are joined to the folder of the file that names them before the call.
   [[nodiscard]] virtual std::optional<std::string> read(const std::string& name) = 0;
+  /// The same for a file that a model opens itself (fopen): nothing when the file really lies outside `folder`, as one
+  /// behind a symbolic link can. `name` begins with `folder`; an empty folder is the working one.
+  [[nodiscard]] virtual std::optional<std::string> readInside(const std::string& folder, const std::string& name) {
+    static_cast<void>(folder);
+    return read(name);
+  }
+};
+
+/// Where the files go that models write (fopen, fprintf).
+class FileWriter {
+ public:
+  virtual ~FileWriter() = default;
+  /// Adds bytes to the end of a file, or makes them its whole content when it `replaces`. `name` is relative to the
+  /// model's folder and has no `..`. Returns a whole sentence when it cannot.
+  [[nodiscard]] virtual std::optional<std::string> write(const std::string& name, bool replaces,
+                                                         std::string_view bytes) = 0;
 };
 
 /// Files held in memory by name: sources that came over the wire, snapshots, tests.

@@ -15,7 +15,7 @@ namespace {
 constexpr std::uint64_t kSelectionHigh = std::uint64_t{155} << 32U;
 
 Evaluator::Options evaluatorOptions(const DerivationOptions& options) {
-  return {options.plant, options.limits, options.cancelled, options.messages};
+  return {options.plant, options.limits, options.cancelled, options.messages, options.canWriteFiles};
 }
 
 bool hasContext(const language::ProductionList& list) {
@@ -68,6 +68,7 @@ void Derivation::Implementation::Backup::save(const PlantState& state) {
   statics = state.statics;
   instances = state.instances;
   random = state.random;
+  files = state.files;
 }
 
 void Derivation::Implementation::Backup::restore(PlantState& state) const {
@@ -77,6 +78,7 @@ void Derivation::Implementation::Backup::restore(PlantState& state) const {
   state.statics = statics;
   state.instances = instances;
   state.random = random;
+  state.files = files;
 }
 
 void Derivation::Implementation::attach(PlantState& state, std::uint64_t step, std::uint64_t failingStep) {

@@ -23,6 +23,7 @@ struct DerivationOptions {
   core::Limits limits;
   const std::atomic<bool>* cancelled = nullptr;  // polled about every 65,536 modules; must outlive the Derivation
   core::MessageSink messages;                    // printf and run-time warnings; may be empty
+  bool canWriteFiles = false;  // the caller takes PlantState::files.output; otherwise fopen refuses to write
 };
 
 /// Derives the strings of one plant. Holds working memory only: everything that matters between steps is in PlantState.

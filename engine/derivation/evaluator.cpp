@@ -206,27 +206,29 @@ void Evaluator::run(language::CodeRange code, double* frame) {
         *top++ = 0.0;
         break;
       case Operation::FileOpen:
-        warnOnce(
-            at, "fopen(\"" + program_->strings[operand] + "\") is refused: models open no files here; the handle is 0");
-        *top++ = 0.0;
+        *top++ = openFile(operand, instruction.count, at);
         break;
       case Operation::FileClose:
+        closeFile(top[-1], at);
+        top[-1] = 0.0;
+        break;
       case Operation::FileFlush:
+        // what a step writes is passed on when the step is complete
         top[-1] = 0.0;
         break;
       case Operation::FilePrint:
-        // no file can be open: nothing is written
         top -= instruction.count + 1;
+        printToFile(top[0], program_->strings[operand], {top + 1, instruction.count}, at);
         *top++ = 0.0;
         break;
-      case Operation::FileScan:
-        // as at the end of a file: every target gets 0 and the number read is -1
-        --top;
-        for (std::uint16_t i = 0; i < instruction.count; ++i) {
-          *top++ = 0.0;
-        }
-        *top++ = -1.0;
+      case Operation::FileScan: {
+        const double handle = *--top;
+        std::fill_n(top, instruction.count, 0.0);
+        const double readCount = scanFile(handle, program_->strings[operand], {top, instruction.count}, at);
+        top += instruction.count;
+        *top++ = readCount;
         break;
+      }
     }
     // a jump back is a turn of a loop
     if (next <= at) {

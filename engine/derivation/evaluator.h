@@ -27,6 +27,7 @@ class Evaluator {
     core::Limits limits;
     const std::atomic<bool>* cancelled = nullptr;
     core::MessageSink messages;
+    bool canWriteFiles = false;
   };
 
   /// `program` and `random` must outlive the object.
@@ -83,6 +84,12 @@ class Evaluator {
   [[nodiscard]] double call(language::Function function, std::span<const double> arguments, std::uint32_t at);
   [[nodiscard]] double* element(std::uint32_t array, std::span<const double> subscripts, std::uint32_t at);
   void print(const std::string& format, std::span<const double> arguments) const;
+  // evaluator_files.cpp
+  [[nodiscard]] double openFile(std::uint32_t file, std::uint16_t mode, std::uint32_t at);
+  void closeFile(double handle, std::uint32_t at);
+  void printToFile(double handle, const std::string& format, std::span<const double> arguments, std::uint32_t at);
+  /// Fills `numbers`; returns how many were read.
+  [[nodiscard]] double scanFile(double handle, const std::string& format, std::span<double> numbers, std::uint32_t at);
   void warnOnce(std::uint32_t at, const std::string& message);
 
   const language::Program* program_;

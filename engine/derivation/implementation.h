@@ -58,6 +58,7 @@ class Derivation::Implementation {
     std::vector<double> statics;
     std::vector<InstanceState> instances;
     RandomState random;
+    FileState files;
     void save(const PlantState& state);
     void restore(PlantState& state) const;
   };

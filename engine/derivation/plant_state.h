@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "engine/core/random.h"
+#include "engine/derivation/file_state.h"
 #include "engine/derivation/module_string.h"
 
 namespace espalier::derivation {
@@ -36,6 +37,7 @@ struct PlantState {
   std::vector<double> statics;           // production-local variables (Program::staticCount)
   std::vector<InstanceState> instances;  // [0] the main L-system; others in order of their calls in the string
   RandomState random;
+  FileState files;
 };
 
 }  // namespace espalier::derivation

@@ -54,6 +54,7 @@ class Analyser {
   void resolveElement(ExpressionNode& node, Scope& scope);
   void resolveCall(ExpressionNode& node, Scope& scope);
   void resolveFileCall(ExpressionNode& node);
+  void checkFileName(const ExpressionNode& call);
   bool checkFormat(const ExpressionNode& call, std::size_t formatIndex, bool isScan);
   void resolveFunction(ExpressionNode& node, Scope& scope);
   void reportUnknownName(const ExpressionNode& node, const Scope& scope);

@@ -4,6 +4,8 @@
 
 #include "engine/language/analyser.h"
 #include "engine/language/arithmetic.h"
+#include "engine/language/file_name.h"
+#include "engine/language/program.h"
 
 namespace espalier::language {
 namespace {
@@ -309,7 +311,9 @@ void Analyser::resolveFileCall(ExpressionNode& node) {
     return;
   }
   if (node.callee == Callee::FileOpen) {
-    (void)(requireString(0, "a file name") && requireString(1, "a mode such as \"r\" or \"w\""));
+    if (requireString(0, "a file name") && requireString(1, "a mode such as \"r\" or \"w\"")) {
+      checkFileName(node);
+    }
     return;
   }
   if (at(node.children[0]).kind != ExpressionKind::Name) {
@@ -328,6 +332,25 @@ void Analyser::resolveFileCall(ExpressionNode& node) {
       }
     }
     (void)checkFormat(node, 1, true);
+  }
+}
+
+/// The mode of fopen is one, and the name stays inside the model's folder: others are refused when the model runs.
+void Analyser::checkFileName(const ExpressionNode& call) {
+  const ExpressionNode& name = at(call.children[0]);
+  const ExpressionNode& mode = at(call.children[1]);
+  if (!FileMode::parse(mode.text)) {
+    messages_.error(
+        mode.range, "the mode \"" + mode.text + "\" of 'fopen' is none",
+        "\"r\" reads, \"w\" writes a new file, \"a\" adds to its end; \"r+\", \"w+\" and \"a+\" read and write");
+    return;
+  }
+  if (!isNameInside(name.text)) {
+    const std::string last = name.text.substr(name.text.find_last_of("/\\") + 1);
+    messages_.warning(
+        name.range, "the file \"" + name.text + "\" is not inside the model's folder: fopen is refused and gives 0",
+        isNameInside(last) ? "put the file beside the model: fopen(\"" + last + "\", \"" + mode.text + "\")"
+                           : "give the name of a file beside the model");
   }
 }
 

@@ -65,6 +65,7 @@ class CodeGenerator {
   [[nodiscard]] std::uint32_t here() const { return static_cast<std::uint32_t>(program_.code.size()); }
   std::uint32_t internConstant(double value);
   std::uint32_t internString(const std::string& text);
+  std::uint32_t internFile(const std::string& name, const FileMode& mode);
   std::uint32_t addStatic(std::string name);
   [[nodiscard]] const ExpressionNode& at(ExpressionIndex index) const { return model_.expressions[index]; }
   [[nodiscard]] bool isReference() const { return program_.compatibility != core::Compatibility::Espalier; }

@@ -6,6 +6,7 @@
 #include "engine/language/arithmetic.h"
 #include "engine/language/code_generator.h"
 #include "engine/language/constant_evaluation.h"
+#include "engine/language/file_name.h"
 
 namespace espalier::language {
 
@@ -77,6 +78,21 @@ std::uint32_t CodeGenerator::internString(const std::string& text) {
     program_.strings.push_back(text);
   }
   return place->second;
+}
+
+std::uint32_t CodeGenerator::internFile(const std::string& name, const FileMode& mode) {
+  const bool isInside = isNameInside(name);
+  const std::string plain = isInside ? withoutDots(name) : name;
+  const auto found = std::find_if(program_.files.begin(), program_.files.end(),
+                                  [&](const ModelFile& file) { return file.name == plain; });
+  const auto index = static_cast<std::uint32_t>(found - program_.files.begin());
+  if (found == program_.files.end()) {
+    program_.files.push_back({.name = plain, .isRefused = !isInside});
+  }
+  ModelFile& file = program_.files[index];
+  file.isRead = file.isRead || mode.canRead;
+  file.isWritten = file.isWritten || mode.canWrite;
+  return index;
 }
 
 std::uint32_t CodeGenerator::addStatic(std::string name) {
@@ -359,8 +375,8 @@ void CodeGenerator::emitCall(const ExpressionNode& node) {
       break;
     }
     case Callee::FileOpen: {
-      const std::uint32_t mode = internString(at(node.children[1]).text);
-      emit(Operation::FileOpen, internString(at(node.children[0]).text), mode, node.range, 1);
+      const FileMode mode = FileMode::parse(at(node.children[1]).text).value_or(FileMode{});
+      emit(Operation::FileOpen, internFile(at(node.children[0]).text, mode), mode.bits(), node.range, 1);
       break;
     }
     case Callee::FileClose:

@@ -6,6 +6,7 @@
 #include "engine/core/hash.h"
 #include "engine/language/analyser.h"
 #include "engine/language/code_generator.h"
+#include "engine/language/file_name.h"
 #include "engine/language/message_list.h"
 #include "engine/language/model_checks.h"
 #include "engine/language/parser.h"
@@ -56,6 +57,32 @@ std::uint64_t hashOf(const Program& program) {
     hasher.bytes(value);
   }
   return hasher.value();
+}
+
+/// Reads what the model will read with fscanf, so that the Program needs no file while it runs. A model may not write
+/// over its own text.
+void readModelFiles(Program& program, core::FileProvider& files) {
+  const std::string folder = folderOf(program.modelFile);
+  const std::size_t textCount = program.sources.size();
+  for (ModelFile& file : program.files) {
+    const std::string name = nameBeside(program.modelFile, file.name);
+    const auto begin = program.sources.begin();
+    const auto known =
+        std::find_if(begin, program.sources.end(), [&](const SourceMap::File& source) { return source.name == name; });
+    const auto index = static_cast<std::uint32_t>(known - begin);
+    file.isRefused = file.isRefused || (file.isWritten && index < textCount);
+    if (!file.isRead || file.isRefused) {
+      continue;
+    }
+    if (known == program.sources.end()) {
+      std::optional<std::string> text = files.readInside(folder, name);
+      if (!text) {
+        continue;
+      }
+      program.sources.push_back({name, std::move(*text)});
+    }
+    file.source = index;
+  }
 }
 
 }  // namespace
@@ -121,6 +148,7 @@ CompileResult compile(const CompileInput& input, core::FileProvider& files) {
   program->sourceMap = std::move(source.sourceMap);
   addSources(program->sources, program->sourceMap.files);
   addSources(program->sources, view.sources);
+  readModelFiles(*program, files);
   program->hash = hashOf(*program);
   result.program = std::move(program);
   return result;

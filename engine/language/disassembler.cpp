@@ -150,7 +150,8 @@ class Disassembler {
       case Operation::FileScan:
         return " " + quoted(program_.strings[instruction.operand]) + count;
       case Operation::FileOpen:
-        return " " + quoted(program_.strings[instruction.operand]) + " " + quoted(program_.strings[instruction.count]);
+        return " " + quoted(program_.files[instruction.operand].name) + " " +
+               quoted(FileMode::fromBits(instruction.count).text());
       default:
         return {};
     }

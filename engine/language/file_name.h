@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <string_view>
 
@@ -13,6 +14,48 @@ namespace espalier::language {
     return std::string(name);
   }
   return std::string(file.substr(0, slash + 1)) + std::string(name);
+}
+
+/// The folder of a file with its final slash; empty for a file without one.
+[[nodiscard]] inline std::string folderOf(std::string_view file) {
+  const std::size_t slash = file.rfind('/');
+  return slash == std::string_view::npos ? std::string{} : std::string(file.substr(0, slash + 1));
+}
+
+/// Whether a relative name cannot leave the folder it is joined to: not absolute, no `..`, none of the characters that
+/// some system gives a meaning of its own. Symbolic links are for whoever opens the file.
+[[nodiscard]] inline bool isNameInside(std::string_view name) {
+  if (name.empty() || name.front() == '/' || name.back() == '/' || name == "." || name.ends_with("/.")) {
+    return false;
+  }
+  for (const char c : name) {
+    if (static_cast<unsigned char>(c) < 0x20 || c == '\\' || c == ':') {
+      return false;
+    }
+  }
+  for (std::size_t begin = 0; begin <= name.size();) {
+    const std::size_t end = std::min(name.find('/', begin), name.size());
+    if (name.substr(begin, end - begin) == "..") {
+      return false;
+    }
+    begin = end + 1;
+  }
+  return true;
+}
+
+/// A relative name without the parts `.` and without empty ones, so that one file has one name.
+[[nodiscard]] inline std::string withoutDots(std::string_view name) {
+  std::string plain;
+  for (std::size_t begin = 0; begin < name.size();) {
+    const std::size_t end = std::min(name.find('/', begin), name.size());
+    const std::string_view part = name.substr(begin, end - begin);
+    if (!part.empty() && part != ".") {
+      plain += plain.empty() ? "" : "/";
+      plain += part;
+    }
+    begin = end + 1;
+  }
+  return plain;
 }
 
 }  // namespace espalier::language

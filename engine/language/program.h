@@ -165,6 +165,33 @@ struct ModuleType {
   std::uint16_t arity = 0;
 };
 
+/// How a model opens a file: the letters and the `+` of a mode such as "r", "w", "a", "r+".
+struct FileMode {
+  bool canRead = false;
+  bool canWrite = false;
+  bool truncates = false;  // w
+  bool appends = false;    // a: every write goes to the end
+  bool mustExist = false;  // r
+
+  /// Nothing when the text is no mode. A `b` or `t` has no effect.
+  [[nodiscard]] static std::optional<FileMode> parse(std::string_view text);
+  /// As the operand of an instruction, and back.
+  [[nodiscard]] std::uint16_t bits() const;
+  [[nodiscard]] static FileMode fromBits(std::uint16_t bits);
+  [[nodiscard]] std::string text() const;
+};
+
+/// A file that a model names in fopen. What it reads was read when the model was compiled, so that a Program stays
+/// complete in itself: a run needs no files, and a snapshot carries them.
+struct ModelFile {
+  static constexpr std::uint32_t kNoSource = 0xFFFFFFFFU;
+  std::string name;        // as written: relative to the model's folder
+  bool isRead = false;     // some fopen can read it
+  bool isWritten = false;  // some fopen can write it
+  bool isRefused = false;  // outside the model's folder, or the model would overwrite its own text: fopen gives 0
+  std::uint32_t source = kNoSource;  // its content in Program::sources; kNoSource: there is no such file
+};
+
 /// A compiled model. Const after compile and shared by every plant.
 struct Program {
   core::Compatibility compatibility = core::Compatibility::Espalier;
@@ -193,6 +220,8 @@ struct Program {
   std::vector<std::string> staticNames;
   std::uint32_t maximumStack = 0;  // deepest stack of any code
   std::uint16_t maximumSlots = 0;  // largest frame
+
+  std::vector<ModelFile> files;  // that file functions name; the operand of FileOpen
 
   ViewSettings view;
   std::string text;     // preprocessed

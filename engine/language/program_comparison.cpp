@@ -12,6 +12,10 @@ bool same(const ArrayVariable& a, const ArrayVariable& b);
 bool same(const LSystem& a, const LSystem& b);
 bool same(const Symbol& a, const Symbol& b);
 bool same(const ModuleType& a, const ModuleType& b);
+bool same(const ModelFile& a, const ModelFile& b) {
+  return a.name == b.name && a.isRead == b.isRead && a.isWritten == b.isWritten && a.isRefused == b.isRefused;
+}
+
 bool same(const Instruction& a, const Instruction& b);
 
 bool same(double a, double b) {
@@ -102,9 +106,10 @@ bool isSameProgram(const Program& first, const Program& second) {
          first.subSystemEnd == second.subSystemEnd && same(first.systems, second.systems) &&
          first.derivationLength == second.derivationLength && first.hasQueries == second.hasQueries &&
          first.hasContexts == second.hasContexts && first.hasSubSystems == second.hasSubSystems &&
-         same(first.code, second.code) && same(first.constants, second.constants) && first.strings == second.strings &&
-         first.staticCount == second.staticCount && first.staticNames == second.staticNames &&
-         first.maximumStack == second.maximumStack && first.maximumSlots == second.maximumSlots;
+         same(first.files, second.files) && same(first.code, second.code) && same(first.constants, second.constants) &&
+         first.strings == second.strings && first.staticCount == second.staticCount &&
+         first.staticNames == second.staticNames && first.maximumStack == second.maximumStack &&
+         first.maximumSlots == second.maximumSlots;
 }
 
 }  // namespace espalier::language

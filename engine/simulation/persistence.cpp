@@ -32,6 +32,17 @@ void hashPlant(core::Hasher& hasher, const language::Program& program, const der
   hasher.integer(plant.random.main.state());
   hasher.number(plant.random.normalCache);
   hasher.number(plant.random.normalCacheFlag);
+  for (const derivation::OpenFile& file : plant.files.open) {
+    hasher.integer(file.file);
+    hasher.integer(file.mode.bits());
+    hasher.integer(file.position);
+    hasher.integer(file.isOpen ? 1 : 0);
+  }
+  for (const derivation::KeptFile& file : plant.files.kept) {
+    hasher.integer(file.file);
+    hasher.integer(file.text.size());
+    hasher.bytes(file.text);
+  }
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "engine/core/check.h"
+#include "engine/derivation/model_files.h"
 #include "engine/derivation/string_text.h"
 #include "engine/simulation/simulation_implementation.h"
 
@@ -47,6 +48,7 @@ derivation::DerivationOptions Simulation::Implementation::derivationOptions(std:
   options.limits = options_.limits;
   options.cancelled = &isCancelled_;
   options.messages = options_.messages;
+  options.canWriteFiles = options_.fileWriter != nullptr;
   return options;
 }
 
@@ -87,6 +89,7 @@ Outcome Simulation::Implementation::rewind() {
       }
       description_ = environment_->describe();
     }
+    deliverFiles(plants);
     plants_ = std::move(plants);
     completedSteps_ = 0;
     pending_ = Pending{};
@@ -105,6 +108,7 @@ Outcome Simulation::Implementation::step() {
   return guarded([this] {
     answerPass();
     derivePass();
+    deliverFiles(plants_);
     completeStep();
   });
 }
@@ -123,14 +127,16 @@ bool hasStoppedItself(const derivation::PlantState& plant) {
 }  // namespace
 
 void Simulation::Implementation::derivePass() {
-  const bool hasSeveral = plants_.size() > 1;
+  // a file that cannot be written takes the derivation back as well
+  const bool writesFiles = options_.fileWriter != nullptr && !program_->files.empty();
+  const bool isKept = plants_.size() > 1 || writesFiles;
   bool hasDerived = false;
   for (std::size_t plant = 0; plant < plants_.size(); ++plant) {
     if (hasStoppedItself(plants_[plant])) {
       continue;
     }
     // a plant's failed derivation changes nothing of it; those before it are kept to be taken back
-    if (hasSeveral) {
+    if (isKept) {
       undo_[plant].underived = plants_[plant];
       undo_[plant].hasUnderived = true;
     }
@@ -145,6 +151,23 @@ void Simulation::Implementation::derivePass() {
                     ": the model has stopped itself, there is no further step. "
                     "Rewind the simulation to run it again.";
     throw core::SimulationFailure(std::move(error));
+  }
+}
+
+void Simulation::Implementation::deliverFiles(std::vector<derivation::PlantState>& plants) {
+  for (std::size_t plant = 0; plant < plants.size(); ++plant) {
+    for (const derivation::FileOutput& output : derivation::takeOutput(plants[plant].files)) {
+      const auto number = static_cast<std::uint32_t>(plant);
+      const std::string name = derivation::fileNameOfPlant(program_->files[output.file].name, number);
+      if (auto problem = options_.fileWriter->write(name, output.replaces, output.bytes)) {
+        core::SimulationError error;
+        error.code = core::SimulationErrorCode::Model;
+        error.step = plants[plant].step;
+        error.plant = number;
+        error.message = "step " + std::to_string(error.step) + ", plant " + std::to_string(number) + ": " + *problem;
+        throw core::SimulationFailure(std::move(error));
+      }
+    }
   }
 }
 

@@ -48,6 +48,7 @@ struct SimulationOptions {
   EnvironmentPolicy environmentPolicy = EnvironmentPolicy::Fail;
   EnvironmentOrigin environmentOrigin;
   core::MessageSink messages;
+  std::shared_ptr<core::FileWriter> fileWriter;  // takes what models write, after each step; null: they may not
 };
 
 /// Figures of the last step, or summed over a run.

@@ -66,6 +66,7 @@ class Simulation::Implementation {
   void requireFiniteReplies() const;
   void writeReplies();
   void derivePass();
+  void deliverFiles(std::vector<derivation::PlantState>& plants);
   void completeStep();
   void undoStep();
   [[nodiscard]] core::SimulationError failed(core::SimulationError error) const;

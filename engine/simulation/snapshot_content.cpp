@@ -1,5 +1,6 @@
 #include "engine/simulation/snapshot_content.h"
 
+#include <algorithm>
 #include <array>
 
 #include "engine/core/hash.h"
@@ -14,7 +15,16 @@ using core::Vec3;
 namespace {
 
 // a section is its tag, the length of its bytes and the bytes; unknown tags are skipped
-enum class Section : std::uint32_t { Model = 1, Run = 2, Types = 3, Plant = 4, Environment = 5, Pending = 6, End = 7 };
+enum class Section : std::uint32_t {
+  Model = 1,
+  Run = 2,
+  Types = 3,
+  Plant = 4,
+  Environment = 5,
+  Pending = 6,
+  End = 7,
+  Files = 8
+};
 
 void writeVector(ByteWriter& writer, const Vec3& v) {
   writer.real(v.x);
@@ -180,6 +190,44 @@ derivation::PlantState readPlant(ByteReader& reader) {
   return plant;
 }
 
+bool hasFiles(const derivation::PlantState& plant) {
+  return !plant.files.open.empty() || !plant.files.kept.empty();
+}
+
+ByteWriter filesSection(const derivation::FileState& files) {
+  ByteWriter writer;
+  writer.number64(files.open.size());
+  for (const derivation::OpenFile& file : files.open) {
+    writer.number32(file.file);
+    writer.number16(file.mode.bits());
+    writer.number64(file.position);
+    writer.flag(file.isOpen);
+  }
+  writer.number64(files.kept.size());
+  for (const derivation::KeptFile& file : files.kept) {
+    writer.number32(file.file);
+    writer.text(file.text);
+  }
+  return writer;
+}
+
+derivation::FileState readFiles(ByteReader& reader) {
+  derivation::FileState files;
+  files.open.resize(reader.count(15));
+  for (derivation::OpenFile& file : files.open) {
+    file.file = reader.number32();
+    file.mode = language::FileMode::fromBits(reader.number16());
+    file.position = reader.number64();
+    file.isOpen = reader.flag();
+  }
+  files.kept.resize(reader.count(12));
+  for (derivation::KeptFile& file : files.kept) {
+    file.file = reader.number32();
+    file.text = reader.text();
+  }
+  return files;
+}
+
 ByteWriter pendingSection(const SnapshotContent& content) {
   ByteWriter writer;
   writer.flag(content.isAnswered);
@@ -258,6 +306,9 @@ void writeSnapshot(const SnapshotContent& content, core::ByteSink& sink) {
   hashing.writeSection(Section::Types, typesSection(content));
   for (const derivation::PlantState& plant : content.plants) {
     hashing.writeSection(Section::Plant, plantSection(plant));
+    if (hasFiles(plant)) {
+      hashing.writeSection(Section::Files, filesSection(plant.files));
+    }
   }
   ByteWriter environment;
   environment.text(content.environmentState);
@@ -314,6 +365,12 @@ std::variant<SnapshotContent, core::SimulationError> readSnapshot(std::string_vi
       case Section::Plant:
         if (!headOnly) {
           content.plants.push_back(readPlant(section));
+        }
+        break;
+      case Section::Files:
+        // of the plant before it
+        if (!headOnly && !content.plants.empty()) {
+          content.plants.back().files = readFiles(section);
         }
         break;
       case Section::Environment:
@@ -378,6 +435,12 @@ std::string adoptProgram(SnapshotContent& content, const language::Program& prog
     }
     if (parameterCount != plant.string.parameterCount() || plant.statics.size() != program.staticCount ||
         plant.instances.empty()) {
+      return kForeign;
+    }
+    const derivation::FileState& files = plant.files;
+    const auto isForeign = [&](const auto& file) { return file.file >= program.files.size(); };
+    if (std::any_of(files.open.begin(), files.open.end(), isForeign) ||
+        std::any_of(files.kept.begin(), files.kept.end(), isForeign)) {
       return kForeign;
     }
     for (const derivation::InstanceState& instance : plant.instances) {

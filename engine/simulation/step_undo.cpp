@@ -11,6 +11,7 @@ void PlantVariables::copyFrom(const derivation::PlantState& state) {
   statics = state.statics;
   instances = state.instances;
   random = state.random;
+  files = state.files;
 }
 
 void PlantVariables::copyTo(derivation::PlantState& state) const {
@@ -20,6 +21,7 @@ void PlantVariables::copyTo(derivation::PlantState& state) const {
   state.statics = statics;
   state.instances = instances;
   state.random = random;
+  state.files = files;
 }
 
 void StepUndo::clear() {

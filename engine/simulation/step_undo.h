@@ -17,6 +17,7 @@ struct PlantVariables {
   std::vector<double> statics;
   std::vector<derivation::InstanceState> instances;
   derivation::RandomState random;
+  derivation::FileState files;
 
   void copyFrom(const derivation::PlantState& state);
   void copyTo(derivation::PlantState& state) const;

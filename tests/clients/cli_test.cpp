@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <regex>
 
 #include "tests/clients/program_run.h"
@@ -59,6 +60,36 @@ TEST_F(Cli, FilesBesideTheModelAreUsedUnlessOptionsSayOtherwise) {
   EXPECT_EQ(run("derive up.l").output, "FF?E(2)\n");
   EXPECT_EQ(run("derive up.l --environment constant").output, "FFFA?E(1)\n");
   EXPECT_EQ(run("derive .").output, "FF?E(2)\n");
+}
+
+TEST_F(Cli, ModelsWriteIntoTheirFolderAndNowhereElse) {
+  std::filesystem::create_directories(folder_.path() + "/plant");
+  folder_.write("plant/in.txt", "2 5\n");
+  folder_.write(
+      "plant/m.l",
+      "Lsystem: 1\nderivation length: 2\nStart: {f = fopen(\"in.txt\", \"r\"); fscanf(f, \"%g %g\", &a, &b);\n"
+      "\tg = fopen(OUT, \"w\");}\nEndEach: {fprintf(g, \"%g\\n\", Q + b);}\nAxiom: A(a)\nA(n) --> A(n+1)\n"
+      "endlsystem\n");
+  const ProgramRun result = run("derive plant/m.l --define 'OUT=\"growth.txt\"'");
+  EXPECT_EQ(result.output, "A(4)\n");
+  EXPECT_EQ(result.errors, "");
+  EXPECT_EQ(folder_.read("plant/growth.txt"), "6\n7\n");
+
+  // a link leads out of the folder
+  folder_.write("outside", "mine");
+  std::filesystem::create_symlink("../outside", folder_.path() + "/plant/link");
+  const ProgramRun linked = run("derive plant/m.l --define 'OUT=\"link\"'");
+  EXPECT_EQ(linked.status, 1);
+  EXPECT_TRUE(contains(linked.errors, "the model cannot write the file 'plant/link': it is a symbolic link"))
+      << linked.errors;
+  EXPECT_EQ(folder_.read("outside"), "mine");
+  const ProgramRun missing = run("derive plant/m.l --define 'OUT=\"none/a\"'");
+  EXPECT_TRUE(contains(missing.errors, "there is no folder 'plant/none'; make it")) << missing.errors;
+
+  // an explanation of a step writes nothing
+  std::filesystem::remove(folder_.path() + "/plant/growth.txt");
+  EXPECT_EQ(run("explain plant/m.l --step 2 --module 0 --define 'OUT=\"growth.txt\"'").status, 0);
+  EXPECT_FALSE(std::filesystem::exists(folder_.path() + "/plant/growth.txt"));
 }
 
 TEST_F(Cli, DefinesWinOverTheModel) {

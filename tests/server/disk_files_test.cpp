@@ -28,6 +28,21 @@ TEST(DiskFiles, WhatCannotBeReadIsNothing) {
   EXPECT_EQ(DiskFileProvider(4).read(folder.path() + "/big"), std::nullopt);
 }
 
+TEST(DiskFiles, AModelReadsOnlyWhatReallyLiesInItsFolder) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directories(folder.path() + "/model/data");
+  ASSERT_EQ(writeFileAtomically(folder.path() + "/outside", "secret"), std::nullopt);
+  ASSERT_EQ(writeFileAtomically(folder.path() + "/model/data/in", "1"), std::nullopt);
+  std::filesystem::create_symlink("../outside", folder.path() + "/model/link");
+  std::filesystem::create_symlink("data/in", folder.path() + "/model/inner");
+  const std::string model = folder.path() + "/model/";
+  EXPECT_EQ(DiskFileProvider().readInside(model, model + "data/in"), "1");
+  EXPECT_EQ(DiskFileProvider().readInside(model, model + "inner"), "1");
+  EXPECT_EQ(DiskFileProvider().readInside(model, model + "link"), std::nullopt);
+  EXPECT_EQ(DiskFileProvider().readInside(model, model + "../outside"), std::nullopt);
+  EXPECT_EQ(DiskFileProvider().readInside(folder.path() + "/none/", model + "inner"), std::nullopt);
+}
+
 TEST(DiskFiles, AnUnwritableNameIsASentenceThatSaysWhatToDo) {
   const TemporaryFolder folder;
   const std::string name = folder.path() + "/missing/a";

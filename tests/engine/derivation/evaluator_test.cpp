@@ -99,15 +99,43 @@ TEST(Evaluator, PrintsToTheMessageSink) {
   EXPECT_EQ(model.printed(), "n is 2.5 of 40%\n");
 }
 
-TEST(Evaluator, RefusesFiles) {
-  DerivedModel model(modelText(
-      "Start: {f=fopen(\"/etc/passwd\",\"r\"); fprintf(f,\"%g\",1); x=7; n=fscanf(f,\"%g\",&x); fclose(f);}\n",
-      "A(f,n)", "A --> A\n"));
-  EXPECT_EQ(model.text(), "A(0,-1)");
-  ASSERT_FALSE(model.warnings().empty());
-  EXPECT_NE(model.warnings()[0].find("fopen(\"/etc/passwd\") is refused: models open no files here; the handle is 0"),
+TEST(Evaluator, FilesThatCannotBeUsedAreWarnedAbout) {
+  DerivedModel model(
+      modelText("Start: {f=fopen(\"data.txt\",\"r\"); fprintf(f,\"%g\",1); x=7; n=fscanf(f,\"%g\",&x); fclose(f);\n"
+                "g=fopen(\"model.l\",\"r\"); fprintf(g,\"x\");}\n",
+                "A(f,n,x,g)", "A --> A\n"));
+  EXPECT_EQ(model.text(), "A(0,-1,7,1)");
+  ASSERT_EQ(model.warnings().size(), 5U);
+  const std::vector<std::string> expected = {
+      "model.l:3:11: warning: fopen(\"data.txt\", \"r\") gives 0: there is no such file in the model's folder",
+      "fprintf: the variable holds no open file; nothing is written",
+      "fscanf: the variable holds no file that is open for reading; nothing is read",
+      "fclose: the variable holds no open file", "fprintf: the file was opened for reading; nothing is written"};
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    EXPECT_NE(model.warnings()[i].find(expected[i]), std::string::npos) << model.warnings()[i];
+  }
+}
+
+TEST(Evaluator, ReadsNumbersFromAFileOfTheModel) {
+  // the model's own text is one: "Lsystem: 1"
+  DerivedModel model(modelText("Start: {f=fopen(\"model.l\",\"r\"); n=fscanf(f,\"Lsystem: %d\",&x); fclose(f);}\n",
+                               "A(n,x)", "A --> A\n"));
+  EXPECT_EQ(model.text(), "A(1,1)");
+}
+
+TEST(Evaluator, AFileThatGrowsWithoutEndIsALimit) {
+  derivation::DerivationOptions options;
+  options.canWriteFiles = true;
+  options.limits.maximumFileBytes = 1000;
+  DerivedModel model(
+      modelText("Start: {f=fopen(\"out\",\"w\");}\nStartEach: {while (1) {fprintf(f,\"0123456789\");}}\n", "A",
+                "A --> A\n"),
+      options);
+  const core::SimulationError error = model.failingStep();
+  EXPECT_EQ(error.code, SimulationErrorCode::LimitExceeded);
+  EXPECT_NE(error.message.find("(model.l:4:24): a file is longer than 1000 bytes in one step (limit maximumFileBytes)"),
             std::string::npos)
-      << model.warnings()[0];
+      << error.message;
 }
 
 TEST(Evaluator, WarnsAboutFunctionsThatTheViewFileDoesNotDefine) {

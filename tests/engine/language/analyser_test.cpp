@@ -194,6 +194,21 @@ TEST(Analyser, FileFunctionsAreChecked) {
           "x)"}));
 }
 
+TEST(Analyser, FilesAreOpenedInAKnownModeAndInsideTheFolder) {
+  EXPECT_EQ(
+      messagesOf(header("Start: {f = fopen(\"a.txt\", \"x\");}", "A(n) --> A(n)")),
+      Messages{"2:28: error: the mode \"x\" of 'fopen' is none | \"r\" reads, \"w\" writes a new file, \"a\" adds to "
+               "its end; \"r+\", \"w+\" and \"a+\" read and write"});
+  for (const char* name : {"/etc/passwd", "../passwd", "a/../../passwd", "C:passwd", "..\\\\passwd"}) {
+    const Messages messages =
+        messagesOf(header("Start: {f = fopen(\"" + std::string(name) + "\", \"r\");}", "A(n) --> A(n)"));
+    ASSERT_EQ(messages.size(), 1U) << name;
+    EXPECT_NE(messages[0].find("is not inside the model's folder: fopen is refused and gives 0"), std::string::npos)
+        << messages[0];
+  }
+  EXPECT_EQ(messagesOf(header("Start: {f = fopen(\"data/./a..b.txt\", \"rb+\");}", "A(n) --> A(n)")), Messages{});
+}
+
 TEST(Analyser, TargetsOfFscanfAreAssigned) {
   const auto program = programOf(header("Start: {f = 0; fscanf(f, \"%g\", &x);}", "A(n) --> A(x)"));
   EXPECT_EQ(program->systems[0].variables, (std::vector<std::string>{"f", "x"}));

@@ -141,6 +141,30 @@ TEST(Compiler, FoldingOrFollowsTheMode) {
   EXPECT_EQ(valueOf(Compatibility::Cpfg), 6.0);
 }
 
+TEST(Compiler, ReadsTheFilesThatTheModelWillRead) {
+  core::MemoryFileProvider files({{"folder/m.l",
+                                   "Lsystem: 1\nStart: {f = fopen(\"data.txt\", \"r\"); g = fopen(\"./data.txt\", "
+                                   "\"r\"); h = fopen(\"log\", \"w\");\n"
+                                   "k = fopen(\"none\", \"r\"); o = fopen(\"m.l\", \"w\"); u = fopen(\"../up\", "
+                                   "\"r\");}\nAxiom: A\nA --> A\nendlsystem\n"},
+                                  {"folder/data.txt", "1 2 3"},
+                                  {"folder/log", "old"},
+                                  {"up", "secret"}});
+  CompileInput input;
+  input.modelFile = "folder/m.l";
+  const auto program = compile(input, files).program;
+  ASSERT_NE(program, nullptr);
+  ASSERT_EQ(program->files.size(), 5U);
+  EXPECT_EQ(program->files[0].name, "data.txt");
+  ASSERT_EQ(program->sources.size(), 2U);
+  EXPECT_EQ(program->sources[program->files[0].source].text, "1 2 3");
+  EXPECT_EQ(program->files[1].source, ModelFile::kNoSource);  // only written
+  EXPECT_EQ(program->files[2].source, ModelFile::kNoSource);  // not there
+  EXPECT_TRUE(program->files[3].isRefused);                   // its own text
+  EXPECT_TRUE(program->files[4].isRefused);                   // outside
+  EXPECT_NE(disassemble(*program).find("FileOpen \"log\" \"w\""), std::string::npos);
+}
+
 TEST(Compiler, FscanfAssignsOnlyWhatWasRead) {
   const std::string code =
       disassemble(*programOf("Lsystem: 1\nStart: {f = 0; fscanf(f, \"%g\", &x);}\nAxiom: A\nA --> A\nendlsystem\n"));
