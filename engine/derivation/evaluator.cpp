@@ -340,10 +340,9 @@ double Evaluator::call(Function function, std::span<const double> arguments, std
     case Function::VvYmax:
     case Function::VvZmin:
     case Function::VvZmax:
+      return viewVolume(function);
     case Function::VvScale:
-      warnOnce(
-          at, std::string(language::functionInfo(function).name) + ": a derivation has no view volume; the value is 0");
-      return 0.0;
+      return view.scaleFactor;
     case Function::Display:
       return 0.0;
     case Function::Play:
@@ -354,6 +353,29 @@ double Evaluator::call(Function function, std::span<const double> arguments, std
   }
   ESPALIER_CHECK_VALUES(false, std::to_string(static_cast<int>(function)));
   return 0.0;
+}
+
+double Evaluator::viewVolume(Function function) const {
+  const language::ViewSettings& view = program_->view;
+  const language::Box& box = view.box ? *view.box : state_->viewVolume;
+  // the scale factor narrows the window, not the depth
+  const auto bound = [&](double least, double most, double sign) {
+    return 0.5 * (least + most) + sign * 0.5 * (most - least) / view.scaleFactor;
+  };
+  switch (function) {
+    case Function::VvXmin:
+      return bound(box.minimum.x, box.maximum.x, -1.0);
+    case Function::VvXmax:
+      return bound(box.minimum.x, box.maximum.x, 1.0);
+    case Function::VvYmin:
+      return bound(box.minimum.y, box.maximum.y, -1.0);
+    case Function::VvYmax:
+      return bound(box.minimum.y, box.maximum.y, 1.0);
+    case Function::VvZmin:
+      return box.minimum.z;
+    default:
+      return box.maximum.z;
+  }
 }
 
 void Evaluator::print(const std::string& format, std::span<const double> arguments) const {

@@ -84,6 +84,8 @@ class Evaluator {
   [[nodiscard]] double call(language::Function function, std::span<const double> arguments, std::uint32_t at);
   [[nodiscard]] double* element(std::uint32_t array, std::span<const double> subscripts, std::uint32_t at);
   void print(const std::string& format, std::span<const double> arguments) const;
+  /// vvXmin and its relatives but vvScale.
+  [[nodiscard]] double viewVolume(language::Function function) const;
   // evaluator_files.cpp
   [[nodiscard]] double openFile(std::uint32_t file, std::uint16_t mode, std::uint32_t at);
   void closeFile(double handle, std::uint32_t at);

@@ -366,6 +366,8 @@ void CodeGenerator::emitCall(const ExpressionNode& node) {
   switch (node.callee) {
     case Callee::Function: {
       const int count = emitArguments(0);
+      program_.usesViewVolume =
+          program_.usesViewVolume || (node.function >= Function::VvXmin && node.function <= Function::VvZmax);
       emit(Operation::Call, static_cast<std::uint32_t>(node.function), node.children.size(), node.range, 1 - count);
       break;
     }

@@ -208,9 +208,10 @@ struct Program {
 
   std::vector<LSystem> systems;  // the first is the main one
   std::uint64_t derivationLength = 1;
-  bool hasQueries = false;     // a bare `?` or `%(`..`)` occurs in an axiom or production: interpret before each step
-  bool hasContexts = false;    // any production or decomposition looks at neighbours
-  bool hasSubSystems = false;  // `?(id...)` occurs
+  bool hasQueries = false;      // a bare `?` or `%(`..`)` occurs in an axiom or production: interpret before each step
+  bool hasContexts = false;     // any production or decomposition looks at neighbours
+  bool hasSubSystems = false;   // `?(id...)` occurs
+  bool usesViewVolume = false;  // vvXmin or a relative is called
 
   std::vector<Instruction> code;
   std::vector<core::SourceRange> codeRanges;  // by instruction, for messages

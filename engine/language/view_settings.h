@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -128,6 +129,12 @@ class BlobField {
   std::vector<Object> objects_;
 };
 
+/// A box whose sides are parallel to the axes.
+struct Box {
+  core::Vec3 minimum;
+  core::Vec3 maximum;
+};
+
 enum class LineStyle : std::uint8_t { Pixel, Polygon, Cylinder };
 
 /// Everything a view file says that changes turtle, geometry or derivation, with the reference's defaults (FILES §4.2).
@@ -159,13 +166,14 @@ struct ViewSettings {
   std::vector<Contour> contours;
   std::vector<BlobField> blobFields;  // id - 1
 
-  // camera and colour: pictures only
+  // camera and colour: pictures and the functions vvXmin ... only
   bool isPerspective = false;
   core::Vec3 viewpoint{0.0, 0.0, 1.0};
   core::Vec3 viewReferencePoint{0.0, 0.0, 0.0};
   double twistDegrees = 0.0;
   double viewingAngleDegrees = 45.0;
   double scaleFactor = 1.0;
+  std::optional<Box> box;  // the view volume; nothing: the bounding box of what the turtle draws
 };
 
 }  // namespace espalier::language

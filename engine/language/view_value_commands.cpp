@@ -237,6 +237,36 @@ bool twist(Context& c) {
   return tenths.has_value();
 }
 
+/// `box: x: a,b y: a,b z: a,b` on one line.
+bool box(Context& c) {
+  const core::SourceRange range = c.lexer.commandRange();
+  TextCursor line = c.lexer.line();
+  std::array<double, 6> bounds{};
+  for (std::size_t i = 0; i < bounds.size(); ++i) {
+    line.skipBlanks();
+    if (i % 2 == 0) {
+      const char axis = "xyz"[i / 2];
+      if (!line.take(axis) || (line.skipBlanks(), !line.take(':'))) {
+        c.report.warn(range, std::string("the box is ignored: expected '") + axis + ":', found " + line.found(),
+                      "write it as 'box: x: -1,1 y: 0,2 z: -1,1'");
+        return true;
+      }
+      line.skipBlanks();
+    }
+    const std::optional<double> number = line.number();
+    if (!number || (i % 2 == 0 && !line.take(','))) {
+      c.report.warn(range,
+                    "the box is ignored: expected a number" + std::string(i % 2 == 0 ? " and a comma" : "") +
+                        ", found " + line.found(),
+                    "write it as 'box: x: -1,1 y: 0,2 z: -1,1'");
+      return true;
+    }
+    bounds[i] = *number;
+  }
+  c.settings().box = Box{{bounds[0], bounds[2], bounds[4]}, {bounds[1], bounds[3], bounds[5]}};
+  return true;
+}
+
 // what only a picture would need: the arguments are read so that a command behind them on the same line is found
 
 bool passNumber(Context& c) {
@@ -300,7 +330,7 @@ constexpr std::array kCommands = {
     ViewCommand{"front distance:", passNumber},
     ViewCommand{"back distance:", passNumber},
     ViewCommand{"scale factor:", setFactor<&ViewSettings::scaleFactor>},
-    ViewCommand{"box:", passLine},
+    ViewCommand{"box:", box},
     ViewCommand{"min zoom:", passNumber},
     ViewCommand{"max zoom:", passNumber},
     ViewCommand{"render mode:", passWord},

@@ -8,6 +8,7 @@
 #include "engine/derivation/model_files.h"
 #include "engine/derivation/string_text.h"
 #include "engine/simulation/simulation_implementation.h"
+#include "engine/turtle/scene_bounds.h"
 
 namespace espalier::simulation {
 
@@ -126,10 +127,25 @@ bool hasStoppedItself(const derivation::PlantState& plant) {
 
 }  // namespace
 
+void Simulation::Implementation::measureViewVolume() {
+  if (!program_->usesViewVolume || program_->view.box) {
+    return;
+  }
+  turtle::Scene scene;
+  if (auto error = draw(&scene, nullptr)) {
+    throw core::SimulationFailure(std::move(*error));
+  }
+  const language::Box volume = turtle::boundsOf(scene, program_->view).value_or(language::Box{});
+  for (derivation::PlantState& plant : plants_) {
+    plant.viewVolume = volume;
+  }
+}
+
 void Simulation::Implementation::derivePass() {
   // a file that cannot be written takes the derivation back as well
   const bool writesFiles = options_.fileWriter != nullptr && !program_->files.empty();
   const bool isKept = plants_.size() > 1 || writesFiles;
+  measureViewVolume();
   bool hasDerived = false;
   for (std::size_t plant = 0; plant < plants_.size(); ++plant) {
     if (hasStoppedItself(plants_[plant])) {

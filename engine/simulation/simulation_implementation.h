@@ -65,6 +65,7 @@ class Simulation::Implementation {
   void tickEnvironment();
   void requireFiniteReplies() const;
   void writeReplies();
+  void measureViewVolume();
   void derivePass();
   void deliverFiles(std::vector<derivation::PlantState>& plants);
   void completeStep();

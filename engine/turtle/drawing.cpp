@@ -64,7 +64,9 @@ CylinderPoint Drawing::pointOf(const TurtleState& state, std::int32_t stripCount
           .sideCount = state.contourSides,
           .startTangent = state.startTangent,
           .endTangent = state.endTangent,
-          .hasSmoothRadius = state.hasSmoothRadius};
+          .hasSmoothRadius = state.hasSmoothRadius,
+          .startRadiusTangent = state.startRadiusTangent,
+          .endRadiusTangent = state.endRadiusTangent};
 }
 
 void Drawing::vertex(const TurtleState& state, std::int32_t stripCount) {

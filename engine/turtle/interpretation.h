@@ -72,6 +72,7 @@ class Interpretation {
   void changeColour(const Arguments& arguments, int sign, bool isBack);
   void changeWidth(const Arguments& arguments, double sign);
   void changeElasticity(TurtleCommand command, const Arguments& arguments);
+  void setRadiusTangents(const Arguments& arguments);
   void addLabel(const Arguments& arguments);
   [[nodiscard]] double angleRadians(const Arguments& arguments) const;
 

@@ -138,6 +138,21 @@ void Interpretation::changeWidth(const Arguments& arguments, double sign) {
   state_.width = width > kSmallestWidth ? width : kSmallestWidth;
 }
 
+void Interpretation::setRadiusTangents(const Arguments& arguments) {
+  // one parameter is a flag; more are an angle to the axis and a length for the start and, if given, for the end
+  state_.startRadiusTangent = 0.0;
+  state_.endRadiusTangent = 0.0;
+  if (arguments.count < 2) {
+    state_.hasSmoothRadius = arguments.valueOr(0, 1.0) != 0.0;
+    return;
+  }
+  state_.hasSmoothRadius = true;
+  const double startLength = arguments.values[1];
+  state_.startRadiusTangent = startLength * std::sin(arguments.values[0] * kRadiansPerDegree);
+  state_.endRadiusTangent =
+      arguments.valueOr(3, startLength) * std::sin(arguments.valueOr(2, arguments.values[0]) * kRadiansPerDegree);
+}
+
 void Interpretation::changeElasticity(TurtleCommand command, const Arguments& arguments) {
   if (arguments.count == 0) {
     warnOnce("'@Ts', '@Ti' and '@Td' need the number of the tropism or torque: '@Ti(1)'");
@@ -243,7 +258,7 @@ void Interpretation::performAt(TurtleCommand command, const Arguments& arguments
       state_.endTangent = arguments.valueOr(1, state_.startTangent);
       return;
     case TurtleCommand::CylinderRadius:
-      state_.hasSmoothRadius = arguments.valueOr(0, 1.0) != 0.0;
+      setRadiusTangents(arguments);
       return;
     case TurtleCommand::SetTexture:
       state_.texture = wholeNumber(arguments.valueOr(0, 0.0));

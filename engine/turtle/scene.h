@@ -73,9 +73,11 @@ struct CylinderPoint {
   std::int32_t contour = 0;
   std::int32_t stripCount = 4;  // mesh strips of the stretch that ends here
   std::int32_t sideCount = 8;
-  double startTangent = 1.2;     // length factor of the tangent at the start of the stretch that ends here (@Gt)
-  double endTangent = 1.2;       // and at its end
-  bool hasSmoothRadius = false;  // the radius has level ends over that stretch (@Gr), else it changes linearly
+  double startTangent = 1.2;        // length factor of the tangent at the start of the stretch that ends here (@Gt)
+  double endTangent = 1.2;          // and at its end
+  bool hasSmoothRadius = false;     // the radius is a Hermite curve over that stretch (@Gr), else it changes linearly
+  double startRadiusTangent = 0.0;  // its slopes: change of the radius per distance of the control points; 0: level
+  double endRadiusTangent = 0.0;
 };
 
 /// A generalized cylinder ({(t)...}(t) or @Gs ... @Ge).

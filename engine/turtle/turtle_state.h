@@ -31,7 +31,9 @@ struct TurtleState {
   std::array<double, kMaximumMovements> elasticity{};  // by movement id - 1
   double startTangent = 1.2;                           // length factors of a Hermite cylinder's tangents (@Gt)
   double endTangent = 1.2;
-  bool hasSmoothRadius = false;        // the radius of a Hermite cylinder has level ends (@Gr)
+  bool hasSmoothRadius = false;     // the radius of a Hermite cylinder is a Hermite curve too (@Gr)
+  double startRadiusTangent = 0.0;  // its slopes: change of the radius per distance of the control points
+  double endRadiusTangent = 0.0;
   std::uint32_t branchOrder = 0;       // open brackets
   std::uint32_t segment = kNoParent;   // last drawn segment of this axis: parent of the next
   std::uint32_t record = kNoParent;    // last turtle record of this axis: parent of the next

@@ -40,6 +40,10 @@ AxisSample hermite(const GeneralizedCylinder& cylinder, std::size_t from, std::s
                    (6.0 * t - 6.0 * t2) * b.position + (3.0 * t2 - 2.0 * t) * tb;
   const double r = b.hasSmoothRadius ? 3.0 * t2 - 2.0 * t3 : t;
   sample.radius = 0.5 * (a.width + r * (b.width - a.width));
+  if (b.hasSmoothRadius) {
+    sample.radius += distance * ((t3 - 2.0 * t2 + t) * b.startRadiusTangent + (t3 - t2) * b.endRadiusTangent);
+    sample.radius = std::max(0.0, sample.radius);
+  }
   return sample;
 }
 

@@ -139,15 +139,25 @@ TEST(Evaluator, AFileThatGrowsWithoutEndIsALimit) {
 }
 
 TEST(Evaluator, WarnsAboutFunctionsThatTheViewFileDoesNotDefine) {
-  DerivedModel model(modelText("", "A", "A --> B(func(1,0.5),curveX(1,0.5),inblob(1,0,0,0),vvXmin(0))\n"));
-  EXPECT_EQ(model.steps(1), "B(0,0,0,0)");
-  ASSERT_EQ(model.warnings().size(), 4U);
+  DerivedModel model(modelText("", "A", "A --> B(func(1,0.5),curveX(1,0.5),inblob(1,0,0,0))\n"));
+  EXPECT_EQ(model.steps(1), "B(0,0,0)");
+  ASSERT_EQ(model.warnings().size(), 3U);
   EXPECT_NE(model.warnings()[0].find("func: the view file defines no such function; its value is 0"),
             std::string::npos);
   EXPECT_NE(model.warnings()[1].find("curve functions: the view file defines no such curve; the value is 0"),
             std::string::npos);
   EXPECT_NE(model.warnings()[2].find("inblob: the view file defines no such field; its value is 0"), std::string::npos);
-  EXPECT_NE(model.warnings()[3].find("vvXmin: a derivation has no view volume; the value is 0"), std::string::npos);
+}
+
+TEST(Evaluator, TheViewVolumeIsTheBoxOfTheViewFileNarrowedByTheScaleFactor) {
+  const std::string text =
+      modelText("", "A", "A --> A(vvXmin(0),vvXmax(0),vvYmin(0),vvYmax(0),vvZmin(0),vvZmax(0),vvScale(0))\n");
+  DerivedModel boxed(text, {}, Compatibility::Espalier, "box: x: -1,3 y: 0,2 z: -5,5\nscale factor: 2\n");
+  EXPECT_EQ(boxed.steps(1), "A(0,2,0.5,1.5,-5,5,2)");
+  // without a box it is what the caller measured, 0 before that
+  DerivedModel measured(text);
+  measured.state().viewVolume = {{-1.0, 0.0, 2.0}, {1.0, 4.0, 3.0}};
+  EXPECT_EQ(measured.steps(1), "A(-1,1,0,4,2,3,1)");
 }
 
 TEST(Evaluator, StopEndsTheDerivationButStopOneDoesNot) {

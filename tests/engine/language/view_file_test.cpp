@@ -43,6 +43,18 @@ TEST(ViewFile, DefaultsAreTheReferences) {
   EXPECT_TRUE(result.settings.interpretsPastCut);
 }
 
+TEST(ViewFile, TheBoxIsThreePairsOnOneLine) {
+  const ViewFileResult result = read("box: x: -1,1 y:0, 2.5 z: -3,4\nangle increment: 7\n");
+  EXPECT_EQ(messages(result), Texts{});
+  ASSERT_TRUE(result.settings.box);
+  EXPECT_EQ(result.settings.box->minimum, (core::Vec3{-1.0, 0.0, -3.0}));
+  EXPECT_EQ(result.settings.box->maximum, (core::Vec3{1.0, 2.5, 4.0}));
+  EXPECT_EQ(result.settings.angleIncrementDegrees, 7.0);
+  EXPECT_FALSE(read("").settings.box);
+  EXPECT_EQ(messages(read("box: x: 1 2\n")), Texts{"1:1 the box is ignored: expected a number and a comma, found '2'"});
+  EXPECT_EQ(messages(read("box: x: 1,2 z: 1,2\n")), Texts{"1:1 the box is ignored: expected 'y:', found 'z:'"});
+}
+
 TEST(ViewFile, MissingFileIsAWarningWithDefaults) {
   core::MemoryFileProvider files;
   const ViewFileResult result = readViewFile("a/x.v", files, Compatibility::Espalier, core::Limits{});

@@ -312,5 +312,18 @@ TEST(Simulation, RewindStartsTheSameRunAgain) {
   EXPECT_EQ(run.log->openCount, 2);
 }
 
+TEST(Simulation, TheViewVolumeIsTheBoundingBoxOfTheStringThatAStepReads) {
+  // F(n) grows one unit a step: the step that makes step k reads a string of height k
+  const auto program = compileText(
+      "Lsystem: 1\nderivation length: 9\nAxiom: F(1)A(0,0)\nF(n) --> F(n+1)\n"
+      "A(a,b) --> A(vvYmin(0),vvYmax(0))\nendlsystem\n");
+  Simulation simulation(program, {turtle::PlantPlacement{}}, nullptr, {});
+  expectSuccess(simulation.rewind());
+  expectSuccess(simulation.step());
+  EXPECT_EQ(simulation.stringText(), "F(2)A(0,1)");
+  expectSuccess(simulation.step());
+  EXPECT_EQ(simulation.stringText(), "F(3)A(0,2)");
+}
+
 }  // namespace
 }  // namespace espalier::simulation

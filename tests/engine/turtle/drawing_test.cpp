@@ -119,6 +119,26 @@ TEST(Drawing, AxisCylindersTakeExplicitPointsAndBranchesDrawOnTheirOwn) {
   EXPECT_EQ(run.scene.segments.size(), 2U);
 }
 
+TEST(Drawing, OneParameterOfGrIsAFlagAndMoreAreTangents) {
+  const auto lastPoint = [](const std::string& text) {
+    TurtleRun run("@Gs" + text + "f(2)@Ge(2)");
+    run.draw();
+    return run.scene.cylinders.at(0).points.back();
+  };
+  EXPECT_FALSE(lastPoint("").hasSmoothRadius);
+  EXPECT_FALSE(lastPoint("@Gr(90,1)@Gr(0)").hasSmoothRadius);
+  const CylinderPoint level = lastPoint("@Gr(90,1)@Gr(1)");
+  EXPECT_TRUE(level.hasSmoothRadius);
+  EXPECT_EQ(level.startRadiusTangent, 0.0);
+  const CylinderPoint both = lastPoint("@Gr(90,2)");
+  EXPECT_TRUE(both.hasSmoothRadius);
+  EXPECT_DOUBLE_EQ(both.startRadiusTangent, 2.0);
+  EXPECT_DOUBLE_EQ(both.endRadiusTangent, 2.0);
+  const CylinderPoint different = lastPoint("@Gr(90,2,-90,3)");
+  EXPECT_DOUBLE_EQ(different.startRadiusTangent, 2.0);
+  EXPECT_DOUBLE_EQ(different.endRadiusTangent, -3.0);
+}
+
 TEST(Drawing, ACylinderOfOnePointIsDropped) {
   TurtleRun run("@Gs F");
   run.draw();

@@ -337,6 +337,21 @@ TEST(Mesh, AStraightHermiteCylinderIsACylinder) {
 }
 
 // an open B-spline ends at its end points
+TEST(Mesh, ARadiusFollowsItsTangents) {
+  // slopes sin 30 at the start and sin -30 at the end over a distance of 4: in the middle 1 + 4 (0.5 + 0.5) / 8 = 1.5
+  TurtleRun run("!(2)@Gs@Gr(30,1,-30,1)f(4)@Ge(2)");
+  run.draw();
+  ASSERT_EQ(run.scene.cylinders.size(), 1U);
+  Mesh mesh;
+  appendCylinder(mesh, run.scene.cylinders[0], {});
+  double most = 0.0;
+  for (const core::Vec3& p : mesh.positions) {
+    most = std::max(most, std::hypot(p.x, p.z));
+    EXPECT_GE(std::hypot(p.x, p.z), 1.0 - 1e-9);
+  }
+  EXPECT_NEAR(most, 1.5, 1e-9);
+}
+
 TEST(Mesh, AnOpenBSplineCylinderReachesItsEnds) {
   TurtleRun run("!(2){(3)f(1)+(30)f(2)-(30)f(1)}(3)");
   run.draw();
