@@ -37,8 +37,8 @@ TEST(SceneBounds, HoldEveryKindOfThing) {
 
   const auto box = boundsOf(scene, view);
   ASSERT_TRUE(box);
-  EXPECT_EQ(box->minimum, (Vec3{-4.0, -3.0, -7.0}));
-  EXPECT_EQ(box->maximum, (Vec3{4.0, 9.0, 8.0}));
+  EXPECT_NEAR(core::length(box->minimum - Vec3{-4.0, -3.0, -7.0}), 0.0, 1e-12);
+  EXPECT_NEAR(core::length(box->maximum - Vec3{4.0, 9.0, 8.0}), 0.0, 1e-12);
 }
 
 }  // namespace
