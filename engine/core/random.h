@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 
 namespace espalier::core {
@@ -28,6 +29,10 @@ class CounterRandom {
 
   /// The selection draw of module `index`: uniform in [0, 1) with 32 bits. Four neighbouring modules share one block.
   [[nodiscard]] double selection(std::uint32_t step, std::uint64_t index) const;
+
+  /// The words behind selection() of the modules 4 * firstBlock, 4 * firstBlock + 1, ... (4 * blockCount): selection()
+  /// is a word times 2^-32. Many at once cost a fraction of one at a time.
+  void selectionWords(std::uint32_t step, std::uint64_t firstBlock, std::size_t blockCount, std::uint32_t* words) const;
 
   /// The raw block of four words.
   [[nodiscard]] std::array<std::uint32_t, 4> block(DrawDomain domain, std::uint32_t step, std::uint64_t index,

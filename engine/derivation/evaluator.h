@@ -71,6 +71,9 @@ class Evaluator {
   [[nodiscard]] std::optional<std::pair<std::string, double>> variableRead(
       const language::Instruction& instruction) const;
 
+  /// By instruction: not 0 where a warning was given, so that the same place is silent from then on.
+  [[nodiscard]] const std::uint8_t* hasWarned() const { return hasWarned_.data(); }
+
   /// Reports a warning with a place in the model, if anybody listens.
   void warn(const std::string& message, core::SourceRange range) const;
   /// Throws SimulationFailure when the caller asked to stop.

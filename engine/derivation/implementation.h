@@ -1,8 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
+#include "engine/derivation/batch_scan.h"
 #include "engine/derivation/call_stack.h"
 #include "engine/derivation/derivation.h"
 #include "engine/derivation/evaluator.h"
@@ -76,8 +78,17 @@ class Derivation::Implementation {
 
   // scan.cpp
   void scan(PlantState& state);
+  /// A place in the old string.
+  struct ScanPlace {
+    std::uint64_t module = 0;
+    std::uint64_t offset = 0;  // its parameters
+  };
+  void scanUpTo(const PlantState& state, std::uint64_t end, ScanPlace& place);
   template <bool kDrawsEachPosition, bool kHasParameters>
-  void scanPlain(const PlantState& state);
+  void scanPlain(const PlantState& state, std::uint64_t end, ScanPlace& place);
+  void scanInBatches(const PlantState& state);
+  [[nodiscard]] bool appendBatch(const BatchScan::Outcome& outcome);
+  [[nodiscard]] bool isWithinLimits(std::uint64_t moduleCount, std::uint64_t parameterCount) const;
   [[nodiscard]] const QuickRule* chooseQuickRule(const QuickRule* first, const QuickRule* last, double* frame,
                                                  std::uint64_t module, double draw);
   [[noreturn]] void failQuickValue(const QuickRule& rule, std::uint32_t valueIndex, double value, std::uint64_t module,
@@ -127,6 +138,8 @@ class Derivation::Implementation {
   bool hasHomomorphism_ = false;
   bool hasHomomorphismContexts_ = false;
   bool hasParameters_ = false;
+
+  std::unique_ptr<BatchScan> batch_;  // made when a string is long enough to use it
 
   ModuleString working_;   // the string being produced; swapped with the old one at the end of a step
   ProducedPieces pieces_;  // the same while it is produced from right to left

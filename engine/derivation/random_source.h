@@ -54,6 +54,8 @@ class RandomSource {
     }
     return static_cast<double>(selectionWords_[index & 3U]) * 0x1.0p-32;
   }
+  /// What selection() draws from in Espalier's own mode.
+  [[nodiscard]] const core::CounterRandom& selectionSource() const { return selection_; }
   [[nodiscard]] bool isSequential() const { return isSequential_; }
 
   /// Creates the stream that a homomorphism's own seed names. Between usePrivateStream(true) and (false) the main

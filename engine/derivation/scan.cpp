@@ -12,6 +12,8 @@ namespace {
 constexpr std::uint64_t kChunkModules = 4096;
 // new modules that one chunk may make before the limits are looked at
 constexpr std::uint64_t kChunkOutput = 65536;
+// shorter strings are not worth the setting up of batches
+constexpr std::uint64_t kBatchedModules = 64;
 // modules or parameters that may be written beyond the end of what is used
 constexpr std::uint64_t kSlack = 64;
 // parameters that are copied in one move, whether there are as many or not
@@ -59,10 +61,12 @@ void Derivation::Implementation::scan(PlantState& state) {
     scanBackwards(state);
   } else if (record_ != nullptr) {
     scanRecorded(state);
-  } else if (random_.isSequential() && program_->systems.front().isStochastic) {
-    hasParameters_ ? scanPlain<true, true>(state) : scanPlain<true, false>(state);
+  } else if (tables_.front().batches.isUseful() && old.size() >= kBatchedModules &&
+             !(random_.isSequential() && program_->systems.front().isStochastic)) {
+    scanInBatches(state);
   } else {
-    hasParameters_ ? scanPlain<false, true>(state) : scanPlain<false, false>(state);
+    ScanPlace place;
+    scanUpTo(state, old.size(), place);
   }
   appendKeptParts(old);
   rewriter_.checkSize(working_.size(), working_.parameterCount());
@@ -75,8 +79,16 @@ void Derivation::Implementation::scan(PlantState& state) {
   }
 }
 
+void Derivation::Implementation::scanUpTo(const PlantState& state, std::uint64_t end, ScanPlace& place) {
+  if (random_.isSequential() && program_->systems.front().isStochastic) {
+    hasParameters_ ? scanPlain<true, true>(state, end, place) : scanPlain<true, false>(state, end, place);
+  } else {
+    hasParameters_ ? scanPlain<false, true>(state, end, place) : scanPlain<false, false>(state, end, place);
+  }
+}
+
 template <bool kDrawsEachPosition, bool kHasParameters>
-void Derivation::Implementation::scanPlain(const PlantState& state) {
+void Derivation::Implementation::scanPlain(const PlantState& state, std::uint64_t end, ScanPlace& place) {
   const SystemTables& tables = tables_.front();
   const TypePlan* plans = tables.plan.plans();
   const QuickRule* rules = tables.plan.rules();
@@ -85,7 +97,6 @@ void Derivation::Implementation::scanPlain(const PlantState& state) {
   const ModuleString& old = state.string;
   const core::ModuleTypeId* types = old.types().data();
   const double* parameters = old.parameters().data();
-  const std::uint64_t size = old.size();
   const std::uint64_t parameterCount = old.parameterCount();
   const std::uint64_t largestLength = tables.plan.largestLength();
   const std::uint64_t largestParameters = tables.plan.largestParameterCount();
@@ -93,8 +104,8 @@ void Derivation::Implementation::scanPlain(const PlantState& state) {
       std::clamp<std::uint64_t>(kChunkOutput / std::max(largestLength, largestParameters), 1, kChunkModules);
 
   // the next module to read and its parameters, and where the next ones are written
-  std::uint64_t module = 0;
-  std::uint64_t offset = 0;
+  std::uint64_t module = place.module;
+  std::uint64_t offset = place.offset;
   core::ModuleTypeId* nextType = nullptr;
   double* nextParameter = nullptr;
   const auto startWriting = [&](std::uint64_t moduleCount) {
@@ -112,11 +123,11 @@ void Derivation::Implementation::scanPlain(const PlantState& state) {
                                                 : quickValue(value, codeFrame);
   };
 
-  while (module < size) {
+  while (module < end) {
     evaluator_.clearModule();
     evaluator_.pollCancelled();
     rewriter_.checkSize(working_.size(), working_.parameterCount());
-    const std::uint64_t chunkEnd = std::min(size, module + chunk);
+    const std::uint64_t chunkEnd = std::min(end, module + chunk);
     startWriting(chunkEnd - module);
     while (module < chunkEnd) {
       const TypePlan& plan = plans[types[module]];
@@ -216,6 +227,7 @@ void Derivation::Implementation::scanPlain(const PlantState& state) {
     }
     stopWriting();
   }
+  place = {module, offset};
 }
 
 void Derivation::Implementation::scanBackwards(const PlantState& state) {

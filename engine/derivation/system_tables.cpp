@@ -5,7 +5,10 @@
 namespace espalier::derivation {
 
 SystemTables::SystemTables(const language::Program& program, std::uint32_t systemIndex)
-    : system(&program.systems[systemIndex]), rules(program, *system), plan(program, *system) {
+    : system(&program.systems[systemIndex]),
+      rules(program, *system),
+      plan(program, *system),
+      batches(program, *system, rules, plan) {
   hasDecomposition = !system->decomposition.productions.empty() && system->decomposition.maximumDepth > 0;
   for (const language::Production& production : system->productions.productions) {
     const bool isDecomposed =

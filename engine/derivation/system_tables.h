@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "engine/derivation/batch_plan.h"
 #include "engine/derivation/context_matcher.h"
 #include "engine/derivation/plant_state.h"
 #include "engine/derivation/production_plan.h"
@@ -17,6 +18,7 @@ struct SystemTables {
   const language::LSystem* system;  // in the Program
   ContextRules rules;
   ProductionPlan plan;
+  BatchPlan batches;
   bool hasDecomposition = false;         // there are decomposition productions and the maximum depth is not 0
   std::vector<std::uint8_t> decomposes;  // by production: a module of its successor is a decomposition predecessor
   bool isProducedBackwards = false;      // a production has a `>>` context: the scan runs from right to left

@@ -40,11 +40,29 @@ double PlainDerivation::value(const language::Expression& expression, const Fram
       case Operation::LoadStep:
         stack.push_back(step);
         break;
+      case Operation::LoadLength:
+        stack.push_back(static_cast<double>(program_->derivationLength));
+        break;
       case Operation::Negate:
       case Operation::Not:
       case Operation::ToBoolean:
         stack.push_back(language::applyUnary(instruction.operation, pop()));
         break;
+      case Operation::Select: {
+        const double second = pop();
+        const double first = pop();
+        stack.push_back(pop() != 0.0 ? first : second);
+        break;
+      }
+      case Operation::Call: {
+        std::vector<double> arguments(instruction.count);
+        for (std::size_t i = arguments.size(); i-- > 0;) {
+          arguments[i] = pop();
+        }
+        stack.push_back(
+            language::callPure(static_cast<language::Function>(instruction.operand), arguments, dividedByZero));
+        break;
+      }
       case Operation::Jump:
         at = instruction.operand;
         break;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <set>
+#include <vector>
 
 namespace espalier::core {
 namespace {
@@ -66,6 +67,20 @@ TEST(CounterRandom, PublishedSeedsNeverChange) {
   EXPECT_EQ(block, expected);
   EXPECT_EQ(random.uniform(DrawDomain::Production, 1, 2, 6),
             static_cast<double>(((std::uint64_t{expected[0]} << 32U) | expected[1]) >> 11U) * 0x1.0p-53);
+}
+
+TEST(CounterRandom, ManyBlocksAreTheSameAsOneAtATime) {
+  const CounterRandom random(123, 5);
+  // beyond 2^32, and of every length that the vector code splits differently
+  const std::uint64_t first = (std::uint64_t{1} << 32U) - 9;
+  for (std::size_t count = 0; count < 40; ++count) {
+    std::vector<std::uint32_t> words(4 * count + 1, 77);
+    random.selectionWords(3, first, count, words.data());
+    for (std::size_t i = 0; i < 4 * count; ++i) {
+      ASSERT_EQ(static_cast<double>(words[i]) * 0x1.0p-32, random.selection(3, first * 4 + i)) << count << " " << i;
+    }
+    EXPECT_EQ(words.back(), 77U);
+  }
 }
 
 TEST(SequentialRandom, IsTheGeneratorOfErand48) {

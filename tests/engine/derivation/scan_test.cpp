@@ -16,13 +16,15 @@ using test::PlainDerivation;
 using test::PlainModule;
 using test::PlainString;
 
-/// Makes models of pure productions: letters A to E with up to two parameters, brackets, contexts, conditions, weights.
+/// Makes models of pure productions: letters A to E with up to two parameters, G with seven, brackets, contexts,
+/// conditions, weights, functions, divisions by what may be 0.
 class ModelMaker {
  public:
   explicit ModelMaker(unsigned seed) : random_(seed) {}
 
   std::string model() {
     std::string text = "Lsystem: 1\nderivation length: 50\n";
+    letters_ = chance(20) ? "AABBCDE+G" : "AABBCDE+";
     isStochastic_ = chance(40);
     hasContexts_ = chance(60);
     if (isStochastic_) {
@@ -33,7 +35,8 @@ class ModelMaker {
     } else if (hasContexts_ && chance(20)) {
       text += "ignore: []+\n";
     }
-    text += "Axiom: " + modules(number(8, 16), "", 2) + "\n";
+    // batches begin at a certain length
+    text += "Axiom: " + modules(chance(50) ? number(8, 16) : number(60, 400), "", 2) + "\n";
     const int count = number(2, 9);
     for (int i = 0; i < count; ++i) {
       text += production();
@@ -48,7 +51,7 @@ class ModelMaker {
     return set.substr(static_cast<std::size_t>(number(0, static_cast<int>(set.size()) - 1)), 1);
   }
 
-  /// A letter always has the same choice of arities: A and B none or one, C one, D none or two, others none.
+  /// A letter always has the same choice of arities: A and B none or one, C one, D none or two, G seven, others none.
   int arityOf(char letter) {
     switch (letter) {
       case 'A':
@@ -58,14 +61,16 @@ class ModelMaker {
         return 1;
       case 'D':
         return chance(50) ? 2 : 0;
+      case 'G':
+        return 7;
       default:
         return 0;
     }
   }
 
   std::string formal(std::string& names) {
-    static const std::string kLetters = "abcdefghij";
-    const std::string letter = oneOf("AABBCDE+");
+    static const std::string kLetters = "abcdefghijklmnoprstuvwxyzHIJKLMNOPRSTUVWXY";
+    const std::string letter = oneOf(letters_);
     const int arity = arityOf(letter[0]);
     std::string text = letter;
     for (int i = 0; i < arity; ++i) {
@@ -84,7 +89,19 @@ class ModelMaker {
     }
     // the last names are those of the right context
     const std::string x = chance(50) ? oneOf(names) : names.substr(names.size() - 1);
-    switch (number(0, 7)) {
+    switch (number(0, 13)) {
+      case 8:
+        return "(" + x + ">1 ? " + constant + " : " + oneOf(names) + ")";
+      case 9:
+        return "(" + x + "!=0 && 1/" + x + ">0.5 ? " + oneOf(names) + "/2 : -" + x + ")";
+      case 10:
+        return "max(" + x + "," + oneOf(names) + ")*0.5";
+      case 11:
+        return "sin(" + x + ")+floor(" + oneOf(names) + ")*0.1";
+      case 12:
+        return "1/(" + x + "*" + x + "-1)*0.001";
+      case 13:
+        return oneOf(names) + "%3+Z/50";
       case 0:
         return x;
       case 1:
@@ -111,9 +128,9 @@ class ModelMaker {
     static const std::string kOperators[] = {"<", ">", "<=", ">=", "!=", "=="};
     std::string text = oneOf(names) + kOperators[number(0, 5)] + expression(names);
     if (chance(30)) {
-      text += (chance(50) ? " && " : " || ") + oneOf(names) + "<2";
+      text += (chance(50) ? " && " : " || ") + oneOf(names) + (chance(70) ? "<2" : "/" + oneOf(names) + "<2");
     }
-    return text;
+    return chance(10) ? "!(" + text + ")" : text;
   }
 
   std::string modules(int count, const std::string& names, int depth) {
@@ -127,7 +144,7 @@ class ModelMaker {
         text += "%";
         continue;
       }
-      const std::string letter = oneOf("AABBCDE+F");
+      const std::string letter = oneOf(letters_ + "F");
       text += letter;
       const int arity = arityOf(letter[0]);
       for (int k = 0; k < arity; ++k) {
@@ -185,6 +202,7 @@ class ModelMaker {
   }
 
   std::mt19937 random_;
+  std::string letters_;
   bool isStochastic_ = false;
   bool hasContexts_ = false;
 };
@@ -200,12 +218,15 @@ PlainString plainOf(const language::Program& program, const derivation::ModuleSt
   return plain;
 }
 
-TEST(Scan, AgreesWithThePlainDerivationOnRandomModels) {
-  constexpr unsigned kModels = 2000;
-  constexpr std::size_t kMaximumModules = 5000;
+struct Comparison {
   std::size_t stepCount = 0;
   std::size_t changedCount = 0;
-  for (unsigned seed = 0; seed < kModels; ++seed) {
+};
+
+/// Derives the models made from the seeds [first, first + count) and compares every string.
+Comparison compareModels(unsigned first, unsigned count, std::size_t maximumModules) {
+  Comparison result;
+  for (unsigned seed = first; seed < first + count; ++seed) {
     const std::string text = ModelMaker(seed).model();
     SCOPED_TRACE("model " + std::to_string(seed) + ":\n" + text);
     derivation::DerivationOptions options;
@@ -214,20 +235,33 @@ TEST(Scan, AgreesWithThePlainDerivationOnRandomModels) {
     DerivedModel model(text, options);
     const PlainDerivation plain(model.program(), seed);
     PlainString expected = plain.axiom();
-    ASSERT_TRUE(plainOf(model.program(), model.state().string) == expected);
-    for (std::uint64_t step = 1; step <= 8 && expected.size() < kMaximumModules; ++step) {
+    EXPECT_TRUE(plainOf(model.program(), model.state().string) == expected);
+    for (std::uint64_t step = 1; step <= 8 && expected.size() < maximumModules; ++step) {
       const PlainString before = expected;
       expected = plain.derive(before, step);
       model.steps(1);
-      ++stepCount;
-      changedCount += before == expected ? 0U : 1U;
-      ASSERT_TRUE(plainOf(model.program(), model.state().string) == expected)
-          << "step " << step << " from " << before.size() << " modules made " << model.text().substr(0, 400);
+      ++result.stepCount;
+      result.changedCount += before == expected ? 0U : 1U;
+      if (plainOf(model.program(), model.state().string) != expected) {
+        ADD_FAILURE() << "step " << step << " from " << before.size() << " modules made "
+                      << model.text().substr(0, 400);
+        return result;
+      }
     }
   }
+  return result;
+}
+
+TEST(Scan, AgreesWithThePlainDerivationOnRandomModels) {
+  const Comparison result = compareModels(0, 2000, 3000);
   // the models must be worth comparing
-  EXPECT_GT(stepCount, 10000U);
-  EXPECT_GT(changedCount, 4000U);
+  EXPECT_GT(result.stepCount, 10000U);
+  EXPECT_GT(result.changedCount, 4000U);
+}
+
+TEST(LongScan, AgreesWithThePlainDerivationOnManyRandomModels) {
+  const Comparison result = compareModels(2000, 30000, 20000);
+  EXPECT_GT(result.changedCount, 60000U);
 }
 
 TEST(Scan, LongSuccessorsAreWrittenWhole) {
@@ -250,6 +284,61 @@ TEST(Scan, GrowsOverManyChunks) {
   // a(k+1) = 2 a(k) modules A; b and the brackets add 4 for every A rewritten
   EXPECT_EQ(model.state().string.size(), (1U << 14U) + 4U * ((1U << 14U) - 1U));
   EXPECT_EQ(model.state().string.parameterCount(), (1U << 14U) + (1U << 14U) - 1U);
+}
+
+/// `count` modules A(1), but with the parameter 0 at `place`.
+std::string axiomWithZero(std::size_t count, std::size_t place) {
+  std::string text;
+  for (std::size_t i = 0; i < count; ++i) {
+    text += i == place ? "A(0)" : "A(1)";
+  }
+  return text;
+}
+
+TEST(Scan, TheFirstModuleThatFailsIsNamed) {
+  // log(0) and exp(1000) are not finite; the second is in a chunk of its own
+  DerivedModel model(test::modelText("", axiomWithZero(3000, 2500) + "B(1000)" + axiomWithZero(10, 3),
+                                     "B(x) --> B(exp(x))\nA(x) --> A(log(x))\n"));
+  const core::SimulationError error = model.failingStep();
+  EXPECT_EQ(error.module, 2500U);
+  EXPECT_NE(error.message.find("parameter 1 became infinite in 'log(x)'"), std::string::npos) << error.message;
+}
+
+TEST(Scan, AFailedStepLeavesTheString) {
+  DerivedModel model(test::modelText("", axiomWithZero(3000, 2999), "A(x) --> A(log(x))\n"));
+  const std::string before = model.text();
+  static_cast<void>(model.failingStep());
+  EXPECT_EQ(model.text(), before);
+  EXPECT_EQ(model.state().step, 0U);
+}
+
+TEST(Scan, ADivisionByZeroWarnsOnceInALongString) {
+  DerivedModel model(test::modelText("", axiomWithZero(3000, 2999), "A(x) --> A(2/x)\n"));
+  model.steps(1);
+  ASSERT_EQ(model.warnings().size(), 1U);
+  EXPECT_NE(model.warnings()[0].find("division by 0"), std::string::npos);
+  // 2/0 is 2 and 2/1 is 2: nothing divides by 0 any more
+  EXPECT_EQ(model.text(), [] {
+    std::string text;
+    for (int i = 0; i < 3000; ++i) {
+      text += "A(2)";
+    }
+    return text;
+  }());
+}
+
+TEST(Scan, GeneralModulesBetweenBatchesSeeAndChangeVariables) {
+  // every B counts the modules before it; the productions of A read Z, which B's block changes
+  std::string axiom;
+  std::string expected;
+  for (int i = 0; i < 300; ++i) {
+    const bool isGeneral = i % 100 == 99;
+    axiom += isGeneral ? "B" : "A(0)";
+    expected += isGeneral ? "B" : "A(" + std::to_string(100 + i / 100) + ")";
+  }
+  DerivedModel model(
+      test::modelText("", axiom, "A(x) --> A(Z+x)\nB : {SetDerivationLength(GetDerivationLength(0)+1);} * --> B\n"));
+  EXPECT_EQ(model.steps(1), expected);
 }
 
 }  // namespace

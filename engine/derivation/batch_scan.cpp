@@ -1,0 +1,653 @@
+#include "engine/derivation/batch_scan.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <numeric>
+
+#include "engine/core/check.h"
+#include "engine/derivation/production_plan.h"
+
+namespace espalier::derivation {
+namespace {
+
+using core::ModuleTypeId;
+
+/// What a context search does at a module, as bits.
+constexpr std::uint8_t kSkippedLeft = 1;   // passed by a search to the left
+constexpr std::uint8_t kSkippedRight = 2;  // passed by a search to the right
+constexpr std::uint8_t kJumpedLeft = 4;    // `]`: the branch is passed
+constexpr std::uint8_t kJumpedRight = 8;   // `[`
+
+// modules, or parameters, that are copied without asking how many count
+constexpr std::uint64_t kTypesAtOnce = 16;
+constexpr std::uint64_t kParametersAtOnce = 4;
+// longer stretches are left to memcpy
+constexpr std::uint64_t kShortTypes = 64;
+constexpr std::uint64_t kShortParameters = 32;
+
+/// Copies `count` elements, in whole steps of `kAtOnce` while at least `room` elements can be read and written.
+template <std::uint64_t kAtOnce, std::uint64_t kShort, typename T>
+void copyStretch(T* target, const T* source, std::uint64_t count, std::uint64_t room) {
+  if (count <= kShort && room >= kShort + kAtOnce) {
+    std::uint64_t done = 0;
+    do {
+      std::memcpy(target + done, source + done, kAtOnce * sizeof(T));
+      done += kAtOnce;
+    } while (done < count);
+  } else {
+    std::memcpy(target, source, count * sizeof(T));
+  }
+}
+
+/// A sum of differences x - x is 0 only when every x is finite; several sums keep additions from waiting for another.
+bool areFinite(const double* values, std::size_t count) {
+  std::array<double, 8> sums{};
+  std::size_t i = 0;
+  for (; i + sums.size() <= count; i += sums.size()) {
+    for (std::size_t k = 0; k < sums.size(); ++k) {
+      sums[k] += values[i + k] - values[i + k];
+    }
+  }
+  for (; i < count; ++i) {
+    sums[0] += values[i] - values[i];
+  }
+  return std::all_of(sums.begin(), sums.end(), [](double sum) { return sum == 0.0; });
+}
+
+}  // namespace
+
+BatchScan::BatchScan(const language::Program& program, const ContextRules& rules, const BatchPlan& plan)
+    : program_(&program),
+      rules_(&rules),
+      plan_(&plan),
+      evaluator_(program, plan.largestSlotCount(), plan.largestColumnCount()),
+      passing_(program.moduleTypeCount(), 0),
+      siteModule_(kChunkModules + 1),
+      siteOffset_(kChunkModules + 1),
+      siteBits_(kChunkModules + 1),
+      siteBlock_(kChunkModules),
+      madeModule_(kChunkModules),
+      madeOffset_(kChunkModules),
+      resizing_(kChunkModules + 1),
+      allSites_(kChunkModules),
+      sorted_(kChunkModules),
+      groupBegin_(plan.groups().size() + 1),
+      remaining_(kChunkModules),
+      laneSite_(2 * kChunkModules),
+      laneLeft_(2 * kChunkModules),
+      laneRight_(2 * kChunkModules),
+      own_(ColumnEvaluator::kLanes),
+      words_(kChunkModules + 8),
+      positions_(kChunkModules) {
+  std::iota(allSites_.begin(), allSites_.end(), 0U);
+  for (std::size_t i = 0; i < program.moduleTypeCount(); ++i) {
+    const auto type = static_cast<ModuleTypeId>(i);
+    if (type == program.closeBranch) {
+      passing_[type] = static_cast<std::uint8_t>(kJumpedLeft | (rules.isIgnored(type) ? kSkippedRight : 0));
+    } else if (type == program.openBranch) {
+      passing_[type] = static_cast<std::uint8_t>(kSkippedLeft | (rules.isIgnored(type) ? kSkippedRight : kJumpedRight));
+    } else if (rules.isIgnored(type)) {
+      passing_[type] = kSkippedLeft | kSkippedRight;
+    }
+  }
+}
+
+void BatchScan::begin(const Step& step) {
+  step_ = step;
+  evaluator_.begin(static_cast<double>(step.number), step.length, step.hasWarned);
+}
+
+BatchScan::Outcome BatchScan::choose(std::uint64_t first, std::uint64_t end, std::uint64_t offset) {
+  first_ = first;
+  end_ = end;
+  offset_ = offset;
+  isUnusual_ = false;
+  isResized_ = false;
+  areDrawsLoaded_ = false;
+  laneCount_ = 0;
+  resizingCount_ = 0;
+  rows_.clear();
+  ruleLanes_.clear();
+  evaluator_.clearUnusual();
+
+  plan_->hasPairs() ? collectSites<true>() : collectSites<false>();
+  if (plan_->hasOneKindOnly()) {
+    std::fill_n(siteBlock_.begin(), siteCount_, 0U);
+    if (siteCount_ > 0) {
+      chooseGroup(plan_->groups().front(), {allSites_.data(), siteCount_});
+    }
+  } else {
+    sortSites();
+    for (std::size_t i = 0; i < plan_->groups().size(); ++i) {
+      if (groupBegin_[i] != groupBegin_[i + 1]) {
+        chooseGroup(plan_->groups()[i], {sorted_.data() + groupBegin_[i], groupBegin_[i + 1] - groupBegin_[i]});
+      }
+    }
+  }
+
+  Outcome outcome{end_, endOffset_, end_ - first_, endOffset_ - offset_, isUnusual_ || evaluator_.isUnusual()};
+  if (isResized_) {
+    place();
+    for (std::size_t i = 0; i < resizingCount_; ++i) {
+      const BatchBlock& block = plan_->blocks()[siteBlock_[resizing_[i]]];
+      outcome.moduleCount += static_cast<std::uint64_t>(std::int64_t{block.moduleGrowth});
+      outcome.parameterCount += static_cast<std::uint64_t>(std::int64_t{block.parameterGrowth});
+    }
+  }
+  return outcome;
+}
+
+template <bool kHasPairs>
+void BatchScan::collectSites() {
+  const ModuleTypeId* types = step_.old.types;
+  const std::uint16_t* arity = program_->arity.data();
+  const std::uint8_t* leftBits = plan_->leftBits();
+  const std::uint8_t* rightBits = plan_->rightBits();
+  const std::uint8_t* candidateBits = plan_->candidateBits();
+  const std::size_t stride = plan_->pairStride();
+  std::uint32_t* modules = siteModule_.data();
+  std::uint32_t* offsets = siteOffset_.data();
+  std::uint8_t* allBits = siteBits_.data();
+  std::size_t count = 0;
+  std::uint32_t offset = 0;
+  const auto add = [&](std::uint64_t module, std::uint8_t bits) {
+    modules[count] = static_cast<std::uint32_t>(module - first_);
+    offsets[count] = offset;
+    allBits[count] = bits;
+    count += bits != 0 ? 1 : 0;
+    offset += arity[types[module]];
+  };
+  if constexpr (kHasPairs) {
+    // beyond the string's ends there may be anything
+    const auto unknown = static_cast<std::size_t>(program_->moduleTypeCount());
+    const std::uint64_t last = end_ == step_.old.size ? end_ - 1 : end_;
+    std::size_t before = first_ == 0 ? unknown : types[first_ - 1];
+    for (std::uint64_t module = first_; module < last; ++module) {
+      const std::size_t type = types[module];
+      add(module,
+          static_cast<std::uint8_t>(leftBits[before * stride + type] & rightBits[type * stride + types[module + 1]]));
+      before = type;
+    }
+    if (last < end_) {
+      const std::size_t type = types[last];
+      add(last, static_cast<std::uint8_t>(leftBits[before * stride + type] & rightBits[type * stride + unknown]));
+    }
+  } else {
+    for (std::uint64_t module = first_; module < end_; ++module) {
+      add(module, candidateBits[types[module]]);
+    }
+  }
+  siteCount_ = count;
+  endOffset_ = offset_ + offset;
+}
+
+void BatchScan::sortSites() {
+  const ModuleTypeId* types = step_.old.types + first_;
+  std::fill(groupBegin_.begin(), groupBegin_.end(), 0U);
+  // fixed blocks, and how many sites each group has
+  for (std::size_t site = 0; site < siteCount_; ++site) {
+    const ModuleTypeId type = types[siteModule_[site]];
+    siteBlock_[site] = 0;
+    switch (plan_->classOf(type)) {
+      case BatchPlan::Class::Group:
+        ++groupBegin_[plan_->indexOf(type)];
+        break;
+      case BatchPlan::Class::Fixed:
+        siteBlock_[site] = plan_->indexOf(type);
+        isResized_ = true;
+        break;
+      case BatchPlan::Class::General:
+        // the chunk ends here
+        end_ = first_ + siteModule_[site];
+        endOffset_ = offset_ + siteOffset_[site];
+        siteCount_ = site;
+        break;
+      case BatchPlan::Class::Kept:
+        break;
+    }
+  }
+  std::uint32_t begin = 0;
+  for (std::uint32_t& group : groupBegin_) {
+    begin += group;
+    group = begin;
+  }
+  // from the back, so that every group's end moves to its begin
+  for (std::size_t site = siteCount_; site-- > 0;) {
+    const ModuleTypeId type = types[siteModule_[site]];
+    if (plan_->classOf(type) == BatchPlan::Class::Group) {
+      sorted_[--groupBegin_[plan_->indexOf(type)]] = static_cast<std::uint32_t>(site);
+    }
+  }
+}
+
+void BatchScan::chooseGroup(const BatchGroup& group, std::span<const std::uint32_t> sites) {
+  if (!group.isWeighted) {
+    chooseFirst(group, sites);
+  } else if (group.hasThresholds) {
+    chooseByThresholds(group, sites);
+  } else {
+    chooseByWeights(group, sites);
+  }
+}
+
+void BatchScan::chooseFirst(const BatchGroup& group, std::span<const std::uint32_t> sites) {
+  for (std::uint32_t i = 0; i < group.ruleCount && !sites.empty(); ++i) {
+    const BatchRule& rule = plan_->rules()[group.firstRule + i];
+    std::size_t count = match(rule, static_cast<std::uint8_t>(1U << std::min(i, 7U)), sites);
+    if (rule.condition) {
+      count = keepWhereTrue(rule, count);
+    }
+    accept(rule, count);
+    // the others try the next rule
+    if (i + 1 < group.ruleCount) {
+      std::size_t left = 0;
+      for (const std::uint32_t site : sites) {
+        remaining_[left] = site;
+        left += siteBlock_[site] == 0 ? 1 : 0;
+      }
+      sites = {remaining_.data(), left};
+    }
+  }
+}
+
+std::size_t BatchScan::match(const BatchRule& rule, std::uint8_t bit, std::span<const std::uint32_t> sites) {
+  std::size_t lane = laneCount_;
+  switch (rule.context) {
+    case BatchRule::Context::None:
+      std::memcpy(laneSite_.data() + lane, sites.data(), sites.size_bytes());
+      lane += sites.size();
+      break;
+    case BatchRule::Context::Near:
+      for (const std::uint32_t site : sites) {
+        if ((siteBits_[site] & bit) != 0 && matchNear(rule, site, lane)) {
+          laneSite_[lane++] = site;
+        }
+      }
+      break;
+    case BatchRule::Context::Searched:
+      for (const std::uint32_t site : sites) {
+        if ((siteBits_[site] & bit) != 0 && matchSearched(rule, site, lane)) {
+          laneSite_[lane++] = site;
+        }
+      }
+      break;
+  }
+  return lane - laneCount_;
+}
+
+bool BatchScan::matchNear(const BatchRule& rule, std::uint32_t site, std::size_t lane) {
+  const ContextString& old = step_.old;
+  const std::uint16_t* arity = program_->arity.data();
+  const std::uint64_t own = first_ + siteModule_[site];
+  if (rule.right != core::kNoModuleType) {
+    std::uint64_t module = own + 1;
+    std::uint64_t offset = offset_ + siteOffset_[site] + arity[old.types[own]];
+    while (true) {
+      if (module >= old.size) {
+        return false;
+      }
+      const ModuleTypeId type = old.types[module];
+      const std::uint8_t passing = passing_[type];
+      if ((passing & (kSkippedRight | kJumpedRight)) == 0) {
+        if (type != rule.right) {
+          return false;
+        }
+        break;
+      }
+      if ((passing & kSkippedRight) != 0) {
+        offset += arity[type];
+        ++module;
+      } else {
+        const StringIndex::Link& link = old.index->link(module);
+        if (link.partner == StringIndex::kNone) {
+          return false;
+        }
+        module = link.partner + std::uint64_t{1};
+        offset += link.parameterCount;
+      }
+    }
+    laneRight_[lane] = offset;
+  }
+  if (rule.left != core::kNoModuleType) {
+    std::uint64_t module = own;
+    std::uint64_t offset = offset_ + siteOffset_[site];
+    while (true) {
+      if (module == 0) {
+        return false;
+      }
+      --module;
+      const ModuleTypeId type = old.types[module];
+      const std::uint8_t passing = passing_[type];
+      offset -= arity[type];
+      if ((passing & (kSkippedLeft | kJumpedLeft)) == 0) {
+        if (type != rule.left) {
+          return false;
+        }
+        break;
+      }
+      if ((passing & kJumpedLeft) != 0) {
+        const StringIndex::Link& link = old.index->link(module);
+        if (link.partner == StringIndex::kNone) {
+          return false;
+        }
+        module = link.partner;
+        offset -= link.parameterCount;
+      }
+    }
+    laneLeft_[lane] = offset;
+  }
+  return true;
+}
+
+bool BatchScan::matchSearched(const BatchRule& rule, std::uint32_t site, std::size_t lane) {
+  const language::Production& production = *rule.production;
+  const std::uint64_t module = first_ + siteModule_[site];
+  const std::uint64_t offset = offset_ + siteOffset_[site];
+  const std::size_t row = rows_.size();
+  rows_.resize(row + production.slotCount);
+  if ((!production.rightContext.empty() &&
+       !matchesRight(*program_, *rules_, step_.old, production.rightContext, module + 1,
+                     offset + program_->arity[step_.old.types[module]], rows_.data() + row)) ||
+      (!production.leftContext.empty() &&
+       !matchesLeft(*program_, *rules_, step_.old, production.leftContext, module, offset, rows_.data() + row))) {
+    rows_.resize(row);
+    return false;
+  }
+  laneLeft_[lane] = row;
+  return true;
+}
+
+void BatchScan::setLanes(const BatchRule& rule, std::size_t begin, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) {
+    own_[i] = siteOffset_[laneSite_[begin + i]];
+  }
+  evaluator_.setLanes({count, rule.slots.data(), step_.old.parameters + offset_, step_.old.parameters, rows_.data(),
+                       own_.data(), laneLeft_.data() + begin, laneRight_.data() + begin});
+}
+
+std::size_t BatchScan::keepWhereTrue(const BatchRule& rule, std::size_t count) {
+  std::size_t kept = laneCount_;
+  for (std::size_t begin = laneCount_; begin < laneCount_ + count; begin += ColumnEvaluator::kLanes) {
+    const std::size_t size = std::min(ColumnEvaluator::kLanes, laneCount_ + count - begin);
+    setLanes(rule, begin, size);
+    const ColumnValue truth = evaluator_.value(*rule.condition);
+    const bool hasNeighbours = rule.context != BatchRule::Context::None;
+    for (std::size_t i = 0; i < size; ++i) {
+      laneSite_[kept] = laneSite_[begin + i];
+      if (hasNeighbours) {
+        laneLeft_[kept] = laneLeft_[begin + i];
+        laneRight_[kept] = laneRight_[begin + i];
+      }
+      kept += (truth.values == nullptr ? truth.constant : truth.values[i]) != 0.0 ? 1 : 0;
+    }
+  }
+  return kept - laneCount_;
+}
+
+void BatchScan::accept(const BatchRule& rule, std::size_t count) {
+  if (count == 0) {
+    return;
+  }
+  isResized_ = isResized_ || plan_->blocks()[rule.block].isResizing;
+  for (std::size_t i = 0; i < count; ++i) {
+    siteBlock_[laneSite_[laneCount_ + i]] = rule.block;
+  }
+  if (rule.needsLanes) {
+    ruleLanes_.push_back({&rule, laneCount_, count});
+    laneCount_ += count;
+  }
+}
+
+void BatchScan::loadDraws() {
+  if (!areDrawsLoaded_) {
+    areDrawsLoaded_ = true;
+    const std::uint64_t block = first_ / 4;
+    step_.selection.selectionWords(step_.number, block, (end_ + 3) / 4 - block, words_.data());
+  }
+}
+
+double BatchScan::draw(std::uint64_t module) {
+  return areDrawsLoaded_ ? static_cast<double>(words_[module - first_ / 4 * 4]) * 0x1.0p-32
+                         : step_.selection.selection(step_.number, module);
+}
+
+void BatchScan::chooseByThresholds(const BatchGroup& group, std::span<const std::uint32_t> sites) {
+  const BatchRule* rules = plan_->rules().data() + group.firstRule;
+  if (group.ruleCount == 1) {
+    accept(*rules, match(*rules, 1, sites));
+    return;
+  }
+  // the draws of the whole chunk at once, unless few are wanted
+  constexpr std::size_t kFew = 16;
+  const bool areFew = sites.size() * kFew < end_ - first_;
+  if (!areFew) {
+    loadDraws();
+  }
+  const std::uint64_t firstWord = first_ / 4 * 4;
+  bool needsLanes = false;
+  for (std::uint32_t i = 0; i < group.ruleCount; ++i) {
+    needsLanes = needsLanes || rules[i].needsLanes;
+    isResized_ = isResized_ || plan_->blocks()[rules[i].block].isResizing;
+  }
+  // the blocks of a group's rules stand one after the other
+  const std::uint32_t firstBlock = rules->block;
+  const std::uint64_t* thresholds = group.thresholds.data();
+  const std::size_t thresholdCount = group.thresholds.size();
+  for (const std::uint32_t site : sites) {
+    const std::uint64_t module = first_ + siteModule_[site];
+    const std::uint64_t word =
+        areFew ? static_cast<std::uint64_t>(step_.selection.selection(step_.number, module) * 0x1.0p32)
+               : words_[module - firstWord];
+    std::uint32_t chosen = 0;
+    for (std::size_t k = 0; k < thresholdCount; ++k) {
+      chosen += word < thresholds[k] ? 1 : 0;
+    }
+    siteBlock_[site] = firstBlock + chosen;
+  }
+  if (!needsLanes) {
+    return;
+  }
+  for (std::uint32_t i = 0; i < group.ruleCount; ++i) {
+    if (!rules[i].needsLanes) {
+      continue;
+    }
+    std::size_t lane = laneCount_;
+    for (const std::uint32_t site : sites) {
+      laneSite_[lane] = site;
+      lane += siteBlock_[site] == rules[i].block ? 1 : 0;
+    }
+    accept(rules[i], lane - laneCount_);
+  }
+}
+
+void BatchScan::chooseByWeights(const BatchGroup& group, std::span<const std::uint32_t> sites) {
+  constexpr std::size_t kLanes = ColumnEvaluator::kLanes;
+  const BatchRule* rules = plan_->rules().data() + group.firstRule;
+  weights_.resize(plan_->largestRuleCount() * kLanes);
+  isMatched_.resize(plan_->largestRuleCount() * kLanes);
+  chosenRule_.resize(kLanes);
+  if (sites.size() * 8 > end_ - first_) {
+    loadDraws();
+  }
+  for (std::size_t begin = 0; begin < sites.size(); begin += kLanes) {
+    const std::span<const std::uint32_t> part = sites.subspan(begin, std::min(kLanes, sites.size() - begin));
+    for (std::size_t i = 0; i < part.size(); ++i) {
+      positions_[part[i]] = static_cast<std::uint32_t>(i);
+    }
+    // what matches where, and with which weight
+    std::fill_n(isMatched_.begin(), group.ruleCount * kLanes, std::uint8_t{0});
+    for (std::uint32_t k = 0; k < group.ruleCount; ++k) {
+      std::size_t count = match(rules[k], static_cast<std::uint8_t>(1U << std::min(k, 7U)), part);
+      if (rules[k].condition) {
+        count = keepWhereTrue(rules[k], count);
+      }
+      if (count == 0) {
+        continue;
+      }
+      setLanes(rules[k], laneCount_, count);
+      const ColumnValue weight = evaluator_.value(rules[k].weight);
+      for (std::size_t i = 0; i < count; ++i) {
+        const std::size_t entry = k * kLanes + positions_[laneSite_[laneCount_ + i]];
+        weights_[entry] = weight.values == nullptr ? weight.constant : weight.values[i];
+        isMatched_[entry] = 1;
+      }
+    }
+    // the choice, as everywhere
+    for (std::size_t i = 0; i < part.size(); ++i) {
+      candidateWeights_.clear();
+      candidates_.clear();
+      double sum = 0.0;
+      for (std::uint32_t k = 0; k < group.ruleCount; ++k) {
+        if (isMatched_[k * kLanes + i] != 0) {
+          candidateWeights_.push_back(weights_[k * kLanes + i]);
+          candidates_.push_back(k);
+          sum += candidateWeights_.back();
+        }
+      }
+      chosenRule_[i] = group.ruleCount;
+      if (candidates_.size() == 1) {
+        chosenRule_[i] = candidates_.front();
+      } else if (candidates_.size() > 1) {
+        isUnusual_ = isUnusual_ || !(sum - sum == 0.0);
+        chosenRule_[i] =
+            candidates_[chooseByWeight(candidateWeights_, 1.0 - draw(first_ + siteModule_[part[i]]), false)];
+      }
+    }
+    // the lanes of what was chosen: neighbours are looked for once more, which is cheaper than keeping all of them
+    for (std::uint32_t k = 0; k < group.ruleCount; ++k) {
+      std::size_t count = 0;
+      for (std::size_t i = 0; i < part.size(); ++i) {
+        remaining_[count] = part[i];
+        count += chosenRule_[i] == k ? 1 : 0;
+      }
+      if (count > 0) {
+        accept(rules[k], match(rules[k], 0xFF, {remaining_.data(), count}));
+      }
+    }
+  }
+}
+
+void BatchScan::place() {
+  const BatchBlock* blocks = plan_->blocks().data();
+  std::uint32_t moduleGrowth = 0;
+  std::uint32_t parameterGrowth = 0;
+  std::size_t resizing = 0;
+  for (std::size_t site = 0; site < siteCount_; ++site) {
+    const BatchBlock& block = blocks[siteBlock_[site]];
+    madeModule_[site] = siteModule_[site] + moduleGrowth;
+    madeOffset_[site] = siteOffset_[site] + parameterGrowth;
+    moduleGrowth += static_cast<std::uint32_t>(block.moduleGrowth);
+    parameterGrowth += static_cast<std::uint32_t>(block.parameterGrowth);
+    resizing_[resizing] = static_cast<std::uint32_t>(site);
+    resizing += block.isResizing ? 1 : 0;
+  }
+  resizingCount_ = resizing;
+}
+
+bool BatchScan::write(ModuleTypeId* types, double* parameters) {
+  if (isResized_) {
+    writeBlocks(types, parameters);
+  } else {
+    std::memcpy(types, step_.old.types + first_, (end_ - first_) * sizeof(ModuleTypeId));
+    std::memcpy(parameters, step_.old.parameters + offset_, (endOffset_ - offset_) * sizeof(double));
+  }
+  const std::uint32_t* madeModule = isResized_ ? madeModule_.data() : siteModule_.data();
+  bool isUsual = true;
+  for (const RuleLanes& lanes : ruleLanes_) {
+    if (lanes.rule->changesParts) {
+      const ModuleTypeId type = plan_->blocks()[lanes.rule->block].types[0];
+      for (std::size_t i = lanes.begin; i < lanes.begin + lanes.count; ++i) {
+        types[madeModule[laneSite_[i]]] = type;
+      }
+    }
+    isUsual = writeValues(lanes, parameters) && isUsual;
+  }
+  return isUsual && !evaluator_.isUnusual();
+}
+
+void BatchScan::writeBlocks(ModuleTypeId* types, double* parameters) const {
+  const BatchBlock* blocks = plan_->blocks().data();
+  const std::uint16_t* arity = program_->arity.data();
+  const ModuleTypeId* oldTypes = step_.old.types + first_;
+  const double* oldParameters = step_.old.parameters + offset_;
+  // how far one can read, and how far write, from where the chunk begins
+  const std::uint64_t readable = step_.old.size - first_;
+  const std::uint64_t readableParameters = step_.old.parameterCount - offset_;
+  std::uint64_t made = end_ - first_;
+  std::uint64_t madeParameters = endOffset_ - offset_;
+  for (std::size_t i = 0; i < resizingCount_; ++i) {
+    const BatchBlock& block = blocks[siteBlock_[resizing_[i]]];
+    made += static_cast<std::uint64_t>(std::int64_t{block.moduleGrowth});
+    madeParameters += static_cast<std::uint64_t>(std::int64_t{block.parameterGrowth});
+  }
+
+  std::uint64_t module = 0;  // next to read
+  std::uint64_t offset = 0;
+  std::uint64_t target = 0;  // next to write
+  std::uint64_t targetOffset = 0;
+  const auto copyUpTo = [&](std::uint64_t endModule, std::uint64_t endOffset) {
+    copyStretch<kTypesAtOnce, kShortTypes>(types + target, oldTypes + module, endModule - module,
+                                           std::min(readable - module, made - target));
+    target += endModule - module;
+    if (endOffset != offset) {
+      copyStretch<kParametersAtOnce, kShortParameters>(
+          parameters + targetOffset, oldParameters + offset, endOffset - offset,
+          std::min(readableParameters - offset, madeParameters - targetOffset));
+      targetOffset += endOffset - offset;
+    }
+  };
+  for (std::size_t i = 0; i < resizingCount_; ++i) {
+    const std::uint32_t site = resizing_[i];
+    const BatchBlock& block = blocks[siteBlock_[site]];
+    // what stands between this site and the one before
+    copyUpTo(siteModule_[site], siteOffset_[site]);
+    // the block; its parameters follow when all gaps are closed
+    if (block.length <= TypePlan::kInlineTypes && made - target >= TypePlan::kInlineTypes) {
+      std::memcpy(types + target, block.types.data(), sizeof(block.types));
+    } else if (block.length > 0) {
+      std::memcpy(types + target, block.allTypes, block.length * sizeof(ModuleTypeId));
+    }
+    target += block.length;
+    targetOffset += block.valueCount;
+    module = siteModule_[site] + std::uint64_t{1};
+    offset = siteOffset_[site] + std::uint64_t{arity[oldTypes[siteModule_[site]]]};
+  }
+  copyUpTo(end_ - first_, endOffset_ - offset_);
+  ESPALIER_CHECK(target == made && targetOffset == madeParameters);
+}
+
+bool BatchScan::writeValues(const RuleLanes& lanes, double* parameters) {
+  const BatchRule& rule = *lanes.rule;
+  const std::uint32_t* madeOffset = isResized_ ? madeOffset_.data() : siteOffset_.data();
+  bool isFinite = true;
+  for (std::size_t begin = lanes.begin; begin < lanes.begin + lanes.count; begin += ColumnEvaluator::kLanes) {
+    const std::size_t count = std::min(ColumnEvaluator::kLanes, lanes.begin + lanes.count - begin);
+    setLanes(rule, begin, count);
+    const std::uint32_t* site = laneSite_.data() + begin;
+    for (std::size_t k = 0; k < rule.values.size(); ++k) {
+      const ColumnValue column = evaluator_.value(rule.values[k]);
+      double* target = parameters + k;
+      if (column.values == nullptr) {
+        const double value =
+            step_.storesFloats ? static_cast<double>(static_cast<float>(column.constant)) : column.constant;
+        isFinite = isFinite && (step_.storesFloats || value - value == 0.0);
+        for (std::size_t i = 0; i < count; ++i) {
+          target[madeOffset[site[i]]] = value;
+        }
+      } else if (step_.storesFloats) {
+        for (std::size_t i = 0; i < count; ++i) {
+          target[madeOffset[site[i]]] = static_cast<double>(static_cast<float>(column.values[i]));
+        }
+      } else {
+        isFinite = areFinite(column.values, count) && isFinite;
+        for (std::size_t i = 0; i < count; ++i) {
+          target[madeOffset[site[i]]] = column.values[i];
+        }
+      }
+    }
+  }
+  return isFinite;
+}
+
+}  // namespace espalier::derivation

@@ -1,0 +1,133 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "engine/core/random.h"
+#include "engine/derivation/batch_plan.h"
+#include "engine/derivation/column_evaluator.h"
+#include "engine/derivation/context_matcher.h"
+#include "engine/language/program.h"
+
+namespace espalier::derivation {
+
+/// Rewrites stretches of a string, a chunk at a time, in two passes: choose() decides what becomes of every module and
+/// counts, write() writes it into place. Between the two the caller learns how long the result is. It reads the old
+/// string and writes where it is told, nothing else, so several threads can work on one step, each with its own object.
+///
+/// Whatever would make the Evaluator warn or the step fail is not done here: the chunk is called unusual, and the
+/// caller repeats it in the general way, which does that in the order of the string.
+class BatchScan {
+ public:
+  /// The most modules of one chunk.
+  static constexpr std::uint64_t kChunkModules = 2048;
+
+  /// What all chunks of a step have in common.
+  struct Step {
+    ContextString old;  // the string that is read
+    std::uint32_t number = 0;
+    double length = 0.0;                      // Z
+    core::CounterRandom selection;            // Espalier's own mode
+    bool storesFloats = false;                // parameters are rounded to 32-bit floats and may be anything
+    const std::uint8_t* hasWarned = nullptr;  // by instruction, as in the Evaluator; unchanged during the step
+  };
+
+  struct Outcome {
+    std::uint64_t endModule = 0;     // where the chunk ended: before a General module, or where it was to end
+    std::uint64_t endParameter = 0;  // of the old string
+    std::uint64_t moduleCount = 0;   // that write() will make
+    std::uint64_t parameterCount = 0;
+    bool isUnusual = false;
+  };
+
+  /// `program`, `rules` and `plan` must outlive the object.
+  BatchScan(const language::Program& program, const ContextRules& rules, const BatchPlan& plan);
+
+  void begin(const Step& step);
+  /// Decides about the modules [first, end), end - first at most kChunkModules; the parameters of the first begin at
+  /// `offset`.
+  [[nodiscard]] Outcome choose(std::uint64_t first, std::uint64_t end, std::uint64_t offset);
+  /// Writes what was chosen last: exactly the modules and parameters of the Outcome. False: a value is unusual; what
+  /// was written is of no use when the step fails, and right when it only warns.
+  [[nodiscard]] bool write(core::ModuleTypeId* types, double* parameters);
+
+ private:
+  /// Sites that one rule rewrites: entries [begin, begin + count) of the lane arrays.
+  struct RuleLanes {
+    const BatchRule* rule = nullptr;
+    std::size_t begin = 0;
+    std::size_t count = 0;
+  };
+
+  template <bool kHasPairs>
+  void collectSites();
+  void sortSites();
+  void chooseGroup(const BatchGroup& group, std::span<const std::uint32_t> sites);
+  void chooseFirst(const BatchGroup& group, std::span<const std::uint32_t> sites);
+  void chooseByThresholds(const BatchGroup& group, std::span<const std::uint32_t> sites);
+  void chooseByWeights(const BatchGroup& group, std::span<const std::uint32_t> sites);
+  [[nodiscard]] double draw(std::uint64_t module);
+  void loadDraws();
+  std::size_t match(const BatchRule& rule, std::uint8_t bit, std::span<const std::uint32_t> sites);
+  [[nodiscard]] bool matchNear(const BatchRule& rule, std::uint32_t site, std::size_t lane);
+  [[nodiscard]] bool matchSearched(const BatchRule& rule, std::uint32_t site, std::size_t lane);
+  std::size_t keepWhereTrue(const BatchRule& rule, std::size_t count);
+  void accept(const BatchRule& rule, std::size_t count);
+  void setLanes(const BatchRule& rule, std::size_t begin, std::size_t count);
+  void place();
+  void writeBlocks(core::ModuleTypeId* types, double* parameters) const;
+  [[nodiscard]] bool writeValues(const RuleLanes& lanes, double* parameters);
+
+  const language::Program* program_;
+  const ContextRules* rules_;
+  const BatchPlan* plan_;
+  Step step_;
+  ColumnEvaluator evaluator_;
+  std::vector<std::uint8_t> passing_;  // by module type: what a search from the left or right does there
+
+  // the chunk
+  std::uint64_t first_ = 0;
+  std::uint64_t end_ = 0;
+  std::uint64_t offset_ = 0;     // parameters of the first module
+  std::uint64_t endOffset_ = 0;  // behind the last module
+  bool isUnusual_ = false;
+  bool isResized_ = false;
+  bool areDrawsLoaded_ = false;
+
+  // the sites: modules that may not stay as they are
+  std::size_t siteCount_ = 0;
+  std::vector<std::uint32_t> siteModule_;  // counted from the chunk's first module
+  std::vector<std::uint32_t> siteOffset_;  // parameters, counted from those of the chunk's first module
+  std::vector<std::uint8_t> siteBits_;     // candidates that may apply
+  std::vector<std::uint32_t> siteBlock_;   // what is written: in BatchPlan::blocks
+  std::vector<std::uint32_t> madeModule_;  // where it is written, counted from where the chunk's result begins
+  std::vector<std::uint32_t> madeOffset_;
+  std::vector<std::uint32_t> resizing_;  // sites whose block has another size than the module
+  std::size_t resizingCount_ = 0;
+
+  std::vector<std::uint32_t> allSites_;    // 0, 1, 2, ...
+  std::vector<std::uint32_t> sorted_;      // sites by group
+  std::vector<std::uint32_t> groupBegin_;  // (groupCount + 1)
+  std::vector<std::uint32_t> remaining_;   // sites that no rule took so far
+
+  // the lanes of all rules that chose sites
+  std::size_t laneCount_ = 0;
+  std::vector<std::uint32_t> laneSite_;
+  std::vector<std::uint64_t> laneLeft_;   // parameters of the left neighbour, or where the row of the search begins
+  std::vector<std::uint64_t> laneRight_;  // parameters of the right neighbour
+  std::vector<double> rows_;              // frames that context searches filled
+  std::vector<RuleLanes> ruleLanes_;
+  std::vector<std::uint32_t> own_;  // offsets of the lanes that are evaluated
+
+  std::vector<std::uint32_t> words_;  // draws of the chunk's modules, from a multiple of 4 on
+  std::vector<double> weights_;       // by rule of a group and lane
+  std::vector<std::uint8_t> isMatched_;
+  std::vector<std::uint32_t> positions_;  // by site: its lane among those that are weighed
+  std::vector<std::uint32_t> chosenRule_;
+  std::vector<double> candidateWeights_;
+  std::vector<std::uint32_t> candidates_;
+};
+
+}  // namespace espalier::derivation

@@ -1,0 +1,74 @@
+// The scan of a model without sub-L-systems in batches, and what of it only the general way can do.
+#include <algorithm>
+
+#include "engine/derivation/implementation.h"
+
+namespace espalier::derivation {
+namespace {
+
+// a batch shorter than this, before a module that needs the general way, is not worth its setting up
+constexpr std::uint64_t kWorthwhileModules = 64;
+// the longest stretch that is left to the general way before batches are tried again
+constexpr std::uint64_t kGeneralModules = 2048;
+
+}  // namespace
+
+bool Derivation::Implementation::isWithinLimits(std::uint64_t moduleCount, std::uint64_t parameterCount) const {
+  return moduleCount <= options_.limits.maximumModules &&
+         moduleCount * 2 + parameterCount * 8 <= options_.limits.maximumStringBytes;
+}
+
+bool Derivation::Implementation::appendBatch(const BatchScan::Outcome& outcome) {
+  const std::uint64_t modules = working_.size();
+  const std::uint64_t parameters = working_.parameterCount();
+  if (outcome.isUnusual || !isWithinLimits(modules + outcome.moduleCount, parameters + outcome.parameterCount)) {
+    return false;
+  }
+  reserveOutput(modules + outcome.moduleCount, parameters + outcome.parameterCount);
+  if (!batch_->write(working_.typeBuffer().data() + modules, working_.parameterBuffer().data() + parameters)) {
+    return false;
+  }
+  working_.typeBuffer().resize(modules + outcome.moduleCount);
+  working_.parameterBuffer().resize(parameters + outcome.parameterCount);
+  return true;
+}
+
+void Derivation::Implementation::scanInBatches(const PlantState& state) {
+  const SystemTables& tables = tables_.front();
+  const ModuleString& old = state.string;
+  if (batch_ == nullptr) {
+    batch_ = std::make_unique<BatchScan>(*program_, tables.rules, tables.batches);
+  }
+  BatchScan::Step step{rewriter_.around(),        static_cast<std::uint32_t>(step_), 0.0,
+                       random_.selectionSource(), rewriter_.storesFloats(),          evaluator_.hasWarned()};
+  ScanPlace place;
+  std::uint64_t chunk = BatchScan::kChunkModules;
+  std::uint64_t general = 1;
+  while (place.module < old.size()) {
+    evaluator_.clearModule();
+    evaluator_.pollCancelled();
+    // blocks of the general way may have changed Z
+    step.length = static_cast<double>(state.derivationLength);
+    batch_->begin(step);
+    const std::uint64_t end = std::min(old.size(), place.module + chunk);
+    const BatchScan::Outcome outcome = batch_->choose(place.module, end, place.offset);
+    const std::uint64_t batched = outcome.endModule - place.module;
+    if (appendBatch(outcome)) {
+      place = {outcome.endModule, outcome.endParameter};
+    } else {
+      // a failure or a warning, in the order of the string
+      scanUpTo(state, outcome.endModule, place);
+      rewriter_.checkSize(working_.size(), working_.parameterCount());
+    }
+    if (outcome.endModule == end) {
+      chunk = std::min(2 * chunk, BatchScan::kChunkModules);
+      continue;
+    }
+    // a module for the general way; where these stand close together, so do the ones between them
+    general = batched < kWorthwhileModules ? std::min(2 * general, kGeneralModules) : 1;
+    chunk = std::clamp(2 * batched, kWorthwhileModules, BatchScan::kChunkModules);
+    scanUpTo(state, std::min(old.size(), outcome.endModule + general), place);
+  }
+}
+
+}  // namespace espalier::derivation

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "engine/language/program.h"
+
+namespace espalier::derivation {
+
+/// Where an operation on columns takes an operand from.
+struct ColumnOperand {
+  enum class Kind : std::uint8_t {
+    Constant,
+    Slot,    // formal parameter `index` of each lane
+    Column,  // intermediate result `index`
+    Step,    // Q
+    Length,  // Z
+  };
+  Kind kind = Kind::Constant;
+  std::uint32_t index = 0;
+  double constant = 0.0;
+};
+
+/// One operation of an expression, done for all lanes before the next one.
+struct ColumnInstruction {
+  language::Operation operation = language::Operation::Add;
+  std::uint32_t function = 0;     // Call: a language::Function
+  std::uint16_t count = 0;        // operands
+  std::uint32_t target = 0;       // intermediate result that is made
+  std::uint32_t instruction = 0;  // in Program::code, for warnings
+  std::array<ColumnOperand, 3> operands;
+};
+
+/// An expression in the form that a batch evaluates: the stack is resolved into numbered columns once.
+struct ColumnExpression {
+  const language::Expression* expression = nullptr;  // in the Program
+  bool isPerLane = false;                            // it jumps: each lane runs the code on its own
+  std::vector<ColumnInstruction> instructions;
+  ColumnOperand result;
+  std::vector<std::uint32_t> slots;  // formal parameters that are read, each once
+};
+
+/// Whether a batch can evaluate the expression: it depends on formal parameters, constants, Q and Z alone and calls
+/// arithmetic functions only.
+[[nodiscard]] bool isColumnExpression(const language::Program& program, const language::Expression& expression);
+
+/// The form for a batch of an expression for which isColumnExpression holds.
+[[nodiscard]] ColumnExpression makeColumnExpression(const language::Program& program,
+                                                    const language::Expression& expression);
+
+}  // namespace espalier::derivation
