@@ -165,6 +165,7 @@ std::variant<BuiltEnvironment, protocol::Error> buildEnvironment(const std::stri
       process = std::move(std::get<std::unique_ptr<turtle::EnvironmentProcess>>(made));
       built.names.push_back(entry.type);
     }
+    built.processNames.push_back(entry.name);
     // a single environment takes all queries, whatever they are called
     processes.emplace_back(entries.size() == 1 ? std::string() : entry.name, std::move(process));
   }

@@ -28,6 +28,7 @@ struct BuiltEnvironment {
   std::unique_ptr<turtle::EnvironmentProcess> process;  // null: none
   std::vector<std::shared_ptr<EnvironmentLink>> links;  // to other processes, for interrupting
   std::vector<std::string> names;                       // of the entries, for people: honda, offered:mylight
+  std::vector<std::string> processNames;                // by which queries address them, as many
   simulation::EnvironmentOrigin origin;                 // for snapshots: how a command line makes it again
 };
 

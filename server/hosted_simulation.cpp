@@ -46,6 +46,7 @@ std::optional<protocol::Error> HostedSimulation::build(std::shared_ptr<const lan
   simulation_.swap(made);
   links_ = std::move(environment.links);
   environmentNames_ = std::move(environment.names);
+  processNames_ = std::move(environment.processNames);
   return std::nullopt;
 }
 

@@ -33,6 +33,8 @@ class HostedSimulation {
   [[nodiscard]] const SimulationRecord& record() const { return record_; }
   [[nodiscard]] simulation::Simulation& simulation() { return *simulation_; }
   [[nodiscard]] const std::vector<std::string>& environmentNames() const { return environmentNames_; }
+  /// The names by which queries address the environments.
+  [[nodiscard]] const std::vector<std::string>& processNames() const { return processNames_; }
   [[nodiscard]] bool isSaved() const { return isSaved_; }
   /// A failure of this simulation for the wire.
   [[nodiscard]] protocol::Error errorOf(const core::SimulationError& error) const;
@@ -64,6 +66,7 @@ class HostedSimulation {
   std::unique_ptr<simulation::Simulation> simulation_;
   std::vector<std::shared_ptr<EnvironmentLink>> links_;
   std::vector<std::string> environmentNames_;
+  std::vector<std::string> processNames_;
   bool isSaved_ = false;  // the copy on disk is of the present step
 };
 

@@ -1,5 +1,6 @@
 #include "server/simulation_methods.h"
 
+#include "engine/language/model_queries.h"
 #include "protocol/base64.h"
 #include "protocol/codec.h"
 #include "server/server_core.h"
@@ -208,6 +209,18 @@ std::string stateAfter(SimulationRunner& runner) {
   return result.endObject().take();
 }
 
+/// What the text of a model alone does not show: queries that nobody answers, files that a server does not write.
+std::vector<core::Diagnostic> warningsOfRun(const language::Program& program, const HostedSimulation& hosted) {
+  std::vector<core::Diagnostic> warnings = language::unwrittenFiles(program);
+  // a single environment takes all queries, whatever they are called
+  if (hosted.processNames().size() != 1) {
+    for (core::Diagnostic& warning : language::unansweredQueries(program, hosted.processNames())) {
+      warnings.push_back(std::move(warning));
+    }
+  }
+  return warnings;
+}
+
 }  // namespace
 
 void createSimulation(Session& session, const protocol::MessageId& id, protocol::CreateParams params,
@@ -276,6 +289,9 @@ void createSimulation(Session& session, const protocol::MessageId& id, protocol:
   result.isFinished = hosted->simulation().isFinished();
   result.statistics = toStatistics(hosted->simulation().statistics(), 0.0);
   result.diagnostics = toRecords(model.result.diagnostics.entries());
+  for (protocol::DiagnosticRecord& warning : toRecords(warningsOfRun(*model.result.program, *hosted))) {
+    result.diagnostics.push_back(std::move(warning));
+  }
   core.add(*name, std::move(hosted));
   core.log().info("session " + session.id() + " created simulation " + *name);
   session.respond(id, protocol::encode(result));

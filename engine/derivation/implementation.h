@@ -161,8 +161,9 @@ class Derivation::Implementation {
     bool isFresh = false;
     std::uint32_t index = 0;  // of the old instance, or the L-system of a fresh one
   };
-  std::vector<CallOrigin> callOrigins_;  // of the calls in the string being produced, in order
-  std::vector<std::uint32_t> parents_;   // by instance: the call around it; while interpreting
+  std::vector<CallOrigin> callOrigins_;      // of the calls in the string being produced, in order
+  std::vector<CallOrigin> keptCallOrigins_;  // of those in keptParts_, in order
+  std::vector<std::uint32_t> parents_;       // by instance: the call around it; while interpreting
   std::vector<std::uint32_t> chain_;
 };
 

@@ -72,6 +72,7 @@ void Derivation::Implementation::scanWithCalls(PlantState& state) {
   const ModuleString& old = state.string;
   const std::span<const core::ModuleTypeId> types = old.types();
   callOrigins_.clear();
+  keptCallOrigins_.clear();
   std::uint32_t nextCall = 1;
   std::uint64_t module = 0;
   std::uint64_t offset = 0;
@@ -126,7 +127,8 @@ void Derivation::Implementation::scanWithCalls(PlantState& state) {
     leaveCall(state);
   }
 
-  // the instances of the new string's calls
+  // the instances of the new string's calls; those in parts that `%(p)` cut go to its end with them
+  callOrigins_.insert(callOrigins_.end(), keptCallOrigins_.begin(), keptCallOrigins_.end());
   std::vector<InstanceState> instances;
   instances.reserve(callOrigins_.size() + 1);
   instances.push_back(std::move(state.instances.front()));
@@ -141,14 +143,18 @@ void Derivation::Implementation::scanWithCalls(PlantState& state) {
 Derivation::Implementation::StringPart Derivation::Implementation::cutWithCalls(PlantState& state, std::uint64_t module,
                                                                                 std::uint64_t offset,
                                                                                 std::uint32_t& nextCall) {
-  // as cutPart, but a `$` of the call around ends the part as well, and calls inside it are removed
+  // as cutPart, but a `$` of the call around ends the part as well, and calls inside it are removed, unless `%(p)`
+  // keeps the part
+  const bool isKept = state.string.types()[module] == cutWithTurtle_;
   const std::span<const core::ModuleTypeId> types = state.string.types();
   StringPart part{module + 1, module + 1, offset + program_->arity[types[module]], 0};
   part.endParameter = part.firstParameter;
   const std::size_t outerDepth = calls_.depth();
   std::uint64_t branchDepth = 0;
   const auto removeCall = [&] {
-    endCall(state, calls_.instance());
+    if (!isKept) {
+      endCall(state, calls_.instance());
+    }
     calls_.pop();
   };
   for (; part.endModule < types.size(); ++part.endModule) {
@@ -161,6 +167,9 @@ Derivation::Implementation::StringPart Derivation::Implementation::cutWithCalls(
       }
       --branchDepth;
     } else if (isCall_[type] != 0) {
+      if (isKept) {
+        keptCallOrigins_.push_back({false, nextCall});
+      }
       calls_.push(nextCall++);
     } else if (type == program_->subSystemEnd) {
       if (calls_.depth() > outerDepth) {
@@ -174,7 +183,7 @@ Derivation::Implementation::StringPart Derivation::Implementation::cutWithCalls(
   while (calls_.depth() > outerDepth) {
     removeCall();
   }
-  recordCut(part);
+  keepCutPart(state.string, part, offset);
   return part;
 }
 

@@ -39,6 +39,13 @@ void CodeGenerator::generate() {
   // brackets have types in every model
   program_.openBranch = model_.symbols.internType(model_.symbols.internCharacter('['), 0);
   program_.closeBranch = model_.symbols.internType(model_.symbols.internCharacter(']'), 0);
+  // what `%(p)` cuts is kept behind `%(p,n)`
+  const core::SymbolId cut = model_.symbols.internCharacter('%');
+  const std::vector<ModuleType>& types = model_.symbols.types();
+  if (std::any_of(types.begin(), types.end(),
+                  [&](const ModuleType& type) { return type.symbol == cut && type.arity == 1; })) {
+    static_cast<void>(model_.symbols.internType(cut, 2));
+  }
   describeTypes();
   for (const LSystemSyntax& system : model_.systems) {
     generateSystem(system);

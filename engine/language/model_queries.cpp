@@ -60,8 +60,25 @@ std::vector<core::Diagnostic> unansweredQueries(const Program& program, const st
     warning.location = program.sourceMap.locate(query.range);
     warning.message = names.empty() ? "nobody answers ?" + query.name + ": no environment is given"
                                     : "no environment process is named '" + query.name + "'";
-    warning.hint = names.empty() ? "name one with --environment; without it the parameters keep their values"
+    warning.hint = names.empty() ? "give the model an environment; without one the parameters keep their values"
                                  : core::suggestName(query.name, names);
+  }
+  return warnings;
+}
+
+std::vector<core::Diagnostic> unwrittenFiles(const Program& program) {
+  std::vector<core::Diagnostic> warnings;
+  for (std::size_t i = 0; i < program.code.size(); ++i) {
+    const Instruction& instruction = program.code[i];
+    if (instruction.operation != Operation::FileOpen || !FileMode::fromBits(instruction.count).canWrite ||
+        program.files[instruction.operand].isRefused) {
+      continue;
+    }
+    core::Diagnostic& warning = warnings.emplace_back();
+    warning.severity = core::Severity::Warning;
+    warning.location = program.sourceMap.locate(program.codeRanges[i]);
+    warning.message = "models write no files here: fopen(\"" + program.files[instruction.operand].name + "\") gives 0";
+    warning.hint = "the program 'espalier' writes them beside the model";
   }
   return warnings;
 }

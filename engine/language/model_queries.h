@@ -22,4 +22,7 @@ struct ModelQuery {
 [[nodiscard]] std::vector<core::Diagnostic> unansweredQueries(const Program& program,
                                                               const std::vector<std::string>& processNames);
 
+/// A warning for every fopen that would write: for callers that let models write no files.
+[[nodiscard]] std::vector<core::Diagnostic> unwrittenFiles(const Program& program);
+
 }  // namespace espalier::language

@@ -71,6 +71,9 @@ std::string Parser::adviceFor(const Token& token) const {
              : reading_ == "the condition"                             ? "'==' compares; '=' assigns, in blocks only"
                                                                        : std::string();
     case TokenKind::Operator:
+      if (token.text == ">" && before == '-') {
+        return "the arrow of a production has two strokes: '-->'";
+      }
       return token.text == "+" && before == '+' ? "there is no '++': write n = n + 1" : std::string();
     case TokenKind::Identifier:
       return token.text == "and"   ? "write '&&'"

@@ -59,6 +59,18 @@ TEST(Server, AModelWithErrorsCreatesNothingAndSaysWhere) {
   EXPECT_EQ(member(checked, "valid"), "true");
 }
 
+TEST(Server, CreatingWarnsAboutQueriesThatNobodyAnswersAndFilesThatAreNotWritten) {
+  RunningServer server;
+  const auto client = connectTo(server);
+  const std::string text = "Lsystem: 1\nStart: {f = fopen(\"out\", \"w\");}\nAxiom: A?E(0)\nA --> A\nendlsystem\n";
+  const std::string alone = resultOf(client->request("simulation.create", createParams(text)));
+  EXPECT_NE(alone.find("model.l:2:13: warning: models write no files here"), std::string::npos) << alone;
+  EXPECT_NE(alone.find("nobody answers ?E: no environment is given"), std::string::npos) << alone;
+  const std::string answered =
+      resultOf(client->request("simulation.create", createParams(text, R"([{"type":"height"}])")));
+  EXPECT_EQ(answered.find("nobody answers"), std::string::npos) << answered;
+}
+
 TEST(Server, AnUnknownEnvironmentIsAnErrorWithItsPathAndTheNearestName) {
   const RunningServer server;
   const auto client = connectTo(server);

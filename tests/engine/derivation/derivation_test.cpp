@@ -76,6 +76,8 @@ TEST(Derivation, CutRemovesTheRestOfTheBranch) {
 
 TEST(Derivation, CutWithParameterMovesThePartToTheEnd) {
   EXPECT_EQ(derive(modelText("", "A[B%(5)C(1)D]E%(6,0)F", "Z --> Z\n"), 1), "A[B]E%(6,0)F%(5,1)C(1)D");
+  // no %(p,n) need stand in the text
+  EXPECT_EQ(derive(modelText("", "A[B%(5)C]%(2)DE", "Z --> Z\n"), 1), "A[B]%(5,0)C%(2,1)DE");
 }
 
 TEST(Derivation, DecomposesSuccessorsAndUnmatchedModulesDepthFirst) {

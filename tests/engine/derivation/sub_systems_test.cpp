@@ -86,6 +86,20 @@ TEST(SubSystems, EachCallUsesItsOwnIgnoreList) {
             "Sxa?(2)Sxc$");
 }
 
+TEST(SubSystems, APartThatIsKeptTakesItsCallsToTheEndWithTheirVariables) {
+  // the call counts on behind the cut, which sets it back neither to its Start nor to its End
+  const std::string model = two("", "[%(7)?(2)K$J]?(2)K$", "J --> JJ\n",
+                                "Lsystem: 2\nStart: {n=10;}\nEnd: {printf(\"end \");}\nAxiom: X\n"
+                                "K : {n=n+1;} * --> K(n)\nK(x) : {n=n+1;} * --> K(n)\nendlsystem\n");
+  DerivedModel run(model);
+  EXPECT_EQ(run.steps(1), "[]?(2)K(11)$%(7,0)?(2)K$J");
+  EXPECT_EQ(run.steps(1), "[]?(2)K(12)$%(7,0)?(2)K(11)$JJ");
+  EXPECT_EQ(run.printed(), "");
+  // inside a call the part ends at its `$`
+  EXPECT_EQ(derive(two("", "A?(2)K%(1)KJ$B", "B --> BB\n", "Lsystem: 2\nAxiom: X\nK --> L\nendlsystem\n"), 1),
+            "A?(2)L$BB%(1,0)KJ");
+}
+
 TEST(SubSystems, RecursionFails) {
   DerivedModel model(two("", "?(2)A$", "x --> x\n", "Lsystem: 2\nAxiom: X\nA --> ?(2)A$\nendlsystem\n"));
   model.steps(1);

@@ -42,10 +42,23 @@ TEST(ModelQueries, EachQueryThatNoProcessAnswersIsReported) {
 }
 
 TEST(ModelQueries, WithoutAnEnvironmentNobodyAnswers) {
-  const std::string hint = " | name one with --environment; without it the parameters keep their values";
+  const std::string hint = " | give the model an environment; without one the parameters keep their values";
   EXPECT_EQ(unanswered({}), (Messages{"3:10: warning: nobody answers ?E: no environment is given" + hint,
                                       "4:8: warning: nobody answers ?Light: no environment is given" + hint,
                                       "6:8: warning: nobody answers ?Water: no environment is given" + hint}));
+}
+
+TEST(ModelQueries, FilesThatWouldBeWrittenAreReportedWhereNoneAre) {
+  const CompileResult result = compileText(
+      "Lsystem: 1\nStart: {f = fopen(\"a\", \"r\"); g = fopen(\"b\", \"w\"); h = fopen(\"c\", \"r+\");}\n"
+      "Axiom: A\nA --> A\nendlsystem\n");
+  Messages messages;
+  for (const core::Diagnostic& diagnostic : unwrittenFiles(*result.program)) {
+    messages.push_back(brief(diagnostic));
+  }
+  const std::string hint = " | the program 'espalier' writes them beside the model";
+  EXPECT_EQ(messages, (Messages{"2:34: warning: models write no files here: fopen(\"b\") gives 0" + hint,
+                                "2:55: warning: models write no files here: fopen(\"c\") gives 0" + hint}));
 }
 
 }  // namespace
