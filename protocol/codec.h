@@ -37,17 +37,18 @@ using Decoded = std::variant<T, Error>;
 // Reading results.
 [[nodiscard]] Decoded<HelloResult> decodeHelloResult(const Payload& payload);
 [[nodiscard]] Decoded<DescribeResult> decodeDescribeResult(const Payload& payload);
-/// Each id below `queryCount`, at most once; numbers finite.
-[[nodiscard]] Decoded<std::vector<ReplyRecord>> decodeReplies(const Payload& payload, std::size_t queryCount);
+/// Each id below `queryCount`, at most once; numbers finite. From text or blocks.
+[[nodiscard]] Decoded<ReplyColumns> decodeReplies(const Payload& payload, std::size_t queryCount);
 [[nodiscard]] Decoded<std::string> decodeSaveResult(const Payload& payload);  // the state's bytes
 
 // Writing params. All encoders throw NonFiniteNumber for NaN and infinity.
 [[nodiscard]] std::string encode(const HelloParams& params);
 [[nodiscard]] std::string encode(const OpenParams& params);
 [[nodiscard]] std::string encode(const EnvironmentStepParams& params);
+/// The same in blocks, for a peer that takes them. Refers to the columns until it is sent.
+[[nodiscard]] Body encodeBlocks(const EnvironmentStepParams& params);
 [[nodiscard]] std::string encode(const RestoreStateParams& params);
 [[nodiscard]] std::string encode(const StreamData& data);
-void write(JsonWriter& writer, const QueryRecord& query);
 
 // Writing results.
 [[nodiscard]] std::string encode(const HelloResult& result);
@@ -55,7 +56,8 @@ void write(JsonWriter& writer, const QueryRecord& query);
 [[nodiscard]] std::string encode(const CreateResult& result);
 [[nodiscard]] std::string encode(const StepResult& result);
 [[nodiscard]] std::string encode(const DescribeResult& result);
-[[nodiscard]] std::string encode(const std::vector<ReplyRecord>& replies);
+[[nodiscard]] std::string encode(const ReplyColumns& replies);
+[[nodiscard]] Body encodeBlocks(const ReplyColumns& replies);
 [[nodiscard]] std::string encodeSaveResult(std::string_view state);
 void write(JsonWriter& writer, const Statistics& statistics);
 void write(JsonWriter& writer, const SimulationInformation& information);

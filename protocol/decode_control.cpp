@@ -130,6 +130,14 @@ void readEnvironment(const Field& environment, CreateParams& create) {
   }
 }
 
+void readLimits(const Field& field, std::vector<std::pair<std::string, std::uint64_t>>& limits) {
+  if (field.isObject()) {
+    for (const auto& [name, value] : field.json().items()) {
+      limits.emplace_back(name, field[name].count());
+    }
+  }
+}
+
 }  // namespace
 
 Decoded<HelloParams> decodeHelloParams(const Payload& payload) {
@@ -152,6 +160,7 @@ Decoded<HelloParams> decodeHelloParams(const Payload& payload) {
     hello.version = readOptionalText(params["version"]);
     hello.token = readOptionalText(params["token"]);
     hello.capabilities = readTexts(params["capabilities"]);
+    readLimits(params["limits"], hello.limits);
   });
 }
 
@@ -303,11 +312,7 @@ Decoded<HelloResult> decodeHelloResult(const Payload& payload) {
     hello.session = readOptionalText(result["session"]);
     hello.server = readOptionalText(result["server"]);
     hello.capabilities = readTexts(result["capabilities"]);
-    if (const Field limits = result["limits"]; limits.isObject()) {
-      for (const auto& [name, value] : limits.json().items()) {
-        hello.limits.emplace_back(name, limits[name].count());
-      }
-    }
+    readLimits(result["limits"], hello.limits);
   });
 }
 

@@ -1,7 +1,8 @@
-#include <algorithm>
-
 #include "protocol/base64.h"
+#include "protocol/bulk_text.h"
 #include "protocol/codec.h"
+#include "protocol/column_storage.h"
+#include "protocol/environment_blocks.h"
 #include "protocol/json_tree.h"
 
 namespace espalier::protocol {
@@ -14,23 +15,6 @@ std::array<double, 3> readVector(const Field& field) {
   return {field.element(0).number(), field.element(1).number(), field.element(2).number()};
 }
 
-void readOptionalVector(const Field& field, std::optional<std::array<double, 3>>& vector) {
-  if (!field.isAbsent()) {
-    vector = readVector(field);
-  }
-}
-
-void readNumbers(const Field& field, std::vector<double>& numbers) {
-  if (field.isAbsent()) {
-    return;
-  }
-  const std::size_t count = field.arraySize();
-  numbers.reserve(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    numbers.push_back(field.element(i).number());
-  }
-}
-
 void readOptionalNumber(const Field& field, std::optional<double>& number) {
   if (!field.isAbsent()) {
     number = field.number();
@@ -41,48 +25,85 @@ std::string readOptionalText(const Field& field) {
   return field.isAbsent() ? std::string() : field.text();
 }
 
-void readQuery(const Field& field, QueryRecord& query) {
-  field.requireObject();
-  query.id = field["id"].count();
-  query.plant = field["plant"].isAbsent() ? 0 : static_cast<std::uint32_t>(field["plant"].integer(0, 0xFFFFFFFF));
-  query.module = field["module"].isAbsent() ? 0 : field["module"].count();
-  query.isTransient = !field["transient"].isAbsent() && field["transient"].boolean();
-  query.symbol = field["symbol"].text();
-  readNumbers(field["parameters"], query.parameters);
-  readOptionalVector(field["position"], query.position);
-  readOptionalVector(field["heading"], query.heading);
-  readOptionalVector(field["left"], query.left);
-  readOptionalVector(field["up"], query.up);
-  readOptionalNumber(field["width"], query.width);
-  readOptionalNumber(field["scale"], query.scale);
-  if (const Field following = field["following"]; !following.isAbsent()) {
-    following.requireObject();
-    query.followingSymbol = following["symbol"].text();
-    readNumbers(following["parameters"], query.followingParameters);
+template <typename Add>
+void readNumbers(const Field& field, Add&& add) {
+  if (!field.isAbsent()) {
+    const std::size_t count = field.arraySize();
+    for (std::size_t i = 0; i < count; ++i) {
+      add(field.element(i).number());
+    }
   }
 }
 
-void readReply(const Field& field, ReplyRecord& reply, std::size_t queryCount, std::vector<bool>& isAnswered) {
+void readQuery(const Field& field, QueryCollector& queries) {
   field.requireObject();
-  const Field id = field["id"];
-  reply.id = id.count();
-  if (reply.id >= queryCount) {
-    id.fail("there is no query " + std::to_string(reply.id) + "; this step has " + std::to_string(queryCount) +
-            " queries, numbered from 0");
+  if (const Field id = field["id"]; id.count() != queries.count()) {
+    id.fail("expected " + std::to_string(queries.count()) + ": queries are numbered from 0 in order");
   }
-  if (isAnswered[reply.id]) {
-    id.fail("query " + std::to_string(reply.id) + " is answered twice; answer each at most once");
+  queries.begin(field["plant"].isAbsent() ? 0 : static_cast<std::uint32_t>(field["plant"].integer(0, 0xFFFFFFFF)),
+                field["module"].isAbsent() ? 0 : field["module"].count(),
+                !field["transient"].isAbsent() && field["transient"].boolean(), field["symbol"].text());
+  readNumbers(field["parameters"], [&](double value) { queries.parameter(value); });
+  queries.endParameters();
+  if (const Field position = field["position"]; !position.isAbsent()) {
+    queries.position(readVector(position));
   }
-  isAnswered[reply.id] = true;
-  const Field parameters = field["parameters"];
-  if (parameters.isAbsent()) {
-    return;
+  if (const Field heading = field["heading"]; !heading.isAbsent()) {
+    queries.heading(readVector(heading));
   }
-  const std::size_t count = parameters.arraySize();
-  reply.parameters.reserve(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    const Field value = parameters.element(i);
-    reply.parameters.push_back(value.isNull() ? std::nullopt : std::optional<double>(value.number()));
+  if (const Field left = field["left"]; !left.isAbsent()) {
+    queries.left(readVector(left));
+  }
+  if (const Field up = field["up"]; !up.isAbsent()) {
+    queries.up(readVector(up));
+  }
+  if (const Field width = field["width"]; !width.isAbsent()) {
+    queries.width(width.number());
+  }
+  if (const Field scale = field["scale"]; !scale.isAbsent()) {
+    queries.scale(scale.number());
+  }
+  if (const Field following = field["following"]; !following.isAbsent()) {
+    following.requireObject();
+    queries.following(following["symbol"].text());
+    readNumbers(following["parameters"], [&](double value) { queries.followingParameter(value); });
+  }
+}
+
+void readReply(const Field& field, ReplyCollector& replies) {
+  field.requireObject();
+  replies.begin(static_cast<std::uint32_t>(field["id"].integer(0, 0xFFFFFFFF)));
+  if (const Field parameters = field["parameters"]; !parameters.isAbsent()) {
+    const std::size_t count = parameters.arraySize();
+    for (std::size_t i = 0; i < count; ++i) {
+      const Field value = parameters.element(i);
+      if (value.isNull()) {
+        replies.keep();
+      } else {
+        replies.value(value.number());
+      }
+    }
+  }
+  replies.end();
+}
+
+/// Each id is below the number of queries and there at most once.
+void requireRightIds(const ReplyColumns& replies, std::size_t queryCount, bool isInBlocks) {
+  const auto fail = [&](std::size_t index, const std::string& what) {
+    const std::string place = std::to_string(index);
+    throw FieldFailure{fieldError(isInBlocks ? "bin.id[" + place + "]" : "result.replies[" + place + "].id", what)};
+  };
+  std::vector<bool> isAnswered(queryCount, false);
+  for (std::size_t i = 0; i < replies.id.size(); ++i) {
+    const std::uint32_t id = replies.id[i];
+    if (id >= queryCount) {
+      fail(i, "there is no query " + std::to_string(id) + "; this step has " + std::to_string(queryCount) +
+                  " queries, numbered from 0");
+    }
+    if (isAnswered[id]) {
+      fail(i, "query " + std::to_string(id) + " is answered twice; answer each at most once");
+    }
+    isAnswered[id] = true;
   }
 }
 
@@ -198,7 +219,10 @@ Decoded<OpenParams> decodeOpenParams(const Payload& payload) {
 }
 
 Decoded<EnvironmentStepParams> decodeEnvironmentStepParams(const Payload& payload) {
-  return decodePayload<EnvironmentStepParams>(payload, [](const Field& params, EnvironmentStepParams& step) {
+  if (payload.bulk() != nullptr && payload.bulk()->step) {
+    return *payload.bulk()->step;
+  }
+  return decodePayload<EnvironmentStepParams>(payload, [&](const Field& params, EnvironmentStepParams& step) {
     params.requireObject();
     step.simulation = params["simulation"].text();
     step.step = params["step"].count();
@@ -208,16 +232,17 @@ Decoded<EnvironmentStepParams> decodeEnvironmentStepParams(const Payload& payloa
     if (const Field time = params["time"]; !time.isAbsent()) {
       step.timeDays = time.number();
     }
+    if (payload.blocks() != nullptr) {
+      step.queries = readQueryBlocks(params, payload);
+      return;
+    }
     const Field queries = params["queries"];
     const std::size_t count = queries.arraySize();
-    step.queries.resize(count);
+    QueryCollector collector;
     for (std::size_t i = 0; i < count; ++i) {
-      const Field query = queries.element(i);
-      readQuery(query, step.queries[i]);
-      if (step.queries[i].id != i) {
-        query["id"].fail("expected " + std::to_string(i) + ": queries are numbered from 0 in order");
-      }
+      readQuery(queries.element(i), collector);
     }
+    step.queries = collector.take();
   });
 }
 
@@ -242,20 +267,26 @@ Decoded<DescribeResult> decodeDescribeResult(const Payload& payload) {
   });
 }
 
-Decoded<std::vector<ReplyRecord>> decodeReplies(const Payload& payload, std::size_t queryCount) {
-  return decodePayload<std::vector<ReplyRecord>>(payload,
-                                                 [queryCount](const Field& result, std::vector<ReplyRecord>& replies) {
-                                                   result.requireObject();
-                                                   const Field list = result["replies"];
-                                                   const std::size_t count = list.arraySize();
-                                                   std::vector<bool> isAnswered(queryCount, false);
-                                                   replies.reserve(std::min(count, queryCount));
-                                                   for (std::size_t i = 0; i < count; ++i) {
-                                                     ReplyRecord reply;
-                                                     readReply(list.element(i), reply, queryCount, isAnswered);
-                                                     replies.push_back(std::move(reply));
-                                                   }
-                                                 });
+Decoded<ReplyColumns> decodeReplies(const Payload& payload, std::size_t queryCount) {
+  const bool isBulk = payload.bulk() != nullptr && payload.bulk()->replies;
+  const auto read = [&](const Field& result) {
+    if (payload.blocks() != nullptr) {
+      return readReplyBlocks(payload, queryCount);
+    }
+    result.requireObject();
+    const Field list = result["replies"];
+    const std::size_t count = list.arraySize();
+    ReplyCollector collector;
+    for (std::size_t i = 0; i < count; ++i) {
+      readReply(list.element(i), collector);
+    }
+    return collector.take();
+  };
+  Payload none;
+  return decodePayload<ReplyColumns>(isBulk ? none : payload, [&](const Field& result, ReplyColumns& replies) {
+    replies = isBulk ? *payload.bulk()->replies : read(result);
+    requireRightIds(replies, queryCount, payload.blocks() != nullptr);
+  });
 }
 
 Decoded<std::string> decodeSaveResult(const Payload& payload) {

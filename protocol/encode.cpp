@@ -12,6 +12,14 @@ void writePosition(JsonWriter& writer, std::string_view name, const SourcePositi
   writer.key(name).beginObject().key("line").integer(position.line).key("column").integer(position.column).endObject();
 }
 
+void writeLimits(JsonWriter& writer, const std::vector<std::pair<std::string, std::uint64_t>>& limits) {
+  writer.key("limits").beginObject();
+  for (const auto& [name, bound] : limits) {
+    writer.key(name).integer(bound);
+  }
+  writer.endObject();
+}
+
 void writeVariables(JsonWriter& writer, std::string_view name, const std::vector<VariableRecord>& variables) {
   writer.key(name).beginArray();
   for (const VariableRecord& variable : variables) {
@@ -121,38 +129,6 @@ void write(JsonWriter& writer, const TurtleStreamRecord& record, bool hasIndex) 
   writer.endObject();
 }
 
-void write(JsonWriter& writer, const QueryRecord& query) {
-  writer.beginObject().key("id").integer(query.id).key("plant").integer(query.plant);
-  writer.key("module").integer(query.module);
-  if (query.isTransient) {
-    writer.key("transient").boolean(true);
-  }
-  writer.key("symbol").text(query.symbol).key("parameters").numbers(query.parameters);
-  if (query.position) {
-    writeVector(writer, "position", *query.position);
-  }
-  if (query.heading) {
-    writeVector(writer, "heading", *query.heading);
-  }
-  if (query.left) {
-    writeVector(writer, "left", *query.left);
-  }
-  if (query.up) {
-    writeVector(writer, "up", *query.up);
-  }
-  if (query.width) {
-    writer.key("width").number(*query.width);
-  }
-  if (query.scale) {
-    writer.key("scale").number(*query.scale);
-  }
-  if (query.followingSymbol) {
-    writer.key("following").beginObject().key("symbol").text(*query.followingSymbol);
-    writer.key("parameters").numbers(query.followingParameters).endObject();
-  }
-  writer.endObject();
-}
-
 std::string encode(const HelloParams& params) {
   JsonWriter writer;
   writer.beginObject().key("protocol").beginArray();
@@ -164,6 +140,9 @@ std::string encode(const HelloParams& params) {
   if (!params.token.empty()) {
     writer.key("token").text(params.token);
   }
+  if (!params.limits.empty()) {
+    writeLimits(writer, params.limits);
+  }
   return writer.endObject().take();
 }
 
@@ -171,11 +150,8 @@ std::string encode(const HelloResult& result) {
   JsonWriter writer;
   writer.beginObject().key("protocol").integer(result.protocol).key("session").text(result.session);
   writer.key("server").text(result.server).key("capabilities").texts(result.capabilities);
-  writer.key("limits").beginObject();
-  for (const auto& [name, bound] : result.limits) {
-    writer.key(name).integer(bound);
-  }
-  return writer.endObject().endObject().take();
+  writeLimits(writer, result.limits);
+  return writer.endObject().take();
 }
 
 std::string encode(const ModelResult& result) {
@@ -232,16 +208,6 @@ std::string encode(const OpenParams& params) {
   return writer.endObject().take();
 }
 
-std::string encode(const EnvironmentStepParams& params) {
-  JsonWriter writer;
-  writer.beginObject().key("simulation").text(params.simulation).key("step").integer(params.step);
-  writer.key("iteration").integer(params.iteration).key("time").number(params.timeDays).key("queries").beginArray();
-  for (const QueryRecord& query : params.queries) {
-    write(writer, query);
-  }
-  return writer.endArray().endObject().take();
-}
-
 std::string encode(const RestoreStateParams& params) {
   JsonWriter writer;
   writer.beginObject().key("simulation").text(params.simulation).key("state").text(toBase64(params.state));
@@ -259,23 +225,6 @@ std::string encode(const DescribeResult& result) {
   writeVariables(writer, "outputs", result.outputs);
   writer.key("stateful").boolean(result.isStateful).key("checkpoint").boolean(result.canCheckpoint);
   return writer.endObject().take();
-}
-
-std::string encode(const std::vector<ReplyRecord>& replies) {
-  JsonWriter writer;
-  writer.beginObject().key("replies").beginArray();
-  for (const ReplyRecord& reply : replies) {
-    writer.beginObject().key("id").integer(reply.id).key("parameters").beginArray();
-    for (const auto& value : reply.parameters) {
-      if (value) {
-        writer.number(*value);
-      } else {
-        writer.null();
-      }
-    }
-    writer.endArray().endObject();
-  }
-  return writer.endArray().endObject().take();
 }
 
 std::string encodeSaveResult(std::string_view state) {

@@ -1,5 +1,6 @@
 #include "protocol/envelope.h"
 
+#include "protocol/bulk_text.h"
 #include "protocol/json_tree.h"
 #include "protocol/json_writer.h"
 
@@ -105,12 +106,66 @@ Error readError(const nlohmann::json& value) {
   return error;
 }
 
+/// Reads `bin` and `binBytes`. What is wrong, or nothing.
+std::optional<Error> readBlockTable(const nlohmann::json& root, std::uint64_t& blockBytes,
+                                    std::vector<BlockDescription>& table) {
+  const auto total = root.find("binBytes");
+  const auto list = root.find("bin");
+  if (total == root.end() && list == root.end()) {
+    return std::nullopt;
+  }
+  try {
+    blockBytes = Field(total == root.end() ? nullptr : &*total, "binBytes").count();
+    const Field blocks(list == root.end() ? nullptr : &*list, "bin");
+    const std::size_t count = blocks.arraySize();
+    for (std::size_t i = 0; i < count; ++i) {
+      const Field field = blocks.element(i);
+      field.requireObject();
+      BlockDescription block;
+      block.name = field["name"].text();
+      const std::string& type = field["dtype"].text();
+      if (type == "<f8") {
+        block.type = BlockType::Float64;
+      } else if (type == "<f4") {
+        block.type = BlockType::Float32;
+      } else if (type == "<u4") {
+        block.type = BlockType::Unsigned32;
+      } else {
+        field["dtype"].failExpected("one of <f8, <f4, <u4");
+      }
+      const Field shape = field["shape"];
+      const std::size_t dimensions = shape.arraySize();
+      for (std::size_t k = 0; k < dimensions; ++k) {
+        block.shape.push_back(shape.element(k).count());
+      }
+      block.offset = field["offset"].count();
+      block.bytes = field["bytes"].count();
+      table.push_back(std::move(block));
+    }
+  } catch (const FieldFailure& failure) {
+    return failure.error;
+  }
+  return problemOf(table, blockBytes);
+}
+
 std::string begin(const MessageId* id) {
   std::string line = R"({"jsonrpc":"2.0")";
   if (id != nullptr) {
     line += ",\"id\":" + toText(*id);
   }
   return line;
+}
+
+/// The rest of a message after `..."params":`, with its blocks.
+std::string withBody(std::string head, const Body& body) {
+  if (body.blocks.isEmpty()) {
+    return head.append(body.json).append("}\n");
+  }
+  const std::string members = body.blocks.members();
+  head.reserve(head.size() + body.json.size() + members.size() + 4 + body.blocks.totalBytes());
+  head.append(body.json).append(",").append(members).append("}\n");
+  body.blocks.appendTo(head);
+  return head;
 }
 
 }  // namespace
@@ -132,6 +187,9 @@ std::string toText(const MessageId& id) {
 }
 
 std::string Payload::toText() const {
+  if (bulk_ != nullptr) {
+    return std::string(bulk_->json);
+  }
   return value_ == nullptr ? "null" : static_cast<const nlohmann::json*>(value_)->dump();
 }
 
@@ -164,17 +222,29 @@ std::variant<Message, BadMessage> decodeMessage(std::string_view line) {
     return invalid(message.id, "jsonrpc", "expected \"2.0\"");
   }
 
+  std::uint64_t blockBytes = 0;
+  if (auto problem = readBlockTable(root, blockBytes, message.blockTable)) {
+    problem->code = ErrorCode::InvalidRequest;
+    return BadMessage{message.id, std::move(*problem), blockBytes};
+  }
+  message.blockBytes = blockBytes;
+  const auto refused = [&](const std::string& path, const std::string& what) {
+    BadMessage bad = invalid(message.id, path, what);
+    bad.blockBytes = blockBytes;
+    return bad;
+  };
+
   // requests and notifications
   if (const auto method = root.find("method"); method != root.end()) {
     if (!method->is_string() || method->get_ref<const std::string&>().empty()) {
-      return invalid(message.id, "method", "expected the name of a method");
+      return refused("method", "expected the name of a method");
     }
     message.method = method->get<std::string>();
     message.kind = id != root.end() ? Message::Kind::Request : Message::Kind::Notification;
     const auto params = root.find("params");
     if (params != root.end() && !params->is_null()) {
       if (!params->is_object()) {
-        return invalid(message.id, "params", "expected an object (params by name)");
+        return refused("params", "expected an object (params by name)");
       }
       message.payload = Payload(tree, &*params, "params");
     }
@@ -185,8 +255,7 @@ std::variant<Message, BadMessage> decodeMessage(std::string_view line) {
   const auto result = root.find("result");
   const auto error = root.find("error");
   if ((result == root.end()) == (error == root.end())) {
-    return invalid(message.id, "method",
-                   "a message needs a method, a result or an error, and a response only one of the two");
+    return refused("method", "a message needs a method, a result or an error, and a response only one of the two");
   }
   if (result != root.end()) {
     message.kind = Message::Kind::Result;
@@ -198,22 +267,20 @@ std::variant<Message, BadMessage> decodeMessage(std::string_view line) {
   return message;
 }
 
-std::string encodeRequest(const MessageId& id, std::string_view method, std::string_view paramsJson) {
-  std::string line = begin(&id);
-  line.append(R"(,"method":")").append(method).append(R"(","params":)").append(paramsJson).append("}\n");
-  return line;
+std::string encodeRequest(const MessageId& id, std::string_view method, const Body& params) {
+  std::string head = begin(&id);
+  head.append(R"(,"method":")").append(method).append(R"(","params":)");
+  return withBody(std::move(head), params);
 }
 
-std::string encodeNotification(std::string_view method, std::string_view paramsJson) {
-  std::string line = begin(nullptr);
-  line.append(R"(,"method":")").append(method).append(R"(","params":)").append(paramsJson).append("}\n");
-  return line;
+std::string encodeNotification(std::string_view method, const Body& params) {
+  std::string head = begin(nullptr);
+  head.append(R"(,"method":")").append(method).append(R"(","params":)");
+  return withBody(std::move(head), params);
 }
 
-std::string encodeResult(const MessageId& id, std::string_view resultJson) {
-  std::string line = begin(&id);
-  line.append(",\"result\":").append(resultJson).append("}\n");
-  return line;
+std::string encodeResult(const MessageId& id, const Body& result) {
+  return withBody(begin(&id).append(",\"result\":"), result);
 }
 
 std::string encodeError(const MessageId& id, const Error& error) {

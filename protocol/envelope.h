@@ -8,11 +8,13 @@
 #include <string_view>
 #include <variant>
 
+#include "protocol/blocks.h"
 #include "protocol/errors.h"
 
 namespace espalier::protocol {
 
 struct JsonTree;  // a parsed value; defined in json_tree.h, for protocol's own .cpp files only
+struct BulkText;  // a message of many numbers; defined in bulk_text.h
 
 /// The id of a request and of its answer.
 struct MessageId {
@@ -35,17 +37,25 @@ class Payload {
   Payload() = default;
   Payload(std::shared_ptr<const JsonTree> root, const void* value, std::string name)
       : root_(std::move(root)), value_(value), name_(std::move(name)) {}
+  Payload(std::shared_ptr<const BulkText> bulk, std::string name) : bulk_(std::move(bulk)), name_(std::move(name)) {}
 
-  [[nodiscard]] bool isPresent() const { return value_ != nullptr; }
+  [[nodiscard]] bool isPresent() const { return value_ != nullptr || bulk_ != nullptr; }
   /// "params" or "result": the first part of the paths in errors.
   [[nodiscard]] const std::string& name() const { return name_; }
-  /// The value as compact JSON; "null" when absent.
+  /// The value as JSON; "null" when absent.
   [[nodiscard]] std::string toText() const;
   /// The parsed value, for protocol's decoders.
   [[nodiscard]] const void* value() const { return value_; }
+  /// What the bulk reader read instead of a tree; null: there is a tree.
+  [[nodiscard]] const BulkText* bulk() const { return bulk_.get(); }
+  /// The binary blocks that came with the message; null: none.
+  [[nodiscard]] const Blocks* blocks() const { return blocks_.get(); }
+  void attach(std::shared_ptr<const Blocks> blocks) { blocks_ = std::move(blocks); }
 
  private:
   std::shared_ptr<const JsonTree> root_;
+  std::shared_ptr<const BulkText> bulk_;
+  std::shared_ptr<const Blocks> blocks_;
   const void* value_ = nullptr;
   std::string name_ = "params";
 };
@@ -58,22 +68,26 @@ struct Message {
   std::string method;  // requests and notifications
   Payload payload;     // params or result
   Error error;         // Kind::Error
+  std::vector<BlockDescription> blockTable;  // `bin`, checked; the bytes follow the line
+  std::uint64_t blockBytes = 0;              // `binBytes`: raw bytes after the line
 };
 
 /// Why a line is not a message. To be answered with `id` (Null when it could not be read) and `error`.
 struct BadMessage {
   MessageId id;
   Error error;
+  std::uint64_t blockBytes = 0;  // raw bytes after the line, to be skipped
 };
 
 /// Reads one line. Strict: an object, JSON-RPC "2.0", an id that is a whole number within ±2^53 or a text of at most
-/// 200 bytes, params an object, nesting at most 64. Unknown fields are ignored.
+/// 200 bytes, params an object, nesting at most 64. Unknown fields are ignored. The bytes of blocks are the caller's to
+/// attach (framing.h does).
 [[nodiscard]] std::variant<Message, BadMessage> decodeMessage(std::string_view line);
 
-/// Each returns one line with its `\n`. The json arguments are compact JSON texts.
-[[nodiscard]] std::string encodeRequest(const MessageId& id, std::string_view method, std::string_view paramsJson);
-[[nodiscard]] std::string encodeNotification(std::string_view method, std::string_view paramsJson);
-[[nodiscard]] std::string encodeResult(const MessageId& id, std::string_view resultJson);
+/// Each returns one line with its `\n`, and behind it the raw bytes of the blocks, if any. JSON texts are compact.
+[[nodiscard]] std::string encodeRequest(const MessageId& id, std::string_view method, const Body& params);
+[[nodiscard]] std::string encodeNotification(std::string_view method, const Body& params);
+[[nodiscard]] std::string encodeResult(const MessageId& id, const Body& result);
 [[nodiscard]] std::string encodeError(const MessageId& id, const Error& error);
 
 /// One member of a JSON object given as text, for small programs: the text of a string, or the compact JSON of anything

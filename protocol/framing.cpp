@@ -1,5 +1,8 @@
 #include "protocol/framing.h"
 
+#include <algorithm>
+#include <cstring>
+
 namespace espalier::protocol {
 
 void LineSplitter::feed(std::string_view bytes) {
@@ -43,6 +46,166 @@ std::string_view LineSplitter::next() {
     }
   }
   return {};
+}
+
+std::size_t LineSplitter::take(char* target, std::size_t count) {
+  const std::size_t taken = std::min(count, buffer_.size() - begin_);
+  std::memcpy(target, buffer_.data() + begin_, taken);
+  begin_ += taken;
+  scanned_ = begin_;
+  return taken;
+}
+
+namespace {
+
+Error notAgreed() {
+  return {ErrorCode::Capability,
+          "Binary blocks were not agreed on. Name the capability 'bin' in hello, and send blocks only when the answer "
+          "names it too; the connection is closed, because what follows cannot be told apart.",
+          {}};
+}
+
+std::uint64_t blockBytesOf(const MessageReader::Read& read) {
+  return std::visit([](const auto& message) { return message.blockBytes; }, read);
+}
+
+MessageReader::Read decode(std::string_view line, BulkTextReader& bulk) {
+  if (line.size() >= BulkTextReader::kLeastBytes) {
+    if (auto message = bulk.read(line)) {
+      return std::move(*message);
+    }
+  }
+  return decodeMessage(line);
+}
+
+/// Room for so many bytes at a multiple of 8. The system gives memory as it is filled.
+std::shared_ptr<std::uint64_t[]> room(std::uint64_t bytes) {
+  return std::shared_ptr<std::uint64_t[]>(new std::uint64_t[bytes / 8 + 1]);
+}
+
+}  // namespace
+
+void MessageReader::feed(std::string_view bytes) {
+  if (waiting_ && !isFilled()) {
+    const std::size_t taken = std::min<std::size_t>(bytes.size(), blockBytes_ - filled_);
+    std::memcpy(reinterpret_cast<char*>(block_.get()) + filled_, bytes.data(), taken);
+    filled_ += taken;
+    bytes.remove_prefix(taken);
+  }
+  if (!bytes.empty()) {
+    lines_.feed(bytes);
+  }
+}
+
+std::optional<MessageReader::Read> MessageReader::finish() {
+  std::optional<Read> read = std::move(waiting_);
+  waiting_.reset();
+  if (auto* message = std::get_if<Message>(&*read); message != nullptr && !message->blockTable.empty()) {
+    message->payload.attach(std::make_shared<const Blocks>(message->blockTable, std::move(block_)));
+  }
+  block_.reset();
+  return read;
+}
+
+std::optional<MessageReader::Read> MessageReader::next() {
+  if (waiting_) {
+    return isFilled() ? finish() : std::nullopt;
+  }
+  if (lost_) {
+    return std::nullopt;
+  }
+  const std::string_view line = lines_.next();
+  if (line.data() == nullptr) {
+    if (lines_.isOverflowed()) {
+      lost_ = limitError("lineBytes", lines_.overflowBytes(), lines_.maximumLineBytes(),
+                         "Send shorter lines; the connection is closed, because what follows cannot be told apart.");
+    }
+    return std::nullopt;
+  }
+  Read read = decode(line, bulk_);
+  const std::uint64_t bytes = blockBytesOf(read);
+  const auto* message = std::get_if<Message>(&read);
+  if (bytes == 0 && (message == nullptr || message->blockTable.empty())) {
+    return read;
+  }
+  if (!areBlocksAllowed_) {
+    lost_ = notAgreed();
+    return std::nullopt;
+  }
+  if (bytes > limits_.blockBytes) {
+    lost_ = limitError("blockBytes", bytes, limits_.blockBytes,
+                       "Send smaller blocks; the connection is closed, because what follows cannot be told apart.");
+    return std::nullopt;
+  }
+  // what came already, the rest comes with feed()
+  block_ = room(bytes);
+  blockBytes_ = bytes;
+  filled_ = lines_.take(reinterpret_cast<char*>(block_.get()), bytes);
+  waiting_ = std::move(read);
+  return isFilled() ? finish() : std::nullopt;
+}
+
+std::optional<MessageReader::Read> readFrame(std::string_view frame, bool isBinary, bool areBlocksAllowed,
+                                             BulkTextReader& bulk, std::optional<Error>& problem) {
+  std::string_view json = frame;
+  std::string_view raw;
+  if (isBinary) {
+    std::uint32_t length = 0;
+    if (frame.size() < sizeof(length)) {
+      problem =
+          Error{ErrorCode::InvalidRequest, "A binary frame begins with the length of its JSON in four bytes.", {}};
+      return std::nullopt;
+    }
+    std::memcpy(&length, frame.data(), sizeof(length));
+    const std::uint64_t begin = (sizeof(length) + std::uint64_t{length} + 7) / 8 * 8;
+    if (length > frame.size() - sizeof(length)) {
+      problem = Error{ErrorCode::InvalidRequest,
+                      "A binary frame of " + std::to_string(frame.size()) + " bytes cannot have " +
+                          std::to_string(length) + " bytes of JSON.",
+                      {}};
+      return std::nullopt;
+    }
+    json = frame.substr(sizeof(length), length);
+    raw = begin < frame.size() ? frame.substr(begin) : std::string_view();
+  }
+  MessageReader::Read read = decode(json, bulk);
+  const std::uint64_t bytes = blockBytesOf(read);
+  auto* message = std::get_if<Message>(&read);
+  if (bytes == 0 && (message == nullptr || message->blockTable.empty())) {
+    return read;
+  }
+  if (!areBlocksAllowed) {
+    problem = notAgreed();
+    return std::nullopt;
+  }
+  if (bytes != raw.size()) {
+    return BadMessage{message == nullptr ? std::get<BadMessage>(read).id : message->id,
+                      fieldError("binBytes", "the frame has " + std::to_string(raw.size()) +
+                                                 " raw bytes behind its JSON, found " + std::to_string(bytes))};
+  }
+  if (message != nullptr) {
+    auto block = room(bytes);
+    if (bytes > 0) {
+      std::memcpy(block.get(), raw.data(), bytes);
+    }
+    message->payload.attach(std::make_shared<const Blocks>(message->blockTable, std::move(block)));
+  }
+  return read;
+}
+
+std::string binaryFrame(std::string_view message) {
+  const std::size_t end = message.find('\n');
+  const auto length = static_cast<std::uint32_t>(end);
+  std::string frame(reinterpret_cast<const char*>(&length), sizeof(length));
+  frame.reserve(message.size() + 16);
+  frame.append(message.substr(0, end));
+  frame.append((8 - frame.size() % 8) % 8, '\0');
+  frame.append(message.substr(end + 1));
+  return frame;
+}
+
+bool hasBlocks(std::string_view message) {
+  return message.find('\n') + 1 < message.size();
 }
 
 }  // namespace espalier::protocol

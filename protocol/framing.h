@@ -1,8 +1,15 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <variant>
+
+#include "protocol/bulk_text.h"
+#include "protocol/envelope.h"
 
 namespace espalier::protocol {
 
@@ -28,6 +35,10 @@ class LineSplitter {
   [[nodiscard]] std::size_t overflowBytes() const { return overflowBytes_; }
   [[nodiscard]] std::size_t maximumLineBytes() const { return maximumLineBytes_; }
 
+  /// Takes up to `count` of the bytes that follow the last line returned; how many there were. Only directly after
+  /// next().
+  [[nodiscard]] std::size_t take(char* target, std::size_t count);
+
   /// Whether the end of the stream now would cut a line.
   [[nodiscard]] bool hasPartialLine() const { return begin_ < buffer_.size(); }
 
@@ -39,5 +50,55 @@ class LineSplitter {
   std::size_t overflowBytes_ = 0;
   bool isOverflowed_ = false;
 };
+
+/// What one side accepts.
+struct FrameLimits {
+  std::size_t lineBytes = 256'000'000;
+  std::size_t blockBytes = 1'000'000'000;  // raw bytes of one message
+};
+
+/// Cuts a stream of bytes into messages: lines, and behind a line with `binBytes` its raw bytes. Blocks are accepted
+/// once both sides agreed on them; before, they lose the framing, because who sends them guessed.
+class MessageReader {
+ public:
+  using Read = std::variant<Message, BadMessage>;
+
+  explicit MessageReader(const FrameLimits& limits) : limits_(limits), lines_(limits.lineBytes) {}
+
+  void feed(std::string_view bytes);
+  /// The next complete message, or nothing when there is none.
+  [[nodiscard]] std::optional<Read> next();
+  void allowBlocks() { areBlocksAllowed_ = true; }
+
+  /// Why nothing after it can be trusted: a line or a block beyond its limit, or blocks that were not agreed. The peer
+  /// is to be told, then the connection closed. next() returns nothing more.
+  [[nodiscard]] const std::optional<Error>& lost() const { return lost_; }
+  /// Whether the end of the stream now would cut a message.
+  [[nodiscard]] bool hasPartialMessage() const { return lines_.hasPartialLine() || waiting_.has_value(); }
+
+ private:
+  /// Whether the bytes behind `waiting_` are all there.
+  [[nodiscard]] bool isFilled() const { return filled_ == blockBytes_; }
+  [[nodiscard]] std::optional<Read> finish();
+
+  FrameLimits limits_;
+  LineSplitter lines_;
+  BulkTextReader bulk_;
+  std::optional<Read> waiting_;  // a message whose raw bytes are not all there
+  std::shared_ptr<std::uint64_t[]> block_;
+  std::uint64_t blockBytes_ = 0;
+  std::uint64_t filled_ = 0;  // of blockBytes_
+  std::optional<Error> lost_;
+  bool areBlocksAllowed_ = false;
+};
+
+/// The message of one WebSocket frame: text is one message; binary is the length of the JSON (u32, little-endian), the
+/// JSON, zeros up to a multiple of 8 and the raw bytes. `problem` receives why the frame cannot be read at all.
+[[nodiscard]] std::optional<MessageReader::Read> readFrame(std::string_view frame, bool isBinary, bool areBlocksAllowed,
+                                                           BulkTextReader& bulk, std::optional<Error>& problem);
+/// The binary frame of a message as it goes over a stream (a line and raw bytes).
+[[nodiscard]] std::string binaryFrame(std::string_view message);
+/// Whether a message as it goes over a stream has raw bytes behind its line.
+[[nodiscard]] bool hasBlocks(std::string_view message);
 
 }  // namespace espalier::protocol

@@ -74,7 +74,11 @@ class Field {
 template <typename T, typename Decoder>
 [[nodiscard]] std::variant<T, Error> decodePayload(const Payload& payload, Decoder&& decoder) {
   try {
-    const Field root(static_cast<const nlohmann::json*>(payload.value()), payload.name());
+    // what the bulk reader took for something else is read again
+    const nlohmann::json again =
+        payload.bulk() == nullptr ? nlohmann::json() : nlohmann::json::parse(payload.toText(), nullptr, false);
+    const auto* tree = payload.bulk() == nullptr ? static_cast<const nlohmann::json*>(payload.value()) : &again;
+    const Field root(tree, payload.name());
     T value{};
     decoder(root, value);
     return value;

@@ -137,13 +137,17 @@ JsonWriter& JsonWriter::number(double value) {
 
 JsonWriter& JsonWriter::integer(std::uint64_t value) {
   separate();
-  text_ += std::to_string(value);
+  std::array<char, 24> buffer{};
+  const auto result = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
+  text_.append(buffer.data(), result.ptr);
   return *this;
 }
 
 JsonWriter& JsonWriter::integer(std::int64_t value) {
   separate();
-  text_ += std::to_string(value);
+  std::array<char, 24> buffer{};
+  const auto result = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
+  text_.append(buffer.data(), result.ptr);
   return *this;
 }
 

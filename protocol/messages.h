@@ -3,7 +3,9 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -21,7 +23,8 @@ struct HelloParams {
   std::string name;                    // for logs and people
   std::string version;
   std::vector<std::string> capabilities;
-  std::string token;  // empty: none
+  std::string token;                                          // empty: none
+  std::vector<std::pair<std::string, std::uint64_t>> limits;  // what the peer takes: lineBytes, blockBytes
 };
 
 struct HelloResult {
@@ -257,17 +260,25 @@ struct OpenParams {
 };
 
 /// One communication module on the wire. Vectors that the environment does not need are absent.
-struct QueryRecord {
-  std::uint64_t id = 0;
-  std::uint32_t plant = 0;
-  std::uint64_t module = 0;
-  bool isTransient = false;  // made by a homomorphism: takes part, its reply is discarded
-  std::string symbol;
-  std::vector<double> parameters;
-  std::optional<std::array<double, 3>> position, heading, left, up;
-  std::optional<double> width, scale;
-  std::optional<std::string> followingSymbol;
-  std::vector<double> followingParameters;
+/// The queries of a step as columns; the row of a query is its id. Columns may be empty where it is said: then no query
+/// has the value. The numbers live in `owner`, or with whoever made the columns.
+struct QueryColumns {
+  std::size_t count = 0;
+  std::span<const std::uint32_t> plant;                 // (count)
+  std::span<const std::uint64_t> module;                // index in the plant's string (count), or empty
+  std::span<const std::uint8_t> isTransient;            // made by a homomorphism (count), or empty: none is
+  std::span<const std::uint32_t> symbol;                // index in `symbols` (count)
+  std::span<const std::uint64_t> offset;                // of each query's parameters (count + 1)
+  std::span<const double> parameters;                   // concatenated
+  std::span<const double> position, heading, left, up;  // (3 * count) each, or empty
+  std::span<const double> width, scale;                 // (count) each, or empty
+  std::span<const std::uint32_t> following;        // index in `symbols` of the next module, kNoSymbol: none; or empty
+  std::span<const std::uint64_t> followingOffset;  // (count + 1), or empty
+  std::span<const double> followingParameters;
+  std::vector<std::string> symbols;
+  std::shared_ptr<const void> owner;
+
+  static constexpr std::uint32_t kNoSymbol = 0xFFFFFFFF;
 };
 
 struct EnvironmentStepParams {
@@ -275,12 +286,17 @@ struct EnvironmentStepParams {
   std::uint64_t step = 0;  // completed steps when the queries were made
   std::uint32_t iteration = 0;
   double timeDays = 0.0;
-  std::vector<QueryRecord> queries;
+  QueryColumns queries;
 };
 
-struct ReplyRecord {
-  std::uint64_t id = 0;
-  std::vector<std::optional<double>> parameters;  // nothing: keeps what was sent
+/// The replies to a step as columns. The numbers live in `owner`, or with whoever made the columns.
+struct ReplyColumns {
+  std::size_t count = 0;
+  std::span<const std::uint32_t> id;      // query that is answered (count); empty: reply i answers query i
+  std::span<const std::uint64_t> offset;  // of each reply's values (count + 1)
+  std::span<const double> values;         // concatenated
+  std::span<const std::uint8_t> isSet;    // like values, 0: keeps what was sent; empty: all are set
+  std::shared_ptr<const void> owner;
 };
 
 struct RestoreStateParams {

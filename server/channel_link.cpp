@@ -6,23 +6,28 @@
 namespace espalier::server {
 
 struct ChannelLink::Transport {
-  Transport(Descriptor input, Descriptor output, std::unique_ptr<ChildProcess> startedChild, std::size_t lineBytes)
-      : child(std::move(startedChild)), channel(std::move(input), std::move(output), lineBytes) {}
+  Transport(Descriptor input, Descriptor output, std::unique_ptr<ChildProcess> startedChild,
+            const protocol::FrameLimits& limits)
+      : child(std::move(startedChild)),
+        channel(std::move(input), std::move(output), limits.lineBytes),
+        reader(limits) {}
   ~Transport() { channel.closeOutput(); }
 
   // the channel closes first, so that the child reads the end of its input before it is waited for
   std::unique_ptr<ChildProcess> child;  // null: a connection
   LineChannel channel;
+  protocol::MessageReader reader;
+  std::string received;  // memory of the last bytes
 };
 
 std::unique_ptr<ChannelLink> ChannelLink::tcp(std::string address, const ChannelOptions& options) {
-  const std::size_t lineBytes = options.lineBytes;
-  Dialer dialer = [address, lineBytes](Deadline deadline) -> std::variant<std::unique_ptr<Transport>, std::string> {
+  const protocol::FrameLimits limits = options.limits;
+  Dialer dialer = [address, limits](Deadline deadline) -> std::variant<std::unique_ptr<Transport>, std::string> {
     auto dialled = dialTcp(address, deadline);
     if (auto* problem = std::get_if<std::string>(&dialled)) {
       return std::move(*problem);
     }
-    return std::make_unique<Transport>(std::move(std::get<Descriptor>(dialled)), Descriptor(), nullptr, lineBytes);
+    return std::make_unique<Transport>(std::move(std::get<Descriptor>(dialled)), Descriptor(), nullptr, limits);
   };
   return std::unique_ptr<ChannelLink>(new ChannelLink("environment tcp://" + address,
                                                       "Start it again at " + address + ", then ask for the step again.",
@@ -30,15 +35,15 @@ std::unique_ptr<ChannelLink> ChannelLink::tcp(std::string address, const Channel
 }
 
 std::unique_ptr<ChannelLink> ChannelLink::stdio(std::string command, const ChannelOptions& options) {
-  const std::size_t lineBytes = options.lineBytes;
-  Dialer dialer = [command, lineBytes](Deadline) -> std::variant<std::unique_ptr<Transport>, std::string> {
+  const protocol::FrameLimits limits = options.limits;
+  Dialer dialer = [command, limits](Deadline) -> std::variant<std::unique_ptr<Transport>, std::string> {
     auto result = ChildProcess::start(command);
     if (auto* problem = std::get_if<std::string>(&result)) {
       return std::move(*problem);
     }
     auto& started = *std::get<std::unique_ptr<ChildProcess::Started>>(result);
     return std::make_unique<Transport>(std::move(started.input), std::move(started.output),
-                                       std::make_unique<ChildProcess>(std::move(started.process)), lineBytes);
+                                       std::make_unique<ChildProcess>(std::move(started.process)), limits);
   };
   return std::unique_ptr<ChannelLink>(
       new ChannelLink("environment 'stdio:" + command + "'",
@@ -76,11 +81,20 @@ std::optional<LinkFailure> ChannelLink::introduce() {
                                     .roles = {"controller"},
                                     .name = "espalier",
                                     .version = std::string(protocol::kProgramVersion),
-                                    .capabilities = {},
-                                    .token = {}};
+                                    .capabilities = ownCapabilities(),
+                                    .token = {},
+                                    .limits = ownLimits()};
+  terms_ = {};
   auto outcome = call("hello", protocol::encode(hello), options_.introductionTimeout);
   auto* failure = std::get_if<LinkFailure>(&outcome);
-  if (failure == nullptr || failure->kind == LinkFailure::Kind::Timeout) {
+  if (failure == nullptr) {
+    const auto decoded = protocol::decodeHelloResult(std::get<protocol::Payload>(outcome));
+    if (const auto* result = std::get_if<protocol::HelloResult>(&decoded)) {
+      agree(result->capabilities, result->limits);
+    }
+    return std::nullopt;
+  }
+  if (failure->kind == LinkFailure::Kind::Timeout) {
     return std::nullopt;
   }
   if (failure->kind == LinkFailure::Kind::Refused && failure->error.code != protocol::ErrorCode::Version) {
@@ -91,7 +105,24 @@ std::optional<LinkFailure> ChannelLink::introduce() {
   return std::move(*failure);
 }
 
-LinkOutcome ChannelLink::call(std::string_view method, const std::string& paramsJson,
+std::vector<std::string> ChannelLink::ownCapabilities() const {
+  return options_.offersBlocks ? std::vector<std::string>{"bin"} : std::vector<std::string>{};
+}
+
+std::vector<std::pair<std::string, std::uint64_t>> ChannelLink::ownLimits() const {
+  return {{"lineBytes", options_.limits.lineBytes}, {"blockBytes", options_.limits.blockBytes}};
+}
+
+void ChannelLink::agree(const std::vector<std::string>& capabilities,
+                        const std::vector<std::pair<std::string, std::uint64_t>>& limits) {
+  terms_ = termsOf(capabilities, limits);
+  terms_.takesBlocks = terms_.takesBlocks && options_.offersBlocks;
+  if (terms_.takesBlocks) {
+    transport_->reader.allowBlocks();
+  }
+}
+
+LinkOutcome ChannelLink::call(std::string_view method, const protocol::Body& params,
                               std::chrono::milliseconds timeout) {
   if (transport_ == nullptr) {
     if (auto failure = connect()) {
@@ -101,7 +132,7 @@ LinkOutcome ChannelLink::call(std::string_view method, const std::string& params
   transport_->channel.clearInterruption();
   const auto id = protocol::MessageId::of("s" + std::to_string(++requestCount_));
   const Deadline deadline = std::chrono::steady_clock::now() + timeout;
-  auto outcome = exchange(id, protocol::encodeRequest(id, method, paramsJson), deadline, timeout);
+  auto outcome = exchange(id, protocol::encodeRequest(id, method, params), deadline, timeout);
   if (const auto* failure = std::get_if<LinkFailure>(&outcome);
       failure != nullptr &&
       (failure->kind == LinkFailure::Kind::Closed || failure->kind == LinkFailure::Kind::Garbage)) {
@@ -124,16 +155,23 @@ LinkOutcome ChannelLink::exchange(const protocol::MessageId& id, const std::stri
     }
     return failureOf(status, timeout);
   }
-  std::string received;
+  protocol::MessageReader& reader = transport_->reader;
   while (true) {
-    if (const auto status = channel.readLine(received, deadline); status != LineChannel::Status::Done) {
-      return failureOf(status, timeout);
+    auto read = reader.next();
+    if (!read) {
+      if (reader.lost()) {
+        return LinkFailure{LinkFailure::Kind::Garbage, "sent what cannot be read: " + reader.lost()->message, {}};
+      }
+      if (const auto status = channel.receive(transport_->received, deadline); status != LineChannel::Status::Done) {
+        return failureOf(status, timeout);
+      }
+      reader.feed(transport_->received);
+      continue;
     }
-    auto decoded = protocol::decodeMessage(received);
-    if (auto* bad = std::get_if<protocol::BadMessage>(&decoded)) {
+    if (auto* bad = std::get_if<protocol::BadMessage>(&*read)) {
       return LinkFailure{LinkFailure::Kind::Garbage, "sent a line that is not a message: " + bad->error.message, {}};
     }
-    auto& message = std::get<protocol::Message>(decoded);
+    auto& message = std::get<protocol::Message>(*read);
     switch (message.kind) {
       case protocol::Message::Kind::Notification:
         break;
@@ -161,11 +199,15 @@ LinkOutcome ChannelLink::exchange(const protocol::MessageId& id, const std::stri
 LineChannel::Status ChannelLink::answer(const protocol::Message& request, Deadline deadline) {
   std::string line;
   if (request.method == "hello") {
+    const auto decoded = protocol::decodeHelloParams(request.payload);
+    if (const auto* said = std::get_if<protocol::HelloParams>(&decoded)) {
+      agree(said->capabilities, said->limits);
+    }
     const protocol::HelloResult hello{.protocol = protocol::kProtocolVersion,
                                       .session = "1",
                                       .server = "espalier " + std::string(protocol::kProgramVersion),
-                                      .capabilities = {},
-                                      .limits = {}};
+                                      .capabilities = ownCapabilities(),
+                                      .limits = ownLimits()};
     line = protocol::encodeResult(request.id, protocol::encode(hello));
   } else if (request.method == "environment.offer") {
     line = protocol::encodeResult(request.id, "{}");
@@ -186,8 +228,6 @@ LinkFailure ChannelLink::failureOf(LineChannel::Status status, std::chrono::mill
     case LineChannel::Status::Interrupted:
       return {LinkFailure::Kind::Interrupted, "was not waited for: the step was given up", {}};
     case LineChannel::Status::Overflow:
-      return {
-          LinkFailure::Kind::Garbage, "sent a line longer than " + std::to_string(options_.lineBytes) + " bytes", {}};
     case LineChannel::Status::Closed:
     case LineChannel::Status::Done:
       break;

@@ -5,7 +5,10 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
+#include "protocol/framing.h"
 #include "server/environment_link.h"
 #include "server/line_channel.h"
 
@@ -15,7 +18,8 @@ struct ChannelOptions {
   std::chrono::milliseconds connectTimeout{5'000};
   /// How long a peer may take to answer `hello`; one that does not is taken for a minimal environment.
   std::chrono::milliseconds introductionTimeout{2'000};
-  std::size_t lineBytes = 256'000'000;
+  protocol::FrameLimits limits;
+  bool offersBlocks = true;  // names the capability `bin`
 };
 
 /// A link over a TCP connection that we dial, or to a command that we start. Asio-free: the caller's thread waits.
@@ -29,7 +33,8 @@ class ChannelLink final : public EnvironmentLink {
   [[nodiscard]] std::string remedy() const override { return remedy_; }
   [[nodiscard]] std::optional<LinkFailure> connect() override;
   [[nodiscard]] std::uint64_t generation() const override;
-  [[nodiscard]] LinkOutcome call(std::string_view method, const std::string& paramsJson,
+  [[nodiscard]] PeerTerms terms() const override { return terms_; }
+  [[nodiscard]] LinkOutcome call(std::string_view method, const protocol::Body& params,
                                  std::chrono::milliseconds timeout) override;
   void interrupt() override;
 
@@ -40,6 +45,11 @@ class ChannelLink final : public EnvironmentLink {
   ChannelLink(std::string label, std::string remedy, Dialer dialer, const ChannelOptions& options);
   /// Sends hello. A peer that does not know it, or keeps silent, is served all the same.
   [[nodiscard]] std::optional<LinkFailure> introduce();
+  [[nodiscard]] std::vector<std::string> ownCapabilities() const;
+  [[nodiscard]] std::vector<std::pair<std::string, std::uint64_t>> ownLimits() const;
+  /// Takes in what the peer said in its hello.
+  void agree(const std::vector<std::string>& capabilities,
+             const std::vector<std::pair<std::string, std::uint64_t>>& limits);
   [[nodiscard]] LinkOutcome exchange(const protocol::MessageId& id, const std::string& line, Deadline deadline,
                                      std::chrono::milliseconds timeout);
   /// Answers what an environment may ask: it may say hello itself.
@@ -52,6 +62,7 @@ class ChannelLink final : public EnvironmentLink {
   ChannelOptions options_;
   mutable std::mutex mutex_;              // guards the pointer against interrupt()
   std::shared_ptr<Transport> transport_;  // null: not connected
+  PeerTerms terms_;
   std::uint64_t connectionCount_ = 0;
   std::uint64_t requestCount_ = 0;
 };

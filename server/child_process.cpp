@@ -85,6 +85,12 @@ ChildProcess::~ChildProcess() {
   ::kill(-group, SIGTERM);
 }
 
+void ChildProcess::end() {
+  if (processId_ >= 0) {
+    ::kill(-processId_, SIGTERM);
+  }
+}
+
 bool ChildProcess::waitFor(std::chrono::milliseconds time) {
   if (hasEnded_) {
     return true;

@@ -41,7 +41,7 @@ std::string toText(const SimulationRecord& record) {
     params.key("queries").integer(*create.maximumQueries);
   }
   params.endObject().endObject();
-  return protocol::encodeNotification("simulation.create", params.view());
+  return protocol::encodeNotification("simulation.create", params.take());
 }
 
 std::variant<SimulationRecord, std::string> toRecord(const std::string& id, std::string_view text) {

@@ -6,6 +6,7 @@
 #include "protocol/codec.h"
 #include "protocol/version.h"
 #include "server/translate.h"
+#include "server/translate_environment.h"
 
 namespace espalier::server {
 namespace {
@@ -16,14 +17,48 @@ protocol::Error failed(const turtle::EnvironmentError& error) {
   return {protocol::ErrorCode::EnvironmentFailed, error.message, data.take()};
 }
 
+template <typename T>
+void add(core::Hasher& hasher, std::span<const T> column) {
+  hasher.bytes({reinterpret_cast<const char*>(column.data()), column.size_bytes()});
+}
+
+/// Of everything that a process sees of a step.
+std::uint64_t hashOf(const protocol::EnvironmentStepParams& params) {
+  const protocol::QueryColumns& queries = params.queries;
+  core::Hasher hasher;
+  hasher.bytes({reinterpret_cast<const char*>(&params.timeDays), sizeof(params.timeDays)});
+  add(hasher, queries.plant);
+  add(hasher, queries.module);
+  add(hasher, queries.isTransient);
+  for (const std::uint32_t symbol : queries.symbol) {
+    hasher.bytes(queries.symbols[symbol]);
+  }
+  add(hasher, queries.offset);
+  add(hasher, queries.parameters);
+  for (const auto& column :
+       {queries.position, queries.heading, queries.left, queries.up, queries.width, queries.scale}) {
+    add(hasher, column);
+  }
+  for (const std::uint32_t symbol : queries.following) {
+    hasher.bytes(symbol == protocol::QueryColumns::kNoSymbol ? "" : queries.symbols[symbol]);
+  }
+  add(hasher, queries.followingOffset);
+  add(hasher, queries.followingParameters);
+  return hasher.value();
+}
+
+/// The answer as the question came: in blocks or as text.
+protocol::Body bodyOf(const protocol::ReplyColumns& replies, const protocol::Payload& question) {
+  return question.blocks() != nullptr ? protocol::encodeBlocks(replies) : protocol::Body(protocol::encode(replies));
+}
+
 }  // namespace
 
-std::optional<std::string> EnvironmentDialogue::answer(std::string_view line) {
-  auto decoded = protocol::decodeMessage(line);
-  if (auto* bad = std::get_if<protocol::BadMessage>(&decoded)) {
+std::optional<std::string> EnvironmentDialogue::answer(const protocol::MessageReader::Read& read) {
+  if (const auto* bad = std::get_if<protocol::BadMessage>(&read)) {
     return protocol::encodeError(bad->id, bad->error);
   }
-  const auto& message = std::get<protocol::Message>(decoded);
+  const auto& message = std::get<protocol::Message>(read);
   if (message.kind != protocol::Message::Kind::Request) {
     return std::nullopt;
   }
@@ -31,7 +66,7 @@ std::optional<std::string> EnvironmentDialogue::answer(std::string_view line) {
   if (const auto* error = std::get_if<protocol::Error>(&reply)) {
     return protocol::encodeError(message.id, *error);
   }
-  return protocol::encodeResult(message.id, std::get<std::string>(reply));
+  return protocol::encodeResult(message.id, std::get<protocol::Body>(reply));
 }
 
 EnvironmentDialogue::Reply EnvironmentDialogue::handle(const protocol::Message& request) {
@@ -74,22 +109,24 @@ EnvironmentDialogue::Reply EnvironmentDialogue::handle(const protocol::Message& 
       {}};
 }
 
-EnvironmentDialogue::Reply EnvironmentDialogue::hello(const protocol::Payload& payload) const {
+EnvironmentDialogue::Reply EnvironmentDialogue::hello(const protocol::Payload& payload) {
   const auto decoded = protocol::decodeHelloParams(payload);
   if (const auto* error = std::get_if<protocol::Error>(&decoded)) {
     return *error;
   }
-  const auto& versions = std::get<protocol::HelloParams>(decoded).protocol;
+  const auto& said = std::get<protocol::HelloParams>(decoded);
+  const auto& versions = said.protocol;
   if (std::find(versions.begin(), versions.end(), protocol::kProtocolVersion) == versions.end()) {
     return protocol::Error{protocol::ErrorCode::Version,
                            "No common protocol version: this environment speaks 1. Use a peer that speaks espalier/1.",
                            {}};
   }
+  areBlocksAgreed_ = std::find(said.capabilities.begin(), said.capabilities.end(), "bin") != said.capabilities.end();
   const protocol::HelloResult result{.protocol = protocol::kProtocolVersion,
                                      .session = "1",
                                      .server = "espalier " + std::string(protocol::kProgramVersion),
-                                     .capabilities = {"checkpoint"},
-                                     .limits = {}};
+                                     .capabilities = {"bin", "checkpoint"},
+                                     .limits = {{"lineBytes", limits_.lineBytes}, {"blockBytes", limits_.blockBytes}}};
   return protocol::encode(result);
 }
 
@@ -97,7 +134,9 @@ EnvironmentDialogue::Opened& EnvironmentDialogue::openedFor(const std::string& s
   Opened& opened = opened_[simulation];
   if (opened.process == nullptr) {
     opened.process = (*factory_)();
-    opened.isStateful = opened.process->describe().isStateful;
+    const turtle::EnvironmentDescription description = opened.process->describe();
+    opened.isStateful = description.isStateful;
+    opened.needs = description.needs;
   }
   return opened;
 }
@@ -120,7 +159,7 @@ EnvironmentDialogue::Reply EnvironmentDialogue::open(const protocol::Payload& pa
     opened_.erase(params.simulation);
     return failed(*error);
   }
-  return std::string("{}");
+  return protocol::Body("{}");
 }
 
 EnvironmentDialogue::Reply EnvironmentDialogue::step(const protocol::Payload& payload) {
@@ -132,14 +171,13 @@ EnvironmentDialogue::Reply EnvironmentDialogue::step(const protocol::Payload& pa
   Opened& opened = openedFor(params.simulation);
 
   // a process with state must not advance twice for one step
+  const std::optional<std::uint64_t> before = opened.lastStep;
   std::uint64_t hash = 0;
   if (opened.isStateful) {
-    core::Hasher hasher;
-    hasher.bytes(payload.toText());
-    hash = hasher.value();
+    hash = hashOf(params);
     const bool isSame = opened.lastStep == params.step && opened.lastIteration == params.iteration;
     if (isSame && opened.lastQueriesHash == hash) {
-      return opened.lastResult;
+      return bodyOf(opened.columns, payload);
     }
     if (isSame || (opened.lastStep && params.step < *opened.lastStep)) {
       return protocol::Error{
@@ -150,21 +188,22 @@ EnvironmentDialogue::Reply EnvironmentDialogue::step(const protocol::Payload& pa
     }
   }
 
-  const turtle::QueryBatch queries = toBatch(params, opened.symbols);
-  turtle::ReplyBatch replies;
-  replies.prepare(queries);
-  const auto error = queries.size() == 0 ? opened.process->tick(params.step) : opened.process->step(queries, replies);
+  opened.lastStep.reset();
+  opened.queries = toBatch(params, opened.needs, opened.symbols);
+  opened.replies.prepare(opened.queries);
+  const auto error = opened.queries.size() == 0 ? opened.process->tick(params.step)
+                                                : opened.process->step(opened.queries, opened.replies);
   if (error) {
+    opened.lastStep = before;
     return failed(*error);
   }
-  std::string result = protocol::encode(toReplies(queries, replies));
+  opened.columns = toReplies(opened.queries, opened.replies);
   if (opened.isStateful) {
     opened.lastStep = params.step;
     opened.lastIteration = params.iteration;
     opened.lastQueriesHash = hash;
-    opened.lastResult = result;
   }
-  return result;
+  return bodyOf(opened.columns, payload);
 }
 
 EnvironmentDialogue::Reply EnvironmentDialogue::save(const protocol::Payload& payload) {
@@ -186,7 +225,7 @@ EnvironmentDialogue::Reply EnvironmentDialogue::restore(const protocol::Payload&
     return failed(*error);
   }
   opened.lastStep.reset();
-  return std::string("{}");
+  return protocol::Body("{}");
 }
 
 EnvironmentDialogue::Reply EnvironmentDialogue::close(const protocol::Payload& payload) {
@@ -195,7 +234,7 @@ EnvironmentDialogue::Reply EnvironmentDialogue::close(const protocol::Payload& p
     return *error;
   }
   opened_.erase(std::get<protocol::NameParams>(decoded).name);
-  return std::string("{}");
+  return protocol::Body("{}");
 }
 
 }  // namespace espalier::server

@@ -4,10 +4,11 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <string_view>
+#include <variant>
 
 #include "engine/turtle/environment_process.h"
-#include "protocol/envelope.h"
+#include "protocol/framing.h"
+#include "protocol/messages.h"
 #include "server/environment_host.h"
 
 namespace espalier::server {
@@ -18,26 +19,33 @@ namespace espalier::server {
 class EnvironmentDialogue {
  public:
   /// `factory` must outlive the object.
-  explicit EnvironmentDialogue(const ProcessFactory& factory) : factory_(&factory) {}
+  EnvironmentDialogue(const ProcessFactory& factory, const protocol::FrameLimits& limits)
+      : factory_(&factory), limits_(limits) {}
 
-  /// One line in; the line to send back, or nothing for notifications and answers.
-  [[nodiscard]] std::optional<std::string> answer(std::string_view line);
+  /// One message in; the bytes to send back, or nothing for notifications and answers.
+  [[nodiscard]] std::optional<std::string> answer(const protocol::MessageReader::Read& read);
+  /// Both sides named the capability `bin` in hello.
+  [[nodiscard]] bool areBlocksAgreed() const { return areBlocksAgreed_; }
 
  private:
   struct Opened {
     std::unique_ptr<turtle::EnvironmentProcess> process;
     std::vector<std::string> symbols;
     bool isStateful = false;
+    turtle::EnvironmentNeeds needs;
     std::optional<std::uint64_t> lastStep;  // of a process with state
     std::uint32_t lastIteration = 0;
     std::uint64_t lastQueriesHash = 0;
-    std::string lastResult;
+    // of the last step: its answer refers to them
+    turtle::QueryBatch queries;
+    turtle::ReplyBatch replies;
+    protocol::ReplyColumns columns;
   };
-  /// The result as JSON text, or an error.
-  using Reply = std::variant<std::string, protocol::Error>;
+  /// The result, or an error.
+  using Reply = std::variant<protocol::Body, protocol::Error>;
 
   [[nodiscard]] Reply handle(const protocol::Message& request);
-  [[nodiscard]] Reply hello(const protocol::Payload& payload) const;
+  [[nodiscard]] Reply hello(const protocol::Payload& payload);
   [[nodiscard]] Reply open(const protocol::Payload& payload);
   [[nodiscard]] Reply step(const protocol::Payload& payload);
   [[nodiscard]] Reply save(const protocol::Payload& payload);
@@ -46,7 +54,9 @@ class EnvironmentDialogue {
   [[nodiscard]] Opened& openedFor(const std::string& simulation);
 
   const ProcessFactory* factory_;
+  protocol::FrameLimits limits_;
   std::map<std::string, Opened> opened_;  // by simulation
+  bool areBlocksAgreed_ = false;
 };
 
 }  // namespace espalier::server

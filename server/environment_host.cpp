@@ -16,38 +16,37 @@ namespace {
 namespace asio = boost::asio;
 using asio::ip::tcp;
 
-constexpr std::size_t kLineBytes = 256'000'000;
+constexpr protocol::FrameLimits kLimits;
 
-protocol::Error lineTooLong(const protocol::LineSplitter& splitter) {
-  return protocol::limitError(
-      "lineBytes", splitter.overflowBytes(), splitter.maximumLineBytes(),
-      "Send shorter messages; the connection is closed, because what follows cannot be told apart.");
-}
+constexpr std::size_t kReadBytes = 262'144;
 
 /// One connection: lines are answered in their order, one at a time.
 asio::awaitable<void> serveConnection(tcp::socket socket, const ProcessFactory& factory) {
   boost::system::error_code ignored;
   socket.set_option(tcp::no_delay(true), ignored);
-  EnvironmentDialogue dialogue(factory);
-  protocol::LineSplitter splitter(kLineBytes);
-  auto bytes = std::make_unique<std::array<char, 65536>>();
+  EnvironmentDialogue dialogue(factory, kLimits);
+  protocol::MessageReader reader(kLimits);
+  auto bytes = std::make_unique<std::array<char, kReadBytes>>();
   const auto token = asio::as_tuple(asio::use_awaitable);
   while (true) {
     const auto [error, count] = co_await socket.async_read_some(asio::buffer(*bytes), token);
     if (error) {
       co_return;
     }
-    splitter.feed({bytes->data(), count});
-    for (std::string_view line = splitter.next(); line.data() != nullptr; line = splitter.next()) {
-      if (const auto reply = dialogue.answer(line)) {
+    reader.feed({bytes->data(), count});
+    while (const auto read = reader.next()) {
+      if (const auto reply = dialogue.answer(*read)) {
         const auto [writeError, written] = co_await asio::async_write(socket, asio::buffer(*reply), token);
         if (writeError) {
           co_return;
         }
       }
+      if (dialogue.areBlocksAgreed()) {
+        reader.allowBlocks();
+      }
     }
-    if (splitter.isOverflowed()) {
-      const std::string reply = protocol::encodeError({}, lineTooLong(splitter));
+    if (reader.lost()) {
+      const std::string reply = protocol::encodeError({}, *reader.lost());
       co_await asio::async_write(socket, asio::buffer(reply), token);
       co_return;
     }
@@ -119,9 +118,9 @@ std::optional<std::string> hostEnvironment(const HostAddress& address, const Pro
 }
 
 std::optional<std::string> hostEnvironmentOnStdio(const ProcessFactory& factory) {
-  EnvironmentDialogue dialogue(factory);
-  protocol::LineSplitter splitter(kLineBytes);
-  std::array<char, 65536> bytes{};
+  EnvironmentDialogue dialogue(factory, kLimits);
+  protocol::MessageReader reader(kLimits);
+  const auto bytes = std::make_unique<std::array<char, kReadBytes>>();
   const auto writeAll = [](std::string_view text) {
     while (!text.empty()) {
       const ssize_t count = ::write(STDOUT_FILENO, text.data(), text.size());
@@ -133,23 +132,25 @@ std::optional<std::string> hostEnvironmentOnStdio(const ProcessFactory& factory)
     return true;
   };
   while (true) {
-    const ssize_t count = ::read(STDIN_FILENO, bytes.data(), bytes.size());
+    const ssize_t count = ::read(STDIN_FILENO, bytes->data(), bytes->size());
     if (count < 0 && errno == EINTR) {
       continue;
     }
     if (count <= 0) {
       return std::nullopt;
     }
-    splitter.feed({bytes.data(), static_cast<std::size_t>(count)});
-    for (std::string_view line = splitter.next(); line.data() != nullptr; line = splitter.next()) {
-      const auto reply = dialogue.answer(line);
-      if (reply && !writeAll(*reply)) {
+    reader.feed({bytes->data(), static_cast<std::size_t>(count)});
+    while (const auto read = reader.next()) {
+      if (const auto reply = dialogue.answer(*read); reply && !writeAll(*reply)) {
         return std::nullopt;
       }
+      if (dialogue.areBlocksAgreed()) {
+        reader.allowBlocks();
+      }
     }
-    if (splitter.isOverflowed()) {
-      (void)writeAll(protocol::encodeError({}, lineTooLong(splitter)));
-      return "the input has a line longer than " + std::to_string(kLineBytes) + " bytes.";
+    if (reader.lost()) {
+      (void)writeAll(protocol::encodeError({}, *reader.lost()));
+      return reader.lost()->message;
     }
   }
 }

@@ -5,7 +5,9 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <variant>
+#include <vector>
 
 #include "protocol/envelope.h"
 
@@ -28,6 +30,17 @@ struct LinkFailure {
 
 using LinkOutcome = std::variant<protocol::Payload, LinkFailure>;
 
+/// What the peer of a link takes.
+struct PeerTerms {
+  bool takesBlocks = false;               // both sides named `bin`
+  std::uint64_t lineBytes = 256'000'000;  // what it said, or what our own environments take
+  std::uint64_t blockBytes = 0;           // of one message
+};
+
+/// The terms of a peer's hello, when we take blocks.
+[[nodiscard]] PeerTerms termsOf(const std::vector<std::string>& capabilities,
+                                const std::vector<std::pair<std::string, std::uint64_t>>& limits);
+
 /// A connection to an environment in another process, made again when it is lost. One thread calls at a time; only
 /// interrupt() may come from another.
 class EnvironmentLink {
@@ -42,8 +55,10 @@ class EnvironmentLink {
   [[nodiscard]] virtual std::optional<LinkFailure> connect() = 0;
   /// Differs from every earlier value when the peer is not the one it was; 0: none is there.
   [[nodiscard]] virtual std::uint64_t generation() const = 0;
-  /// Asks and waits for the answer. `paramsJson` is the text of an object.
-  [[nodiscard]] virtual LinkOutcome call(std::string_view method, const std::string& paramsJson,
+  /// What the peer that is there now takes; meaningless when none is.
+  [[nodiscard]] virtual PeerTerms terms() const = 0;
+  /// Asks and waits for the answer. The params are an object.
+  [[nodiscard]] virtual LinkOutcome call(std::string_view method, const protocol::Body& params,
                                          std::chrono::milliseconds timeout) = 0;
   /// Ends a call that waits now.
   virtual void interrupt() = 0;

@@ -42,6 +42,7 @@ using Simulation = core::Limits;
 
 constexpr std::array kEntries{
     ofServer<&Server::lineBytes>("lineBytes", kSmallestLine, "bytes of one line from a peer"),
+    ofServer<&Server::blockBytes>("blockBytes", kSmallestLine, "raw bytes behind one line from a peer"),
     ofServer<&Server::outboxBytes>("outboxBytes", kSmallestOutbox, "bytes that wait for a peer to read them"),
     ofServer<&Server::sessions>("sessions", 1, "connections at a time"),
     ofServer<&Server::simulations>("simulations", 1, "simulations of the server"),

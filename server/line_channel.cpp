@@ -88,10 +88,10 @@ LineChannel::Status LineChannel::wait(bool wantsWrite, Deadline deadline, bool& 
 }
 
 LineChannel::Status LineChannel::readAvailable() {
-  std::array<char, 65536> bytes;
+  std::array<char, 262'144> bytes;
   const ssize_t count = ::read(input_.number(), bytes.data(), bytes.size());
   if (count > 0) {
-    splitter_.feed({bytes.data(), static_cast<std::size_t>(count)});
+    received_.append(bytes.data(), static_cast<std::size_t>(count));
     return Status::Done;
   }
   if (count < 0 && (errno == EAGAIN || errno == EINTR)) {
@@ -125,16 +125,8 @@ LineChannel::Status LineChannel::write(std::string_view bytes, Deadline deadline
   return Status::Done;
 }
 
-LineChannel::Status LineChannel::readLine(std::string& line, Deadline deadline) {
-  while (true) {
-    const std::string_view next = splitter_.next();
-    if (next.data() != nullptr) {
-      line.assign(next);
-      return Status::Done;
-    }
-    if (splitter_.isOverflowed()) {
-      return Status::Overflow;
-    }
+LineChannel::Status LineChannel::receive(std::string& bytes, Deadline deadline) {
+  while (received_.empty()) {
     if (isInputEnded_) {
       return Status::Closed;
     }
@@ -146,6 +138,27 @@ LineChannel::Status LineChannel::readLine(std::string& line, Deadline deadline) 
     if (canRead) {
       (void)readAvailable();
     }
+  }
+  bytes.swap(received_);
+  received_.clear();
+  return Status::Done;
+}
+
+LineChannel::Status LineChannel::readLine(std::string& line, Deadline deadline) {
+  std::string bytes;
+  while (true) {
+    const std::string_view next = splitter_.next();
+    if (next.data() != nullptr) {
+      line.assign(next);
+      return Status::Done;
+    }
+    if (splitter_.isOverflowed()) {
+      return Status::Overflow;
+    }
+    if (const Status status = receive(bytes, deadline); status != Status::Done) {
+      return status;
+    }
+    splitter_.feed(bytes);
   }
 }
 

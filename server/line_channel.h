@@ -32,7 +32,7 @@ class Descriptor {
   int number_ = -1;
 };
 
-/// Lines to and from another process over two descriptors (the same one twice for a socket), for a thread that waits.
+/// Bytes to and from another process over two descriptors (the same one twice for a socket), for a thread that waits.
 /// Writing never blocks on a peer that is itself writing, never raises SIGPIPE, and everything has a deadline.
 class LineChannel {
  public:
@@ -41,6 +41,9 @@ class LineChannel {
   LineChannel(Descriptor input, Descriptor output, std::size_t maximumLineBytes);
 
   [[nodiscard]] Status write(std::string_view bytes, Deadline deadline);
+  /// What came, at least one byte, in place of what `bytes` held.
+  [[nodiscard]] Status receive(std::string& bytes, Deadline deadline);
+  /// The next line. Not together with receive().
   [[nodiscard]] Status readLine(std::string& line, Deadline deadline);
   /// From any thread: a write or readLine that waits now ends with Interrupted. Without one, nothing happens later.
   void interrupt();
@@ -60,6 +63,7 @@ class LineChannel {
   Descriptor wakeUp_;  // eventfd
   bool isOutputSeparate_;
   bool isInputEnded_ = false;
+  std::string received_;  // and not yet given out
   protocol::LineSplitter splitter_;
 };
 
@@ -81,6 +85,8 @@ class ChildProcess {
   struct Started;
   [[nodiscard]] static std::variant<std::unique_ptr<Started>, std::string> start(const std::string& command);
 
+  /// Asks it to end at once (SIGTERM), as the destructor would after waiting.
+  void end();
   /// What became of it, "ended with status 3" or "was ended by signal 9", or empty while it runs.
   [[nodiscard]] std::string fate();
 

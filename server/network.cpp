@@ -24,7 +24,7 @@ using asio::ip::tcp;
 using boost::system::error_code;
 
 constexpr auto kToken = asio::as_tuple(asio::use_awaitable);
-constexpr std::size_t kReadBytes = 65'536;
+constexpr std::size_t kReadBytes = 262'144;
 constexpr std::chrono::seconds kGrace{1};
 
 /// One TCP connection: a reader that hands lines to the session, a writer that empties the outbox. Members run on the
@@ -123,7 +123,9 @@ class TcpConnection final : public Connection, public std::enable_shared_from_th
   }
 
   asio::awaitable<void> read() {
-    protocol::LineSplitter splitter(static_cast<std::size_t>(core_->options().limits.lineBytes));
+    const ServerLimits& limits = core_->options().limits;
+    protocol::MessageReader reader(
+        {static_cast<std::size_t>(limits.lineBytes), static_cast<std::size_t>(limits.blockBytes)});
     const auto bytes = std::make_unique<std::array<char, kReadBytes>>();
     while (!isClosed_) {
       const auto [error, count] = co_await socket_.async_read_some(asio::buffer(*bytes), kToken);
@@ -133,16 +135,22 @@ class TcpConnection final : public Connection, public std::enable_shared_from_th
       if (isClosing_) {
         continue;
       }
-      splitter.feed({bytes->data(), count});
-      for (std::string_view line = splitter.next(); line.data() != nullptr && session_ != nullptr && !isClosing_;
-           line = splitter.next()) {
-        session_->onLine(line);
+      reader.feed({bytes->data(), count});
+      while (session_ != nullptr && !isClosing_) {
+        const auto read = reader.next();
+        if (!read) {
+          break;
+        }
+        session_->onRead(*read);
         if (session_ != nullptr && session_->isGreeted()) {
           handshake_.cancel();
+          if (session_->terms().takesBlocks) {
+            reader.allowBlocks();
+          }
         }
       }
-      if (splitter.isOverflowed() && session_ != nullptr && !isClosing_) {
-        session_->onOverflow(splitter.overflowBytes());
+      if (reader.lost() && session_ != nullptr && !isClosing_) {
+        session_->onLost(*reader.lost());
       }
     }
     closeNow();
@@ -263,7 +271,7 @@ class Network::Implementation {
       params.beginObject().key("message").text("The server is shutting down. Running steps are finished and saved.");
       params.endObject();
       const auto line =
-          std::make_shared<const std::string>(protocol::encodeNotification("server.shutdown", params.view()));
+          std::make_shared<const std::string>(protocol::encodeNotification("server.shutdown", params.take()));
       for (const auto& connection : connections_) {
         connection->send(line);
       }

@@ -71,7 +71,13 @@ std::uint64_t OfferedLink::generation() const {
   return offer && !offer->peer.expired() ? offer->serial : 0;
 }
 
-LinkOutcome OfferedLink::call(std::string_view method, const std::string& paramsJson,
+PeerTerms OfferedLink::terms() const {
+  const auto offer = offered_->find(name_);
+  const auto peer = offer ? offer->peer.lock() : nullptr;
+  return peer == nullptr ? PeerTerms{} : peer->terms();
+}
+
+LinkOutcome OfferedLink::call(std::string_view method, const protocol::Body& params,
                               std::chrono::milliseconds timeout) {
   const auto offer = offered_->find(name_);
   const auto peer = offer ? offer->peer.lock() : nullptr;
@@ -83,7 +89,7 @@ LinkOutcome OfferedLink::call(std::string_view method, const std::string& params
     const std::lock_guard lock(mutex_);
     current_ = pending;
   }
-  const std::string id = peer->ask(method, paramsJson, pending);
+  const std::string id = peer->ask(method, params, pending);
   auto outcome = pending->wait(timeout);
   peer->forget(id);
   {

@@ -31,8 +31,9 @@ class AskedPeer {
  public:
   virtual ~AskedPeer() = default;
   /// Sends a request and completes `call` with its answer, or at once when the connection is closed. Returns its id.
-  [[nodiscard]] virtual std::string ask(std::string_view method, const std::string& paramsJson,
+  [[nodiscard]] virtual std::string ask(std::string_view method, const protocol::Body& params,
                                         std::shared_ptr<PendingCall> call) = 0;
+  [[nodiscard]] virtual PeerTerms terms() const = 0;
   /// The answer to the request is not waited for any more.
   virtual void forget(const std::string& id) = 0;
 };
@@ -69,7 +70,8 @@ class OfferedLink final : public EnvironmentLink {
   [[nodiscard]] std::string remedy() const override;
   [[nodiscard]] std::optional<LinkFailure> connect() override;
   [[nodiscard]] std::uint64_t generation() const override;
-  [[nodiscard]] LinkOutcome call(std::string_view method, const std::string& paramsJson,
+  [[nodiscard]] PeerTerms terms() const override;
+  [[nodiscard]] LinkOutcome call(std::string_view method, const protocol::Body& params,
                                  std::chrono::milliseconds timeout) override;
   void interrupt() override;
 

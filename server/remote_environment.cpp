@@ -9,7 +9,9 @@ std::variant<std::unique_ptr<turtle::EnvironmentProcess>, std::string> connectRe
     const std::string& address, const RemoteEnvironmentOptions& options) {
   constexpr std::string_view kTcp = "tcp://";
   constexpr std::string_view kStdio = "stdio:";
-  const ChannelOptions channel{.connectTimeout = options.connectTimeout};
+  ChannelOptions channel;
+  channel.connectTimeout = options.connectTimeout;
+  channel.offersBlocks = !options.isTextOnly;
   std::shared_ptr<EnvironmentLink> link;
   if (address.starts_with(kTcp)) {
     link = ChannelLink::tcp(address.substr(kTcp.size()), channel);

@@ -12,6 +12,7 @@ namespace espalier::server {
 struct RemoteEnvironmentOptions {
   std::chrono::milliseconds connectTimeout{5'000};
   std::chrono::milliseconds stepTimeout{60'000};
+  bool isTextOnly = false;        // no binary blocks, though the environment may take them
   std::string configurationJson;  // sent when a simulation opens it: an object as text; empty: none
 };
 

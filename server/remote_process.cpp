@@ -2,6 +2,7 @@
 
 #include "protocol/codec.h"
 #include "server/translate.h"
+#include "server/translate_environment.h"
 
 namespace espalier::server {
 namespace {
@@ -29,10 +30,10 @@ bool isUnknownMethod(const LinkFailure& failure) {
 RemoteProcess::RemoteProcess(std::shared_ptr<EnvironmentLink> link, RemoteProcessOptions options)
     : link_(std::move(link)), options_(std::move(options)), description_(needsEverything()) {}
 
-LinkOutcome RemoteProcess::call(std::string_view method, const std::string& paramsJson,
+LinkOutcome RemoteProcess::call(std::string_view method, const protocol::Body& params,
                                 std::chrono::milliseconds timeout) const {
   LinkOutcome outcome = LinkFailure{};
-  const auto wait = [&] { outcome = link_->call(method, paramsJson, timeout); };
+  const auto wait = [&] { outcome = link_->call(method, params, timeout); };
   options_.runWaiting ? options_.runWaiting(wait) : wait();
   return outcome;
 }
@@ -152,6 +153,34 @@ std::optional<turtle::EnvironmentError> RemoteProcess::open(const turtle::Enviro
   return error;
 }
 
+std::variant<protocol::Body, turtle::EnvironmentError> RemoteProcess::bodyOf(
+    const protocol::EnvironmentStepParams& params, const std::string& during) const {
+  const PeerTerms terms = link_->terms();
+  const bool isBinary = terms.takesBlocks;
+  try {
+    protocol::Body body = isBinary ? protocol::encodeBlocks(params) : protocol::Body(protocol::encode(params));
+    const std::uint64_t bytes = isBinary ? body.blocks.totalBytes() : body.json.size();
+    const std::uint64_t bound = isBinary ? terms.blockBytes : terms.lineBytes;
+    if (bytes <= bound) {
+      return body;
+    }
+    const std::string limit = isBinary ? "blockBytes" : "lineBytes";
+    return turtle::EnvironmentError{
+        link_->label() + " takes at most " + std::to_string(bound) + " bytes in one message (" + limit + "), but " +
+            during + " take " + std::to_string(bytes) + " bytes" + (isBinary ? " in blocks." : " as text.") +
+            " Let it need less (needs in environment.describe), " +
+            (isBinary ? "raise its blockBytes, "
+                      : "let it take binary blocks (the capability bin), raise its lineBytes, ") +
+            "or let the model ask less in one step.",
+        false};
+  } catch (const protocol::NonFiniteNumber&) {
+    return turtle::EnvironmentError{"A query for " + link_->label() +
+                                        " has a parameter or position that is NaN or infinite (" + during +
+                                        "). Correct the model.",
+                                    false};
+  }
+}
+
 std::optional<turtle::EnvironmentError> RemoteProcess::step(const turtle::QueryBatch& queries,
                                                             turtle::ReplyBatch& replies) {
   if (auto error = makeReady(queries.step)) {
@@ -160,17 +189,13 @@ std::optional<turtle::EnvironmentError> RemoteProcess::step(const turtle::QueryB
   const std::string during =
       "step " + std::to_string(queries.step) + ", " + std::to_string(queries.size()) + " queries";
   const std::string simulation = context_ ? context_->simulation : std::string("simulation");
-  std::string params;
-  try {
-    params = encodeQueries(simulation, queries, description_.needs,
-                           context_ ? context_->symbols : std::vector<std::string>());
-  } catch (const protocol::NonFiniteNumber&) {
-    return turtle::EnvironmentError{"A query for " + link_->label() +
-                                        " has a parameter or position that is NaN or infinite (" + during +
-                                        "). Correct the model.",
-                                    false};
+  const auto params =
+      toStepParams(simulation, queries, description_.needs, context_ ? context_->symbols : std::vector<std::string>());
+  auto body = bodyOf(params, during);
+  if (auto* error = std::get_if<turtle::EnvironmentError>(&body)) {
+    return std::move(*error);
   }
-  auto outcome = call("environment.step", params, options_.stepTimeout);
+  auto outcome = call("environment.step", std::get<protocol::Body>(body), options_.stepTimeout);
   if (const auto* failure = std::get_if<LinkFailure>(&outcome)) {
     return errorOf(*failure, during);
   }
@@ -180,7 +205,7 @@ std::optional<turtle::EnvironmentError> RemoteProcess::step(const turtle::QueryB
                                         ". Correct the environment, then ask again.",
                                     true};
   }
-  applyReplies(std::get<std::vector<protocol::ReplyRecord>>(decoded), queries, replies);
+  applyReplies(std::get<protocol::ReplyColumns>(decoded), queries, replies);
   ++stepCount_;
   return std::nullopt;
 }

@@ -42,8 +42,11 @@ class RemoteProcess final : public turtle::EnvironmentProcess {
   [[nodiscard]] std::optional<turtle::EnvironmentError> restore(std::string_view state) override;
 
  private:
-  [[nodiscard]] LinkOutcome call(std::string_view method, const std::string& paramsJson,
+  [[nodiscard]] LinkOutcome call(std::string_view method, const protocol::Body& params,
                                  std::chrono::milliseconds timeout) const;
+  /// The queries as the peer takes them, or why they cannot be sent.
+  [[nodiscard]] std::variant<protocol::Body, turtle::EnvironmentError> bodyOf(
+      const protocol::EnvironmentStepParams& params, const std::string& during) const;
   /// Connected, introduced, opened and with its state given back.
   [[nodiscard]] std::optional<turtle::EnvironmentError> makeReady(std::uint64_t step);
   [[nodiscard]] std::optional<turtle::EnvironmentError> openPeer(std::uint64_t step);

@@ -44,7 +44,7 @@ void Session::respond(const protocol::MessageId& id, std::string_view resultJson
                                                         "--limit outboxBytes=N.")));
     return;
   }
-  send(protocol::encodeResult(id, resultJson));
+  send(protocol::encodeResult(id, std::string(resultJson)));
 }
 
 void Session::respondError(const protocol::MessageId& id, const protocol::Error& error) {
@@ -56,8 +56,8 @@ void Session::respondError(const protocol::MessageId& id, const protocol::Error&
   send(protocol::encodeError(id, error));
 }
 
-void Session::notify(std::string_view method, std::string_view paramsJson) {
-  send(protocol::encodeNotification(method, paramsJson));
+void Session::notify(std::string_view method, const protocol::Body& params) {
+  send(protocol::encodeNotification(method, params));
 }
 
 void Session::refuse(const protocol::MessageId& id, const protocol::Error& error) {
@@ -66,15 +66,14 @@ void Session::refuse(const protocol::MessageId& id, const protocol::Error& error
   connection_->closeWhenSent();
 }
 
-void Session::onLine(std::string_view line) {
-  auto decoded = protocol::decodeMessage(line);
-  if (auto* bad = std::get_if<protocol::BadMessage>(&decoded)) {
+void Session::onRead(const protocol::MessageReader::Read& read) {
+  if (const auto* bad = std::get_if<protocol::BadMessage>(&read)) {
     respondError(bad->id, bad->error);
     // it may have been the answer that a step is waiting for
     failPendingCalls({LinkFailure::Kind::Garbage, "sent a line that is not a message: " + bad->error.message, {}});
     return;
   }
-  onMessage(std::get<protocol::Message>(decoded));
+  onMessage(std::get<protocol::Message>(read));
 }
 
 void Session::onMessage(const protocol::Message& message) {
@@ -174,6 +173,10 @@ void Session::onHello(const protocol::Message& message) {
     return;
   }
   isGreeted_ = true;
+  {
+    const std::lock_guard lock(mutex_);
+    terms_ = termsOf(hello.capabilities, hello.limits);
+  }
   core_->log().info("session " + id_ + ": " + (hello.name.empty() ? std::string("a peer") : hello.name) + " " +
                     hello.version + " from " + connection_->peerName());
   std::vector<std::pair<std::string, std::uint64_t>> limits;
@@ -183,16 +186,13 @@ void Session::onHello(const protocol::Message& message) {
   const protocol::HelloResult result{.protocol = protocol::kProtocolVersion,
                                      .session = id_,
                                      .server = "espalier " + std::string(protocol::kProgramVersion),
-                                     .capabilities = {"checkpoint", "cancel", "streams", "credits", "offer"},
+                                     .capabilities = {"bin", "checkpoint", "cancel", "streams", "credits", "offer"},
                                      .limits = std::move(limits)};
   respond(message.id, protocol::encode(result));
 }
 
-void Session::onOverflow(std::size_t bytes) {
-  const std::uint64_t bound = core_->options().limits.lineBytes;
-  refuse({}, protocol::limitError("lineBytes", bytes, bound,
-                                  "Send shorter lines; the connection is closed, because what follows cannot be told "
-                                  "apart."));
+void Session::onLost(const protocol::Error& error) {
+  refuse({}, error);
 }
 
 void Session::onHandshakeTimeout() {
@@ -255,7 +255,21 @@ void Session::onClosed() {
   core_->log().debug("session " + id_ + " is closed");
 }
 
-std::string Session::ask(std::string_view method, const std::string& paramsJson, std::shared_ptr<PendingCall> call) {
+PeerTerms Session::terms() const {
+  const std::lock_guard lock(mutex_);
+  return terms_;
+}
+
+std::string Session::ask(std::string_view method, const protocol::Body& params, std::shared_ptr<PendingCall> call) {
+  const std::uint64_t bytes = params.json.size() + params.blocks.totalBytes();
+  if (const std::uint64_t bound = core_->options().limits.outboxBytes; bytes > bound) {
+    call->complete(LinkFailure{LinkFailure::Kind::Refused,
+                               "was not asked: " + std::to_string(bytes) +
+                                   " bytes are more than a session may have on their way (outboxBytes=" +
+                                   std::to_string(bound) + "; espalier serve --limit outboxBytes=N raises it)",
+                               {protocol::ErrorCode::InvalidParams, {}, {}}});
+    return {};
+  }
   std::string id;
   bool isGone = false;
   {
@@ -269,7 +283,7 @@ std::string Session::ask(std::string_view method, const std::string& paramsJson,
   if (isGone) {
     call->complete(LinkFailure{LinkFailure::Kind::Closed, "closed the connection", {}});
   } else {
-    send(protocol::encodeRequest(protocol::MessageId::of(id), method, paramsJson));
+    send(protocol::encodeRequest(protocol::MessageId::of(id), method, params));
   }
   return id;
 }

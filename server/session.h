@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "protocol/envelope.h"
+#include "protocol/framing.h"
 #include "protocol/messages.h"
 #include "server/connection.h"
 #include "server/offered_environments.h"
@@ -27,8 +27,9 @@ class Session final : public AskedPeer, public std::enable_shared_from_this<Sess
   ~Session() override;
 
   // network thread
-  void onLine(std::string_view line);
-  void onOverflow(std::size_t bytes);
+  void onRead(const protocol::MessageReader::Read& read);
+  /// The framing is lost: the peer is told why and the connection closed.
+  void onLost(const protocol::Error& error);
   void onHandshakeTimeout();
   /// Part of the outbox was sent: streams may have room again.
   void onDrained();
@@ -38,10 +39,11 @@ class Session final : public AskedPeer, public std::enable_shared_from_this<Sess
   // any thread
   void respond(const protocol::MessageId& id, std::string_view resultJson);
   void respondError(const protocol::MessageId& id, const protocol::Error& error);
-  void notify(std::string_view method, std::string_view paramsJson);
+  void notify(std::string_view method, const protocol::Body& params);
   [[nodiscard]] std::size_t outboxBytes() const { return connection_->outboxBytes(); }
-  [[nodiscard]] std::string ask(std::string_view method, const std::string& paramsJson,
+  [[nodiscard]] std::string ask(std::string_view method, const protocol::Body& params,
                                 std::shared_ptr<PendingCall> call) override;
+  [[nodiscard]] PeerTerms terms() const override;
   void forget(const std::string& id) override;
 
   // for the methods (methods.h), on the network thread
@@ -71,9 +73,10 @@ class Session final : public AskedPeer, public std::enable_shared_from_this<Sess
   const std::string id_;
   ServerCore* core_;
   std::shared_ptr<Connection> connection_;
-  bool isGreeted_ = false;  // network thread
-  std::mutex mutex_;        // guards what follows
+  bool isGreeted_ = false;    // network thread
+  mutable std::mutex mutex_;  // guards what follows
   bool isClosed_ = false;
+  PeerTerms terms_;
   std::uint64_t askedCount_ = 0;
   std::uint64_t streamCount_ = 0;
   std::map<std::string, std::shared_ptr<PendingCall>> pending_;  // questions to the peer, by id

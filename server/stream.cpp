@@ -69,7 +69,7 @@ void Stream::end(const std::string& reason) {
   isClosed_ = true;
   protocol::JsonWriter params;
   params.beginObject().key("stream").text(id_).key("reason").text(reason).endObject();
-  session->notify("stream.end", params.view());
+  session->notify("stream.end", params.take());
 }
 
 void Stream::acknowledge(const protocol::StreamAckParams& ack) {

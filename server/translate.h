@@ -41,20 +41,6 @@ namespace espalier::server {
                                                 const std::string& configurationJson);
 [[nodiscard]] turtle::EnvironmentContext toContext(const protocol::OpenParams& params);
 
-/// The params of environment.step as text, written without a struct per query: only what `needs` names. Throws
-/// protocol::NonFiniteNumber. O(n).
-[[nodiscard]] std::string encodeQueries(const std::string& simulation, const turtle::QueryBatch& queries,
-                                        const protocol::NeedsRecord& needs, const std::vector<std::string>& symbols);
-/// The batch that encodeQueries wrote. Names that `symbols` lacks are appended to it. O(n log symbols).
-[[nodiscard]] turtle::QueryBatch toBatch(const protocol::EnvironmentStepParams& params,
-                                         std::vector<std::string>& symbols);
-/// The replies as records: only queries with a value set, trailing unset values left out.
-[[nodiscard]] std::vector<protocol::ReplyRecord> toReplies(const turtle::QueryBatch& queries,
-                                                           const turtle::ReplyBatch& replies);
-/// Sets the replies in a prepared batch.
-void applyReplies(const std::vector<protocol::ReplyRecord>& records, const turtle::QueryBatch& queries,
-                  turtle::ReplyBatch& replies);
-
 /// The member "records":[...] of a frame of the turtle stream. Throws protocol::NonFiniteNumber.
 [[nodiscard]] std::string encodeTurtleRecords(const std::vector<turtle::TurtleRecord>& records,
                                               const language::Program& program,

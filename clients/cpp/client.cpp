@@ -1,5 +1,6 @@
 #include "clients/cpp/client.h"
 
+#include <algorithm>
 #include <array>
 #include <boost/asio.hpp>
 #include <deque>
@@ -34,7 +35,7 @@ Error late(std::string_view what, std::chrono::milliseconds timeout) {
 class Client::Implementation {
  public:
   explicit Implementation(ClientOptions options)
-      : options_(std::move(options)), socket_(context_), splitter_(options_.lineBytes) {}
+      : options_(std::move(options)), socket_(context_), reader_(options_.limits) {}
 
   std::optional<Error> dial(const std::string& address) {
     const std::size_t colon = address.rfind(':');
@@ -84,13 +85,12 @@ class Client::Implementation {
   /// Takes in one message. False when the time is over or the connection closed.
   bool receive(Clock::time_point deadline) {
     while (isOpen_) {
-      const std::string_view line = splitter_.next();
-      if (line.data() != nullptr) {
-        sort(line);
+      if (auto read = reader_.next()) {
+        sort(*read);
         return true;
       }
-      if (splitter_.isOverflowed()) {
-        reason_ = "the server sent a line longer than " + std::to_string(options_.lineBytes) + " bytes";
+      if (reader_.lost()) {
+        reason_ = "the server sent what cannot be read: " + reader_.lost()->message;
         closeSocket();
         return false;
       }
@@ -102,7 +102,7 @@ class Client::Implementation {
       });
       const bool isInTime = runFor(std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now()));
       if (count > 0) {
-        splitter_.feed({bytes_.data(), count});
+        reader_.feed({bytes_.data(), count});
         continue;
       }
       if (!isInTime) {
@@ -134,10 +134,20 @@ class Client::Implementation {
 
   std::variant<std::int64_t, Error> send(std::string_view method, std::string_view paramsJson) {
     const std::int64_t id = ++lastId_;
-    if (auto error = write(protocol::encodeRequest(protocol::MessageId::of(id), method, paramsJson))) {
+    if (auto error = write(protocol::encodeRequest(protocol::MessageId::of(id), method, std::string(paramsJson)))) {
       return std::move(*error);
     }
     return id;
+  }
+
+  /// Accepts blocks when the server named them too.
+  void agree() {
+    const auto capabilities = protocol::memberOf(helloResult_, "capabilities");
+    const auto& own = options_.capabilities;
+    if (capabilities && capabilities->find("\"bin\"") != std::string::npos &&
+        std::find(own.begin(), own.end(), "bin") != own.end()) {
+      reader_.allowBlocks();
+    }
   }
 
   void closeSocket() {
@@ -166,15 +176,14 @@ class Client::Implementation {
     return false;
   }
 
-  void sort(std::string_view line) {
-    auto decoded = protocol::decodeMessage(line);
-    auto* message = std::get_if<protocol::Message>(&decoded);
+  void sort(protocol::MessageReader::Read& read) {
+    auto* message = std::get_if<protocol::Message>(&read);
     if (message == nullptr) {
       return;
     }
     switch (message->kind) {
       case protocol::Message::Kind::Notification:
-        notifications_.push_back({std::move(message->method), message->payload.toText()});
+        notifications_.push_back({std::move(message->method), message->payload.toText(), message->payload});
         break;
       case protocol::Message::Kind::Request:
         requests_.push_back({std::move(message->id), std::move(message->method), std::move(message->payload)});
@@ -194,8 +203,8 @@ class Client::Implementation {
 
   asio::io_context context_;
   tcp::socket socket_;
-  protocol::LineSplitter splitter_;
-  std::array<char, 65536> bytes_{};
+  protocol::MessageReader reader_;
+  std::array<char, 262'144> bytes_{};
   std::map<std::int64_t, Outcome> answers_;  // by request, not yet waited for
   std::optional<Error> refusal_;             // an error without id: why the server closes
   std::string reason_ = "it was closed";
@@ -211,12 +220,14 @@ std::variant<std::unique_ptr<Client>, Error> Client::connect(const std::string& 
   if (auto error = implementation.dial(address)) {
     return std::move(*error);
   }
-  const protocol::HelloParams hello{.protocol = {protocol::kProtocolVersion},
-                                    .roles = options.roles,
-                                    .name = options.name,
-                                    .version = options.version,
-                                    .capabilities = {},
-                                    .token = options.token};
+  const protocol::HelloParams hello{
+      .protocol = {protocol::kProtocolVersion},
+      .roles = options.roles,
+      .name = options.name,
+      .version = options.version,
+      .capabilities = options.capabilities,
+      .token = options.token,
+      .limits = {{"lineBytes", options.limits.lineBytes}, {"blockBytes", options.limits.blockBytes}}};
   auto sent = implementation.send("hello", protocol::encode(hello));
   if (auto* error = std::get_if<Error>(&sent)) {
     return std::move(*error);
@@ -226,6 +237,7 @@ std::variant<std::unique_ptr<Client>, Error> Client::connect(const std::string& 
     return std::move(*error);
   }
   implementation.helloResult_ = std::move(std::get<std::string>(outcome));
+  implementation.agree();
   return client;
 }
 
@@ -250,7 +262,7 @@ Outcome Client::waitFor(std::int64_t id, std::chrono::milliseconds timeout) {
 }
 
 std::optional<Error> Client::notify(std::string_view method, std::string_view paramsJson) {
-  return implementation_->write(protocol::encodeNotification(method, paramsJson));
+  return implementation_->write(protocol::encodeNotification(method, std::string(paramsJson)));
 }
 
 std::optional<Notification> Client::nextNotification(std::chrono::milliseconds timeout) {
@@ -279,8 +291,8 @@ std::optional<IncomingRequest> Client::nextRequest(std::chrono::milliseconds tim
   return next;
 }
 
-std::optional<Error> Client::respond(const protocol::MessageId& id, std::string_view resultJson) {
-  return implementation_->write(protocol::encodeResult(id, resultJson));
+std::optional<Error> Client::respond(const protocol::MessageId& id, const protocol::Body& result) {
+  return implementation_->write(protocol::encodeResult(id, result));
 }
 
 std::optional<Error> Client::respondError(const protocol::MessageId& id, const Error& error) {

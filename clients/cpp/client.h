@@ -11,6 +11,7 @@
 
 #include "protocol/envelope.h"
 #include "protocol/errors.h"
+#include "protocol/framing.h"
 
 namespace espalier::client {
 
@@ -21,13 +22,15 @@ struct ClientOptions {
   std::string token;                             // empty: none
   std::chrono::milliseconds connectTimeout{5'000};
   std::chrono::milliseconds requestTimeout{600'000};
-  std::size_t lineBytes = 256'000'000;
+  protocol::FrameLimits limits;
+  std::vector<std::string> capabilities{"bin"};  // bin: binary blocks
 };
 
 /// A notification of the server: stream.data, stream.end, server.shutdown.
 struct Notification {
   std::string method;
   std::string paramsJson;
+  protocol::Payload params;  // with its blocks
 };
 
 /// A request of the server to an environment that this client offers.
@@ -70,7 +73,7 @@ class Client {
   [[nodiscard]] std::optional<Notification> nextNotification(std::chrono::milliseconds timeout);
   /// The next request of the server, to be answered with respond or respondError.
   [[nodiscard]] std::optional<IncomingRequest> nextRequest(std::chrono::milliseconds timeout);
-  [[nodiscard]] std::optional<protocol::Error> respond(const protocol::MessageId& id, std::string_view resultJson);
+  [[nodiscard]] std::optional<protocol::Error> respond(const protocol::MessageId& id, const protocol::Body& result);
   [[nodiscard]] std::optional<protocol::Error> respondError(const protocol::MessageId& id,
                                                             const protocol::Error& error);
 

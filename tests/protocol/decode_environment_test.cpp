@@ -1,8 +1,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 
 #include "protocol/codec.h"
+#include "protocol/framing.h"
 
 namespace espalier::protocol {
 namespace {
@@ -19,25 +21,185 @@ std::string problem(const Decoded<T>& decoded) {
   return error == nullptr ? "(accepted)" : error->message;
 }
 
-TEST(DecodeEnvironment, ReadsBackTheQueriesItWrote) {
-  EnvironmentStepParams step;
-  step.simulation = "s";
-  step.step = 4;
-  step.timeDays = 0.25;
-  QueryRecord query;
-  query.plant = 2;
-  query.module = 77;
-  query.isTransient = true;
-  query.symbol = "E";
-  query.parameters = {0.1, -0.0};
-  query.position = {1.0, 2.0, 3.0};
-  query.followingSymbol = "F";
-  query.followingParameters = {9.0};
-  step.queries = {query};
-  const auto read = std::get<EnvironmentStepParams>(decodeEnvironmentStepParams(payload("params", encode(step))));
-  EXPECT_EQ(encode(read), encode(step));
-  EXPECT_TRUE(std::signbit(read.queries[0].parameters[1]));
-  EXPECT_FALSE(read.queries[0].heading.has_value());
+/// Two queries, one with everything and one with little.
+struct Example {
+  std::vector<std::uint32_t> plant{2, 0}, symbol{0, 0}, following{1, QueryColumns::kNoSymbol};
+  std::vector<std::uint64_t> module{77, 80}, offset{0, 2, 3}, followingOffset{0, 1, 1};
+  std::vector<std::uint8_t> isTransient{1, 0};
+  std::vector<double> parameters{0.1, -0.0, 5.0}, position{1.0, 2.0, 3.0, -0.0, 1e-300, 0.1}, width{0.5, 2.0},
+      followingParameters{9.0};
+
+  [[nodiscard]] EnvironmentStepParams params() const {
+    EnvironmentStepParams step;
+    step.simulation = "s";
+    step.step = 4;
+    step.timeDays = 0.25;
+    QueryColumns& q = step.queries;
+    q.count = 2;
+    q.plant = plant;
+    q.module = module;
+    q.isTransient = isTransient;
+    q.symbol = symbol;
+    q.offset = offset;
+    q.parameters = parameters;
+    q.position = position;
+    q.width = width;
+    q.following = following;
+    q.followingOffset = followingOffset;
+    q.followingParameters = followingParameters;
+    q.symbols = {"E", "F"};
+    return step;
+  }
+};
+
+/// The payload of a message that crossed as bytes.
+Payload crossed(const std::string& bytes) {
+  MessageReader reader{FrameLimits{}};
+  reader.allowBlocks();
+  reader.feed(bytes);
+  auto read = reader.next();
+  EXPECT_TRUE(read.has_value());
+  if (const auto* bad = std::get_if<BadMessage>(&*read)) {
+    ADD_FAILURE() << bad->error.message;
+    return {};
+  }
+  return std::get<Message>(*read).payload;
+}
+
+TEST(DecodeEnvironment, ReadsBackTheQueriesItWroteAsTextAndInBlocks) {
+  const Example example;
+  const auto step = example.params();
+  const auto text = std::get<EnvironmentStepParams>(
+      decodeEnvironmentStepParams(crossed(encodeRequest(MessageId::of(1), "environment.step", encode(step)))));
+  EXPECT_EQ(encode(text), encode(step));
+  EXPECT_TRUE(std::signbit(text.queries.parameters[1]));
+  EXPECT_TRUE(text.queries.heading.empty());
+  const auto blocks = std::get<EnvironmentStepParams>(
+      decodeEnvironmentStepParams(crossed(encodeRequest(MessageId::of(1), "environment.step", encodeBlocks(step)))));
+  EXPECT_EQ(encode(blocks), encode(step));
+  EXPECT_TRUE(std::signbit(blocks.queries.parameters[1]));
+}
+
+TEST(DecodeEnvironment, MembersThatOnlySomeQueriesHaveGetTheirDefaultInTheOthers) {
+  const auto step = std::get<EnvironmentStepParams>(decodeEnvironmentStepParams(
+      payload("params",
+              R"({"simulation":"s","step":0,"queries":[{"id":0,"symbol":"E"},{"id":1,"symbol":"E","position":[1,2,3],)"
+              R"("width":4,"following":{"symbol":"F","parameters":[7]}},{"id":2,"symbol":"E"}]})")));
+  const auto list = [](const auto& column) { return std::vector(column.begin(), column.end()); };
+  EXPECT_EQ(list(step.queries.position), (std::vector<double>{0, 0, 0, 1, 2, 3, 0, 0, 0}));
+  EXPECT_EQ(list(step.queries.width), (std::vector<double>{1, 4, 1}));
+  EXPECT_EQ(list(step.queries.following), (std::vector<std::uint32_t>{0xFFFFFFFF, 1, 0xFFFFFFFF}));
+  EXPECT_EQ(list(step.queries.followingOffset), (std::vector<std::uint64_t>{0, 0, 1, 1}));
+}
+
+/// What is wrong with blocks of a step of one query, or of its replies.
+std::string blockProblem(const std::string& head, const BlockWriter& blocks, bool isReply) {
+  Body body(head);
+  body.blocks = blocks;
+  const Payload payload = crossed(isReply ? encodeResult(MessageId::of(1), body)
+                                          : encodeRequest(MessageId::of(1), "environment.step", body));
+  return isReply ? problem(decodeReplies(payload, 2)) : problem(decodeEnvironmentStepParams(payload));
+}
+
+TEST(DecodeEnvironment, BlocksOfAStepAreCheckedOneByOne) {
+  const std::string head = R"({"simulation":"s","step":0,"symbols":["E"]})";
+  using Numbers = std::vector<double>;
+  using Counts = std::vector<std::uint32_t>;
+  const auto with = [&](const std::function<void(BlockWriter&)>& change) {
+    BlockWriter blocks;
+    blocks.keep("plant", Counts{0, 0}, {2});
+    change(blocks);
+    return blockProblem(head, blocks, false);
+  };
+  EXPECT_EQ(with([](BlockWriter&) {}), "bin.symbol: the block is missing");
+  EXPECT_EQ(with([](BlockWriter& b) { b.keep("symbol", Counts{0}, {1}); }),
+            "bin.symbol: expected the shape [2], found [1]");
+  EXPECT_EQ(with([](BlockWriter& b) {
+              b.keep("symbol", Numbers{0, 0}, {2});
+            }),
+            "bin.symbol: expected the dtype <u4, found <f8");
+  EXPECT_EQ(with([](BlockWriter& b) {
+              b.keep("symbol", Counts{0, 3}, {2});
+            }),
+            "bin.symbol[1]: there is no symbol 3; params.symbols has 1");
+  const auto withSymbol = [&](const std::function<void(BlockWriter&)>& change) {
+    return with([&](BlockWriter& blocks) {
+      blocks.keep("symbol", Counts{0, 0}, {2});
+      change(blocks);
+    });
+  };
+  EXPECT_EQ(withSymbol([](BlockWriter&) {}), "bin.parameters: the block is missing");
+  EXPECT_EQ(withSymbol([](BlockWriter& b) {
+              b.keep("parameters", Counts{1, 2}, {2, 1});
+            }),
+            "bin.parameters: expected the dtype <f8 or <f4, found <u4");
+  EXPECT_EQ(withSymbol([](BlockWriter& b) {
+              b.keep("parameters", Numbers{1, 2, 3}, {3});
+            }),
+            "bin.parameterOffset: the block is missing");
+  EXPECT_EQ(withSymbol([](BlockWriter& b) {
+              b.keep("parameters", Numbers{1, 2, 3}, {3});
+              b.keep("parameterOffset", Counts{0, 2, 1}, {3});
+            }),
+            "bin.parameterOffset[2]: expected offsets that rise from 0 to 3, found 1");
+  EXPECT_EQ(withSymbol([](BlockWriter& b) {
+              b.keep("parameters", Numbers{1, NAN}, {2, 1});
+            }),
+            "bin.parameters[1]: NaN and infinity are not numbers of the protocol");
+  EXPECT_EQ(withSymbol([](BlockWriter& b) {
+              b.keep("parameters", Numbers{1, 2}, {2, 1});
+              b.keep("position", Numbers{1, 2}, {2});
+            }),
+            "bin.position: expected the shape [2,3], found [2]");
+  EXPECT_EQ(withSymbol([](BlockWriter& b) { b.keep("parameters", Numbers{1, 2}, {2, 1}); }), "(accepted)");
+}
+
+TEST(DecodeEnvironment, BlocksOfRepliesAreCheckedAgainstTheQueries) {
+  using Numbers = std::vector<double>;
+  using Counts = std::vector<std::uint32_t>;
+  const auto with = [&](const std::function<void(BlockWriter&)>& change) {
+    BlockWriter blocks;
+    change(blocks);
+    return blockProblem("{}", blocks, true);
+  };
+  EXPECT_EQ(with([](BlockWriter& b) { b.keep("id", Counts{0}, {1}); }), "bin.parameters: the block is missing");
+  EXPECT_EQ(with([](BlockWriter& b) {
+              b.keep("parameters", Numbers{1, 2, 3}, {3});
+            }),
+            "bin.parameters: expected a row for each of the 2 queries, or a block 'id' that says which are answered, "
+            "found 3 rows");
+  EXPECT_EQ(with([](BlockWriter& b) {
+              b.keep("parameters", Numbers{}, {1'000'000'000'000, 0});
+            }),
+            "bin.parameters: expected a row for each of the 2 queries, or a block 'id' that says which are answered, "
+            "found 1000000000000 rows");
+  EXPECT_EQ(with([](BlockWriter& b) {
+              b.keep("id", Counts{1, 1}, {2});
+              b.keep("parameters", Numbers{1, 2}, {2, 1});
+            }),
+            "bin.id[1]: query 1 is answered twice; answer each at most once");
+  EXPECT_EQ(with([](BlockWriter& b) {
+              b.keep("parameters", Numbers{1, 2}, {2, 1});
+              b.keep("set", Counts{1}, {1});
+            }),
+            "bin.set: expected the shape [2,1] of 'parameters', found [1]");
+  EXPECT_EQ(with([](BlockWriter& b) { b.keep("parameters", std::vector<float>{1, 2}, {2}); }), "(accepted)");
+}
+
+TEST(DecodeEnvironment, RepliesInBlocksReadAsTheSameRepliesAsText) {
+  BlockWriter blocks;
+  blocks.keep("id", std::vector<std::uint32_t>{1, 0}, {2});
+  blocks.keep("parameterOffset", std::vector<std::uint32_t>{0, 2, 3}, {3});
+  blocks.keep("parameters", std::vector<double>{0.0, 0.3, 1.0}, {3});
+  blocks.keep("set", std::vector<std::uint32_t>{0, 1, 1}, {3});
+  Body body("{}");
+  body.blocks = blocks;
+  const auto replies = std::get<ReplyColumns>(decodeReplies(crossed(encodeResult(MessageId::of(1), body)), 2));
+  EXPECT_EQ(encode(replies), R"({"replies":[{"id":1,"parameters":[null,0.3]},{"id":0,"parameters":[1]}]})");
+  // and once more
+  const auto again =
+      std::get<ReplyColumns>(decodeReplies(crossed(encodeResult(MessageId::of(1), encodeBlocks(replies))), 2));
+  EXPECT_EQ(encode(again), encode(replies));
 }
 
 TEST(DecodeEnvironment, RepliesAreCheckedAgainstTheQueries) {
@@ -49,8 +211,8 @@ TEST(DecodeEnvironment, RepliesAreCheckedAgainstTheQueries) {
   EXPECT_EQ(problem(decode(R"({"replies":[{"id":0,"parameters":[1,true]}]})")),
             "result.replies[0].parameters[1]: expected a number, found true");
   EXPECT_EQ(problem(decode("[]")), "result: expected an object, found an array");
-  const auto replies = std::get<std::vector<ReplyRecord>>(decode(R"({"replies":[{"id":1,"parameters":[null,0.3]}]})"));
-  EXPECT_EQ(replies.at(0).parameters, (std::vector<std::optional<double>>{std::nullopt, 0.3}));
+  const auto replies = std::get<ReplyColumns>(decode(R"({"replies":[{"id":1,"parameters":[null,0.3]}]})"));
+  EXPECT_EQ(encode(replies), R"({"replies":[{"id":1,"parameters":[null,0.3]}]})");
 }
 
 TEST(DecodeEnvironment, ADescriptionMayLeaveOutEverything) {

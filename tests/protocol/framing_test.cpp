@@ -39,5 +39,142 @@ TEST(Framing, AnEndlessLineIsNoticedBeforeItsEnd) {
   EXPECT_TRUE(splitter.isOverflowed());
 }
 
+Message messageOf(std::optional<MessageReader::Read> read) {
+  EXPECT_TRUE(read.has_value());
+  if (const auto* bad = std::get_if<BadMessage>(&*read)) {
+    ADD_FAILURE() << bad->error.message;
+    return {};
+  }
+  return std::get<Message>(std::move(*read));
+}
+
+/// A request with one block of `count` numbers, and another without.
+std::string twoRequests(std::size_t count) {
+  Body body("{}");
+  std::vector<double> numbers(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    numbers[i] = 0.1 * static_cast<double>(i);
+  }
+  body.blocks.keep("x", numbers, {count});
+  body.blocks.keep("n", std::vector<std::uint32_t>{7}, {1});
+  return encodeRequest(MessageId::of(1), "m", body) + encodeRequest(MessageId::of(2), "n", "{}");
+}
+
+void expectBothRequests(MessageReader& reader, std::size_t count) {
+  const Message first = messageOf(reader.next());
+  ASSERT_NE(first.payload.blocks(), nullptr);
+  const Blocks& blocks = *first.payload.blocks();
+  const auto x = blocks.doubles(*blocks.find("x"));
+  ASSERT_EQ(x.size(), count);
+  EXPECT_EQ(x[count - 1], 0.1 * static_cast<double>(count - 1));
+  EXPECT_EQ(blocks.integers(*blocks.find("n"))[0], 7U);
+  EXPECT_EQ(blocks.find("y"), nullptr);
+  const Message second = messageOf(reader.next());
+  EXPECT_EQ(second.method, "n");
+  EXPECT_EQ(second.payload.blocks(), nullptr);
+}
+
+TEST(MessageReader, BlocksComeWithTheirMessageHoweverTheBytesArriveInPieces) {
+  const std::string bytes = twoRequests(5);
+  for (std::size_t piece = 1; piece <= bytes.size(); ++piece) {
+    MessageReader reader{FrameLimits{}};
+    reader.allowBlocks();
+    for (std::size_t i = 0; i < bytes.size(); i += piece) {
+      EXPECT_EQ(reader.hasPartialMessage(), i > 0 && reader.hasPartialMessage());
+      reader.feed(std::string_view(bytes).substr(i, piece));
+    }
+    expectBothRequests(reader, 5);
+    EXPECT_FALSE(reader.next().has_value());
+    EXPECT_FALSE(reader.hasPartialMessage());
+  }
+}
+
+TEST(MessageReader, BlocksThatWereNotAgreedLoseTheFraming) {
+  MessageReader reader{FrameLimits{}};
+  reader.feed(twoRequests(5));
+  EXPECT_FALSE(reader.next().has_value());
+  ASSERT_TRUE(reader.lost().has_value());
+  EXPECT_EQ(reader.lost()->code, ErrorCode::Capability);
+  EXPECT_EQ(reader.lost()->message.find("Binary blocks were not agreed on. Name the capability 'bin' in hello"), 0U);
+  EXPECT_FALSE(reader.next().has_value());
+}
+
+TEST(MessageReader, ABlockAtItsBoundIsReadAndOneByteMoreLosesTheFraming) {
+  const std::string bytes = twoRequests(5);
+  MessageReader wide{{.lineBytes = 1'000, .blockBytes = 48}};
+  wide.allowBlocks();
+  wide.feed(bytes);
+  expectBothRequests(wide, 5);
+  MessageReader narrow{{.lineBytes = 1'000, .blockBytes = 47}};
+  narrow.allowBlocks();
+  narrow.feed(bytes);
+  EXPECT_FALSE(narrow.next().has_value());
+  EXPECT_EQ(narrow.lost()->message.find("blockBytes is limited to 47, this is 48. "), 0U) << narrow.lost()->message;
+}
+
+TEST(MessageReader, ALineBeyondItsBoundLosesTheFraming) {
+  MessageReader reader{{.lineBytes = 10, .blockBytes = 100}};
+  reader.feed("01234567890");
+  EXPECT_FALSE(reader.next().has_value());
+  EXPECT_EQ(reader.lost()->message.find("lineBytes is limited to 10, this is 11. "), 0U);
+}
+
+TEST(MessageReader, AMessageWithWrongBlocksIsRefusedAndTheNextOneRead) {
+  const auto problem = [](const std::string& members) {
+    MessageReader reader{FrameLimits{}};
+    reader.allowBlocks();
+    reader.feed(R"({"jsonrpc":"2.0","id":1,"method":"m","params":{},)" + members + "}\n" + std::string(16, 'x') +
+                encodeRequest(MessageId::of(2), "n", "{}"));
+    auto read = reader.next();
+    EXPECT_TRUE(read.has_value() && std::holds_alternative<BadMessage>(*read)) << members;
+    EXPECT_EQ(messageOf(reader.next()).method, "n") << members;
+    return std::get<BadMessage>(*read).error.message;
+  };
+  const auto block = [](const std::string& rest) {
+    return R"("binBytes":16,"bin":[{"name":"a","dtype":"<f8","shape":[1],"offset":0,"bytes":8},{)" + rest + "}]";
+  };
+  EXPECT_EQ(problem(block(R"("name":"a","dtype":"<f8","shape":[1],"offset":8,"bytes":8)")),
+            "bin[1].name: 'a' is there twice");
+  EXPECT_EQ(problem(block(R"("name":"b","dtype":">f8","shape":[1],"offset":8,"bytes":8)")),
+            "bin[1].dtype: expected one of <f8, <f4, <u4, found \">f8\"");
+  EXPECT_EQ(problem(block(R"("name":"b","dtype":"<f8","shape":[2],"offset":8,"bytes":8)")),
+            "bin[1].bytes: shape and dtype make 16 bytes, found 8");
+  EXPECT_EQ(problem(block(R"("name":"b","dtype":"<f8","shape":[4294967296,4294967296],"offset":8,"bytes":0)")),
+            "bin[1].bytes: shape and dtype make too many bytes, found 0");
+  EXPECT_EQ(problem(block(R"("name":"b","dtype":"<f4","shape":[1],"offset":4,"bytes":4)")),
+            "bin[1].offset: expected a multiple of 8, found 4");
+  EXPECT_EQ(problem(block(R"("name":"b","dtype":"<f8","shape":[2],"offset":8,"bytes":16)")),
+            "bin[1].offset: the block ends beyond binBytes=16");
+  EXPECT_EQ(problem(block(R"("name":"b","dtype":"<u4","shape":[3],"offset":0,"bytes":12)")),
+            "bin[1].offset: 'b' overlaps 'a'");
+  EXPECT_EQ(problem(block(R"("name":"b","dtype":"<u4","shape":[1,1,1,1],"offset":8,"bytes":4)")),
+            "bin[1].shape: expected at most 3 dimensions");
+  EXPECT_EQ(problem(block(R"("name":"","dtype":"<u4","shape":[1],"offset":8,"bytes":4)")),
+            "bin[1].name: expected 1 to 64 bytes");
+  EXPECT_EQ(problem(R"("binBytes":16)"), "bin: expected an array, found nothing");
+}
+
+TEST(WebSocketFrame, ABinaryFrameCarriesWhatTheStreamCarries) {
+  const std::string bytes = twoRequests(3);
+  const std::string message = bytes.substr(0, bytes.size() - encodeRequest(MessageId::of(2), "n", "{}").size());
+  EXPECT_TRUE(hasBlocks(message));
+  EXPECT_FALSE(hasBlocks("{}\n"));
+  const std::string frame = binaryFrame(message);
+  EXPECT_EQ((frame.size() - 32) % 8, 0U);
+  BulkTextReader bulk;
+  std::optional<Error> problem;
+  const Message read = messageOf(readFrame(frame, true, true, bulk, problem));
+  EXPECT_EQ(read.payload.blocks()->doubles(*read.payload.blocks()->find("x")).size(), 3U);
+  // cut off, with a wrong length, or not agreed
+  EXPECT_FALSE(readFrame(frame, true, false, bulk, problem).has_value());
+  EXPECT_EQ(problem->code, ErrorCode::Capability);
+  EXPECT_FALSE(readFrame(frame.substr(0, 3), true, true, bulk, problem).has_value());
+  EXPECT_EQ(problem->message, "A binary frame begins with the length of its JSON in four bytes.");
+  EXPECT_FALSE(readFrame(frame.substr(0, 20), true, true, bulk, problem).has_value());
+  EXPECT_NE(problem->message.find("A binary frame of 20 bytes cannot have"), std::string::npos);
+  const auto cut = readFrame(frame.substr(0, frame.size() - 8), true, true, bulk, problem);
+  EXPECT_EQ(std::get<BadMessage>(*cut).error.message, "binBytes: the frame has 24 raw bytes behind its JSON, found 32");
+}
+
 }  // namespace
 }  // namespace espalier::protocol

@@ -21,8 +21,7 @@ double roundTrip(double value) {
   const std::string line =
       R"({"jsonrpc":"2.0","id":1,"result":{"replies":[{"id":0,"parameters":[)" + number(value) + "]}]}}";
   const auto message = std::get<Message>(decodeMessage(line));
-  const auto replies = std::get<std::vector<ReplyRecord>>(decodeReplies(message.payload, 1));
-  return *replies[0].parameters[0];
+  return std::get<ReplyColumns>(decodeReplies(message.payload, 1)).values[0];
 }
 
 TEST(JsonWriter, WritesTheShortestDecimalThatReadsBack) {

@@ -115,13 +115,15 @@ TEST(EnvironmentHost, APortInUseIsAnErrorThatSaysWhatToDo) {
 // ---- the dialogue without a network ----
 
 std::string ask(EnvironmentDialogue& dialogue, const std::string& method, const std::string& params) {
-  return dialogue.answer(R"({"jsonrpc":"2.0","id":1,"method":")" + method + R"(","params":)" + params + "}")
+  return dialogue
+      .answer(
+          protocol::decodeMessage(R"({"jsonrpc":"2.0","id":1,"method":")" + method + R"(","params":)" + params + "}"))
       .value_or("(nothing)");
 }
 
 TEST(EnvironmentDialogue, AMinimalControllerNeedsNeitherHelloNorOpen) {
   const ProcessFactory factory = [] { return builtIn("height"); };
-  EnvironmentDialogue dialogue(factory);
+  EnvironmentDialogue dialogue(factory, {});
   EXPECT_EQ(
       member(
           ask(dialogue, "environment.step",
@@ -132,7 +134,7 @@ TEST(EnvironmentDialogue, AMinimalControllerNeedsNeitherHelloNorOpen) {
 
 TEST(EnvironmentDialogue, DescribesTheProcess) {
   const ProcessFactory factory = [] { return builtIn("height"); };
-  EnvironmentDialogue dialogue(factory);
+  EnvironmentDialogue dialogue(factory, {});
   const std::string description = member(ask(dialogue, "environment.describe", "{}"), "result");
   EXPECT_EQ(member(description, "name"), "height");
   EXPECT_EQ(member(description, "needs"), R"(["position"])");
@@ -140,7 +142,7 @@ TEST(EnvironmentDialogue, DescribesTheProcess) {
 
 TEST(EnvironmentDialogue, ErrorsNameThePathAndTheMethods) {
   const ProcessFactory factory = [] { return builtIn("height"); };
-  EnvironmentDialogue dialogue(factory);
+  EnvironmentDialogue dialogue(factory, {});
   EXPECT_EQ(member(member(ask(dialogue, "environment.step", R"({"simulation":"a","step":-1,"queries":[]})"), "error"),
                    "message"),
             "params.step: expected a whole number from 0 to 9007199254740992, found -1");
@@ -150,7 +152,8 @@ TEST(EnvironmentDialogue, ErrorsNameThePathAndTheMethods) {
              "message")
           .substr(0, 20),
       "params.configuration");
-  EXPECT_EQ(dialogue.answer(R"({"jsonrpc":"2.0","method":"environment.close","params":{}})"), std::nullopt);
+  EXPECT_EQ(dialogue.answer(protocol::decodeMessage(R"({"jsonrpc":"2.0","method":"environment.close","params":{}})")),
+            std::nullopt);
 }
 
 /// Counts its steps in what it answers: a process whose state shows.
@@ -191,7 +194,7 @@ std::string stepParams(int step) {
 
 TEST(EnvironmentDialogue, AStepAskedAgainIsAnsweredTheSameWithoutAdvancing) {
   const ProcessFactory factory = [] { return std::make_unique<Counter>(); };
-  EnvironmentDialogue dialogue(factory);
+  EnvironmentDialogue dialogue(factory, {});
   const std::string first = ask(dialogue, "environment.step", stepParams(0));
   EXPECT_EQ(ask(dialogue, "environment.step", stepParams(0)), first);
   EXPECT_EQ(member(ask(dialogue, "environment.step", stepParams(1)), "result"),
@@ -201,7 +204,7 @@ TEST(EnvironmentDialogue, AStepAskedAgainIsAnsweredTheSameWithoutAdvancing) {
 
 TEST(EnvironmentDialogue, SaveAndRestoreCarryTheStateOfASimulation) {
   const ProcessFactory factory = [] { return std::make_unique<Counter>(); };
-  EnvironmentDialogue dialogue(factory);
+  EnvironmentDialogue dialogue(factory, {});
   (void)ask(dialogue, "environment.step", stepParams(0));
   const std::string state =
       member(member(ask(dialogue, "environment.save", R"({"simulation":"a"})"), "result"), "state");

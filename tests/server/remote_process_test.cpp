@@ -19,10 +19,16 @@ void answerHeight(client::Client& self, const client::IncomingRequest& request) 
     return;
   }
   const auto params = std::get<protocol::EnvironmentStepParams>(protocol::decodeEnvironmentStepParams(request.params));
-  std::vector<protocol::ReplyRecord> replies;
-  for (const auto& query : params.queries) {
-    replies.push_back({query.id, {query.position->at(1)}});
+  protocol::ReplyColumns replies;
+  std::vector<double> heights;
+  std::vector<std::uint64_t> offset{0};
+  for (std::size_t i = 0; i < params.queries.count; ++i) {
+    heights.push_back(params.queries.position[3 * i + 1]);
+    offset.push_back(i + 1);
   }
+  replies.count = heights.size();
+  replies.values = heights;
+  replies.offset = offset;
   (void)self.respond(request.id, protocol::encode(replies));
 }
 

@@ -1,14 +1,15 @@
 """Espalier from Python: environments that plants grow against, and a client of the server. Standard library only."""
 
 from .client import Client, Frame, Model, Simulation, StepResult, Stream, TurtleRecord
-from .environment import Answer, Environment, Following, Opening, Query, Variable
+from .environment import Answer, Columns, Environment, Following, Opening, Query, Variable
 from .errors import ConnectionLost, EspalierError, ProtocolError, ServerError, ServerFailed
 from .local_server import Local, local
 from .server import Server
 from .version import VERSION as __version__
 
 __all__ = [
-    "Answer", "Client", "ConnectionLost", "Environment", "EspalierError", "Following", "Frame", "Local", "Model", "Opening",
+    "Answer", "Client", "Columns", "ConnectionLost", "Environment", "EspalierError", "Following", "Frame", "Local",
+    "Model", "Opening",
     "ProtocolError", "Query", "Server", "ServerError", "ServerFailed", "Simulation", "StepResult", "Stream",
     "TurtleRecord", "Variable", "__version__", "local",
 ]

@@ -132,6 +132,7 @@ class Client:
         self._ended: Dict[str, str] = {}  # why, by stream
         try:
             self.server: Mapping[str, Any] = self.call("hello", hello_parameters(name, "controller", token))
+            channel.agree(self.server)
         except BaseException:
             channel.close()
             raise

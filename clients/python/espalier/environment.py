@@ -12,9 +12,11 @@
 from __future__ import annotations
 
 import sys
+from array import array
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, Dict, List, Mapping, NoReturn, Optional, Sequence, Tuple
 
+from .blocks import Blocks, numpy, offsets_of
 from .errors import ProtocolError
 
 Vector = Tuple[float, float, float]
@@ -50,6 +52,58 @@ class Query:
 
 
 @dataclass(frozen=True)
+class Columns:
+    """All queries of one step as arrays, row after row: NumPy arrays when NumPy is there, else memoryviews. They look
+    at the bytes that came; nothing is copied. What the environment does not need is None."""
+
+    count: int  # queries
+    plant: Any  # (count)
+    module: Any  # index of each module in its plant's string (count), or None
+    is_transient: Any  # (count), or None: none is
+    symbol: Any  # index in `symbols` (count)
+    symbols: Tuple[str, ...]
+    parameters: Any  # (count, parameters) when all queries have as many, else all of them one after the other
+    parameter_offset: Any  # where each query's begin, and the end (count + 1), or None: as many in each row
+    position: Any = None  # (count, 3)
+    heading: Any = None  # (count, 3)
+    left: Any = None  # (count, 3)
+    up: Any = None  # (count, 3)
+    width: Any = None  # (count)
+    scale: Any = None  # (count)
+    following: Any = None  # index in `symbols` of the next module (count), 2^32 - 1: none
+    following_parameters: Any = None  # as parameters
+    following_offset: Any = None
+
+    def queries(self) -> "List[Query]":
+        """The same as one object for each query."""
+        parameters = _rows(self.parameters, self.parameter_offset, self.count)
+        following = _rows(self.following_parameters, self.following_offset, self.count)
+        given: Dict[str, Any] = {}
+        for name in ("position", "heading", "left", "up"):
+            column = getattr(self, name)
+            if column is not None:
+                given[name] = [tuple(row) for row in column.tolist()]
+        for name in ("width", "scale", "module", "plant", "symbol", "is_transient"):
+            column = getattr(self, name)
+            if column is not None:
+                given[name] = column.tolist()
+        next_symbols = None if self.following is None else self.following.tolist()
+        found = []
+        for row in range(self.count):
+            values: Dict[str, Any] = {name: column[row] for name, column in given.items()}
+            values["symbol"] = self.symbols[values["symbol"]]
+            values["is_transient"] = bool(values.get("is_transient"))
+            if next_symbols is not None and next_symbols[row] != NO_SYMBOL:
+                values["following"] = Following(self.symbols[next_symbols[row]], following[row])
+            found.append(Query(id=row, parameters=parameters[row], **values))
+        return found
+
+
+# in Columns.following: no module follows
+NO_SYMBOL = 0xFFFFFFFF
+
+
+@dataclass(frozen=True)
 class Opening:
     """What an environment is told when a simulation opens it."""
 
@@ -76,8 +130,8 @@ class Variable:
 class Environment:
     """Base class of environments. One object is made for every simulation, so attributes are a simulation's own.
 
-    A subclass defines `answer` (one query at a time) or `step` (all queries of all plants together), and may define
-    `opened` (to read its configuration), `save` and `restore` (when it changes from step to step).
+    A subclass defines `answer` (one query at a time), `step` (all queries of all plants together) or `step_columns`
+    (the same as arrays: a million queries a second), and may define `opened` (to read its configuration), `save` and `restore` (when it changes from step to step).
     """
 
     # what the server sends with each query: position heading left up width scale parameters following
@@ -108,6 +162,11 @@ class Environment:
     def step(self, queries: Sequence[Query]) -> Sequence[Answer]:
         """Answers of all queries of one step, in their order. Called also for a step without queries."""
         return [self.answer(query) for query in queries]
+
+    def step_columns(self, queries: Columns) -> Any:
+        """Instead of `step`, for many queries: all of them as arrays. Returns an array of one number for every query,
+        or of rows of numbers (queries, values), which set the module's parameters in order; None keeps all."""
+        raise NotImplementedError
 
     def save(self) -> Any:
         """The complete state as a JSON value."""
@@ -230,6 +289,86 @@ def read_query(value: Any, path: str) -> Query:
         if name in shape:
             found[name] = _number(shape[name], f"{path}.{name}")
     return Query(**found)
+
+
+def _rows(values: Any, offset: Any, count: int) -> List[Tuple[float, ...]]:
+    """The numbers of each query."""
+    if values is None:
+        return [()] * count
+    listed = values.tolist()
+    if offset is None:
+        return [tuple(row) for row in listed] if listed else [()] * count
+    bounds = offset.tolist()
+    return [tuple(listed[bounds[row]:bounds[row + 1]]) for row in range(count)]
+
+
+def read_columns(parameters: Mapping[str, Any], blocks: Blocks) -> Columns:
+    """The columns of the params of `environment.step`: its arrays, or made of its list of queries."""
+    if not blocks:
+        shapes = _list(parameters.get("queries"), "params.queries")
+        return _gathered([read_query(shape, f"params.queries[{index}]") for index, shape in enumerate(shapes)], shapes)
+    for name in ("plant", "symbol", "parameters"):
+        if name not in blocks:
+            raise ProtocolError(f"bin.{name}: the block is missing.")
+    symbols = _list(parameters.get("symbols"), "params.symbols")
+    count = len(blocks["plant"])
+    for name, extents in (("symbol", ()), ("module", ()), ("transient", ()), ("position", (3,)), ("heading", (3,)),
+                          ("left", (3,)), ("up", (3,)), ("width", ()), ("scale", ()), ("following", ())):
+        found = blocks.get(name)
+        if found is not None and count > 0 and tuple(found.shape) != (count, *extents):
+            raise ProtocolError(f"bin.{name}: expected the shape {[count, *extents]}, found {list(found.shape)}.")
+    return Columns(
+        count=count, plant=blocks["plant"], module=blocks.get("module"), is_transient=blocks.get("transient"),
+        symbol=blocks["symbol"],
+        symbols=tuple(_text(symbol, f"params.symbols[{index}]") for index, symbol in enumerate(symbols)),
+        parameters=blocks["parameters"], parameter_offset=blocks.get("parameterOffset"), position=blocks.get("position"),
+        heading=blocks.get("heading"), left=blocks.get("left"), up=blocks.get("up"), width=blocks.get("width"),
+        scale=blocks.get("scale"), following=blocks.get("following"),
+        following_parameters=blocks.get("followingParameters"), following_offset=blocks.get("followingOffset"))
+
+
+def _array(kind: str, values: List[Any], width: int = 0) -> Any:
+    """Numbers as an array of the kind that blocks have: d, I; rows of `width` numbers when it is not 0."""
+    if numpy is not None:
+        made = numpy.array(values, dtype={"d": "<f8", "I": "<u4"}[kind])
+        return made.reshape(-1, width) if width else made
+    made = memoryview(array(kind, values))
+    return made.cast("B").cast(kind, [len(values) // width, width]) if width and values else made
+
+
+def _gathered(queries: List[Query], shapes: List[Any]) -> Columns:
+    names = list(dict.fromkeys([query.symbol for query in queries]
+                               + [query.following.symbol for query in queries if query.following is not None]))
+    number = {name: index for index, name in enumerate(names)}
+    has = {name: any(name in shape for shape in shapes) for name in ("position", "heading", "left", "up", "width", "scale")}
+
+    def vectors(name: str) -> Any:
+        return _array("d", [value for query in queries for value in getattr(query, name)], 3) if has[name] else None
+
+    def rows(values: List[Tuple[float, ...]]) -> Tuple[Any, Any]:
+        widths = {len(row) for row in values}
+        flat = [value for row in values for value in row]
+        if len(widths) == 1 and widths != {0}:
+            return _array("d", flat, widths.pop()), None
+        return _array("d", flat), _array("I", offsets_of([len(row) for row in values]))
+
+    parameters, offset = rows([query.parameters for query in queries])
+    following = None
+    following_rows: Tuple[Any, Any] = (None, None)
+    if any(query.following is not None for query in queries):
+        following = _array("I", [NO_SYMBOL if query.following is None else number[query.following.symbol]
+                                 for query in queries])
+        following_rows = rows([() if query.following is None else query.following.parameters for query in queries])
+    return Columns(
+        count=len(queries), plant=_array("I", [query.plant for query in queries]),
+        module=_array("I", [query.module for query in queries]),
+        is_transient=_array("I", [int(query.is_transient) for query in queries])
+        if any(query.is_transient for query in queries) else None,
+        symbol=_array("I", [number[query.symbol] for query in queries]), symbols=tuple(names), parameters=parameters,
+        parameter_offset=offset, position=vectors("position"), heading=vectors("heading"), left=vectors("left"),
+        up=vectors("up"), width=_array("d", [query.width for query in queries]) if has["width"] else None,
+        scale=_array("d", [query.scale for query in queries]) if has["scale"] else None, following=following,
+        following_parameters=following_rows[0], following_offset=following_rows[1])
 
 
 def read_opening(parameters: Mapping[str, Any]) -> Opening:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import array as array_module
 import base64
 import json
 import math
@@ -15,7 +16,8 @@ import traceback
 from typing import Any, Dict, List, Optional, Sequence, Tuple, Type
 
 from . import wire
-from .environment import Answer, Environment, Query, read_opening, read_query
+from .blocks import Blocks, numpy
+from .environment import Answer, Columns, Environment, Query, read_columns, read_opening, read_query
 from .errors import ConnectionLost, EspalierError, ProtocolError, ServerError
 from .version import VERSION
 
@@ -46,7 +48,15 @@ class _Simulation:
     def __init__(self, environment: Environment) -> None:
         self.environment = environment
         self.last_request: Optional[Tuple[int, int, Any]] = None  # step, iteration, queries
-        self.last_reply: Dict[str, Any] = {}
+        self.last_reply: "Reply" = Reply({})
+
+
+class Reply:
+    """The result of a request, and the arrays that go with it."""
+
+    def __init__(self, value: Dict[str, Any], blocks: Optional[Blocks] = None) -> None:
+        self.value = value
+        self.blocks = blocks
 
 
 class Host:
@@ -58,46 +68,56 @@ class Host:
 
     def handle(self, message: wire.Message) -> Optional[wire.Message]:
         """The response to a message; None for notifications and responses."""
+        return self.answer(wire.Received(message))[0]
+
+    def answer(self, message: wire.Received) -> Tuple[Optional[wire.Message], Optional[Blocks]]:
+        """The response to a message with the arrays behind it; None for notifications and responses."""
         method = message.get("method")
         identifier = message.get("id")
+        blocks: Optional[Blocks] = None
         if not isinstance(method, str):
             if "result" in message or "error" in message:
-                return None
-            return wire.failure(identifier, wire.INVALID_REQUEST, "method: expected a text. This is not a request.")
+                return None, None
+            return wire.failure(identifier, wire.INVALID_REQUEST,
+                                "method: expected a text. This is not a request."), None
         parameters = message.get("params", {})
         try:
             if not isinstance(parameters, dict):
                 raise _Refusal(wire.INVALID_PARAMETERS, "params: expected an object.", {"path": "params"})
-            value = self._call(method, parameters)
+            reply = self._call(method, parameters, message.blocks)
         except _Refusal as refusal:
             response = wire.failure(identifier, refusal.code, str(refusal), refusal.data)
         except ProtocolError as error:
             path = str(error).split(":")[0]
             response = wire.failure(identifier, wire.INVALID_PARAMETERS, str(error), {"path": path})
+        except Exception as error:  # a mistake of this package must not end the program either
+            traceback.print_exc(file=sys.stderr)
+            response = wire.failure(identifier, wire.INTERNAL_ERROR, f"{type(error).__name__} in {method}: {error}.")
         else:
-            response = wire.result(identifier, value)
-        return None if identifier is None else response
+            response = wire.result(identifier, reply.value)
+            blocks = reply.blocks
+        return (None, None) if identifier is None else (response, blocks)
 
-    def _call(self, method: str, parameters: Dict[str, Any]) -> Any:
+    def _call(self, method: str, parameters: Dict[str, Any], blocks: Blocks) -> Reply:
         if method == "environment.step":
-            return self._step(parameters)
+            return self._step(parameters, blocks)
         if method == "environment.describe":
-            return self._class.description()
+            return Reply(self._class.description())
         if method == "environment.open":
-            return self._open(parameters)
+            return Reply(self._open(parameters))
         if method == "environment.close":
             simulation = self._simulations.pop(str(parameters.get("simulation")), None)
             if simulation is not None:
                 self._run("closed()", simulation.environment.closed)
-            return {}
+            return Reply({})
         if method == "environment.save":
             simulation = self._find(parameters)
             state = self._run("save()", simulation.environment.save)
-            return {"state": pack_state(state)}
+            return Reply({"state": pack_state(state)})
         if method == "environment.restore":
-            return self._restore(parameters)
+            return Reply(self._restore(parameters))
         if method == "hello":
-            return hello_result(self._class.name(), parameters)
+            return Reply(hello_result(self._class.name(), parameters))
         raise _Refusal(wire.METHOD_NOT_FOUND, f"An environment does not know the method '{method}'. It knows "
                        "environment.describe, open, step, save, restore and close.")
 
@@ -131,46 +151,111 @@ class Host:
         simulation.last_request = None
         return {}
 
-    def _step(self, parameters: Dict[str, Any]) -> Dict[str, Any]:
+    def _step(self, parameters: Dict[str, Any], blocks: Blocks) -> Reply:
         simulation = self._find(parameters)
         sent = parameters.get("queries")
-        if not isinstance(sent, list):
+        if not blocks and not isinstance(sent, list):
             raise _Refusal(wire.INVALID_PARAMETERS, "params.queries: expected a list of queries.",
                            {"path": "params.queries"})
-        key = (int(parameters.get("step", 0)), int(parameters.get("iteration", 0)), sent)
-        # the same step is sent again after a lost connection: it must not advance the environment twice
+        # arrays are kept only for an environment that must not advance twice
+        asked: Any = sent
+        if blocks:
+            asked = {name: bytes(array) for name, array in blocks.items()} if self._class.is_stateful else object()
+        key = (int(parameters.get("step", 0)), int(parameters.get("iteration", 0)), asked)
+        # the same step is sent again after a lost connection
         if simulation.last_request == key:
             return simulation.last_reply
 
-        queries = [read_query(shape, f"params.queries[{index}]") for index, shape in enumerate(sent)]
         environment = simulation.environment
         environment.completed_steps = key[0]
         environment.days = float(parameters.get("time", 0.0))
-        answers: Sequence[Answer] = self._run("step()", lambda: environment.step(queries), key[0])
-        simulation.last_reply = {"replies": self._replies(queries, answers, key[0])}
+        if type(environment).step_columns is not Environment.step_columns:
+            reply = self._step_columns(environment, parameters, blocks)
+        else:
+            queries = (read_columns(parameters, blocks).queries() if blocks else
+                       [read_query(shape, f"params.queries[{index}]") for index, shape in enumerate(sent or [])])
+            answers: Sequence[Answer] = self._run("step()", lambda: environment.step(queries), key[0])
+            reply = Reply({"replies": self._replies(queries, answers, key[0])})
+        simulation.last_reply = reply
         simulation.last_request = key
-        return simulation.last_reply
+        return reply
 
-    def _replies(self, queries: Sequence[Query], answers: Sequence[Answer], step: int) -> List[Dict[str, Any]]:
+    def _step_columns(self, environment: Environment, parameters: Dict[str, Any], blocks: Blocks) -> Reply:
+        """A step of an environment that works with whole columns. Answered as it was asked: in arrays or as text."""
+        step = environment.completed_steps
+        columns = read_columns(parameters, blocks)
+        answer = self._run("step_columns()", lambda: environment.step_columns(columns), step)
+        if answer is None:
+            return Reply({"replies": []})
+        try:
+            array, width = _as_column(answer)
+        except (TypeError, ValueError) as error:
+            raise self._mistake(f"step_columns() returned {_described(answer)}; expected one number for every query, or "
+                                f"rows of them, as an array ({error}).", step) from None
+        if len(array) != columns.count * width:
+            raise self._mistake(f"step_columns() returned {len(array) // max(width, 1)} rows for {columns.count} queries. "
+                                "Return one for every query.", step)
+        self._require_finite(array, width, step)
+        if blocks:
+            return Reply({}, {"parameters": _shaped(array, columns.count, width)})
+        rows = [list(array[row * width:(row + 1) * width]) for row in range(columns.count)]
+        return Reply({"replies": [{"id": row, "parameters": [float(value) for value in values]}
+                                  for row, values in enumerate(rows)]})
+
+    def _require_finite(self, array: Any, width: int, step: int) -> None:
+        if numpy is not None:
+            wrong = numpy.flatnonzero(~numpy.isfinite(array))
+            place = int(wrong[0]) if len(wrong) else -1
+        else:
+            place = next((index for index, value in enumerate(array) if not math.isfinite(value)), -1)
+        if place >= 0:
+            raise self._not_finite(place // width, array[place], place % width, step)
+
+    def _replies(self, queries: Sequence[Query], answers: Any, step: int) -> List[Dict[str, Any]]:
+        try:
+            answers = list(answers)
+        except TypeError:
+            raise self._mistake(f"step() returned {_described(answers)}; expected a list with one answer for every "
+                                "query, None for none.", step) from None
         if len(answers) != len(queries):
-            raise _Refusal(ENVIRONMENT_FAILED, f"{self._class.name()} gave {len(answers)} answers to {len(queries)} "
-                           "queries. step() returns one answer for every query, None for none.",
-                           {"environment": self._class.name(), "step": step, "retryable": False})
+            raise self._mistake(f"step() gave {len(answers)} answers to {len(queries)} queries. Return one answer for "
+                                "every query, None for none.", step)
         replies = []
         for query, answer in zip(queries, answers):
             if answer is None:
                 continue
             values: List[Optional[float]] = []
-            for index, value in enumerate(answer):
+            try:
+                listed = [] if isinstance(answer, (str, bytes)) else list(answer)
+            except TypeError:
+                listed = []
+            if not listed and not _is_empty(answer):
+                raise self._mistake(f"query {query.id} was answered with {_described(answer)}; expected a list of the "
+                                    "module's values, as in [0.5], or None to keep what it sent.", step)
+            for index, value in enumerate(listed):
                 if value is not None:
-                    value = float(value)
+                    try:
+                        value = float(value)
+                    except (TypeError, ValueError):
+                        raise self._mistake(f"query {query.id} was answered with {_described(value)} as value "
+                                            f"{index + 1}; expected a number or None.", step) from None
                     if not math.isfinite(value):
-                        raise _Refusal(NON_FINITE, f"{self._class.name()} answered query {query.id} with {value} as "
-                                       f"value {index + 1}. Only finite numbers can be sent.",
-                                       {"environment": self._class.name(), "step": step, "retryable": False})
+                        raise self._not_finite(query.id, value, index, step)
                 values.append(value)
             replies.append({"id": query.id, "parameters": values})
         return replies
+
+    def _mistake(self, what: str, step: int) -> _Refusal:
+        """A wrong answer of the subclass: for the server, and for the person at this program."""
+        print(f"{self._class.name()}: step {step}: {what}", file=sys.stderr, flush=True)
+        return _Refusal(ENVIRONMENT_FAILED, f"{self._class.name()}: {what}",
+                        {"environment": self._class.name(), "step": step, "retryable": False})
+
+    def _not_finite(self, query: int, value: Any, index: int, step: int) -> _Refusal:
+        mistake = self._mistake(f"query {query} was answered with {float(value)} as value {index + 1}. Only finite "
+                                "numbers can be sent.", step)
+        mistake.code = NON_FINITE
+        return mistake
 
     def _run(self, what: str, call: Any, step: Optional[int] = None) -> Any:
         """Calls the subclass; what it raises goes to standard error in full and to the server in a sentence."""
@@ -185,6 +270,42 @@ class Host:
                 data["step"] = step
             raise _Refusal(ENVIRONMENT_FAILED, f"{self._class.name()}: {type(error).__name__} in {what} at {place}: "
                            f"{error}. The environment's standard error has the whole trace.", data) from None
+
+
+def _described(value: Any) -> str:
+    """A value as a message shows it."""
+    text = repr(value)
+    shown = text if len(text) <= 60 else text[:57] + "..."
+    if isinstance(value, (int, float)) and not isinstance(value, bool):
+        return f"the number {shown}"
+    return f"{shown} ({type(value).__name__})"
+
+
+def _is_empty(answer: Any) -> bool:
+    return isinstance(answer, (list, tuple)) and not answer
+
+
+def _as_column(answer: Any) -> Tuple[Any, int]:
+    """The numbers of an answer to all queries, one after the other, and how many each row has."""
+    if numpy is not None:
+        array = numpy.asarray(answer)
+        if array.dtype.kind not in "fiub" or array.ndim not in (1, 2):
+            raise ValueError(f"an array of {array.dtype} with the shape {list(array.shape)}")
+        kept = array if array.dtype.str in ("<f8", "<f4") else array.astype("<f8")
+        return numpy.ascontiguousarray(kept).reshape(-1), 1 if array.ndim == 1 else int(array.shape[1])
+    rows = list(answer)
+    if not rows or not hasattr(rows[0], "__len__"):
+        return array_module.array("d", rows), 1
+    width = len(rows[0])
+    if any(len(row) != width for row in rows):
+        raise ValueError("rows of different lengths")
+    return array_module.array("d", [value for row in rows for value in row]), width
+
+
+def _shaped(array: Any, rows: int, width: int) -> Any:
+    if numpy is not None:
+        return array.reshape(rows, width)
+    return memoryview(array).cast("B").cast("d", [rows, width]) if rows and width else memoryview(array)
 
 
 def pack_state(state: Any) -> str:
@@ -205,7 +326,7 @@ def unpack_state(packed: Any) -> Any:
 
 def hello_parameters(name: str, role: str, token: Optional[str] = None) -> Dict[str, Any]:
     parameters: Dict[str, Any] = {"protocol": [PROTOCOL], "roles": [role], "name": name, "version": VERSION,
-                                  "capabilities": []}
+                                  "capabilities": list(wire.CAPABILITIES), "limits": dict(wire.LIMITS)}
     if token is not None:
         parameters["token"] = token
     return parameters
@@ -217,8 +338,8 @@ def hello_result(name: str, parameters: Dict[str, Any]) -> Dict[str, Any]:
     if not isinstance(offered, list) or PROTOCOL not in offered:
         raise _Refusal(VERSION_UNKNOWN, f"No common protocol version: asked for {json.dumps(offered)}, "
                        f"this environment speaks [{PROTOCOL}].", {"supported": [PROTOCOL]})
-    return {"protocol": PROTOCOL, "session": name, "server": f"{name} {VERSION}", "capabilities": [],
-            "limits": {"lineBytes": wire.MAXIMUM_LINE_BYTES}}
+    return {"protocol": PROTOCOL, "session": name, "server": f"{name} {VERSION}",
+            "capabilities": list(wire.CAPABILITIES), "limits": dict(wire.LIMITS)}
 
 
 # ---- the three ways to meet a server ------------------------------------------------------------------------------
@@ -234,9 +355,11 @@ def answer_all(host: Host, channel: wire.Channel) -> None:
             continue
         if message is None:
             return
-        response = host.handle(message)
+        response, blocks = host.answer(message)
         if response is not None:
-            channel.send(response)
+            channel.send(response, blocks)
+        if message.get("method") == "hello" and isinstance(message.get("params"), dict):
+            channel.agree(message["params"])
 
 
 def call(channel: wire.Channel, identifier: int, method: str, parameters: Dict[str, Any]) -> Any:
@@ -261,7 +384,7 @@ def open_offer(name: str, address: str, token: Optional[str] = None) -> wire.Soc
     """Connects to a server and offers an environment under a name; the server's requests then arrive on the channel."""
     channel = wire.SocketChannel.connect(*wire.parse_address(address), CONNECT_SECONDS)
     try:
-        call(channel, 1, "hello", hello_parameters(name, "environment", token))
+        channel.agree(call(channel, 1, "hello", hello_parameters(name, "environment", token)) or {})
         call(channel, 2, "environment.offer", {"name": name})
     except BaseException:
         channel.close()

@@ -1,4 +1,4 @@
-"""Messages as lines: one UTF-8 JSON object per line, JSON-RPC 2.0 inside.
+"""Messages as lines: one UTF-8 JSON object per line, JSON-RPC 2.0 inside; behind it raw numbers when both sides agreed.
 
 Numbers must be finite. Python prints a double with the fewest digits that read back as the same double, which is what
 the protocol asks for, so a value that crosses the wire keeps all its bits.
@@ -9,11 +9,18 @@ from __future__ import annotations
 import json
 import socket
 import time
-from typing import Any, BinaryIO, Dict, Optional
+from typing import Any, BinaryIO, Dict, Mapping, Optional, Sequence
 
+from .blocks import Blocks, pack, read_blocks
 from .errors import ConnectionLost, ProtocolError
 
 Message = Dict[str, Any]
+
+
+class Received(Dict[str, Any]):
+    """A message that came, with the arrays that followed it, by name."""
+
+    blocks: Blocks = {}
 
 # numbers of JSON-RPC 2.0
 PARSE_ERROR = -32700
@@ -22,7 +29,12 @@ METHOD_NOT_FOUND = -32601
 INVALID_PARAMETERS = -32602
 INTERNAL_ERROR = -32603
 
-MAXIMUM_LINE_BYTES = 64_000_000
+MAXIMUM_LINE_BYTES = 256_000_000
+MAXIMUM_BLOCK_BYTES = 1_000_000_000
+
+# what this side says in its hello
+CAPABILITIES = ("bin",)
+LIMITS = {"lineBytes": MAXIMUM_LINE_BYTES, "blockBytes": MAXIMUM_BLOCK_BYTES}
 
 
 def _refuse_constant(name: str) -> Any:
@@ -40,7 +52,7 @@ def encode(message: Message) -> bytes:
     return text.encode("utf-8") + b"\n"
 
 
-def decode(line: bytes) -> Message:
+def decode(line: bytes) -> Received:
     """The message of a line. Anything but one JSON object with finite numbers raises ProtocolError."""
     try:
         message = json.loads(line.decode("utf-8"), parse_constant=_refuse_constant)
@@ -49,7 +61,7 @@ def decode(line: bytes) -> Message:
         raise ProtocolError(f"Expected a JSON object on a line, found '{start}' ({error}).") from None
     if not isinstance(message, dict):
         raise ProtocolError(f"Expected a JSON object on a line, found a {type(message).__name__}.")
-    return message
+    return Received(message)
 
 
 def request(identifier: Any, method: str, parameters: Optional[Message] = None) -> Message:
@@ -84,15 +96,55 @@ class Channel:
     """A two-way stream of messages."""
 
     peer = "the other side"
+    # both sides named the capability `bin` in their hello
+    takes_blocks = False
 
-    def send(self, message: Message) -> None:
-        raise NotImplementedError
+    def agree(self, hello: Mapping[str, Any]) -> None:
+        """Takes in what the other side said in its hello, or answered to it."""
+        capabilities = hello.get("capabilities")
+        self.takes_blocks = isinstance(capabilities, list) and "bin" in capabilities
 
-    def receive(self, timeout: Optional[float] = None) -> Optional[Message]:
+    def send(self, message: Message, blocks: Optional[Blocks] = None) -> None:
+        """Sends a message, and arrays behind it when there are some (only when they were agreed on)."""
+        if not blocks:
+            self._write([encode(message)])
+            return
+        table, pieces, total = pack(blocks)
+        self._write([encode({**message, "bin": table, "binBytes": total}), *pieces])
+
+    def receive(self, timeout: Optional[float] = None) -> Optional[Received]:
         """The next message; None when the other side has ended. Raises TimeoutError after `timeout` seconds."""
-        raise NotImplementedError
+        deadline = None if timeout is None else time.monotonic() + timeout
+        line = self._read_line(deadline)
+        if line is None:
+            return None
+        message = decode(line)
+        total = message.get("binBytes")
+        if total is None:
+            return message
+        if not self.takes_blocks:
+            raise ConnectionLost(f"{self.peer} sent binary blocks that were not agreed on.")
+        if isinstance(total, bool) or not isinstance(total, int) or not 0 <= total <= MAXIMUM_BLOCK_BYTES:
+            raise ConnectionLost(f"{self.peer} sent binBytes {total!r}; expected at most {MAXIMUM_BLOCK_BYTES}.")
+        raw = self._read_bytes(total, deadline)
+        if raw is None:
+            return None
+        message.blocks = read_blocks(message.get("bin"), raw)
+        return message
 
     def close(self) -> None:
+        raise NotImplementedError
+
+    def _write(self, pieces: Sequence[Any]) -> None:
+        """Sends bytes-like pieces one after the other."""
+        raise NotImplementedError
+
+    def _read_line(self, deadline: Optional[float]) -> Optional[bytes]:
+        """The next line; None at the end of the stream."""
+        raise NotImplementedError
+
+    def _read_bytes(self, count: int, deadline: Optional[float]) -> Optional[bytearray]:
+        """The bytes behind the last line; None when the stream ends before."""
         raise NotImplementedError
 
 
@@ -116,36 +168,63 @@ class SocketChannel(Channel):
         connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         return cls(connection, peer)
 
-    def send(self, message: Message) -> None:
-        line = encode(message)
+    def _write(self, pieces: Sequence[Any]) -> None:
         try:
             self._socket.settimeout(None)
-            self._socket.sendall(line)
+            for piece in pieces:
+                self._socket.sendall(piece)
         except OSError as error:
             raise ConnectionLost(f"The connection to {self.peer} is lost ({error.strerror or error}).") from None
 
-    def receive(self, timeout: Optional[float] = None) -> Optional[Message]:
-        deadline = None if timeout is None else time.monotonic() + timeout
+    def _read_line(self, deadline: Optional[float]) -> Optional[bytes]:
         while True:
             end = self._buffer.find(b"\n", self._searched)
             if end >= 0:
                 line = bytes(self._buffer[:end])
                 del self._buffer[: end + 1]
                 self._searched = 0
-                return decode(line)
+                return line
             self._searched = len(self._buffer)
             if self._searched > MAXIMUM_LINE_BYTES:
-                raise ProtocolError(f"{self.peer} sent a line of more than {MAXIMUM_LINE_BYTES} bytes.")
+                raise ConnectionLost(f"{self.peer} sent a line of more than {MAXIMUM_LINE_BYTES} bytes.")
             if not self._fill(deadline):
                 return None
 
-    def _fill(self, deadline: Optional[float]) -> bool:
-        """Reads some bytes into the buffer; False at the end of the stream."""
+    def _read_bytes(self, count: int, deadline: Optional[float]) -> Optional[bytearray]:
+        # straight into the memory that the arrays will look at
+        raw = bytearray(count)
+        view = memoryview(raw)
+        filled = min(count, len(self._buffer))
+        view[:filled] = self._buffer[:filled]
+        del self._buffer[:filled]
+        while filled < count:
+            got = self._read_into(view[filled:], deadline)
+            if got == 0:
+                return None
+            filled += got
+        return raw
+
+    def _read_into(self, view: memoryview, deadline: Optional[float]) -> int:
+        self._set_timeout(deadline)
+        try:
+            return self._socket.recv_into(view)
+        except socket.timeout:
+            raise TimeoutError from None
+        except ConnectionError:
+            return 0
+        except OSError as error:
+            raise ConnectionLost(f"The connection to {self.peer} is lost ({error.strerror or error}).") from None
+
+    def _set_timeout(self, deadline: Optional[float]) -> None:
         remaining = None if deadline is None else deadline - time.monotonic()
         if remaining is not None and remaining <= 0:
             raise TimeoutError
+        self._socket.settimeout(remaining)
+
+    def _fill(self, deadline: Optional[float]) -> bool:
+        """Reads some bytes into the buffer; False at the end of the stream."""
+        self._set_timeout(deadline)
         try:
-            self._socket.settimeout(remaining)
             piece = self._socket.recv(1 << 18)
         except socket.timeout:
             raise TimeoutError from None
@@ -172,22 +251,27 @@ class PipeChannel(Channel):
         self._writer = writer
         self.peer = peer
 
-    def send(self, message: Message) -> None:
+    def _write(self, pieces: Sequence[Any]) -> None:
         try:
-            self._writer.write(encode(message))
+            for piece in pieces:
+                self._writer.write(piece)
             self._writer.flush()
         except (OSError, ValueError) as error:
             raise ConnectionLost(f"The pipe to {self.peer} is closed ({error}).") from None
 
-    def receive(self, timeout: Optional[float] = None) -> Optional[Message]:
+    def _read_line(self, deadline: Optional[float]) -> Optional[bytes]:
         line = self._reader.readline(MAXIMUM_LINE_BYTES + 1)
         if not line:
             return None
         if not line.endswith(b"\n"):
             if len(line) > MAXIMUM_LINE_BYTES:
-                raise ProtocolError(f"{self.peer} sent a line of more than {MAXIMUM_LINE_BYTES} bytes.")
+                raise ConnectionLost(f"{self.peer} sent a line of more than {MAXIMUM_LINE_BYTES} bytes.")
             return None
-        return decode(line)
+        return line
+
+    def _read_bytes(self, count: int, deadline: Optional[float]) -> Optional[bytearray]:
+        raw = bytearray(self._reader.read(count))
+        return raw if len(raw) == count else None
 
     def close(self) -> None:
         for stream in (self._reader, self._writer):

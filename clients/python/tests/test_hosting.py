@@ -4,15 +4,20 @@ import contextlib
 import io
 import json
 import os
+import signal
 import socket
 import subprocess
 import sys
 import threading
 import unittest
+from array import array
 from pathlib import Path
-from typing import Any, ClassVar, Dict, List, Sequence, Tuple
+from typing import Any, Callable, ClassVar, Dict, List, Sequence, Tuple, Type
+from unittest import mock
 
-from espalier import Answer, ConnectionLost, Environment, Query, Variable, hosting, wire
+from espalier import (Answer, Columns, ConnectionLost, Environment, ProtocolError, Query, Variable, blocks, hosting,
+                      wire)
+from espalier import environment as environment_module
 
 PACKAGE_FOLDER = Path(__file__).resolve().parents[1]
 
@@ -67,6 +72,46 @@ class Infinite(Environment):
 class Short(Environment):
     def step(self, queries: Sequence[Query]) -> Sequence[Answer]:
         return []
+
+
+class Careless(Environment):
+    """Answers with whatever it is told to."""
+
+    answers: ClassVar[Any] = None
+
+    def step(self, queries: Sequence[Query]) -> Sequence[Answer]:
+        return type(self).answers  # type: ignore[no-any-return]
+
+
+class HeightColumn(Environment):
+    """Answers the height of each query, as an array."""
+
+    needs = ("position",)
+
+    def step_columns(self, queries: Columns) -> Any:
+        if hasattr(queries.position, "reshape"):
+            return queries.position[:, 1]
+        return [row[1] for row in queries.position.tolist()]
+
+
+class WrongColumn(Environment):
+    column: ClassVar[Any] = None
+
+    def step_columns(self, queries: Columns) -> Any:
+        return type(self).column
+
+
+def in_blocks(host: hosting.Host, count: int, positions: Sequence[float]) -> Any:
+    """A step asked in arrays; the response with its arrays."""
+    params = {"simulation": "s", "step": 0, "symbols": ["E", "F"]}
+    message = wire.Received(wire.request(2, "environment.step", params))
+    table, pieces, total = blocks.pack({
+        "plant": array("I", [0] * count), "symbol": array("I", [0] * count),
+        "parameters": memoryview(array("d", [0.5] * count)).cast("B").cast("d", [count, 1]),
+        "position": memoryview(array("d", positions)).cast("B").cast("d", [count, 3])})
+    message.blocks = blocks.read_blocks(table, bytearray(b"".join(bytes(piece) for piece in pieces)))
+    assert total == sum(len(bytes(piece)) for piece in pieces)
+    return host.answer(message)
 
 
 def query(identifier: int, *parameters: float) -> Dict[str, Any]:
@@ -158,11 +203,11 @@ class Requests(unittest.TestCase):
     def test_an_answer_that_is_not_finite_is_an_error(self) -> None:
         error = self.step(self.opened(Infinite), 0, query(7, 1.0))
         self.assertEqual(error["code"], hosting.NON_FINITE)
-        self.assertIn("infinite answered query 7 with inf as value 2", error["message"])
+        self.assertIn("infinite: query 7 was answered with inf as value 2", error["message"])
 
     def test_too_few_answers_are_an_error(self) -> None:
         error = self.step(self.opened(Short), 0, query(0, 1.0))
-        self.assertIn("short gave 0 answers to 1 queries", error["message"])
+        self.assertIn("short: step() gave 0 answers to 1 queries", error["message"])
 
     def test_wrong_shapes_are_refused_with_their_path(self) -> None:
         host = self.opened(Doubler)
@@ -228,6 +273,131 @@ class Offering(unittest.TestCase):
             hosting.offer(hosting.Host(Doubler), "twice", self.address)
 
 
+class Mistakes(unittest.TestCase):
+    """A wrong answer ends neither the program nor the session: it is an error that says what is wrong."""
+
+    def error_of(self, environment: Type[Environment]) -> str:
+        host = hosting.Host(environment)
+        host.handle(wire.request(1, "environment.open", {"simulation": "s"}))
+        heard = io.StringIO()
+        with contextlib.redirect_stderr(heard):
+            response = host.handle(wire.request(2, "environment.step", {
+                "simulation": "s", "step": 3, "queries": [query(0, 1), query(1, 2)]}))
+        assert response is not None
+        error = response["error"]
+        self.assertEqual((error["data"]["step"], error["data"]["retryable"]), (3, False))
+        # the person at the program sees it too
+        self.assertIn(error["message"].split(": ", 1)[1], heard.getvalue())
+        return str(error["message"])
+
+    def test_answers_of_the_wrong_shape(self) -> None:
+        for answers, message in (
+                (1.5, "step() returned the number 1.5; expected a list with one answer for every query"),
+                (None, "step() returned None (NoneType); expected a list"),
+                ([1.0, 2.0], "query 0 was answered with the number 1.0; expected a list of the module's values"),
+                ([[1], "high"], "query 1 was answered with 'high' (str); expected a list"),
+                ([[1], ["high"]], "query 1 was answered with 'high' (str) as value 1; expected a number or None"),
+                ([[1], [[2]]], "query 1 was answered with [2] (list) as value 1; expected a number or None"),
+                ([[1]], "step() gave 1 answers to 2 queries"),
+                ([[1], [float("nan")]], "query 1 was answered with nan as value 1")):
+            Careless.answers = answers
+            self.assertIn("careless: " + message, self.error_of(Careless))
+
+    def test_columns_of_the_wrong_shape(self) -> None:
+        for column, message in (
+                (1.5, "step_columns() returned the number 1.5; expected one number for every query"),
+                (["a", "b"], "step_columns() returned ['a', 'b'] (list)"),
+                ([1.0], "step_columns() returned 1 rows for 2 queries"),
+                ([1.0, float("inf")], "query 1 was answered with inf as value 1")):
+            WrongColumn.column = column
+            self.assertIn("wrongcolumn: " + message, self.error_of(WrongColumn))
+
+    def test_a_mistake_of_the_package_itself_is_an_error_too(self) -> None:
+        host = hosting.Host(Doubler)
+        with contextlib.redirect_stderr(io.StringIO()):
+            response = host.handle(wire.request(2, "environment.open", {"simulation": "s", "seed": "x"}))
+        assert response is not None
+        self.assertEqual(response["error"]["code"], wire.INTERNAL_ERROR)
+
+
+class Arrays(unittest.TestCase):
+    """Steps in binary blocks, with NumPy and without."""
+
+    def setUp(self) -> None:
+        self.modules = [blocks.numpy] if blocks.numpy is None else [blocks.numpy, None]
+
+    def each(self, check: Callable[[], None]) -> None:
+        for module in self.modules:
+            with mock.patch.object(blocks, "numpy", module), mock.patch.object(hosting, "numpy", module), \
+                    mock.patch.object(environment_module, "numpy", module):
+                check()
+
+    def opened(self, environment: Type[Environment]) -> hosting.Host:
+        host = hosting.Host(environment)
+        host.handle(wire.request(1, "environment.open", {"simulation": "s"}))
+        return host
+
+    def test_a_column_answers_a_column(self) -> None:
+        def check() -> None:
+            response, arrays = in_blocks(self.opened(HeightColumn), 2, [1, 2, 3, 4, 5.5, 6])
+            assert response is not None and arrays is not None
+            self.assertEqual(response["result"], {})
+            self.assertEqual([list(row) for row in arrays["parameters"].tolist()], [[2.0], [5.5]])
+        self.each(check)
+
+    def test_text_is_answered_as_text(self) -> None:
+        def check() -> None:
+            response = self.opened(HeightColumn).handle(wire.request(2, "environment.step", {
+                "simulation": "s", "step": 0, "queries": [
+                    {"id": 0, "symbol": "E", "parameters": [1], "position": [0, 7, 0]},
+                    {"id": 1, "symbol": "D", "parameters": [], "position": [0, 8, 0],
+                     "following": {"symbol": "F", "parameters": [2, 3]}}]}))
+            assert response is not None
+            self.assertEqual(response["result"], {"replies": [{"id": 0, "parameters": [7.0]},
+                                                              {"id": 1, "parameters": [8.0]}]})
+        self.each(check)
+
+    def test_an_environment_of_single_answers_takes_arrays_too(self) -> None:
+        def check() -> None:
+            response, arrays = in_blocks(self.opened(Doubler), 2, [0] * 6)
+            assert response is not None
+            self.assertIsNone(arrays)
+            self.assertEqual(response["result"], {"replies": [{"id": 0, "parameters": [1.0]},
+                                                              {"id": 1, "parameters": [1.0]}]})
+        self.each(check)
+
+    def test_wrong_tables_are_refused_with_their_path(self) -> None:
+        entry: Dict[str, Any] = {"name": "a", "dtype": "<f8", "shape": [1], "offset": 0, "bytes": 8}
+        cases: List[Tuple[Dict[str, Any], str]] = [
+                ({"dtype": "<i8"}, "bin[0].dtype: expected one of <f8, <f4, <u4"),
+                ({"shape": [2]}, "bin[0].bytes: shape and dtype make 16 bytes, found 8"),
+                ({"shape": [-1]}, "bin[0].shape: expected a list of whole numbers"),
+                ({"offset": 4}, "bin[0].offset: expected a multiple of 8 within binBytes=8"),
+                ({"offset": 8}, "bin[0].offset: expected a multiple of 8 within binBytes=8")]
+        for change, message in cases:
+            with self.assertRaises(ProtocolError) as caught:
+                blocks.read_blocks([{**entry, **change}], bytearray(8))
+            self.assertIn(message, str(caught.exception))
+
+    def test_blocks_cross_a_channel_and_need_agreement(self) -> None:
+        one, other = socket.socketpair()
+        sender, receiver = wire.SocketChannel(one, "one"), wire.SocketChannel(other, "other")
+        receiver.agree({"capabilities": ["bin"]})
+        sender.send(wire.notification("x", {}), {"a": array("d", [1.5, 2.5]), "b": array("I", [7])})
+        sender.send(wire.notification("y", {}))
+        first = receiver.receive(10)
+        second = receiver.receive(10)
+        assert first is not None and second is not None
+        self.assertEqual((first.blocks["a"].tolist(), first.blocks["b"].tolist()), ([1.5, 2.5], [7]))
+        self.assertEqual((second["method"], dict(second.blocks)), ("y", {}))
+        receiver.agree({})
+        sender.send(wire.notification("x", {}), {"a": array("d", [1.5])})
+        with self.assertRaisesRegex(ConnectionLost, "binary blocks that were not agreed on"):
+            receiver.receive(10)
+        sender.close()
+        receiver.close()
+
+
 class Programs(unittest.TestCase):
     """The example of ten lines as a program."""
 
@@ -258,6 +428,23 @@ class Programs(unittest.TestCase):
                 channel.close()
             finally:
                 process.terminate()
+
+    def test_an_interrupt_ends_it_cleanly(self) -> None:
+        ways: List[List[str]] = [["--listen", "127.0.0.1:0"], []]
+        for arguments in ways:
+            with subprocess.Popen([*self.command, *arguments], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                                  stderr=subprocess.PIPE, env=self.variables) as process:
+                assert process.stdout is not None and process.stdin is not None
+                # it is at work
+                if arguments:
+                    process.stdout.readline()
+                else:
+                    process.stdin.write(wire.encode(wire.request(1, "environment.describe")))
+                    process.stdin.flush()
+                    process.stdout.readline()
+                process.send_signal(signal.SIGINT)
+                _, errors = process.communicate(timeout=60)
+                self.assertEqual((process.returncode, errors), (0, b""))
 
     def test_says_what_it_is_and_how_it_is_used(self) -> None:
         done = subprocess.run([*self.command, "--describe"], stdout=subprocess.PIPE, env=self.variables, timeout=60,

@@ -1,0 +1,112 @@
+#include "protocol/bulk_text.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "protocol/codec.h"
+#include "protocol/framing.h"
+
+namespace espalier::protocol {
+namespace {
+
+std::string stepLine(std::size_t count, const std::string& extra = "") {
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> real(-10.0, 10.0);
+  JsonWriter writer;
+  writer.beginObject().key("simulation").text("s").key("step").integer(std::uint64_t{3}).key("iteration");
+  writer.integer(std::uint64_t{0}).key("time").number(1.5).key("queries").beginArray();
+  for (std::size_t i = 0; i < count; ++i) {
+    writer.beginObject().key("id").integer(std::uint64_t{i}).key("plant").integer(std::uint64_t{i % 3}).key("module");
+    writer.integer(std::uint64_t{2 * i});
+    if (i % 7 == 0) {
+      writer.key("transient").boolean(true);
+    }
+    writer.key("symbol").text(i % 2 == 0 ? "E" : "\u00e9\"x").key("parameters").beginArray();
+    for (std::size_t k = 0; k < i % 3; ++k) {
+      writer.number(k == 1 ? -0.0 : real(random));
+    }
+    writer.endArray().key("position").beginArray().number(real(random)).number(1e-310).raw("-0").endArray();
+    if (i % 5 == 0) {
+      writer.key("scale").number(real(random));
+      writer.key("following").beginObject().key("symbol").text("F").key("parameters").beginArray();
+      writer.number(real(random)).endArray().endObject();
+    }
+    writer.endObject();
+  }
+  writer.endArray();
+  return R"({"jsonrpc":"2.0","id":"s7","method":"environment.step","params":)" + writer.endObject().take() + extra +
+         "}";
+}
+
+std::string replyLine(std::size_t count, const std::string& last) {
+  std::string line = R"({"jsonrpc":"2.0","id":12,"result":{"replies":[)";
+  for (std::size_t i = 0; i < count; ++i) {
+    line += R"({"id":)" + std::to_string(count - i) + R"(,"parameters":[0.)" + std::to_string(i + 1) + ",null,-0]},";
+  }
+  return line + R"({"id":0,"parameters":[)" + last + "]}]}}";
+}
+
+TEST(BulkText, AStepReadsBitwiseAsTheTreeReadsIt) {
+  const std::string line = stepLine(300);
+  BulkTextReader reader;
+  const auto message = reader.read(line);
+  ASSERT_TRUE(message.has_value());
+  const auto tree = std::get<Message>(decodeMessage(line));
+  EXPECT_EQ(message->id, tree.id);
+  EXPECT_EQ(message->method, tree.method);
+  EXPECT_EQ(message->kind, tree.kind);
+  const auto fast = std::get<EnvironmentStepParams>(decodeEnvironmentStepParams(message->payload));
+  const auto slow = std::get<EnvironmentStepParams>(decodeEnvironmentStepParams(tree.payload));
+  EXPECT_EQ(encode(fast), encode(slow));
+  EXPECT_EQ(fast.queries.count, 300U);
+  EXPECT_EQ(slow.simulation, "s");
+  // the text is there for who wants it
+  EXPECT_EQ(message->payload.toText(),
+            line.substr(line.find("{\"simulation"), line.size() - line.find("{\"simulation") - 1));
+}
+
+TEST(BulkText, RepliesReadBitwiseAsTheTreeReadsThem) {
+  const std::string line = replyLine(400, "1.25");
+  BulkTextReader reader;
+  const auto message = reader.read(line);
+  ASSERT_TRUE(message.has_value());
+  const auto fast = std::get<ReplyColumns>(decodeReplies(message->payload, 401));
+  const auto slow = std::get<ReplyColumns>(decodeReplies(std::get<Message>(decodeMessage(line)).payload, 401));
+  EXPECT_EQ(encode(fast), encode(slow));
+  EXPECT_EQ(fast.count, 401U);
+  // ids are checked as ever
+  EXPECT_TRUE(std::holds_alternative<Error>(decodeReplies(message->payload, 400)));
+}
+
+TEST(BulkText, WhatIsUnusualIsLeftToTheTree) {
+  BulkTextReader reader;
+  for (const char* last : {"NaN", "1e999", "\"x\"", "1]]", "01", "1,", "true", ""}) {
+    const std::string line = replyLine(10, last);
+    const bool isUnderstood = std::string(last).empty();
+    EXPECT_EQ(reader.read(line).has_value(), isUnderstood) << last;
+  }
+  const std::string line = stepLine(10);
+  EXPECT_TRUE(reader.read(line).has_value());
+  EXPECT_FALSE(reader.read(line + "x").has_value());
+  EXPECT_FALSE(reader.read(line.substr(0, line.size() - 1)).has_value());
+  EXPECT_FALSE(reader.read(stepLine(10, R"(,"unknown":1)")).has_value());
+  EXPECT_FALSE(reader.read(stepLine(10, R"(,"id":1)")).has_value());
+  std::string other = line;
+  other.replace(other.find("\"id\":5"), 6, "\"id\":6");
+  EXPECT_FALSE(reader.read(other).has_value());
+}
+
+TEST(BulkText, ABigAnswerToAnotherQuestionIsStillReadByItsOwnDecoder) {
+  std::string line = replyLine(400, "1");
+  MessageReader reader{FrameLimits{}};
+  reader.feed(line + "\n");
+  const auto read = reader.next();
+  const auto& message = std::get<Message>(*read);
+  EXPECT_NE(message.payload.bulk(), nullptr);
+  const auto description = decodeDescribeResult(message.payload);
+  EXPECT_TRUE(std::holds_alternative<DescribeResult>(description));
+}
+
+}  // namespace
+}  // namespace espalier::protocol
