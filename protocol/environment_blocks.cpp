@@ -25,15 +25,15 @@ class ColumnReader {
  public:
   explicit ColumnReader(const Payload& payload) : blocks_(payload.blocks()) {}
 
-  /// The block, or null. Its first extent must be `rows`, the others as in `width` (0: a plain column).
+  /// The block, or null. Its shape must be [rows], or [rows, width].
   [[nodiscard]] const BlockDescription* column(std::string_view name, std::uint64_t rows,
-                                               std::uint64_t width = 0) const {
+                                               std::optional<std::uint64_t> width = std::nullopt) const {
     const BlockDescription* block = blocks_->find(name);
     if (block == nullptr) {
       return nullptr;
     }
     const std::vector<std::uint64_t> expected =
-        width == 0 ? std::vector<std::uint64_t>{rows} : std::vector<std::uint64_t>{rows, width};
+        width ? std::vector<std::uint64_t>{rows, *width} : std::vector<std::uint64_t>{rows};
     if (block->shape != expected) {
       fail(block->name,
            "expected the shape " + shapeText({"", block->type, expected, 0, 0}) + ", found " + shapeText(*block));

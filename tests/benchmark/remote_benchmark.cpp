@@ -130,9 +130,9 @@ void codec(benchmark::State& state, bool isBinary) {
   reader.allowBlocks();
   for (auto _ : state) {
     const auto params = server::toStepParams("s", queries, needs, {"E"});
-    reader.feed(protocol::encodeRequest(protocol::MessageId::of(1), "environment.step",
-                                        isBinary ? protocol::encodeBlocks(params)
-                                                 : protocol::Body(protocol::encode(params))));
+    reader.feed(
+        protocol::encodeRequest(protocol::MessageId::of(1), "environment.step",
+                                isBinary ? protocol::encodeBlocks(params) : protocol::Body(protocol::encode(params))));
     const auto asked = reader.next();
     const auto decoded = protocol::decodeEnvironmentStepParams(std::get<protocol::Message>(*asked).payload);
     std::vector<std::string> symbols{"E"};

@@ -10,6 +10,7 @@
 #include "engine/simulation/simulation.h"
 #include "environment/registry.h"
 #include "server/disk_files.h"
+#include "server/line_channel.h"
 #include "server/remote_environment.h"
 
 namespace espalier {
@@ -33,15 +34,45 @@ std::unique_ptr<turtle::EnvironmentProcess> builtIn(const std::string& name, con
   return process == nullptr ? nullptr : std::move(*process);
 }
 
-std::unique_ptr<turtle::EnvironmentProcess> spawned(const std::string& arguments) {
-  const std::string program = std::string(ESPALIER_BINARY_DIR) + "/bin/espalier";
-  auto made = server::connectRemoteEnvironment("stdio:'" + program + "' environment " + arguments + " --stdio", {});
+const std::string kProgram = std::string(ESPALIER_BINARY_DIR) + "/bin/espalier";
+
+std::unique_ptr<turtle::EnvironmentProcess> connected(const std::string& address, bool isTextOnly) {
+  server::RemoteEnvironmentOptions options;
+  options.isTextOnly = isTextOnly;
+  auto made = server::connectRemoteEnvironment(address, options);
   if (const auto* error = std::get_if<std::string>(&made)) {
     ADD_FAILURE() << *error;
     return nullptr;
   }
   return std::move(std::get<std::unique_ptr<turtle::EnvironmentProcess>>(made));
 }
+
+std::unique_ptr<turtle::EnvironmentProcess> spawned(const std::string& arguments, bool isTextOnly = false) {
+  return connected("stdio:'" + kProgram + "' environment " + arguments + " --stdio", isTextOnly);
+}
+
+/// A built-in served by a process of its own on a free port of this machine.
+class Listening {
+ public:
+  explicit Listening(const std::string& arguments) {
+    auto result =
+        server::ChildProcess::start("exec '" + kProgram + "' environment " + arguments + " --listen 127.0.0.1:0");
+    started_ = std::move(std::get<std::unique_ptr<server::ChildProcess::Started>>(result));
+    server::LineChannel channel(std::move(started_->input), std::move(started_->output), 1'000);
+    std::string line;
+    EXPECT_EQ(channel.readLine(line, std::chrono::steady_clock::now() + std::chrono::seconds(30)),
+              server::LineChannel::Status::Done);
+    address_ = "tcp://" + line.substr(line.rfind(' ') + 1);
+  }
+  ~Listening() { started_->process.end(); }
+  Listening(const Listening&) = delete;
+  Listening& operator=(const Listening&) = delete;
+  [[nodiscard]] const std::string& address() const { return address_; }
+
+ private:
+  std::unique_ptr<server::ChildProcess::Started> started_;
+  std::string address_;
+};
 
 std::unique_ptr<simulation::Simulation> grown(const std::string& model,
                                               std::unique_ptr<turtle::EnvironmentProcess> environment,
@@ -61,6 +92,7 @@ void expectSamePlantInEveryStep(simulation::Simulation& one, simulation::Simulat
     ASSERT_FALSE(other.step().has_value());
     ASSERT_EQ(one.stringText(), other.stringText()) << "step " << one.completedSteps();
     ASSERT_EQ(one.statistics().answers, other.statistics().answers);
+    ASSERT_EQ(one.stateHash(), other.stateHash()) << "step " << one.completedSteps();
   }
   EXPECT_TRUE(other.isFinished());
   EXPECT_GT(one.statistics().answers, 0U);
@@ -81,6 +113,30 @@ TEST(Transports, ASpawnedShadowGivesTheSamePlantInEveryStepWithSeveralThreads) {
   const auto outside = grown("shadow-trees", spawned("shadow --configuration '" + file + "'"), 3);
   expectSamePlantInEveryStep(*inside, *outside);
   EXPECT_GT(outside->string().size(), 10'000U);
+}
+
+TEST(Transports, TextAndBlocksOverStdioAndTcpGiveTheSameStateHashInEveryStep) {
+  // an environment without state, and one whose state is part of the hash
+  const std::string file = ::testing::TempDir() + "espalier-transports-shadow.json";
+  std::ofstream(file) << kShadow;
+  struct Case {
+    std::string model, process, configuration, arguments;
+  };
+  for (const Case& c : {Case{"branch-tiers", "honda", kHonda,
+                             "honda --configuration '" + (::testing::TempDir() + "espalier-honda.json") + "'"},
+                        Case{"shadow-trees", "shadow", kShadow, "shadow --configuration '" + file + "'"}}) {
+    std::ofstream(::testing::TempDir() + "espalier-honda.json") << kHonda;
+    const Listening listening(c.arguments);
+    for (const bool isTextOnly : {false, true}) {
+      SCOPED_TRACE(c.model + (isTextOnly ? " text" : " blocks"));
+      const auto inside = grown(c.model, builtIn(c.process, c.configuration));
+      const auto overPipes = grown(c.model, spawned(c.arguments, isTextOnly), 2);
+      expectSamePlantInEveryStep(*inside, *overPipes);
+      const auto again = grown(c.model, builtIn(c.process, c.configuration));
+      const auto overTcp = grown(c.model, connected(listening.address(), isTextOnly), 4);
+      expectSamePlantInEveryStep(*again, *overTcp);
+    }
+  }
 }
 
 TEST(Transports, ASnapshotContinuesAgainstTheSameProcessElsewhere) {

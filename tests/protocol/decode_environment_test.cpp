@@ -80,6 +80,18 @@ TEST(DecodeEnvironment, ReadsBackTheQueriesItWroteAsTextAndInBlocks) {
   EXPECT_TRUE(std::signbit(blocks.queries.parameters[1]));
 }
 
+TEST(DecodeEnvironment, QueriesWithoutParametersCrossInBlocks) {
+  Example example;
+  example.offset = {0, 0, 0};
+  example.parameters = {};
+  example.followingOffset = {0, 0, 0};
+  example.followingParameters = {};
+  const auto step = example.params();
+  const auto blocks = std::get<EnvironmentStepParams>(
+      decodeEnvironmentStepParams(crossed(encodeRequest(MessageId::of(1), "environment.step", encodeBlocks(step)))));
+  EXPECT_EQ(encode(blocks), encode(step));
+}
+
 TEST(DecodeEnvironment, MembersThatOnlySomeQueriesHaveGetTheirDefaultInTheOthers) {
   const auto step = std::get<EnvironmentStepParams>(decodeEnvironmentStepParams(
       payload("params",

@@ -129,7 +129,12 @@ TEST(Readme, EveryExampleIsAMessageThatTheCodecAndTheSchemaAccept) {
   for (const std::string& line : exampleLines()) {
     SCOPED_TRACE(line);
     ++count;
-    const auto decoded = decodeMessage(line);
+    auto decoded = decodeMessage(line);
+    if (auto* withBlocks = std::get_if<Message>(&decoded); withBlocks != nullptr && withBlocks->blockBytes > 0) {
+      // the page does not show the bytes: zeros
+      const std::shared_ptr<std::uint64_t[]> zeros(new std::uint64_t[withBlocks->blockBytes / 8 + 1]());
+      withBlocks->payload.attach(std::make_shared<const Blocks>(withBlocks->blockTable, zeros));
+    }
     if (const auto* bad = std::get_if<BadMessage>(&decoded)) {
       FAIL() << bad->error.message;
     }
@@ -145,6 +150,10 @@ TEST(Readme, EveryExampleIsAMessageThatTheCodecAndTheSchemaAccept) {
     } else if (message.kind == Message::Kind::Result) {
       ASSERT_TRUE(methodOfId.contains(toText(message.id))) << "an answer to no example";
       validate(methods[methodOfId[toText(message.id)]]["result"], schema, value["result"], "result", problems);
+      if (methodOfId[toText(message.id)] == "environment.step") {
+        const auto replies = decodeReplies(message.payload, 2);
+        EXPECT_TRUE(std::holds_alternative<ReplyColumns>(replies));
+      }
     } else {
       EXPECT_NE(nameOf(message.error.code), "unknown");
     }
