@@ -17,6 +17,7 @@ void addDisassemble(CLI::App& program, int& status);
 void addExplain(CLI::App& program, int& status);
 void addServe(CLI::App& program, int& status);
 void addEnvironment(CLI::App& program, int& status);
+void addReplay(CLI::App& program, int& status);
 void addConnect(CLI::App& program, int& status);
 
 }  // namespace espalier::command

@@ -8,6 +8,7 @@
 #include "clients/espalier/messages.h"
 #include "clients/espalier/model_loading.h"
 #include "clients/espalier/string_output.h"
+#include "clients/espalier/trace_option.h"
 #include "server/disk_files.h"
 
 namespace espalier::command {
@@ -15,6 +16,7 @@ namespace {
 
 struct DeriveOptions {
   ModelOptions model;
+  TraceOption trace;
   bool printsEveryStep = false;
   bool printsAnswered = false;
   bool hasStatistics = false;
@@ -45,11 +47,12 @@ void printStep(const simulation::Simulation& simulation) {
 
 // steps until the end, or to step `last`, printing what was asked for; the strings after the queries' answers belong to
 // the step before
-Outcome runAllSteps(simulation::Simulation& simulation, const DeriveOptions& options, const FolderSettings& folder,
+Outcome runAllSteps(simulation::Simulation& simulation, DeriveOptions& options, const FolderSettings& folder,
                     RunFigures& figures) {
   if (Outcome failure = simulation.rewind()) {
     return failure;
   }
+  options.trace.begin(simulation);
   // --steps is the derivation length itself
   const std::optional<std::uint64_t> last =
       options.model.steps ? std::nullopt : lastStepOf(folder, std::nullopt, simulation);
@@ -67,6 +70,7 @@ Outcome runAllSteps(simulation::Simulation& simulation, const DeriveOptions& opt
     if (Outcome failure = timed(figures.derivationMilliseconds, [&] { return simulation.step(); })) {
       return failure;
     }
+    options.trace.complete(simulation);
     figures.queries += simulation.statistics().queries;
     if (printsDerived) {
       printStep(simulation);
@@ -100,7 +104,7 @@ void printStatistics(const simulation::Simulation& simulation, const RunFigures&
 int derive(DeriveOptions& options) {
   server::DiskFileProvider files;
   std::optional<LoadedModel> loaded = loadModel(options.model, files);
-  if (!loaded) {
+  if (!loaded || !options.trace.open(loaded->environment)) {
     return kFailure;
   }
   simulation::Simulation simulation(loaded->program, {turtle::PlantPlacement{}}, std::move(loaded->environment.process),
@@ -113,7 +117,7 @@ int derive(DeriveOptions& options) {
   if (options.hasStatistics) {
     printStatistics(simulation, figures);
   }
-  return failure ? kFailure : kSuccess;
+  return options.trace.close() && !failure ? kSuccess : kFailure;
 }
 
 }  // namespace
@@ -134,6 +138,7 @@ void addDerive(CLI::App& program, int& status) {
       ->add_flag("--answered", options->printsAnswered,
                  "With --every: the strings after their queries were answered, instead of as derived")
       ->needs(every);
+  options->trace.addTo(*command);
   command->add_flag("--statistics", options->hasStatistics,
                     "Print one JSON object with counts and times (ms) of the run on standard error");
   command->callback([options, &status] { status = derive(*options); });

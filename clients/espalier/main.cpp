@@ -25,6 +25,7 @@ int main(int argumentCount, char** arguments) {
   addExplain(program, status);
   addFormat(program, status);
   addDisassemble(program, status);
+  addReplay(program, status);
   addServe(program, status);
   addEnvironment(program, status);
   addConnect(program, status);

@@ -12,6 +12,7 @@
 #include "clients/espalier/messages.h"
 #include "clients/espalier/model_loading.h"
 #include "clients/espalier/progress_bar.h"
+#include "clients/espalier/trace_option.h"
 #include "engine/language/compiler.h"
 #include "engine/simulation/snapshot.h"
 #include "engine/turtle/export/exporters.h"
@@ -26,6 +27,7 @@ constexpr const char* kSnapshotSuffix = ".snapshot";
 
 struct RunOptions {
   ModelOptions model;
+  TraceOption trace;
   std::vector<std::string> outputs;
   std::string resumed;  // snapshot to go on from; empty: none
 };
@@ -173,12 +175,14 @@ std::optional<LoadedModel> loadResumed(ModelOptions& options, simulation::Snapsh
 
 // goes on to the last step, of the model or `last`; the bar is shown on a terminal only
 std::optional<core::SimulationError> runToEnd(simulation::Simulation& simulation, std::optional<std::uint64_t> last,
-                                              bool hasProgress) {
+                                              bool hasProgress, TraceOption& trace) {
   ProgressBar bar(hasProgress);
+  trace.begin(simulation);
   while (!isOver(simulation, last)) {
     if (auto failure = simulation.step()) {
       return failure;
     }
+    trace.complete(simulation);
     bar.show(simulation.completedSteps(), last.value_or(simulation.derivationLength()),
              simulation.statistics().modules);
   }
@@ -201,7 +205,7 @@ int run(RunOptions& options) {
   }
   std::optional<LoadedModel> loaded =
       resumed ? loadResumed(options.model, resumed->info, files) : loadModel(options.model, files);
-  if (!loaded) {
+  if (!loaded || !options.trace.open(loaded->environment)) {
     return kFailure;
   }
 
@@ -210,7 +214,11 @@ int run(RunOptions& options) {
                                     std::move(loaded->environment.process), std::move(loaded->simulationOptions));
   std::optional<core::SimulationError> failure = resumed ? simulation.restore(resumed->bytes) : simulation.rewind();
   if (!failure) {
-    failure = runToEnd(simulation, lastStepOf(loaded->folder, options.model.steps, simulation), !options.model.isQuiet);
+    failure = runToEnd(simulation, lastStepOf(loaded->folder, options.model.steps, simulation), !options.model.isQuiet,
+                       options.trace);
+  }
+  if (!options.trace.close() && !failure) {
+    return kFailure;
   }
   if (failure) {
     printError(formatSimulationError(*failure));
@@ -244,6 +252,7 @@ void addRun(CLI::App& program, int& status) {
   auto options = std::make_shared<RunOptions>();
   addReadingOptions(*command, options->model, false);
   addRunningOptions(*command, options->model);
+  options->trace.addTo(*command);
   command->add_option("-o,--output", options->outputs, "File to write; may be repeated")
       ->type_name("FILE")
       ->required()

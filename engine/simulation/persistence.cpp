@@ -61,6 +61,14 @@ std::uint64_t Simulation::Implementation::stateHash() const {
   return hasher.value();
 }
 
+std::uint64_t Simulation::Implementation::plantsHash() const {
+  core::Hasher hasher;
+  for (const derivation::PlantState& plant : plants_) {
+    hashPlant(hasher, *program_, plant);
+  }
+  return hasher.value();
+}
+
 void Simulation::Implementation::save(core::ByteSink& sink) {
   SnapshotContent content;
   content.modelFile = program_->modelFile;

@@ -378,6 +378,10 @@ std::uint64_t Simulation::stateHash() const {
   return implementation_->stateHash();
 }
 
+std::uint64_t Simulation::plantsHash() const {
+  return implementation_->plantsHash();
+}
+
 void Simulation::save(core::ByteSink& sink) const {
   implementation_->save(sink);
 }

@@ -115,6 +115,8 @@ class Simulation {
 
   /// Hash of the complete state: strings, variables, random streams, environment.
   [[nodiscard]] std::uint64_t stateHash() const;
+  /// Hash of the plants alone: strings, variables, random streams. The environment is not asked.
+  [[nodiscard]] std::uint64_t plantsHash() const;
 
   /// Writes the complete state: sources and options of the Program, plants, environment. Versioned (snapshot.h).
   void save(core::ByteSink& sink) const;

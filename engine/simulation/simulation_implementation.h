@@ -29,6 +29,7 @@ class Simulation::Implementation {
   [[nodiscard]] derivation::DerivationOptions derivationOptions(std::uint32_t plant) const;
   [[nodiscard]] Outcome draw(turtle::Scene* scene, std::vector<turtle::TurtleRecord>* records);
   [[nodiscard]] std::uint64_t stateHash() const;
+  [[nodiscard]] std::uint64_t plantsHash() const;
   void save(core::ByteSink& sink);
   [[nodiscard]] Outcome restore(std::string_view snapshot);
 

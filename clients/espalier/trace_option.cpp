@@ -1,0 +1,53 @@
+#include "clients/espalier/trace_option.h"
+
+#include <CLI/CLI.hpp>
+#include <utility>
+
+#include "clients/espalier/messages.h"
+
+namespace espalier::command {
+
+void TraceOption::addTo(CLI::App& command) {
+  command.add_option("--trace", fileName_,
+                     "Record all queries and replies in this file, for `espalier replay` (.zst: compressed)");
+}
+
+bool TraceOption::open(LoadedEnvironment& environment) {
+  if (fileName_.empty()) {
+    return true;
+  }
+  auto created = server::TraceFile::create(fileName_);
+  if (const auto* problem = std::get_if<std::string>(&created)) {
+    printError(*problem);
+    return false;
+  }
+  file_ = std::move(std::get<std::unique_ptr<server::TraceFile>>(created));
+  recorder_ = std::make_shared<simulation::TraceRecorder>(*file_);
+  environment.process = simulation::record(std::move(environment.process), recorder_);
+  return true;
+}
+
+void TraceOption::begin(simulation::Simulation& simulation) {
+  if (recorder_ != nullptr) {
+    recorder_->begin(simulation);
+  }
+}
+
+void TraceOption::complete(const simulation::Simulation& simulation) {
+  if (recorder_ != nullptr) {
+    recorder_->complete(simulation);
+  }
+}
+
+bool TraceOption::close() {
+  if (file_ == nullptr) {
+    return true;
+  }
+  const auto problem = file_->close();
+  if (problem) {
+    printError(*problem);
+  }
+  return !problem;
+}
+
+}  // namespace espalier::command

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "engine/core/streams.h"
+
+namespace espalier::server {
+
+/// A file that is written as a run goes on, compressed (zstd) when its name ends in `.zst`. Each flush() makes what was
+/// written readable even if the program is killed afterwards.
+class TraceFile final : public core::ByteSink {
+ public:
+  /// An error sentence when the file cannot be made.
+  [[nodiscard]] static std::variant<std::unique_ptr<TraceFile>, std::string> create(const std::string& name);
+  ~TraceFile() override;
+  TraceFile(const TraceFile&) = delete;
+  TraceFile& operator=(const TraceFile&) = delete;
+
+  /// A failure is kept for close(): a full disk does not end the run.
+  void write(std::string_view bytes) override;
+  void flush();
+  /// Ends the file. An error sentence when anything could not be written.
+  [[nodiscard]] std::optional<std::string> close();
+
+ private:
+  struct Compressor;
+  TraceFile(std::string name, std::FILE* file, bool isCompressed);
+  void put(std::string_view bytes);
+  void compress(std::string_view bytes, int directive);
+
+  std::string name_;
+  std::FILE* file_;                         // null: closed
+  std::unique_ptr<Compressor> compressor_;  // null: none
+  std::string problem_;
+};
+
+/// Reads a trace into `bytes`, decompressed where needed. An error sentence, or nothing.
+[[nodiscard]] std::optional<std::string> readTraceFile(const std::string& name, std::string& bytes);
+
+}  // namespace espalier::server
