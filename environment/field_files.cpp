@@ -27,8 +27,9 @@ struct Specification {
 
 class SpecificationReader {
  public:
-  SpecificationReader(const ProcessEntry& process, std::vector<Diagnostic>& warnings, std::vector<Diagnostic>& errors)
-      : process_(process), warnings_(warnings), errors_(errors) {}
+  SpecificationReader(const ProcessEntry& process, core::FileProvider& files, std::vector<Diagnostic>& warnings,
+                      std::vector<Diagnostic>& errors)
+      : process_(process), files_(files), warnings_(warnings), errors_(errors) {}
 
   Specification read(const std::string& file, std::string_view text) {
     for (const FieldLine& line : readFieldLines(file, text, FieldSyntax::Specification, warnings_)) {
@@ -37,7 +38,7 @@ class SpecificationReader {
       if (keyword == process_.fieldKeywords.end()) {
         warnUnknown(line);
       } else {
-        readLine(line, *keyword);
+        readLine(file, line, *keyword);
       }
     }
     return std::move(specification_);
@@ -53,8 +54,12 @@ class SpecificationReader {
          names.empty() ? "this process reads no specification" : core::suggestName(line.keyword, names));
   }
 
-  void readLine(const FieldLine& line, const FieldKeyword& keyword) {
+  void readLine(const std::string& file, const FieldLine& line, const FieldKeyword& keyword) {
     if (keyword.kind == FieldKind::Unused) {
+      return;
+    }
+    if (keyword.kind == FieldKind::Own) {
+      readOwn(file, line, keyword);
       return;
     }
     const std::string key(keyword.key);
@@ -97,11 +102,25 @@ class SpecificationReader {
     }
   }
 
+  void readOwn(const std::string& file, const FieldLine& line, const FieldKeyword& keyword) {
+    ConfigurationValues read;
+    const std::string problem = keyword.read(FieldLineInput{line, file, files_, read});
+    if (!problem.empty()) {
+      errors_.push_back({Severity::Error, "'" + line.keyword + "' " + problem, valueLocation(line), {}});
+      return;
+    }
+    for (auto& [key, value] : read) {
+      specification_.locations.insert_or_assign(key, valueLocation(line));
+      specification_.values.insert_or_assign(key, std::move(value));
+    }
+  }
+
   void warn(const SourceLocation& location, std::string message, std::string hint) {
     warnings_.push_back({Severity::Warning, std::move(message), location, std::move(hint)});
   }
 
   const ProcessEntry& process_;
+  core::FileProvider& files_;
   std::vector<Diagnostic>& warnings_;
   std::vector<Diagnostic>& errors_;
   Specification specification_;
@@ -222,7 +241,7 @@ ProcessOrErrors makeFromFile(const std::string& file, core::FileProvider& files,
   if (isMultiple) {
     made = makeFields(name.empty() ? file : name, content, files, compatibility, warnings);
   } else {
-    Specification specification = SpecificationReader(*process, warnings, errors).read(name, content);
+    Specification specification = SpecificationReader(*process, files, warnings, errors).read(name, content);
     if (isCompatible) {
       makeCompatible(*process, specification.values);
     }

@@ -2,9 +2,12 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 #include <string_view>
 
+#include "engine/core/streams.h"
 #include "environment/configuration.h"
+#include "environment/field_text.h"
 #include "environment/registry.h"
 
 namespace espalier::environment {
@@ -16,6 +19,15 @@ enum class FieldKind : std::uint8_t {
   Switch,   // true when the value is one of `onWords`, else false
   Row,      // a row of numbers, at most `count`, added to the key's rows
   Unused,   // chooses how the published program computes, not what: accepted, no key
+  Own,      // a form of its own, read by FieldKeyword::read
+};
+
+/// A line with a form of its own: the line with its data rows, the folder's files, and where its keys go.
+struct FieldLineInput {
+  const FieldLine& line;
+  const std::string& file;  // of the specification: files it names lie beside it
+  core::FileProvider& files;
+  ConfigurationValues& values;
 };
 
 struct FieldKeyword {
@@ -24,6 +36,8 @@ struct FieldKeyword {
   std::string_view key;  // of the configuration
   std::size_t count = 1;
   std::span<const std::string_view> onWords{};
+  /// Own: sets keys from the line; a sentence that says what is wrong with it, or nothing.
+  std::string (*read)(const FieldLineInput& input) = nullptr;
 };
 
 /// Everything the registry knows about one process.

@@ -4,22 +4,30 @@
 #include <array>
 #include <utility>
 
+#include "environment/chiba.h"
+#include "environment/clover.h"
 #include "environment/constant.h"
+#include "environment/density.h"
 #include "environment/density3d.h"
 #include "environment/ecosystem.h"
 #include "environment/height.h"
 #include "environment/honda.h"
 #include "environment/multiple.h"
+#include "environment/ornament.h"
 #include "environment/process_entry.h"
 #include "environment/shadow.h"
+#include "environment/soil.h"
+#include "environment/takenaka.h"
 
 namespace espalier::environment {
 
 namespace {
 
 // sorted by name
-constexpr std::array kProcesses{&kConstantProcess, &kDensity3dProcess, &kEcosystemProcess, &kHeightProcess,
-                                &kHondaProcess,    &kMultipleProcess,  &kShadowProcess};
+constexpr std::array kProcesses{&kChibaProcess,     &kCloverProcess,    &kConstantProcess, &kDensityProcess,
+                                &kDensity3dProcess, &kEcosystemProcess, &kHeightProcess,   &kHondaProcess,
+                                &kMultipleProcess,  &kOrnamentProcess,  &kShadowProcess,   &kSoilProcess,
+                                &kTakenakaProcess};
 
 }  // namespace
 

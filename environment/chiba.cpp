@@ -1,0 +1,273 @@
+#include "environment/chiba.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "environment/light_directions.h"
+#include "environment/published_voxels.h"
+#include "environment/replies.h"
+#include "environment/sphere_tree.h"
+
+namespace espalier::environment {
+
+namespace {
+
+using core::Vec3;
+
+constexpr std::string_view kSummary = "Light that reaches leaf spheres past each other.";
+constexpr std::array<std::string_view, 2> kOnOrYes{"on", "yes"};
+constexpr std::array kTwenties{20.0, 20.0, 20.0};
+constexpr double kDarkness = 1e-12;
+
+constexpr std::array kKeys{
+    ConfigurationKey{.name = "sampleCount",
+                     .kind = KeyKind::Integer,
+                     .description = "light directions when no sources are given, rounded up to 8, 32, 128, …",
+                     .minimum = 1,
+                     .maximum = 32768,
+                     .defaultNumber = 20},
+    ConfigurationKey{.name = "lowerToUpperRatio",
+                     .description = "brightness from below relative to that from above, without sources",
+                     .minimum = 0.0,
+                     .defaultNumber = 0.7},
+    ConfigurationKey{.name = "overcastSky",
+                     .kind = KeyKind::Boolean,
+                     .description = "the CIE overcast sky instead of a uniform one, without sources"},
+    ConfigurationKey{.name = "sources",
+                     .kind = KeyKind::Rows,
+                     .description = "light directions: x, y, z towards the light and a weight",
+                     .minimumCount = 4,
+                     .maximumCount = 4},
+    ConfigurationKey{.name = "transmittance",
+                     .description = "part of the light that passes through the middle of a sphere",
+                     .minimum = 0.0,
+                     .maximum = 1.0,
+                     .defaultNumber = 0.6},
+    ConfigurationKey{.name = "radius",
+                     .description = "of a sphere whose query sends no positive radius",
+                     .unit = "length",
+                     .minimum = 0.0,
+                     .defaultNumber = 25},
+    ConfigurationKey{.name = "beamRadius",
+                     .description = "radius of a beam relative to the sphere's that it reaches; it widens the others",
+                     .minimum = 0.0},
+    ConfigurationKey{.name = "estimateIntersectionArea",
+                     .kind = KeyKind::Boolean,
+                     .description = "light lost by the area that the spheres' discs have in common along a ray"},
+    ConfigurationKey{.name = "gridSize",
+                     .kind = KeyKind::Numbers,
+                     .description = "voxels along x, y, z of the published traversal (only when compatible)",
+                     .minimum = 1.0,
+                     .maximum = 200.0,
+                     .isWhole = true,
+                     .defaultNumbers = kTwenties,
+                     .minimumCount = 3,
+                     .maximumCount = 3},
+    ConfigurationKey{
+        .name = "compatible", .kind = KeyKind::Boolean, .description = "the published traversal, which misses spheres"},
+};
+constexpr std::array kFieldKeywords{
+    FieldKeyword{.keyword = "grid size", .kind = FieldKind::Numbers, .key = "gridSize", .count = 3},
+    FieldKeyword{.keyword = "number of samples", .key = "sampleCount"},
+    FieldKeyword{.keyword = "lower to upper ratio", .key = "lowerToUpperRatio"},
+    FieldKeyword{.keyword = "use CIE formula", .kind = FieldKind::Switch, .key = "overcastSky", .onWords = kOnOrYes},
+    FieldKeyword{.keyword = "source direction", .kind = FieldKind::Row, .key = "sources", .count = 4},
+    FieldKeyword{.keyword = "transmittance", .key = "transmittance"},
+    FieldKeyword{.keyword = "radius", .key = "radius"},
+    FieldKeyword{.keyword = "beam radius", .key = "beamRadius"},
+    FieldKeyword{.keyword = "estimate intersection area",
+                 .kind = FieldKind::Switch,
+                 .key = "estimateIntersectionArea",
+                 .onWords = kOnOrYes},
+};
+
+/// Area that two discs have in common whose middles are `d` apart.
+double commonArea(double r1, double r2, double d) {
+  const double small = std::min(r1, r2);
+  if (d >= r1 + r2) {
+    return 0.0;
+  }
+  if (d <= std::abs(r1 - r2)) {
+    return std::numbers::pi * small * small;
+  }
+  // two segments of circles, cut off by the line through the intersections
+  const double d1 = (d * d + r1 * r1 - r2 * r2) / (2.0 * d);
+  const double d2 = d - d1;
+  const auto segment = [](double r, double h) {
+    return r * r * std::acos(std::clamp(h / r, -1.0, 1.0)) - h * std::sqrt(std::max(r * r - h * h, 0.0));
+  };
+  return segment(r1, d1) + segment(r2, d2);
+}
+
+using Answer = std::array<double, 4>;  // light and its mean direction
+
+class Chiba final : public turtle::EnvironmentProcess {
+ public:
+  explicit Chiba(const Configuration& configuration)
+      : sky_{.sampleCount = static_cast<std::size_t>(configuration.integer("sampleCount")),
+             .lowerToUpperRatio = configuration.number("lowerToUpperRatio"),
+             .isOvercast = configuration.flag("overcastSky")},
+        transmittance_(configuration.number("transmittance")),
+        radius_(configuration.number("radius")),
+        beamRadius_(configuration.number("beamRadius")),
+        estimatesArea_(configuration.flag("estimateIntersectionArea")),
+        isCompatible_(configuration.flag("compatible")) {
+    for (const auto& row : configuration.rows("sources")) {
+      sources_.push_back({{row[0], row[1], row[2]}, row[3]});
+    }
+    normaliseLight(sources_);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      gridSize_[axis] = static_cast<std::size_t>(configuration.numbers("gridSize")[axis]);
+    }
+  }
+
+  [[nodiscard]] turtle::EnvironmentDescription describe() const override {
+    return {.name = "chiba",
+            .summary = std::string(kSummary),
+            .needs = {.position = true, .parameters = true},
+            .inputs = {{"radius", lengthUnit_, ""}},
+            .outputs = {{"light", "1", ""}, {"brightestX", "1", ""}, {"brightestY", "1", ""}, {"brightestZ", "1", ""}},
+            .isStateful = false};
+  }
+
+  [[nodiscard]] std::optional<turtle::EnvironmentError> open(const turtle::EnvironmentContext& context) override {
+    if (!(core::length(context.world.up) > 0.0)) {
+      return turtle::EnvironmentError{
+          "Environment 'chiba' needs to know where up is: the world's vector 'up' has no length. Set it to 0 1 0.",
+          false};
+    }
+    lengthUnit_ = context.world.lengthUnit;
+    directions_ = sources_.empty() ? sampleSky(sky_, core::normalised(context.world.up)) : sources_;
+    return std::nullopt;
+  }
+
+  [[nodiscard]] std::optional<turtle::EnvironmentError> step(const turtle::QueryBatch& queries,
+                                                             turtle::ReplyBatch& replies) override {
+    std::vector<Sphere> spheres;
+    std::vector<std::size_t> queryOf;
+    for (std::size_t query = 0; query < queries.size(); ++query) {
+      const auto parameters = queries.parametersOf(query);
+      const bool isLeftOut = isCompatible_ && (parameters.size() == 2 || parameters.size() == 3);
+      if (!parameters.empty() && !isLeftOut) {
+        spheres.push_back({queries.position[query], parameters[0] > 0.0 ? parameters[0] : radius_});
+        queryOf.push_back(query);
+      }
+    }
+    if (isCompatible_) {
+      PublishedVoxels voxels(spheres, gridSize_);
+      for (std::size_t sphere = 0; sphere < spheres.size(); ++sphere) {
+        setAnswer(queries, queryOf[sphere], answerFrom([&](const Vec3& direction) {
+                    double light = 1.0;
+                    voxels.visitRay({spheres[sphere].centre, direction, 0.0}, [&](std::uint32_t other) {
+                      light *= other == sphere ? 1.0 : passing(spheres[sphere], spheres[other], direction);
+                    });
+                    return light;
+                  }),
+                  replies);
+      }
+    } else {
+      const DistinctSpheres distinct = distinctSpheres(spheres);
+      const std::vector<Answer> answers = answersOf(distinct);
+      for (std::size_t sphere = 0; sphere < spheres.size(); ++sphere) {
+        setAnswer(queries, queryOf[sphere], answers[distinct.indexOf[sphere]], replies);
+      }
+    }
+    countAnswers(queries, replies);
+    return std::nullopt;
+  }
+
+ private:
+  /// The part of the light for one sphere that another lets pass along a ray.
+  [[nodiscard]] double passing(const Sphere& own, const Sphere& other, const Vec3& direction) const {
+    const Vec3 between = other.centre - own.centre;
+    const double ahead = core::dot(between, direction);
+    const double squared = std::max(core::dot(between, between) - ahead * ahead, 0.0);
+    if (estimatesArea_) {
+      if (!(ahead > 0.0)) {
+        return 1.0;
+      }
+      const double area = commonArea(own.radius, other.radius, std::sqrt(squared));
+      const double whole = std::numbers::pi * own.radius * own.radius;
+      return whole > 0.0 ? 1.0 - (1.0 - transmittance_) * area / whole : 1.0;
+    }
+    const double radius = other.radius + beamRadius_ * own.radius;
+    const double half = std::sqrt(std::max(radius * radius - squared, 0.0));
+    // the chord, as far as it is ahead of the ray's origin
+    const double chord = ahead + half - std::max(ahead - half, 0.0);
+    return chord > 0.0 && half > 0.0 ? std::pow(transmittance_, chord / (2.0 * radius)) : 1.0;
+  }
+
+  [[nodiscard]] std::vector<Answer> answersOf(const DistinctSpheres& distinct) const {
+    const SphereTree tree(distinct.spheres);
+    std::vector<Answer> answers(distinct.spheres.size());
+    for (const std::uint32_t index : tree.order()) {
+      const Sphere& own = distinct.spheres[index];
+      const double margin = estimatesArea_ ? own.radius : beamRadius_ * own.radius;
+      answers[index] = answerFrom([&](const Vec3& direction) {
+        double light = 1.0;
+        tree.visitRay({own.centre, direction, std::numeric_limits<double>::infinity()}, margin,
+                      [&](std::uint32_t other) {
+                        const std::uint32_t times = distinct.count[other] - (other == index ? 1U : 0U);
+                        const double factor = times == 0 ? 1.0 : passing(own, distinct.spheres[other], direction);
+                        for (std::uint32_t k = 0; k < times; ++k) {
+                          light *= factor;
+                        }
+                        return light > kDarkness;
+                      });
+        return light > kDarkness ? light : 0.0;
+      });
+    }
+    return answers;
+  }
+
+  /// From the light that is left in each direction.
+  template <typename LightFrom>
+  [[nodiscard]] Answer answerFrom(const LightFrom& lightFrom) const {
+    double light = 0.0;
+    Vec3 brightest;
+    for (const LightDirection& source : directions_) {
+      const double arriving = source.weight * lightFrom(source.direction);
+      light += arriving;
+      brightest = brightest + source.direction * arriving;
+    }
+    const Vec3 unit = core::normalised(brightest);
+    return {light, unit.x, unit.y, unit.z};
+  }
+
+  static void setAnswer(const turtle::QueryBatch& queries, std::size_t query, const Answer& answer,
+                        turtle::ReplyBatch& replies) {
+    for (std::size_t k = 0; k < std::min<std::size_t>(queries.parametersOf(query).size(), 4); ++k) {
+      replies.set(queries, query, k, answer[k]);
+    }
+  }
+
+  SkyShape sky_;
+  std::vector<LightDirection> sources_;
+  double transmittance_;
+  double radius_;
+  double beamRadius_;
+  bool estimatesArea_;
+  bool isCompatible_;
+  std::array<std::size_t, 3> gridSize_{};
+  std::vector<LightDirection> directions_;
+  std::string lengthUnit_ = "m";
+};
+
+}  // namespace
+
+constinit const ProcessEntry kChibaProcess{.name = "chiba",
+                                           .summary = kSummary,
+                                           .aliases = {},
+                                           .keys = kKeys,
+                                           .fieldKeywords = kFieldKeywords,
+                                           .make = [](const Configuration& configuration) -> ProcessOrErrors {
+                                             return std::make_unique<Chiba>(configuration);
+                                           }};
+
+}  // namespace espalier::environment

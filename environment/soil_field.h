@@ -1,0 +1,69 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "engine/core/vec3.h"
+
+namespace espalier::environment {
+
+/// How a soil field spreads what is in it.
+struct Diffusion {
+  int stepCount = 0;         // in one step of the simulation
+  double tolerance = 0.0;    // stop before when no cell changes by as much; 0: never
+  double relaxation = 0.5;   // 0 … 1
+  bool isAveraging = false;  // the published scheme, which loses or makes matter at borders
+};
+
+/// Concentrations in the cells of a box, with impermeable obstacles and sources of constant concentration.
+class SoilField {
+ public:
+  struct Shape {
+    core::Vec3 position;                        // low corner of the box
+    core::Vec3 size{1.0, 1.0, 1.0};             // of the box
+    std::array<std::size_t, 3> cells{1, 1, 1};  // along x, y, z
+  };
+
+  /// `initial`, `isObstacle` and `isSource` are by cell, x fastest, then y upwards, then z; the last two may be empty.
+  SoilField(const Shape& shape, std::vector<double> initial, std::vector<std::uint8_t> isObstacle,
+            std::vector<std::uint8_t> isSource);
+
+  [[nodiscard]] const Shape& shape() const { return shape_; }
+  [[nodiscard]] bool isInSpace() const { return shape_.cells[2] > 1; }
+  [[nodiscard]] core::Vec3 cellSize() const;
+
+  /// Everything as it was at first.
+  void reset() { cells_ = initial_; }
+  [[nodiscard]] std::vector<double>& cells() { return cells_; }
+  [[nodiscard]] const std::vector<double>& cells() const { return cells_; }
+  /// The cell of a point; nothing outside the box. Low borders belong to it, high ones do not.
+  [[nodiscard]] std::optional<std::size_t> cellOf(const core::Vec3& point) const;
+  /// Differences of the concentrations of the neighbours on both sides, halved: per cell, not per length. A neighbour
+  /// beyond the border or in an obstacle counts as having the cell's own concentration.
+  [[nodiscard]] core::Vec3 differencesAt(std::size_t cell) const;
+  /// Whether a straight line meets an obstacle. O(cells crossed).
+  [[nodiscard]] bool isBlocked(const core::Vec3& from, const core::Vec3& to) const;
+
+  /// Sources get their concentration back, then everything spreads. By default every face of two free cells lets pass
+  /// relaxation/(number of faces of a cell) of the difference, so that matter is conserved; the published scheme moves
+  /// each cell by `relaxation` towards the mean of its free neighbours. Both read the old field only. O(cells · steps).
+  void spread(const Diffusion& diffusion);
+
+ private:
+  [[nodiscard]] std::size_t index(std::size_t x, std::size_t y, std::size_t z) const {
+    return (z * shape_.cells[1] + y) * shape_.cells[0] + x;
+  }
+  [[nodiscard]] bool isFree(std::size_t cell) const { return isObstacle_.empty() || isObstacle_[cell] == 0; }
+  double relax(const std::array<double, 7>& own, const std::array<double, 7>& others);
+
+  Shape shape_;
+  std::vector<double> initial_;
+  std::vector<double> cells_;
+  std::vector<double> next_;              // of a relaxation
+  std::vector<std::uint8_t> isObstacle_;  // by cell; empty: none is
+  std::vector<std::uint8_t> isSource_;    // by cell; empty: none is
+};
+
+}  // namespace espalier::environment
