@@ -89,6 +89,8 @@ void Drawing::beginPolygon(const TurtleState& state) {
   shape.polygon.colour = state.colour;
   shape.polygon.plant = plant_;
   shape.polygon.module = module_;
+  shape.polygon.branchOrder = state.branchOrder;
+  shape.polygon.parent = state.segment;
   open_.push_back(std::move(shape));
 }
 
@@ -103,6 +105,8 @@ void Drawing::beginCylinder(const TurtleState& state, std::int32_t type, std::in
   shape.cylinder.isClosed = type % 2 == 0;
   shape.cylinder.plant = plant_;
   shape.cylinder.module = module_;
+  shape.cylinder.branchOrder = state.branchOrder;
+  shape.cylinder.parent = state.segment;
   shape.cylinder.points.push_back(pointOf(state, shape.stripCount));
   open_.push_back(std::move(shape));
 }
@@ -127,6 +131,8 @@ void Drawing::startAxisCylinder(TurtleState& state) {
   GeneralizedCylinder cylinder;
   cylinder.plant = plant_;
   cylinder.module = module_;
+  cylinder.branchOrder = state.branchOrder;
+  cylinder.parent = state.segment;
   cylinder.points.push_back(pointOf(state, kDefaultStripCount));
   state.cylinder = static_cast<std::uint32_t>(scene_->cylinders.size());
   state.cylinderOrder = state.branchOrder;
@@ -155,7 +161,9 @@ void Drawing::ball(const TurtleState& state, Ball::Kind kind, double diameter) {
                            .diameter = diameter,
                            .colour = state.colour,
                            .plant = plant_,
-                           .module = module_});
+                           .module = module_,
+                           .branchOrder = state.branchOrder,
+                           .parent = state.segment});
 }
 
 void Drawing::surface(const TurtleState& state, std::uint32_t index, bool isTriangleSurface, const Vec3& scale) {
@@ -169,7 +177,9 @@ void Drawing::surface(const TurtleState& state, std::uint32_t index, bool isTria
                               .scale = scale,
                               .colour = state.colour,
                               .plant = plant_,
-                              .module = module_});
+                              .module = module_,
+                              .branchOrder = state.branchOrder,
+                              .parent = state.segment});
 }
 
 void Drawing::label(const TurtleState& state, std::string text) {
@@ -212,6 +222,8 @@ void Drawing::drawPatch(const TurtleState& state, std::int32_t id, std::int32_t 
   patch.colour = state.colour;
   patch.plant = plant_;
   patch.module = module_;
+  patch.branchOrder = state.branchOrder;
+  patch.parent = state.segment;
   scene_->patches.push_back(patch);
 }
 

@@ -31,6 +31,8 @@ struct Polygon {
   std::int32_t colour = 128;
   std::uint32_t plant = 0;
   std::uint64_t module = 0;  // of `{`
+  std::uint32_t branchOrder = 0;
+  std::uint32_t parent = kNoParent;  // the segment it grows on
 };
 
 /// A sphere or disc (@O, @o, @c).
@@ -43,6 +45,8 @@ struct Ball {
   std::int32_t colour = 128;
   std::uint32_t plant = 0;
   std::uint64_t module = 0;
+  std::uint32_t branchOrder = 0;
+  std::uint32_t parent = kNoParent;  // the segment it grows on
 };
 
 /// A predefined surface ~c placed by the turtle. The sampled mesh: row-major quads.
@@ -55,6 +59,8 @@ struct SurfaceInstance {
   std::int32_t colour = 128;
   std::uint32_t plant = 0;
   std::uint64_t module = 0;
+  std::uint32_t branchOrder = 0;
+  std::uint32_t parent = kNoParent;  // the segment it grows on
 };
 
 /// A text label (@L).
@@ -88,6 +94,8 @@ struct GeneralizedCylinder {
   std::vector<CylinderPoint> points;
   std::uint32_t plant = 0;
   std::uint64_t module = 0;
+  std::uint32_t branchOrder = 0;
+  std::uint32_t parent = kNoParent;  // the segment it grows on
 };
 
 /// A 4x4 bicubic Bezier patch whose control points the turtle visited (@PS, @PC, @PD). World coordinates, row by row.
@@ -98,6 +106,8 @@ struct Patch {
   std::int32_t colour = 128;
   std::uint32_t plant = 0;
   std::uint64_t module = 0;
+  std::uint32_t branchOrder = 0;
+  std::uint32_t parent = kNoParent;  // the segment it grows on
 };
 
 /// Everything a turtle drew. Plain data in world units.

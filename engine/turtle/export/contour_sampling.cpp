@@ -64,6 +64,7 @@ std::vector<Vec3> sampleContour(const language::ViewSettings& view, std::int32_t
     for (Vec3& p : samples) {
       p = {std::cos(angle) * p.x - std::sin(angle) * p.y, std::sin(angle) * p.x + std::cos(angle) * p.y, p.z};
     }
+    samples.back() = samples.front();
   }
   return samples;
 }

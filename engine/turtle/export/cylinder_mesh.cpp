@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "engine/turtle/export/mesh.h"
+#include "engine/turtle/export/polygon_mesh.h"
 #include "engine/turtle/turtle_motion.h"
 
 namespace espalier::turtle {
@@ -72,7 +74,7 @@ AxisSample bSpline(const GeneralizedCylinder& cylinder, std::size_t segment, dou
   return sample;
 }
 
-std::vector<AxisSample> sampleAxis(const GeneralizedCylinder& cylinder) {
+std::vector<AxisSample> sampleAxis(const GeneralizedCylinder& cylinder, double detail) {
   std::vector<AxisSample> samples;
   const std::size_t count = cylinder.points.size();
   const bool isHermite = cylinder.curve == GeneralizedCylinder::Curve::Hermite;
@@ -81,7 +83,7 @@ std::vector<AxisSample> sampleAxis(const GeneralizedCylinder& cylinder) {
   for (std::size_t segment = 0; segment < segments; ++segment) {
     const std::size_t from = isHermite || cylinder.isClosed ? segment : (segment == 0 ? 0 : segment - 1);
     const std::size_t to = cylinder.isClosed ? (segment + 1) % count : std::min(from + 1, count - 1);
-    const int strips = cylinder.points[to].stripCount;
+    const int strips = atDetail(cylinder.points[to].stripCount, detail, 1);
     for (int i = segment == 0 ? 0 : 1; i <= strips; ++i) {
       const double t = static_cast<double>(i) / strips;
       AxisSample sample = isHermite ? hermite(cylinder, from, to, t) : bSpline(cylinder, segment, t);
@@ -110,9 +112,107 @@ Vec3 normalPart(const Vec3& v, const Vec3& axis) {
   return core::normalised(other - core::dot(other, axis) * axis);
 }
 
+Vec3 reflected(const Vec3& v, const Vec3& mirror) {
+  const double square = core::dot(mirror, mirror);
+  return square > 0.0 ? v - (2.0 * core::dot(mirror, v) / square) * mirror : v;
+}
+
+// the normal carried to the next sample without rotation about the axis: two reflections (Wang, Juettler, Zheng & Liu
+// 2008, "Computation of rotation minimizing frames", section 3), of fourth order in the distance of the samples
+Vec3 carried(const Vec3& up, const AxisSample& from, const AxisSample& to) {
+  const Vec3 chord = to.position - from.position;
+  const Vec3 tangent = reflected(from.tangent, chord);
+  return normalPart(reflected(reflected(up, chord), to.tangent - tangent), to.tangent);
+}
+
+// normals of the axis at all samples, as the turtle's own or with the least twist; those of a closed axis meet
+std::vector<Vec3> normalsAlong(const std::vector<AxisSample>& samples, bool isClosed, bool hasTurtleTwist) {
+  std::vector<Vec3> ups;
+  std::vector<double> along{0.0};
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    ups.push_back(i == 0 || hasTurtleTwist ? normalPart(samples[i].turtleUp, samples[i].tangent)
+                                           : carried(ups.back(), samples[i - 1], samples[i]));
+    if (i > 0) {
+      along.push_back(along.back() + core::length(samples[i].position - samples[i - 1].position));
+    }
+  }
+  if (isClosed && !hasTurtleTwist && along.back() > 0.0) {
+    // what the frame has turned after one round is taken back evenly along it
+    const Vec3& tangent = samples.front().tangent;
+    const double angle =
+        std::atan2(core::dot(core::cross(ups.back(), ups.front()), tangent), core::dot(ups.back(), ups.front()));
+    for (std::size_t i = 0; i < ups.size(); ++i) {
+      ups[i] = rotatedAbout(ups[i], samples[i].tangent, angle * along[i] / along.back());
+    }
+  }
+  return ups;
+}
+
+/// The section of a cylinder at one sample: points in units of the radius and their outward normals, in x and y.
+struct Section {
+  std::vector<Vec3> points;
+  std::vector<Vec3> normals;
+  bool isCounterClockwise = true;
+};
+
+Section sectionOf(const std::vector<Vec3>& from, const std::vector<Vec3>& to, double blend) {
+  Section section;
+  double doubleArea = 0.0;
+  for (std::size_t k = 0; k < from.size(); ++k) {
+    section.points.push_back(from[k] + blend * (to[k] - from[k]));
+    if (k > 0) {
+      doubleArea += section.points[k - 1].x * section.points[k].y - section.points[k - 1].y * section.points[k].x;
+    }
+  }
+  section.isCounterClockwise = doubleArea >= 0.0;
+  const double sense = section.isCounterClockwise ? 1.0 : -1.0;
+  const std::size_t last = section.points.size() - 1;
+  const bool isClosed = section.points[0] == section.points[last];
+  for (std::size_t k = 0; k <= last; ++k) {
+    // across the neighbours; those of a closed section go on over its seam
+    const Vec3& before = section.points[k > 0 ? k - 1 : (isClosed ? last - 1 : 0)];
+    const Vec3& after = section.points[k < last ? k + 1 : (isClosed ? 1 : last)];
+    const Vec3 normal{sense * (after.y - before.y), -sense * (after.x - before.x), 0.0};
+    section.normals.push_back(core::length(normal) > 0.0 ? core::normalised(normal) : Vec3{1.0, 0.0, 0.0});
+  }
+  return section;
+}
+
+// radius lost per unit of length at a sample
+double slopeAt(const std::vector<AxisSample>& samples, std::size_t i) {
+  const AxisSample& before = samples[i > 0 ? i - 1 : 0];
+  const AxisSample& after = samples[std::min(i + 1, samples.size() - 1)];
+  const double length =
+      core::length(samples[i].position - before.position) + core::length(after.position - samples[i].position);
+  return length > 0.0 ? (before.radius - after.radius) / length : 0.0;
+}
+
+// a flat end over the ring of `columns` vertices that begins at `first`
+void appendCap(Mesh& mesh, std::uint32_t first, std::uint32_t columns, const Vec3& outward) {
+  const auto begin = mesh.positions.begin() + first;
+  const std::vector<Vec3> rim(begin, begin + columns);
+  const Vec3 normal = newellNormal(rim);
+  if (!(core::length(normal) > 0.0)) {
+    return;
+  }
+  const auto cap = static_cast<std::uint32_t>(mesh.positions.size());
+  for (std::uint32_t k = 0; k < columns; ++k) {
+    const double angle = 2.0 * std::numbers::pi * k / columns;
+    mesh.positions.push_back(rim[k]);
+    mesh.normals.push_back(outward);
+    mesh.coordinates.push_back({0.5 + 0.5 * std::cos(angle), 0.5 + 0.5 * std::sin(angle)});
+  }
+  const bool isTurned = core::dot(normal, outward) < 0.0;
+  for (const auto& triangle : triangulate(rim, normal)) {
+    mesh.faces.push_back(
+        {cap + triangle[0], cap + triangle[isTurned ? 2 : 1], cap + triangle[isTurned ? 1 : 2], Mesh::kNoVertex});
+  }
+}
+
 }  // namespace
 
-void appendCylinder(Mesh& mesh, const GeneralizedCylinder& cylinder, const language::ViewSettings& view) {
+void appendCylinder(Mesh& mesh, const GeneralizedCylinder& cylinder, const language::ViewSettings& view,
+                    double detail) {
   if (cylinder.points.size() < 2) {
     return;
   }
@@ -120,41 +220,54 @@ void appendCylinder(Mesh& mesh, const GeneralizedCylinder& cylinder, const langu
   for (const CylinderPoint& point : cylinder.points) {
     sides = std::max(sides, static_cast<int>(point.sideCount));
   }
+  sides = atDetail(sides, detail, 3);
   std::vector<std::vector<Vec3>> contours;
   for (const CylinderPoint& point : cylinder.points) {
     contours.push_back(sampleContour(view, point.contour, sides));
   }
-  // rings along the axis with the least twist from one to the next
-  const std::vector<AxisSample> samples = sampleAxis(cylinder);
+
+  // rings along the axis
+  const std::vector<AxisSample> samples = sampleAxis(cylinder, detail);
+  const std::vector<Vec3> ups = normalsAlong(samples, cylinder.isClosed, view.hasTwistOfCylinders);
   const auto first = static_cast<std::uint32_t>(mesh.positions.size());
   const auto columns = static_cast<std::uint32_t>(sides);
-  Vec3 up;
   double along = 0.0;
+  bool isTurned = false;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const AxisSample& sample = samples[i];
-    if (i == 0 || view.hasTwistOfCylinders) {
-      up = normalPart(sample.turtleUp, sample.tangent);
-    } else {
-      up = normalPart(transported(up, samples[i - 1].tangent, sample.tangent), sample.tangent);
-      along += core::length(sample.position - samples[i - 1].position);
-    }
-    const Vec3 left = core::cross(sample.tangent, up);
+    along += i == 0 ? 0.0 : core::length(sample.position - samples[i - 1].position);
+    const Vec3 left = core::cross(sample.tangent, ups[i]);
+    const Section section = sectionOf(contours[sample.from], contours[sample.to], sample.blend);
+    const double slope = slopeAt(samples, i);
+    isTurned = section.isCounterClockwise;
     for (std::size_t k = 0; k <= columns; ++k) {
-      const Vec3& a = contours[sample.from][k];
-      const Vec3& b = contours[sample.to][k];
-      const Vec3 p = a + sample.blend * (b - a);
-      const Vec3 radial = p.x * up - p.y * left;
-      mesh.positions.push_back(sample.position + sample.radius * radial + (sample.radius * p.z) * sample.tangent);
-      mesh.normals.push_back(core::length(radial) > 0.0 ? core::normalised(radial) : up);
+      const Vec3& p = section.points[k];
+      const Vec3& n = section.normals[k];
+      const double tilt = slope * (p.x * n.x + p.y * n.y);
+      mesh.positions.push_back(sample.position + sample.radius * (p.x * ups[i] - p.y * left + p.z * sample.tangent));
+      mesh.normals.push_back(core::normalised(n.x * ups[i] - n.y * left + tilt * sample.tangent));
       mesh.coordinates.push_back({1.0 - static_cast<double>(k) / sides, along});
     }
   }
+  // a closed axis ends exactly where it began
+  const auto lastRing = static_cast<std::uint32_t>(first + (samples.size() - 1) * (columns + 1));
+  if (cylinder.isClosed) {
+    std::copy_n(mesh.positions.begin() + first, columns + 1, mesh.positions.begin() + lastRing);
+    std::copy_n(mesh.normals.begin() + first, columns + 1, mesh.normals.begin() + lastRing);
+  }
+
+  // counter-clockwise sections run clockwise about the axis: x is along U, y against L
   for (std::uint32_t row = 0; row + 1 < samples.size(); ++row) {
     for (std::uint32_t column = 0; column < columns; ++column) {
       const std::uint32_t a = first + row * (columns + 1) + column;
       const std::uint32_t b = a + columns + 1;
-      mesh.faces.push_back({a, a + 1, b + 1, b});
+      mesh.faces.push_back(isTurned ? std::array{a, b, b + 1, a + 1} : std::array{a, a + 1, b + 1, b});
     }
+  }
+  const auto isTube = [](const std::vector<Vec3>& contour) { return contour.front() == contour.back(); };
+  if (!cylinder.isClosed && std::ranges::all_of(contours, isTube)) {
+    appendCap(mesh, first, columns, -samples.front().tangent);
+    appendCap(mesh, lastRing, columns, samples.back().tangent);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cctype>
 
+#include "engine/turtle/export/glb.h"
 #include "engine/turtle/export/obj.h"
 #include "engine/turtle/export/svg.h"
 
@@ -18,6 +19,7 @@ std::optional<std::string> exportSvg(const ExportInput& input, const ExportTarge
 
 constexpr std::array kFormats = {
     ExportFormat{"svg", ".svg", "a picture of paths and shapes", exportSvg},
+    ExportFormat{"glb", ".glb", "meshes, materials and repeated organs (binary glTF 2.0)", exportGlb},
     ExportFormat{"obj", ".obj", "triangles and quads for 3-D programs, with a .mtl of colours", exportObj},
 };
 

@@ -19,10 +19,18 @@ struct ExportInput {
   const language::ViewSettings& view;          // surfaces, contours, camera: of the model that drew the scene
   const language::Palette* palette = nullptr;  // a model folder's colours; null or empty: Espalier's own
   std::span<const TurtleRecord> records = {};  // of the same interpretation
+  double detail = 1.0;  // factor of the sides and subdivisions of meshes: a half is a coarser level of detail
 };
 
-/// Told how far an export is: parts written and parts in all. Called from time to time, at least once at the end.
+/// Told how far an export is: parts written and parts in all. Called from time to time and with the last part.
 using ExportProgress = std::function<void(std::uint64_t done, std::uint64_t total)>;
+
+/// Calls a progress function, if there is one, at every 4096th part and at the last.
+inline void reportProgress(const ExportProgress& progress, std::uint64_t done, std::uint64_t total) {
+  if (progress && (done % 4096 == 0 || done == total)) {
+    progress(done, total);
+  }
+}
 
 /// Where an export goes.
 struct ExportTarget {

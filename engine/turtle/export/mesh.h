@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "engine/core/frame.h"
 #include "engine/core/vec3.h"
 #include "engine/language/view_settings.h"
 #include "engine/turtle/scene.h"
@@ -18,12 +19,35 @@ struct Mesh {
   std::vector<core::Vec3> normals;                  // (vertexCount), unit
   std::vector<std::array<double, 2>> coordinates;   // (vertexCount)
   std::vector<std::array<std::uint32_t, 4>> faces;  // a triangle's fourth is kNoVertex
+  // of tubes: the segment that a vertex and a face belong to, indices into Scene::segments (vertexCount, faceCount);
+  // empty for other meshes
+  std::vector<std::uint32_t> vertexSegments, faceSegments;
 
   void clear();
+  [[nodiscard]] std::size_t triangleCount() const;
 };
+
+/// Where a mesh that several organs share stands: a point p of it is at position + scale.x p.x left + scale.y p.y
+/// heading + scale.z p.z up of the frame.
+struct OrganPlacement {
+  core::Vec3 position;
+  core::Frame frame;
+  core::Vec3 scale{1.0, 1.0, 1.0};
+};
+
+/// Appends a mesh where an organ is. A mirrored placement turns its faces round, as glTF's nodes do.
+void appendPlaced(Mesh& mesh, const Mesh& local, const OrganPlacement& placement);
+
+/// `count` times a level of detail, at least `least`.
+[[nodiscard]] int atDetail(int count, double detail, int least);
 
 /// The samples of a bicubic Bezier patch, rows along s.
 void appendPatch(Mesh& mesh, const std::array<core::Vec3, 16>& points, int subdivisionS, int subdivisionT);
+
+/// A surface `~c` of the view file in its own coordinates (along L, H, U), smooth across its patches. `detail`: factor
+/// of its subdivision.
+void appendLocalSurface(Mesh& mesh, const language::Surface& surface, double detail = 1.0);
+void appendLocalSurface(Mesh& mesh, const language::TriangleSurface& surface);
 
 /// A surface `~c` where the turtle placed it (FILES §6.1).
 void appendSurface(Mesh& mesh, const SurfaceInstance& instance, const language::ViewSettings& view);
@@ -34,21 +58,26 @@ void appendSphere(Mesh& mesh, const core::Vec3& centre, double diameter, int rin
 /// A disc in the plane of H and L.
 void appendDisc(Mesh& mesh, const Ball& ball, int sides);
 
-/// One ring of a tube: `sides + 1` vertices, the last at the place of the first (the seam of the texture).
+/// One ring of a tube: `sides + 1` vertices centre + cos(k) up + sin(k) side, the last at the place of the first (the
+/// seam of the texture). `up` and `side` hold the radius; at a bend they are those of an oblique section.
 struct TubeRing {
   core::Vec3 centre;
-  core::Vec3 up;    // where the first vertex is
-  core::Vec3 side;  // a quarter turn on
-  double radius = 0.5;
-  double along = 0.0;  // second texture coordinate
+  core::Vec3 up;              // to the first vertex
+  core::Vec3 side;            // a quarter turn on
+  core::Vec3 normalUp;        // unit normals of the tube there, without its taper
+  core::Vec3 normalSide;      // (cross(normalUp, normalSide) is the tube's direction)
+  double slope = 0.0;         // radius lost per unit of length: tilts the normals
+  double along = 0.0;         // second texture coordinate
+  std::uint32_t segment = 0;  // that ends here, an index into Scene::segments; of the first ring: that begins here
 };
 
-/// A tube through rings with shared vertices, closed at both ends.
+/// A tube through rings with shared vertices, closed at both ends by flat caps.
 void appendTube(Mesh& mesh, const std::vector<TubeRing>& rings, int sides);
 
 /// A generalized cylinder: Hermite or B-spline through its points, circular or with the contours of the view file, with
 /// the least twist unless the view file wants the turtle's.
-void appendCylinder(Mesh& mesh, const GeneralizedCylinder& cylinder, const language::ViewSettings& view);
+void appendCylinder(Mesh& mesh, const GeneralizedCylinder& cylinder, const language::ViewSettings& view,
+                    double detail = 1.0);
 
 /// `sides + 1` points of a contour at equal distances along it (FILES §8); a circle when `id` is not in the view file.
 [[nodiscard]] std::vector<core::Vec3> sampleContour(const language::ViewSettings& view, std::int32_t id, int sides);

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "engine/core/streams.h"
+#include "engine/core/vec3.h"
 
 namespace espalier::turtle {
 
@@ -45,6 +46,18 @@ class TextOutput {
       }
     }
     return *this << (text == "-0" ? std::string_view("0") : text);
+  }
+  /// The shortest text that reads back as the same 32-bit number; never -0. Not finite: 0.
+  TextOutput& single(double value) {
+    std::array<char, 48> buffer{};
+    const float rounded = std::isfinite(value) ? static_cast<float>(value) + 0.0F : 0.0F;
+    const auto result = std::to_chars(buffer.data(), buffer.data() + buffer.size(), rounded);
+    return *this << std::string_view(buffer.data(), static_cast<std::size_t>(result.ptr - buffer.data()));
+  }
+  TextOutput& vector(const core::Vec3& v, char separator) {
+    single(v.x) << separator;
+    single(v.y) << separator;
+    return single(v.z);
   }
   void flush() {
     if (!text_.empty()) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "engine/turtle/turtle_motion.h"
 
@@ -10,6 +11,10 @@ namespace espalier::turtle {
 using core::Vec3;
 
 namespace {
+
+constexpr double kSharpestMitre = 0.5;      // cosine of the bend up to which one oblique ring serves
+constexpr double kSharpestJoint = -0.94;    // cosine of the bend from which a segment turns back and begins a new tube
+constexpr double kElbowStepRadians = 0.53;  // between the rings of an elbow, at most
 
 Vec3 directionOf(const Segment& segment) {
   const Vec3 d = segment.end - segment.start;
@@ -25,59 +30,230 @@ Vec3 normalPart(const Vec3& v, const Vec3& axis) {
   return core::normalised(other - core::dot(other, axis) * axis);
 }
 
+/// Makes the rings of one chain from its base outward.
+class RingBuilder {
+ public:
+  RingBuilder(const Scene& scene, double unit) : scene_(scene), unit_(unit) {}
+
+  void begin(std::uint32_t segment);
+  void beginAfter(std::uint32_t before, std::uint32_t segment, const SegmentChains::Continuation& continuation);
+  void joint(std::uint32_t before, std::uint32_t after);
+  void end(std::uint32_t segment);
+  void endBefore(std::uint32_t segment, std::uint32_t after);
+  [[nodiscard]] SegmentChains::Continuation continuation() const { return {up_, along_}; }
+  [[nodiscard]] std::vector<TubeRing> take() { return std::move(rings_); }
+  void dropRings() { rings_.clear(); }
+
+ private:
+  void turnTo(const Vec3& tangent);
+  void addRing(const Vec3& centre, double radius, double slope, std::uint32_t segment);
+  void addMitre(const Vec3& centre, const Vec3& before, const Vec3& after, double radius, double slope,
+                std::uint32_t segment);
+  [[nodiscard]] double slopeOf(std::uint32_t segment) const;
+  [[nodiscard]] double startRadius(std::uint32_t segment) const {
+    return 0.5 * unit_ * scene_.segments[segment].startWidth;
+  }
+  [[nodiscard]] double endRadius(std::uint32_t segment) const {
+    return 0.5 * unit_ * scene_.segments[segment].endWidth;
+  }
+
+  const Scene& scene_;
+  double unit_;
+  std::vector<TubeRing> rings_;
+  Vec3 tangent_;  // of the frame that is carried along
+  Vec3 up_;
+  double along_ = 0.0;
+};
+
+double RingBuilder::slopeOf(std::uint32_t segment) const {
+  const double length = core::length(scene_.segments[segment].end - scene_.segments[segment].start);
+  return length > 0.0 ? (startRadius(segment) - endRadius(segment)) / length : 0.0;
+}
+
+// turns the frame by the shortest way: exact parallel transport along straight pieces
+void RingBuilder::turnTo(const Vec3& tangent) {
+  up_ = normalPart(transported(up_, tangent_, tangent), tangent);
+  tangent_ = tangent;
+}
+
+void RingBuilder::addRing(const Vec3& centre, double radius, double slope, std::uint32_t segment) {
+  const Vec3 side = core::cross(tangent_, up_);
+  rings_.push_back({.centre = centre,
+                    .up = radius * up_,
+                    .side = radius * side,
+                    .normalUp = up_,
+                    .normalSide = side,
+                    .slope = slope,
+                    .along = along_,
+                    .segment = segment});
+}
+
+// the section of both tubes by the plane that halves their angle: neither gets thinner toward it
+void RingBuilder::addMitre(const Vec3& centre, const Vec3& before, const Vec3& after, double radius, double slope,
+                           std::uint32_t segment) {
+  const Vec3 up = up_;
+  const Vec3 side = core::cross(before, up);
+  const Vec3 middle = core::normalised(before + after);
+  const double cosine = core::dot(before, middle);
+  const auto projected = [&](const Vec3& v) { return v - (core::dot(v, middle) / cosine) * before; };
+  turnTo(middle);
+  addRing(centre, radius, slope, segment);
+  rings_.back().up = radius * projected(up);
+  rings_.back().side = radius * projected(side);
+}
+
+void RingBuilder::begin(std::uint32_t segment) {
+  const Segment& first = scene_.segments[segment];
+  const Vec3 direction = directionOf(first);
+  if (first.parent < segment && scene_.segments[first.parent].end == first.start) {
+    const Vec3 before = directionOf(scene_.segments[first.parent]);
+    if (core::dot(before, direction) >= kSharpestMitre) {
+      tangent_ = direction;
+      up_ = normalPart(first.frame.up, direction);
+      turnTo(before);
+      addMitre(first.start, before, direction, startRadius(segment), slopeOf(segment), segment);
+      turnTo(direction);
+      return;
+    }
+  }
+  tangent_ = direction;
+  up_ = normalPart(first.frame.up, direction);
+  addRing(first.start, startRadius(segment), slopeOf(segment), segment);
+}
+
+void RingBuilder::beginAfter(std::uint32_t before, std::uint32_t segment,
+                             const SegmentChains::Continuation& continuation) {
+  tangent_ = directionOf(scene_.segments[before]);
+  up_ = continuation.up;
+  along_ = continuation.along;
+  joint(before, segment);
+  for (TubeRing& ring : rings_) {
+    ring.segment = segment;
+  }
+}
+
+// the chain of the next segment's material makes the rest of the joint
+void RingBuilder::endBefore(std::uint32_t segment, std::uint32_t after) {
+  const std::size_t count = rings_.size();
+  joint(segment, after);
+  rings_.resize(count + 1);
+}
+
+void RingBuilder::end(std::uint32_t segment) {
+  const Segment& last = scene_.segments[segment];
+  along_ += core::length(last.end - last.start);
+  addRing(last.end, endRadius(segment), slopeOf(segment), segment);
+}
+
+void RingBuilder::joint(std::uint32_t before, std::uint32_t after) {
+  const Segment& first = scene_.segments[before];
+  const Vec3 from = directionOf(first);
+  const Vec3 to = directionOf(scene_.segments[after]);
+  const double cosine = std::clamp(core::dot(from, to), -1.0, 1.0);
+  along_ += core::length(first.end - first.start);
+  const double radius = endRadius(before);
+  const double next = startRadius(after);
+  const bool hasStep = radius != next;
+  if (cosine >= kSharpestMitre) {
+    const double slope = hasStep ? slopeOf(before) : 0.5 * (slopeOf(before) + slopeOf(after));
+    if (hasStep) {
+      const Vec3 up = up_;
+      addMitre(first.end, from, to, radius, slope, before);
+      // a second ring of the next width at the same place
+      tangent_ = from;
+      up_ = up;
+      addMitre(first.end, from, to, next, slopeOf(after), after);
+    } else {
+      addMitre(first.end, from, to, radius, slope, before);
+    }
+  } else {
+    // an elbow: rings about the joint, from one direction to the other
+    const double angle = std::acos(cosine);
+    const int steps = static_cast<int>(std::ceil(angle / kElbowStepRadians));
+    const Vec3 axis = core::normalised(core::cross(from, to));
+    for (int i = 0; i <= steps; ++i) {
+      const double t = static_cast<double>(i) / steps;
+      turnTo(i == steps ? to : rotatedAbout(from, axis, t * angle));
+      addRing(first.end, radius + t * (next - radius), i == 0 ? slopeOf(before) : slopeOf(after),
+              i == 0 ? before : after);
+    }
+  }
+  turnTo(to);
+}
+
 }  // namespace
 
-std::vector<SegmentChain> chainsOf(const Scene& scene, const std::vector<std::int32_t>& materials) {
-  std::vector<SegmentChain> chains;
-  std::vector<std::uint32_t> chainOf(scene.segments.size(), kNoParent);
-  std::vector<bool> isContinued(scene.segments.size(), false);
-  for (std::uint32_t i = 0; i < scene.segments.size(); ++i) {
-    const Segment& segment = scene.segments[i];
-    const std::uint32_t parent = segment.parent;
-    // a segment that turns back on its parent cannot share a ring with it
-    const bool joins = parent < i && !isContinued[parent] && scene.segments[parent].end == segment.start &&
-                       scene.segments[parent].branchOrder == segment.branchOrder &&
-                       scene.segments[parent].plant == segment.plant && materials[parent] == materials[i] &&
-                       core::dot(directionOf(scene.segments[parent]), directionOf(segment)) > -0.7;
+SegmentChains chainsOf(const Scene& scene, const Palette& palette) {
+  SegmentChains chains;
+  const std::vector<Segment>& segments = scene.segments;
+  chains.next.assign(segments.size(), kNoParent);
+  const auto continues = [&](std::uint32_t parent, const Segment& segment) {
+    const Segment& before = segments[parent];
+    return chains.next[parent] == kNoParent && before.end == segment.start &&
+           before.branchOrder == segment.branchOrder && before.plant == segment.plant &&
+           core::dot(directionOf(before), directionOf(segment)) > kSharpestJoint;
+  };
+  bool hasSeveralMaterials = false;
+  for (std::uint32_t i = 0; i < segments.size(); ++i) {
+    const std::uint32_t parent = segments[i].parent;
+    const bool joins = parent < i && continues(parent, segments[i]);
     if (joins) {
-      isContinued[parent] = true;
-      chainOf[i] = chainOf[parent];
-      chains[chainOf[i]].push_back(i);
-    } else {
-      chainOf[i] = static_cast<std::uint32_t>(chains.size());
-      chains.push_back({i});
+      chains.next[parent] = i;
+    }
+    if (!joins || palette.materialOf(segments[parent]) != palette.materialOf(segments[i])) {
+      hasSeveralMaterials = hasSeveralMaterials || joins;
+      chains.heads.push_back(i);
+    }
+  }
+  if (!hasSeveralMaterials) {
+    return chains;
+  }
+  // carry the frame along each axis to where its material changes
+  std::vector<bool> isContinued(segments.size(), false);
+  for (const std::uint32_t next : chains.next) {
+    if (next != kNoParent) {
+      isContinued[next] = true;
+    }
+  }
+  for (const std::uint32_t head : chains.heads) {
+    if (isContinued[head]) {
+      continue;
+    }
+    RingBuilder builder(scene, 1.0);
+    builder.begin(head);
+    for (std::uint32_t at = head, next = chains.next[at]; next != kNoParent; at = next, next = chains.next[at]) {
+      if (palette.materialOf(segments[at]) != palette.materialOf(segments[next])) {
+        chains.continuations.emplace(next, builder.continuation());
+      }
+      builder.joint(at, next);
+      builder.dropRings();
     }
   }
   return chains;
 }
 
-std::vector<TubeRing> ringsOf(const Scene& scene, const SegmentChain& chain, double unit) {
-  std::vector<TubeRing> rings;
-  Vec3 previousTangent;
-  Vec3 up;
-  double along = 0.0;
-  for (std::size_t k = 0; k <= chain.size(); ++k) {
-    const bool isFirst = k == 0;
-    const bool isLast = k == chain.size();
-    const Segment& segment = scene.segments[chain[isLast ? k - 1 : k]];
-    // between two segments the ring lies in the plane that halves their angle
-    Vec3 tangent = directionOf(segment);
-    if (!isFirst && !isLast) {
-      tangent = core::normalised(tangent + directionOf(scene.segments[chain[k - 1]]));
-    }
-    up = normalPart(isFirst ? segment.frame.up : transported(up, previousTangent, tangent), tangent);
-    previousTangent = tangent;
-    if (!isFirst) {
-      const Segment& before = scene.segments[chain[k - 1]];
-      along += core::length(before.end - before.start);
-    }
-    rings.push_back({.centre = isLast ? segment.end : segment.start,
-                     .up = up,
-                     .side = core::cross(tangent, up),
-                     .radius = 0.5 * unit * (isLast ? segment.endWidth : segment.startWidth),
-                     .along = along});
+std::vector<TubeRing> ringsOf(const Scene& scene, const Palette& palette, const SegmentChains& chains,
+                              std::uint32_t head, double unit) {
+  RingBuilder builder(scene, unit);
+  if (const auto found = chains.continuations.find(head); found != chains.continuations.end()) {
+    builder.beginAfter(scene.segments[head].parent, head, found->second);
+  } else {
+    builder.begin(head);
   }
-  return rings;
+  const std::int32_t material = palette.materialOf(scene.segments[head]);
+  for (std::uint32_t at = head;; at = chains.next[at]) {
+    const std::uint32_t next = chains.next[at];
+    if (next == kNoParent) {
+      builder.end(at);
+      break;
+    }
+    if (palette.materialOf(scene.segments[next]) != material) {
+      builder.endBefore(at, next);
+      break;
+    }
+    builder.joint(at, next);
+  }
+  return builder.take();
 }
 
 }  // namespace espalier::turtle

@@ -1,22 +1,38 @@
 #pragma once
 
 #include <cstdint>
+#include <unordered_map>
 #include <vector>
 
 #include "engine/turtle/export/mesh.h"
+#include "engine/turtle/export/palette.h"
 #include "engine/turtle/scene.h"
 
 namespace espalier::turtle {
 
-/// Segments that continue each other on one axis, from the base outward: indices into Scene::segments.
-using SegmentChain = std::vector<std::uint32_t>;
+/// The lines of a scene as chains: segments of one material that continue each other on one axis, from the base
+/// outward.
+struct SegmentChains {
+  std::vector<std::uint32_t> heads;  // first segment of each chain, an index into Scene::segments (chainCount)
+  std::vector<std::uint32_t> next;   // the segment that continues each one; kNoParent: none (segmentCount)
 
-/// Splits the lines of a scene into chains: a segment joins its parent when it begins where the parent ends, has the
-/// same material and branch order, and no earlier segment has joined there. O(segments).
-[[nodiscard]] std::vector<SegmentChain> chainsOf(const Scene& scene, const std::vector<std::int32_t>& materials);
+  /// Where a chain goes on from another one of the same axis, of another material.
+  struct Continuation {
+    core::Vec3 up;       // carried along the axis, normal to the segment before
+    double along = 0.0;  // length of the axis up to the segment before
+  };
+  std::unordered_map<std::uint32_t, Continuation> continuations;  // by head
+};
 
-/// The rings of a chain's tube: one at each joint, in the plane between its neighbours, turned with the least twist
-/// from ring to ring (a rotation-minimising frame; Wang et al. 2008). `unit`: world units per unit of width.
-[[nodiscard]] std::vector<TubeRing> ringsOf(const Scene& scene, const SegmentChain& chain, double unit);
+/// Splits the lines of a scene into chains: a segment continues its parent when it begins where the parent ends, has
+/// the same branch order, does not turn back, and no earlier segment has continued there. O(segments).
+[[nodiscard]] SegmentChains chainsOf(const Scene& scene, const Palette& palette);
+
+/// The rings of the tube of the chain that begins with segment `head`, turned with the least twist from ring to ring
+/// (along straight pieces the discrete rotation-minimising frame is parallel transport). At a bend of up to 60 degrees
+/// there is one oblique ring, the section of both pieces, so that neither gets thinner; sharper ones are elbows of
+/// several rings. A branch begins in the plane between its parent and itself. `unit`: world units per unit of width.
+[[nodiscard]] std::vector<TubeRing> ringsOf(const Scene& scene, const Palette& palette, const SegmentChains& chains,
+                                            std::uint32_t head, double unit);
 
 }  // namespace espalier::turtle

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <cstring>
+#include <string>
+
+#include "engine/core/streams.h"
+#include "engine/core/vec3.h"
+
+namespace espalier::turtle {
+
+/// Collects little-endian binary numbers and hands them to a sink in large pieces.
+class BinaryOutput {
+ public:
+  explicit BinaryOutput(core::ByteSink& sink) : sink_(&sink) {}
+  ~BinaryOutput() { flush(); }
+  BinaryOutput(const BinaryOutput&) = delete;
+  BinaryOutput& operator=(const BinaryOutput&) = delete;
+
+  void bytes(std::string_view text) {
+    buffer_.append(text);
+    if (buffer_.size() > kPieceBytes) {
+      flush();
+    }
+  }
+  void byte(unsigned char value) { add(value); }
+  void uint16(std::uint16_t value) { add(value); }
+  void uint32(std::uint32_t value) { add(value); }
+  void single(double value) { add(static_cast<float>(value)); }
+  void vector(const core::Vec3& v) {
+    single(v.x);
+    single(v.y);
+    single(v.z);
+  }
+  void flush() {
+    if (!buffer_.empty()) {
+      sink_->write(buffer_);
+      buffer_.clear();
+    }
+  }
+
+ private:
+  static_assert(std::endian::native == std::endian::little);
+  static constexpr std::size_t kPieceBytes = 65'536;
+
+  template <typename Number>
+  void add(Number value) {
+    char raw[sizeof(Number)];
+    std::memcpy(raw, &value, sizeof(Number));
+    bytes({raw, sizeof(Number)});
+  }
+
+  core::ByteSink* sink_;
+  std::string buffer_;
+};
+
+}  // namespace espalier::turtle
