@@ -17,6 +17,7 @@ constexpr std::size_t kMostNumbers = 9;
 struct Vertex {
   Vec3 position;
   std::optional<Vec3> normal;
+  std::array<double, 2> coordinates{};
 };
 
 /// The vertex of a line; nothing when it has fewer than three numbers.
@@ -34,9 +35,12 @@ std::optional<Vertex> readVertex(TextCursor line) {
   if (count < 3) {
     return std::nullopt;
   }
-  Vertex vertex{{numbers[0], numbers[1], numbers[2]}, std::nullopt};
+  Vertex vertex{{numbers[0], numbers[1], numbers[2]}, std::nullopt, {}};
   if (count >= 6) {
     vertex.normal = Vec3{numbers[3], numbers[4], numbers[5]};
+  }
+  if (count >= 8) {
+    vertex.coordinates = {numbers[6], numbers[7]};
   }
   return vertex;
 }
@@ -74,6 +78,7 @@ std::optional<TriangleSurface> readTriangleSurfaceFile(const DataFile& file, cha
         return std::nullopt;
       }
       triangle.points[i] = vertex->position * scale;
+      triangle.coordinates[i] = vertex->coordinates;
       normals[i] = vertex->normal;
     }
     const Vec3 faceNormal =

@@ -4,6 +4,8 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <variant>
+#include <vector>
 
 #include "engine/language/blob_file.h"
 #include "engine/language/contour_file.h"
@@ -11,6 +13,7 @@
 #include "engine/language/data_file.h"
 #include "engine/language/file_name.h"
 #include "engine/language/function_file.h"
+#include "engine/language/mesh_file.h"
 #include "engine/language/surface_file.h"
 #include "engine/language/view_commands.h"
 
@@ -90,6 +93,29 @@ std::optional<SurfaceArguments> readSurfaceArguments(Context& c) {
   return arguments;
 }
 
+/// A surface from a mesh that another program made, for `surface:` and `tsurface:` alike.
+void addMeshSurface(Context& c, const SurfaceArguments& arguments) {
+  const std::string name = std::string("~") + arguments.id;
+  const std::string consequence = name + " draws nothing";
+  const core::SourceRange range = c.lexer.commandRange();
+  const std::optional<DataFile> file = openFile(c, range, arguments.file, consequence);
+  if (!file) {
+    return;
+  }
+  auto read = readMeshFile(file->name(), file->text());
+  if (const auto* problem = std::get_if<std::string>(&read)) {
+    c.report.warn(range, "the mesh '" + file->name() + "' cannot be used: " + *problem + "; " + consequence);
+    return;
+  }
+  TriangleSurface surface{arguments.id, file->name(), std::move(std::get<std::vector<SurfaceTriangle>>(read))};
+  for (SurfaceTriangle& triangle : surface.triangles) {
+    for (core::Vec3& point : triangle.points) {
+      point = point * arguments.scale;
+    }
+  }
+  c.settings().triangleSurfaces.push_back(std::move(surface));
+}
+
 bool surface(Context& c) {
   const std::optional<SurfaceArguments> arguments = readSurfaceArguments(c);
   if (!arguments) {
@@ -103,6 +129,10 @@ bool surface(Context& c) {
   const bool hasSubdivisions = extra[1].has_value();
   const std::optional<int> texture = hasSubdivisions ? extra[2] : extra[0];
   if (arguments->id == 0) {
+    return true;
+  }
+  if (isMeshFile(arguments->file)) {
+    addMeshSurface(c, *arguments);
     return true;
   }
   const std::string name = std::string("~") + arguments->id;
@@ -132,6 +162,10 @@ bool triangleSurface(Context& c) {
   const std::optional<SurfaceArguments> arguments = readSurfaceArguments(c);
   if (!arguments || arguments->id == 0) {
     return arguments.has_value();
+  }
+  if (isMeshFile(arguments->file)) {
+    addMeshSurface(c, *arguments);
+    return true;
   }
   const std::string name = std::string("~") + arguments->id;
   if (c.isCompatible() && c.settings().triangleSurfaces.size() >= kReferenceTriangleSurfaces) {

@@ -88,10 +88,11 @@ struct Surface {
   int texture = -1;  // -1: the turtle's current texture; 0: none
 };
 
-/// One triangle of a `tsurface:`; local coordinates along L, H, U.
+/// One triangle of a `tsurface:` or of a mesh file; local coordinates along L, H, U.
 struct SurfaceTriangle {
   std::array<core::Vec3, 3> points;
   std::array<core::Vec3, 3> normals;
+  std::array<std::array<double, 2>, 3> coordinates{};  // of a texture, v upward
 };
 
 struct TriangleSurface {

@@ -6,7 +6,10 @@
 
 #include "engine/turtle/export/glb.h"
 #include "engine/turtle/export/obj.h"
+#include "engine/turtle/export/ply.h"
+#include "engine/turtle/export/stl.h"
 #include "engine/turtle/export/svg.h"
+#include "engine/turtle/export/usda.h"
 
 namespace espalier::turtle {
 
@@ -21,6 +24,9 @@ constexpr std::array kFormats = {
     ExportFormat{"svg", ".svg", "a picture of paths and shapes", exportSvg},
     ExportFormat{"glb", ".glb", "meshes, materials and repeated organs (binary glTF 2.0)", exportGlb},
     ExportFormat{"obj", ".obj", "triangles and quads for 3-D programs, with a .mtl of colours", exportObj},
+    ExportFormat{"ply", ".ply", "a mesh whose vertices know plant, module and order (binary)", exportPly},
+    ExportFormat{"stl", ".stl", "triangles only, for printing (binary)", exportStl},
+    ExportFormat{"usda", ".usda", "a USD stage in text; also of a growing plant", exportUsda, beginUsdaGrowth},
 };
 
 char lowerCase(char c) {

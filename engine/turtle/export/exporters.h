@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -42,6 +43,23 @@ struct ExportTarget {
   ExportProgress progress;  // may be empty
 };
 
+/// The frames of a growth animation: the steps firstStep, firstStep + every, … up to lastStep.
+struct GrowthRange {
+  std::uint64_t firstStep = 0;
+  std::uint64_t lastStep = 0;
+  std::uint64_t every = 1;
+};
+
+/// A file that takes one frame after another.
+class GrowthExport {
+ public:
+  virtual ~GrowthExport() = default;
+  /// Writes the scene of a step; steps must ascend. Returns an error sentence, or nothing on success.
+  [[nodiscard]] virtual std::optional<std::string> addFrame(const ExportInput& input, std::uint64_t step) = 0;
+  /// Ends the file; to be called once, after the last frame.
+  virtual void finish() = 0;
+};
+
 /// A file format that a scene can be written in. A writer streams to the target and never holds a second copy of the
 /// scene; the same input gives the same bytes. It returns an error sentence, or nothing on success.
 struct ExportFormat {
@@ -49,6 +67,9 @@ struct ExportFormat {
   std::string_view suffix;   // with its point, lower case
   std::string_view summary;  // what it is, a few words
   std::optional<std::string> (*write)(const ExportInput& input, const ExportTarget& target);
+  /// Begins a file that holds a whole growth animation; null: the format has one scene a file. `target` must outlive
+  /// the result.
+  std::unique_ptr<GrowthExport> (*beginGrowth)(const ExportTarget& target, const GrowthRange& range) = nullptr;
 };
 
 /// All formats, the table that the command line lists.

@@ -406,7 +406,7 @@ void GlbWriter::writeVertices(const Mesh& mesh, BinaryOutput& out) const {
     out.vector(mesh.positions[i]);
     out.vector(unitNormal(mesh.normals[i]));
     out.single(mesh.coordinates[i][0]);
-    out.single(mesh.coordinates[i][1]);
+    out.single(1.0 - mesh.coordinates[i][1]);  // glTF has v downward
   }
 }
 

@@ -133,6 +133,19 @@ void appendPatch(Mesh& mesh, const std::array<Vec3, 16>& points, int subdivision
   appendGridFaces(mesh, first, static_cast<std::uint32_t>(subdivisionS), static_cast<std::uint32_t>(subdivisionT));
 }
 
+void append(Mesh& mesh, const Mesh& other) {
+  const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+  mesh.positions.insert(mesh.positions.end(), other.positions.begin(), other.positions.end());
+  mesh.normals.insert(mesh.normals.end(), other.normals.begin(), other.normals.end());
+  mesh.coordinates.insert(mesh.coordinates.end(), other.coordinates.begin(), other.coordinates.end());
+  for (std::array<std::uint32_t, 4> face : other.faces) {
+    for (std::uint32_t& vertex : face) {
+      vertex += vertex == Mesh::kNoVertex ? 0 : first;
+    }
+    mesh.faces.push_back(face);
+  }
+}
+
 void appendPlaced(Mesh& mesh, const Mesh& local, const OrganPlacement& placement) {
   const auto first = static_cast<std::uint32_t>(mesh.positions.size());
   const Vec3& s = placement.scale;
@@ -171,7 +184,8 @@ void appendLocalSurface(Mesh& mesh, const language::TriangleSurface& surface) {
   for (const language::SurfaceTriangle& triangle : surface.triangles) {
     const auto first = static_cast<std::uint32_t>(mesh.positions.size());
     for (std::size_t k = 0; k < 3; ++k) {
-      appendVertex(mesh, triangle.points[k], triangle.normals[k], k == 1 ? 1.0 : 0.0, k == 2 ? 1.0 : 0.0);
+      appendVertex(mesh, triangle.points[k], triangle.normals[k], triangle.coordinates[k][0],
+                   triangle.coordinates[k][1]);
     }
     // the file's normals decide which side is the front
     const Vec3 across = core::cross(triangle.points[1] - triangle.points[0], triangle.points[2] - triangle.points[0]);

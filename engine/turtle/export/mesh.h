@@ -35,6 +35,9 @@ struct OrganPlacement {
   core::Vec3 scale{1.0, 1.0, 1.0};
 };
 
+/// Appends a mesh as it is, without the segments of its vertices and faces.
+void append(Mesh& mesh, const Mesh& other);
+
 /// Appends a mesh where an organ is. A mirrored placement turns its faces round, as glTF's nodes do.
 void appendPlaced(Mesh& mesh, const Mesh& local, const OrganPlacement& placement);
 

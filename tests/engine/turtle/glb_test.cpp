@@ -118,7 +118,7 @@ struct GlbContent {
       for (std::size_t i = 0; i < p.size() / 3; ++i) {
         mesh.positions.push_back(t + rotated({s.x * p[3 * i], s.y * p[3 * i + 1], s.z * p[3 * i + 2]}, q));
         mesh.normals.push_back(core::normalised(rotated({n[3 * i] / s.x, n[3 * i + 1] / s.y, n[3 * i + 2] / s.z}, q)));
-        mesh.coordinates.push_back({uv[2 * i], uv[2 * i + 1]});
+        mesh.coordinates.push_back({uv[2 * i], 1.0 - uv[2 * i + 1]});
       }
       const std::vector<double> indices = numbers(primitive["indices"], 1);
       const auto at = [&](std::size_t k) { return first + static_cast<std::uint32_t>(indices[k]); };

@@ -1,0 +1,107 @@
+#include "engine/turtle/export/ply.h"
+
+#include <limits>
+#include <map>
+#include <string>
+
+#include "engine/turtle/export/binary_output.h"
+#include "engine/turtle/export/mesh_check.h"
+#include "engine/turtle/export/scene_meshes.h"
+
+namespace espalier::turtle {
+
+namespace {
+
+std::string headerOf(std::uint64_t vertices, std::uint64_t faces) {
+  std::string text = "ply\nformat binary_little_endian 1.0\ncomment Espalier: y is up\ncomment organs:";
+  for (std::uint8_t kind = 0; kind <= static_cast<std::uint8_t>(OrganKind::Ball); ++kind) {
+    text += " " + std::to_string(kind) + " " + std::string(organName(static_cast<OrganKind>(kind)));
+  }
+  text += "\nelement vertex " + std::to_string(vertices) + "\n";
+  for (const char* property :
+       {"float x", "float y", "float z", "float nx", "float ny", "float nz", "float s", "float t", "uchar red",
+        "uchar green", "uchar blue", "uchar organ", "ushort order", "uint plant", "uint module"}) {
+    text += std::string("property ") + property + "\n";
+  }
+  return text + "element face " + std::to_string(faces) +
+         "\nproperty list uchar uint vertex_indices\nproperty uint module\nend_header\n";
+}
+
+// a branch has one for each segment, other parts have one
+Provenance provenanceAt(const SceneMeshes& meshes, const MeshPart& part, const std::vector<std::uint32_t>& segments,
+                        std::size_t i) {
+  return segments.empty() ? meshes.provenanceOf(part) : meshes.provenanceOfSegment(segments[i]);
+}
+
+void writeVertices(const SceneMeshes& meshes, const MeshPart& part, const Mesh& mesh, BinaryOutput& out) {
+  const Colour colour = meshes.palette().ofMaterial(part.material);
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    const Provenance from = provenanceAt(meshes, part, mesh.vertexSegments, i);
+    out.vector(mesh.positions[i]);
+    out.vector(unitNormal(mesh.normals[i]));
+    out.single(mesh.coordinates[i][0]);
+    out.single(mesh.coordinates[i][1]);
+    out.byte(colour.red);
+    out.byte(colour.green);
+    out.byte(colour.blue);
+    out.byte(static_cast<unsigned char>(part.kind));
+    out.uint16(static_cast<std::uint16_t>(std::min<std::uint32_t>(from.branchOrder, 65'535)));
+    out.uint32(from.plant);
+    out.uint32(static_cast<std::uint32_t>(from.module));
+  }
+}
+
+void writeFaces(const SceneMeshes& meshes, const MeshPart& part, const Mesh& mesh, std::uint32_t first,
+                BinaryOutput& out) {
+  for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
+    const auto& face = mesh.faces[i];
+    const bool isTriangle = face[3] == Mesh::kNoVertex;
+    out.byte(isTriangle ? 3 : 4);
+    for (std::size_t k = 0; k < (isTriangle ? 3U : 4U); ++k) {
+      out.uint32(first + face[k]);
+    }
+    out.uint32(static_cast<std::uint32_t>(provenanceAt(meshes, part, mesh.faceSegments, i).module));
+  }
+}
+
+}  // namespace
+
+std::optional<std::string> exportPly(const ExportInput& input, const ExportTarget& target) {
+  const SceneMeshes meshes(input);
+  const std::span<const MeshPart> parts = meshes.parts();
+  Mesh mesh;
+  std::uint64_t done = 0;
+  const auto report = [&] { reportProgress(target.progress, ++done, 3 * parts.size()); };
+  std::uint64_t vertices = 0;
+  std::uint64_t faces = 0;
+  for (const MeshPart& part : parts) {
+    meshes.make(part, mesh);
+    if (auto problem = problemOf(mesh, meshes.provenanceOf(part))) {
+      return problem;
+    }
+    vertices += mesh.positions.size();
+    faces += mesh.faces.size();
+    report();
+  }
+  if (vertices > std::numeric_limits<std::uint32_t>::max()) {
+    return "it would have " + std::to_string(vertices) +
+           " vertices and the format numbers at most 4294967295. Write fewer contour sides";
+  }
+  BinaryOutput out(target.sink);
+  out.bytes(headerOf(vertices, faces));
+  for (const MeshPart& part : parts) {
+    meshes.make(part, mesh);
+    writeVertices(meshes, part, mesh, out);
+    report();
+  }
+  std::uint32_t first = 0;
+  for (const MeshPart& part : parts) {
+    meshes.make(part, mesh);
+    writeFaces(meshes, part, mesh, first, out);
+    first += static_cast<std::uint32_t>(mesh.positions.size());
+    report();
+  }
+  return std::nullopt;
+}
+
+}  // namespace espalier::turtle

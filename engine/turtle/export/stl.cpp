@@ -1,0 +1,77 @@
+#include "engine/turtle/export/stl.h"
+
+#include <array>
+#include <limits>
+#include <string>
+
+#include "engine/turtle/export/binary_output.h"
+#include "engine/turtle/export/mesh_check.h"
+#include "engine/turtle/export/scene_meshes.h"
+
+namespace espalier::turtle {
+
+using core::Vec3;
+
+namespace {
+
+constexpr std::size_t kHeaderBytes = 80;
+
+// calls `use` with the corners and the side's normal of each triangle that has an area
+template <typename Use>
+void forEachTriangle(const Mesh& mesh, Use use) {
+  const auto triangle = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+    const std::array<Vec3, 3> corners{mesh.positions[a], mesh.positions[b], mesh.positions[c]};
+    const Vec3 normal = core::cross(corners[1] - corners[0], corners[2] - corners[0]);
+    if (core::length(normal) > 0.0) {
+      use(corners, core::normalised(normal));
+    }
+  };
+  for (const auto& face : mesh.faces) {
+    triangle(face[0], face[1], face[2]);
+    if (face[3] != Mesh::kNoVertex) {
+      triangle(face[0], face[2], face[3]);
+    }
+  }
+}
+
+}  // namespace
+
+std::optional<std::string> exportStl(const ExportInput& input, const ExportTarget& target) {
+  const SceneMeshes meshes(input);
+  const std::span<const MeshPart> parts = meshes.parts();
+  Mesh mesh;
+  std::uint64_t done = 0;
+  const auto report = [&] { reportProgress(target.progress, ++done, 2 * parts.size()); };
+  std::uint64_t triangles = 0;
+  for (const MeshPart& part : parts) {
+    meshes.make(part, mesh);
+    if (auto problem = problemOf(mesh, meshes.provenanceOf(part))) {
+      return problem;
+    }
+    forEachTriangle(mesh, [&triangles](const auto&, const Vec3&) { ++triangles; });
+    report();
+  }
+  if (triangles > std::numeric_limits<std::uint32_t>::max()) {
+    return "it would have " + std::to_string(triangles) +
+           " triangles and the format counts at most 4294967295. Write fewer contour sides";
+  }
+  BinaryOutput out(target.sink);
+  std::string header = "Espalier: y is up";
+  header.resize(kHeaderBytes, ' ');
+  out.bytes(header);
+  out.uint32(static_cast<std::uint32_t>(triangles));
+  for (const MeshPart& part : parts) {
+    meshes.make(part, mesh);
+    forEachTriangle(mesh, [&out](const std::array<Vec3, 3>& corners, const Vec3& normal) {
+      out.vector(normal);
+      for (const Vec3& corner : corners) {
+        out.vector(corner);
+      }
+      out.uint16(0);
+    });
+    report();
+  }
+  return std::nullopt;
+}
+
+}  // namespace espalier::turtle

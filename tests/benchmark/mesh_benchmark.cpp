@@ -1,0 +1,124 @@
+// Meshing and mesh files of a grown tree: the gallery's parametric tree on its way to millions of modules.
+
+#include <benchmark/benchmark.h>
+#include <sys/resource.h>
+
+#include "engine/turtle/export/exporters.h"
+#include "engine/turtle/export/scene_meshes.h"
+#include "tests/benchmark/workload.h"
+
+namespace espalier::benchmarking {
+namespace {
+
+/// Counts what is written and keeps nothing: a disk of any speed would hide the writer.
+class CountingSink final : public core::ByteSink {
+ public:
+  void write(std::string_view bytes) override { count_ += bytes.size(); }
+  [[nodiscard]] std::uint64_t count() const { return count_; }
+
+ private:
+  std::uint64_t count_ = 0;
+};
+
+// of the process so far, in bytes
+double peakResidentBytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) * 1024.0;
+}
+
+struct GrownTree {
+  std::shared_ptr<const language::Program> program;
+  turtle::Scene scene;
+  std::uint64_t modules = 0;
+};
+
+GrownTree grow(const Workload& workload) {
+  GrownTree tree;
+  tree.program = compileWorkload(workload);
+  simulation::Simulation simulation(tree.program, {turtle::PlantPlacement{}}, nullptr, {});
+  require(simulation.rewind());
+  while (!simulation.isFinished()) {
+    require(simulation.step());
+  }
+  tree.modules = simulation.string().size();
+  auto drawn = simulation.scene();
+  tree.scene = std::move(std::get<turtle::Scene>(drawn));
+  return tree;
+}
+
+void count(benchmark::State& state, const GrownTree& tree, std::uint64_t triangles) {
+  using benchmark::Counter;
+  state.counters["modules"] = Counter(static_cast<double>(tree.modules));
+  state.counters["segments/s"] =
+      Counter(static_cast<double>(tree.scene.segments.size()), Counter::kIsIterationInvariantRate);
+  if (triangles > 0) {
+    state.counters["triangles/s"] = Counter(static_cast<double>(triangles), Counter::kIsIterationInvariantRate);
+  }
+}
+
+// all meshes of a scene, one after the other
+void meshing(benchmark::State& state, const Workload& workload) {
+  const GrownTree tree = grow(workload);
+  std::uint64_t triangles = 0;
+  for (auto _ : state) {
+    triangles = 0;
+    const turtle::ExportInput input{.scene = tree.scene, .view = tree.program->view};
+    const turtle::SceneMeshes meshes(input);
+    turtle::Mesh mesh;
+    for (const turtle::MeshPart& part : meshes.parts()) {
+      meshes.make(part, mesh);
+      triangles += mesh.triangleCount();
+    }
+    benchmark::DoNotOptimize(triangles);
+  }
+  count(state, tree, triangles);
+}
+
+// a file of them; `peak/scene` is what the process needed at most over what the scene alone needed
+void writing(benchmark::State& state, const Workload& workload, const turtle::ExportFormat& format) {
+  const GrownTree tree = grow(workload);
+  std::uint64_t bytes = 0;
+  const double before = peakResidentBytes();
+  for (auto _ : state) {
+    CountingSink sink;
+    CountingSink companion;
+    const turtle::ExportTarget target{.fileName = "tree",
+                                      .sink = sink,
+                                      .openCompanion = [&](const std::string&) -> core::ByteSink& { return companion; },
+                                      .progress = {}};
+    if (const auto problem = format.write({.scene = tree.scene, .view = tree.program->view}, target)) {
+      state.SkipWithError(problem->c_str());
+      return;
+    }
+    bytes = sink.count();
+  }
+  count(state, tree, 0);
+  state.counters["file"] = benchmark::Counter(static_cast<double>(bytes));
+  state.counters["bytes/s"] =
+      benchmark::Counter(static_cast<double>(bytes), benchmark::Counter::kIsIterationInvariantRate);
+  state.counters["scene"] =
+      benchmark::Counter(static_cast<double>(tree.scene.segments.size() * sizeof(turtle::Segment)));
+  state.counters["more memory"] = benchmark::Counter(peakResidentBytes() - before);
+}
+
+const bool kIsRegistered = [] {
+  for (const char* steps : {"12", "19"}) {
+    const Workload workload{"tree", steps, ""};
+    benchmark::RegisterBenchmark(("mesh/" + workload.name()).c_str(),
+                                 [workload](benchmark::State& state) { meshing(state, workload); })
+        ->Unit(benchmark::kMillisecond)
+        ->UseRealTime();
+    for (const char* name : {"glb", "obj", "ply", "stl", "usda"}) {
+      const turtle::ExportFormat& format = *turtle::findExportFormat(name);
+      benchmark::RegisterBenchmark((std::string("write/") + name + "/" + workload.name()).c_str(),
+                                   [workload, &format](benchmark::State& state) { writing(state, workload, format); })
+          ->Unit(benchmark::kMillisecond)
+          ->UseRealTime();
+    }
+  }
+  return true;
+}();
+
+}  // namespace
+}  // namespace espalier::benchmarking
