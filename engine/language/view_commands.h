@@ -64,4 +64,7 @@ void readNamedContours(ViewCommandContext& context);
 /// Reads the line of a `tropism:` or `torque:` (FILES §4.3); nothing, with a warning, when the command is dropped.
 void readMovement(ViewCommandContext& context, Movement::Kind kind);
 
+/// Reads the line of a `light:` (FILES §4.4); nothing, with a warning, when the light is dropped.
+void readLight(ViewCommandContext& context);
+
 }  // namespace espalier::language

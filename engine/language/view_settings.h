@@ -138,6 +138,22 @@ struct Box {
 
 enum class LineStyle : std::uint8_t { Pixel, Polygon, Cylinder };
 
+/// How a picture fills faces (`render mode:`).
+enum class RenderMode : std::uint8_t { Wireframe, Filled, Flat, Interpolated, Shaded, Fast, Shadows };
+
+/// A light of `light:`. Colours are 0 to 1 each.
+struct Light {
+  bool isDirectional = false;         // it shines from `place` as a direction, without weakening
+  core::Vec3 place{0.0, 0.0, 1.0};    // a point, or a direction toward the light
+  core::Vec3 ambient{1.0, 1.0, 1.0};  // red, green, blue
+  core::Vec3 diffuse{1.0, 1.0, 1.0};
+  core::Vec3 specular{1.0, 1.0, 1.0};
+  core::Vec3 spotDirection{0.0, 0.0, -1.0};
+  double spotExponent = 0.0;
+  double spotCutoffDegrees = 180.0;       // 180: not a spot
+  core::Vec3 attenuation{1.0, 0.0, 0.0};  // constant, linear, quadratic
+};
+
 /// Everything a view file says that changes turtle, geometry or derivation, with the reference's defaults (FILES §4.2).
 struct ViewSettings {
   double angleIncrementDegrees = 45.0;
@@ -175,6 +191,10 @@ struct ViewSettings {
   double viewingAngleDegrees = 45.0;
   double scaleFactor = 1.0;
   std::optional<Box> box;  // the view volume; nothing: the bounding box of what the turtle draws
+  std::optional<RenderMode> renderMode;      // nothing: the file does not say
+  std::vector<Light> lights;                 // of `light:`; at most 8 count
+  std::optional<core::Vec3> lightDirection;  // toward the light, unit
+  int postScriptLineCap = 1;                 // 0 butt, 1 round, 2 square
 };
 
 }  // namespace espalier::language

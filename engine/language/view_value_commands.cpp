@@ -267,6 +267,67 @@ bool box(Context& c) {
   return true;
 }
 
+constexpr std::array<std::string_view, 7> kRenderModes{"wireframe", "filled", "flat",   "interpolated",
+                                                       "shaded",    "fast",   "shadows"};
+
+bool renderMode(Context& c) {
+  const std::optional<std::string_view> word = c.lexer.word();
+  if (!word) {
+    return false;
+  }
+  for (std::size_t i = 0; i < kRenderModes.size(); ++i) {
+    if (*word == kRenderModes[i] || *word == std::to_string(i + 1)) {
+      c.settings().renderMode = static_cast<RenderMode>(i);
+      return true;
+    }
+  }
+  c.warn("unknown render mode '" + std::string(word->substr(0, 40)) + "'; the command is ignored",
+         core::suggestName(*word, {kRenderModes.begin(), kRenderModes.end()}));
+  return true;
+}
+
+/// The older form, by number.
+bool shadeMode(Context& c) {
+  const std::optional<int> mode = c.lexer.integer();
+  if (mode) {
+    const bool isWireframe = *mode == 4 || *mode == 5 || *mode == 7;
+    c.settings().renderMode = *mode == 2                 ? RenderMode::Interpolated
+                              : *mode == 3 || *mode == 6 ? RenderMode::Shaded
+                              : isWireframe              ? RenderMode::Wireframe
+                                                         : RenderMode::Filled;
+  }
+  return mode.has_value();
+}
+
+bool light(Context& c) {
+  readLight(c);
+  return true;
+}
+
+bool lightDirection(Context& c) {
+  const std::optional<core::Vec3> direction = c.lexer.triple();
+  if (!direction) {
+    return false;
+  }
+  if (!(core::length(*direction) > 0.0)) {
+    c.warn("the light direction has no length and is ignored");
+    return true;
+  }
+  c.settings().lightDirection = core::normalised(*direction);
+  return true;
+}
+
+bool lineCap(Context& c) {
+  const std::optional<int> cap = c.lexer.integer();
+  if (cap && *cap >= 0 && *cap <= 2) {
+    c.settings().postScriptLineCap = *cap;
+  } else if (cap) {
+    c.warn("a line cap is 0 (butt), 1 (round) or 2 (square); it stays " +
+           std::to_string(c.settings().postScriptLineCap));
+  }
+  return cap.has_value();
+}
+
 // what only a picture would need: the arguments are read so that a command behind them on the same line is found
 
 bool passNumber(Context& c) {
@@ -333,14 +394,14 @@ constexpr std::array kCommands = {
     ViewCommand{"box:", box},
     ViewCommand{"min zoom:", passNumber},
     ViewCommand{"max zoom:", passNumber},
-    ViewCommand{"render mode:", passWord},
-    ViewCommand{"shade mode:", passNumber},
+    ViewCommand{"render mode:", renderMode},
+    ViewCommand{"shade mode:", shadeMode},
     ViewCommand{"z buffer:", passFlag},
     ViewCommand{"antialiasing:", passFlag},
     ViewCommand{"concave polygons:", passFlag},
     ViewCommand{"cue range:", passNumber},
-    ViewCommand{"light:", passLine},
-    ViewCommand{"light direction:", passTriple},
+    ViewCommand{"light:", light},
+    ViewCommand{"light direction:", lightDirection},
     ViewCommand{"diffuse reflection:", passNumber},
     ViewCommand{"surface ambient:", passNumber},
     ViewCommand{"surface diffuse:", passNumber},
@@ -349,7 +410,7 @@ constexpr std::array kCommands = {
     ViewCommand{"background scene:", backgroundScene},
     ViewCommand{"font:", passLine},
     ViewCommand{"winfont:", passLine},
-    ViewCommand{"PS linecap:", passNumber},
+    ViewCommand{"PS linecap:", lineCap},
     ViewCommand{"rayshade objects:", rayshadeObjects},
     ViewCommand{"rayshade scale:", passNumber},
     ViewCommand{"background color:", passTriple},

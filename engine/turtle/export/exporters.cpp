@@ -8,6 +8,8 @@
 #include "engine/turtle/export/obj.h"
 #include "engine/turtle/export/ply.h"
 #include "engine/turtle/export/stl.h"
+#include "engine/turtle/export/picture.h"
+#include "engine/turtle/export/png.h"
 #include "engine/turtle/export/svg.h"
 #include "engine/turtle/export/usda.h"
 
@@ -20,7 +22,14 @@ std::optional<std::string> exportSvg(const ExportInput& input, const ExportTarge
   return std::nullopt;
 }
 
+std::optional<std::string> exportPng(const ExportInput& input, const ExportTarget& target) {
+  PictureOptions options = input.picture != nullptr ? *input.picture : PictureOptions{};
+  options.palette = input.palette;
+  return writePng(renderPicture(input.scene, input.view, options), target.sink, options.maximumColours);
+}
+
 constexpr std::array kFormats = {
+    ExportFormat{"png", ".png", "a shaded picture of points", exportPng},
     ExportFormat{"svg", ".svg", "a picture of paths and shapes", exportSvg},
     ExportFormat{"glb", ".glb", "meshes, materials and repeated organs (binary glTF 2.0)", exportGlb},
     ExportFormat{"obj", ".obj", "triangles and quads for 3-D programs, with a .mtl of colours", exportObj},

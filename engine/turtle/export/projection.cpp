@@ -33,6 +33,10 @@ ProjectedPoint Projection::project(const Vec3& point) const {
   return {core::dot(d, right_) * magnification, core::dot(d, up_) * magnification, depth, magnification};
 }
 
+Vec3 Projection::towardViewer(const Vec3& point) const {
+  return isPerspective_ ? core::normalised(target_ + distance_ * back_ - point) : back_;
+}
+
 bool Projection::isVisible(const Vec3& point) const {
   return !isPerspective_ || distance_ - core::dot(point - target_, back_) > 0.01 * distance_;
 }

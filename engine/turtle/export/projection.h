@@ -22,6 +22,11 @@ class Projection {
   [[nodiscard]] ProjectedPoint project(const core::Vec3& point) const;
   /// Toward the viewer.
   [[nodiscard]] const core::Vec3& towardViewer() const { return back_; }
+  /// Toward the viewer from a point, unit.
+  [[nodiscard]] core::Vec3 towardViewer(const core::Vec3& point) const;
+  [[nodiscard]] bool isPerspective() const { return isPerspective_; }
+  /// From the viewer to the reference point.
+  [[nodiscard]] double distance() const { return distance_; }
   [[nodiscard]] const core::Vec3& right() const { return right_; }
   [[nodiscard]] const core::Vec3& up() const { return up_; }
   /// Whether a point lies in front of a perspective viewer.

@@ -1,0 +1,142 @@
+#include "engine/turtle/export/picture.h"
+
+#include <algorithm>
+#include <atomic>
+#include <span>
+
+#include "engine/core/check.h"
+#include "engine/turtle/export/projection.h"
+#include "engine/turtle/export/raster_camera.h"
+#include "engine/turtle/export/raster_geometry.h"
+#include "engine/turtle/export/raster_shading.h"
+#include "engine/turtle/export/raster_target.h"
+#include "engine/turtle/export/worker_team.h"
+
+namespace espalier::turtle {
+
+namespace {
+
+constexpr std::size_t kTaskParts = 64;   // parts of the scene that one task turns into triangles
+constexpr std::size_t kRoundTasks = 32;  // tasks before the triangles are drawn
+
+// calls `visit(part, task)` for all parts, in tasks of consecutive parts
+template <typename Visit>
+void forParts(WorkerTeam& team, std::size_t partCount, std::size_t partsInTask, const Visit& visit) {
+  const std::size_t tasks = (partCount + partsInTask - 1) / partsInTask;
+  team.run(tasks, [&](std::size_t task) {
+    for (std::size_t part = task * partsInTask; part < std::min(partCount, (task + 1) * partsInTask); ++part) {
+      visit(part, task);
+    }
+  });
+}
+
+// a perspective whose viewer stands inside the scene shows nothing sensible in a fitted picture: draw it in parallel
+Projection chosenProjection(const RasterGeometry& geometry, const language::ViewSettings& view,
+                            const PictureOptions& options, WorkerTeam& team) {
+  Projection projection(view);
+  if (projection.isPerspective() && options.framing == PictureFraming::Fitted) {
+    std::atomic<bool> isClear{true};
+    forParts(team, geometry.partCount(), 4096, [&](std::size_t part, std::size_t) {
+      if (isClear && !geometry.isVisible(part, projection)) {
+        isClear = false;
+      }
+    });
+    if (!isClear) {
+      projection.useParallel();
+    }
+  }
+  return projection;
+}
+
+PictureBounds boundsOf(const RasterGeometry& geometry, const Projection& projection, WorkerTeam& team) {
+  constexpr std::size_t kParts = 4096;
+  std::vector<PictureBounds> bounds((geometry.partCount() + kParts - 1) / kParts);
+  forParts(team, geometry.partCount(), kParts, [&](std::size_t part, std::size_t task) {
+    if (geometry.isVisible(part, projection)) {
+      geometry.include(part, projection, bounds[task]);
+    }
+  });
+  PictureBounds all;
+  for (const PictureBounds& some : bounds) {
+    all.include(some);
+  }
+  return all;
+}
+
+// draws all parts into some rows of the picture, round by round: triangles are made, sorted into tiles, drawn
+void drawParts(const RasterGeometry& geometry, const RasterCamera& camera, const RasterShading& shading,
+               RasterTarget& target, WorkerTeam& team) {
+  struct Reference {
+    std::uint32_t task = 0;
+    std::uint32_t triangle = 0;
+  };
+  std::vector<std::vector<RasterTriangle>> made(kRoundTasks);
+  const auto columns = static_cast<std::size_t>(target.tileColumns());
+  std::vector<std::vector<Reference>> tiles(columns * static_cast<std::size_t>(target.tileRows()));
+  for (std::size_t first = 0; first < geometry.partCount(); first += kTaskParts * kRoundTasks) {
+    const std::size_t parts = std::min(kTaskParts * kRoundTasks, geometry.partCount() - first);
+    for (auto& triangles : made) {
+      triangles.clear();
+    }
+    forParts(team, parts, kTaskParts,
+             [&](std::size_t part, std::size_t task) { geometry.append(first + part, camera, shading, made[task]); });
+    for (auto& tile : tiles) {
+      tile.clear();
+    }
+    for (std::uint32_t task = 0; task < made.size(); ++task) {
+      for (std::uint32_t i = 0; i < made[task].size(); ++i) {
+        const auto [left, right, upper, lower] = target.tilesOf(made[task][i]);
+        for (int row = upper; row <= lower; ++row) {
+          for (int column = left; column <= right; ++column) {
+            tiles[static_cast<std::size_t>(row) * columns + static_cast<std::size_t>(column)].push_back({task, i});
+          }
+        }
+      }
+    }
+    team.run(tiles.size(), [&](std::size_t tile) {
+      for (const Reference& reference : tiles[tile]) {
+        target.draw(made[reference.task][reference.triangle], static_cast<int>(tile % columns),
+                    static_cast<int>(tile / columns));
+      }
+    });
+  }
+}
+
+Colour backgroundOf(const Palette& palette, PictureBackground background) {
+  return background == PictureBackground::Model ? palette.background() : Colour{255, 255, 255};
+}
+
+}  // namespace
+
+PictureImage renderPicture(const Scene& scene, const language::ViewSettings& view, const PictureOptions& options) {
+  ESPALIER_CHECK(options.widthPixels > 0 && options.widthPixels <= kMaximumPicturePixels);
+  ESPALIER_CHECK(options.heightPixels > 0 && options.heightPixels <= kMaximumPicturePixels);
+  WorkerTeam team(std::max(1U, options.threads));
+  const RasterGeometry geometry(scene, view);
+  const Palette palette(scene, options.palette);
+  const Colour background = backgroundOf(palette, options.background);
+  const Projection projection = chosenProjection(geometry, view, options, team);
+  const PictureBounds bounds = boundsOf(geometry, projection, team);
+  const RasterCamera camera(projection, view, bounds, options);
+  const RasterShading shading(view, projection, palette, bounds, background);
+
+  PictureImage image{options.widthPixels, options.heightPixels, {}};
+  const auto width = static_cast<std::size_t>(image.width);
+  image.pixels.resize(width * static_cast<std::size_t>(image.height) * 4);
+  // a large picture is made in strips of rows
+  const auto rowsAtOnce = static_cast<int>(
+      std::clamp<std::size_t>(options.sampleBytes / (width * RasterTarget::kBytesPerPixel), 1, kMaximumPicturePixels));
+  for (int first = 0; first < image.height; first += rowsAtOnce) {
+    const int rows = std::min(rowsAtOnce, image.height - first);
+    RasterTarget target(image.width, first, rows);
+    drawParts(geometry, camera, shading, target, team);
+    team.run(static_cast<std::size_t>(rows), [&](std::size_t row) {
+      const std::size_t at = (static_cast<std::size_t>(first) + row) * width * 4;
+      target.resolve(static_cast<int>(row), background, options.background == PictureBackground::Transparent,
+                     std::span(image.pixels).subspan(at, width * 4));
+    });
+  }
+  return image;
+}
+
+}  // namespace espalier::turtle

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "engine/core/streams.h"
+#include "engine/language/colour_files.h"
+#include "engine/language/view_settings.h"
+#include "engine/turtle/export/palette.h"
+#include "engine/turtle/scene.h"
+
+namespace espalier::turtle {
+
+/// What is behind the plants of a picture.
+enum class PictureBackground : std::uint8_t { Model, White, Transparent };  // Model: Palette::background()
+
+/// Which part of the scene a picture shows. Both look from the view file's viewpoint, in its projection.
+enum class PictureFraming : std::uint8_t {
+  Fitted,  // everything drawn, as large as the page allows
+  View,    // what the view file says: `box`, `scale factor`, `viewing angle`
+};
+
+/// How a picture of points is made.
+struct PictureOptions {
+  int widthPixels = 800;
+  int heightPixels = 600;
+  double marginFraction = 0.05;  // of a fitted picture, at each edge
+  PictureBackground background = PictureBackground::Model;
+  PictureFraming framing = PictureFraming::Fitted;
+  std::uint64_t sampleBytes = 320'000'000;     // memory for samples; a larger picture is made in strips, with more time
+  unsigned threads = 1;                        // the picture does not depend on them
+  int maximumColours = 0;                      // 2 to 256: of the file; 0: as many as there are
+  const language::Palette* palette = nullptr;  // a model folder's colours; null or empty: Espalier's own
+};
+
+/// Largest width and height of a picture.
+inline constexpr int kMaximumPicturePixels = 16'384;
+
+/// A picture of points, row by row from the top: red, green, blue, opacity (255: nothing shows through).
+struct PictureImage {
+  int width = 0;
+  int height = 0;
+  std::vector<std::uint8_t> pixels;  // (height, width, 4)
+
+  bool operator==(const PictureImage&) const = default;
+};
+
+/// Renders a scene: triangles with depth, shaded by the view file's lights, or by Espalier's own (a key light from the
+/// upper left, a weaker one from the right, light from the sky); lines in the view file's style; 16 samples a pixel.
+/// Needs 128 bytes for each pixel of a strip (PictureOptions::sampleBytes) and little more, whatever the size of the
+/// scene.
+[[nodiscard]] PictureImage renderPicture(const Scene& scene, const language::ViewSettings& view,
+                                         const PictureOptions& options);
+
+}  // namespace espalier::turtle

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <limits>
+
+#include "engine/core/vec3.h"
+#include "engine/language/view_settings.h"
+#include "engine/turtle/export/picture.h"
+#include "engine/turtle/export/projection.h"
+
+namespace espalier::turtle {
+
+/// A rectangle of the picture plane and the depths that lie in it.
+struct PictureBounds {
+  double left = std::numeric_limits<double>::infinity();
+  double right = -std::numeric_limits<double>::infinity();
+  double bottom = std::numeric_limits<double>::infinity();
+  double top = -std::numeric_limits<double>::infinity();
+  double nearest = std::numeric_limits<double>::infinity();
+  double farthest = -std::numeric_limits<double>::infinity();
+
+  [[nodiscard]] bool empty() const { return !(left <= right); }
+  void include(const ProjectedPoint& point, double radius);
+  void include(const PictureBounds& other);
+};
+
+/// Where a point of the world is on the page.
+struct PagePoint {
+  double x = 0.0;              // pixels from the left edge
+  double y = 0.0;              // pixels from the upper edge
+  double nearness = 0.0;       // larger is nearer; linear on the page along a straight line
+  double pixelsPerUnit = 1.0;  // at this depth
+  double depth = 0.0;          // world units from the viewer
+};
+
+/// From the world to the page of a picture.
+class RasterCamera {
+ public:
+  /// `bounds` is what is drawn, in the projection's picture units.
+  RasterCamera(const Projection& projection, const language::ViewSettings& view, const PictureBounds& bounds,
+               const PictureOptions& options);
+
+  [[nodiscard]] PagePoint onPage(const core::Vec3& point) const;
+  [[nodiscard]] const Projection& projection() const { return projection_; }
+  /// Whether a point is in front of the viewer.
+  [[nodiscard]] bool isVisible(const core::Vec3& point) const { return projection_.isVisible(point); }
+
+ private:
+  Projection projection_;
+  double scale_ = 1.0;  // pixels per picture unit
+  double offsetX_ = 0.0;
+  double offsetY_ = 0.0;
+};
+
+}  // namespace espalier::turtle

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "engine/core/vec3.h"
+#include "engine/language/colour_files.h"
+#include "engine/language/view_settings.h"
+#include "engine/turtle/export/palette.h"
+#include "engine/turtle/export/projection.h"
+#include "engine/turtle/export/raster_camera.h"
+
+namespace espalier::turtle {
+
+/// What a shape is made of.
+struct Look {
+  Colour colour;
+  std::optional<language::Material> material;  // of the folder
+  double opacity = 1.0;
+};
+
+/// The light that a picture is seen in: the view file's lights when it has some, else Espalier's own, of which the key
+/// light comes from the view file's `light direction` when it has one. Distant parts fade a little into the page.
+class RasterShading {
+ public:
+  /// `view`, `projection` and `palette` must outlive the object. `bounds` is what the picture shows.
+  RasterShading(const language::ViewSettings& view, const Projection& projection, const Palette& palette,
+                const PictureBounds& bounds, const Colour& background);
+
+  [[nodiscard]] Look lookOfIndex(std::int32_t index) const;
+  [[nodiscard]] Look lookOf(const Segment& segment) const;
+
+  /// Faces are lit, else they have their plain colour.
+  [[nodiscard]] bool isLit() const { return isLit_; }
+  /// Every face has one brightness.
+  [[nodiscard]] bool isFlat() const { return isFlat_; }
+  [[nodiscard]] bool isWireframe() const { return isWireframe_; }
+
+  /// The colour (0 to 255) at a point of a surface with a unit normal; the side toward the viewer counts. `depth` is
+  /// the point's distance from the viewer.
+  [[nodiscard]] std::array<float, 3> lit(const Look& look, const core::Vec3& point, core::Vec3 normal,
+                                         double depth) const;
+  /// The colour without any light.
+  [[nodiscard]] std::array<float, 3> plain(const Look& look, double depth) const;
+
+ private:
+  [[nodiscard]] core::Vec3 litByOwnLights(const Look& look, const core::Vec3& normal,
+                                          const core::Vec3& towardViewer) const;
+  [[nodiscard]] core::Vec3 litByViewLights(const Look& look, const core::Vec3& point, const core::Vec3& normal,
+                                           const core::Vec3& towardViewer) const;
+  [[nodiscard]] std::array<float, 3> faded(const core::Vec3& colour, double depth) const;
+
+  const language::ViewSettings& view_;
+  const Projection& projection_;
+  const Palette& palette_;
+  core::Vec3 key_, fill_, sky_;  // toward the lights
+  core::Vec3 background_;        // 0 to 1
+  double nearest_ = 0.0;
+  double fadePerUnit_ = 0.0;
+  bool isLit_ = true;
+  bool isFlat_ = false;
+  bool isWireframe_ = false;
+};
+
+}  // namespace espalier::turtle
