@@ -1,13 +1,17 @@
 #include "server/disk_files.h"
 
+#include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <thread>
+#include <utility>
 
 namespace espalier::server {
 
@@ -44,35 +48,87 @@ std::optional<std::string> DiskFileProvider::readInside(const std::string& folde
   return read(name);
 }
 
-std::optional<std::string> writeFileAtomically(const std::string& name, std::string_view content) {
-  // a name of its own for each process and thread, so that two writers never share a temporary file
-  const std::string temporary = name + "." + std::to_string(::getpid()) + "." +
-                                std::to_string(std::hash<std::thread::id>()(std::this_thread::get_id())) + ".part";
-  const auto failure = [&](const std::string& what) {
-    const int reason = errno;
-    std::error_code ignored;
-    std::filesystem::remove(temporary, ignored);
-    return "cannot " + what + " '" + name + "': " + std::strerror(reason) +
-           ". Check that the folder exists, is writable and has room.";
-  };
+namespace {
 
-  errno = 0;
-  std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
-  if (!file) {
-    return failure("write");
-  }
-  file.write(content.data(), static_cast<std::streamsize>(content.size()));
-  file.close();
-  if (!file) {
-    return failure("write");
-  }
+constexpr std::size_t kBufferBytes = 1U << 16U;
+
+// a name of its own for each process and file, so that two writers never share a temporary file
+std::string temporaryNameFor(const std::string& name) {
+  static std::atomic<unsigned> count = 0;
+  return name + "." + std::to_string(::getpid()) + "." + std::to_string(count++) + ".part";
+}
+
+// a device or pipe, which a rename would replace
+bool isSpecial(const std::string& name) {
   std::error_code error;
-  std::filesystem::rename(temporary, name, error);
-  if (error) {
-    errno = error.value();
-    return failure("replace");
+  const auto status = std::filesystem::status(name, error);
+  return !error && std::filesystem::exists(status) && !std::filesystem::is_regular_file(status);
+}
+
+}  // namespace
+
+AtomicFile::AtomicFile(std::string name) : name_(std::move(name)) {
+  const bool isDirect = isSpecial(name_);
+  temporary_ = isDirect ? std::string() : temporaryNameFor(name_);
+  const std::string& opened = isDirect ? name_ : temporary_;
+  const int flags = O_WRONLY | O_CLOEXEC | (isDirect ? 0 : O_CREAT | O_TRUNC);
+  descriptor_ = ::open(opened.c_str(), flags, 0666);
+  failure_ = descriptor_ < 0 ? errno : 0;
+}
+
+AtomicFile::~AtomicFile() {
+  if (descriptor_ >= 0) {
+    ::close(descriptor_);
   }
-  return std::nullopt;
+  if (!temporary_.empty()) {
+    ::unlink(temporary_.c_str());
+  }
+}
+
+void AtomicFile::write(std::string_view bytes) {
+  buffered_.append(bytes);
+  if (buffered_.size() >= kBufferBytes) {
+    flush();
+  }
+}
+
+void AtomicFile::flush() {
+  std::string_view rest = buffered_;
+  while (failure_ == 0 && !rest.empty()) {
+    const ssize_t written = ::write(descriptor_, rest.data(), rest.size());
+    if (written >= 0) {
+      rest.remove_prefix(static_cast<std::size_t>(written));
+    } else if (errno != EINTR) {
+      failure_ = errno;
+    }
+  }
+  buffered_.clear();
+}
+
+std::optional<std::string> AtomicFile::commit() {
+  flush();
+  const auto close = [this] {
+    const int descriptor = std::exchange(descriptor_, -1);
+    return descriptor < 0 || ::close(descriptor) == 0;
+  };
+  if (!close() && failure_ == 0) {
+    failure_ = errno;
+  }
+  if (failure_ == 0 && !temporary_.empty() && ::rename(temporary_.c_str(), name_.c_str()) != 0) {
+    failure_ = errno;
+  }
+  if (failure_ == 0) {
+    temporary_.clear();
+    return std::nullopt;
+  }
+  return "cannot write '" + name_ + "': " + std::strerror(failure_) +
+         ". Check that the folder exists, is writable and has room.";
+}
+
+std::optional<std::string> writeFileAtomically(const std::string& name, std::string_view content) {
+  AtomicFile file(name);
+  file.write(content);
+  return file.commit();
 }
 
 }  // namespace espalier::server

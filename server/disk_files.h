@@ -18,6 +18,33 @@ class DiskFileProvider final : public core::FileProvider {
   std::size_t maximumBytes_;
 };
 
+/// A file that is written piece by piece and appears under its name only when it is complete: a temporary file beside
+/// it, then rename. What is not a regular file, as /dev/stdout, is written directly. A file that is never committed
+/// leaves nothing.
+class AtomicFile final : public core::ByteSink {
+ public:
+  explicit AtomicFile(std::string name);
+  ~AtomicFile() override;
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+
+  /// After a failure nothing more is written; commit() says what it was.
+  void write(std::string_view bytes) override;
+  /// Puts the file in its place. An error sentence that says what to do, or nothing.
+  [[nodiscard]] std::optional<std::string> commit();
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] bool hasFailed() const { return failure_ != 0; }
+
+ private:
+  std::string name_;
+  std::string temporary_;  // empty: written directly
+  int descriptor_ = -1;
+  int failure_ = 0;  // errno of the first failure
+  std::string buffered_;
+
+  void flush();
+};
+
 /// Writes a file so that a reader sees the old content or the new, never a part: temporary file beside it, then rename.
 /// Returns an error sentence, or nothing on success.
 [[nodiscard]] std::optional<std::string> writeFileAtomically(const std::string& name, std::string_view content);

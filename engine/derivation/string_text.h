@@ -1,6 +1,8 @@
 #pragma once
 
 #include <string>
+#include <string_view>
+#include <variant>
 
 #include "engine/core/diagnostic.h"
 #include "engine/core/number_text.h"
@@ -13,6 +15,12 @@ namespace espalier::derivation {
 void appendText(std::string& text, const language::Program& program, const ModuleString& string,
                 core::NumberStyle style);
 [[nodiscard]] std::string toText(const language::Program& program, const ModuleString& string, core::NumberStyle style);
+
+/// Reads the text form of a string, with blanks and newlines between modules, as modules of the Program; declared names
+/// are taken before single symbols, the longest first. An error sentence names the place (line:column) and what stands
+/// there: a module that the model does not have, a parameter that is not a number.
+[[nodiscard]] std::variant<ModuleString, std::string> parseText(const language::Program& program,
+                                                                std::string_view text);
 
 /// The style of the Program's mode: shortest, or %g in the compatible modes.
 [[nodiscard]] core::NumberStyle numberStyle(core::Compatibility compatibility);

@@ -190,7 +190,7 @@ struct ViewSettings {
   double twistDegrees = 0.0;
   double viewingAngleDegrees = 45.0;
   double scaleFactor = 1.0;
-  std::optional<Box> box;  // the view volume; nothing: the bounding box of what the turtle draws
+  std::optional<Box> box;                    // the view volume; nothing: the bounding box of what the turtle draws
   std::optional<RenderMode> renderMode;      // nothing: the file does not say
   std::vector<Light> lights;                 // of `light:`; at most 8 count
   std::optional<core::Vec3> lightDirection;  // toward the light, unit

@@ -85,6 +85,7 @@ void Simulation::Implementation::save(core::ByteSink& sink) {
   content.derivationLength = derivationLength();
   content.completedSteps = completedSteps_;
   content.placements = placements_;
+  content.palette = options_.palette;
   for (const language::ModuleType& type : program_->types) {
     content.types.emplace_back(program_->symbols[type.symbol].name, type.arity);
   }
@@ -134,12 +135,16 @@ Simulation::Implementation::Outcome Simulation::Implementation::restore(std::str
     options_.name = options.name;
     options_.seed = options.seed;
     options_.hasSeed = options.hasSeed;
+    options_.palette = options.palette;
     placements_ = std::move(placements);
     makeDerivations();
   };
   SimulationOptions newOptions = options_;
   newOptions.seed = content.seed;
   newOptions.hasSeed = content.hasSeed;
+  if (newOptions.palette.empty()) {
+    newOptions.palette = std::move(content.palette);
+  }
   const std::vector<StepUndo> oldUndo = undo_;
   const bool wasStarted = isStarted_;
   adopt(newOptions, std::move(content.placements));

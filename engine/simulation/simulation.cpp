@@ -75,6 +75,17 @@ turtle::EnvironmentContext Simulation::Implementation::environmentContext() cons
   return context;
 }
 
+void Simulation::Implementation::startFromString(derivation::PlantState& plant) const {
+  auto read = derivation::parseText(*program_, options_.startString);
+  if (const std::string* problem = std::get_if<std::string>(&read)) {
+    core::SimulationError error;
+    error.code = core::SimulationErrorCode::Model;
+    error.message = "the string to start from, " + *problem + ".";
+    throw core::SimulationFailure(std::move(error));
+  }
+  plant.string = std::move(std::get<derivation::ModuleString>(read));
+}
+
 Outcome Simulation::Implementation::rewind() {
   return guarded([this] {
     undoStep();
@@ -82,6 +93,9 @@ Outcome Simulation::Implementation::rewind() {
     std::vector<derivation::PlantState> plants(placements_.size());
     for (std::size_t plant = 0; plant < plants.size(); ++plant) {
       derivations_[plant].rewind(plants[plant]);
+      if (!options_.startString.empty()) {
+        startFromString(plants[plant]);
+      }
     }
     if (environment_) {
       if (const auto error = environment_->open(environmentContext())) {
@@ -132,7 +146,7 @@ void Simulation::Implementation::measureViewVolume() {
     return;
   }
   turtle::Scene scene;
-  if (auto error = draw(&scene, nullptr)) {
+  if (auto error = draw({.scene = &scene})) {
     throw core::SimulationFailure(std::move(*error));
   }
   const language::Box volume = turtle::boundsOf(scene, program_->view).value_or(language::Box{});
@@ -236,7 +250,8 @@ bool Simulation::Implementation::isFinished() const {
   });
 }
 
-Outcome Simulation::Implementation::draw(turtle::Scene* scene, std::vector<turtle::TurtleRecord>* records) {
+Outcome Simulation::Implementation::draw(turtle::InterpretationOutput output) {
+  output.fillsQueries = false;
   // its own derivations: a picture prints nothing and cannot be cancelled with a step
   while (displayDerivations_.size() < plants_.size()) {
     derivation::DerivationOptions options = derivationOptions(static_cast<std::uint32_t>(displayDerivations_.size()));
@@ -255,10 +270,6 @@ Outcome Simulation::Implementation::draw(turtle::Scene* scene, std::vector<turtl
     before.copyFrom(plants_[plant]);
     Outcome outcome;
     try {
-      turtle::InterpretationOutput output;
-      output.scene = scene;
-      output.records = records;
-      output.fillsQueries = false;
       interpreter_.interpret(displayDerivations_[plant], plants_[plant], static_cast<std::uint32_t>(plant),
                              placements_[plant], output);
     } catch (const core::SimulationFailure& failure) {
@@ -360,7 +371,7 @@ void Simulation::setCancelled(bool isCancelled) {
 
 std::variant<turtle::Scene, core::SimulationError> Simulation::scene() const {
   turtle::Scene scene;
-  if (auto error = implementation_->draw(&scene, nullptr)) {
+  if (auto error = implementation_->draw({.scene = &scene})) {
     return std::move(*error);
   }
   return scene;
@@ -368,10 +379,14 @@ std::variant<turtle::Scene, core::SimulationError> Simulation::scene() const {
 
 std::variant<std::vector<turtle::TurtleRecord>, core::SimulationError> Simulation::turtleRecords() const {
   std::vector<turtle::TurtleRecord> records;
-  if (auto error = implementation_->draw(nullptr, &records)) {
+  if (auto error = implementation_->draw({.records = &records})) {
     return std::move(*error);
   }
   return records;
+}
+
+Outcome Simulation::visitModules(const std::function<void(const turtle::TurtleRecord&)>& visit) const {
+  return implementation_->draw({.onModule = visit});
 }
 
 std::uint64_t Simulation::stateHash() const {

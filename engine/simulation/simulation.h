@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -15,6 +16,7 @@
 #include "engine/core/streams.h"
 #include "engine/derivation/derivation.h"
 #include "engine/derivation/plant_state.h"
+#include "engine/language/colour_files.h"
 #include "engine/language/program.h"
 #include "engine/turtle/environment_process.h"
 #include "engine/turtle/interpreter.h"
@@ -47,6 +49,8 @@ struct SimulationOptions {
   turtle::World world;
   EnvironmentPolicy environmentPolicy = EnvironmentPolicy::Fail;
   EnvironmentOrigin environmentOrigin;
+  language::Palette palette;  // colours of the model folder: for pictures only, snapshots carry them
+  std::string startString;    // takes the axiom's place in every plant, as its text; empty: the axiom
   core::MessageSink messages;
   std::shared_ptr<core::FileWriter> fileWriter;  // takes what models write, after each step; null: they may not
 };
@@ -112,6 +116,10 @@ class Simulation {
   [[nodiscard]] std::variant<turtle::Scene, core::SimulationError> scene() const;
   /// The turtle stream's records of the current strings, all plants. Does not change the simulation.
   [[nodiscard]] std::variant<std::vector<turtle::TurtleRecord>, core::SimulationError> turtleRecords() const;
+  /// Calls `visit` after each module of all plants, in order, with the turtle's state then (InterpretationOutput::
+  /// onModule). Does not change the simulation.
+  [[nodiscard]] std::optional<core::SimulationError> visitModules(
+      const std::function<void(const turtle::TurtleRecord&)>& visit) const;
 
   /// Hash of the complete state: strings, variables, random streams, environment.
   [[nodiscard]] std::uint64_t stateHash() const;

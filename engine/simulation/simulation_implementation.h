@@ -27,7 +27,7 @@ class Simulation::Implementation {
   [[nodiscard]] bool isFinished() const;
   [[nodiscard]] std::uint64_t derivationLength() const;
   [[nodiscard]] derivation::DerivationOptions derivationOptions(std::uint32_t plant) const;
-  [[nodiscard]] Outcome draw(turtle::Scene* scene, std::vector<turtle::TurtleRecord>* records);
+  [[nodiscard]] Outcome draw(turtle::InterpretationOutput output);
   [[nodiscard]] std::uint64_t stateHash() const;
   [[nodiscard]] std::uint64_t plantsHash() const;
   void save(core::ByteSink& sink);
@@ -57,6 +57,7 @@ class Simulation::Implementation {
   [[nodiscard]] bool isCompatible() const { return program_->compatibility != core::Compatibility::Espalier; }
   [[nodiscard]] std::uint64_t effectiveSeed() const;
   void makeDerivations();
+  void startFromString(derivation::PlantState& plant) const;
   [[nodiscard]] turtle::EnvironmentContext environmentContext() const;
 
   // the parts of a step: they throw SimulationFailure and are undone by undoStep

@@ -30,6 +30,7 @@ std::variant<SnapshotInfo, core::SimulationError> readSnapshotInfo(std::string_v
   info.plantCount = static_cast<std::uint32_t>(content.placements.size());
   info.placements = std::move(content.placements);
   info.environmentOrigin = std::move(content.environmentOrigin);
+  info.palette = std::move(content.palette);
   info.environmentName = std::move(content.environmentName);
   return info;
 }

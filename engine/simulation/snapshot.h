@@ -35,6 +35,7 @@ struct SnapshotInfo {
   std::vector<turtle::PlantPlacement> placements;  // (plantCount)
   EnvironmentOrigin environmentOrigin;             // how the caller that saved had made it
   std::string environmentName;                     // empty: none
+  language::Palette palette;                       // of pictures
 };
 
 /// Reads the head of a snapshot. Errors say what is wrong: not a snapshot, a newer version, cut off.

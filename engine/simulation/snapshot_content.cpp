@@ -23,7 +23,8 @@ enum class Section : std::uint32_t {
   Environment = 5,
   Pending = 6,
   End = 7,
-  Files = 8
+  Files = 8,
+  Colours = 9
 };
 
 void writeVector(ByteWriter& writer, const Vec3& v) {
@@ -112,6 +113,75 @@ void readRun(ByteReader& reader, SnapshotContent& content) {
     placement.frame.heading = readVector(reader);
     placement.frame.left = readVector(reader);
     placement.frame.up = readVector(reader);
+  }
+}
+
+template <std::size_t Count>
+void writeComponents(ByteWriter& writer, const std::array<double, Count>& components) {
+  for (const double component : components) {
+    writer.real(component);
+  }
+}
+
+template <std::size_t Count>
+void readComponents(ByteReader& reader, std::array<double, Count>& components) {
+  for (double& component : components) {
+    component = reader.real();
+  }
+}
+
+ByteWriter coloursSection(const language::Palette& palette) {
+  ByteWriter writer;
+  writer.flag(palette.usesMaterials);
+  writer.number32(static_cast<std::uint32_t>(palette.base));
+  writer.number64(palette.maps.size());
+  for (const auto& [block, colours] : palette.maps) {
+    writer.number32(static_cast<std::uint32_t>(block));
+    for (const language::PaletteColour& colour : colours) {
+      writer.byte(colour.red);
+      writer.byte(colour.green);
+      writer.byte(colour.blue);
+    }
+  }
+  writer.number64(palette.materials.size());
+  for (const auto& [block, materials] : palette.materials) {
+    writer.number32(static_cast<std::uint32_t>(block));
+    for (const language::Material& material : materials) {
+      writeComponents(writer, material.ambient);
+      writeComponents(writer, material.diffuse);
+      writeComponents(writer, material.emission);
+      writeComponents(writer, material.specular);
+      writer.real(material.opacity);
+      writer.real(material.shininess);
+    }
+  }
+  return writer;
+}
+
+void readColours(ByteReader& reader, language::Palette& palette) {
+  constexpr std::uint64_t kSize = language::Palette::kBlockSize;
+  palette.usesMaterials = reader.flag();
+  palette.base = static_cast<int>(reader.number32());
+  const std::uint64_t mapCount = reader.count(4 + 3 * kSize);
+  for (std::uint64_t i = 0; i < mapCount; ++i) {
+    auto& colours = palette.maps[static_cast<int>(reader.number32())];
+    for (language::PaletteColour& colour : colours) {
+      colour.red = reader.byte();
+      colour.green = reader.byte();
+      colour.blue = reader.byte();
+    }
+  }
+  const std::uint64_t materialCount = reader.count(4 + 14 * 8 * kSize);
+  for (std::uint64_t i = 0; i < materialCount; ++i) {
+    auto& materials = palette.materials[static_cast<int>(reader.number32())];
+    for (language::Material& material : materials) {
+      readComponents(reader, material.ambient);
+      readComponents(reader, material.diffuse);
+      readComponents(reader, material.emission);
+      readComponents(reader, material.specular);
+      material.opacity = reader.real();
+      material.shininess = reader.real();
+    }
   }
 }
 
@@ -314,6 +384,9 @@ void writeSnapshot(const SnapshotContent& content, core::ByteSink& sink) {
   environment.text(content.environmentState);
   hashing.writeSection(Section::Environment, environment);
   hashing.writeSection(Section::Pending, pendingSection(content));
+  if (!content.palette.empty()) {
+    hashing.writeSection(Section::Colours, coloursSection(content.palette));
+  }
   hashing.writeSection(Section::End, ByteWriter());
   ByteWriter checksum;
   checksum.number64(hashing.hash());
@@ -383,6 +456,9 @@ std::variant<SnapshotContent, core::SimulationError> readSnapshot(std::string_vi
           readPending(section, content);
         }
         isPresent[3] = true;
+        break;
+      case Section::Colours:
+        readColours(section, content.palette);
         break;
       case Section::End:
         hasEnded = true;

@@ -10,6 +10,7 @@
 #include "engine/core/simulation_error.h"
 #include "engine/core/streams.h"
 #include "engine/derivation/plant_state.h"
+#include "engine/language/colour_files.h"
 #include "engine/language/program.h"
 #include "engine/simulation/simulation.h"
 #include "engine/turtle/environment_process.h"
@@ -33,6 +34,7 @@ struct SnapshotContent {
   std::uint64_t derivationLength = 0;
   std::uint64_t completedSteps = 0;
   std::vector<turtle::PlantPlacement> placements;
+  language::Palette palette;  // of pictures
   // module types of the strings: name and arity
   std::vector<std::pair<std::string, std::uint16_t>> types;
   // the state after the last completed step

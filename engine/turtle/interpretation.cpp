@@ -104,6 +104,9 @@ void Interpretation::walkString() {
     if (isTouched_ && output_.records != nullptr) {
       record(i - 1, lastOffset);
     }
+    if (output_.onModule) {
+      output_.onModule(stateAfter(i - 1, lastOffset));
+    }
     if (isCut_) {
       const std::uint64_t end = endOfCut(i);
       for (; i < end; ++i) {
@@ -310,20 +313,25 @@ void Interpretation::leaveScale() {
   }
 }
 
-void Interpretation::record(std::uint64_t module, std::uint64_t offset) {
+TurtleRecord Interpretation::stateAfter(std::uint64_t module, std::uint64_t offset) const {
   const ModuleTypeId type = plantState_.string.types()[module];
   const auto parameters = plantState_.string.parameters().subspan(offset, program_.arity[type]);
+  return {.plant = plant_,
+          .module = module,
+          .symbol = program_.symbolOf[type],
+          .position = state_.position,
+          .frame = state_.frame,
+          .width = state_.width,
+          .colour = state_.colour,
+          .branchOrder = state_.branchOrder,
+          .parent = kNoParent,
+          .parameters = {parameters.begin(), parameters.end()}};
+}
+
+void Interpretation::record(std::uint64_t module, std::uint64_t offset) {
   const auto index = static_cast<std::uint32_t>(output_.records->size());
-  output_.records->push_back({.plant = plant_,
-                              .module = module,
-                              .symbol = program_.symbolOf[type],
-                              .position = state_.position,
-                              .frame = state_.frame,
-                              .width = state_.width,
-                              .colour = state_.colour,
-                              .branchOrder = state_.branchOrder,
-                              .parent = state_.record,
-                              .parameters = {parameters.begin(), parameters.end()}});
+  output_.records->push_back(stateAfter(module, offset));
+  output_.records->back().parent = state_.record;
   state_.record = index;
 }
 

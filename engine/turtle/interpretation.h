@@ -63,6 +63,7 @@ class Interpretation {
   void leaveInstance();
   void enterScale(const Arguments& arguments);
   void leaveScale();
+  [[nodiscard]] TurtleRecord stateAfter(std::uint64_t module, std::uint64_t offset) const;
   void record(std::uint64_t module, std::uint64_t offset);
 
   // the turtle table

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <set>
 #include <string>
@@ -35,6 +36,9 @@ struct InterpretationOutput {
   QueryBatch* queries = nullptr;  // communication modules are appended
   EnvironmentNeeds needs{};       // of whoever reads `queries`
   std::vector<TurtleRecord>* records = nullptr;
+  /// Called after each module of the string, or after the modules that belong together, with the turtle's state then;
+  /// `module` is the last of them, `parent` is not set.
+  std::function<void(const TurtleRecord&)> onModule{};
   /// Per appended query: where its parameters are in the string; kTransientQuery when a homomorphism made it.
   std::vector<std::uint64_t>* queryParameterOffsets = nullptr;
   std::vector<ParameterChange>* changes = nullptr;  // every parameter that was filled is appended
