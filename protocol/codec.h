@@ -23,6 +23,7 @@ using Decoded = std::variant<T, Error>;
 [[nodiscard]] Decoded<StepParams> decodeStepParams(const Payload& payload);
 [[nodiscard]] Decoded<GetParams> decodeGetParams(const Payload& payload);
 [[nodiscard]] Decoded<ResetParams> decodeResetParams(const Payload& payload);
+[[nodiscard]] Decoded<SaveParams> decodeSaveParams(const Payload& payload);
 [[nodiscard]] Decoded<RestoreParams> decodeRestoreParams(const Payload& payload);
 /// Params whose only member is the text `member`, not empty and at most 200 bytes.
 [[nodiscard]] Decoded<NameParams> decodeNameParams(const Payload& payload, std::string_view member);
@@ -60,6 +61,7 @@ using Decoded = std::variant<T, Error>;
 [[nodiscard]] Body encodeBlocks(const ReplyColumns& replies);
 [[nodiscard]] std::string encodeSaveResult(std::string_view state);
 void write(JsonWriter& writer, const Statistics& statistics);
+void write(JsonWriter& writer, const SavePolicy& policy);
 void write(JsonWriter& writer, const SimulationInformation& information);
 void write(JsonWriter& writer, const TurtleStreamRecord& record, bool hasIndex);
 /// {"diagnostics":[...]} for the data of a Model error.

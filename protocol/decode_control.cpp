@@ -171,6 +171,23 @@ Decoded<ModelParams> decodeModelParams(const Payload& payload) {
   });
 }
 
+namespace {
+
+SavePolicy readSavePolicy(const Field& save) {
+  if (save.isText()) {
+    if (save.text() != "request") {
+      save.failExpected("true, false, a number of steps or \"request\"");
+    }
+    return {.isKept = true, .every = 0};
+  }
+  if (save.json().is_number()) {
+    return {.isKept = true, .every = static_cast<std::uint64_t>(save.integer(1, kMaximumExactInteger))};
+  }
+  return {.isKept = save.boolean(), .every = 1};
+}
+
+}  // namespace
+
 Decoded<CreateParams> decodeCreateParams(const Payload& payload) {
   return decodePayload<CreateParams>(payload, [](const Field& params, CreateParams& create) {
     params.requireObject();
@@ -192,8 +209,8 @@ Decoded<CreateParams> decodeCreateParams(const Payload& payload) {
       readOptionalCount(limits["modules"], create.maximumModules);
       readOptionalCount(limits["queries"], create.maximumQueries);
     }
-    if (const Field isSaved = params["save"]; !isSaved.isAbsent()) {
-      create.isSaved = isSaved.boolean();
+    if (const Field save = params["save"]; !save.isAbsent()) {
+      create.save = readSavePolicy(save);
     }
   });
 }
@@ -218,10 +235,10 @@ Decoded<GetParams> decodeGetParams(const Payload& payload) {
     get.simulation = readName(params["simulation"]);
     const Field what = params["what"];
     get.what = what.text();
-    constexpr std::array<std::string_view, 6> kKinds{"string", "statistics", "state-hash",
-                                                     "turtle", "model",      "information"};
+    constexpr std::array<std::string_view, 7> kKinds{"string", "statistics",  "state-hash", "turtle",
+                                                     "model",  "information", "checkpoints"};
     if (std::find(kKinds.begin(), kKinds.end(), get.what) == kKinds.end()) {
-      what.failExpected("one of string, statistics, state-hash, turtle, model, information");
+      what.failExpected("one of string, statistics, state-hash, turtle, model, information, checkpoints");
     }
     if (const Field plant = params["plant"]; !plant.isAbsent()) {
       get.plant = static_cast<std::uint32_t>(plant.integer(0, 0xFFFFFFFF));
@@ -237,10 +254,28 @@ Decoded<ResetParams> decodeResetParams(const Payload& payload) {
   });
 }
 
+Decoded<SaveParams> decodeSaveParams(const Payload& payload) {
+  return decodePayload<SaveParams>(payload, [](const Field& params, SaveParams& save) {
+    params.requireObject();
+    save.simulation = readName(params["simulation"]);
+    if (const Field checkpoint = params["checkpoint"]; !checkpoint.isAbsent()) {
+      save.checkpoint = readName(checkpoint);
+      save.hasSnapshot = false;
+    }
+    if (const Field hasSnapshot = params["snapshot"]; !hasSnapshot.isAbsent()) {
+      save.hasSnapshot = hasSnapshot.boolean();
+    }
+  });
+}
+
 Decoded<RestoreParams> decodeRestoreParams(const Payload& payload) {
   return decodePayload<RestoreParams>(payload, [](const Field& params, RestoreParams& restore) {
     params.requireObject();
     restore.simulation = readName(params["simulation"]);
+    if (const Field checkpoint = params["checkpoint"]; !checkpoint.isAbsent()) {
+      restore.checkpoint = readName(checkpoint);
+      return;
+    }
     const Field snapshot = params["snapshot"];
     auto bytes = fromBase64(snapshot.text());
     if (!bytes) {

@@ -96,6 +96,16 @@ void write(JsonWriter& writer, const Statistics& statistics) {
   writer.key("milliseconds").number(statistics.milliseconds).endObject();
 }
 
+void write(JsonWriter& writer, const SavePolicy& policy) {
+  if (!policy.isKept || policy.every == 1) {
+    writer.boolean(policy.isKept);
+  } else if (policy.every == 0) {
+    writer.text("request");
+  } else {
+    writer.integer(policy.every);
+  }
+}
+
 void write(JsonWriter& writer, const SimulationInformation& information) {
   writer.beginObject().key("simulation").text(information.simulation).key("name").text(information.name);
   writer.key("step").integer(information.step).key("derivationLength").integer(information.derivationLength);
@@ -104,6 +114,9 @@ void write(JsonWriter& writer, const SimulationInformation& information) {
   writer.key("saved").boolean(information.isSaved).key("environment").texts(information.environment);
   if (!information.lastError.empty()) {
     writer.key("lastError").text(information.lastError);
+  }
+  if (!information.damage.empty()) {
+    writer.key("damaged").text(information.damage);
   }
   writer.endObject();
 }

@@ -81,6 +81,12 @@ struct PlantPosition {
   std::array<double, 3> position{0.0, 0.0, 0.0};
 };
 
+/// When the state of a simulation is written to the server's disk.
+struct SavePolicy {
+  bool isKept = true;
+  std::uint64_t every = 1;  // steps; 0: only when simulation.save asks
+};
+
 struct CreateParams {
   ModelParams model;
   std::string name;                           // for people; empty: the model's
@@ -91,7 +97,7 @@ struct CreateParams {
   std::vector<PlantPosition> plants;            // empty: one at the origin
   std::optional<std::uint64_t> maximumModules;  // lowers the server's limits
   std::optional<std::uint64_t> maximumQueries;
-  bool isSaved = true;
+  SavePolicy save;
 };
 
 struct Statistics {
@@ -141,9 +147,17 @@ struct ResetParams {
   std::optional<std::uint64_t> seed;
 };
 
+struct SaveParams {
+  std::string simulation;
+  std::string checkpoint;   // name under which the server keeps it; empty: it does not
+  bool hasSnapshot = true;  // the answer brings the snapshot
+};
+
+/// One of the two.
 struct RestoreParams {
   std::string simulation;
-  std::string snapshot;  // bytes (base64 on the wire)
+  std::string snapshot;    // bytes (base64 on the wire)
+  std::string checkpoint;  // name that simulation.save gave
 };
 
 struct SimulationInformation {
@@ -158,6 +172,7 @@ struct SimulationInformation {
   bool isSaved = false;
   std::vector<std::string> environment;  // types, in order; an offered one as offered:NAME
   std::string lastError;                 // of the last failed step; empty: none since the last good one
+  std::string damage;                    // why it could not be loaded from disk; empty: it was
 };
 
 /// Params of a method that only names a simulation or a stream.

@@ -92,7 +92,8 @@ environment::ProcessOrErrors makeFromGallery(const environment::EnvironmentEntry
 
 /// The process that a field file on the wire names; only the files that came with it can be read.
 std::variant<std::unique_ptr<turtle::EnvironmentProcess>, protocol::Error> makeFromSentFiles(
-    const environment::EnvironmentEntry& entry, const std::string& path, core::Compatibility compatibility) {
+    const environment::EnvironmentEntry& entry, const std::string& path, core::Compatibility compatibility,
+    simulation::EnvironmentOrigin& origin) {
   const auto main = protocol::memberOf(entry.configuration, "main");
   auto texts = protocol::textsOf(entry.configuration, "files");
   if (!texts) {
@@ -101,6 +102,7 @@ std::variant<std::unique_ptr<turtle::EnvironmentProcess>, protocol::Error> makeF
   if (!main || !texts->contains(*main)) {
     return protocol::fieldError(path + ".main", "expected the name of the field file (.e) among \"files\"");
   }
+  origin = {*main, {texts->begin(), texts->end()}};
   core::MemoryFileProvider files(std::move(*texts));
   std::vector<core::Diagnostic> warnings;
   auto made = environment::makeFromFieldFile(*main, files, compatibility, warnings);
@@ -126,7 +128,7 @@ std::variant<BuiltEnvironment, protocol::Error> buildEnvironment(const std::stri
   }
   const auto& entries = std::get<std::vector<environment::EnvironmentEntry>>(parsed);
   std::vector<std::pair<std::string, std::unique_ptr<turtle::EnvironmentProcess>>> processes;
-  simulation::EnvironmentOrigin galleryOrigin;
+  simulation::EnvironmentOrigin fieldOrigin;
   for (std::size_t i = 0; i < entries.size(); ++i) {
     const environment::EnvironmentEntry& entry = entries[i];
     const std::string path = "params.environment[" + std::to_string(i) + "]";
@@ -150,14 +152,14 @@ std::variant<BuiltEnvironment, protocol::Error> buildEnvironment(const std::stri
       built.names.push_back(entry.type == "offered" ? "offered:" + entry.name : entry.type);
       process = std::move(remote);
     } else if (entry.type == "field") {
-      auto made = makeFromSentFiles(entry, path, compatibility);
+      auto made = makeFromSentFiles(entry, path, compatibility, fieldOrigin);
       if (auto* error = std::get_if<protocol::Error>(&made)) {
         return std::move(*error);
       }
       process = std::move(std::get<std::unique_ptr<turtle::EnvironmentProcess>>(made));
       built.names.push_back(entry.name == entry.type ? *protocol::memberOf(entry.configuration, "main") : entry.name);
     } else {
-      auto made = entry.type == "gallery" ? makeFromGallery(entry, compatibility, services, galleryOrigin)
+      auto made = entry.type == "gallery" ? makeFromGallery(entry, compatibility, services, fieldOrigin)
                                           : environment::makeProcess(entry.type, entry.configuration);
       if (const auto* problems = std::get_if<std::vector<core::Diagnostic>>(&made)) {
         return protocol::fieldError(path, sentences(*problems));
@@ -170,9 +172,9 @@ std::variant<BuiltEnvironment, protocol::Error> buildEnvironment(const std::stri
     processes.emplace_back(entries.size() == 1 ? std::string() : entry.name, std::move(process));
   }
   // a field file alone is an environment by itself; anything else is a configuration
-  const bool isFieldFile = entries.size() == 1 && !galleryOrigin.name.empty();
+  const bool isFieldFile = entries.size() == 1 && !fieldOrigin.name.empty();
   built.origin = isFieldFile
-                     ? std::move(galleryOrigin)
+                     ? std::move(fieldOrigin)
                      : simulation::EnvironmentOrigin{"environment.json", {{"environment.json", environmentJson}}};
   if (!processes.empty()) {
     built.process = environment::makeEnvironmentSet(std::move(processes));

@@ -4,13 +4,14 @@
 #include <chrono>
 
 #include "engine/simulation/snapshot.h"
+#include "protocol/json_writer.h"
 #include "server/translate.h"
 
 namespace espalier::server {
 
 HostedSimulation::HostedSimulation(SimulationRecord record, const core::Limits& limits,
-                                   const EnvironmentServices& services, const DataFolder& data)
-    : record_(std::move(record)), limits_(limits), services_(services), data_(&data) {
+                                   const EnvironmentServices& services, Store& store)
+    : record_(std::move(record)), limits_(limits), services_(services), store_(&store) {
   if (record_.create.maximumModules) {
     limits_.maximumModules = std::min(limits_.maximumModules, *record_.create.maximumModules);
   }
@@ -52,8 +53,8 @@ std::optional<protocol::Error> HostedSimulation::build(std::shared_ptr<const lan
 
 std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> HostedSimulation::create(
     SimulationRecord record, std::shared_ptr<const language::Program> program, const core::Limits& limits,
-    const EnvironmentServices& services, const DataFolder& data, Interruption& interruption) {
-  std::unique_ptr<HostedSimulation> hosted(new HostedSimulation(std::move(record), limits, services, data));
+    const EnvironmentServices& services, Store& store, Interruption& interruption) {
+  std::unique_ptr<HostedSimulation> hosted(new HostedSimulation(std::move(record), limits, services, store));
   if (auto error = hosted->build(std::move(program), false)) {
     return std::move(*error);
   }
@@ -64,13 +65,7 @@ std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> HostedSimulatio
     }
   }
   hosted->setCancelled(false);
-  if (data.isKept() && hosted->record_.create.isSaved) {
-    if (auto problem = data.saveRecord(hosted->record_)) {
-      return protocol::Error{protocol::ErrorCode::Storage, *problem, {}};
-    }
-  }
-  if (auto error = hosted->save()) {
-    data.remove(hosted->record_.id);
+  if (auto error = hosted->save(true)) {
     return std::move(*error);
   }
   return hosted;
@@ -78,7 +73,7 @@ std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> HostedSimulatio
 
 std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> HostedSimulation::load(
     SimulationRecord record, std::string_view snapshot, const core::Limits& limits, const EnvironmentServices& services,
-    const DataFolder& data) {
+    Store& store) {
   auto read = simulation::readSnapshotInfo(snapshot);
   if (const auto* error = std::get_if<core::SimulationError>(&read)) {
     return toError(*error, 0, limits);
@@ -89,7 +84,7 @@ std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> HostedSimulatio
   if (compiled.program == nullptr) {
     return toError(compiled.diagnostics.entries());
   }
-  std::unique_ptr<HostedSimulation> hosted(new HostedSimulation(std::move(record), limits, services, data));
+  std::unique_ptr<HostedSimulation> hosted(new HostedSimulation(std::move(record), limits, services, store));
   if (auto error = hosted->build(std::move(compiled.program), true)) {
     return std::move(*error);
   }
@@ -104,58 +99,83 @@ protocol::Error HostedSimulation::errorOf(const core::SimulationError& error) co
   return toError(error, simulation_->completedSteps(), limits_, environmentNames_);
 }
 
-std::optional<protocol::Error> HostedSimulation::save() {
+protocol::Error HostedSimulation::storageError(const std::string& problem) const {
+  protocol::JsonWriter data;
+  data.beginObject().key("step").integer(simulation_->completedSteps()).key("retryable").boolean(true).endObject();
+  return {protocol::ErrorCode::Storage, problem, data.take()};
+}
+
+std::optional<protocol::Error> HostedSimulation::save(bool withRecord) {
   isSaved_ = false;
-  if (!data_->isKept() || !record_.create.isSaved) {
+  if (!store_->isKept() || !record_.create.save.isKept) {
     return std::nullopt;
   }
-  if (auto problem = data_->saveSnapshot(record_.id, snapshot())) {
-    return protocol::Error{protocol::ErrorCode::Storage, *problem, {}};
+  const std::uint64_t step = simulation_->completedSteps();
+  const std::string state = snapshot();
+  const auto problem = withRecord ? store_->save({record_.id, toText(record_), step}, state)
+                                  : store_->saveState(record_.id, step, state);
+  isSaveDue_ = problem.has_value();
+  isSaved_ = !isSaveDue_;
+  if (problem) {
+    return storageError("Step " + std::to_string(step) + " is complete, but " + *problem +
+                        " No further step is made before it is saved.");
   }
-  isSaved_ = true;
   return std::nullopt;
 }
 
+std::optional<protocol::Error> HostedSimulation::saveChange() {
+  isSaved_ = false;
+  return record_.create.save.every > 0 ? save(false) : std::nullopt;
+}
+
+std::optional<protocol::Error> HostedSimulation::keep() {
+  return isSaved_ ? std::nullopt : save(false);
+}
+
 std::optional<protocol::Error> HostedSimulation::step(double& milliseconds) {
+  milliseconds = 0.0;
+  if (isSaveDue_) {
+    if (auto error = save(true)) {
+      return error;
+    }
+  }
   const auto start = std::chrono::steady_clock::now();
   const auto error = simulation_->step();
   milliseconds = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   if (error) {
     return errorOf(*error);
   }
-  return save();
+  isSaved_ = false;
+  const std::uint64_t every = record_.create.save.every;
+  const bool isDue = every > 0 && (simulation_->completedSteps() % every == 0 || simulation_->isFinished());
+  return isDue ? save(false) : std::nullopt;
 }
 
 std::optional<protocol::Error> HostedSimulation::reset(std::optional<std::uint64_t> seed) {
-  if (seed) {
-    // a simulation has its seed for life: make another, which takes the place of the old one when it is ready
-    SimulationRecord record = record_;
-    record.seed = *seed;
-    record.hasSeed = true;
-    HostedSimulation fresh(std::move(record), limits_, services_, *data_);
-    if (auto error = fresh.build(simulation_->sharedProgram(), false)) {
-      return error;
+  if (!seed) {
+    if (const auto error = simulation_->rewind()) {
+      return errorOf(*error);
     }
-    if (const auto failure = fresh.simulation_->rewind()) {
-      return errorOf(*failure);
-    }
-    record_ = fresh.record_;
-    {
-      const std::lock_guard lock(cancelMutex_);
-      simulation_.swap(fresh.simulation_);
-      links_.swap(fresh.links_);
-    }
-    if (data_->isKept() && record_.create.isSaved) {
-      if (auto problem = data_->saveRecord(record_)) {
-        return protocol::Error{protocol::ErrorCode::Storage, *problem, {}};
-      }
-    }
-    return save();
+    return saveChange();
   }
-  if (const auto error = simulation_->rewind()) {
-    return errorOf(*error);
+  // a simulation has its seed for life: make another, which takes the place of the old one when it is ready
+  SimulationRecord record = record_;
+  record.seed = *seed;
+  record.hasSeed = true;
+  HostedSimulation fresh(std::move(record), limits_, services_, *store_);
+  if (auto error = fresh.build(simulation_->sharedProgram(), false)) {
+    return error;
   }
-  return save();
+  if (const auto failure = fresh.simulation_->rewind()) {
+    return errorOf(*failure);
+  }
+  record_ = fresh.record_;
+  {
+    const std::lock_guard lock(cancelMutex_);
+    simulation_.swap(fresh.simulation_);
+    links_.swap(fresh.links_);
+  }
+  return save(true);
 }
 
 std::string HostedSimulation::snapshot() const {
@@ -168,7 +188,28 @@ std::optional<protocol::Error> HostedSimulation::restore(std::string_view snapsh
   if (const auto error = simulation_->restore(snapshot)) {
     return errorOf(*error);
   }
-  return save();
+  return saveChange();
+}
+
+std::optional<protocol::Error> HostedSimulation::saveCheckpoint(const std::string& name) {
+  if (!store_->isKept()) {
+    return storageError("This server keeps no checkpoints. Start it with --data DIR, or ask for the snapshot itself.");
+  }
+  const auto problem = store_->saveCheckpoint(record_.id, name, simulation_->completedSteps(), snapshot());
+  return problem ? std::optional(storageError(*problem)) : std::nullopt;
+}
+
+std::optional<protocol::Error> HostedSimulation::restoreCheckpoint(const std::string& name) {
+  const Store::State state = store_->readCheckpoint(record_.id, name);
+  if (!state.problem.empty()) {
+    return storageError("The simulation stays as it is: " + state.problem + ".");
+  }
+  return restore(state.bytes);
+}
+
+std::optional<protocol::Error> HostedSimulation::removeFromDisk() {
+  const auto problem = store_->remove(record_.id);
+  return problem ? std::optional(storageError(*problem)) : std::nullopt;
 }
 
 void HostedSimulation::setCancelled(bool isCancelled) {

@@ -10,9 +10,10 @@
 #include "engine/simulation/simulation.h"
 #include "protocol/errors.h"
 #include "protocol/messages.h"
-#include "server/data_folder.h"
 #include "server/environment_builder.h"
 #include "server/interruption.h"
+#include "server/simulation_record.h"
+#include "server/store.h"
 
 namespace espalier::server {
 
@@ -24,11 +25,11 @@ class HostedSimulation {
   /// `interruption` ends it, as long as nothing is saved.
   [[nodiscard]] static std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> create(
       SimulationRecord record, std::shared_ptr<const language::Program> program, const core::Limits& limits,
-      const EnvironmentServices& services, const DataFolder& data, Interruption& interruption);
+      const EnvironmentServices& services, Store& store, Interruption& interruption);
   /// From the data folder. Environments in other processes may be away; stepping asks for them again.
   [[nodiscard]] static std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> load(
       SimulationRecord record, std::string_view snapshot, const core::Limits& limits,
-      const EnvironmentServices& services, const DataFolder& data);
+      const EnvironmentServices& services, Store& store);
 
   [[nodiscard]] const SimulationRecord& record() const { return record_; }
   [[nodiscard]] simulation::Simulation& simulation() { return *simulation_; }
@@ -39,13 +40,20 @@ class HostedSimulation {
   /// A failure of this simulation for the wire.
   [[nodiscard]] protocol::Error errorOf(const core::SimulationError& error) const;
 
-  /// One step and its copy on disk. `milliseconds` receives the wall time of the step alone.
+  /// One step and its copy on disk when one is due. `milliseconds` receives the wall time of the step alone. A step
+  /// that could not be saved is complete all the same: an error says so, and no further one is made before it is saved.
   [[nodiscard]] std::optional<protocol::Error> step(double& milliseconds);
   /// Back to step 0; with a new seed when given.
   [[nodiscard]] std::optional<protocol::Error> reset(std::optional<std::uint64_t> seed);
   [[nodiscard]] std::string snapshot() const;
   [[nodiscard]] std::optional<protocol::Error> restore(std::string_view snapshot);
-  void removeFromDisk() { data_->remove(record_.id); }
+  /// Writes the present state to disk, unless the simulation is not kept or is saved already.
+  [[nodiscard]] std::optional<protocol::Error> keep();
+  /// Keeps the present state under a name.
+  [[nodiscard]] std::optional<protocol::Error> saveCheckpoint(const std::string& name);
+  [[nodiscard]] std::optional<protocol::Error> restoreCheckpoint(const std::string& name);
+  [[nodiscard]] std::vector<Store::Checkpoint> checkpoints() const { return store_->checkpoints(record_.id); }
+  [[nodiscard]] std::optional<protocol::Error> removeFromDisk();
 
   /// From any thread: the step being made is given up, also while it waits for an environment; false makes steps
   /// possible again.
@@ -53,21 +61,26 @@ class HostedSimulation {
 
  private:
   HostedSimulation(SimulationRecord record, const core::Limits& limits, const EnvironmentServices& services,
-                   const DataFolder& data);
+                   Store& store);
   [[nodiscard]] std::optional<protocol::Error> build(std::shared_ptr<const language::Program> program,
                                                      bool isAbsenceTolerated);
-  [[nodiscard]] std::optional<protocol::Error> save();
+  /// After a change that was asked for: saves unless only requests do.
+  [[nodiscard]] std::optional<protocol::Error> saveChange();
+  /// Saves state and, when `withRecord`, record.
+  [[nodiscard]] std::optional<protocol::Error> save(bool withRecord);
+  [[nodiscard]] protocol::Error storageError(const std::string& problem) const;
 
   SimulationRecord record_;
   core::Limits limits_;
   EnvironmentServices services_;
-  const DataFolder* data_;
+  Store* store_;
   std::mutex cancelMutex_;  // the next two change only with it held
   std::unique_ptr<simulation::Simulation> simulation_;
   std::vector<std::shared_ptr<EnvironmentLink>> links_;
   std::vector<std::string> environmentNames_;
   std::vector<std::string> processNames_;
-  bool isSaved_ = false;  // the copy on disk is of the present step
+  bool isSaved_ = false;    // the copy on disk is of the present step
+  bool isSaveDue_ = false;  // it ought to be, and could not be written
 };
 
 }  // namespace espalier::server

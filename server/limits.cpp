@@ -52,6 +52,7 @@ constexpr std::array kEntries{
     ofServer<&Server::environmentStepMilliseconds>("environmentStepMilliseconds", 1,
                                                    "time of an external environment for one step"),
     ofServer<&Server::callSeconds>("callSeconds", 0, "computing time of a call without a completed step; 0: no bound"),
+    ofServer<&Server::storeBytes>("storeBytes", 0, "bytes of the data folder's database; 0: no bound"),
     ofSimulation<&Simulation::maximumModules>("modules", "modules of one string"),
     ofSimulation<&Simulation::maximumStringBytes>("stringBytes", "bytes of one string"),
     ofSimulation<&Simulation::maximumQueries>("queries", "communication modules of one step"),

@@ -133,8 +133,15 @@ void simulationCreate(Session& session, const protocol::Message& message) {
 std::shared_ptr<SimulationRunner> findRunner(Session& session, const protocol::MessageId& id, const std::string& name) {
   auto runner = session.core().find(name);
   if (runner == nullptr) {
+    const auto damaged = session.core().findDamaged(name);
     session.respondError(
-        id, {ErrorCode::NotFound, "There is no simulation '" + name + "'. simulation.list names those there are.", {}});
+        id, damaged ? protocol::Error{ErrorCode::Storage,
+                                      "Simulation '" + name + "' could not be loaded: " + damaged->damage +
+                                          " simulation.delete removes it.",
+                                      {}}
+                    : protocol::Error{ErrorCode::NotFound,
+                                      "There is no simulation '" + name + "'. simulation.list names those there are.",
+                                      {}});
   }
   return runner;
 }
@@ -178,7 +185,7 @@ void simulationReset(Session& session, const protocol::Message& message) {
 }
 
 void simulationSave(Session& session, const protocol::Message& message) {
-  onSimulation(session, message, protocol::decodeNameParams(message.payload, "simulation"), &protocol::NameParams::name,
+  onSimulation(session, message, protocol::decodeSaveParams(message.payload), &protocol::SaveParams::simulation,
                makeSaveCommand);
 }
 
@@ -194,6 +201,16 @@ void simulationDelete(Session& session, const protocol::Message& message) {
     return;
   }
   const std::string& name = std::get<protocol::NameParams>(decoded).name;
+  if (session.core().findDamaged(name)) {
+    runOnPool(session, message.id, [id = message.id, name](Session& self) {
+      if (const auto problem = self.core().removeDamaged(name)) {
+        self.respondError(id, {ErrorCode::Storage, *problem, {}});
+      } else {
+        self.respond(id, "{}");
+      }
+    });
+    return;
+  }
   if (const auto runner = findRunner(session, message.id, name)) {
     session.core().remove(name);
     deleteSimulation(session, message.id, runner);
@@ -205,6 +222,9 @@ void simulationList(Session& session, const protocol::Message& message) {
   result.beginObject().key("simulations").beginArray();
   for (const auto& runner : session.core().all()) {
     write(result, runner->information());
+  }
+  for (const protocol::SimulationInformation& damaged : session.core().damaged()) {
+    write(result, damaged);
   }
   session.respond(message.id, result.endArray().endObject().view());
 }
@@ -308,7 +328,7 @@ void serverStatus(Session& session, const protocol::Message& message) {
   result.key("protocol").integer(protocol::kProtocolVersion).key("sessions").integer(core.sessionCount.load());
   result.key("simulations").integer(std::uint64_t{runners.size()});
   result.key("running").integer(static_cast<std::uint64_t>(running));
-  result.key("workers").integer(core.pool().workers()).key("saving").boolean(core.data().isKept());
+  result.key("workers").integer(core.pool().workers()).key("saving").boolean(core.store().isKept());
   result.key("offered").texts(core.offered().names());
   session.respond(message.id, result.endObject().view());
 }

@@ -32,8 +32,8 @@ std::uint64_t drawSeed() {
 ServerCore::ServerCore(ServerOptions options)
     : options_(std::move(options)),
       log_(options_.logLevel),
-      data_(options_.dataFolder),
-      models_(options_.galleryFolder),
+      store_(options_.dataFolder, options_.limits.storeBytes),
+      models_(options_.galleryFolder, store_),
       pool_({.workers = options_.workers}) {}
 
 EnvironmentServices ServerCore::environmentServices() {
@@ -46,27 +46,74 @@ EnvironmentServices ServerCore::environmentServices() {
 }
 
 std::optional<std::string> ServerCore::loadSaved() {
-  if (auto problem = data_.prepare()) {
+  if (auto problem = store_.open()) {
     return problem;
   }
-  std::vector<std::string> problems;
-  auto saved = data_.loadAll(problems);
-  for (auto& [record, snapshot] : saved) {
-    const std::string id = record.id;
-    const EnvironmentServices services = environmentServices();
-    auto loaded = HostedSimulation::load(std::move(record), snapshot, options_.limits.simulation, services, data_);
-    if (const auto* error = std::get_if<protocol::Error>(&loaded)) {
-      problems.push_back("simulation '" + id + "' is not loaded: " + error->message);
-      continue;
+  models_.loadKept();
+  const auto saved = store_.simulations();
+  if (const auto* problem = std::get_if<std::string>(&saved)) {
+    return *problem;
+  }
+  const auto& entries = std::get<std::vector<Store::Entry>>(saved);
+  for (const Store::Entry& entry : entries) {
+    loadOne(entry);
+  }
+  if (!entries.empty()) {
+    log_.info("loaded " + std::to_string(entries.size() - damaged_.size()) + " of " + std::to_string(entries.size()) +
+              " simulations from " + options_.dataFolder);
+  }
+  return std::nullopt;
+}
+
+void ServerCore::loadOne(const Store::Entry& entry) {
+  protocol::SimulationInformation information;
+  information.simulation = entry.id;
+  information.step = entry.step;
+  information.isSaved = true;
+  auto record = toRecord(entry.id, entry.record);
+  if (auto* known = std::get_if<SimulationRecord>(&record)) {
+    information.name = known->create.name;
+    information.seed = known->seed;
+    const Store::State state = store_.readState(entry.id);
+    information.damage = state.problem;
+    if (state.problem.empty()) {
+      auto loaded = HostedSimulation::load(std::move(*known), state.bytes, options_.limits.simulation,
+                                           environmentServices(), store_);
+      if (auto* hosted = std::get_if<std::unique_ptr<HostedSimulation>>(&loaded)) {
+        add(entry.id, std::move(*hosted));
+        return;
+      }
+      information.damage = std::get<protocol::Error>(loaded).message;
     }
-    add(id, std::move(std::get<std::unique_ptr<HostedSimulation>>(loaded)));
+  } else {
+    information.damage = "The data folder's record of it cannot be read (" + std::get<std::string>(record) + ").";
   }
-  for (const std::string& problem : problems) {
-    log_.warn(problem);
+  log_.warn("simulation '" + entry.id + "' is not loaded: " + information.damage);
+  const std::lock_guard lock(mutex_);
+  damaged_.emplace(entry.id, std::move(information));
+}
+
+std::vector<protocol::SimulationInformation> ServerCore::damaged() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<protocol::SimulationInformation> all;
+  for (const auto& [name, information] : damaged_) {
+    all.push_back(information);
   }
-  if (!saved.empty()) {
-    log_.info("loaded " + std::to_string(all().size()) + " simulations from " + options_.dataFolder);
+  return all;
+}
+
+std::optional<protocol::SimulationInformation> ServerCore::findDamaged(const std::string& simulation) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = damaged_.find(simulation);
+  return found == damaged_.end() ? std::nullopt : std::optional(found->second);
+}
+
+std::optional<std::string> ServerCore::removeDamaged(const std::string& simulation) {
+  if (auto problem = store_.remove(simulation)) {
+    return problem;
   }
+  const std::lock_guard lock(mutex_);
+  damaged_.erase(simulation);
   return std::nullopt;
 }
 
@@ -127,6 +174,9 @@ void ServerCore::finishRunning(std::chrono::milliseconds patience) {
   }
   for (const auto& runner : all()) {
     runner->endStreams("the server is shutting down");
+    if (const auto problem = runner->saveAtEnd()) {
+      log_.error("simulation " + runner->id() + ": " + *problem);
+    }
   }
 }
 

@@ -9,13 +9,13 @@
 #include <string>
 #include <vector>
 
-#include "server/data_folder.h"
 #include "server/environment_builder.h"
 #include "server/log.h"
 #include "server/model_store.h"
 #include "server/offered_environments.h"
 #include "server/server.h"
 #include "server/simulation_runner.h"
+#include "server/store.h"
 #include "server/worker_pool.h"
 
 namespace espalier::server {
@@ -30,13 +30,17 @@ class ServerCore {
   [[nodiscard]] WorkerPool& pool() { return pool_; }
   [[nodiscard]] ModelStore& models() { return models_; }
   [[nodiscard]] OfferedEnvironments& offered() { return offered_; }
-  [[nodiscard]] const DataFolder& data() const { return data_; }
+  [[nodiscard]] Store& store() { return store_; }
   [[nodiscard]] EnvironmentServices environmentServices();
 
   /// Loads what the data folder has. An error sentence when the folder cannot be used.
   [[nodiscard]] std::optional<std::string> loadSaved();
 
   [[nodiscard]] std::shared_ptr<SimulationRunner> find(const std::string& simulation) const;
+  /// Those in the data folder that could not be loaded, with the reason. They stay there until they are removed.
+  [[nodiscard]] std::vector<protocol::SimulationInformation> damaged() const;
+  [[nodiscard]] std::optional<protocol::SimulationInformation> findDamaged(const std::string& simulation) const;
+  [[nodiscard]] std::optional<std::string> removeDamaged(const std::string& simulation);
   /// An identifier that no simulation has, reserved for add(); nothing when there are too many simulations.
   [[nodiscard]] std::optional<std::string> reserve();
   void add(const std::string& simulation, std::unique_ptr<HostedSimulation> hosted);
@@ -47,19 +51,22 @@ class ServerCore {
   /// From now on nothing new is begun.
   void beginShutdown();
   [[nodiscard]] bool isShuttingDown() const { return isShuttingDown_; }
-  /// Waits for running turns; those that still run after `patience` are given up.
+  /// Waits for running turns; those that still run after `patience` are given up. Then saves what is not saved.
   void finishRunning(std::chrono::milliseconds patience);
 
   std::atomic<std::uint32_t> sessionCount{0};
 
  private:
+  void loadOne(const Store::Entry& entry);
+
   ServerOptions options_;
   Log log_;
   OfferedEnvironments offered_;
-  DataFolder data_;
+  Store store_;
   ModelStore models_;
   mutable std::mutex mutex_;
   std::map<std::string, std::shared_ptr<SimulationRunner>> simulations_;  // null: reserved
+  std::map<std::string, protocol::SimulationInformation> damaged_;
   std::atomic<bool> isShuttingDown_{false};
   WorkerPool pool_;  // last: its threads use everything above
 };

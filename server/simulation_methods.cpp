@@ -134,6 +134,9 @@ bool advanceSteps(SimulationRunner& runner, Command& command, Session& session, 
                             : *error;
     runner.setLastError(reason.message);
     session.respondError(id, reason);
+    if (isMade) {
+      runner.publishFrames(true);
+    }
     return false;
   }
   runner.setLastError({});
@@ -185,6 +188,13 @@ std::variant<std::string, protocol::Error> getResult(SimulationRunner& runner, c
       result.raw(files);
     }
     result.endObject().endObject();
+  } else if (params.what == "checkpoints") {
+    result.key("checkpoints").beginArray();
+    for (const Store::Checkpoint& checkpoint : hosted.checkpoints()) {
+      result.beginObject().key("checkpoint").text(checkpoint.name).key("step").integer(checkpoint.step);
+      result.key("bytes").integer(checkpoint.bytes).endObject();
+    }
+    result.endArray();
   } else if (params.what == "turtle") {
     std::optional<std::vector<turtle::TurtleRecord>> records;
     protocol::StreamOpenParams all;
@@ -259,7 +269,7 @@ void createSimulation(Session& session, const protocol::MessageId& id, protocol:
   std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> made = protocol::Error{};
   try {
     made = HostedSimulation::create(std::move(record), model.result.program, core.options().limits.simulation,
-                                    core.environmentServices(), core.data(), interruption);
+                                    core.environmentServices(), core.store(), interruption);
   } catch (...) {
     core.remove(*name);
     throw;
@@ -336,22 +346,36 @@ std::shared_ptr<Command> makeResetCommand(SessionPointer session, const protocol
                      });
 }
 
-std::shared_ptr<Command> makeSaveCommand(SessionPointer session, const protocol::MessageId& id, protocol::NameParams) {
-  return makeCommand(std::move(session), id,
-                     [](SimulationRunner& runner) -> std::variant<std::string, protocol::Error> {
-                       protocol::JsonWriter result;
-                       result.beginObject().key("step").integer(runner.hosted().simulation().completedSteps());
-                       result.key("snapshot").text(protocol::toBase64(runner.hosted().snapshot()));
-                       return result.endObject().take();
-                     });
+std::shared_ptr<Command> makeSaveCommand(SessionPointer session, const protocol::MessageId& id,
+                                         protocol::SaveParams params) {
+  return makeCommand(
+      std::move(session), id,
+      [params = std::move(params)](SimulationRunner& runner) -> std::variant<std::string, protocol::Error> {
+        HostedSimulation& hosted = runner.hosted();
+        if (auto error = params.checkpoint.empty() ? hosted.keep() : hosted.saveCheckpoint(params.checkpoint)) {
+          return std::move(*error);
+        }
+        protocol::JsonWriter result;
+        result.beginObject().key("step").integer(hosted.simulation().completedSteps());
+        result.key("saved").boolean(hosted.isSaved());
+        if (!params.checkpoint.empty()) {
+          result.key("checkpoint").text(params.checkpoint);
+        }
+        if (params.hasSnapshot) {
+          result.key("snapshot").text(protocol::toBase64(hosted.snapshot()));
+        }
+        return result.endObject().take();
+      });
 }
 
 std::shared_ptr<Command> makeRestoreCommand(SessionPointer session, const protocol::MessageId& id,
                                             protocol::RestoreParams params) {
   return makeCommand(
       std::move(session), id,
-      [snapshot = std::move(params.snapshot)](SimulationRunner& runner) -> std::variant<std::string, protocol::Error> {
-        if (auto error = runner.hosted().restore(snapshot)) {
+      [params = std::move(params)](SimulationRunner& runner) -> std::variant<std::string, protocol::Error> {
+        HostedSimulation& hosted = runner.hosted();
+        if (auto error = params.checkpoint.empty() ? hosted.restore(params.snapshot)
+                                                   : hosted.restoreCheckpoint(params.checkpoint)) {
           return std::move(*error);
         }
         runner.setLastError({});
@@ -390,8 +414,10 @@ void deleteSimulation(Session& session, const protocol::MessageId& id,
   // after the last turn: none writes the files again, and none adds a stream
   const auto command = makeCommand(session.shared_from_this(), id,
                                    [](SimulationRunner& self) -> std::variant<std::string, protocol::Error> {
-                                     self.hosted().removeFromDisk();
                                      self.endStreams("the simulation was deleted");
+                                     if (auto error = self.hosted().removeFromDisk()) {
+                                       return std::move(*error);
+                                     }
                                      return std::string("{}");
                                    });
   runner->closeWith(command, {ErrorCode::NotFound, "The simulation was deleted.", {}});

@@ -25,13 +25,13 @@ void createSimulation(Session& session, const protocol::MessageId& id, protocol:
 [[nodiscard]] std::shared_ptr<Command> makeResetCommand(SessionPointer session, const protocol::MessageId& id,
                                                         protocol::ResetParams params);
 [[nodiscard]] std::shared_ptr<Command> makeSaveCommand(SessionPointer session, const protocol::MessageId& id,
-                                                       protocol::NameParams params);
+                                                       protocol::SaveParams params);
 [[nodiscard]] std::shared_ptr<Command> makeRestoreCommand(SessionPointer session, const protocol::MessageId& id,
                                                           protocol::RestoreParams params);
 /// Answers with the stream's name, then sends the first frame.
 [[nodiscard]] std::shared_ptr<Command> makeStreamOpenCommand(SessionPointer session, const protocol::MessageId& id,
                                                              std::shared_ptr<Stream> stream);
-/// Gives up what runs, ends the streams, removes the files, answers.
+/// Gives up what runs, ends the streams, removes it from disk, answers.
 void deleteSimulation(Session& session, const protocol::MessageId& id, const std::shared_ptr<SimulationRunner>& runner);
 
 }  // namespace espalier::server

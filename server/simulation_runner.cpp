@@ -43,6 +43,20 @@ bool SimulationRunner::isClosing() const {
   return closed_.has_value();
 }
 
+std::optional<std::string> SimulationRunner::saveAtEnd() {
+  {
+    const std::lock_guard lock(mutex_);
+    if (isScheduled_) {
+      return "it still computes; it will be at its last saved step";
+    }
+  }
+  if (hosted_->record().create.save.every == 0) {
+    return std::nullopt;
+  }
+  const auto error = hosted_->keep();
+  return error ? std::optional(error->message) : std::nullopt;
+}
+
 void SimulationRunner::submit(std::shared_ptr<Command> command) {
   std::optional<protocol::Error> refusal;
   {

@@ -54,6 +54,8 @@ class SimulationRunner final : public std::enable_shared_from_this<SimulationRun
   /// Ends all streams with a reason.
   void endStreams(const std::string& reason);
   [[nodiscard]] bool isClosing() const;
+  /// Writes what its policy has not written yet, unless a turn still runs. An error sentence, or nothing.
+  [[nodiscard]] std::optional<std::string> saveAtEnd();
 
   // inside Command::advance only
   [[nodiscard]] HostedSimulation& hosted() { return *hosted_; }

@@ -53,9 +53,9 @@ Process connectRemote(const std::string& address, const std::string& configurati
 
 // one entry of a configuration: `tcp` with an `address` and `stdio` with a `command` are other processes
 Process makeEntry(const environment::EnvironmentEntry& entry, const std::string& file) {
-  if (entry.type == "offered" || entry.type == "gallery") {
+  if (entry.type == "offered" || entry.type == "gallery" || entry.type == "field") {
     printError(file + ": the environment '" + entry.name + "' " +
-               (entry.type == "offered" ? "offers itself to a server" : "is in the gallery of a server") +
+               (entry.type == "offered" ? "offers itself to a server" : "is a field file beside others on a server") +
                ": give one with --environment, such as tcp://HOST:PORT or a file");
     return nullptr;
   }

@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <csignal>
 #include <cstdio>
 #include <fstream>
 #include <memory>
@@ -48,6 +49,8 @@ int runServe(ServeOptions options) {
       return kFailure;
     }
   }
+  // a file that may not grow is an error of the step that wanted to be saved, not the server's end
+  (void)std::signal(SIGXFSZ, SIG_IGN);
   const std::string host = options.address.substr(0, options.address.rfind(':'));
   server::Server server(std::move(options.server));
   if (const auto problem = server.listen()) {
@@ -70,7 +73,9 @@ void addServe(CLI::App& program, int& status) {
       "standard error. Clients speak espalier/1: one JSON object a line (protocol/README.md). Try:\n"
       "  espalier serve --listen 127.0.0.1:4321 --data plants &\n"
       "  espalier connect 127.0.0.1:4321 create MODEL.l\n"
-      "With --data every simulation is saved after each step and is there again when the server is started again.");
+      "With --data every simulation is saved after each step (unless told otherwise) and is there again when the "
+      "server is\n"
+      "started again, also after a crash; one server at a time uses a folder.");
   command
       ->add_option(
           "--listen", options->address,

@@ -29,7 +29,7 @@ TEST(DecodeControl, NamesThePathOfWhatIsWrong) {
   EXPECT_EQ(problem(decodeHelloParams(params(R"({"protocol":[1],"roles":["king"]})"))),
             "params.roles[0]: expected \"controller\", \"environment\" or \"viewer\", found \"king\"");
   EXPECT_EQ(problem(decodeGetParams(params(R"({"simulation":"a","what":"all"})"))),
-            "params.what: expected one of string, statistics, state-hash, turtle, model, information, found \"all\"");
+            "params.what: expected one of string, statistics, state-hash, turtle, model, information, checkpoints, found \"all\"");
   EXPECT_EQ(problem(decodeRestoreParams(params(R"({"simulation":"a","snapshot":"!"})"))),
             "params.snapshot: expected base64, as simulation.save gave it");
 }
@@ -55,7 +55,7 @@ TEST(DecodeControl, ReadsACompleteCreate) {
   EXPECT_EQ(create.derivationLength, 3U);
   EXPECT_EQ(create.plants.at(0).position[2], 3.0);
   EXPECT_EQ(create.maximumModules, 10U);
-  EXPECT_FALSE(create.isSaved);
+  EXPECT_FALSE(create.save.isKept);
   EXPECT_EQ(create.model.defines, (std::vector<std::pair<std::string, std::string>>{{"NAME", "x"}, {"R", "0.5"}}));
 }
 

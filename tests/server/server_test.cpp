@@ -4,9 +4,9 @@
 #include <sys/wait.h>
 
 #include <filesystem>
-#include <fstream>
 
 #include "raw_peer.h"
+#include "server/store.h"
 
 namespace espalier::server {
 namespace {
@@ -187,15 +187,16 @@ TEST(Server, ADeletedSimulationIsGoneFromTheDataFolder) {
   const TemporaryFolder folder;
   ServerOptions options;
   options.dataFolder = folder.path();
+  {
+    const RunningServer server(options);
+    const auto client = connectTo(server);
+    resultOf(client->request("simulation.delete", named(create(*client, kGrowth))));
+  }
   const RunningServer server(options);
-  const auto client = connectTo(server);
-  const std::string simulation = create(*client, kGrowth);
-  EXPECT_FALSE(std::filesystem::is_empty(folder.path() + "/simulations"));
-  resultOf(client->request("simulation.delete", named(simulation)));
-  EXPECT_TRUE(std::filesystem::is_empty(folder.path() + "/simulations"));
+  EXPECT_EQ(member(resultOf(connectTo(server)->request("simulation.list", "{}")), "simulations"), "[]");
 }
 
-TEST(Server, ADamagedSnapshotIsLeftAloneAndTheOthersAreLoaded) {
+TEST(Server, ADamagedSimulationIsListedWithItsReasonAndCanBeDeleted) {
   const TemporaryFolder folder;
   ServerOptions options;
   options.dataFolder = folder.path();
@@ -204,12 +205,149 @@ TEST(Server, ADamagedSnapshotIsLeftAloneAndTheOthersAreLoaded) {
     const RunningServer server(options);
     simulation = create(*connectTo(server), kGrowth);
   }
-  std::ofstream(folder.path() + "/simulations/sim-broken.snapshot") << "not a snapshot";
-  std::ofstream(folder.path() + "/simulations/sim-broken.json") << "{}";
+  {
+    Store store(folder.path());
+    ASSERT_EQ(store.open(), std::nullopt);
+    ASSERT_EQ(store.save({"sim-broken", "{}", 4}, "no snapshot"), std::nullopt);
+    const auto simulations = store.simulations();
+    for (Store::Entry entry : std::get<std::vector<Store::Entry>>(simulations)) {
+      if (entry.id == simulation) {
+        entry.id = "sim-cut";
+        ASSERT_EQ(store.save(entry, "no snapshot"), std::nullopt);
+      }
+    }
+  }
+  {
+    const RunningServer server(options);
+    const auto client = connectTo(server);
+    EXPECT_EQ(stringOf(*client, simulation), "F(1)A?E(0)");
+    const std::string list = resultOf(client->request("simulation.list", "{}"));
+    EXPECT_NE(list.find("sim-broken"), std::string::npos) << list;
+    EXPECT_NE(list.find("\"damaged\":\"This is not a snapshot: it does not begin with"), std::string::npos) << list;
+    const auto error = errorOf(client->request("simulation.step", named("sim-cut")));
+    EXPECT_EQ(static_cast<int>(error.code), 1014);
+    EXPECT_EQ(error.message.substr(0, 66), "Simulation 'sim-cut' could not be loaded: This is not a snapshot: ");
+    EXPECT_TRUE(error.message.ends_with(" simulation.delete removes it.")) << error.message;
+    resultOf(client->request("simulation.delete", named("sim-broken")));
+    EXPECT_EQ(static_cast<int>(errorOf(client->request("simulation.delete", named("sim-broken"))).code), 1011);
+  }
+  const RunningServer server(options);
+  const std::string list = resultOf(connectTo(server)->request("simulation.list", "{}"));
+  EXPECT_EQ(list.find("sim-broken"), std::string::npos) << list;
+  EXPECT_NE(list.find("sim-cut"), std::string::npos) << list;
+}
+
+TEST(Server, SavesAsOftenAsTheSimulationWasToldTo) {
+  const TemporaryFolder folder;
+  ServerOptions options;
+  options.dataFolder = folder.path();
   const RunningServer server(options);
   const auto client = connectTo(server);
-  EXPECT_EQ(stringOf(*client, simulation), "F(1)A?E(0)");
-  EXPECT_TRUE(std::filesystem::exists(folder.path() + "/simulations/sim-broken.snapshot"));
+  const auto isSaved = [&](const std::string& simulation, std::string_view more = {}) {
+    return member(resultOf(client->request("simulation.step", named(simulation, more))), "saved");
+  };
+  const std::string third = create(*client, kGrowth, {}, R"("save":3)");
+  EXPECT_EQ(isSaved(third), "false");
+  EXPECT_EQ(isSaved(third), "false");
+  EXPECT_EQ(isSaved(third), "true");
+  EXPECT_EQ(isSaved(third, R"("until":100)"), "true");  // the last step, 6
+  const std::string asked = create(*client, kGrowth, {}, R"("save":"request")");
+  EXPECT_EQ(isSaved(asked), "false");
+  EXPECT_EQ(member(resultOf(client->request("simulation.save", named(asked, R"("snapshot":false)"))), "saved"), "true");
+  EXPECT_EQ(member(resultOf(client->request("simulation.get", named(asked, R"("what":"information")"))), "step"), "1");
+  const std::string never = create(*client, kGrowth, {}, R"("save":false)");
+  EXPECT_EQ(member(resultOf(client->request("simulation.save", named(never, R"("snapshot":false)"))), "saved"),
+            "false");
+  EXPECT_EQ(errorOf(client->request("simulation.create", createParams(kGrowth, {}, R"("save":"often")"))).message,
+            "params.save: expected true, false, a number of steps or \"request\", found \"often\"");
+}
+
+TEST(Server, ShutdownSavesWhatIsSavedEverySoOften) {
+  const TemporaryFolder folder;
+  ServerOptions options;
+  options.dataFolder = folder.path();
+  std::string simulation;
+  {
+    const RunningServer server(options);
+    const auto client = connectTo(server);
+    simulation = create(*client, kGrowth, {}, R"("save":100)");
+    resultOf(client->request("simulation.step", named(simulation, R"("steps":2)")));
+  }
+  const RunningServer server(options);
+  EXPECT_EQ(stringOf(*connectTo(server), simulation), "F(1)F(1)F(1)A?E(0)");
+}
+
+TEST(Server, AStepThatCannotBeSavedIsAnErrorAndTheNextOneWaitsForRoom) {
+  const TemporaryFolder folder;
+  ServerOptions options;
+  options.dataFolder = folder.path();
+  options.limits.storeBytes = 200'000;
+  const RunningServer server(options);
+  const auto client = connectTo(server);
+  const std::string small = create(*client, kGrowth);
+  const std::string large =
+      create(*client, "Lsystem: 1\nderivation length: 30\nAxiom: A(1)\nA(x) --> A(ran(1))A(ran(1))\nendlsystem\n", {},
+             R"("seed":1)");
+  const auto error = errorOf(client->request("simulation.run", named(large)));
+  EXPECT_EQ(static_cast<int>(error.code), 1014);
+  EXPECT_NE(error.message.find(" is complete, but the data folder '" + folder.path() +
+                               "' cannot be written: database or disk is full."),
+            std::string::npos)
+      << error.message;
+  EXPECT_NE(error.message.find("No further step is made before it is saved."), std::string::npos) << error.message;
+  const std::string step = member(error.data, "step");
+  EXPECT_EQ(member(resultOf(client->request("simulation.get", named(large, R"("what":"statistics")"))), "step"), step);
+  // it does not go on, whatever is asked
+  EXPECT_EQ(member(errorOf(client->request("simulation.step", named(large))).data, "step"), step);
+  // others do
+  EXPECT_EQ(member(resultOf(client->request("simulation.step", named(small))), "saved"), "true");
+}
+
+TEST(Server, CheckpointsAreKeptByNameAcrossRestarts) {
+  const TemporaryFolder folder;
+  ServerOptions options;
+  options.dataFolder = folder.path();
+  std::string simulation;
+  {
+    const RunningServer server(options);
+    const auto client = connectTo(server);
+    simulation = create(*client, kGrowth);
+    resultOf(client->request("simulation.step", named(simulation)));
+    EXPECT_EQ(resultOf(client->request("simulation.save", named(simulation, R"("checkpoint":"young")"))),
+              R"({"checkpoint":"young","saved":true,"step":1})");
+    resultOf(client->request("simulation.run", named(simulation)));
+  }
+  const RunningServer server(options);
+  const auto client = connectTo(server);
+  EXPECT_EQ(member(member(resultOf(client->request("simulation.get", named(simulation, R"("what":"checkpoints")"))),
+                          "checkpoints"),
+                   "0"),
+            "(no 0)");
+  EXPECT_EQ(
+      member(resultOf(client->request("simulation.restore", named(simulation, R"("checkpoint":"young")"))), "step"),
+      "1");
+  EXPECT_EQ(stringOf(*client, simulation), "F(1)F(1)A?E(0)");
+  EXPECT_EQ(errorOf(client->request("simulation.restore", named(simulation, R"("checkpoint":"old")"))).message,
+            "The simulation stays as it is: there is no checkpoint 'old'.");
+}
+
+TEST(Server, LoadedModelsAreThereAfterARestart) {
+  const TemporaryFolder folder;
+  ServerOptions options;
+  options.dataFolder = folder.path();
+  protocol::JsonWriter params;
+  params.beginObject().key("source").text(kGrowth).endObject();
+  std::string model;
+  {
+    const RunningServer server(options);
+    model = member(resultOf(connectTo(server)->request("model.load", params.view())), "model");
+  }
+  const RunningServer server(options);
+  const auto client = connectTo(server);
+  const std::string created =
+      resultOf(client->request("simulation.create", R"({"model":{"loaded":")" + model + R"("}})"));
+  EXPECT_EQ(stringOf(*client, member(created, "simulation")), "F(1)A?E(0)");
+  EXPECT_NE(member(resultOf(client->request("model.load", params.view())), "model"), model);
 }
 
 TEST(Server, LimitsAreNamedInTheErrorsTheyCause) {

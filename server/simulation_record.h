@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "protocol/messages.h"
+
+namespace espalier::server {
+
+/// What is needed beside a snapshot to make a simulation again.
+struct SimulationRecord {
+  std::string id;
+  std::uint64_t seed = 0;
+  bool hasSeed = false;           // given by the caller: replaces the model's
+  protocol::CreateParams create;  // as asked for; its model is in the snapshot
+};
+
+/// The record as the request that would make it, so that one decoder reads both.
+[[nodiscard]] std::string toText(const SimulationRecord& record);
+
+/// Reads what toText wrote, or says what is wrong with it.
+[[nodiscard]] std::variant<SimulationRecord, std::string> toRecord(const std::string& id, std::string_view text);
+
+}  // namespace espalier::server
