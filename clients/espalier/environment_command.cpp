@@ -11,6 +11,7 @@
 #include "server/environment_host.h"
 #include "server/legacy_process.h"
 #include "server/line_channel.h"
+#include "server/plugin_library.h"
 #include "server/translate.h"
 
 namespace espalier::command {
@@ -18,6 +19,8 @@ namespace {
 
 // the name under which an existing program of the field is offered
 constexpr const char* kLegacy = "legacy";
+// the same for one in a shared library
+constexpr const char* kPlugin = "plugin";
 
 struct EnvironmentOptions {
   std::string name;
@@ -25,6 +28,7 @@ struct EnvironmentOptions {
   std::string configurationFile;
   std::string executable;
   std::string fieldFile;
+  std::string library;
   double timeLimitSeconds = 60.0;
   bool isOnStdio = false;
   bool isInsecureAllowed = false;
@@ -46,6 +50,13 @@ int listProcesses() {
 /// What the options ask for, made anew for every simulation.
 environment::ProcessOrErrors makeAsked(const EnvironmentOptions& options, const std::string& configuration,
                                        std::vector<core::Diagnostic>& warnings) {
+  if (options.name == kPlugin) {
+    auto loaded = server::loadPluginProcess(options.library, configuration);
+    if (auto* problem = std::get_if<std::string>(&loaded)) {
+      return std::vector{core::Diagnostic{core::Severity::Error, std::move(*problem), {}, {}}};
+    }
+    return std::move(std::get<std::unique_ptr<turtle::EnvironmentProcess>>(loaded));
+  }
   if (options.name != kLegacy) {
     return environment::makeProcess(options.name, configuration);
   }
@@ -100,6 +111,11 @@ int runEnvironment(const EnvironmentOptions& options) {
       (options.name != kLegacy && !options.executable.empty())) {
     printError(options.name == kLegacy ? "give the field file of the program with --spec FILE.e"
                                        : "--executable and --spec are for the environment 'legacy'");
+    return kUsage;
+  }
+  if ((options.name == kPlugin) == options.library.empty()) {
+    printError(options.name == kPlugin ? "give the file of the plug-in with --library FILE.so"
+                                       : "--library is for the environment 'plugin'");
     return kUsage;
   }
   // made once here, so that every mistake is said before anybody connects
@@ -158,6 +174,7 @@ void addEnvironment(CLI::App& program, int& status) {
                       "For NAME legacy: the program and its arguments, instead of the field file's `executable`");
   command->add_option("--spec", options->fieldFile,
                       "For NAME legacy: the field file (.e) that says what the program is sent");
+  command->add_option("--library", options->library, "For NAME plugin: the shared library (environment/plugin.h)");
   command
       ->add_option("--time-limit", options->timeLimitSeconds,
                    "For NAME legacy: seconds that the program may take for a step")

@@ -14,6 +14,7 @@
 #include "environment/registry.h"
 #include "protocol/envelope.h"
 #include "server/legacy_process.h"
+#include "server/plugin_library.h"
 #include "server/remote_environment.h"
 
 namespace espalier::command {
@@ -51,6 +52,15 @@ Process connectRemote(const std::string& address, const std::string& configurati
   return std::move(std::get<Process>(connected));
 }
 
+Process loadPlugin(const std::string& library, const std::string& configurationJson) {
+  auto loaded = server::loadPluginProcess(library, configurationJson);
+  if (const auto* problem = std::get_if<std::string>(&loaded)) {
+    printError(*problem);
+    return nullptr;
+  }
+  return std::move(std::get<Process>(loaded));
+}
+
 // one entry of a configuration: `tcp` with an `address` and `stdio` with a `command` are other processes
 Process makeEntry(const environment::EnvironmentEntry& entry, const std::string& file) {
   if (entry.type == "offered" || entry.type == "gallery" || entry.type == "field") {
@@ -58,6 +68,14 @@ Process makeEntry(const environment::EnvironmentEntry& entry, const std::string&
                (entry.type == "offered" ? "offers itself to a server" : "is a field file beside others on a server") +
                ": give one with --environment, such as tcp://HOST:PORT or a file");
     return nullptr;
+  }
+  if (entry.type == "plugin") {
+    const auto library = protocol::memberOf(entry.configuration, "library");
+    if (!library) {
+      printError(file + ": the environment '" + entry.name + "' needs a 'library': the file of the plug-in");
+      return nullptr;
+    }
+    return loadPlugin(*library, entry.configuration);
   }
   if (entry.type != "tcp" && entry.type != "stdio") {
     return orPrintErrors(environment::makeProcess(entry.type, entry.configuration), file);
@@ -147,6 +165,9 @@ Process makeEnvironment(const std::string& name, core::Compatibility compatibili
   const std::string suffix = std::filesystem::path(name).extension().string();
   if (suffix == ".json") {
     return loadConfiguration(name, files, names);
+  }
+  if (suffix == ".so") {
+    return loadPlugin(name, "");
   }
   if (suffix == ".e") {
     return loadFieldFile(name, compatibility, isQuiet, files);

@@ -1,0 +1,219 @@
+#include "environment/plugin_process.h"
+
+#include <array>
+#include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace espalier::environment {
+
+namespace {
+
+using turtle::EnvironmentError;
+
+// the interface hands vectors on as three doubles
+static_assert(sizeof(core::Vec3) == 3 * sizeof(double));
+static_assert(sizeof(core::SymbolId) == sizeof(uint16_t) && core::kNoSymbol == ESPALIER_NO_SYMBOL);
+
+/// Room for a plug-in's message.
+using Message = std::array<char, 1024>;
+
+std::string textOf(const char* text) {
+  return text == nullptr ? std::string() : std::string(text);
+}
+
+std::string textOf(Message& message) {
+  message.back() = '\0';
+  return message.front() == '\0' ? std::string("it did not say why") : std::string(message.data());
+}
+
+const double* numbersOf(const std::vector<core::Vec3>& vectors) {
+  return vectors.empty() ? nullptr : &vectors.front().x;
+}
+
+std::vector<turtle::EnvironmentVariable> variablesOf(const espalier_variable* variables, std::uint32_t count) {
+  std::vector<turtle::EnvironmentVariable> list;
+  for (std::uint32_t i = 0; variables != nullptr && i < count; ++i) {
+    list.push_back({textOf(variables[i].name), textOf(variables[i].unit), {}});
+  }
+  return list;
+}
+
+class PluginProcess final : public turtle::EnvironmentProcess {
+ public:
+  PluginProcess(const espalier_plugin& plugin, std::shared_ptr<void> library, void* instance)
+      : library_(std::move(library)), plugin_(&plugin), instance_(instance), name_(textOf(plugin.name)) {}
+  PluginProcess(const PluginProcess&) = delete;
+  PluginProcess& operator=(const PluginProcess&) = delete;
+  ~PluginProcess() override { plugin_->destroy(instance_); }
+
+  [[nodiscard]] turtle::EnvironmentDescription describe() const override {
+    const auto needs = [this](int flag) { return (plugin_->needs & static_cast<std::uint32_t>(flag)) != 0; };
+    turtle::EnvironmentDescription description;
+    description.name = name_;
+    description.summary = textOf(plugin_->summary);
+    description.needs = {.position = needs(ESPALIER_NEEDS_POSITION),
+                         .heading = needs(ESPALIER_NEEDS_HEADING),
+                         .left = needs(ESPALIER_NEEDS_LEFT),
+                         .up = needs(ESPALIER_NEEDS_UP),
+                         .width = needs(ESPALIER_NEEDS_WIDTH),
+                         .scale = needs(ESPALIER_NEEDS_SCALE),
+                         .parameters = true,
+                         .following = needs(ESPALIER_NEEDS_FOLLOWING)};
+    description.inputs = variablesOf(plugin_->inputs, plugin_->input_count);
+    description.outputs = variablesOf(plugin_->outputs, plugin_->output_count);
+    description.isStateful = plugin_->is_stateful != 0;
+    return description;
+  }
+
+  [[nodiscard]] std::optional<EnvironmentError> open(const turtle::EnvironmentContext& context) override {
+    if (plugin_->open == nullptr) {
+      return std::nullopt;
+    }
+    std::vector<const char*> symbols;
+    for (const std::string& symbol : context.symbols) {
+      symbols.push_back(symbol.c_str());
+    }
+    const turtle::World& world = context.world;
+    const espalier_context told{.seed = context.seed,
+                                .plant_count = context.plantCount,
+                                .symbol_count = static_cast<std::uint32_t>(symbols.size()),
+                                .symbols = symbols.data(),
+                                .simulation = context.simulation.c_str(),
+                                .length_unit = world.lengthUnit.c_str(),
+                                .up = {world.up.x, world.up.y, world.up.z},
+                                .north = {world.north.x, world.north.y, world.north.z},
+                                .step_duration_days = world.stepDurationDays};
+    Message message{};
+    return failureOf(plugin_->open(instance_, &told, message.data(), message.size()), message, "open");
+  }
+
+  [[nodiscard]] std::optional<EnvironmentError> step(const turtle::QueryBatch& queries,
+                                                     turtle::ReplyBatch& replies) override {
+    const espalier_queries asked{.step = queries.step,
+                                 .iteration = queries.iteration,
+                                 .reserved = 0,
+                                 .time_days = queries.timeDays,
+                                 .count = queries.size(),
+                                 .plant = queries.plant.data(),
+                                 .module = queries.module.data(),
+                                 .symbol = queries.symbol.data(),
+                                 .is_transient = queries.isTransient.empty() ? nullptr : queries.isTransient.data(),
+                                 .position = numbersOf(queries.position),
+                                 .heading = numbersOf(queries.heading),
+                                 .left = numbersOf(queries.left),
+                                 .up = numbersOf(queries.up),
+                                 .width = queries.width.data(),
+                                 .scale = queries.scale.data(),
+                                 .parameter_offset = queries.parameterOffset.data(),
+                                 .parameters = queries.parameters.data(),
+                                 .following = queries.following.data(),
+                                 .following_offset = queries.followingOffset.data(),
+                                 .following_parameters = queries.followingParameters.data()};
+    espalier_replies answers{.values = replies.values.data(), .is_set = replies.isSet.data()};
+    Message message{};
+    if (auto error =
+            failureOf(plugin_->step(instance_, &asked, &answers, message.data(), message.size()), message, "step")) {
+      return error;
+    }
+    // what was answered: counted, and finite
+    for (std::size_t query = 0; query < queries.size(); ++query) {
+      bool isAnswered = false;
+      for (std::uint64_t k = queries.parameterOffset[query]; k < queries.parameterOffset[query + 1]; ++k) {
+        isAnswered = isAnswered || replies.isSet[k] != 0;
+        if (replies.isSet[k] != 0 && !std::isfinite(replies.values[k])) {
+          return EnvironmentError{"environment plug-in '" + name_ + "' answered query " + std::to_string(query) +
+                                      " with a value that is not finite (parameter " +
+                                      std::to_string(k - queries.parameterOffset[query] + 1) + ").",
+                                  false};
+        }
+      }
+      replies.answeredCount += isAnswered ? 1 : 0;
+    }
+    return std::nullopt;
+  }
+
+  [[nodiscard]] std::optional<EnvironmentError> tick(std::uint64_t step) override {
+    if (plugin_->tick == nullptr) {
+      return std::nullopt;
+    }
+    Message message{};
+    return failureOf(plugin_->tick(instance_, step, message.data(), message.size()), message, "tick");
+  }
+
+  [[nodiscard]] std::string save() const override {
+    if (plugin_->is_stateful == 0) {
+      return {};
+    }
+    std::string state;
+    for (std::size_t size = plugin_->save(instance_, nullptr, 0); size != state.size();) {
+      state.resize(size);
+      size = plugin_->save(instance_, state.data(), state.size());
+    }
+    return state;
+  }
+
+  [[nodiscard]] std::optional<EnvironmentError> restore(std::string_view state) override {
+    if (plugin_->is_stateful == 0) {
+      return std::nullopt;
+    }
+    Message message{};
+    return failureOf(plugin_->restore(instance_, state.data(), state.size(), message.data(), message.size()), message,
+                     "restore");
+  }
+
+ private:
+  [[nodiscard]] std::optional<EnvironmentError> failureOf(int result, Message& message, const char* during) const {
+    if (result == 0) {
+      return std::nullopt;
+    }
+    return EnvironmentError{"environment plug-in '" + name_ + "' failed in " + during + ": " + textOf(message), false};
+  }
+
+  std::shared_ptr<void> library_;
+  const espalier_plugin* plugin_;
+  void* instance_;
+  std::string name_;
+};
+
+/// What is missing in a table; null: nothing.
+const char* missingIn(const espalier_plugin& plugin) {
+  if (plugin.name == nullptr || *plugin.name == '\0') {
+    return "a name";
+  }
+  if (plugin.create == nullptr || plugin.destroy == nullptr || plugin.step == nullptr) {
+    return "create, destroy and step";
+  }
+  if (plugin.is_stateful != 0 && (plugin.save == nullptr || plugin.restore == nullptr)) {
+    return "save and restore, since it says that it has a state";
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+std::variant<std::unique_ptr<turtle::EnvironmentProcess>, std::string> makePluginProcess(
+    const espalier_plugin& plugin, std::shared_ptr<void> library, std::string_view configurationJson) {
+  if (plugin.version != ESPALIER_PLUGIN_VERSION) {
+    return "it speaks version " + std::to_string(plugin.version) +
+           " of the plug-in interface and this program version " + std::to_string(ESPALIER_PLUGIN_VERSION) +
+           ": compile it with this program's environment/plugin.h";
+  }
+  if (plugin.size < sizeof(espalier_plugin)) {
+    return "its table has " + std::to_string(plugin.size) + " bytes instead of " +
+           std::to_string(sizeof(espalier_plugin)) + ": compile it with this program's environment/plugin.h";
+  }
+  if (const char* missing = missingIn(plugin)) {
+    return "its table lacks " + std::string(missing);
+  }
+  Message message{};
+  const std::string configuration = configurationJson.empty() ? std::string("{}") : std::string(configurationJson);
+  void* const instance = plugin.create(configuration.c_str(), message.data(), message.size());
+  if (instance == nullptr) {
+    return "'" + std::string(plugin.name) + "' refuses its configuration: " + textOf(message);
+  }
+  return std::make_unique<PluginProcess>(plugin, std::move(library), instance);
+}
+
+}  // namespace espalier::environment
