@@ -20,8 +20,9 @@ struct LoadedEnvironment {
 };
 
 /// Makes the environment that a command line names: `tcp://HOST:PORT` and `stdio:COMMAND` are other processes, `*.json`
-/// is a configuration of one process or several, `*.so` a plug-in, `*.e` a field file, anything else the name of a built-in process with
-/// its defaults. Writes what is wrong, and warnings unless `isQuiet`, to standard error; nothing on an error.
+/// is a configuration of one process or several, `*.so` a plug-in, `*.e` a field file, anything else the name of a
+/// built-in process with its defaults. Writes what is wrong, and warnings unless `isQuiet`, to standard error; nothing
+/// on an error.
 [[nodiscard]] std::optional<LoadedEnvironment> loadEnvironment(const std::string& name,
                                                                core::Compatibility compatibility, bool isQuiet,
                                                                core::FileProvider& files);
