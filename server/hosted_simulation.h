@@ -81,7 +81,6 @@ class HostedSimulation {
   std::vector<std::string> processNames_;
   bool isSaved_ = false;    // the copy on disk is of the present step
   bool isSaveDue_ = false;  // it ought to be, and could not be written
-  bool isSaveDue_ = false;  // it ought to be, and could not be written
 };
 
 }  // namespace espalier::server

@@ -29,7 +29,7 @@ std::string toText(const SimulationRecord& record) {
   params.endObject().key("save");
   write(params, create.save);
   params.endObject();
-  return protocol::encodeNotification("simulation.create", params.view());
+  return protocol::encodeNotification("simulation.create", params.take());
 }
 
 std::variant<SimulationRecord, std::string> toRecord(const std::string& id, std::string_view text) {
