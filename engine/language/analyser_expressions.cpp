@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <set>
 #include <utility>
 
 #include "engine/language/analyser.h"
@@ -18,14 +19,20 @@ constexpr std::array<std::pair<std::string_view, Callee>, 6> kSpecialCalls{{{"pr
                                                                             {"fscanf", Callee::FileScan}}};
 constexpr std::size_t kMostArguments = 1000;
 
-void addName(std::vector<NameSyntax>& names, const std::string& text, core::SourceRange range) {
-  if (std::none_of(names.begin(), names.end(), [&](const NameSyntax& known) { return known.text == text; })) {
-    names.push_back({text, range});
+/// Names in the order of the text, each once.
+struct NameCollection {
+  std::vector<NameSyntax> names;
+  std::set<std::string_view> known;  // texts in the syntax tree
+
+  void add(const ExpressionNode& node) {
+    if (known.insert(node.text).second) {
+      names.push_back({node.text, node.range});
+    }
   }
-}
+};
 
 // the targets of fscanf anywhere in an expression
-void collectReferences(const ModelSyntax& model, ExpressionIndex expression, std::vector<NameSyntax>& names) {
+void collectReferences(const ModelSyntax& model, ExpressionIndex expression, NameCollection& names) {
   if (expression == kNoExpression) {
     return;
   }
@@ -34,16 +41,15 @@ void collectReferences(const ModelSyntax& model, ExpressionIndex expression, std
     collectReferences(model, child, names);
   }
   if (node.kind == ExpressionKind::Reference && model.expressions[node.children[0]].kind == ExpressionKind::Name) {
-    addName(names, model.expressions[node.children[0]].text, model.expressions[node.children[0]].range);
+    names.add(model.expressions[node.children[0]]);
   }
 }
 
-void collectAssigned(const ModelSyntax& model, const std::vector<Statement>& statements,
-                     std::vector<NameSyntax>& names) {
+void collectAssigned(const ModelSyntax& model, const std::vector<Statement>& statements, NameCollection& names) {
   for (const Statement& statement : statements) {
     collectReferences(model, statement.value, names);
     if (statement.kind == Statement::Kind::Assign && model.expressions[statement.target].kind == ExpressionKind::Name) {
-      addName(names, model.expressions[statement.target].text, model.expressions[statement.target].range);
+      names.add(model.expressions[statement.target]);
     }
     collectAssigned(model, statement.body, names);
     collectAssigned(model, statement.otherwise, names);
@@ -67,9 +73,9 @@ std::string count(std::size_t least, std::size_t most) {
 }  // namespace
 
 std::vector<NameSyntax> assignedNames(const ModelSyntax& model, const std::vector<Statement>& statements) {
-  std::vector<NameSyntax> names;
-  collectAssigned(model, statements, names);
-  return names;
+  NameCollection collection;
+  collectAssigned(model, statements, collection);
+  return std::move(collection.names);
 }
 
 // ---- statements
