@@ -30,7 +30,8 @@ constexpr LimitEntry ofSimulation(std::string_view name, std::string_view meanin
           static_cast<std::uint64_t>(static_cast<Value>(-1)),
           meaning,
           [](const ServerLimits& limits) { return static_cast<std::uint64_t>(limits.simulation.*member); },
-          [](ServerLimits& limits, std::uint64_t value) { limits.simulation.*member = static_cast<Value>(value); }};
+          [](ServerLimits& limits, std::uint64_t value) { limits.simulation.*member = static_cast<Value>(value); },
+          true};
 }
 
 // a hello must fit into a line, and its answer into the outbox
@@ -60,6 +61,8 @@ constexpr std::array kEntries{
     ofSimulation<&Simulation::maximumLoopIterations>("loopIterations", "turns of loops in one execution of a block"),
     ofSimulation<&Simulation::maximumRecursion>("recursion", "depth of decomposition or homomorphism"),
     ofSimulation<&Simulation::maximumTurtleStack>("turtleStack", "brackets open at a time"),
+    ofSimulation<&Simulation::maximumOpenFiles>("openFiles", "files that a model has open at a time"),
+    ofSimulation<&Simulation::maximumFileBytes>("fileBytes", "bytes that a model writes to a file in one step"),
     ofSimulation<&Simulation::maximumSourceBytes>("sourceBytes", "bytes of a model's text after preprocessing"),
     ofSimulation<&Simulation::maximumIncludeDepth>("includeDepth", "files included in one another"),
     ofSimulation<&Simulation::maximumMacroDepth>("macroDepth", "macros replaced in one another"),
@@ -77,6 +80,20 @@ const LimitEntry* findLimit(std::string_view name) {
   const auto found =
       std::find_if(kEntries.begin(), kEntries.end(), [name](const LimitEntry& entry) { return entry.name == name; });
   return found == kEntries.end() ? nullptr : &*found;
+}
+
+const LimitEntry* nameLimit(std::string& message) {
+  constexpr std::string_view kPrefix = "maximum";
+  for (const LimitEntry& entry : limitEntries()) {
+    std::string word = std::string(kPrefix) + std::string(entry.name);
+    word[kPrefix.size()] = static_cast<char>(word[kPrefix.size()] - 'a' + 'A');
+    const std::size_t at = message.find(word);
+    if (at != std::string::npos) {
+      message.replace(at, word.size(), entry.name);
+      return &entry;
+    }
+  }
+  return nullptr;
 }
 
 std::optional<std::string> setLimit(ServerLimits& limits, std::string_view name, std::uint64_t value) {

@@ -36,6 +36,7 @@ struct LimitEntry {
   std::string_view meaning;  // for people, with the unit
   std::uint64_t (*get)(const ServerLimits&);
   void (*set)(ServerLimits&, std::uint64_t);
+  bool isOfSimulation = false;  // of each simulation: also a limit of a program that runs one
 };
 
 /// All limits, in the order in which they are listed.
@@ -43,6 +44,10 @@ struct LimitEntry {
 
 /// Null: there is none of that name.
 [[nodiscard]] const LimitEntry* findLimit(std::string_view name);
+
+/// The limit that a message of the engine names, which is renamed in it from the engine's word (maximumModules) to the
+/// one that options and the wire use (modules). Null: none.
+const LimitEntry* nameLimit(std::string& message);
 
 /// Sets a limit. An error sentence for an unknown name or a value out of range.
 [[nodiscard]] std::optional<std::string> setLimit(ServerLimits& limits, std::string_view name, std::uint64_t value);

@@ -34,22 +34,6 @@ std::vector<turtle::EnvironmentVariable> fromVariables(const std::vector<protoco
   return variables;
 }
 
-/// The limit that a message of the engine names, which is renamed in it from the engine's word (maximumModules) to the
-/// one that options and the wire use (modules). Null: none.
-const LimitEntry* nameLimit(std::string& message) {
-  constexpr std::string_view kPrefix = "maximum";
-  for (const LimitEntry& entry : limitEntries()) {
-    std::string word = std::string(kPrefix) + std::string(entry.name);
-    word[kPrefix.size()] = static_cast<char>(word[kPrefix.size()] - 'a' + 'A');
-    const std::size_t at = message.find(word);
-    if (at != std::string::npos) {
-      message.replace(at, word.size(), entry.name);
-      return &entry;
-    }
-  }
-  return nullptr;
-}
-
 }  // namespace
 
 protocol::DiagnosticRecord toRecord(const core::Diagnostic& diagnostic) {

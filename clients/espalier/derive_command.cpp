@@ -9,6 +9,7 @@
 #include "clients/espalier/model_loading.h"
 #include "clients/espalier/string_output.h"
 #include "clients/espalier/trace_option.h"
+#include "clients/espalier/time_limit.h"
 #include "server/disk_files.h"
 
 namespace espalier::command {
@@ -109,10 +110,11 @@ int derive(DeriveOptions& options) {
   }
   simulation::Simulation simulation(loaded->program, {turtle::PlantPlacement{}}, std::move(loaded->environment.process),
                                     std::move(loaded->simulationOptions));
+  const TimeLimit time(simulation, options.model.seconds());
   RunFigures figures;
   const Outcome failure = runAllSteps(simulation, options, loaded->folder, figures);
   if (failure) {
-    printError(formatSimulationError(*failure));
+    printError(formatSimulationError(time.explained(*failure)));
   }
   if (options.hasStatistics) {
     printStatistics(simulation, figures);

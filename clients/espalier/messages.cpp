@@ -3,6 +3,8 @@
 #include <cstdio>
 #include <string>
 
+#include "server/limits.h"
+
 namespace espalier::command {
 namespace {
 
@@ -34,7 +36,14 @@ void printDiagnostics(const std::vector<core::Diagnostic>& diagnostics, bool isQ
 std::string formatSimulationError(const core::SimulationError& error) {
   // the engine's own messages name their step; an environment's do not know it
   const bool needsStep = error.code == core::SimulationErrorCode::EnvironmentFailed && error.step > 0;
-  return (needsStep ? "step " + std::to_string(error.step) + ": " : std::string{}) + error.message;
+  std::string text = (needsStep ? "step " + std::to_string(error.step) + ": " : std::string{}) + error.message;
+  // how to set the limit that was reached
+  if (error.code == core::SimulationErrorCode::LimitExceeded) {
+    if (const server::LimitEntry* limit = server::nameLimit(text)) {
+      text += " (--limit " + std::string(limit->name) + "=N sets another bound.)";
+    }
+  }
+  return text;
 }
 
 core::MessageSink standardErrorMessages(bool isQuiet) {
@@ -42,7 +51,9 @@ core::MessageSink standardErrorMessages(bool isQuiet) {
     if (kind == core::MessageKind::Printf) {
       writeToStandardError(text);
     } else if (!isQuiet) {
-      writeToStandardError("warning: " + std::string(text) + "\n");
+      // a warning with a place says in its first line that it is one
+      const bool isMarked = text.substr(0, text.find('\n')).find("warning: ") != std::string_view::npos;
+      writeToStandardError((isMarked ? "" : "warning: ") + std::string(text) + "\n");
     }
   };
 }

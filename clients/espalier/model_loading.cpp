@@ -12,6 +12,7 @@
 #include "clients/espalier/model_files.h"
 #include "engine/language/compiler.h"
 #include "engine/language/file_name.h"
+#include "server/limits.h"
 
 namespace espalier::command {
 namespace {
@@ -30,7 +31,57 @@ bool drawsRandom(const language::ProductionList& list) {
                      [](const language::Production& production) { return production.drawsRandom; });
 }
 
+constexpr std::string_view kSeconds = "seconds=";
+
+// a sentence about a limit that is none of a run, or an empty text
+std::string problemOfLimit(const std::string& text) {
+  server::ServerLimits limits;
+  const bool isTime = text.starts_with(kSeconds);
+  const server::LimitEntry* entry = server::findLimit(std::string_view(text).substr(0, text.find('=')));
+  if (!isTime && entry != nullptr && !entry->isOfSimulation) {
+    return "the limit " + std::string(entry->name) + " is one of servers";
+  }
+  // as the server's limit of the same unit
+  return server::setLimit(limits, isTime ? "callSeconds=" + text.substr(kSeconds.size()) : text)
+      .value_or(std::string{});
+}
+
+// the names with their meanings and defaults
+std::string limitHelp() {
+  std::string text =
+      "A bound of the run; each error names its limit. May be repeated. Names: seconds (processor time; 0)";
+  server::ServerLimits limits;
+  limits.simulation = core::Limits{};
+  for (const server::LimitEntry& entry : server::limitEntries()) {
+    if (entry.isOfSimulation) {
+      text += ",\n" + std::string(entry.name) + " (" + std::string(entry.meaning) + "; " +
+              std::to_string(entry.get(limits)) + ")";
+    }
+  }
+  return text;
+}
+
 }  // namespace
+
+core::Limits ModelOptions::simulationLimits() const {
+  server::ServerLimits result;
+  result.simulation = core::Limits{};
+  for (const std::string& limit : limits) {
+    static_cast<void>(server::setLimit(result, limit));
+  }
+  return result.simulation;
+}
+
+std::uint64_t ModelOptions::seconds() const {
+  server::ServerLimits result;
+  result.callSeconds = 0;
+  for (const std::string& limit : limits) {
+    if (limit.starts_with(kSeconds)) {
+      static_cast<void>(server::setLimit(result, "callSeconds=" + limit.substr(kSeconds.size())));
+    }
+  }
+  return result.callSeconds;
+}
 
 core::Compatibility ModelOptions::mode() const {
   if (compatibility == "cpfg") {
@@ -68,6 +119,10 @@ void addReadingOptions(CLI::App& command, ModelOptions& options, bool isModelReq
       ->check([](const std::string& text) {
         return text.empty() || text.front() == '=' ? std::string("expected NAME=VALUE") : std::string{};
       });
+  command.add_option("--limit", options.limits, limitHelp())
+      ->type_name("NAME=NUMBER")
+      ->allow_extra_args(false)
+      ->check([](const std::string& text) { return problemOfLimit(text); });
   command.add_flag("--quiet", options.isQuiet, "Only results and errors: no warnings, no seed, no progress");
 }
 
@@ -132,6 +187,7 @@ std::shared_ptr<const language::Program> loadProgram(ModelOptions& options, core
   input.modelFile = modelFiles.model;
   input.viewFile = options.view;
   input.compatibility = options.mode();
+  input.limits = options.simulationLimits();
   for (const std::string& define : options.defines) {
     input.defines.push_back(splitDefine(define));
   }
@@ -148,6 +204,7 @@ simulation::SimulationOptions simulationOptionsFor(const ModelOptions& options, 
   result.name = std::filesystem::path(program.modelFile).stem().string();
   result.derivationLength = options.steps;
   result.threads = options.threads;
+  result.limits = options.simulationLimits();
   result.messages = standardErrorMessages(options.isQuiet);
   // a model that comes from a snapshot may have no folder here: it writes into the working one
   const std::string folder = language::folderOf(program.modelFile);

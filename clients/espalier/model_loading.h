@@ -30,14 +30,19 @@ struct ModelOptions {
   std::optional<std::uint64_t> seed;
   std::string compatibility;         // "", "cpfg" or "cpfg-batch"
   std::vector<std::string> defines;  // NAME=VALUE
+  std::vector<std::string> limits;   // NAME=NUMBER
   unsigned threads = 1;
   bool isAnimated = false;  // the animation file decides which step is the last
   bool isQuiet = false;
 
   [[nodiscard]] core::Compatibility mode() const;
+  [[nodiscard]] core::Limits simulationLimits() const;
+  /// Of processor time for the whole run; 0: no limit.
+  [[nodiscard]] std::uint64_t seconds() const;
 };
 
-/// The options which say how a model is read: MODEL, --object, --view, --environment, --compat, --define, --quiet.
+/// The options which say how a model is read: MODEL, --object, --view, --environment, --compat, --define, --limit,
+/// --quiet.
 void addReadingOptions(CLI::App& command, ModelOptions& options, bool isModelRequired);
 /// The options which say how it is run: --steps, --animate, --seed, --threads.
 void addRunningOptions(CLI::App& command, ModelOptions& options);

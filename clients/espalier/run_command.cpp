@@ -13,6 +13,7 @@
 #include "clients/espalier/model_loading.h"
 #include "clients/espalier/progress_bar.h"
 #include "clients/espalier/trace_option.h"
+#include "clients/espalier/time_limit.h"
 #include "engine/language/compiler.h"
 #include "engine/simulation/snapshot.h"
 #include "engine/turtle/export/exporters.h"
@@ -212,6 +213,7 @@ int run(RunOptions& options) {
   simulation::Simulation simulation(loaded->program,
                                     std::vector<turtle::PlantPlacement>(resumed ? resumed->info.plantCount : 1),
                                     std::move(loaded->environment.process), std::move(loaded->simulationOptions));
+  const TimeLimit time(simulation, options.model.seconds());
   std::optional<core::SimulationError> failure = resumed ? simulation.restore(resumed->bytes) : simulation.rewind();
   if (!failure) {
     failure = runToEnd(simulation, lastStepOf(loaded->folder, options.model.steps, simulation), !options.model.isQuiet,
@@ -221,7 +223,7 @@ int run(RunOptions& options) {
     return kFailure;
   }
   if (failure) {
-    printError(formatSimulationError(*failure));
+    printError(formatSimulationError(time.explained(*failure)));
     return kFailure;
   }
   for (const std::string& file : options.outputs) {

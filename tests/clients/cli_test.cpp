@@ -92,6 +92,36 @@ TEST_F(Cli, ModelsWriteIntoTheirFolderAndNowhereElse) {
   EXPECT_FALSE(std::filesystem::exists(folder_.path() + "/plant/growth.txt"));
 }
 
+TEST_F(Cli, LimitsAreOptionsAndErrorsNameThem) {
+  folder_.write("grow.l", "Lsystem: 1\nderivation length: 50\nAxiom: A\nA --> AA\nendlsystem\n");
+  const ProgramRun grown = run("derive grow.l --limit modules=1000");
+  EXPECT_EQ(grown.status, 1);
+  EXPECT_TRUE(contains(grown.errors,
+                       "the string has more than 1000 modules (limit modules). The simulation stays at step 9. "
+                       "(--limit modules=N sets another bound.)"))
+      << grown.errors;
+  folder_.write("loop.l",
+                "Lsystem: 1\nderivation length: 5\nAxiom: AAAAAAAAAAAAAAAA\n"
+                "A : {i = 0; while (i < 90000000) {i = i + 1;}} 1 --> A\nendlsystem\n");
+  const ProgramRun timed = run("derive loop.l --limit seconds=1");
+  EXPECT_EQ(timed.status, 1);
+  EXPECT_TRUE(contains(timed.errors,
+                       "error: step 1: the run has computed for more than 1 s (--limit seconds=N sets another bound)."))
+      << timed.errors;
+  const ProgramRun unknown = run("derive grow.l --limit modulse=5");
+  EXPECT_EQ(unknown.status, 2);
+  EXPECT_TRUE(contains(unknown.errors, "there is no limit 'modulse'. Did you mean 'modules'?")) << unknown.errors;
+  EXPECT_TRUE(contains(run("derive grow.l --limit sessions=5").errors, "the limit sessions is one of servers"));
+}
+
+TEST_F(Cli, AWarningOfARunIsMarkedOnce) {
+  folder_.write("warn.l", "Lsystem: 1\nderivation length: 1\nAxiom: A(0)@x\nA(n) --> A(1/n)?P(0)\nendlsystem\n");
+  const std::string errors = run("derive warn.l --steps 2").errors;
+  EXPECT_TRUE(contains("\n" + errors, "\nwarning: the turtle knows no '@x'")) << errors;
+  EXPECT_TRUE(contains(errors, "warn.l:4:12: warning: division by 0")) << errors;
+  EXPECT_FALSE(contains(errors, "warning: warn.l")) << errors;
+}
+
 TEST_F(Cli, DefinesWinOverTheModel) {
   folder_.write("n.l", "#define N 1\nLsystem: 1\nderivation length: N\nAxiom: A\nA --> AB\nendlsystem\n");
   EXPECT_EQ(run("derive n.l").output, "AB\n");

@@ -209,6 +209,15 @@ TEST(Analyser, FilesAreOpenedInAKnownModeAndInsideTheFolder) {
   EXPECT_EQ(messagesOf(header("Start: {f = fopen(\"data/./a..b.txt\", \"rb+\");}", "A(n) --> A(n)")), Messages{});
 }
 
+TEST(Analyser, ManyVariablesAreNoTrouble) {
+  std::string block;
+  for (int i = 0; i < 100'000; ++i) {
+    block += "v" + std::to_string(i) + "=1;";
+  }
+  const auto program = programOf(header("Start: {" + block + "}", "A(n) --> A(v99999)"));
+  EXPECT_EQ(program->systems[0].variables.size(), 100'000U);
+}
+
 TEST(Analyser, TargetsOfFscanfAreAssigned) {
   const auto program = programOf(header("Start: {f = 0; fscanf(f, \"%g\", &x);}", "A(n) --> A(x)"));
   EXPECT_EQ(program->systems[0].variables, (std::vector<std::string>{"f", "x"}));

@@ -27,6 +27,16 @@ Messages problemsOf(const std::string& text, PreprocessInput input = {},
   return briefs(run(text, std::move(input), std::move(others)).diagnostics);
 }
 
+TEST(Preprocessor, AFloodOfMistakesIsCountedButNotKept) {
+  std::string text;
+  for (int i = 0; i < 100'000; ++i) {
+    text += "#foo\n";
+  }
+  const PreprocessResult result = run(text);
+  EXPECT_EQ(result.diagnostics.errorCount(), 100'000U);
+  EXPECT_EQ(result.diagnostics.entries().size(), core::DiagnosticList::kLimit);
+}
+
 // ---- lines and comments
 
 TEST(Preprocessor, PlainTextIsUnchanged) {
