@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <random>
 #include <system_error>
+#include <thread>
 #include <variant>
 
 #include "clients/espalier/folder_writer.h"
@@ -133,9 +134,12 @@ void addRunningOptions(CLI::App& command, ModelOptions& options) {
                    "The folder's animation file decides which step is the last, as with its switch -a");
   command.add_option("--seed", options.seed, "Seed of the random numbers; it replaces the model's `seed:`")
       ->type_name("S");
-  command.add_option("--threads", options.threads, "Threads that derive; the result does not depend on them")
+  command
+      .add_option("--threads", options.threads,
+                  "Threads for strings of more than 65536 modules; 0: as many as the machine has. The result does not "
+                  "depend on them")
       ->type_name("N")
-      ->check(CLI::Range(1, 1024))
+      ->check(CLI::Range(0, 1024))
       ->capture_default_str();
 }
 
@@ -203,7 +207,7 @@ simulation::SimulationOptions simulationOptionsFor(const ModelOptions& options, 
   simulation::SimulationOptions result;
   result.name = std::filesystem::path(program.modelFile).stem().string();
   result.derivationLength = options.steps;
-  result.threads = options.threads;
+  result.threads = options.threads > 0 ? options.threads : std::max(1U, std::thread::hardware_concurrency());
   result.limits = options.simulationLimits();
   result.messages = standardErrorMessages(options.isQuiet);
   // a model that comes from a snapshot may have no folder here: it writes into the working one

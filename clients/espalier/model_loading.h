@@ -31,8 +31,8 @@ struct ModelOptions {
   std::string compatibility;         // "", "cpfg" or "cpfg-batch"
   std::vector<std::string> defines;  // NAME=VALUE
   std::vector<std::string> limits;   // NAME=NUMBER
-  unsigned threads = 1;
-  bool isAnimated = false;  // the animation file decides which step is the last
+  unsigned threads = 0;              // 0: as many as the machine has
+  bool isAnimated = false;           // the animation file decides which step is the last
   bool isQuiet = false;
 
   [[nodiscard]] core::Compatibility mode() const;

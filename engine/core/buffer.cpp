@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <cstdlib>
+#include <cstring>
 #include <new>
 
 namespace espalier::core {
@@ -11,10 +12,27 @@ namespace {
 
 // below this a block comes from the heap: a mapping costs a system call and whole pages
 constexpr std::size_t kMappedBytes = std::size_t{1} << 20U;
-constexpr std::size_t kHugePageBytes = std::size_t{2} << 20U;
 
 std::size_t mappedSize(std::size_t byteCount) {
   return (byteCount + kHugePageBytes - 1) & ~(kHugePageBytes - 1);
+}
+
+/// Reserves address space that begins at a huge page.
+void* mapAligned(std::size_t size, int protection) {
+  const std::size_t wanted = size + kHugePageBytes;
+  void* memory = mmap(nullptr, wanted, protection, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (memory == MAP_FAILED) {
+    throw std::bad_alloc();
+  }
+  // what is too much at both ends goes
+  char* begin = static_cast<char*>(memory);
+  const std::size_t before =
+      (kHugePageBytes - reinterpret_cast<std::uintptr_t>(begin) % kHugePageBytes) % kHugePageBytes;
+  if (before > 0) {
+    static_cast<void>(munmap(begin, before));
+  }
+  static_cast<void>(munmap(begin + before + size, kHugePageBytes - before));
+  return begin + before;
 }
 
 }  // namespace
@@ -30,14 +48,43 @@ void* mapPages(std::size_t byteCount) {
   if (byteCount > SIZE_MAX - 2 * kHugePageBytes) {
     throw std::bad_alloc();
   }
-  void* memory =
-      mmap(nullptr, mappedSize(byteCount), PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-  if (memory == MAP_FAILED) {
-    throw std::bad_alloc();
-  }
+  void* memory = mapAligned(mappedSize(byteCount), PROT_READ | PROT_WRITE);
   // advice only: without huge pages the memory works, slower to touch first
   static_cast<void>(madvise(memory, mappedSize(byteCount), MADV_HUGEPAGE));
   return memory;
+}
+
+void* growPages(void* memory, std::size_t byteCount, std::size_t usedByteCount, std::size_t newByteCount) {
+  if (byteCount >= kMappedBytes && newByteCount > byteCount) {
+    if (newByteCount > SIZE_MAX - 2 * kHugePageBytes) {
+      throw std::bad_alloc();
+    }
+    const std::size_t newSize = mappedSize(newByteCount);
+    if (newSize == mappedSize(byteCount)) {
+      return memory;
+    }
+    // moved to where it begins at a huge page again, else the pages would be split
+    void* target = mapAligned(newSize, PROT_NONE);
+    void* moved = mremap(memory, mappedSize(byteCount), newSize, MREMAP_MAYMOVE | MREMAP_FIXED, target);
+    if (moved == MAP_FAILED) {
+      static_cast<void>(munmap(target, newSize));
+      throw std::bad_alloc();
+    }
+    return moved;
+  }
+  void* fresh = mapPages(newByteCount);
+  std::memcpy(fresh, memory, usedByteCount);
+  unmapPages(memory, byteCount);
+  return fresh;
+}
+
+void populatePages(void* memory, std::size_t byteCount) noexcept {
+#ifdef MADV_POPULATE_WRITE
+  static_cast<void>(madvise(memory, byteCount, MADV_POPULATE_WRITE));
+#else
+  static_cast<void>(memory);
+  static_cast<void>(byteCount);
+#endif
 }
 
 void unmapPages(void* memory, std::size_t byteCount) noexcept {

@@ -8,10 +8,19 @@
 
 namespace espalier::core {
 
-/// Maps or frees page-aligned memory; large blocks ask for huge pages so that first touch is cheap. Throws
+inline constexpr std::size_t kHugePageBytes = std::size_t{2} << 20U;
+
+/// Maps or frees memory; large blocks begin at a huge page and ask for such pages, so that first touch is cheap. Throws
 /// std::bad_alloc.
 [[nodiscard]] void* mapPages(std::size_t byteCount);
 void unmapPages(void* memory, std::size_t byteCount) noexcept;
+/// A block of `newByteCount` bytes in the place of one of `byteCount`, with the first `usedByteCount` bytes of its
+/// contents. A large block keeps the pages it has touched and is not copied. Throws std::bad_alloc, the old block then
+/// stays.
+[[nodiscard]] void* growPages(void* memory, std::size_t byteCount, std::size_t usedByteCount, std::size_t newByteCount);
+/// Touches pages of a large block (address and size whole huge pages, or to the block's end) without changing what
+/// they hold. Help only: where the system cannot, nothing happens.
+void populatePages(void* memory, std::size_t byteCount) noexcept;
 
 /// A growable array of trivially copyable elements whose new elements are uninitialised. Grows by at least half, never
 /// shrinks unless told; clear() keeps the memory.
@@ -90,14 +99,9 @@ class Buffer {
 
  private:
   void reallocate(std::size_t count) {
-    T* fresh = static_cast<T*>(mapPages(count * sizeof(T)));
-    if (size_ > 0) {
-      std::memcpy(fresh, data_, size_ * sizeof(T));
-    }
-    if (data_ != nullptr) {
-      unmapPages(data_, capacity_ * sizeof(T));
-    }
-    data_ = fresh;
+    data_ = static_cast<T*>(data_ == nullptr
+                                ? mapPages(count * sizeof(T))
+                                : growPages(data_, capacity_ * sizeof(T), size_ * sizeof(T), count * sizeof(T)));
     capacity_ = count;
   }
 

@@ -123,6 +123,8 @@ void BatchPlan::planType(const language::Program& program, const language::LSyst
   }
   for (std::size_t i = 0; i < used; ++i) {
     addRule(program, system.productions.productions[candidates[i]], rules, system.isStochastic);
+    group.looksLeft = group.looksLeft || rules_.back().left != core::kNoModuleType;
+    group.looksRight = group.looksRight || rules_.back().right != core::kNoModuleType;
     candidateBits_[type] = static_cast<std::uint8_t>(i == 0 ? bitOf(i) : candidateBits_[type] | bitOf(i));
   }
   group.ruleCount = static_cast<std::uint32_t>(used);

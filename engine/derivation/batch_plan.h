@@ -51,6 +51,8 @@ struct BatchGroup {
   std::uint32_t firstRule = 0;  // in BatchPlan::rules
   std::uint32_t ruleCount = 0;
   bool isWeighted = false;  // one is chosen by weight, else the first that matches
+  bool looksLeft = false;   // a rule has a Near context on the left
+  bool looksRight = false;  // or on the right
   bool hasThresholds = false;
   /// Weighted, weights constant, nothing else to decide: rule number k is chosen when exactly k thresholds are greater
   /// than the module's draw word (ruleCount - 1).

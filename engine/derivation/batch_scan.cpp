@@ -22,6 +22,8 @@ constexpr std::uint8_t kJumpedRight = 8;   // `[`
 // modules, or parameters, that are copied without asking how many count
 constexpr std::uint64_t kTypesAtOnce = 16;
 constexpr std::uint64_t kParametersAtOnce = 4;
+// where the parameters begin in a sum of modules and parameters of a chunk
+constexpr unsigned kFixedShift = 36;
 // longer stretches are left to memcpy
 constexpr std::uint64_t kShortTypes = 64;
 constexpr std::uint64_t kShortParameters = 32;
@@ -57,10 +59,12 @@ bool areFinite(const double* values, std::size_t count) {
 
 }  // namespace
 
-BatchScan::BatchScan(const language::Program& program, const ContextRules& rules, const BatchPlan& plan)
+BatchScan::BatchScan(const language::Program& program, const ContextRules& rules, const BatchPlan& plan,
+                     const ProductionPlan& productions)
     : program_(&program),
       rules_(&rules),
       plan_(&plan),
+      productions_(&productions),
       evaluator_(program, plan.largestSlotCount(), plan.largestColumnCount()),
       passing_(program.moduleTypeCount(), 0),
       siteModule_(kChunkModules + 1),
@@ -77,12 +81,17 @@ BatchScan::BatchScan(const language::Program& program, const ContextRules& rules
       laneSite_(2 * kChunkModules),
       laneLeft_(2 * kChunkModules),
       laneRight_(2 * kChunkModules),
+      leftType_(kChunkModules),
+      rightType_(kChunkModules),
+      leftOffset_(kChunkModules),
+      rightOffset_(kChunkModules),
       own_(ColumnEvaluator::kLanes),
       words_(kChunkModules + 8),
       positions_(kChunkModules) {
   std::iota(allSites_.begin(), allSites_.end(), 0U);
   for (std::size_t i = 0; i < program.moduleTypeCount(); ++i) {
     const auto type = static_cast<ModuleTypeId>(i);
+    fixedSizes_.push_back(productions[type].length | std::uint64_t{productions[type].copied} << kFixedShift);
     if (type == program.closeBranch) {
       passing_[type] = static_cast<std::uint8_t>(kJumpedLeft | (rules.isIgnored(type) ? kSkippedRight : 0));
     } else if (type == program.openBranch) {
@@ -110,6 +119,9 @@ BatchScan::Outcome BatchScan::choose(std::uint64_t first, std::uint64_t end, std
   rows_.clear();
   ruleLanes_.clear();
   evaluator_.clearUnusual();
+  if (plan_->isFixedOnly()) {
+    return countFixed();
+  }
 
   plan_->hasPairs() ? collectSites<true>() : collectSites<false>();
   if (plan_->hasOneKindOnly()) {
@@ -136,6 +148,43 @@ BatchScan::Outcome BatchScan::choose(std::uint64_t first, std::uint64_t end, std
     }
   }
   return outcome;
+}
+
+BatchScan::Outcome BatchScan::countFixed() {
+  std::uint64_t sizes = 0;
+  std::uint64_t parameters = 0;
+  for (std::uint64_t module = first_; module < end_; ++module) {
+    sizes += fixedSizes_[step_.old.types[module]];
+    parameters += program_->arity[step_.old.types[module]];
+  }
+  fixedModules_ = sizes & ((std::uint64_t{1} << kFixedShift) - 1);
+  fixedParameters_ = sizes >> kFixedShift;
+  endOffset_ = offset_ + parameters;
+  return {end_, endOffset_, fixedModules_, fixedParameters_, false};
+}
+
+void BatchScan::writeFixed(ModuleTypeId* types, double* parameters) const {
+  const TypePlan* plans = productions_->plans();
+  const double* oldParameters = step_.old.parameters + offset_;
+  ModuleTypeId* const end = types + fixedModules_;
+  for (std::uint64_t module = first_; module < end_; ++module) {
+    const TypePlan& plan = plans[step_.old.types[module]];
+    // written whole while there is room, however many modules count
+    if (end - types >= static_cast<std::ptrdiff_t>(TypePlan::kInlineTypes)) [[likely]] {
+      std::memcpy(types, plan.types.data(), sizeof(plan.types));
+      if (plan.length > TypePlan::kInlineTypes) [[unlikely]] {
+        std::memcpy(types, productions_->types() + plan.firstType, plan.length * sizeof(ModuleTypeId));
+      }
+    } else {
+      std::memcpy(types, productions_->types() + plan.firstType, plan.length * sizeof(ModuleTypeId));
+    }
+    types += plan.length;
+    if (plan.copied > 0) {
+      std::memcpy(parameters, oldParameters, plan.copied * sizeof(double));
+      parameters += plan.copied;
+    }
+    oldParameters += plan.arity;
+  }
 }
 
 template <bool kHasPairs>
@@ -222,6 +271,13 @@ void BatchScan::sortSites() {
 }
 
 void BatchScan::chooseGroup(const BatchGroup& group, std::span<const std::uint32_t> sites) {
+  // the neighbours are the same for all rules
+  if (group.looksLeft) {
+    findLeft(sites);
+  }
+  if (group.looksRight) {
+    findRight(sites);
+  }
   if (!group.isWeighted) {
     chooseFirst(group, sites);
   } else if (group.hasThresholds) {
@@ -258,13 +314,19 @@ std::size_t BatchScan::match(const BatchRule& rule, std::uint8_t bit, std::span<
       std::memcpy(laneSite_.data() + lane, sites.data(), sites.size_bytes());
       lane += sites.size();
       break;
-    case BatchRule::Context::Near:
+    case BatchRule::Context::Near: {
+      const ModuleTypeId left = rule.left;
+      const ModuleTypeId right = rule.right;
       for (const std::uint32_t site : sites) {
-        if ((siteBits_[site] & bit) != 0 && matchNear(rule, site, lane)) {
-          laneSite_[lane++] = site;
-        }
+        laneSite_[lane] = site;
+        laneLeft_[lane] = leftOffset_[site];
+        laneRight_[lane] = rightOffset_[site];
+        const bool isLeft = left == core::kNoModuleType || leftType_[site] == left;
+        const bool isRight = right == core::kNoModuleType || rightType_[site] == right;
+        lane += static_cast<std::size_t>(isLeft) & static_cast<std::size_t>(isRight);
       }
       break;
+    }
     case BatchRule::Context::Searched:
       for (const std::uint32_t site : sites) {
         if ((siteBits_[site] & bit) != 0 && matchSearched(rule, site, lane)) {
@@ -276,68 +338,66 @@ std::size_t BatchScan::match(const BatchRule& rule, std::uint8_t bit, std::span<
   return lane - laneCount_;
 }
 
-bool BatchScan::matchNear(const BatchRule& rule, std::uint32_t site, std::size_t lane) {
+void BatchScan::findLeft(std::span<const std::uint32_t> sites) {
   const ContextString& old = step_.old;
   const std::uint16_t* arity = program_->arity.data();
-  const std::uint64_t own = first_ + siteModule_[site];
-  if (rule.right != core::kNoModuleType) {
-    std::uint64_t module = own + 1;
-    std::uint64_t offset = offset_ + siteOffset_[site] + arity[old.types[own]];
-    while (true) {
-      if (module >= old.size) {
-        return false;
-      }
-      const ModuleTypeId type = old.types[module];
-      const std::uint8_t passing = passing_[type];
-      if ((passing & (kSkippedRight | kJumpedRight)) == 0) {
-        if (type != rule.right) {
-          return false;
-        }
-        break;
-      }
-      if ((passing & kSkippedRight) != 0) {
-        offset += arity[type];
-        ++module;
-      } else {
-        const StringIndex::Link& link = old.index->link(module);
-        if (link.partner == StringIndex::kNone) {
-          return false;
-        }
-        module = link.partner + std::uint64_t{1};
-        offset += link.parameterCount;
-      }
-    }
-    laneRight_[lane] = offset;
-  }
-  if (rule.left != core::kNoModuleType) {
-    std::uint64_t module = own;
+  const std::uint8_t* passing = passing_.data();
+  for (const std::uint32_t site : sites) {
+    std::uint64_t module = first_ + siteModule_[site];
     std::uint64_t offset = offset_ + siteOffset_[site];
-    while (true) {
-      if (module == 0) {
-        return false;
-      }
+    ModuleTypeId found = core::kNoModuleType;
+    while (module > 0) {
       --module;
       const ModuleTypeId type = old.types[module];
-      const std::uint8_t passing = passing_[type];
       offset -= arity[type];
-      if ((passing & (kSkippedLeft | kJumpedLeft)) == 0) {
-        if (type != rule.left) {
-          return false;
-        }
+      if ((passing[type] & (kSkippedLeft | kJumpedLeft)) == 0) [[likely]] {
+        found = type;
         break;
       }
-      if ((passing & kJumpedLeft) != 0) {
+      if ((passing[type] & kJumpedLeft) != 0) {
         const StringIndex::Link& link = old.index->link(module);
         if (link.partner == StringIndex::kNone) {
-          return false;
+          break;
         }
         module = link.partner;
         offset -= link.parameterCount;
       }
     }
-    laneLeft_[lane] = offset;
+    leftType_[site] = found;
+    leftOffset_[site] = offset;
   }
-  return true;
+}
+
+void BatchScan::findRight(std::span<const std::uint32_t> sites) {
+  const ContextString& old = step_.old;
+  const std::uint16_t* arity = program_->arity.data();
+  const std::uint8_t* passing = passing_.data();
+  for (const std::uint32_t site : sites) {
+    std::uint64_t module = first_ + siteModule_[site];
+    std::uint64_t offset = offset_ + siteOffset_[site] + arity[old.types[module]];
+    ModuleTypeId found = core::kNoModuleType;
+    ++module;
+    while (module < old.size) {
+      const ModuleTypeId type = old.types[module];
+      if ((passing[type] & (kSkippedRight | kJumpedRight)) == 0) [[likely]] {
+        found = type;
+        break;
+      }
+      if ((passing[type] & kSkippedRight) != 0) {
+        offset += arity[type];
+        ++module;
+      } else {
+        const StringIndex::Link& link = old.index->link(module);
+        if (link.partner == StringIndex::kNone) {
+          break;
+        }
+        module = link.partner + std::uint64_t{1};
+        offset += link.parameterCount;
+      }
+    }
+    rightType_[site] = found;
+    rightOffset_[site] = offset;
+  }
 }
 
 bool BatchScan::matchSearched(const BatchRule& rule, std::uint32_t site, std::size_t lane) {
@@ -546,6 +606,10 @@ void BatchScan::place() {
 }
 
 bool BatchScan::write(ModuleTypeId* types, double* parameters) {
+  if (plan_->isFixedOnly()) {
+    writeFixed(types, parameters);
+    return true;
+  }
   if (isResized_) {
     writeBlocks(types, parameters);
   } else {

@@ -42,8 +42,9 @@ class BatchScan {
     bool isUnusual = false;
   };
 
-  /// `program`, `rules` and `plan` must outlive the object.
-  BatchScan(const language::Program& program, const ContextRules& rules, const BatchPlan& plan);
+  /// `program`, `rules`, `plan` and `productions` must outlive the object.
+  BatchScan(const language::Program& program, const ContextRules& rules, const BatchPlan& plan,
+            const ProductionPlan& productions);
 
   void begin(const Step& step);
   /// Decides about the modules [first, end), end - first at most kChunkModules; the parameters of the first begin at
@@ -61,6 +62,8 @@ class BatchScan {
     std::size_t count = 0;
   };
 
+  [[nodiscard]] Outcome countFixed();
+  void writeFixed(core::ModuleTypeId* types, double* parameters) const;
   template <bool kHasPairs>
   void collectSites();
   void sortSites();
@@ -71,7 +74,8 @@ class BatchScan {
   [[nodiscard]] double draw(std::uint64_t module);
   void loadDraws();
   std::size_t match(const BatchRule& rule, std::uint8_t bit, std::span<const std::uint32_t> sites);
-  [[nodiscard]] bool matchNear(const BatchRule& rule, std::uint32_t site, std::size_t lane);
+  void findLeft(std::span<const std::uint32_t> sites);
+  void findRight(std::span<const std::uint32_t> sites);
   [[nodiscard]] bool matchSearched(const BatchRule& rule, std::uint32_t site, std::size_t lane);
   std::size_t keepWhereTrue(const BatchRule& rule, std::size_t count);
   void accept(const BatchRule& rule, std::size_t count);
@@ -83,15 +87,20 @@ class BatchScan {
   const language::Program* program_;
   const ContextRules* rules_;
   const BatchPlan* plan_;
+  const ProductionPlan* productions_;
   Step step_;
   ColumnEvaluator evaluator_;
+  std::vector<std::uint64_t>
+      fixedSizes_;                     // by module type: modules, and parameters from a fixed bit on; fixed models only
   std::vector<std::uint8_t> passing_;  // by module type: what a search from the left or right does there
 
   // the chunk
   std::uint64_t first_ = 0;
   std::uint64_t end_ = 0;
-  std::uint64_t offset_ = 0;     // parameters of the first module
-  std::uint64_t endOffset_ = 0;  // behind the last module
+  std::uint64_t offset_ = 0;        // parameters of the first module
+  std::uint64_t endOffset_ = 0;     // behind the last module
+  std::uint64_t fixedModules_ = 0;  // that a fixed chunk makes
+  std::uint64_t fixedParameters_ = 0;
   bool isUnusual_ = false;
   bool isResized_ = false;
   bool areDrawsLoaded_ = false;
@@ -115,9 +124,13 @@ class BatchScan {
   // the lanes of all rules that chose sites
   std::size_t laneCount_ = 0;
   std::vector<std::uint32_t> laneSite_;
-  std::vector<std::uint64_t> laneLeft_;   // parameters of the left neighbour, or where the row of the search begins
-  std::vector<std::uint64_t> laneRight_;  // parameters of the right neighbour
-  std::vector<double> rows_;              // frames that context searches filled
+  std::vector<std::uint64_t> laneLeft_;       // parameters of the left neighbour, or where the row of the search begins
+  std::vector<std::uint64_t> laneRight_;      // parameters of the right neighbour
+  std::vector<core::ModuleTypeId> leftType_;  // by site: the nearest neighbour, or kNoModuleType
+  std::vector<core::ModuleTypeId> rightType_;
+  std::vector<std::uint64_t> leftOffset_;  // by site: its parameters
+  std::vector<std::uint64_t> rightOffset_;
+  std::vector<double> rows_;  // frames that context searches filled
   std::vector<RuleLanes> ruleLanes_;
   std::vector<std::uint32_t> own_;  // offsets of the lanes that are evaluated
 

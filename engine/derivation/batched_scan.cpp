@@ -18,6 +18,11 @@ bool Derivation::Implementation::isWithinLimits(std::uint64_t moduleCount, std::
          moduleCount * 2 + parameterCount * 8 <= options_.limits.maximumStringBytes;
 }
 
+BatchScan::Step Derivation::Implementation::batchStep(const PlantState& state) const {
+  return {rewriter_.around(),        static_cast<std::uint32_t>(step_), static_cast<double>(state.derivationLength),
+          random_.selectionSource(), rewriter_.storesFloats(),          evaluator_.hasWarned()};
+}
+
 bool Derivation::Implementation::appendBatch(const BatchScan::Outcome& outcome) {
   const std::uint64_t modules = working_.size();
   const std::uint64_t parameters = working_.parameterCount();
@@ -25,7 +30,8 @@ bool Derivation::Implementation::appendBatch(const BatchScan::Outcome& outcome) 
     return false;
   }
   reserveOutput(modules + outcome.moduleCount, parameters + outcome.parameterCount);
-  if (!batch_->write(working_.typeBuffer().data() + modules, working_.parameterBuffer().data() + parameters)) {
+  if (!batches_.front()->write(working_.typeBuffer().data() + modules,
+                               working_.parameterBuffer().data() + parameters)) {
     return false;
   }
   working_.typeBuffer().resize(modules + outcome.moduleCount);
@@ -36,11 +42,10 @@ bool Derivation::Implementation::appendBatch(const BatchScan::Outcome& outcome) 
 void Derivation::Implementation::scanInBatches(const PlantState& state) {
   const SystemTables& tables = tables_.front();
   const ModuleString& old = state.string;
-  if (batch_ == nullptr) {
-    batch_ = std::make_unique<BatchScan>(*program_, tables.rules, tables.batches);
+  if (batches_.empty()) {
+    batches_.push_back(std::make_unique<BatchScan>(*program_, tables.rules, tables.batches, tables.plan));
   }
-  BatchScan::Step step{rewriter_.around(),        static_cast<std::uint32_t>(step_), 0.0,
-                       random_.selectionSource(), rewriter_.storesFloats(),          evaluator_.hasWarned()};
+  BatchScan& batch = *batches_.front();
   ScanPlace place;
   std::uint64_t chunk = BatchScan::kChunkModules;
   std::uint64_t general = 1;
@@ -48,10 +53,9 @@ void Derivation::Implementation::scanInBatches(const PlantState& state) {
     evaluator_.clearModule();
     evaluator_.pollCancelled();
     // blocks of the general way may have changed Z
-    step.length = static_cast<double>(state.derivationLength);
-    batch_->begin(step);
+    batch.begin(batchStep(state));
     const std::uint64_t end = std::min(old.size(), place.module + chunk);
-    const BatchScan::Outcome outcome = batch_->choose(place.module, end, place.offset);
+    const BatchScan::Outcome outcome = batch.choose(place.module, end, place.offset);
     const std::uint64_t batched = outcome.endModule - place.module;
     if (appendBatch(outcome)) {
       place = {outcome.endModule, outcome.endParameter};

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <new>
 #include <string>
+#include <thread>
 #include <utility>
 
 #include "engine/core/check.h"
@@ -13,6 +14,9 @@ namespace {
 
 // X = 155 * 2^32 + N mod 65536: seed48({N, 0, 155}) of the reference
 constexpr std::uint64_t kSelectionHigh = std::uint64_t{155} << 32U;
+
+// more threads than this wait for the memory and for each other
+constexpr unsigned kMostThreads = 64;
 
 Evaluator::Options evaluatorOptions(const DerivationOptions& options) {
   return {options.plant, options.limits, options.cancelled, options.messages, options.canWriteFiles};
@@ -36,6 +40,8 @@ Derivation::Implementation::Implementation(const language::Program& program, Der
       tables_(makeSystemTables(program)),
       cutWithTurtle_(program.findType("%", 1)),
       keptCut_(program.findType("%", 2)),
+      threadCount_(options_.threads == 0 ? std::min(std::max(std::thread::hardware_concurrency(), 1U), kMostThreads)
+                                         : std::min(options_.threads, kMostThreads)),
       frame_(program.maximumSlots + std::size_t{1}, 0.0) {
   ESPALIER_CHECK(!program.systems.empty());
   for (const language::LSystem& system : program.systems) {

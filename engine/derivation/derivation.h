@@ -19,7 +19,8 @@ struct DerivationOptions {
   bool hasSeed = false;
   std::uint32_t plant = 0;
   std::optional<std::uint64_t> derivationLength;  // replaces the model's (Z and when End runs)
-  unsigned threads = 1;                           // results do not depend on it
+  unsigned threads = 1;  // for long strings; 0: as many as the machine has. Results do not depend on it
+  std::uint64_t threadedModules = 65536;  // the shortest string that is long
   core::Limits limits;
   const std::atomic<bool>* cancelled = nullptr;  // polled about every 65,536 modules; must outlive the Derivation
   core::MessageSink messages;                    // printf and run-time warnings; may be empty

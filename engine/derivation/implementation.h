@@ -13,6 +13,7 @@
 #include "engine/derivation/rewriter.h"
 #include "engine/derivation/string_index.h"
 #include "engine/derivation/system_tables.h"
+#include "engine/derivation/worker_team.h"
 
 namespace espalier::derivation {
 
@@ -87,12 +88,20 @@ class Derivation::Implementation {
   template <bool kDrawsEachPosition, bool kHasParameters>
   void scanPlain(const PlantState& state, std::uint64_t end, ScanPlace& place);
   void scanInBatches(const PlantState& state);
+  [[nodiscard]] BatchScan::Step batchStep(const PlantState& state) const;
   [[nodiscard]] bool appendBatch(const BatchScan::Outcome& outcome);
   [[nodiscard]] bool isWithinLimits(std::uint64_t moduleCount, std::uint64_t parameterCount) const;
   [[nodiscard]] const QuickRule* chooseQuickRule(const QuickRule* first, const QuickRule* last, double* frame,
                                                  std::uint64_t module, double draw);
   [[noreturn]] void failQuickValue(const QuickRule& rule, std::uint32_t valueIndex, double value, std::uint64_t module,
                                    core::ModuleTypeId type);
+
+  // parallel_scan.cpp
+  [[nodiscard]] bool canScanInParallel(const ModuleString& old);
+  void scanInParallel(const PlantState& state);
+  void findChunkOffsets(const ModuleString& old);
+  std::uint64_t scanRound(const BatchScan::Step& step, std::uint64_t firstChunk);
+
   void scanBackwards(const PlantState& state);
   void reserveOutput(std::uint64_t moduleCount, std::uint64_t parameterCount);
   void reserveEstimate(const ModuleString& old);
@@ -139,7 +148,11 @@ class Derivation::Implementation {
   bool hasHomomorphismContexts_ = false;
   bool hasParameters_ = false;
 
-  std::unique_ptr<BatchScan> batch_;  // made when a string is long enough to use it
+  std::vector<std::unique_ptr<BatchScan>> batches_;  // by thread; made when a string is long enough to use them
+  unsigned threadCount_ = 1;                         // DerivationOptions::threads, or as many as the machine has
+  std::unique_ptr<WorkerTeam> team_;                 // made when a string is long enough for several threads
+  std::vector<std::uint64_t> chunkOffsets_;   // by chunk: its first parameter in the string that is read; one more
+  std::vector<std::uint64_t> unusualChunks_;  // of the last round of threads
 
   ModuleString working_;   // the string being produced; swapped with the old one at the end of a step
   ProducedPieces pieces_;  // the same while it is produced from right to left

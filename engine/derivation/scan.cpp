@@ -61,6 +61,8 @@ void Derivation::Implementation::scan(PlantState& state) {
     scanBackwards(state);
   } else if (record_ != nullptr) {
     scanRecorded(state);
+  } else if (canScanInParallel(old)) {
+    scanInParallel(state);
   } else if (tables_.front().batches.isUseful() && old.size() >= kBatchedModules &&
              !(random_.isSequential() && program_->systems.front().isStochastic)) {
     scanInBatches(state);

@@ -152,6 +152,7 @@ TEST_F(Cli, SeedIsDrawnOnceAndSaid) {
   EXPECT_EQ(again.output, first.output);
   EXPECT_EQ(again.errors, "");
   EXPECT_EQ(run("derive s.l --seed 7 --threads 2").output, run("derive s.l --seed 7").output);
+  EXPECT_EQ(run("derive s.l --seed 7 --threads 1").output, run("derive s.l --seed 7 --threads 0").output);
   EXPECT_NE(run("derive s.l --seed 7").output, run("derive s.l --seed 8").output);
 }
 

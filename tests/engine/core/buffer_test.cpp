@@ -48,9 +48,40 @@ TEST(Buffer, MovesLeaveAUsableBuffer) {
   EXPECT_EQ(a[0], 5);
 }
 
+TEST(Buffer, GrowingAMappingKeepsElementsAndPages) {
+  Buffer<std::uint64_t> buffer;
+  buffer.resize(500'000);
+  for (std::uint64_t i = 0; i < buffer.size(); ++i) {
+    buffer[i] = i * 5;
+  }
+  buffer.reserve(5'000'000);
+  ASSERT_EQ(buffer.size(), 500'000U);
+  EXPECT_EQ(reinterpret_cast<std::uintptr_t>(buffer.data()) % kHugePageBytes, 0U);
+  for (std::uint64_t i = 0; i < buffer.size(); ++i) {
+    ASSERT_EQ(buffer[i], i * 5);
+  }
+  buffer.resize(5'000'000);
+  buffer[4'999'999] = 7;
+  EXPECT_EQ(buffer[4'999'999], 7U);
+}
+
+TEST(Buffer, PopulatingPagesChangesNothing) {
+  Buffer<std::uint64_t> buffer;
+  buffer.resize(1'000'000);
+  buffer[999'999] = 3;
+  populatePages(buffer.data(), buffer.capacity() * sizeof(std::uint64_t));
+  EXPECT_EQ(buffer[0], 0U);
+  EXPECT_EQ(buffer[999'999], 3U);
+}
+
 TEST(Buffer, ImpossibleSizesThrowBadAlloc) {
   Buffer<double> buffer;
   EXPECT_THROW(buffer.reserve(SIZE_MAX / 16), std::bad_alloc);
+  // an array that was mapped already stays as it is
+  buffer.resize(1'000'000);
+  buffer[0] = 4.0;
+  EXPECT_THROW(buffer.reserve(SIZE_MAX / 16), std::bad_alloc);
+  EXPECT_EQ(buffer[0], 4.0);
   EXPECT_THROW(static_cast<void>(mapPages(SIZE_MAX)), std::bad_alloc);
 }
 

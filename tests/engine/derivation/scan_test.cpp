@@ -1,6 +1,7 @@
 // The scan against an independent specification: the plain derivation of tests/support, on models made at random.
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <random>
 #include <string>
 
@@ -224,7 +225,7 @@ struct Comparison {
 };
 
 /// Derives the models made from the seeds [first, first + count) and compares every string.
-Comparison compareModels(unsigned first, unsigned count, std::size_t maximumModules) {
+Comparison compareModels(unsigned first, unsigned count, std::size_t maximumModules, unsigned threads = 1) {
   Comparison result;
   for (unsigned seed = first; seed < first + count; ++seed) {
     const std::string text = ModelMaker(seed).model();
@@ -232,6 +233,8 @@ Comparison compareModels(unsigned first, unsigned count, std::size_t maximumModu
     derivation::DerivationOptions options;
     options.seed = seed;
     options.hasSeed = true;
+    options.threads = threads;
+    options.threadedModules = 1;
     DerivedModel model(text, options);
     const PlainDerivation plain(model.program(), seed);
     PlainString expected = plain.axiom();
@@ -259,9 +262,16 @@ TEST(Scan, AgreesWithThePlainDerivationOnRandomModels) {
   EXPECT_GT(result.changedCount, 4000U);
 }
 
+TEST(Scan, AgreesWithThePlainDerivationOnSeveralThreads) {
+  // the models that reach several chunks are few, so the strings may become longer here
+  EXPECT_GT(compareModels(2000, 150, 20000, 2).changedCount, 300U);
+  EXPECT_GT(compareModels(2150, 150, 20000, 4).changedCount, 300U);
+}
+
 TEST(LongScan, AgreesWithThePlainDerivationOnManyRandomModels) {
-  const Comparison result = compareModels(2000, 30000, 20000);
-  EXPECT_GT(result.changedCount, 60000U);
+  EXPECT_GT(compareModels(2300, 20000, 20000).changedCount, 40000U);
+  EXPECT_GT(compareModels(22300, 5000, 20000, 2).changedCount, 10000U);
+  EXPECT_GT(compareModels(27300, 5000, 20000, 4).changedCount, 10000U);
 }
 
 TEST(Scan, LongSuccessorsAreWrittenWhole) {
@@ -295,25 +305,96 @@ std::string axiomWithZero(std::size_t count, std::size_t place) {
   return text;
 }
 
-TEST(Scan, TheFirstModuleThatFailsIsNamed) {
-  // log(0) and exp(1000) are not finite; the second is in a chunk of its own
-  DerivedModel model(test::modelText("", axiomWithZero(3000, 2500) + "B(1000)" + axiomWithZero(10, 3),
-                                     "B(x) --> B(exp(x))\nA(x) --> A(log(x))\n"));
+/// One scan for each number of threads: all must do the same.
+class ScanOnThreads : public testing::TestWithParam<unsigned> {
+ protected:
+  static derivation::DerivationOptions options() {
+    derivation::DerivationOptions made;
+    made.threads = GetParam();
+    made.threadedModules = 1;
+    return made;
+  }
+};
+
+INSTANTIATE_TEST_SUITE_P(Threads, ScanOnThreads, testing::Values(1U, 2U, 4U));
+
+TEST_P(ScanOnThreads, TheFirstModuleThatFailsIsNamed) {
+  // log(0) and exp(1000) are not finite; the second is in a later chunk
+  DerivedModel model(test::modelText("", axiomWithZero(3000, 2500) + axiomWithZero(3000, 3000) + "B(1000)A(0)",
+                                     "B(x) --> B(exp(x))\nA(x) --> A(log(x))\n"),
+                     options());
+  const std::string before = model.text();
   const core::SimulationError error = model.failingStep();
   EXPECT_EQ(error.module, 2500U);
   EXPECT_NE(error.message.find("parameter 1 became infinite in 'log(x)'"), std::string::npos) << error.message;
-}
-
-TEST(Scan, AFailedStepLeavesTheString) {
-  DerivedModel model(test::modelText("", axiomWithZero(3000, 2999), "A(x) --> A(log(x))\n"));
-  const std::string before = model.text();
-  static_cast<void>(model.failingStep());
+  // a failed step leaves the string
   EXPECT_EQ(model.text(), before);
   EXPECT_EQ(model.state().step, 0U);
 }
 
-TEST(Scan, ADivisionByZeroWarnsOnceInALongString) {
-  DerivedModel model(test::modelText("", axiomWithZero(3000, 2999), "A(x) --> A(2/x)\n"));
+TEST_P(ScanOnThreads, AConditionThatFailsAfterOthersIsNotReachedFirst) {
+  // the weights of the module in the second chunk are infinite, and a value in the third
+  DerivedModel model(test::modelText("Seed: 1\n", axiomWithZero(6000, 2500) + "B(1000)",
+                                     "A(x) --> A(x) : -log(x)\nA(x) --> A(x+1) : 1\nB(x) --> B(exp(x))\n"),
+                     options());
+  const core::SimulationError error = model.failingStep();
+  EXPECT_EQ(error.code, core::SimulationErrorCode::NonFinite);
+  EXPECT_EQ(error.module, 2500U);
+}
+
+TEST_P(ScanOnThreads, AStringThatGrowsTooLongFailsAndStays) {
+  derivation::DerivationOptions limited = options();
+  limited.limits.maximumModules = 100000;
+  DerivedModel model(test::modelText("", "A(1)", "A(x) --> A(x)A(x)\n"), limited);
+  model.steps(16);
+  const core::SimulationError error = model.failingStep();
+  EXPECT_EQ(error.code, core::SimulationErrorCode::LimitExceeded);
+  EXPECT_NE(error.message.find("the string has more than 100000 modules (limit maximumModules)"), std::string::npos)
+      << error.message;
+  EXPECT_EQ(model.state().string.size(), 65536U);
+}
+
+TEST_P(ScanOnThreads, ACancelledStepLeavesTheString) {
+  std::atomic<bool> isCancelled = false;
+  derivation::DerivationOptions cancellable = options();
+  cancellable.cancelled = &isCancelled;
+  DerivedModel model(test::modelText("", "A(1)", "A(x) --> A(x)A(x)\n"), cancellable);
+  model.steps(14);
+  isCancelled = true;
+  EXPECT_EQ(model.failingStep().code, core::SimulationErrorCode::Cancelled);
+  EXPECT_EQ(model.state().string.size(), 16384U);
+  EXPECT_EQ(model.state().step, 14U);
+}
+
+TEST_P(ScanOnThreads, AGrowthThatNobodyForesawIsWrittenWhole) {
+  // nothing grows until the counters run out, then everything by a factor of 100
+  std::string successor;
+  for (int i = 0; i < 50; ++i) {
+    successor += "B(x)c";
+  }
+  DerivedModel model(
+      test::modelText("", axiomWithZero(10000, 77), "A(x) : Q<4 --> A(x+1)\nA(x) --> " + successor + "\n"), options());
+  model.steps(4);
+  ASSERT_EQ(model.state().string.size(), 1000000U);
+  ASSERT_EQ(model.state().string.parameterCount(), 500000U);
+  for (std::size_t i = 0; i < 500000; ++i) {
+    ASSERT_EQ(model.state().string.parameters()[i], i / 50 == 77 ? 3.0 : 4.0) << i;
+  }
+}
+
+TEST_P(ScanOnThreads, FixedBlocksAndTheirParametersAreWrittenWhole) {
+  DerivedModel model(test::modelText("", "Ap(1,2,3)q(5)", "A --> A[bA]\nb --> cdefghijklmnoprstuvw\nq(x) --> *\n"),
+                     options());
+  DerivedModel again(test::modelText("", "Ap(1,2,3)q(5)", "A --> A[bA]\nb --> cdefghijklmnoprstuvw\nq(x) --> *\n"));
+  for (int step = 0; step < 12; ++step) {
+    model.steps(1);
+    again.steps(1);
+    ASSERT_EQ(model.text(), again.text());
+  }
+}
+
+TEST_P(ScanOnThreads, ADivisionByZeroWarnsOnceInALongString) {
+  DerivedModel model(test::modelText("", axiomWithZero(3000, 2999), "A(x) --> A(2/x)\n"), options());
   model.steps(1);
   ASSERT_EQ(model.warnings().size(), 1U);
   EXPECT_NE(model.warnings()[0].find("division by 0"), std::string::npos);

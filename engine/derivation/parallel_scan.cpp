@@ -1,0 +1,191 @@
+// The scan of a long string by several threads. Chunks are taken in order; each thread chooses for its chunk, waits
+// until the chunk before has said how long its result is, says how long its own is, and writes into place. Waiting is
+// short because counting never waits for writing. What a batch cannot do stops the threads before that chunk, and the
+// calling thread does the chunk in the general way: the results, the first failure and the warnings are those of the
+// scan on one thread, whatever the number of threads.
+#include <algorithm>
+#include <atomic>
+#include <mutex>
+#include <thread>
+
+#include "engine/derivation/implementation.h"
+#include "engine/derivation/output_pages.h"
+
+namespace espalier::derivation {
+namespace {
+
+constexpr std::uint64_t kChunkModules = BatchScan::kChunkModules;
+// turns a waiting thread looks again before it lets others run
+constexpr int kSpins = 200;
+
+/// What the threads of one round share.
+struct Round {
+  std::uint64_t chunkCount = 0;
+  std::uint64_t modules = 0;  // made by all chunks before `turn`; only the thread whose turn it is reads or writes
+  std::uint64_t parameters = 0;
+  std::atomic<std::uint64_t> next{0};      // chunk that nobody has taken yet
+  std::atomic<std::uint64_t> turn{0};      // chunk whose place is decided next
+  std::atomic<std::uint64_t> stop{~0ULL};  // no chunk from here on is written in this round
+  std::mutex mutex;
+  std::vector<std::uint64_t> unusual;  // chunks with values that the Evaluator must see
+
+  void stopAt(std::uint64_t chunk) {
+    std::uint64_t seen = stop.load();
+    while (chunk < seen && !stop.compare_exchange_weak(seen, chunk)) {
+    }
+  }
+  /// Whether the turn of the chunk came; false when the round ends before.
+  [[nodiscard]] bool awaitTurn(std::uint64_t chunk) const {
+    for (int spins = 0; turn.load(std::memory_order_acquire) != chunk; ++spins) {
+      if (stop.load(std::memory_order_acquire) <= chunk) {
+        return false;
+      }
+      if (spins >= kSpins) {
+        std::this_thread::yield();
+      }
+    }
+    return stop.load(std::memory_order_acquire) > chunk;
+  }
+};
+
+}  // namespace
+
+bool Derivation::Implementation::canScanInParallel(const ModuleString& old) {
+  const BatchPlan& plan = tables_.front().batches;
+  return old.size() >= options_.threadedModules && threadCount_ > 1 && !program_->hasSubSystems && plan.isComplete() &&
+         !(random_.isSequential() && program_->systems.front().isStochastic);
+}
+
+void Derivation::Implementation::findChunkOffsets(const ModuleString& old) {
+  const std::uint64_t chunkCount = (old.size() + kChunkModules - 1) / kChunkModules;
+  chunkOffsets_.assign(chunkCount + 1, 0);
+  if (old.parameterCount() == 0) {
+    return;
+  }
+  std::atomic<std::uint64_t> next{0};
+  team_->run([&](unsigned) {
+    const core::ModuleTypeId* types = old.types().data();
+    const std::uint16_t* arity = program_->arity.data();
+    // a few chunks at a time, so that threads do not meet in the table
+    constexpr std::uint64_t kAtOnce = 16;
+    for (std::uint64_t first = next.fetch_add(kAtOnce); first < chunkCount; first = next.fetch_add(kAtOnce)) {
+      for (std::uint64_t chunk = first; chunk < std::min(first + kAtOnce, chunkCount); ++chunk) {
+        std::uint64_t count = 0;
+        for (std::uint64_t i = chunk * kChunkModules; i < std::min((chunk + 1) * kChunkModules, old.size()); ++i) {
+          count += arity[types[i]];
+        }
+        chunkOffsets_[chunk + 1] = count;
+      }
+    }
+  });
+  for (std::uint64_t chunk = 0; chunk < chunkCount; ++chunk) {
+    chunkOffsets_[chunk + 1] += chunkOffsets_[chunk];
+  }
+}
+
+std::uint64_t Derivation::Implementation::scanRound(const BatchScan::Step& step, std::uint64_t firstChunk) {
+  Round round;
+  const std::uint64_t size = step.old.size;
+  round.chunkCount = chunkOffsets_.size() - 1;
+  round.next = firstChunk;
+  round.turn = firstChunk;
+  round.modules = working_.size();
+  round.parameters = working_.parameterCount();
+  const std::uint64_t moduleCapacity = working_.typeBuffer().capacity();
+  const std::uint64_t parameterCapacity = working_.parameterBuffer().capacity();
+  core::ModuleTypeId* types = working_.typeBuffer().data();
+  double* parameters = working_.parameterBuffer().data();
+  OutputPages typePages;
+  OutputPages parameterPages;
+  typePages.cover(types, moduleCapacity * sizeof(core::ModuleTypeId));
+  parameterPages.cover(parameters, parameterCapacity * sizeof(double));
+
+  team_->run([&](unsigned worker) {
+    std::uint64_t chunk = 0;
+    try {
+      BatchScan& batch = *batches_[worker];
+      batch.begin(step);
+      while (true) {
+        chunk = round.next.fetch_add(1);
+        if (chunk >= round.chunkCount || chunk >= round.stop.load()) {
+          return;
+        }
+        const std::uint64_t first = chunk * kChunkModules;
+        const BatchScan::Outcome outcome =
+            batch.choose(first, std::min(first + kChunkModules, size), chunkOffsets_[chunk]);
+        if (!round.awaitTurn(chunk)) {
+          return;
+        }
+        const std::uint64_t modules = round.modules;
+        const std::uint64_t parameterCount = round.parameters;
+        round.modules += outcome.moduleCount;
+        round.parameters += outcome.parameterCount;
+        const bool isCancelled = options_.cancelled != nullptr && options_.cancelled->load(std::memory_order_relaxed);
+        if (isCancelled || outcome.isUnusual || !isWithinLimits(round.modules, round.parameters) ||
+            round.modules > moduleCapacity || round.parameters > parameterCapacity) {
+          round.modules = modules;
+          round.parameters = parameterCount;
+          round.stopAt(chunk);
+          return;
+        }
+        round.turn.store(chunk + 1, std::memory_order_release);
+        typePages.prepare(modules * sizeof(core::ModuleTypeId),
+                          (modules + outcome.moduleCount) * sizeof(core::ModuleTypeId));
+        parameterPages.prepare(parameterCount * sizeof(double),
+                               (parameterCount + outcome.parameterCount) * sizeof(double));
+        if (!batch.write(types + modules, parameters + parameterCount)) {
+          const std::lock_guard lock(round.mutex);
+          round.unusual.push_back(chunk);
+        }
+      }
+    } catch (...) {
+      // the others must not wait for this chunk
+      round.stopAt(chunk);
+      throw;
+    }
+  });
+  working_.typeBuffer().resize(round.modules);
+  working_.parameterBuffer().resize(round.parameters);
+  std::sort(round.unusual.begin(), round.unusual.end());
+  unusualChunks_ = std::move(round.unusual);
+  return std::min(round.stop.load(), round.chunkCount);
+}
+
+void Derivation::Implementation::scanInParallel(const PlantState& state) {
+  const SystemTables& tables = tables_.front();
+  const ModuleString& old = state.string;
+  if (team_ == nullptr) {
+    team_ = std::make_unique<WorkerTeam>(threadCount_);
+  }
+  while (batches_.size() < threadCount_) {
+    batches_.push_back(std::make_unique<BatchScan>(*program_, tables.rules, tables.batches, tables.plan));
+  }
+  findChunkOffsets(old);
+  const BatchScan::Step step = batchStep(state);
+  const std::uint64_t chunkCount = chunkOffsets_.size() - 1;
+  const auto scanChunk = [&](std::uint64_t chunk) {
+    evaluator_.clearModule();
+    ScanPlace place{chunk * kChunkModules, chunkOffsets_[chunk]};
+    scanUpTo(state, std::min(place.module + kChunkModules, old.size()), place);
+  };
+  for (std::uint64_t chunk = 0; chunk < chunkCount;) {
+    chunk = scanRound(step, chunk);
+    // values that fail or warn: in the order of the string, behind what is made already and dropped again
+    for (const std::uint64_t unusual : unusualChunks_) {
+      const std::uint64_t modules = working_.size();
+      const std::uint64_t parameters = working_.parameterCount();
+      scanChunk(unusual);
+      working_.typeBuffer().resize(modules);
+      working_.parameterBuffer().resize(parameters);
+    }
+    if (chunk < chunkCount) {
+      evaluator_.clearModule();
+      evaluator_.pollCancelled();
+      scanChunk(chunk);
+      rewriter_.checkSize(working_.size(), working_.parameterCount());
+      ++chunk;
+    }
+  }
+}
+
+}  // namespace espalier::derivation
