@@ -4,6 +4,7 @@
 #include <array>
 #include <cstring>
 #include <numeric>
+#include <utility>
 
 #include "engine/core/check.h"
 #include "engine/derivation/production_plan.h"
@@ -24,21 +25,19 @@ constexpr std::uint64_t kTypesAtOnce = 16;
 constexpr std::uint64_t kParametersAtOnce = 4;
 // where the parameters begin in a sum of modules and parameters of a chunk
 constexpr unsigned kFixedShift = 36;
-// longer stretches are left to memcpy
-constexpr std::uint64_t kShortTypes = 64;
-constexpr std::uint64_t kShortParameters = 32;
 
-/// Copies `count` elements, in whole steps of `kAtOnce` while at least `room` elements can be read and written.
-template <std::uint64_t kAtOnce, std::uint64_t kShort, typename T>
-void copyStretch(T* target, const T* source, std::uint64_t count, std::uint64_t room) {
-  if (count <= kShort && room >= kShort + kAtOnce) {
-    std::uint64_t done = 0;
-    do {
-      std::memcpy(target + done, source + done, kAtOnce * sizeof(T));
-      done += kAtOnce;
-    } while (done < count);
-  } else {
-    std::memcpy(target, source, count * sizeof(T));
+/// Copies `count` elements, or `kAtOnce` when that is more: short stretches cost no branch.
+template <std::uint64_t kAtOnce, typename T>
+void copyStretch(T* target, const T* source, std::uint64_t count) {
+  std::memcpy(target, source, kAtOnce * sizeof(T));
+  if (count > kAtOnce) [[unlikely]] {
+    std::uint64_t done = kAtOnce;
+    if (count <= 4 * kAtOnce) {
+      for (; done + kAtOnce <= count; done += kAtOnce) {
+        std::memcpy(target + done, source + done, kAtOnce * sizeof(T));
+      }
+    }
+    std::memcpy(target + done, source + done, (count - done) * sizeof(T));
   }
 }
 
@@ -76,6 +75,9 @@ BatchScan::BatchScan(const language::Program& program, const ContextRules& rules
       resizing_(kChunkModules + 1),
       allSites_(kChunkModules),
       sorted_(kChunkModules),
+      groupOf_(program.moduleTypeCount(), 0),
+      siteGroup_(kChunkModules),
+      groupCounts_(2 * (plan.groups().size() + 2)),
       groupBegin_(plan.groups().size() + 1),
       remaining_(kChunkModules),
       laneSite_(2 * kChunkModules),
@@ -92,6 +94,19 @@ BatchScan::BatchScan(const language::Program& program, const ContextRules& rules
   for (std::size_t i = 0; i < program.moduleTypeCount(); ++i) {
     const auto type = static_cast<ModuleTypeId>(i);
     fixedSizes_.push_back(productions[type].length | std::uint64_t{productions[type].copied} << kFixedShift);
+    switch (plan.classOf(type)) {
+      case BatchPlan::Class::Group:
+        groupOf_[type] = plan.indexOf(type);
+        break;
+      case BatchPlan::Class::Fixed:
+        groupOf_[type] = static_cast<std::uint32_t>(plan.groups().size());
+        break;
+      case BatchPlan::Class::General:
+        groupOf_[type] = static_cast<std::uint32_t>(plan.groups().size() + 1);
+        break;
+      case BatchPlan::Class::Kept:
+        break;
+    }
     if (type == program.closeBranch) {
       passing_[type] = static_cast<std::uint8_t>(kJumpedLeft | (rules.isIgnored(type) ? kSkippedRight : 0));
     } else if (type == program.openBranch) {
@@ -233,40 +248,53 @@ void BatchScan::collectSites() {
 
 void BatchScan::sortSites() {
   const ModuleTypeId* types = step_.old.types + first_;
-  std::fill(groupBegin_.begin(), groupBegin_.end(), 0U);
-  // fixed blocks, and how many sites each group has
+  const auto groupCount = static_cast<std::uint32_t>(plan_->groups().size());
+  // two counts for each group, of the sites in turn: a single one would have every addition wait for the one before
+  std::uint32_t* counts = groupCounts_.data();
+  std::fill(groupCounts_.begin(), groupCounts_.end(), 0U);
   for (std::size_t site = 0; site < siteCount_; ++site) {
-    const ModuleTypeId type = types[siteModule_[site]];
-    siteBlock_[site] = 0;
-    switch (plan_->classOf(type)) {
-      case BatchPlan::Class::Group:
-        ++groupBegin_[plan_->indexOf(type)];
-        break;
-      case BatchPlan::Class::Fixed:
-        siteBlock_[site] = plan_->indexOf(type);
-        isResized_ = true;
-        break;
-      case BatchPlan::Class::General:
-        // the chunk ends here
-        end_ = first_ + siteModule_[site];
-        endOffset_ = offset_ + siteOffset_[site];
-        siteCount_ = site;
-        break;
-      case BatchPlan::Class::Kept:
-        break;
+    const std::uint32_t group = groupOf_[types[siteModule_[site]]];
+    siteGroup_[site] = group;
+    ++counts[2 * group + (site & 1U)];
+  }
+  const std::uint32_t fixed = groupCount;
+  const std::uint32_t general = groupCount + 1;
+  if (counts[2 * general] + counts[2 * general + 1] > 0) {
+    // the chunk ends at the first module for the general way
+    const std::size_t last = static_cast<std::size_t>(
+        std::find(siteGroup_.begin(), siteGroup_.begin() + static_cast<std::ptrdiff_t>(siteCount_), general) -
+        siteGroup_.begin());
+    end_ = first_ + siteModule_[last];
+    endOffset_ = offset_ + siteOffset_[last];
+    for (std::size_t site = last; site < siteCount_; ++site) {
+      --counts[2 * siteGroup_[site] + (site & 1U)];
+    }
+    siteCount_ = last;
+  }
+  std::fill_n(siteBlock_.begin(), siteCount_, 0U);
+  if (counts[2 * fixed] + counts[2 * fixed + 1] > 0) {
+    isResized_ = true;
+    for (std::size_t site = 0; site < siteCount_; ++site) {
+      if (siteGroup_[site] == fixed) {
+        siteBlock_[site] = plan_->indexOf(types[siteModule_[site]]);
+      }
     }
   }
+  // counts become places
   std::uint32_t begin = 0;
-  for (std::uint32_t& group : groupBegin_) {
-    begin += group;
-    group = begin;
-  }
-  // from the back, so that every group's end moves to its begin
-  for (std::size_t site = siteCount_; site-- > 0;) {
-    const ModuleTypeId type = types[siteModule_[site]];
-    if (plan_->classOf(type) == BatchPlan::Class::Group) {
-      sorted_[--groupBegin_[plan_->indexOf(type)]] = static_cast<std::uint32_t>(site);
+  for (std::uint32_t group = 0; group < groupCount; ++group) {
+    groupBegin_[group] = begin;
+    for (std::uint32_t parity = 0; parity < 2; ++parity) {
+      begin += std::exchange(counts[2 * group + parity], begin);
     }
+  }
+  groupBegin_[groupCount] = begin;
+  counts[2 * fixed] = begin;
+  counts[2 * fixed + 1] = begin;
+  for (std::size_t site = 0; site < siteCount_; ++site) {
+    const std::size_t place = 2 * siteGroup_[site] + (site & 1U);
+    sorted_[counts[place]] = static_cast<std::uint32_t>(site);
+    counts[place] += siteGroup_[site] != fixed ? 1 : 0;
   }
 }
 
@@ -646,36 +674,51 @@ void BatchScan::writeBlocks(ModuleTypeId* types, double* parameters) const {
     madeParameters += static_cast<std::uint64_t>(std::int64_t{block.parameterGrowth});
   }
 
+  // the first sites are so far from the ends that more modules may be read and written than count
+  std::size_t roomy = resizingCount_;
+  while (roomy > 0 && (madeModule_[resizing_[roomy - 1]] + 2 * kTypesAtOnce > made ||
+                       siteModule_[resizing_[roomy - 1]] + kTypesAtOnce > readable)) {
+    --roomy;
+  }
+
   std::uint64_t module = 0;  // next to read
   std::uint64_t offset = 0;
   std::uint64_t target = 0;  // next to write
   std::uint64_t targetOffset = 0;
   const auto copyUpTo = [&](std::uint64_t endModule, std::uint64_t endOffset) {
-    copyStretch<kTypesAtOnce, kShortTypes>(types + target, oldTypes + module, endModule - module,
-                                           std::min(readable - module, made - target));
+    std::memcpy(types + target, oldTypes + module, (endModule - module) * sizeof(ModuleTypeId));
+    std::memcpy(parameters + targetOffset, oldParameters + offset, (endOffset - offset) * sizeof(double));
     target += endModule - module;
-    if (endOffset != offset) {
-      copyStretch<kParametersAtOnce, kShortParameters>(
-          parameters + targetOffset, oldParameters + offset, endOffset - offset,
-          std::min(readableParameters - offset, madeParameters - targetOffset));
-      targetOffset += endOffset - offset;
-    }
+    targetOffset += endOffset - offset;
   };
   for (std::size_t i = 0; i < resizingCount_; ++i) {
     const std::uint32_t site = resizing_[i];
     const BatchBlock& block = blocks[siteBlock_[site]];
-    // what stands between this site and the one before
-    copyUpTo(siteModule_[site], siteOffset_[site]);
-    // the block; its parameters follow when all gaps are closed
-    if (block.length <= TypePlan::kInlineTypes && made - target >= TypePlan::kInlineTypes) {
-      std::memcpy(types + target, block.types.data(), sizeof(block.types));
-    } else if (block.length > 0) {
-      std::memcpy(types + target, block.allTypes, block.length * sizeof(ModuleTypeId));
+    const std::uint64_t endModule = siteModule_[site];
+    const std::uint64_t endOffset = siteOffset_[site];
+    // what stands between this site and the one before, then the block; its parameters follow when all gaps are closed
+    if (i < roomy) [[likely]] {
+      copyStretch<kTypesAtOnce>(types + target, oldTypes + module, endModule - module);
+      target += endModule - module;
+      if (endOffset != offset) {
+        if (targetOffset + kParametersAtOnce <= madeParameters && offset + kParametersAtOnce <= readableParameters) {
+          copyStretch<kParametersAtOnce>(parameters + targetOffset, oldParameters + offset, endOffset - offset);
+        } else {
+          std::copy(oldParameters + offset, oldParameters + endOffset, parameters + targetOffset);
+        }
+        targetOffset += endOffset - offset;
+      }
+      copyStretch<kTypesAtOnce>(types + target, block.length <= kTypesAtOnce ? block.types.data() : block.allTypes,
+                                block.length);
+    } else {
+      copyUpTo(endModule, endOffset);
+      std::memcpy(types + target, block.length <= kTypesAtOnce ? block.types.data() : block.allTypes,
+                  block.length * sizeof(ModuleTypeId));
     }
     target += block.length;
     targetOffset += block.valueCount;
-    module = siteModule_[site] + std::uint64_t{1};
-    offset = siteOffset_[site] + std::uint64_t{arity[oldTypes[siteModule_[site]]]};
+    module = endModule + 1;
+    offset = endOffset + std::uint64_t{arity[oldTypes[endModule]]};
   }
   copyUpTo(end_ - first_, endOffset_ - offset_);
   ESPALIER_CHECK(target == made && targetOffset == madeParameters);

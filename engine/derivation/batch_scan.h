@@ -116,10 +116,13 @@ class BatchScan {
   std::vector<std::uint32_t> resizing_;  // sites whose block has another size than the module
   std::size_t resizingCount_ = 0;
 
-  std::vector<std::uint32_t> allSites_;    // 0, 1, 2, ...
-  std::vector<std::uint32_t> sorted_;      // sites by group
-  std::vector<std::uint32_t> groupBegin_;  // (groupCount + 1)
-  std::vector<std::uint32_t> remaining_;   // sites that no rule took so far
+  std::vector<std::uint32_t> allSites_;     // 0, 1, 2, ...
+  std::vector<std::uint32_t> sorted_;       // sites by group
+  std::vector<std::uint32_t> groupOf_;      // by module type: the group; groupCount: fixed; groupCount + 1: general
+  std::vector<std::uint32_t> siteGroup_;    // by site
+  std::vector<std::uint32_t> groupCounts_;  // by group: how many sites, then where the next one goes; two of each
+  std::vector<std::uint32_t> groupBegin_;   // (groupCount + 1)
+  std::vector<std::uint32_t> remaining_;    // sites that no rule took so far
 
   // the lanes of all rules that chose sites
   std::size_t laneCount_ = 0;

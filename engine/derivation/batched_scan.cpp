@@ -7,7 +7,7 @@ namespace espalier::derivation {
 namespace {
 
 // a batch shorter than this, before a module that needs the general way, is not worth its setting up
-constexpr std::uint64_t kWorthwhileModules = 64;
+constexpr std::uint64_t kWorthwhileModules = 256;
 // the longest stretch that is left to the general way before batches are tried again
 constexpr std::uint64_t kGeneralModules = 2048;
 

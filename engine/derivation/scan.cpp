@@ -12,8 +12,9 @@ namespace {
 constexpr std::uint64_t kChunkModules = 4096;
 // new modules that one chunk may make before the limits are looked at
 constexpr std::uint64_t kChunkOutput = 65536;
-// shorter strings are not worth the setting up of batches
-constexpr std::uint64_t kBatchedModules = 64;
+// shorter strings are not worth the setting up of batches; contexts are, sooner
+constexpr std::uint64_t kBatchedModules = 256;
+constexpr std::uint64_t kBatchedModulesWithContexts = 48;
 // modules or parameters that may be written beyond the end of what is used
 constexpr std::uint64_t kSlack = 64;
 // parameters that are copied in one move, whether there are as many or not
@@ -63,7 +64,8 @@ void Derivation::Implementation::scan(PlantState& state) {
     scanRecorded(state);
   } else if (canScanInParallel(old)) {
     scanInParallel(state);
-  } else if (tables_.front().batches.isUseful() && old.size() >= kBatchedModules &&
+  } else if (tables_.front().batches.isUseful() &&
+             old.size() >= (program_->hasContexts ? kBatchedModulesWithContexts : kBatchedModules) &&
              !(random_.isSequential() && program_->systems.front().isStochastic)) {
     scanInBatches(state);
   } else {
