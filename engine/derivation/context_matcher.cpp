@@ -62,7 +62,7 @@ bool matchesLeft(const language::Program& program, const ContextRules& rules, co
       const core::ModuleTypeId type = string.types[module];
       offset -= program.arity[type];
       if (type == program.closeBranch) {
-        const StringIndex::Link& link = string.index->link(module);
+        const StringIndex::Link link = string.index->link(module);
         if (link.partner == StringIndex::kNone) {
           return look(looks, ContextLook::Result::LoneBracket, program, string, 0, 0);
         }
@@ -111,11 +111,11 @@ bool matchesRight(const language::Program& program, const ContextRules& rules, c
           type == program.openBranch &&
           (isBranchEnd || (!rules.isIgnored(type) && element.kind != ContextElement::Kind::OpenBranch));
       if (isSkippedBranch) {
-        const StringIndex::Link& link = string.index->link(module);
+        const StringIndex::Link link = string.index->link(module);
         if (link.partner == StringIndex::kNone) {
           return look(looks, ContextLook::Result::LoneBracket, program, string, 0, 0);
         }
-        module = link.partner + std::uint64_t{1};
+        module = link.partner + 1;
         offset += link.parameterCount;
         continue;
       }

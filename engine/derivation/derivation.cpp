@@ -210,11 +210,6 @@ bool Derivation::Implementation::needsIndex(const language::LSystem& system) con
 }
 
 void Derivation::Implementation::buildIndex(const ModuleString& string) {
-  if (string.size() > StringIndex::kMaximumModules) {
-    evaluator_.failHere(
-        core::SimulationErrorCode::LimitExceeded,
-        "a model with contexts can have at most " + std::to_string(StringIndex::kMaximumModules) + " modules");
-  }
   index_.clear();
   index_.extend(*program_, string);
 }

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
+#include <unordered_map>
 #include <vector>
 
 #include "engine/core/buffer.h"
@@ -10,18 +12,19 @@
 namespace espalier::derivation {
 
 /// Links between the brackets of a string, so that a context search skips a branch in one move. Eight bytes a module,
-/// written (and touched) at brackets only.
+/// written (and touched) at brackets only; the few branches that are too long for that are kept beside.
 class StringIndex {
  public:
-  static constexpr std::uint32_t kNone = 0xFFFFFFFF;
+  static constexpr std::uint64_t kNone = std::numeric_limits<std::uint64_t>::max();
 
   struct Link {
-    std::uint32_t partner;         // index of the other bracket, or kNone when it has none
-    std::uint32_t parameterCount;  // parameters of all modules between the two
+    std::uint64_t partner;         // index of the other bracket, or kNone when it has none
+    std::uint64_t parameterCount;  // parameters of all modules between the two
   };
 
-  /// The longest string that links can describe.
-  static constexpr std::uint64_t kMaximumModules = 0xFFFFFFFE;
+  /// Branches of more than `longestShortBranch` modules or parameters (at most the default) are kept beside.
+  explicit StringIndex(std::uint64_t longestShortBranch = std::numeric_limits<std::int32_t>::max())
+      : longestShortBranch_(longestShortBranch) {}
 
   void clear();
 
@@ -30,17 +33,35 @@ class StringIndex {
   void extend(const language::Program& program, const ModuleString& string);
 
   /// The link of the bracket at `module`. Undefined for other modules.
-  [[nodiscard]] const Link& link(std::uint64_t module) const { return links_[module]; }
+  [[nodiscard]] Link link(std::uint64_t module) const {
+    const ShortLink found = links_[module];
+    if (found.distance == kNoPartner) [[unlikely]] {
+      return {kNone, 0};
+    }
+    if (found.distance == kIsLong) [[unlikely]] {
+      return longLinks_.at(module);
+    }
+    return {module + static_cast<std::uint64_t>(static_cast<std::int64_t>(found.distance)), found.parameterCount};
+  }
 
  private:
+  static constexpr std::int32_t kNoPartner = 0;
+  static constexpr std::int32_t kIsLong = std::numeric_limits<std::int32_t>::min();  // the link is in longLinks_
+
+  struct ShortLink {
+    std::int32_t distance;         // to the partner, negative at `]`; or one of the two values above
+    std::uint32_t parameterCount;  // parameters of all modules between the two
+  };
   struct Open {
-    std::uint32_t module;
+    std::uint64_t module;
     std::uint64_t parameterOffset;  // of the first module inside
   };
-  core::Buffer<Link> links_;           // by module; defined at brackets only (moduleCount)
-  std::vector<Open> open_;             // brackets without a partner so far
-  std::uint64_t indexed_ = 0;          // modules seen
-  std::uint64_t parameterOffset_ = 0;  // of the next module
+  std::uint64_t longestShortBranch_;
+  core::Buffer<ShortLink> links_;                      // by module; defined at brackets only (moduleCount)
+  std::unordered_map<std::uint64_t, Link> longLinks_;  // by module
+  std::vector<Open> open_;                             // brackets without a partner so far
+  std::uint64_t indexed_ = 0;                          // modules seen
+  std::uint64_t parameterOffset_ = 0;                  // of the next module
 };
 
 }  // namespace espalier::derivation

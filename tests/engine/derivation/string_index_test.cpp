@@ -39,5 +39,26 @@ TEST(StringIndex, ClosesBranchesThatWereOpenWhenItWasExtended) {
   EXPECT_EQ(index.link(3).parameterCount, 1U);
 }
 
+TEST(StringIndex, KeepsLongBranchesApartAndLinksThemAlike) {
+  // a threshold of 3 instead of 2^31 - 1: too many modules in the first, too many parameters in the second
+  DerivedModel model(modelText("", "[A(1)[B]CD]E[B(1,2,3,4)][C(1,2,3)]F", "A --> A\n"));
+  StringIndex plain;
+  StringIndex apart(3);
+  plain.extend(model.program(), model.state().string);
+  apart.extend(model.program(), model.state().string);
+  const auto types = model.state().string.types();
+  std::size_t brackets = 0;
+  for (std::uint64_t i = 0; i < types.size(); ++i) {
+    if (types[i] == model.program().openBranch || types[i] == model.program().closeBranch) {
+      EXPECT_EQ(apart.link(i).partner, plain.link(i).partner) << i;
+      EXPECT_EQ(apart.link(i).parameterCount, plain.link(i).parameterCount) << i;
+      ++brackets;
+    }
+  }
+  EXPECT_EQ(brackets, 8U);
+  EXPECT_EQ(apart.link(0).partner, 7U);
+  EXPECT_EQ(apart.link(9).parameterCount, 4U);
+}
+
 }  // namespace
 }  // namespace espalier
