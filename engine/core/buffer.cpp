@@ -95,4 +95,13 @@ void unmapPages(void* memory, std::size_t byteCount) noexcept {
   }
 }
 
+void adviseHugePages(void* memory, std::size_t byteCount) noexcept {
+  // the huge pages that lie within
+  const auto begin = (reinterpret_cast<std::uintptr_t>(memory) + kHugePageBytes - 1) & ~(kHugePageBytes - 1);
+  const auto end = (reinterpret_cast<std::uintptr_t>(memory) + byteCount) & ~(kHugePageBytes - 1);
+  if (end > begin) {
+    static_cast<void>(madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE));
+  }
+}
+
 }  // namespace espalier::core

@@ -22,6 +22,10 @@ void unmapPages(void* memory, std::size_t byteCount) noexcept;
 /// they hold. Help only: where the system cannot, nothing happens.
 void populatePages(void* memory, std::size_t byteCount) noexcept;
 
+/// Asks for huge pages for memory that was had elsewhere and is about to be written for the first time. Advice: nothing
+/// depends on it.
+void adviseHugePages(void* memory, std::size_t byteCount) noexcept;
+
 /// A growable array of trivially copyable elements whose new elements are uninitialised. Grows by at least half, never
 /// shrinks unless told; clear() keeps the memory.
 template <typename T>

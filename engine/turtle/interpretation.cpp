@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
+#include "engine/core/buffer.h"
 #include "engine/core/number_text.h"
 
 namespace espalier::turtle {
@@ -12,7 +14,11 @@ using core::ModuleTypeId;
 
 namespace {
 
-constexpr std::uint64_t kPollInterval = 65'536;  // modules between two looks at `cancelled`
+using Role = InterpretationTables::Role;
+
+constexpr std::uint64_t kPollInterval = 65'536;      // modules between two looks at `cancelled`
+constexpr std::uint64_t kSmallestReserved = 10'000;  // modules; a shorter string's output grows fast enough
+constexpr std::uint64_t kNever = std::numeric_limits<std::uint64_t>::max();  // no module has this index
 
 }  // namespace
 
@@ -20,21 +26,20 @@ std::int32_t wholeNumber(double value) {
   return std::abs(value) < 2e9 ? static_cast<std::int32_t>(value) : 0;
 }
 
-Interpretation::Interpretation(Tables tables, derivation::Derivation& derivation, derivation::PlantState& plantState,
-                               std::uint32_t plant, const PlantPlacement& placement, const InterpretationOutput& output)
-    : program_(tables.program),
-      view_(tables.program.view),
-      commandOf_(tables.commandOf),
-      mayExpand_(tables.mayExpand),
-      reported_(tables.reported),
-      derivation_(derivation),
-      plantState_(plantState),
-      plant_(plant),
-      coordinates_(placement.position, placement.frame),
+Interpretation::Interpretation(const Subject& subject, const InterpretationOutput& output)
+    : program_(subject.program),
+      view_(subject.program.view),
+      tables_(subject.tables),
+      reported_(subject.reported),
+      derivation_(subject.derivation),
+      plantState_(subject.plantState),
+      plant_(subject.plant),
+      coordinates_(subject.placement.position, subject.placement.frame),
       output_(output),
-      drawing_(output.scene, tables.program.view, plant),
+      drawing_(output.scene, subject.program.view, subject.plant),
       isEnvironmentPass_(output.queries != nullptr),
       skipsAttributes_(isEnvironmentPass_ && isCompatible()) {
+  const PlantPlacement& placement = subject.placement;
   state_.position = placement.position;
   state_.frame = placement.frame;
   state_.previousHeading = placement.frame.heading;
@@ -52,34 +57,101 @@ Interpretation::Interpretation(Tables tables, derivation::Derivation& derivation
 
 void Interpretation::run() {
   derivation_.beginInterpretation(plantState_);
-  walkString();
+  reserveOutput();
+  walk(0, plantState_.string.size(), 0);
   derivation_.endInterpretation(plantState_);
   drawing_.finish();
 }
 
-void Interpretation::walkString() {
+void Interpretation::runAround(std::span<const BranchPart> branches, std::span<BranchStart> starts,
+                               std::vector<std::string>& warnings) {
+  branches_ = branches;
+  start_ = starts.data();
+  warnings_ = &warnings;
+  derivation_.beginInterpretation(plantState_);
+  walk(0, plantState_.string.size(), 0);
+  derivation_.endInterpretation(plantState_);
+}
+
+void Interpretation::runBranch(const BranchPart& branch, const BranchStart& start, std::vector<std::string>& warnings) {
+  warnings_ = &warnings;
+  state_ = start.state;
+  walk(branch.firstModule, branch.endModule, branch.firstOffset);
+}
+
+void Interpretation::reserveOutput() {
+  // images and cuts make the output unlike the string
+  if (tables_.hasImages || tables_.hasCut || plantState_.string.size() < kSmallestReserved ||
+      (output_.scene == nullptr && output_.records == nullptr && output_.queries == nullptr)) {
+    return;
+  }
+  std::size_t segments = 0;
+  std::size_t records = 0;
+  std::size_t queries = 0;
+  for (const ModuleTypeId type : plantState_.string.types()) {
+    const std::uint8_t adds = tables_.adds[type];
+    segments += adds & InterpretationTables::kSegment;
+    records += (adds & InterpretationTables::kRecord) / InterpretationTables::kRecord;
+    queries += (adds & InterpretationTables::kQuery) / InterpretationTables::kQuery;
+  }
+  // grown at least by half, so that many plants do not copy one another again and again
+  const auto reserve = [](auto& list, std::size_t count) {
+    if (list.size() + count <= list.capacity()) {
+      return;
+    }
+    list.reserve(std::max(list.size() + count, list.capacity() + list.capacity() / 2));
+    core::adviseHugePages(list.data() + list.size(), (list.capacity() - list.size()) * sizeof(list[0]));
+  };
+  if (output_.scene != nullptr) {
+    reserve(output_.scene->segments, segments);
+  }
+  if (output_.records != nullptr) {
+    reserve(*output_.records, records);
+  }
+  if (output_.queries != nullptr) {
+    reserve(output_.queries->position, output_.needs.position ? queries : 0);
+    reserve(output_.queries->module, queries);
+  }
+}
+
+void Interpretation::walk(std::uint64_t module, std::uint64_t end, std::uint64_t offset) {
   const Sequence string{plantState_.string.types().data(), plantState_.string.mutableParameters().data(),
                         plantState_.string.size(), false};
+  const std::uint16_t* arity = program_.arity.data();
+  const std::uint8_t* isSkipped = tables_.isSkipped.data();
+  const bool isWatched = static_cast<bool>(output_.onModule);
   const std::atomic<bool>* cancelled = derivation_.options().cancelled;
-  std::uint64_t nextPoll = 0;
-  std::uint64_t offset = 0;
-  for (std::uint64_t i = 0; i < string.count;) {
+  std::uint64_t nextPoll = module;
+  std::uint64_t nextBranch = branches_.empty() ? kNever : branches_.front().firstModule;
+  for (std::uint64_t i = module; i < end;) {
     if (i >= nextPoll) {
       nextPoll = i + kPollInterval;
       if (cancelled != nullptr && cancelled->load(std::memory_order_relaxed)) {
+        module_ = i;
         fail(core::SimulationErrorCode::Cancelled, "the step was cancelled");
       }
+    }
+    if (i >= nextBranch) {
+      skipBranch(i, offset);
+      nextBranch = branches_.empty() ? kNever : branches_.front().firstModule;
+      continue;
+    }
+    const ModuleTypeId first = string.types[i];
+    if (isSkipped[first] != 0 && !isWatched) {
+      offset += arity[first];
+      ++i;
+      continue;
     }
     module_ = i;
     drawing_.setModule(i);
     isTouched_ = false;
     // a `$` belongs to the L-system around the call that it ends
-    if (string.types[i] == program_.subSystemEnd) {
+    if (first == program_.subSystemEnd) {
       leaveInstance();
     }
     // the homomorphism's image stands for the module, otherwise the module itself
     std::uint64_t consumed = 0;
-    if (mayExpand_[string.types[i]]) {
+    if (tables_.mayExpand[first] != 0) {
       image_.clear();
       const std::uint32_t instance = instances_.empty() ? 0 : instances_.back();
       consumed = derivation_.expand(plantState_, instance, i, offset, image_);
@@ -93,8 +165,8 @@ void Interpretation::walkString() {
     for (std::uint64_t k = 0; k < consumed; ++k) {
       const ModuleTypeId type = string.types[i + k];
       lastOffset = offset;
-      offset += program_.arity[type];
-      if (isCall(type)) {
+      offset += arity[type];
+      if (tables_.roleOf[type] == Role::Call) {
         instances_.push_back(++instanceCount_);
       } else if (k > 0 && type == program_.subSystemEnd) {
         leaveInstance();
@@ -108,13 +180,30 @@ void Interpretation::walkString() {
       output_.onModule(stateAfter(i - 1, lastOffset));
     }
     if (isCut_) {
-      const std::uint64_t end = endOfCut(i);
-      for (; i < end; ++i) {
-        offset += program_.arity[string.types[i]];
-      }
+      skipCut(i, offset);
       isCut_ = false;
     }
   }
+}
+
+void Interpretation::skipBranch(std::uint64_t& module, std::uint64_t& offset) {
+  const BranchPart& branch = branches_.front();
+  // a cut may have led beyond it
+  if (module == branch.firstModule) {
+    *start_ = {true, state_, mark()};
+    module = branch.endModule;
+    offset = branch.endOffset;
+  }
+  branches_ = branches_.subspan(1);
+  ++start_;
+}
+
+Interpretation::OutputMark Interpretation::mark() const {
+  OutputMark result;
+  result.queries = output_.queries == nullptr ? 0 : output_.queries->size();
+  result.changes = output_.changes == nullptr ? 0 : output_.changes->size();
+  result.warnings = warnings_ == nullptr ? 0 : warnings_->size();
+  return result;
 }
 
 void Interpretation::walkImage() {
@@ -134,7 +223,7 @@ void Interpretation::walkImage() {
 std::uint64_t Interpretation::execute(const Sequence& sequence, std::uint64_t i, std::uint64_t offset) {
   const ModuleTypeId type = sequence.types[i];
   const Arguments arguments{sequence.parameters + offset, program_.arity[type]};
-  const auto command = static_cast<TurtleCommand>(commandOf_[type]);
+  const TurtleCommand command = tables_.commandOf[type];
   switch (command) {
     case TurtleCommand::None:
       return 1;
@@ -243,35 +332,43 @@ std::uint64_t Interpretation::executeSurface(const Sequence& sequence, std::uint
   return 2;
 }
 
-std::uint64_t Interpretation::endOfCut(std::uint64_t i) {
-  const auto types = plantState_.string.types();
+void Interpretation::skipCut(std::uint64_t& module, std::uint64_t& offset) {
+  const ModuleTypeId* types = plantState_.string.types().data();
+  const std::uint64_t size = plantState_.string.size();
+  const Role* roleOf = tables_.roleOf.data();
+  const std::uint16_t* arity = program_.arity.data();
   std::uint64_t branches = 0;
   std::uint64_t systems = 0;
   const bool isInSystem = !instances_.empty();
-  for (; i < types.size(); ++i) {
-    if (types[i] == program_.openBranch) {
-      ++branches;
-    } else if (types[i] == program_.closeBranch) {
-      if (branches == 0) {
-        return i;
+  std::uint64_t i = module;
+  std::uint64_t next = offset;
+  for (; i < size; ++i) {
+    const ModuleTypeId type = types[i];
+    const Role role = roleOf[type];
+    if (role != Role::None) {
+      if ((role == Role::CloseBranch && branches == 0) || (role == Role::SystemEnd && systems == 0 && isInSystem)) {
+        break;
       }
-      --branches;
-    } else if (types[i] == program_.subSystemEnd) {
-      if (systems == 0 && isInSystem) {
-        return i;
+      if (role == Role::OpenBranch) {
+        ++branches;
+      } else if (role == Role::CloseBranch) {
+        --branches;
+      } else if (role == Role::SystemEnd) {
+        systems -= systems > 0 ? 1U : 0U;
+      } else {
+        // the numbering of sub-L-system calls goes on
+        ++systems;
+        ++instanceCount_;
       }
-      systems -= systems > 0 ? 1U : 0U;
-    } else if (isCall(types[i])) {
-      // the numbering of sub-L-system calls goes on
-      ++systems;
-      ++instanceCount_;
     }
+    next += arity[type];
   }
-  return i;
+  module = i;
+  offset = next;
 }
 
 void Interpretation::openBranch() {
-  if (stack_.size() >= derivation_.options().limits.maximumTurtleStack) {
+  if (state_.branchOrder >= derivation_.options().limits.maximumTurtleStack) {
     fail(core::SimulationErrorCode::LimitExceeded,
          "more than " + std::to_string(derivation_.options().limits.maximumTurtleStack) +
              " brackets are open, the limit maximumTurtleStack. Raise the limit if the model is meant to do this");
@@ -286,10 +383,6 @@ void Interpretation::closeBranch() {
   }
   state_ = stack_.back();
   stack_.pop_back();
-}
-
-bool Interpretation::isCall(ModuleTypeId type) const {
-  return static_cast<TurtleCommand>(commandOf_[type]) == TurtleCommand::Query && program_.arity[type] > 0;
 }
 
 void Interpretation::leaveInstance() {
@@ -330,12 +423,17 @@ TurtleRecord Interpretation::stateAfter(std::uint64_t module, std::uint64_t offs
 
 void Interpretation::record(std::uint64_t module, std::uint64_t offset) {
   const auto index = static_cast<std::uint32_t>(output_.records->size());
+  checkCount(output_.records->size());
   output_.records->push_back(stateAfter(module, offset));
   output_.records->back().parent = state_.record;
   state_.record = index;
 }
 
 void Interpretation::warnOnce(std::string text) {
+  if (warnings_ != nullptr) {
+    warnings_->push_back(std::move(text));
+    return;
+  }
   const core::MessageSink& messages = derivation_.options().messages;
   if (messages && reported_.size() < core::DiagnosticList::kLimit && reported_.insert(text).second) {
     messages(core::MessageKind::Warning, text);
@@ -358,10 +456,15 @@ void Interpretation::fail(core::SimulationErrorCode code, const std::string& wha
   throw core::SimulationFailure(std::move(error));
 }
 
-void Interpretation::checkPosition() const {
-  if (std::isfinite(state_.position.x + state_.position.y + state_.position.z)) {
-    return;
+void Interpretation::checkCount(std::size_t count) const {
+  if (count >= kNoParent) [[unlikely]] {
+    fail(core::SimulationErrorCode::LimitExceeded,
+         "there are more lines or turtle records than their parents can be numbered with, " +
+             std::to_string(kNoParent) + ". Draw fewer plants or fewer modules");
   }
+}
+
+void Interpretation::failPosition() const {
   std::string text;
   core::appendNumber(text, state_.position.x, core::NumberStyle::Shortest);
   text += ", ";

@@ -1,15 +1,19 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <set>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "engine/turtle/branch_parts.h"
 #include "engine/turtle/drawing.h"
+#include "engine/turtle/interpretation_tables.h"
 #include "engine/turtle/interpreter.h"
 #include "engine/turtle/plant_coordinates.h"
-#include "engine/turtle/turtle_command.h"
+#include "engine/turtle/turtle_motion.h"
 #include "engine/turtle/turtle_state.h"
 
 namespace espalier::turtle {
@@ -19,17 +23,44 @@ namespace espalier::turtle {
 /// interpretation_queries.cpp (query and communication modules).
 class Interpretation {
  public:
-  struct Tables {
+  /// What is interpreted. Everything must outlive the Interpretation.
+  struct Subject {
     const language::Program& program;
-    const std::vector<std::uint8_t>& commandOf;
-    const std::vector<bool>& mayExpand;
+    const InterpretationTables& tables;
     std::set<std::string>& reported;
+    derivation::Derivation& derivation;
+    derivation::PlantState& plantState;
+    std::uint32_t plant;
+    const PlantPlacement& placement;
   };
 
-  Interpretation(Tables tables, derivation::Derivation& derivation, derivation::PlantState& plantState,
-                 std::uint32_t plant, const PlantPlacement& placement, const InterpretationOutput& output);
+  /// How much a part of an environment pass has given.
+  struct OutputMark {
+    std::size_t queries = 0;
+    std::size_t changes = 0;
+    std::size_t warnings = 0;
+  };
 
+  /// How the turtle comes to a branch that is interpreted apart.
+  struct BranchStart {
+    bool isReached = false;  // false: a cut or a failure came before
+    TurtleState state;
+    OutputMark mark;  // what the walk around it had given so far
+  };
+
+  Interpretation(const Subject& subject, const InterpretationOutput& output);
+
+  /// The whole string.
   void run();
+  /// The string without these branches, which are skipped from the module behind `[` up to `]`; how they start is
+  /// written down in `starts` (branches.size()). Warnings are collected in `warnings`.
+  void runAround(std::span<const BranchPart> branches, std::span<BranchStart> starts,
+                 std::vector<std::string>& warnings);
+  /// One of these branches. Nothing may be drawn or recorded: it would have no parent.
+  void runBranch(const BranchPart& branch, const BranchStart& start, std::vector<std::string>& warnings);
+
+  /// Gives a warning unless it was given before.
+  void warnOnce(std::string text);
 
  private:
   /// The modules being interpreted: the string itself or the image of one of its modules.
@@ -51,15 +82,17 @@ class Interpretation {
   };
 
   // the walk
-  void walkString();
+  void reserveOutput();
+  void walk(std::uint64_t module, std::uint64_t end, std::uint64_t offset);
   void walkImage();
   [[nodiscard]] std::uint64_t execute(const Sequence& sequence, std::uint64_t i, std::uint64_t offset);
   [[nodiscard]] std::uint64_t executeAt(const Sequence& sequence, std::uint64_t i, std::uint64_t offset);
   [[nodiscard]] std::uint64_t executeSurface(const Sequence& sequence, std::uint64_t i, std::uint64_t offset);
-  [[nodiscard]] std::uint64_t endOfCut(std::uint64_t i);
+  void skipCut(std::uint64_t& module, std::uint64_t& offset);
+  void skipBranch(std::uint64_t& module, std::uint64_t& offset);
+  [[nodiscard]] OutputMark mark() const;
   void openBranch();
   void closeBranch();
-  [[nodiscard]] bool isCall(core::ModuleTypeId type) const;
   void leaveInstance();
   void enterScale(const Arguments& arguments);
   void leaveScale();
@@ -84,9 +117,14 @@ class Interpretation {
   void communicate(const Sequence& sequence, std::uint64_t i, std::uint64_t offset);
   void fillLegacyPosition(const Sequence& sequence, std::uint64_t offset, std::uint16_t arity);
 
-  void warnOnce(std::string text);
   [[noreturn]] void fail(core::SimulationErrorCode code, const std::string& what) const;
-  void checkPosition() const;
+  void checkPosition() const {
+    if (!std::isfinite(state_.position.x + state_.position.y + state_.position.z)) [[unlikely]] {
+      failPosition();
+    }
+  }
+  [[noreturn]] void failPosition() const;
+  void checkCount(std::size_t count) const;
   [[nodiscard]] bool isCompatible() const { return program_.compatibility != core::Compatibility::Espalier; }
   [[nodiscard]] char characterOf(core::ModuleTypeId type) const {
     return program_.symbols[program_.symbolOf[type]].character();
@@ -94,8 +132,7 @@ class Interpretation {
 
   const language::Program& program_;
   const language::ViewSettings& view_;
-  const std::vector<std::uint8_t>& commandOf_;
-  const std::vector<bool>& mayExpand_;
+  const InterpretationTables& tables_;
   std::set<std::string>& reported_;
   derivation::Derivation& derivation_;
   derivation::PlantState& plantState_;
@@ -104,7 +141,12 @@ class Interpretation {
   const InterpretationOutput& output_;
   Drawing drawing_;
 
+  std::span<const BranchPart> branches_;          // still to be skipped, in order
+  BranchStart* start_ = nullptr;                  // of the first of them
+  std::vector<std::string>* warnings_ = nullptr;  // null: warnings are given at once
+
   TurtleState state_;
+  TurnCache turns_;
   std::vector<TurtleState> stack_;        // states at the open brackets
   std::vector<ScaleFrame> scales_;        // before each open `?(id)`
   std::vector<std::uint32_t> instances_;  // sub-L-system instance at each open `?(id)` of the string

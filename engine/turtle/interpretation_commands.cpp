@@ -41,22 +41,22 @@ void Interpretation::perform(TurtleCommand command, const Arguments& arguments) 
       advance(arguments, false, false);
       return;
     case TurtleCommand::TurnLeft:
-      turnLeft(state_.frame, angleRadians(arguments));
+      turnLeft(state_.frame, turns_.turnBy(angleRadians(arguments)));
       return;
     case TurtleCommand::TurnRight:
-      turnLeft(state_.frame, -angleRadians(arguments));
+      turnLeft(state_.frame, turns_.turnBy(-angleRadians(arguments)));
       return;
     case TurtleCommand::PitchDown:
-      pitchDown(state_.frame, angleRadians(arguments));
+      pitchDown(state_.frame, turns_.turnBy(angleRadians(arguments)));
       return;
     case TurtleCommand::PitchUp:
-      pitchDown(state_.frame, -angleRadians(arguments));
+      pitchDown(state_.frame, turns_.turnBy(-angleRadians(arguments)));
       return;
     case TurtleCommand::RollRight:
-      rollRight(state_.frame, angleRadians(arguments));
+      rollRight(state_.frame, turns_.turnBy(angleRadians(arguments)));
       return;
     case TurtleCommand::RollLeft:
-      rollRight(state_.frame, -angleRadians(arguments));
+      rollRight(state_.frame, turns_.turnBy(-angleRadians(arguments)));
       return;
     case TurtleCommand::TurnAround:
       turnAround(state_.frame);
@@ -109,6 +109,9 @@ void Interpretation::advance(const Arguments& arguments, bool draws, bool addsVe
   isTouched_ = true;
   if (draws) {
     drawing_.line(state_, start);
+    if (output_.scene != nullptr) {
+      checkCount(output_.scene->segments.size());
+    }
     rememberFrame(state_);
   }
   if (addsVertex) {

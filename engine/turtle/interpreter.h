@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <set>
 #include <string>
 #include <vector>
@@ -10,10 +11,13 @@
 #include "engine/derivation/derivation.h"
 #include "engine/language/program.h"
 #include "engine/turtle/environment_process.h"
+#include "engine/turtle/interpretation_tables.h"
 #include "engine/turtle/scene.h"
 #include "engine/turtle/turtle_state.h"
 
 namespace espalier::turtle {
+
+class PartedInterpretation;
 
 /// Where a plant stands: the turtle starts here.
 struct PlantPlacement {
@@ -50,20 +54,22 @@ struct InterpretationOutput {
 /// colour symbols, and it overwrites the legacy `s`. The table of symbols is in README.md. Throws
 /// core::SimulationFailure: a position that is not finite, a limit, cancelled; the string may then be partly filled
 /// (`changes` tells how to undo it). O(modules). Warnings go to the Derivation's message sink, each text once per
-/// Interpreter.
+/// Interpreter. An environment pass with several threads (DerivationOptions::threads) interprets branches of a long
+/// string at the same time; the output is the same.
 class Interpreter {
  public:
   /// `program` must outlive the object.
   explicit Interpreter(const language::Program& program);
+  ~Interpreter();
 
   void interpret(derivation::Derivation& derivation, derivation::PlantState& state, std::uint32_t plant,
                  const PlantPlacement& placement, const InterpretationOutput& output);
 
  private:
   const language::Program* program_;
-  std::vector<std::uint8_t> commandOf_;  // TurtleCommand by module type (moduleTypeCount)
-  std::vector<bool> mayExpand_;          // a homomorphism production begins with the type (moduleTypeCount)
-  std::set<std::string> reported_;       // warnings already given
+  InterpretationTables tables_;
+  std::set<std::string> reported_;  // warnings already given
+  std::unique_ptr<PartedInterpretation> parted_;
 };
 
 }  // namespace espalier::turtle

@@ -1,5 +1,6 @@
 #include "engine/turtle/turtle_motion.h"
 
+#include <bit>
 #include <cmath>
 
 namespace espalier::turtle {
@@ -10,9 +11,9 @@ using core::Vec3;
 namespace {
 
 // turns a toward b in their plane: a' = c a + s b, b' = c b - s a
-void turnToward(Vec3& a, Vec3& b, double radians) {
-  const double c = std::cos(radians);
-  const double s = std::sin(radians);
+void turnToward(Vec3& a, Vec3& b, const Turn& turn) {
+  const double c = turn.cosine;
+  const double s = turn.sine;
   const Vec3 oldA = a;
   const Vec3 oldB = b;
   a = c * oldA + s * oldB;
@@ -25,16 +26,30 @@ Vec3 headingOrDefault(const Vec3& heading) {
 
 }  // namespace
 
-void turnLeft(Frame& frame, double radians) {
-  turnToward(frame.heading, frame.left, radians);
+Turn turnBy(double radians) {
+  return {std::cos(radians), std::sin(radians)};
 }
 
-void pitchDown(Frame& frame, double radians) {
-  turnToward(frame.heading, frame.up, radians);
+const Turn& TurnCache::turnBy(double radians) {
+  const auto bits = std::bit_cast<std::uint64_t>(radians);
+  // the upper six bits of a multiplicative hash choose the place
+  Entry& entry = entries_[(bits * 0x9E3779B97F4A7C15U) >> 58U];
+  if (entry.bits != bits) {
+    entry = {bits, turtle::turnBy(radians)};
+  }
+  return entry.turn;
 }
 
-void rollRight(Frame& frame, double radians) {
-  turnToward(frame.left, frame.up, radians);
+void turnLeft(Frame& frame, const Turn& turn) {
+  turnToward(frame.heading, frame.left, turn);
+}
+
+void pitchDown(Frame& frame, const Turn& turn) {
+  turnToward(frame.heading, frame.up, turn);
+}
+
+void rollRight(Frame& frame, const Turn& turn) {
+  turnToward(frame.left, frame.up, turn);
 }
 
 void turnAround(Frame& frame) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 
 #include "engine/core/frame.h"
 #include "engine/core/vec3.h"
@@ -8,11 +9,44 @@
 
 namespace espalier::turtle {
 
-/// The turns of the turtle table, each of two axes of the frame computed from their old values. Radians.
-void turnLeft(core::Frame& frame, double radians);   // +  : H toward L
-void pitchDown(core::Frame& frame, double radians);  // &  : H toward U
-void rollRight(core::Frame& frame, double radians);  // /  : L toward U
-void turnAround(core::Frame& frame);                 // |  : H and L reversed
+/// How far to turn.
+struct Turn {
+  double cosine = 1.0;
+  double sine = 0.0;
+};
+
+[[nodiscard]] Turn turnBy(double radians);
+
+/// The turns that a plant has used: a model has few different angles, and computing cosine and sine costs more than
+/// the rest of a turn. Gives the same bits as turnBy.
+class TurnCache {
+ public:
+  [[nodiscard]] const Turn& turnBy(double radians);
+
+ private:
+  struct Entry {
+    std::uint64_t bits = 0;  // of the angle; the first content is right: 0 radians
+    Turn turn;
+  };
+  std::array<Entry, 64> entries_;
+};
+
+/// The turns of the turtle table, each of two axes of the frame computed from their old values.
+void turnLeft(core::Frame& frame, const Turn& turn);   // +  : H toward L
+void pitchDown(core::Frame& frame, const Turn& turn);  // &  : H toward U
+void rollRight(core::Frame& frame, const Turn& turn);  // /  : L toward U
+void turnAround(core::Frame& frame);                   // |  : H and L reversed
+
+// the same by an angle in radians
+inline void turnLeft(core::Frame& frame, double radians) {
+  turnLeft(frame, turnBy(radians));
+}
+inline void pitchDown(core::Frame& frame, double radians) {
+  pitchDown(frame, turnBy(radians));
+}
+inline void rollRight(core::Frame& frame, double radians) {
+  rollRight(frame, turnBy(radians));
+}
 
 /// `v` turned about the unit vector `axis` by the right-hand rule.
 [[nodiscard]] core::Vec3 rotatedAbout(const core::Vec3& v, const core::Vec3& axis, double radians);

@@ -17,9 +17,9 @@ using Clock = std::chrono::steady_clock;
 
 // the environment part of the reference's open.l over the steps in which it is grown: `environmentMilliseconds` of
 // `espalier derive --environment PROCESS --statistics`, steps 18 to 37
-void answerSteps(benchmark::State& state, const std::string& name, unsigned threads) {
+void answerSteps(benchmark::State& state, const std::string& model, const std::string& name, unsigned threads) {
   constexpr std::uint64_t kFirstStep = 18;
-  const auto program = compileWorkload({"open", "37", ""});
+  const auto program = compileWorkload({model, "37", ""});
   simulation::SimulationOptions options;
   options.threads = threads;
   std::uint64_t queries = 0;
@@ -122,11 +122,14 @@ void process(benchmark::State& state, const std::string& name, const std::string
 }
 
 const bool kIsRegistered = [] {
-  for (const unsigned threads : {1U, 2U}) {
-    benchmark::RegisterBenchmark(("open/height/" + std::to_string(threads)).c_str(),
-                                 [threads](benchmark::State& state) { answerSteps(state, "height", threads); })
-        ->Unit(benchmark::kMillisecond)
-        ->UseManualTime();
+  for (const std::string model : {"open", "open-branching"}) {
+    for (const unsigned threads : {1U, 2U}) {
+      benchmark::RegisterBenchmark(
+          (model + "/height/" + std::to_string(threads)).c_str(),
+          [model, threads](benchmark::State& state) { answerSteps(state, model, "height", threads); })
+          ->Unit(benchmark::kMillisecond)
+          ->UseManualTime();
+    }
   }
   for (const auto& [name, configuration] : std::vector<std::pair<std::string, std::string>>{
            {"constant", ""}, {"height", ""}, {"honda", R"({"radius":0.5,"threeDimensional":true})"}}) {

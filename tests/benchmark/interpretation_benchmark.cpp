@@ -11,10 +11,8 @@ using benchmark::Counter;
 
 enum class Product { Scene, Records };
 
-void interpret(benchmark::State& state, const Workload& workload, Product product, unsigned threads) {
-  simulation::SimulationOptions options;
-  options.threads = threads;
-  simulation::Simulation simulation(compileWorkload(workload), {turtle::PlantPlacement{}}, nullptr, options);
+void interpret(benchmark::State& state, const Workload& workload, Product product) {
+  simulation::Simulation simulation(compileWorkload(workload), {turtle::PlantPlacement{}}, nullptr, {});
   require(simulation.rewind());
   while (!simulation.isFinished()) {
     require(simulation.step());
@@ -31,21 +29,19 @@ void interpret(benchmark::State& state, const Workload& workload, Product produc
   state.counters["modules/s"] = Counter(modules, Counter::kIsIterationInvariantRate);
 }
 
-void add(const std::string& name, const Workload& workload, Product product, unsigned threads) {
-  benchmark::RegisterBenchmark((name + workload.name() + "/" + std::to_string(threads)).c_str(),
-                               [=](benchmark::State& state) { interpret(state, workload, product, threads); })
+void add(const std::string& name, const Workload& workload, Product product) {
+  benchmark::RegisterBenchmark((name + workload.name()).c_str(),
+                               [=](benchmark::State& state) { interpret(state, workload, product); })
       ->Unit(benchmark::kMillisecond)
       ->UseRealTime();
 }
 
 const bool kIsRegistered = [] {
   // lines in a plane, lines in space with widths, images of a homomorphism
-  for (const unsigned threads : {1U, 2U}) {
-    add("scene/", {"d0l", "8", ""}, Product::Scene, threads);
-    add("scene/", {"parametric", "17", ""}, Product::Scene, threads);
-    add("records/", {"parametric", "17", ""}, Product::Records, threads);
-  }
-  add("scene/", {"homomorphism", "16", ""}, Product::Scene, 1);
+  add("scene/", {"d0l", "8", ""}, Product::Scene);
+  add("scene/", {"parametric", "17", ""}, Product::Scene);
+  add("scene/", {"homomorphism", "16", ""}, Product::Scene);
+  add("records/", {"parametric", "17", ""}, Product::Records);
   return true;
 }();
 

@@ -60,6 +60,7 @@ class TurtleRun {
   void interpret(const PlantPlacement& placement, const InterpretationOutput& output) {
     derivation::DerivationOptions options;
     options.limits = limits;
+    options.threads = threads;
     options.cancelled = cancelled;
     options.messages = [this](core::MessageKind, std::string_view message) { messages.emplace_back(message); };
     derivation::Derivation derivation(program, options);
@@ -84,6 +85,7 @@ class TurtleRun {
   language::Program program;
   derivation::PlantState state;
   core::Limits limits;
+  unsigned threads = 1;
   const std::atomic<bool>* cancelled = nullptr;
   Scene scene;
   std::vector<TurtleRecord> records;

@@ -35,6 +35,21 @@ TEST(TurtleMotion, RollRightFromTheInitialFrame) {
   expectVector(frame.heading, 0, 1, 0);
 }
 
+TEST(TurtleMotion, CachedTurnsHaveTheSameBits) {
+  TurnCache cache;
+  // more angles than the cache has places, twice, and both zeros
+  for (int round = 0; round < 2; ++round) {
+    for (int i = -200; i <= 200; ++i) {
+      const double radians = 0.0173 * i;
+      const Turn& turn = cache.turnBy(radians);
+      EXPECT_EQ(turn.cosine, std::cos(radians)) << i;
+      EXPECT_EQ(turn.sine, std::sin(radians)) << i;
+    }
+  }
+  EXPECT_FALSE(std::signbit(cache.turnBy(0.0).sine));
+  EXPECT_TRUE(std::signbit(cache.turnBy(-0.0).sine));
+}
+
 TEST(TurtleMotion, EveryTurnKeepsTheLeftHandedFrame) {
   core::Frame frame;
   turnLeft(frame, 0.3);
