@@ -80,19 +80,17 @@ void Interpretation::runBranch(const BranchPart& branch, const BranchStart& star
 }
 
 void Interpretation::reserveOutput() {
-  // images and cuts make the output unlike the string
+  // images and cuts make the output unlike the string; queries are collected into the same memory in every step
   if (tables_.hasImages || tables_.hasCut || plantState_.string.size() < kSmallestReserved ||
-      (output_.scene == nullptr && output_.records == nullptr && output_.queries == nullptr)) {
+      (output_.scene == nullptr && output_.records == nullptr)) {
     return;
   }
   std::size_t segments = 0;
   std::size_t records = 0;
-  std::size_t queries = 0;
   for (const ModuleTypeId type : plantState_.string.types()) {
     const std::uint8_t adds = tables_.adds[type];
     segments += adds & InterpretationTables::kSegment;
     records += (adds & InterpretationTables::kRecord) / InterpretationTables::kRecord;
-    queries += (adds & InterpretationTables::kQuery) / InterpretationTables::kQuery;
   }
   // grown at least by half, so that many plants do not copy one another again and again
   const auto reserve = [](auto& list, std::size_t count) {
@@ -107,10 +105,6 @@ void Interpretation::reserveOutput() {
   }
   if (output_.records != nullptr) {
     reserve(*output_.records, records);
-  }
-  if (output_.queries != nullptr) {
-    reserve(output_.queries->position, output_.needs.position ? queries : 0);
-    reserve(output_.queries->module, queries);
   }
 }
 

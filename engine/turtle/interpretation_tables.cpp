@@ -16,9 +16,8 @@ std::uint8_t addedBy(TurtleCommand command) {
     case TurtleCommand::Surface:
     case TurtleCommand::At:
     case TurtleCommand::LegacyPosition:
-      return Tables::kRecord;
     case TurtleCommand::Query:
-      return Tables::kRecord | Tables::kQuery;
+      return Tables::kRecord;
     default:
       return 0;
   }

@@ -18,7 +18,6 @@ struct InterpretationTables {
   /// What a module adds to the output, as bits. Of a group of modules (`@M(x,y)`) the first counts.
   static constexpr std::uint8_t kSegment = 1;
   static constexpr std::uint8_t kRecord = 2;
-  static constexpr std::uint8_t kQuery = 4;
 
   // all by module type (moduleTypeCount)
   std::vector<TurtleCommand> commandOf;
