@@ -8,8 +8,8 @@
 #include "clients/espalier/messages.h"
 #include "clients/espalier/model_loading.h"
 #include "clients/espalier/string_output.h"
-#include "clients/espalier/trace_option.h"
 #include "clients/espalier/time_limit.h"
+#include "clients/espalier/trace_option.h"
 #include "server/disk_files.h"
 
 namespace espalier::command {

@@ -168,8 +168,8 @@ class Preprocessor {
   void add(core::Severity severity, std::uint32_t file, std::uint32_t offset, std::size_t length, std::string message,
            std::string hint) {
     // a place costs a walk through its file; beyond its limit the list only counts
-    const std::size_t count = severity == core::Severity::Error ? result_.diagnostics.errorCount()
-                                                                : result_.diagnostics.warningCount();
+    const std::size_t count =
+        severity == core::Severity::Error ? result_.diagnostics.errorCount() : result_.diagnostics.warningCount();
     if (count >= core::DiagnosticList::kLimit) {
       result_.diagnostics.add({severity, {}, {}, {}});
       return;

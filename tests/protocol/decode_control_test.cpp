@@ -29,7 +29,8 @@ TEST(DecodeControl, NamesThePathOfWhatIsWrong) {
   EXPECT_EQ(problem(decodeHelloParams(params(R"({"protocol":[1],"roles":["king"]})"))),
             "params.roles[0]: expected \"controller\", \"environment\" or \"viewer\", found \"king\"");
   EXPECT_EQ(problem(decodeGetParams(params(R"({"simulation":"a","what":"all"})"))),
-            "params.what: expected one of string, statistics, state-hash, turtle, model, information, checkpoints, found \"all\"");
+            "params.what: expected one of string, statistics, state-hash, turtle, model, information, checkpoints, "
+            "found \"all\"");
   EXPECT_EQ(problem(decodeRestoreParams(params(R"({"simulation":"a","snapshot":"!"})"))),
             "params.snapshot: expected base64, as simulation.save gave it");
 }

@@ -6,10 +6,10 @@
 
 #include "engine/turtle/export/glb.h"
 #include "engine/turtle/export/obj.h"
-#include "engine/turtle/export/ply.h"
-#include "engine/turtle/export/stl.h"
 #include "engine/turtle/export/picture.h"
+#include "engine/turtle/export/ply.h"
 #include "engine/turtle/export/png.h"
+#include "engine/turtle/export/stl.h"
 #include "engine/turtle/export/svg.h"
 #include "engine/turtle/export/usda.h"
 

@@ -23,7 +23,7 @@ struct ExportInput {
   const language::Palette* palette = nullptr;  // a model folder's colours; null or empty: Espalier's own
   std::span<const TurtleRecord> records = {};  // of the same interpretation
   double detail = 1.0;  // factor of the sides and subdivisions of meshes: a half is a coarser level of detail
-  const PictureOptions* picture = nullptr;     // for pictures; null: the defaults. Its palette is not looked at
+  const PictureOptions* picture = nullptr;  // for pictures; null: the defaults. Its palette is not looked at
 };
 
 /// Told how far an export is: parts written and parts in all. Called from time to time and with the last part.

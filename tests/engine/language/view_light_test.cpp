@@ -46,8 +46,7 @@ TEST(ViewLight, AllPartsOfALightAreRead) {
 TEST(ViewLight, AWrongLightIsDroppedAndNamed) {
   EXPECT_EQ(onlyMessage(read("light: O 1 2 3 X 4\n")),
             "the light is dropped: expected O, V, A, D, S, P or T, found 'X'");
-  EXPECT_EQ(onlyMessage(read("light: D 1 2\n")),
-            "the light is dropped: expected 3 numbers after 'D', found the end");
+  EXPECT_EQ(onlyMessage(read("light: D 1 2\n")), "the light is dropped: expected 3 numbers after 'D', found the end");
   EXPECT_EQ(onlyMessage(read("light: V 0 0 0\n")), "the light is dropped: its direction has no length");
   EXPECT_TRUE(read("light: D 1 2\n").settings.lights.empty());
 }
