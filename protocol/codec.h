@@ -49,7 +49,7 @@ using Decoded = std::variant<T, Error>;
 /// The same in blocks, for a peer that takes them. Refers to the columns until it is sent.
 [[nodiscard]] Body encodeBlocks(const EnvironmentStepParams& params);
 [[nodiscard]] std::string encode(const RestoreStateParams& params);
-[[nodiscard]] std::string encode(const StreamData& data);
+[[nodiscard]] Body encode(StreamData data);
 
 // Writing results.
 [[nodiscard]] std::string encode(const HelloResult& result);

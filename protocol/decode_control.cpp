@@ -307,6 +307,14 @@ Decoded<StreamOpenParams> decodeStreamOpenParams(const Payload& payload) {
     if (const Field credits = params["credits"]; !credits.isAbsent()) {
       open.credits = static_cast<std::uint64_t>(credits.integer(1, kMaximumExactInteger));
     }
+    open.isInBlocks = !params["bin"].isAbsent() && params["bin"].boolean();
+    if (const Field precision = params["precision"]; !precision.isAbsent()) {
+      const std::string& name = precision.text();
+      if (name != "single" && name != "double") {
+        precision.failExpected("one of single, double");
+      }
+      open.isSinglePrecision = name == "single";
+    }
     if (const Field select = params["select"]; !select.isAbsent()) {
       select.requireObject();
       open.select.symbols = readTexts(select["symbols"]);

@@ -199,13 +199,15 @@ std::string encode(const StepResult& result) {
   return writer.endObject().take();
 }
 
-std::string encode(const StreamData& data) {
+Body encode(StreamData data) {
   JsonWriter writer;
-  writer.reserve(data.bodyJson.size() + 200);
+  writer.reserve(data.body.json.size() + 200);
   writer.beginObject().key("stream").text(data.stream).key("simulation").text(data.simulation);
   writer.key("step").integer(data.step).key("sequence").integer(data.sequence).key("key").boolean(data.isKey);
-  writer.key("missed").integer(data.missed).key("finished").boolean(data.isFinished).raw(data.bodyJson);
-  return writer.endObject().take();
+  writer.key("missed").integer(data.missed).key("finished").boolean(data.isFinished).raw(data.body.json);
+  Body body(writer.endObject().take());
+  body.blocks = std::move(data.body.blocks);
+  return body;
 }
 
 std::string encode(const OpenParams& params) {

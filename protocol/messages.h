@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "protocol/blocks.h"
+
 namespace espalier::protocol {
 
 // Plain data of the messages in README.md, by method. Members named ...Json hold a JSON text that travels as it is.
@@ -193,7 +195,9 @@ struct StreamOpenParams {
   StreamSelection select;
   std::uint64_t every = 1;  // frames at steps that are multiples of it
   std::optional<std::uint64_t>
-      credits;  // frames that may be unacknowledged; nothing: only the connection's speed counts
+      credits;                     // frames that may be unacknowledged; nothing: only the connection's speed counts
+  bool isInBlocks = false;         // turtle records as columns behind the message; needs the capability bin
+  bool isSinglePrecision = false;  // those columns as <f4
 };
 
 struct StreamAckParams {
@@ -216,8 +220,8 @@ struct TurtleStreamRecord {
   std::vector<double> parameters;
 };
 
-/// A frame of a stream. `bodyJson` is the member that depends on `what`: "records":[...], "string":"..." or
-/// "statistics":{...}.
+/// A frame of a stream. `body` has the member that depends on `what`: "records":[...], "string":"...",
+/// "statistics":{...} or, in blocks, "count":n,"symbols":[...].
 struct StreamData {
   std::string stream;
   std::string simulation;
@@ -226,7 +230,7 @@ struct StreamData {
   std::uint64_t missed = 0;    // frames left out since the one before
   bool isKey = true;           // complete in itself
   bool isFinished = false;     // the simulation will make no further step
-  std::string bodyJson;
+  Body body;
 };
 
 // ---- environments ----

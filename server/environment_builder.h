@@ -15,6 +15,7 @@
 namespace espalier::server {
 
 class OfferedEnvironments;
+struct Metrics;
 
 /// What building an environment needs of the server.
 struct EnvironmentServices {
@@ -22,6 +23,7 @@ struct EnvironmentServices {
   std::function<void(const std::function<void()>&)> runWaiting;  // lets another worker compute
   std::chrono::milliseconds stepTimeout{60'000};
   std::string galleryFolder;
+  Metrics* metrics = nullptr;  // null: nothing is counted
 };
 
 struct BuiltEnvironment {

@@ -26,7 +26,7 @@ asio::awaitable<void> serveConnection(tcp::socket socket, const ProcessFactory& 
   socket.set_option(tcp::no_delay(true), ignored);
   EnvironmentDialogue dialogue(factory, kLimits);
   protocol::MessageReader reader(kLimits);
-  auto bytes = std::make_unique<std::array<char, kReadBytes>>();
+  auto bytes = std::make_unique_for_overwrite<std::array<char, kReadBytes>>();
   const auto token = asio::as_tuple(asio::use_awaitable);
   while (true) {
     const auto [error, count] = co_await socket.async_read_some(asio::buffer(*bytes), token);
@@ -120,7 +120,7 @@ std::optional<std::string> hostEnvironment(const HostAddress& address, const Pro
 std::optional<std::string> hostEnvironmentOnStdio(const ProcessFactory& factory) {
   EnvironmentDialogue dialogue(factory, kLimits);
   protocol::MessageReader reader(kLimits);
-  const auto bytes = std::make_unique<std::array<char, kReadBytes>>();
+  const auto bytes = std::make_unique_for_overwrite<std::array<char, kReadBytes>>();
   const auto writeAll = [](std::string_view text) {
     while (!text.empty()) {
       const ssize_t count = ::write(STDOUT_FILENO, text.data(), text.size());

@@ -5,6 +5,7 @@
 
 #include "engine/simulation/snapshot.h"
 #include "protocol/json_writer.h"
+#include "server/metrics.h"
 #include "server/translate.h"
 
 namespace espalier::server {
@@ -142,6 +143,12 @@ std::optional<protocol::Error> HostedSimulation::step(double& milliseconds) {
   const auto start = std::chrono::steady_clock::now();
   const auto error = simulation_->step();
   milliseconds = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  if (Metrics* metrics = services_.metrics) {
+    metrics->stepSeconds.observe(milliseconds * 1e-3);
+    metrics->queries += simulation_->statistics().queries;
+    ++(error ? metrics->failedSteps : metrics->steps);
+    metrics->modules += error ? 0 : simulation_->statistics().modules;
+  }
   if (error) {
     return errorOf(*error);
   }

@@ -273,6 +273,13 @@ void streamOpen(Session& session, const protocol::Message& message) {
     return;
   }
   auto& params = std::get<protocol::StreamOpenParams>(decoded);
+  if (params.isInBlocks && !session.areBlocksAgreed()) {
+    session.respondError(message.id, {ErrorCode::Capability,
+                                      "params.bin: binary blocks were not agreed on. Name the capability 'bin' in "
+                                      "hello, or leave bin out.",
+                                      {}});
+    return;
+  }
   const auto runner = findRunner(session, message.id, params.simulation);
   if (runner == nullptr) {
     return;

@@ -11,7 +11,7 @@ namespace espalier::server {
 
 class ServerCore;
 
-/// The listener and its connections on one thread. The only part of the server that knows the network library.
+/// The listeners and their connections on one thread.
 class Network {
  public:
   explicit Network(ServerCore& core);
@@ -19,10 +19,13 @@ class Network {
   Network(const Network&) = delete;
   Network& operator=(const Network&) = delete;
 
-  /// Binds and listens; an error sentence when that is not possible.
-  [[nodiscard]] std::optional<std::string> listen(const std::string& host, std::uint16_t port);
+  /// Binds and listens where the server's options say; an error sentence when that is not possible.
+  [[nodiscard]] std::optional<std::string> listen();
+  /// Of the listener for the protocol; 0: a Unix socket.
   [[nodiscard]] std::uint16_t port() const;
-  /// Whether every address that the name stands for is of this machine only.
+  /// Of the HTTP side; 0: none.
+  [[nodiscard]] std::uint16_t httpPort() const;
+  /// Whether every address that the name stands for is of this machine only; unix:PATH is.
   [[nodiscard]] static bool isLoopback(const std::string& host);
 
   /// Serves until close() has done its work. `onStop` is called on this thread for each SIGINT or SIGTERM when

@@ -33,6 +33,8 @@ class RemoteProcess final : public turtle::EnvironmentProcess {
   /// Connects and asks for the description. An error when the peer is away or refuses.
   [[nodiscard]] std::optional<turtle::EnvironmentError> introduce();
 
+  /// The peer answered environment.describe.
+  [[nodiscard]] bool isDescribed() const { return isDescribed_; }
   [[nodiscard]] turtle::EnvironmentDescription describe() const override;
   [[nodiscard]] std::optional<turtle::EnvironmentError> open(const turtle::EnvironmentContext& context) override;
   [[nodiscard]] std::optional<turtle::EnvironmentError> step(const turtle::QueryBatch& queries,

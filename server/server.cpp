@@ -29,17 +29,9 @@ class Server::Implementation {
 
   std::optional<std::string> listen() {
     const ServerOptions& options = core_.options();
-    if (!Network::isLoopback(options.host)) {
-      if (options.token.empty()) {
-        return "'" + options.host +
-               "' can be reached from other machines: give a token that clients must send (--token TEXT or "
-               "--token-file "
-               "FILE), or listen on 127.0.0.1.";
-      }
-      if (!options.isInsecureAllowed) {
-        return "'" + options.host +
-               "' can be reached from other machines and the connection is not encrypted: add --insecure if that is "
-               "acceptable, or listen on 127.0.0.1 and use an SSH tunnel.";
+    for (const std::string& host : {options.host, options.httpHost}) {
+      if (auto problem = problemOfHost(host)) {
+        return problem;
       }
     }
     std::error_code error;
@@ -48,13 +40,14 @@ class Server::Implementation {
              "': give --gallery a folder of model folders, or leave it out.";
     }
     // taking the port first: a second server on the same data folder and port stops here
-    if (auto problem = network_.listen(options.host, options.port)) {
+    if (auto problem = network_.listen()) {
       return problem;
     }
     return core_.loadSaved();
   }
 
   [[nodiscard]] std::uint16_t port() const { return network_.port(); }
+  [[nodiscard]] std::uint16_t httpPort() const { return network_.httpPort(); }
 
   void run(bool handleSignals) {
     core_.log().info("serving on " + core_.options().host + ":" + std::to_string(port()));
@@ -89,6 +82,25 @@ class Server::Implementation {
   }
 
  private:
+  /// Why a host may not be listened on, or nothing.
+  [[nodiscard]] std::optional<std::string> problemOfHost(const std::string& host) const {
+    const ServerOptions& options = core_.options();
+    if (host.empty() || Network::isLoopback(host)) {
+      return std::nullopt;
+    }
+    if (options.token.empty()) {
+      return "'" + host +
+             "' can be reached from other machines: give a token that clients must send (--token TEXT or --token-file "
+             "FILE), or listen on 127.0.0.1.";
+    }
+    if (options.certificateFile.empty() && !options.isInsecureAllowed) {
+      return "'" + host +
+             "' can be reached from other machines and the connection is not encrypted: give --certificate FILE and "
+             "--key FILE, add --insecure if that is acceptable, or listen on 127.0.0.1 and use an SSH tunnel.";
+    }
+    return std::nullopt;
+  }
+
   ServerCore core_;
   Network network_;
   std::mutex mutex_;
@@ -105,6 +117,10 @@ std::optional<std::string> Server::listen() {
 
 std::uint16_t Server::port() const {
   return implementation_->port();
+}
+
+std::uint16_t Server::httpPort() const {
+  return implementation_->httpPort();
 }
 
 void Server::run(bool handleSignals) {

@@ -5,20 +5,26 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "server/limits.h"
 
 namespace espalier::server {
 
 struct ServerOptions {
-  std::string host = "127.0.0.1";
+  std::string host = "127.0.0.1";  // or unix:PATH: a socket of this machine's file system
   std::uint16_t port = 0;          // 0: a free one
-  std::string dataFolder;          // empty: simulations are not saved
-  std::string galleryFolder;       // empty: no gallery models by name
-  std::string token;               // empty: none asked for; needed for any address but loopback
-  bool isInsecureAllowed = false;  // a non-loopback address without TLS
-  bool isSpawnAllowed = false;     // callers from other machines may have commands started (stdio environments)
-  unsigned workers = 0;            // 0: as many as cores
+  std::string httpHost;            // empty: no HTTP side
+  std::uint16_t httpPort = 0;      // 0: a free one
+  std::string certificateFile;     // PEM; with a key: connections are encrypted
+  std::string keyFile;
+  std::vector<std::string> allowedOrigins;  // of pages that may open WebSockets, beside the server's own
+  std::string dataFolder;                   // empty: simulations are not saved
+  std::string galleryFolder;                // empty: no gallery models by name
+  std::string token;                        // empty: none asked for; needed for any address but loopback
+  bool isInsecureAllowed = false;           // a non-loopback address without TLS
+  bool isSpawnAllowed = false;  // callers from other machines may have commands started (stdio environments)
+  unsigned workers = 0;         // 0: as many as cores
   ServerLimits limits;
   std::string logLevel = "info";  // trace debug info warn error off
 };
@@ -35,6 +41,8 @@ class Server {
   /// Binds and listens. An error sentence that says what to do (port in use, not loopback without token), or nothing.
   [[nodiscard]] std::optional<std::string> listen();
   [[nodiscard]] std::uint16_t port() const;
+  /// Of the HTTP side; 0: there is none.
+  [[nodiscard]] std::uint16_t httpPort() const;
   /// Serves until stopped. `handleSignals`: SIGINT and SIGTERM stop it.
   void run(bool handleSignals);
   void stop();

@@ -39,7 +39,12 @@ ServerCore::ServerCore(ServerOptions options)
 EnvironmentServices ServerCore::environmentServices() {
   EnvironmentServices services;
   services.offered = &offered_;
-  services.runWaiting = [this](const std::function<void()>& wait) { pool_.blockWhile(wait); };
+  services.runWaiting = [this](const std::function<void()>& wait) {
+    const auto start = std::chrono::steady_clock::now();
+    pool_.blockWhile(wait);
+    metrics.environmentSeconds.observe(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  };
+  services.metrics = &metrics;
   services.galleryFolder = options_.galleryFolder;
   services.stepTimeout = std::chrono::milliseconds(options_.limits.environmentStepMilliseconds);
   return services;

@@ -11,6 +11,7 @@
 
 #include "server/environment_builder.h"
 #include "server/log.h"
+#include "server/metrics.h"
 #include "server/model_store.h"
 #include "server/offered_environments.h"
 #include "server/server.h"
@@ -55,6 +56,7 @@ class ServerCore {
   void finishRunning(std::chrono::milliseconds patience);
 
   std::atomic<std::uint32_t> sessionCount{0};
+  Metrics metrics;
 
  private:
   void loadOne(const Store::Entry& entry);

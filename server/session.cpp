@@ -77,6 +77,7 @@ void Session::onRead(const protocol::MessageReader::Read& read) {
 }
 
 void Session::onMessage(const protocol::Message& message) {
+  ++core_->metrics.requests;
   if (message.kind == protocol::Message::Kind::Result || message.kind == protocol::Message::Kind::Error) {
     onAnswer(message);
     return;

@@ -35,6 +35,8 @@ class Session final : public AskedPeer, public std::enable_shared_from_this<Sess
   void onDrained();
   void onClosed();
   [[nodiscard]] bool isGreeted() const { return isGreeted_; }
+  /// Both sides named the capability `bin`.
+  [[nodiscard]] bool areBlocksAgreed() const { return isGreeted_ && terms().takesBlocks; }
 
   // any thread
   void respond(const protocol::MessageId& id, std::string_view resultJson);

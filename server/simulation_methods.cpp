@@ -203,7 +203,7 @@ std::variant<std::string, protocol::Error> getResult(SimulationRunner& runner, c
     if (const auto* error = std::get_if<core::SimulationError>(&body)) {
       return hosted.errorOf(*error);
     }
-    result.raw(std::get<std::string>(body));
+    result.raw(std::get<protocol::Body>(body).json);
   } else {
     result.key("information");
     write(result, runner.information());

@@ -206,7 +206,7 @@ void SimulationRunner::publishTo(Stream& stream, std::optional<std::vector<turtl
   if (const auto* error = std::get_if<core::SimulationError>(&body)) {
     stream.end(error->message);
   } else {
-    stream.send(simulation.completedSteps(), simulation.isFinished(), std::move(std::get<std::string>(body)));
+    stream.send(simulation.completedSteps(), simulation.isFinished(), std::move(std::get<protocol::Body>(body)));
   }
 }
 

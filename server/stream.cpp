@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "protocol/codec.h"
+#include "server/server_core.h"
 #include "server/session.h"
 #include "server/translate.h"
 
@@ -32,6 +33,9 @@ bool Stream::wantsFrame(std::uint64_t step) {
   }
   ++missed_;
   lastMissedStep_ = step;
+  if (const auto session = session_.lock()) {
+    ++session->core().metrics.drops;
+  }
   return false;
 }
 
@@ -40,8 +44,17 @@ bool Stream::wantsToCatchUp() {
   return !isClosed_ && missed_ > 0 && isReady();
 }
 
-void Stream::send(std::uint64_t step, bool isFinished, std::string bodyJson) {
+void Stream::send(std::uint64_t step, bool isFinished, protocol::Body body) {
   const auto session = session_.lock();
+  // what can never be sent would cost the viewer its connection
+  const std::uint64_t bytes = body.json.size() + body.blocks.totalBytes();
+  if (const std::uint64_t bound = 4 * readyBytes_; bytes > bound) {
+    end("a frame has " + std::to_string(bytes) + " bytes, and at most " + std::to_string(bound) +
+        " may be on their way (outboxBytes). Select fewer symbols, take blocks in single precision, or start the "
+        "server "
+        "with a higher --limit outboxBytes=N.");
+    return;
+  }
   const std::lock_guard lock(mutex_);
   if (isClosed_ || session == nullptr) {
     return;
@@ -54,10 +67,11 @@ void Stream::send(std::uint64_t step, bool isFinished, std::string bodyJson) {
   // a step that was left out and is shown now after all was not missed
   data.missed = missed_ - (lastMissedStep_ == step ? 1 : 0);
   data.isFinished = isFinished;
-  data.bodyJson = std::move(bodyJson);
+  data.body = std::move(body);
   missed_ = 0;
   lastMissedStep_.reset();
-  session->notify("stream.data", protocol::encode(data));
+  ++session->core().metrics.frames;
+  session->notify("stream.data", protocol::encode(std::move(data)));
 }
 
 void Stream::end(const std::string& reason) {
@@ -94,20 +108,19 @@ bool Stream::isClosed() const {
   return isClosed_ || session_.expired();
 }
 
-std::variant<std::string, core::SimulationError> frameBody(const protocol::StreamOpenParams& params,
-                                                           const simulation::Simulation& simulation,
-                                                           double milliseconds,
-                                                           std::optional<std::vector<turtle::TurtleRecord>>& records) {
+std::variant<protocol::Body, core::SimulationError> frameBody(
+    const protocol::StreamOpenParams& params, const simulation::Simulation& simulation, double milliseconds,
+    std::optional<std::vector<turtle::TurtleRecord>>& records) {
   if (params.what == "statistics") {
     protocol::JsonWriter body;
     write(body, toStatistics(simulation.statistics(), milliseconds));
-    return body.take();
+    return protocol::Body(body.take());
   }
   if (params.what == "string") {
     const std::uint32_t plant = params.select.plants.empty() ? 0 : params.select.plants.front();
     protocol::JsonWriter body;
     body.key("string").text(plant < simulation.plantCount() ? simulation.stringText(plant) : std::string());
-    return body.take();
+    return protocol::Body(body.take());
   }
   if (!records) {
     auto made = simulation.turtleRecords();
@@ -117,7 +130,8 @@ std::variant<std::string, core::SimulationError> frameBody(const protocol::Strea
     records = std::move(std::get<std::vector<turtle::TurtleRecord>>(made));
   }
   try {
-    return encodeTurtleRecords(*records, simulation.program(), params.select);
+    return params.isInBlocks ? encodeTurtleBlocks(*records, simulation.program(), params)
+                             : protocol::Body(encodeTurtleRecords(*records, simulation.program(), params.select));
   } catch (const protocol::NonFiniteNumber&) {
     return core::SimulationError{.code = core::SimulationErrorCode::NonFinite,
                                  .message = "The turtle went to a position that is NaN or infinite. Correct the model.",

@@ -30,8 +30,8 @@ class Stream {
   [[nodiscard]] bool wantsFrame(std::uint64_t step);
   /// Whether frames were left out and the viewer is ready again.
   [[nodiscard]] bool wantsToCatchUp();
-  /// Sends the frame of a step. `bodyJson` as in protocol::StreamData.
-  void send(std::uint64_t step, bool isFinished, std::string bodyJson);
+  /// Sends the frame of a step. `body` as in protocol::StreamData.
+  void send(std::uint64_t step, bool isFinished, protocol::Body body);
   /// Sends the reason for the stream's end, once.
   void end(const std::string& reason);
   void acknowledge(const protocol::StreamAckParams& ack);
@@ -54,8 +54,8 @@ class Stream {
   bool isClosed_ = false;
 };
 
-/// The `bodyJson` of a frame of the simulation as it is now. Turtle records are made once in `records` for all streams.
-[[nodiscard]] std::variant<std::string, core::SimulationError> frameBody(
+/// The body of a frame of the simulation as it is now. Turtle records are made once in `records` for all streams.
+[[nodiscard]] std::variant<protocol::Body, core::SimulationError> frameBody(
     const protocol::StreamOpenParams& params, const simulation::Simulation& simulation, double milliseconds,
     std::optional<std::vector<turtle::TurtleRecord>>& records);
 

@@ -46,6 +46,11 @@ namespace espalier::server {
                                               const language::Program& program,
                                               const protocol::StreamSelection& select);
 
+/// The same as columns. Throws protocol::NonFiniteNumber.
+[[nodiscard]] protocol::Body encodeTurtleBlocks(const std::vector<turtle::TurtleRecord>& records,
+                                                const language::Program& program,
+                                                const protocol::StreamOpenParams& params);
+
 /// "cpfg", "cpfg-batch" or empty.
 [[nodiscard]] core::Compatibility toCompatibility(const std::string& name);
 

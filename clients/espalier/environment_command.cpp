@@ -8,10 +8,12 @@
 #include "environment/registry.h"
 #include "protocol/codec.h"
 #include "server/disk_files.h"
+#include "server/environment_check.h"
 #include "server/environment_host.h"
 #include "server/legacy_process.h"
 #include "server/line_channel.h"
 #include "server/plugin_library.h"
+#include "server/trace_file.h"
 #include "server/translate.h"
 
 namespace espalier::command {
@@ -150,6 +152,58 @@ int runEnvironment(const EnvironmentOptions& options) {
   return serveOn(options.address, options.isInsecureAllowed, factory);
 }
 
+struct CheckOptions {
+  server::EnvironmentCheckOptions check;
+  std::string traceFile;
+  std::string configurationFile;
+  double timeoutSeconds = 60.0;
+};
+
+int checkOther(CheckOptions& options) {
+  if (!options.traceFile.empty()) {
+    if (const auto problem = server::readTraceFile(options.traceFile, options.check.trace)) {
+      printError(*problem);
+      return kFailure;
+    }
+  }
+  if (!options.configurationFile.empty()) {
+    auto text = server::DiskFileProvider().read(options.configurationFile);
+    if (!text) {
+      printError("the configuration file '" + options.configurationFile + "' cannot be read");
+      return kFailure;
+    }
+    options.check.configurationJson = std::move(*text);
+  }
+  options.check.stepTimeout = std::chrono::milliseconds(static_cast<std::int64_t>(options.timeoutSeconds * 1e3));
+  const bool isRight = server::checkEnvironment(options.check, [](const std::string& line) {
+    std::printf("%s\n", line.c_str());
+    std::fflush(stdout);
+  });
+  return isRight ? kSuccess : kFailure;
+}
+
+void addCheckOfOther(CLI::App& environment, int& status) {
+  const auto options = std::make_shared<CheckOptions>();
+  CLI::App* command = environment.add_subcommand(
+      "check", "Talk to an environment in another process without a simulation and say what is right and what is not");
+  command->footer(
+      "Describe, shapes, units, order independence, repeatability, numbers that are not finite, save and restore, and "
+      "a\n"
+      "table of latencies. Exit status 0 when all is right. With --trace it gets the queries of a recorded run, and "
+      "its\n"
+      "replies are compared with the recorded ones.\n"
+      "  espalier environment check 'stdio:python3 light.py'\n"
+      "  espalier derive tree.l --environment old.json --trace tree.trace\n"
+      "  espalier environment check tcp://127.0.0.1:4000 --trace tree.trace");
+  command->add_option("ADDRESS", options->check.address, "tcp://HOST:PORT or stdio:COMMAND")->required();
+  command->add_option("--trace", options->traceFile, "What derive, run or a server recorded");
+  command->add_option("--configuration", options->configurationFile, "JSON file that it gets in environment.open");
+  command->add_option("--timeout", options->timeoutSeconds, "Seconds that it may take for a step")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
+  command->callback([options, &status] { status = checkOther(*options); });
+}
+
 }  // namespace
 
 void addEnvironment(CLI::App& program, int& status) {
@@ -163,7 +217,8 @@ void addEnvironment(CLI::App& program, int& status) {
       "  espalier derive MODEL.l --environment 'stdio:espalier environment honda --stdio'\n"
       "An existing program of the field, which speaks on pipes, is offered in the same way:\n"
       "  espalier environment legacy --executable './soil -v' --spec roots.e --listen 127.0.0.1:4000\n"
-      "With --listen it prints `listening on HOST:PORT` when ready and serves until SIGINT or SIGTERM.");
+      "With --listen it prints `listening on HOST:PORT` when ready and serves until SIGINT or SIGTERM.\n"
+      "`espalier environment check ADDRESS` tries out an environment of your own.");
   command->add_option("NAME", options->name, "A built-in environment; --list names them");
   command->add_option("--listen", options->address, "Serve on HOST:PORT; port 0 takes a free one");
   command->add_flag("--insecure", options->isInsecureAllowed,
@@ -184,7 +239,12 @@ void addEnvironment(CLI::App& program, int& status) {
                     "Print what it needs, its inputs and outputs with units, as JSON");
   command->add_flag("--schema", options->printsSchema, "Print the JSON Schema of its configuration");
   command->add_flag("--list", options->lists, "Print the names of all, each with a sentence");
-  command->callback([options, &status] { status = runEnvironment(*options); });
+  addCheckOfOther(*command, status);
+  command->callback([options, &status, command] {
+    if (command->get_subcommands().empty()) {
+      status = runEnvironment(*options);
+    }
+  });
 }
 
 }  // namespace espalier::command

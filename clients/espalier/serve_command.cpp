@@ -15,6 +15,7 @@ namespace {
 
 struct ServeOptions {
   std::string address = "127.0.0.1:4321";
+  std::string http;  // HOST:PORT; empty: none
   std::string tokenFile;
   std::vector<std::string> limits;  // NAME=NUMBER
   server::ServerOptions server;
@@ -32,8 +33,16 @@ std::string limitHelp() {
 }
 
 int runServe(ServeOptions options) {
-  if (!server::splitAddress(options.address, options.server.host, options.server.port)) {
-    printError("'" + options.address + "' is not an address: write HOST:PORT, for example 127.0.0.1:4321");
+  const bool isUnixSocket = options.address.starts_with("unix:") && options.address.size() > 5;
+  if (isUnixSocket) {
+    options.server.host = options.address;
+  } else if (!server::splitAddress(options.address, options.server.host, options.server.port)) {
+    printError("'" + options.address +
+               "' is not an address: write HOST:PORT, for example 127.0.0.1:4321, or unix:PATH");
+    return kUsage;
+  }
+  if (!options.http.empty() && !server::splitAddress(options.http, options.server.httpHost, options.server.httpPort)) {
+    printError("'" + options.http + "' is not an address: write HOST:PORT, for example 127.0.0.1:8080");
     return kUsage;
   }
   for (const std::string& limit : options.limits) {
@@ -51,13 +60,20 @@ int runServe(ServeOptions options) {
   }
   // a file that may not grow is an error of the step that wanted to be saved, not the server's end
   (void)std::signal(SIGXFSZ, SIG_IGN);
-  const std::string host = options.address.substr(0, options.address.rfind(':'));
+  const auto hostOf = [](const std::string& address) { return address.substr(0, address.rfind(':')); };
   server::Server server(std::move(options.server));
   if (const auto problem = server.listen()) {
     printError(*problem);
     return kFailure;
   }
-  std::printf("listening on %s:%u\n", host.c_str(), static_cast<unsigned>(server.port()));
+  if (isUnixSocket) {
+    std::printf("listening on %s\n", options.address.c_str());
+  } else {
+    std::printf("listening on %s:%u\n", hostOf(options.address).c_str(), static_cast<unsigned>(server.port()));
+  }
+  if (!options.http.empty()) {
+    std::printf("http on %s:%u\n", hostOf(options.http).c_str(), static_cast<unsigned>(server.httpPort()));
+  }
   std::fflush(stdout);
   server.run(true);
   return kSuccess;
@@ -79,8 +95,18 @@ void addServe(CLI::App& program, int& status) {
   command
       ->add_option(
           "--listen", options->address,
-          "HOST:PORT; port 0 takes a free one. Addresses that other machines reach need a token and --insecure")
+          "HOST:PORT; port 0 takes a free one. Addresses that other machines reach need a token, and a certificate or "
+          "--insecure. unix:PATH: a socket for programs of this user")
       ->capture_default_str();
+  command->add_option("--http", options->http,
+                      "HOST:PORT for browsers and monitoring: WebSockets at /espalier/1, /metrics, /health");
+  CLI::Option* certificate = command->add_option("--certificate", options->server.certificateFile,
+                                                 "PEM file of a certificate: connections are encrypted (TLS)");
+  CLI::Option* key = command->add_option("--key", options->server.keyFile, "PEM file of its private key");
+  certificate->needs(key);
+  key->needs(certificate);
+  command->add_option("--allow-origin", options->server.allowedOrigins,
+                      "Web pages that may open WebSockets beside the server's own, as https://HOST; repeatable");
   command->add_option("--data", options->server.dataFolder, "Folder in which simulations are kept; made when missing");
   command->add_option("--gallery", options->server.galleryFolder,
                       "Folder of model folders that clients can name: {\"gallery\":\"NAME\"}");

@@ -231,6 +231,65 @@ TEST(RemoteProcess, ASimulationWhoseEnvironmentIsAwayLoadsAndCanBeReadAndStepsAg
   EXPECT_EQ(stringOf(*client, simulation), "F(1)F(1)F(1)?E(3)");
 }
 
+/// A peer that is there and takes little.
+class NarrowLink final : public EnvironmentLink {
+ public:
+  explicit NarrowLink(PeerTerms terms) : terms_(terms) {}
+  [[nodiscard]] std::string label() const override { return "environment 'narrow'"; }
+  [[nodiscard]] std::string remedy() const override { return "Start it again."; }
+  [[nodiscard]] std::optional<LinkFailure> connect() override { return std::nullopt; }
+  [[nodiscard]] std::uint64_t generation() const override { return 1; }
+  [[nodiscard]] PeerTerms terms() const override { return terms_; }
+  [[nodiscard]] LinkOutcome call(std::string_view, const protocol::Body&, std::chrono::milliseconds) override {
+    ++callCount;
+    return LinkFailure{
+        LinkFailure::Kind::Refused, "answered with an error", {protocol::ErrorCode::UnknownMethod, {}, {}}};
+  }
+  void interrupt() override {}
+  int callCount = 0;
+
+ private:
+  PeerTerms terms_;
+};
+
+TEST(RemoteProcess, AStepLongerThanItsPeerTakesIsNotSentAndSaysWhatHelps) {
+  turtle::QueryBatch queries;
+  queries.step = 4;
+  queries.parameterOffset = {0};
+  queries.followingOffset = {0};
+  for (std::uint64_t i = 0; i < 100; ++i) {
+    queries.plant.push_back(0);
+    queries.module.push_back(i);
+    queries.symbol.push_back(0);
+    queries.parameters.push_back(1.0);
+    queries.parameterOffset.push_back(i + 1);
+    queries.followingOffset.push_back(0);
+  }
+  const auto messageFor = [&](const PeerTerms& terms) {
+    const auto link = std::make_shared<NarrowLink>(terms);
+    RemoteProcess process(link, {});
+    EXPECT_FALSE(
+        process.open({.simulation = "s", .plantCount = 1, .symbols = {"E"}, .seed = 0, .world = {}}).has_value());
+    const int before = link->callCount;
+    turtle::ReplyBatch replies;
+    replies.prepare(queries);
+    const auto error = process.step(queries, replies);
+    EXPECT_TRUE(error.has_value() && !error->isRetryable);
+    EXPECT_EQ(link->callCount, before);
+    return error ? error->message : std::string();
+  };
+  EXPECT_EQ(
+      messageFor({.takesBlocks = false, .lineBytes = 1'000, .blockBytes = 0}),
+      "environment 'narrow' takes at most 1000 bytes in one message (lineBytes), but step 4, 100 queries take 6064 "
+      "bytes as text. Let it need less (needs in environment.describe), let it take binary blocks (the capability "
+      "bin), raise its lineBytes, or let the model ask less in one step.");
+  EXPECT_EQ(
+      messageFor({.takesBlocks = true, .lineBytes = 1'000, .blockBytes = 1'000}),
+      "environment 'narrow' takes at most 1000 bytes in one message (blockBytes), but step 4, 100 queries take 2000 "
+      "bytes in blocks. Let it need less (needs in environment.describe), raise its blockBytes, or let the model ask "
+      "less in one step.");
+}
+
 TEST(RemoteProcess, ConnectingSaysWhatIsWrong) {
   const auto unknown = connectRemoteEnvironment("udp://x", {});
   EXPECT_EQ(std::get<std::string>(unknown),

@@ -13,10 +13,11 @@ import base64
 from collections import deque
 from dataclasses import dataclass, field
 from pathlib import Path
-from types import TracebackType
+from types import MappingProxyType, TracebackType
 from typing import Any, Deque, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple, Type, Union
 
 from . import wire
+from .blocks import Blocks
 from .errors import ConnectionLost, EspalierError, ProtocolError, ServerError
 from .hosting import hello_parameters
 
@@ -79,6 +80,11 @@ class Frame:
     records: Sequence[TurtleRecord] = ()
     string: str = ""
     statistics: Mapping[str, Any] = field(default_factory=dict)
+    count: int = 0  # of records
+    # with stream(arrays=True) instead of records: plant, module, symbol (an index in `symbols`), position (count, 3),
+    # heading, left, up, width, colour, branchOrder, parent (2^32 - 1: none), parameters and parameterOffset (count + 1)
+    columns: Blocks = field(default_factory=dict)
+    symbols: Tuple[str, ...] = ()
 
 
 def _vector(value: Any) -> Vector:
@@ -96,14 +102,16 @@ def read_record(shape: Mapping[str, Any], index: int) -> TurtleRecord:
         branch_order=int(shape["branchOrder"]), parent=shape["parent"])
 
 
-def read_frame(shape: Mapping[str, Any]) -> Frame:
+def read_frame(shape: Mapping[str, Any], blocks: Blocks = MappingProxyType({})) -> Frame:
     """The frame of the params of `stream.data`."""
     try:
         return Frame(
             step=int(shape["step"]), sequence=int(shape["sequence"]), missed=int(shape.get("missed", 0)),
             finished=bool(shape.get("finished", False)),
             records=[read_record(record, index) for index, record in enumerate(shape.get("records", []))],
-            string=str(shape.get("string", "")), statistics=shape.get("statistics", {}))
+            string=str(shape.get("string", "")), statistics=shape.get("statistics", {}),
+            count=int(shape.get("count", len(shape.get("records", [])))), symbols=tuple(shape.get("symbols", ())),
+            columns=blocks)
     except (KeyError, TypeError, ValueError) as error:
         raise ProtocolError(f"stream.data: a frame without or with a wrong {error}.") from None
 
@@ -113,8 +121,9 @@ class Client:
 
     def __init__(self, address: str, *, name: str = "python", token: Optional[str] = None,
                  timeout: Optional[float] = None, connect_timeout: float = 10.0) -> None:
-        """Connects and says hello. `timeout` (seconds, None: none) bounds the wait for each answer."""
-        self._attach(wire.SocketChannel.connect(*wire.parse_address(address), connect_timeout), name, token, timeout)
+        """Connects to HOST:PORT, tls://HOST:PORT, unix:PATH, ws://HOST:PORT or wss://HOST:PORT and says hello. `timeout`
+        (seconds, None: none) bounds the wait for each answer."""
+        self._attach(wire.connect(address, connect_timeout), name, token, timeout)
 
     @classmethod
     def over(cls, channel: wire.Channel, *, name: str = "python", token: Optional[str] = None,
@@ -164,7 +173,7 @@ class Client:
         """Sends a notification: nothing is answered."""
         self._channel.send(wire.notification(method, dict(parameters)))
 
-    def _receive(self, timeout: Optional[float], what: str) -> wire.Message:
+    def _receive(self, timeout: Optional[float], what: str) -> wire.Received:
         """The next message. A frame is put aside for its stream on the way."""
         try:
             message = self._channel.receive(timeout)
@@ -179,7 +188,7 @@ class Client:
             # frames of a stream that was closed meanwhile are dropped
             frames = self._frames.get(parameters["stream"])
             if frames is not None:
-                frames.append(read_frame(parameters))
+                frames.append(read_frame(parameters, message.blocks))
         elif message.get("method") == "stream.end" and isinstance(message.get("params"), dict):
             closed = message["params"]
             self._ended[str(closed.get("stream"))] = str(closed.get("reason", "the server closed it"))
@@ -300,12 +309,15 @@ class Simulation:
         self._call("simulation.delete")
 
     def stream(self, what: str = "turtle", *, every: int = 1, symbols: Optional[Sequence[str]] = None,
-               credits: int = 8) -> "Stream":
+               credits: int = 8, arrays: bool = False, single: bool = False) -> "Stream":
         """Opens a stream of frames: turtle, string or statistics. The first frame is the state now. At most `credits`
-        frames are under way; a reader that is slower misses frames and never slows the simulation."""
+        frames are under way; a reader that is slower misses frames and never slows the simulation. With `arrays` the turtle's
+        records come as columns (Frame.columns: NumPy arrays when NumPy is there), in single precision when `single`."""
         parameters: Dict[str, Any] = {"what": what, "every": every, "credits": credits}
         if symbols is not None:
             parameters["select"] = {"symbols": list(symbols)}
+        if arrays:
+            parameters.update({"bin": True, "precision": "single" if single else "double"})
         return Stream(self._client, str(self._call("stream.open", **parameters)["stream"]))
 
 

@@ -380,9 +380,9 @@ def call(channel: wire.Channel, identifier: int, method: str, parameters: Dict[s
             return message.get("result")
 
 
-def open_offer(name: str, address: str, token: Optional[str] = None) -> wire.SocketChannel:
+def open_offer(name: str, address: str, token: Optional[str] = None) -> wire.Channel:
     """Connects to a server and offers an environment under a name; the server's requests then arrive on the channel."""
-    channel = wire.SocketChannel.connect(*wire.parse_address(address), CONNECT_SECONDS)
+    channel = wire.connect(address, CONNECT_SECONDS)
     try:
         channel.agree(call(channel, 1, "hello", hello_parameters(name, "environment", token)) or {})
         call(channel, 2, "environment.offer", {"name": name})
@@ -439,7 +439,8 @@ def main(environment: Type[Environment], arguments: Sequence[str]) -> int:
     """The program of an environment. Returns its exit status: 0 success, 1 failure; wrong usage exits with 2."""
     parser = argparse.ArgumentParser(description=(environment.__doc__ or "").strip() or None)
     way = parser.add_mutually_exclusive_group()
-    way.add_argument("--offer", metavar="HOST:PORT", help="connect to a server and offer this environment")
+    way.add_argument("--offer", metavar="ADDRESS",
+                     help="connect to a server and offer this environment: HOST:PORT, tls://, unix:PATH, ws:// or wss://")
     way.add_argument("--listen", metavar="HOST:PORT", help="wait for servers to connect; port 0 takes a free one")
     parser.add_argument("--name", default=environment.name(), help="the name to offer it under (default: %(default)s)")
     parser.add_argument("--token", default=None, help="what the server asks for when it is not on this machine")

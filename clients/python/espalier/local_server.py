@@ -60,7 +60,7 @@ class Local(Client):
         if "--log-level" not in more:
             more += ["--log-level", "warn"]
         self._server = Server(found, arguments=more)
-        self._offers: List[wire.SocketChannel] = []
+        self._offers: List[wire.Channel] = []
         try:
             super().__init__(self._server.address, timeout=timeout)
         except BaseException:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import socket
+import ssl
 import time
 from typing import Any, BinaryIO, Dict, Mapping, Optional, Sequence
 
@@ -92,6 +93,39 @@ def parse_address(address: str) -> "tuple[str, int]":
     return host.strip("[]") or "127.0.0.1", int(port)
 
 
+def connect(address: str, timeout: float) -> "Channel":
+    """A channel to a server: HOST:PORT (or tcp://…), tls://HOST:PORT, unix:PATH, or ws://HOST:PORT and wss://HOST:PORT of
+    its HTTP side. The certificate of tls and wss must be one that this machine trusts; SSL_CERT_FILE names another."""
+    if address.startswith("unix:"):
+        path = address[len("unix:"):]
+        connection = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+        try:
+            connection.connect(path)
+        except OSError as error:
+            connection.close()
+            raise ConnectionLost(f"Nothing answers at {address} ({error.strerror or error}). "
+                                 f"Start a server there with 'espalier serve --listen {address}'.") from None
+        return SocketChannel(connection, address)
+    scheme, separator, rest = address.partition("://")
+    if separator and scheme in ("ws", "wss"):
+        from .websocket import WebSocketChannel
+
+        return WebSocketChannel.open(rest.rstrip("/"), timeout, scheme == "wss")
+    if separator and scheme == "tls":
+        return SocketChannel(encrypted(rest, timeout), address)
+    return SocketChannel.connect(*parse_address(address), timeout)
+
+
+def encrypted(address: str, timeout: float) -> socket.socket:
+    """A TLS connection to HOST:PORT."""
+    host, port = parse_address(address)
+    channel = SocketChannel.connect(host, port, timeout)
+    try:
+        return ssl.create_default_context().wrap_socket(channel.release(), server_hostname=host)
+    except (ssl.SSLError, OSError) as error:
+        raise ConnectionLost(f"{address} cannot be spoken to encrypted ({error}).") from None
+
+
 class Channel:
     """A two-way stream of messages."""
 
@@ -167,6 +201,10 @@ class SocketChannel(Channel):
                                  f"Start a server there with 'espalier serve --listen {peer}'.") from None
         connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         return cls(connection, peer)
+
+    def release(self) -> socket.socket:
+        """The socket, for another channel."""
+        return self._socket
 
     def _write(self, pieces: Sequence[Any]) -> None:
         try:

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <string>
+#include <string_view>
+
+namespace espalier::server {
+
+struct EnvironmentCheckOptions {
+  std::string address;  // tcp://HOST:PORT or stdio:COMMAND
+  std::chrono::milliseconds stepTimeout{60'000};
+  std::string configurationJson;  // for environment.open; empty: none
+  std::string trace;              // bytes of a recorded run whose queries are put to it too; empty: none
+};
+
+/// Talks to an environment without a simulation and tells the author what is right and what is not: description, shapes
+/// and units, order independence, repeatability, numbers that are not finite, save and restore, latencies; and with a
+/// trace whether it answers as the recorded one did. `print` receives one line for each finding. True when all is
+/// right.
+[[nodiscard]] bool checkEnvironment(const EnvironmentCheckOptions& options,
+                                    const std::function<void(const std::string&)>& print);
+
+}  // namespace espalier::server

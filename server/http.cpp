@@ -1,0 +1,199 @@
+#include "server/http.h"
+
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/websocket.hpp>
+#include <boost/beast/websocket/ssl.hpp>
+
+#include "server/http_pages.h"
+
+namespace espalier::server {
+namespace {
+
+namespace beast = boost::beast;
+namespace http = beast::http;
+namespace websocket = beast::websocket;
+using asio::ip::tcp;
+using Request = http::request<http::empty_body>;
+
+constexpr std::size_t kRequestBytes = 16'384;
+constexpr std::chrono::seconds kIdle{60};
+
+/// Messages over a WebSocket: a text frame each, or a binary frame with blocks.
+template <typename Stream>
+class WebSocketConnection final : public PeerConnection {
+ public:
+  WebSocketConnection(websocket::stream<Stream> stream, ServerCore& core, std::string peerName, bool isLocal)
+      : PeerConnection(stream.get_executor(), core, std::move(peerName), isLocal), stream_(std::move(stream)) {
+    const protocol::FrameLimits limits = frameLimits();
+    stream_.read_message_max(limits.lineBytes + limits.blockBytes);
+  }
+
+ protected:
+  asio::awaitable<bool> receive() override {
+    const auto [error, count] = co_await stream_.async_read(buffer_, kAsTuple);
+    if (error == websocket::error::message_too_big) {
+      const protocol::FrameLimits limits = frameLimits();
+      lose(protocol::limitError("lineBytes", limits.lineBytes + limits.blockBytes + 1, limits.lineBytes,
+                                "Send smaller messages; the connection is closed."));
+      co_return isReading();
+    }
+    if (error) {
+      co_return false;
+    }
+    PeerConnection::count(count);
+    const std::string_view frame(static_cast<const char*>(buffer_.data().data()), buffer_.size());
+    if (isReading()) {
+      take(frame);
+    }
+    buffer_.consume(buffer_.size());
+    co_return true;
+  }
+
+  asio::awaitable<bool> write(const Batch& messages) override {
+    for (const auto& message : messages) {
+      const bool isBinary = protocol::hasBlocks(*message);
+      stream_.binary(isBinary);
+      const std::string frame = isBinary ? protocol::binaryFrame(*message) : message->substr(0, message->size() - 1);
+      const auto [error, count] = co_await stream_.async_write(asio::buffer(frame), kAsTuple);
+      if (error) {
+        co_return false;
+      }
+    }
+    co_return true;
+  }
+
+  void shutdownSend() override {
+    stream_.async_close(websocket::close_code::normal, [self = shared_from_this()](const error_code&) {});
+  }
+  void closeTransport() override {
+    error_code ignored;
+    beast::get_lowest_layer(stream_).shutdown(asio::socket_base::shutdown_both, ignored);
+    beast::get_lowest_layer(stream_).close(ignored);
+  }
+
+ private:
+  void take(std::string_view frame) {
+    if (!stream_.got_binary() && frame.size() > frameLimits().lineBytes) {
+      lose(protocol::limitError("lineBytes", frame.size(), frameLimits().lineBytes,
+                                "Send smaller messages; the connection is closed."));
+      return;
+    }
+    std::optional<protocol::Error> problem;
+    const auto read = protocol::readFrame(frame, stream_.got_binary(), areBlocksAgreed(), bulk_, problem);
+    if (read) {
+      hand(*read);
+    } else {
+      lose(*problem);
+    }
+  }
+
+  websocket::stream<Stream> stream_;
+  beast::flat_buffer buffer_;
+  protocol::BulkTextReader bulk_;
+};
+
+http::response<http::string_body> responseOf(const HttpPage& page, const Request& request) {
+  http::response<http::string_body> response{static_cast<http::status>(page.status), request.version()};
+  response.set(http::field::server, "espalier");
+  response.set(http::field::content_type, page.type);
+  response.set("X-Content-Type-Options", "nosniff");
+  response.keep_alive(request.keep_alive());
+  response.body() = page.body;
+  response.prepare_payload();
+  if (request.method() == http::verb::head) {
+    response.body().clear();
+  }
+  return response;
+}
+
+HttpPage answerTo(const Request& request, const ServerCore& core) {
+  if (request.method() != http::verb::get && request.method() != http::verb::head) {
+    return {405, "text/plain; charset=utf-8", "Only GET and HEAD are answered here.\n"};
+  }
+  const auto target = request.target();
+  return pageOf({target.data(), target.size()}, core);
+}
+
+std::string fieldOf(const Request& request, http::field name) {
+  const auto value = request[name];
+  return {value.data(), value.size()};
+}
+
+/// Makes a session of the connection.
+template <typename Stream>
+asio::awaitable<void> upgrade(Stream stream, Request request, const HttpServices& services) {
+  error_code ignored;
+  const auto endpoint = beast::get_lowest_layer(stream).remote_endpoint(ignored);
+  const std::string peerName = endpoint.address().to_string() + ":" + std::to_string(endpoint.port());
+  const bool isLocal = endpoint.address().is_loopback();
+  websocket::stream<Stream> socket(std::move(stream));
+  socket.set_option(websocket::stream_base::timeout::suggested(beast::role_type::server));
+  const auto [error] = co_await socket.async_accept(request, kAsTuple);
+  if (!error) {
+    services.admit(std::make_shared<WebSocketConnection<Stream>>(std::move(socket), *services.core, peerName, isLocal));
+  }
+}
+
+template <typename Stream>
+asio::awaitable<void> serve(Stream stream, HttpServices services) {
+  beast::flat_buffer buffer(kRequestBytes);
+  // a peer that sends its request byte by byte does not keep the connection
+  asio::steady_timer patience(stream.get_executor());
+  const auto limit = [&patience, &stream](std::chrono::milliseconds time) {
+    patience.expires_after(time);
+    patience.async_wait([&stream](const error_code& error) {
+      if (!error) {
+        error_code ignored;
+        beast::get_lowest_layer(stream).close(ignored);
+      }
+    });
+  };
+  bool isFirst = true;
+  while (true) {
+    limit(isFirst ? std::chrono::milliseconds(services.core->options().limits.handshakeMilliseconds) : kIdle);
+    isFirst = false;
+    http::request_parser<http::empty_body> parser;
+    parser.header_limit(kRequestBytes);
+    const auto [error, count] = co_await http::async_read(stream, buffer, parser, kAsTuple);
+    patience.cancel();
+    if (error) {
+      co_return;
+    }
+    Request request = parser.release();
+    HttpPage page;
+    if (websocket::is_upgrade(request) && request.target() == "/espalier/1") {
+      const std::string origin = fieldOf(request, http::field::origin);
+      if (isOriginAllowed(origin, fieldOf(request, http::field::host), services.core->options().allowedOrigins)) {
+        co_await upgrade(std::move(stream), std::move(request), services);
+        co_return;
+      }
+      page = {403, "text/plain; charset=utf-8",
+              "Pages from " + origin + " may not connect; start the server with --allow-origin " + origin + ".\n"};
+    } else {
+      page = answerTo(request, *services.core);
+    }
+    auto response = responseOf(page, request);
+    const auto [writeError, written] = co_await http::async_write(stream, response, kAsTuple);
+    if (writeError || !response.keep_alive()) {
+      error_code ignored;
+      beast::get_lowest_layer(stream).shutdown(asio::socket_base::shutdown_send, ignored);
+      co_return;
+    }
+  }
+}
+
+}  // namespace
+
+asio::awaitable<void> serveHttp(tcp::socket socket, HttpServices services) {
+  return serve(std::move(socket), std::move(services));
+}
+
+asio::awaitable<void> serveHttps(asio::ssl::stream<tcp::socket> stream, HttpServices services) {
+  const auto [error] = co_await stream.async_handshake(asio::ssl::stream_base::server, kAsTuple);
+  if (!error) {
+    co_await serve(std::move(stream), std::move(services));
+  }
+}
+
+}  // namespace espalier::server

@@ -1,0 +1,66 @@
+#include "server/http_pages.h"
+
+#include <algorithm>
+
+#include "protocol/json_writer.h"
+#include "protocol/version.h"
+#include "server/server_core.h"
+
+namespace espalier::server {
+namespace {
+
+constexpr std::string_view kFrontPage =
+    "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Espalier</title></head>\n"
+    "<body style=\"font-family:sans-serif;max-width:40em;margin:3em auto;line-height:1.5\">\n"
+    "<h1>Espalier</h1>\n"
+    "<p>This is an Espalier server: it grows plants from L-systems that respond to their environment.</p>\n"
+    "<ul>\n"
+    "<li>Programs speak the protocol espalier/1 over TCP, or over a WebSocket at <code>/espalier/1</code>.</li>\n"
+    "<li><a href=\"/health\">/health</a> says whether it works, <a href=\"/metrics\">/metrics</a> how much.</li>\n"
+    "</ul>\n</body></html>\n";
+
+HttpPage healthPage(const ServerCore& core) {
+  protocol::JsonWriter json;
+  json.beginObject().key("status").text(core.isShuttingDown() ? "stopping" : "ok");
+  json.key("server").text("espalier " + std::string(protocol::kProgramVersion));
+  json.key("sessions").integer(core.sessionCount.load());
+  json.key("simulations").integer(std::uint64_t{core.all().size()}).endObject();
+  return {core.isShuttingDown() ? 503U : 200U, "application/json", json.take() + "\n"};
+}
+
+HttpPage metricsPage(const ServerCore& core) {
+  const Gauges gauges{.sessions = core.sessionCount,
+                      .simulations = core.all().size(),
+                      .workers = core.options().workers,
+                      .residentBytes = residentBytes()};
+  return {200, "text/plain; version=0.0.4; charset=utf-8", prometheusText(core.metrics, gauges)};
+}
+
+}  // namespace
+
+HttpPage pageOf(std::string_view target, const ServerCore& core) {
+  const std::string_view path = target.substr(0, target.find('?'));
+  if (path == "/") {
+    return {200, "text/html; charset=utf-8", std::string(kFrontPage)};
+  }
+  if (path == "/health") {
+    return healthPage(core);
+  }
+  if (path == "/metrics") {
+    return metricsPage(core);
+  }
+  if (path == "/espalier/1") {
+    return {426, "text/plain; charset=utf-8", "This is where WebSockets are opened: ask for an upgrade.\n"};
+  }
+  return {404, "text/plain; charset=utf-8", "There is no such page. There are /, /health, /metrics and /espalier/1.\n"};
+}
+
+bool isOriginAllowed(std::string_view origin, std::string_view host, const std::vector<std::string>& allowed) {
+  if (origin.empty() || std::find(allowed.begin(), allowed.end(), origin) != allowed.end()) {
+    return true;
+  }
+  const std::size_t colon = origin.find("://");
+  return colon != std::string_view::npos && !host.empty() && origin.substr(colon + 3) == host;
+}
+
+}  // namespace espalier::server

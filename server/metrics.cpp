@@ -1,0 +1,78 @@
+#include "server/metrics.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <charconv>
+#include <fstream>
+
+namespace espalier::server {
+namespace {
+
+std::string numberText(double value) {
+  std::array<char, 32> buffer{};
+  const auto result = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
+  return {buffer.data(), result.ptr};
+}
+
+void appendFamily(std::string& text, const std::string& name, const char* kind, const char* help) {
+  text += "# HELP " + name + " " + help + "\n# TYPE " + name + " " + kind + "\n";
+}
+
+void append(std::string& text, const std::string& name, const char* kind, const char* help, std::uint64_t value) {
+  appendFamily(text, name, kind, help);
+  text += name + " " + std::to_string(value) + "\n";
+}
+
+}  // namespace
+
+void DurationHistogram::observe(double seconds) {
+  const auto bucket =
+      static_cast<std::size_t>(std::lower_bound(kBounds.begin(), kBounds.end(), seconds) - kBounds.begin());
+  counts_[bucket].fetch_add(1, std::memory_order_relaxed);
+  nanoseconds_.fetch_add(static_cast<std::uint64_t>(std::max(seconds, 0.0) * 1e9), std::memory_order_relaxed);
+}
+
+void DurationHistogram::appendTo(std::string& text, const std::string& name) const {
+  std::uint64_t count = 0;
+  for (std::size_t bucket = 0; bucket < counts_.size(); ++bucket) {
+    count += counts_[bucket].load(std::memory_order_relaxed);
+    const std::string bound = bucket < kBounds.size() ? numberText(kBounds[bucket]) : "+Inf";
+    text += name + "_bucket{le=\"" + bound + "\"} " + std::to_string(count) + "\n";
+  }
+  text += name + "_sum " + numberText(static_cast<double>(nanoseconds_.load(std::memory_order_relaxed)) * 1e-9) + "\n";
+  text += name + "_count " + std::to_string(count) + "\n";
+}
+
+std::string prometheusText(const Metrics& metrics, const Gauges& gauges) {
+  std::string text;
+  append(text, "espalier_steps_total", "counter", "Steps completed.", metrics.steps);
+  append(text, "espalier_failed_steps_total", "counter", "Steps that failed.", metrics.failedSteps);
+  append(text, "espalier_modules_total", "counter", "Modules of the strings after each step.", metrics.modules);
+  append(text, "espalier_queries_total", "counter", "Queries put to environments.", metrics.queries);
+  append(text, "espalier_requests_total", "counter", "Requests of sessions.", metrics.requests);
+  append(text, "espalier_received_bytes_total", "counter", "Bytes from sessions.", metrics.bytesReceived);
+  append(text, "espalier_sent_bytes_total", "counter", "Bytes to sessions.", metrics.bytesSent);
+  append(text, "espalier_sessions_total", "counter", "Sessions opened.", metrics.sessions);
+  append(text, "espalier_stream_frames_total", "counter", "Frames sent to viewers.", metrics.frames);
+  append(text, "espalier_stream_drops_total", "counter", "Frames left out for slow viewers.", metrics.drops);
+  append(text, "espalier_sessions", "gauge", "Sessions open now.", gauges.sessions);
+  append(text, "espalier_simulations", "gauge", "Simulations of the server.", gauges.simulations);
+  append(text, "espalier_workers", "gauge", "Simulations that may compute at a time.", gauges.workers);
+  append(text, "espalier_resident_bytes", "gauge", "Resident memory of the process.", gauges.residentBytes);
+  appendFamily(text, "espalier_step_seconds", "histogram", "Wall time of a step, environment included.");
+  metrics.stepSeconds.appendTo(text, "espalier_step_seconds");
+  appendFamily(text, "espalier_environment_seconds", "histogram", "Calls of environments in other processes.");
+  metrics.environmentSeconds.appendTo(text, "espalier_environment_seconds");
+  return text;
+}
+
+std::uint64_t residentBytes() {
+  std::ifstream file("/proc/self/statm");
+  std::uint64_t total = 0;
+  std::uint64_t resident = 0;
+  file >> total >> resident;
+  return file ? resident * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE)) : 0;
+}
+
+}  // namespace espalier::server

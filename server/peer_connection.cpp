@@ -1,0 +1,156 @@
+#include "server/peer_connection.h"
+
+namespace espalier::server {
+namespace {
+
+constexpr std::chrono::seconds kGrace{1};
+
+}  // namespace
+
+PeerConnection::PeerConnection(asio::any_io_executor executor, ServerCore& core, std::string peerName, bool isLocal)
+    : executor_(std::move(executor)),
+      wake_(executor_),
+      handshake_(executor_),
+      core_(&core),
+      peerName_(std::move(peerName)),
+      isLocal_(isLocal) {
+  wake_.expires_at(std::chrono::steady_clock::time_point::max());
+}
+
+void PeerConnection::send(std::shared_ptr<const std::string> message) {
+  outboxBytes_ += message->size();
+  asio::post(executor_, [self = shared_from_this(), message = std::move(message)]() mutable {
+    self->enqueue(std::move(message));
+  });
+}
+
+void PeerConnection::closeWhenSent() {
+  asio::post(executor_, [self = shared_from_this()] {
+    self->isClosing_ = true;
+    self->wake_.cancel();
+  });
+}
+
+void PeerConnection::start(std::shared_ptr<Session> session) {
+  session_ = std::move(session);
+  asio::co_spawn(
+      executor_, [self = shared_from_this()] { return self->readAll(); }, asio::detached);
+  asio::co_spawn(
+      executor_, [self = shared_from_this()] { return self->writeAll(); }, asio::detached);
+  handshake_.expires_after(std::chrono::milliseconds(core_->options().limits.handshakeMilliseconds));
+  handshake_.async_wait([self = shared_from_this()](const error_code& error) {
+    if (error || self->session_ == nullptr) {
+      return;
+    }
+    self->session_->onHandshakeTimeout();
+    if (!self->isReady_) {
+      // it cannot be told before the transport works
+      self->closeNow();
+    }
+  });
+}
+
+void PeerConnection::closeNow() {
+  if (isClosed_) {
+    return;
+  }
+  isClosed_ = true;
+  closeTransport();
+  wake_.cancel();
+  handshake_.cancel();
+  outbox_.clear();
+  if (session_ != nullptr) {
+    const auto session = std::move(session_);
+    session_ = nullptr;
+    session->onClosed();
+  }
+  if (onClosed) {
+    onClosed();
+  }
+}
+
+protocol::FrameLimits PeerConnection::frameLimits() const {
+  const ServerLimits& limits = core_->options().limits;
+  return {static_cast<std::size_t>(limits.lineBytes), static_cast<std::size_t>(limits.blockBytes)};
+}
+
+void PeerConnection::hand(const protocol::MessageReader::Read& read) {
+  session_->onRead(read);
+  if (session_ != nullptr && session_->isGreeted()) {
+    handshake_.cancel();
+  }
+}
+
+void PeerConnection::lose(const protocol::Error& error) {
+  if (isReading()) {
+    session_->onLost(error);
+  }
+}
+
+void PeerConnection::enqueue(std::shared_ptr<const std::string> message) {
+  if (isClosed_ || isClosing_) {
+    outboxBytes_ -= message->size();
+    // a refusal itself is queued before closing begins
+    return;
+  }
+  outbox_.push_back(std::move(message));
+  const std::uint64_t bound = core_->options().limits.outboxBytes;
+  // one answer may be as large as the bound while another is being sent
+  if (outboxBytes_ > 2 * bound) {
+    core_->log().warn(
+        "session with " + peerName_ +
+        " is closed: it does not read, and its outbox grew beyond twice outboxBytes=" + std::to_string(bound));
+    closeNow();
+    return;
+  }
+  wake_.cancel();
+}
+
+asio::awaitable<void> PeerConnection::readAll() {
+  isReady_ = co_await prepare();
+  if (isReady_) {
+    wake_.cancel();
+    while (!isClosed_ && co_await receive()) {
+    }
+  }
+  closeNow();
+}
+
+asio::awaitable<void> PeerConnection::writeAll() {
+  while (!isClosed_) {
+    if (outbox_.empty() || !isReady_) {
+      if (isClosing_) {
+        break;
+      }
+      co_await wake_.async_wait(kAsTuple);
+      wake_.expires_at(std::chrono::steady_clock::time_point::max());
+      continue;
+    }
+    // everything queued, in one system call where possible
+    const Batch sending = std::move(outbox_);
+    outbox_.clear();
+    std::size_t bytes = 0;
+    for (const auto& message : sending) {
+      bytes += message->size();
+    }
+    const bool isSent = co_await write(sending);
+    outboxBytes_ -= bytes;
+    if (!isSent) {
+      break;
+    }
+    core_->metrics.bytesSent += bytes;
+    if (session_ != nullptr) {
+      session_->onDrained();
+    }
+  }
+  // the peer may still be sending: let it read the last message before the connection is reset
+  if (!isClosed_ && isClosing_) {
+    shutdownSend();
+    // the reader closes at once when the peer does, which also ends this wait
+    wake_.expires_after(kGrace);
+    co_await wake_.async_wait(kAsTuple);
+  }
+  closeNow();
+}
+
+}  // namespace espalier::server

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <atomic>
+#include <boost/asio.hpp>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "protocol/framing.h"
+#include "server/connection.h"
+#include "server/server_core.h"
+#include "server/session.h"
+
+namespace espalier::server {
+
+// For the files that know the network library only: network.cpp, stream_connection.cpp, http.cpp.
+
+namespace asio = boost::asio;
+using boost::system::error_code;
+inline constexpr auto kAsTuple = asio::as_tuple(asio::use_awaitable);
+
+/// One connected peer over any transport: a reader that hands messages to the session, a writer that empties the
+/// outbox. Members run on the network thread unless they are Connection's.
+class PeerConnection : public Connection, public std::enable_shared_from_this<PeerConnection> {
+ public:
+  using Batch = std::deque<std::shared_ptr<const std::string>>;
+
+  PeerConnection(asio::any_io_executor executor, ServerCore& core, std::string peerName, bool isLocal);
+
+  // ---- Connection: any thread ----
+  void send(std::shared_ptr<const std::string> message) override;
+  void closeWhenSent() override;
+  [[nodiscard]] std::size_t outboxBytes() const override { return outboxBytes_; }
+  [[nodiscard]] bool isLocal() const override { return isLocal_; }
+  [[nodiscard]] std::string peerName() const override { return peerName_; }
+
+  // ---- network thread ----
+  void start(std::shared_ptr<Session> session);
+  void closeNow();
+  std::function<void()> onClosed;
+
+ protected:
+  /// What comes before the first message (TLS). False: the peer is not wanted.
+  virtual asio::awaitable<bool> prepare() { co_return true; }
+  /// Waits for bytes and hands on what is complete. False: the peer has ended.
+  virtual asio::awaitable<bool> receive() = 0;
+  virtual asio::awaitable<bool> write(const Batch& messages) = 0;
+  /// No more is written; the peer may still be sending.
+  virtual void shutdownSend() = 0;
+  virtual void closeTransport() = 0;
+
+  [[nodiscard]] ServerCore& core() { return *core_; }
+  [[nodiscard]] bool isReading() const { return session_ != nullptr && !isClosing_; }
+  [[nodiscard]] protocol::FrameLimits frameLimits() const;
+  void count(std::size_t receivedBytes) { core_->metrics.bytesReceived += receivedBytes; }
+  void hand(const protocol::MessageReader::Read& read);
+  void lose(const protocol::Error& error);
+  /// Both sides agreed on blocks.
+  [[nodiscard]] bool areBlocksAgreed() const { return session_ != nullptr && session_->areBlocksAgreed(); }
+
+ private:
+  void enqueue(std::shared_ptr<const std::string> message);
+  asio::awaitable<void> readAll();
+  asio::awaitable<void> writeAll();
+
+  asio::any_io_executor executor_;
+  asio::steady_timer wake_;  // cancelled when the outbox has something
+  asio::steady_timer handshake_;
+  ServerCore* core_;
+  std::shared_ptr<Session> session_;  // null: closed
+  Batch outbox_;
+  std::atomic<std::size_t> outboxBytes_{0};
+  std::string peerName_;
+  bool isLocal_ = false;
+  bool isReady_ = false;
+  bool isClosing_ = false;
+  bool isClosed_ = false;
+};
+
+}  // namespace espalier::server

@@ -1,0 +1,34 @@
+#include "server/http_pages.h"
+
+#include <gtest/gtest.h>
+
+#include "server/server_core.h"
+
+namespace espalier::server {
+namespace {
+
+TEST(HttpPages, BrowsersConnectFromPagesOfTheHostItselfOrAnAllowedOne) {
+  EXPECT_TRUE(isOriginAllowed("", "127.0.0.1:8080", {}));  // a program
+  EXPECT_TRUE(isOriginAllowed("http://127.0.0.1:8080", "127.0.0.1:8080", {}));
+  EXPECT_TRUE(isOriginAllowed("https://plants.example", "plants.example", {}));
+  EXPECT_FALSE(isOriginAllowed("http://127.0.0.1:8081", "127.0.0.1:8080", {}));
+  EXPECT_FALSE(isOriginAllowed("null", "127.0.0.1:8080", {}));
+  EXPECT_FALSE(isOriginAllowed("http://", "", {}));
+  EXPECT_TRUE(isOriginAllowed("https://elsewhere.example", "127.0.0.1:8080", {"https://elsewhere.example"}));
+  EXPECT_FALSE(isOriginAllowed("https://elsewhere.example.evil", "127.0.0.1:8080", {"https://elsewhere.example"}));
+}
+
+TEST(HttpPages, ThePathDecidesAndWhatFollowsItDoesNot) {
+  ServerOptions options;
+  options.logLevel = "off";
+  ServerCore core(options);
+  EXPECT_EQ(pageOf("/", core).status, 200U);
+  EXPECT_EQ(pageOf("/health?x=1", core).body.find("{\"status\":\"ok\""), 0U);
+  EXPECT_EQ(pageOf("/metrics", core).status, 200U);
+  EXPECT_EQ(pageOf("/../etc/passwd", core).status, 404U);
+  core.beginShutdown();
+  EXPECT_EQ(pageOf("/health", core).status, 503U);
+}
+
+}  // namespace
+}  // namespace espalier::server

@@ -1,0 +1,34 @@
+#include "server/metrics.h"
+
+#include <gtest/gtest.h>
+
+namespace espalier::server {
+namespace {
+
+TEST(Metrics, HistogramsAreCumulativeAndEndWithTheirSumAndCount) {
+  DurationHistogram histogram;
+  histogram.observe(0.0001);  // on a bound: belongs to it
+  histogram.observe(0.0002);
+  histogram.observe(100.0);
+  std::string text;
+  histogram.appendTo(text, "x");
+  EXPECT_EQ(text.find("x_bucket{le=\"1e-04\"} 1\nx_bucket{le=\"0.00025\"} 2\n"), 0U) << text;
+  EXPECT_NE(text.find("x_bucket{le=\"30\"} 2\nx_bucket{le=\"+Inf\"} 3\nx_sum 100.0003\nx_count 3\n"), std::string::npos)
+      << text;
+}
+
+TEST(Metrics, EveryFamilyHasHelpAndType) {
+  Metrics metrics;
+  metrics.steps = 5;
+  metrics.drops = 2;
+  const std::string text = prometheusText(metrics, {.sessions = 3, .simulations = 4, .workers = 2, .residentBytes = 9});
+  EXPECT_NE(text.find("# TYPE espalier_steps_total counter\nespalier_steps_total 5\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("# TYPE espalier_stream_drops_total counter\nespalier_stream_drops_total 2\n"),
+            std::string::npos);
+  EXPECT_NE(text.find("# TYPE espalier_sessions gauge\nespalier_sessions 3\n"), std::string::npos);
+  EXPECT_NE(text.find("# TYPE espalier_environment_seconds histogram\n"), std::string::npos);
+  EXPECT_GT(residentBytes(), 1'000'000U);
+}
+
+}  // namespace
+}  // namespace espalier::server
