@@ -32,6 +32,25 @@ TEST(FuzzRegressions, EveryFormerFindingIsAnsweredNow) {
   }
 }
 
+// what the fuzzer of messages begins with is right, and stays right through every way of writing it
+TEST(FuzzRegressions, SeedsOfMessagesCrossTheWireUnchanged) {
+  std::size_t count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(ESPALIER_SOURCE_DIR) /
+                                                               "tests/fuzz/seeds/messages")) {
+    SCOPED_TRACE(entry.path().string());
+    const std::string bytes = contentOf(entry.path());
+    EXPECT_NO_THROW(fuzzMessages(bytes));
+    // one byte wrong anywhere is an answer, not a finding
+    for (std::size_t i = 0; i < bytes.size(); i += 3) {
+      std::string changed = bytes;
+      changed[i] = static_cast<char>(changed[i] ^ (1 << (i % 8)));
+      EXPECT_NO_THROW(fuzzMessages(changed)) << "byte " << i;
+    }
+    ++count;
+  }
+  EXPECT_GT(count, 5U);
+}
+
 TEST(FuzzRegressions, TargetsAcceptTextsWithoutMeaning) {
   for (const NamedTarget& target : kTargets) {
     SCOPED_TRACE(std::string(target.name));

@@ -13,16 +13,15 @@ void fuzzPreprocessor(std::string_view text);
 void fuzzCompile(std::string_view text);     // a model, in every mode; what compiles is disassembled
 void fuzzViewFile(std::string_view text);    // a view file with the files it names, in the Espalier and the Cpfg mode
 void fuzzDerivation(std::string_view text);  // a model, a few steps and its scene, within small limits; then a snapshot
+void fuzzMessages(std::string_view bytes);   // the wire: bytes cut into messages, every decoder; text and blocks agree
 
 struct NamedTarget {
   std::string_view name;  // as its folder of regressions and its program
   Target run;
 };
 inline constexpr NamedTarget kTargets[] = {
-    {"preprocessor", fuzzPreprocessor},
-    {"compile", fuzzCompile},
-    {"view_file", fuzzViewFile},
-    {"derivation", fuzzDerivation},
+    {"preprocessor", fuzzPreprocessor}, {"compile", fuzzCompile},   {"view_file", fuzzViewFile},
+    {"derivation", fuzzDerivation},     {"messages", fuzzMessages},
 };
 
 }  // namespace espalier::fuzz

@@ -254,6 +254,84 @@ class EveryTransport(unittest.TestCase):
             self.assertIn("give --certificate FILE and --key FILE, add --insecure", refused.stderr)
 
 
+class ErrorNumbers(unittest.TestCase):
+    """The frozen numbers of protocol/README.md, each with what a stranger does to get it."""
+
+    HELLO = '{"jsonrpc":"2.0","id":1,"method":"hello","params":{"protocol":[1]}}'
+
+    def answers(self, address: str, *lines: str) -> List[Dict[str, Any]]:
+        """What comes back for lines sent one after the other."""
+        host, port = address.rsplit(":", 1)
+        with socket.create_connection((host, int(port)), 30) as connection:
+            with connection.makefile("r", encoding="utf-8", newline="\n") as heard:
+                found = []
+                for line in lines:
+                    connection.sendall(line.encode("utf-8") + b"\n")
+                    found.append(json.loads(heard.readline()))
+                return found
+
+    def code(self, address: str, *lines: str) -> int:
+        return int(self.answers(address, *lines)[-1]["error"]["code"])
+
+    @staticmethod
+    def request(method: str, **parameters: Any) -> str:
+        return wire.encode(wire.request(9, method, parameters)).decode("utf-8").rstrip("\n")
+
+    def create(self, source: str, **more: Any) -> str:
+        return self.request("simulation.create", model={"source": source}, **more)
+
+    def test_of_a_server(self) -> None:
+        server = Server("--limit", "modules=50", "--limit", "handshakeMilliseconds=30000")
+        self.addCleanup(server.stop)
+        address = server.address
+        self.assertEqual(self.code(address, "rubbish"), -32700)
+        self.assertEqual(self.code(address, '{"jsonrpc":"2.0","id":1}'), -32600)
+        self.assertEqual(self.code(address, self.HELLO, self.request("simulation.grow")), -32601)
+        self.assertEqual(self.code(address, self.HELLO, self.request("simulation.step", simulation=3)), -32602)
+        self.assertEqual(self.code(address, '{"jsonrpc":"2.0","id":1,"method":"hello","params":{"protocol":[2]}}'), 1001)
+        self.assertEqual(self.code(address, self.HELLO, '{"jsonrpc":"2.0","id":2,"method":"x","bin":[],"binBytes":8}'), 1002)
+        away = self.create(MODEL, environment=[{"type": "offered", "name": "nobody"}])
+        self.assertEqual(self.code(address, self.HELLO, away), 1006)
+        self.assertEqual(self.code(address, self.HELLO, self.create("Lsystem: 1\nAxiom: A(\nendlsystem\n")), 1009)
+        self.assertEqual(self.code(address, self.HELLO, self.request("simulation.step", simulation="sim-none")), 1011)
+        self.assertEqual(self.code(address, self.request("server.status")), 1012)
+        with Client(address) as client:
+            def refused(simulation: Any, method: str, **parameters: Any) -> int:
+                with self.assertRaises(ServerError) as caught:
+                    client.call(method, {"simulation": simulation.identifier, **parameters})
+                return caught.exception.code
+
+            many = client.create("Lsystem: 1\nderivation length: 9\nAxiom: A\nA --> AA\nendlsystem\n")
+            self.assertEqual(refused(many, "simulation.run"), 1004)
+            nan = client.create("Lsystem: 1\nderivation length: 3\nAxiom: A(1)\nA(x) --> A(sqrt(0-x))\nendlsystem\n")
+            self.assertEqual(refused(nan, "simulation.step"), 1008)
+            self.assertEqual(refused(nan, "simulation.restore", snapshot="AAAA"), 1013)
+
+    def test_of_time_tokens_and_cancelling(self) -> None:
+        server = Server("--limit", "handshakeMilliseconds=50", "--token", "secret")
+        self.addCleanup(server.stop)
+        host, port = server.address.rsplit(":", 1)
+        with socket.create_connection((host, int(port)), 30) as silent, \
+                silent.makefile("r", encoding="utf-8", newline="\n") as heard:
+            self.assertEqual(json.loads(heard.readline())["error"]["code"], 1005)
+        self.assertEqual(self.code(server.address, self.HELLO), 1003)
+        with Client(server.address, token="secret") as client:
+            endless = client.create("Lsystem: 1\nderivation length: 100000000\nAxiom: A\nA --> A\nendlsystem\n", save=False)
+            client._channel.send(wire.request(77, "simulation.run", {"simulation": endless.identifier}))
+            client.notify("$/cancel", {"id": 77})
+            answer = client._receive(60, "simulation.run")
+            self.assertEqual((answer["id"], answer["error"]["code"]), (77, 1010))
+
+    def test_of_an_environment_that_is_asked_for_a_step_it_left_behind(self) -> None:
+        built_in = Process([program(), "environment", "shadow", "--listen", "127.0.0.1:0"])
+        self.addCleanup(built_in.stop)
+        step = {"simulation": "s", "iteration": 0, "time": 0, "queries": [
+            {"id": 0, "symbol": "E", "parameters": [0, 0, 0, 0], "position": [0, 1, 0]}]}
+        asked = [self.request("environment.open", simulation="s", symbols=["E"]),
+                 self.request("environment.step", step=5, **step), self.request("environment.step", step=3, **step)]
+        self.assertEqual(self.code(built_in.address, *asked), 1007)
+
+
 class StreamsInBlocks(unittest.TestCase):
     def test_columns_are_the_records(self) -> None:
         server = Server()
