@@ -40,7 +40,7 @@ void DurationHistogram::appendTo(std::string& text, const std::string& name) con
     const std::string bound = bucket < kBounds.size() ? numberText(kBounds[bucket]) : "+Inf";
     text += name + "_bucket{le=\"" + bound + "\"} " + std::to_string(count) + "\n";
   }
-  text += name + "_sum " + numberText(static_cast<double>(nanoseconds_.load(std::memory_order_relaxed)) * 1e-9) + "\n";
+  text += name + "_sum " + numberText(static_cast<double>(nanoseconds_.load(std::memory_order_relaxed)) / 1e9) + "\n";
   text += name + "_count " + std::to_string(count) + "\n";
 }
 

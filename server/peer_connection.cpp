@@ -107,11 +107,13 @@ void PeerConnection::enqueue(std::shared_ptr<const std::string> message) {
 }
 
 asio::awaitable<void> PeerConnection::readAll() {
-  isReady_ = co_await prepare();
-  if (isReady_) {
-    wake_.cancel();
-    while (!isClosed_ && co_await receive()) {
-    }
+  const bool isWanted = co_await prepare();
+  isReady_ = isWanted;
+  wake_.cancel();
+  bool goesOn = isWanted;
+  while (goesOn && !isClosed_) {
+    // not in the condition: g++ 12 makes wrong code of that
+    goesOn = co_await receive();
   }
   closeNow();
 }

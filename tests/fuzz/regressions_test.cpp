@@ -35,8 +35,8 @@ TEST(FuzzRegressions, EveryFormerFindingIsAnsweredNow) {
 // what the fuzzer of messages begins with is right, and stays right through every way of writing it
 TEST(FuzzRegressions, SeedsOfMessagesCrossTheWireUnchanged) {
   std::size_t count = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(ESPALIER_SOURCE_DIR) /
-                                                               "tests/fuzz/seeds/messages")) {
+  for (const auto& entry :
+       std::filesystem::directory_iterator(std::filesystem::path(ESPALIER_SOURCE_DIR) / "tests/fuzz/seeds/messages")) {
     SCOPED_TRACE(entry.path().string());
     const std::string bytes = contentOf(entry.path());
     EXPECT_NO_THROW(fuzzMessages(bytes));

@@ -178,7 +178,7 @@ class EveryTransport(unittest.TestCase):
         simulation = client.create(MODEL, environment=[environment], seed=7)
         while not simulation.step().finished:
             pass
-        return str(simulation.get("state-hash")["hash"])
+        return str(simulation.get("state-hash")["stateHash"])
 
     def test_one_hash(self) -> None:
         folder = tempfile.TemporaryDirectory()
@@ -323,7 +323,7 @@ class ErrorNumbers(unittest.TestCase):
             self.assertEqual((answer["id"], answer["error"]["code"]), (77, 1010))
 
     def test_of_an_environment_that_is_asked_for_a_step_it_left_behind(self) -> None:
-        built_in = Process([program(), "environment", "shadow", "--listen", "127.0.0.1:0"])
+        built_in = Process([program(), "environment", "density3d", "--listen", "127.0.0.1:0"])
         self.addCleanup(built_in.stop)
         step = {"simulation": "s", "iteration": 0, "time": 0, "queries": [
             {"id": 0, "symbol": "E", "parameters": [0, 0, 0, 0], "position": [0, 1, 0]}]}
@@ -422,7 +422,7 @@ class EnvironmentCheck(unittest.TestCase):
         self.assertRegex(found, r"queries +median ms +99 % ms +queries/s\n +1 +[0-9.]+ +[0-9.]+ +\d+\n")
 
     def test_built_ins_are_right(self) -> None:
-        for name in ("height", "honda", "density"):
+        for name in ("height", "honda", "density3d"):
             found = espalier("environment", "check", f"stdio:'{program()}' environment {name} --stdio").stdout
             self.assertTrue(found.endswith("all is right\n"), found)
 

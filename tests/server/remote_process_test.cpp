@@ -280,7 +280,7 @@ TEST(RemoteProcess, AStepLongerThanItsPeerTakesIsNotSentAndSaysWhatHelps) {
   };
   EXPECT_EQ(
       messageFor({.takesBlocks = false, .lineBytes = 1'000, .blockBytes = 0}),
-      "environment 'narrow' takes at most 1000 bytes in one message (lineBytes), but step 4, 100 queries take 6064 "
+      "environment 'narrow' takes at most 1000 bytes in one message (lineBytes), but step 4, 100 queries take 6242 "
       "bytes as text. Let it need less (needs in environment.describe), let it take binary blocks (the capability "
       "bin), raise its lineBytes, or let the model ask less in one step.");
   EXPECT_EQ(
