@@ -24,16 +24,20 @@ Message crossed(const std::string& bytes) {
   return std::get<Message>(*read);
 }
 
-/// What was read must be the same after it was written as text and in blocks.
+EnvironmentStepParams readBack(const Body& body) {
+  const auto again =
+      decodeEnvironmentStepParams(crossed(encodeRequest(MessageId::of(1), "environment.step", body)).payload);
+  ESPALIER_CHECK(std::holds_alternative<EnvironmentStepParams>(again));
+  return std::get<EnvironmentStepParams>(again);
+}
+
+/// What was read must be the same after it was written as text and in blocks. Text names the module of a query that
+/// blocks without that column leave out, so it is the same from the second time on.
 void checkStep(const EnvironmentStepParams& step) {
   const std::string text = encode(step);
-  for (const bool isBinary : {false, true}) {
-    const Message message =
-        crossed(encodeRequest(MessageId::of(1), "environment.step", isBinary ? encodeBlocks(step) : Body(text)));
-    const auto again = decodeEnvironmentStepParams(message.payload);
-    ESPALIER_CHECK(std::holds_alternative<EnvironmentStepParams>(again));
-    ESPALIER_CHECK(encode(std::get<EnvironmentStepParams>(again)) == text);
-  }
+  ESPALIER_CHECK(encode(readBack(encodeBlocks(step))) == text);
+  const std::string whole = encode(readBack(Body(text)));
+  ESPALIER_CHECK(encode(readBack(Body(whole))) == whole);
 }
 
 void checkReplies(const ReplyColumns& replies) {
