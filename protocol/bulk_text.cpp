@@ -1,6 +1,7 @@
 #include "protocol/bulk_text.h"
 
 #include <simdjson.h>
+#include <charconv>
 #include <cmath>
 
 #include "protocol/column_storage.h"
@@ -53,9 +54,20 @@ std::string_view keyOf(ondemand::field& field) {
   return {begin, static_cast<std::size_t>(end - begin)};
 }
 
+// simdjson 3.0 reads doubles of more digits than a 64-bit integer holds wrongly, without a word
+constexpr std::size_t kSafeDigits = 18;
+
 double numberOf(ondemand::value value) {
-  const std::string_view token = value.raw_json_token();
-  const double number = must(value.get_double());
+  std::string_view token = value.raw_json_token();
+  double number = must(value.get_double());
+  if (token.size() > kSafeDigits) {
+    // what it took for a number is one
+    while (!token.empty() && (token.back() < '0' || token.back() > '9')) {
+      token.remove_suffix(1);
+    }
+    const auto read = std::from_chars(token.data(), token.data() + token.size(), number);
+    require(read.ec == std::errc() && read.ptr == token.data() + token.size());
+  }
   require(std::isfinite(number));
   if (number == 0.0 && std::signbit(number)) {
     // -0 is the integer 0, -0.0 is not

@@ -79,6 +79,30 @@ TEST(BulkText, RepliesReadBitwiseAsTheTreeReadsThem) {
   EXPECT_TRUE(std::holds_alternative<Error>(decodeReplies(message->payload, 400)));
 }
 
+TEST(BulkText, NumbersOfAnyLengthReadAsTheNearestDouble) {
+  const std::vector<std::pair<std::string, double>> numbers{
+      {"0.184467440737095516155", 0.184467440737095516155},
+      {"0.30000000000000004440892098500626", 0.1 + 0.2},
+      {"0.1000000000000000055511151231257827021181583404541015625", 0.1},
+      {"-0.000000000000000000000000000000000000012345678901234567890123", -1.2345678901234567890123e-38},
+      {"123456789012345678901234567890", 123456789012345678901234567890.0},
+      {"1.7976931348623157081e308", 1.7976931348623157e308},
+      {"4.9406564584124654417656879286822e-324", 4.9406564584124654e-324},
+      {"18446744073709551615", 18446744073709551615.0},
+      {"9007199254740993.0000000000000001", 9007199254740994.0},
+  };
+  for (const auto& [text, value] : numbers) {
+    BulkTextReader reader;
+    const std::string line = replyLine(3, text);
+    const auto message = reader.read(line);
+    const auto tree = std::get<Message>(decodeMessage(line));
+    // what the fast reader leaves to the tree is right too
+    const Payload& payload = message ? message->payload : tree.payload;
+    EXPECT_EQ(std::get<ReplyColumns>(decodeReplies(payload, 4)).values.back(), value) << text;
+    EXPECT_EQ(std::get<ReplyColumns>(decodeReplies(tree.payload, 4)).values.back(), value) << text;
+  }
+}
+
 TEST(BulkText, WhatIsUnusualIsLeftToTheTree) {
   BulkTextReader reader;
   for (const char* last : {"NaN", "1e999", "\"x\"", "1]]", "01", "1,", "true", ""}) {
