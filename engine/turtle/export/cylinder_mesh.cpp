@@ -2,8 +2,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "engine/core/polygon.h"
 #include "engine/turtle/export/mesh.h"
-#include "engine/turtle/export/polygon_mesh.h"
 #include "engine/turtle/turtle_motion.h"
 
 namespace espalier::turtle {
@@ -191,7 +191,7 @@ double slopeAt(const std::vector<AxisSample>& samples, std::size_t i) {
 void appendCap(Mesh& mesh, std::uint32_t first, std::uint32_t columns, const Vec3& outward) {
   const auto begin = mesh.positions.begin() + first;
   const std::vector<Vec3> rim(begin, begin + columns);
-  const Vec3 normal = newellNormal(rim);
+  const Vec3 normal = core::newellNormal(rim);
   if (!(core::length(normal) > 0.0)) {
     return;
   }
@@ -203,7 +203,7 @@ void appendCap(Mesh& mesh, std::uint32_t first, std::uint32_t columns, const Vec
     mesh.coordinates.push_back({0.5 + 0.5 * std::cos(angle), 0.5 + 0.5 * std::sin(angle)});
   }
   const bool isTurned = core::dot(normal, outward) < 0.0;
-  for (const auto& triangle : triangulate(rim, normal)) {
+  for (const auto& triangle : core::triangulate(rim, normal)) {
     mesh.faces.push_back(
         {cap + triangle[0], cap + triangle[isTurned ? 2 : 1], cap + triangle[isTurned ? 1 : 2], Mesh::kNoVertex});
   }

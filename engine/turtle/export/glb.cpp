@@ -103,6 +103,11 @@ std::optional<std::array<double, 4>> rotationOf(const core::Frame& frame) {
   return q;
 }
 
+// a frame that is no rotation has no place in a node, and not all programs turn the sides of a mirrored one
+bool fitsNode(const OrganPlacement& placement) {
+  return placement.scale.x * placement.scale.y * placement.scale.z > 0.0 && rotationOf(placement.frame).has_value();
+}
+
 class GlbWriter {
  public:
   GlbWriter(const ExportInput& input, const ExportTarget& target) : meshes_(input), target_(target) {}
@@ -153,9 +158,7 @@ void GlbWriter::sortParts() {
   const auto isShared = [this](const MeshPart& p) { return meshes_.sharedMeshOf(p) != SceneMeshes::kNotShared; };
   const bool hasNodes = static_cast<std::size_t>(std::ranges::count_if(parts, isShared)) <= kMostOrganNodes;
   for (std::uint32_t i = 0; i < parts.size(); ++i) {
-    // a frame that is not a rotation has no place in a node
-    const bool isNode = hasNodes && isShared(parts[i]) && rotationOf(meshes_.placementOf(parts[i]).frame).has_value();
-    (isNode ? organs_ : own_).push_back(i);
+    (hasNodes && isShared(parts[i]) && fitsNode(meshes_.placementOf(parts[i])) ? organs_ : own_).push_back(i);
   }
   std::ranges::stable_sort(own_, {}, [this](std::uint32_t i) { return std::pair(part(i).plant, part(i).material); });
 }

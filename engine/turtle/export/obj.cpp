@@ -5,6 +5,7 @@
 #include <set>
 #include <string>
 
+#include "engine/turtle/export/mesh_check.h"
 #include "engine/turtle/export/scene_meshes.h"
 #include "engine/turtle/export/text_output.h"
 
@@ -28,7 +29,7 @@ class ObjWriter {
   ObjWriter(const ExportInput& input, const ExportTarget& target)
       : meshes_(input), progress_(target.progress), out_(target.sink) {}
 
-  void write(const std::string& materialFile);
+  [[nodiscard]] std::optional<std::string> write(const std::string& materialFile);
   void writeMaterials(core::ByteSink& sink) const;
 
  private:
@@ -70,7 +71,7 @@ void ObjWriter::writeMesh() {
     out_.single(uv[1]) << '\n';
   }
   for (const Vec3& n : mesh_.normals) {
-    (out_ << "vn ").vector(n, ' ') << '\n';
+    (out_ << "vn ").vector(unitNormal(n), ' ') << '\n';
   }
   for (const auto& face : mesh_.faces) {
     out_ << 'f';
@@ -86,7 +87,7 @@ void ObjWriter::writeMesh() {
   vertexCount_ += mesh_.positions.size();
 }
 
-void ObjWriter::write(const std::string& materialFile) {
+std::optional<std::string> ObjWriter::write(const std::string& materialFile) {
   out_ << "# Espalier: 1 unit is 1 length unit of the model, y is up\n";
   if (!materialFile.empty()) {
     out_ << "mtllib " << materialFile << '\n';
@@ -96,6 +97,9 @@ void ObjWriter::write(const std::string& materialFile) {
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const MeshPart& part = parts[i];
     meshes_.make(part, mesh_);
+    if (auto problem = problemOf(mesh_, meshes_.provenanceOf(part))) {
+      return problem;
+    }
     if (!mesh_.faces.empty()) {
       if (last == nullptr || last->plant != part.plant || last->kind != part.kind) {
         beginOrgans(part);
@@ -107,6 +111,7 @@ void ObjWriter::write(const std::string& materialFile) {
     reportProgress(progress_, i + 1, parts.size());
   }
   out_.flush();
+  return std::nullopt;
 }
 
 void ObjWriter::writeMaterials(core::ByteSink& sink) const {
@@ -135,7 +140,9 @@ void ObjWriter::writeMaterials(core::ByteSink& sink) const {
 std::optional<std::string> exportObj(const ExportInput& input, const ExportTarget& target) {
   ObjWriter writer(input, target);
   const std::string materialFile = target.openCompanion ? withSuffix(target.fileName, ".mtl") : "";
-  writer.write(materialFile);
+  if (auto problem = writer.write(materialFile)) {
+    return problem;
+  }
   if (!materialFile.empty()) {
     writer.writeMaterials(target.openCompanion(materialFile));
   }

@@ -13,21 +13,6 @@ namespace {
 
 using core::Vec3;
 
-// the triangles cover a simple polygon when they are count - 2, all turn as it does, and have its area together
-void expectCovered(const std::vector<Vec3>& polygon, const std::string& what) {
-  const Vec3 normal = newellNormal(polygon);
-  const auto triangles = triangulate(polygon, normal);
-  ASSERT_EQ(triangles.size(), polygon.size() - 2) << what;
-  double area = 0.0;
-  for (const auto& t : triangles) {
-    const Vec3 side = core::cross(polygon[t[1]] - polygon[t[0]], polygon[t[2]] - polygon[t[0]]);
-    const double part = core::dot(side, core::normalised(normal));
-    EXPECT_GE(part, -1e-12) << what;
-    area += part;
-  }
-  EXPECT_NEAR(area, core::length(normal), 1e-9 * core::length(normal)) << what;
-}
-
 std::vector<Vec3> star(int points, double inner) {
   std::vector<Vec3> polygon;
   for (int k = 0; k < 2 * points; ++k) {
@@ -38,37 +23,9 @@ std::vector<Vec3> star(int points, double inner) {
   return polygon;
 }
 
-TEST(PolygonMesh, ConcavePolygonsAreCoveredExactly) {
-  expectCovered({{0, 0, 0}, {4, 0, 0}, {4, 1, 0}, {1, 1, 0}, {1, 3, 0}, {4, 3, 0}, {4, 4, 0}, {0, 4, 0}}, "C");
-  expectCovered({{0, 0, 0}, {2, 2, 0}, {4, 0, 0}, {2, 4, 0}}, "arrow");
-  expectCovered(star(5, 0.3), "star");
-  expectCovered(star(60, 0.9), "many points");
-}
-
-TEST(PolygonMesh, AnySenseAnyPlaneAndAnyFirstCorner) {
-  std::vector<Vec3> polygon = star(7, 0.4);
-  for (Vec3& p : polygon) {
-    p = {100.0 + p.x, 200.0 + 0.6 * p.y, 300.0 + 0.8 * p.y};
-  }
-  for (std::size_t i = 0; i < polygon.size(); ++i) {
-    std::ranges::rotate(polygon, polygon.begin() + 1);
-    expectCovered(polygon, "rotated");
-  }
-  std::ranges::reverse(polygon);
-  expectCovered(polygon, "clockwise");
-}
-
-TEST(PolygonMesh, RepeatedAndCollinearCornersAreAllowed) {
-  expectCovered({{0, 0, 0}, {1, 0, 0}, {1, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}, {0, 1, 0}, {0, 0, 0}}, "repeated");
-}
-
-TEST(PolygonMesh, APolygonThatCrossesItselfStillGivesTriangles) {
-  const std::vector<Vec3> polygon{{0, 0, 0}, {2, 2, 0}, {2, 0, 0}, {0, 2, 0}, {3, 1, 0}};
-  EXPECT_EQ(triangulate(polygon, {0, 0, 1}).size(), 3U);
-  // no area at all
-  const std::vector<Vec3> line{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {1, 0, 0}};
+TEST(PolygonMesh, WithoutAnAreaItHasSomeNormal) {
   Mesh mesh;
-  appendPolygon(mesh, line);
+  appendPolygon(mesh, std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {1, 0, 0}});
   EXPECT_EQ(mesh.faces.size(), 2U);
   EXPECT_EQ(mesh.normals[0], (Vec3{0, 1, 0}));
 }

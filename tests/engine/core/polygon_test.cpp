@@ -1,0 +1,70 @@
+#include "engine/core/polygon.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace espalier::core {
+namespace {
+
+// the triangles cover a simple polygon when they are count - 2, all turn as it does, and have its area together
+void expectCovered(const std::vector<Vec3>& polygon, const std::string& what) {
+  const Vec3 normal = newellNormal(polygon);
+  const auto triangles = triangulate(polygon, normal);
+  ASSERT_EQ(triangles.size(), polygon.size() - 2) << what;
+  double area = 0.0;
+  for (const auto& t : triangles) {
+    const Vec3 side = cross(polygon[t[1]] - polygon[t[0]], polygon[t[2]] - polygon[t[0]]);
+    const double part = dot(side, normalised(normal));
+    EXPECT_GE(part, -1e-12) << what;
+    area += part;
+  }
+  EXPECT_NEAR(area, length(normal), 1e-9 * length(normal)) << what;
+}
+
+std::vector<Vec3> star(int points, double inner) {
+  std::vector<Vec3> polygon;
+  for (int k = 0; k < 2 * points; ++k) {
+    const double angle = std::numbers::pi * k / points;
+    const double radius = k % 2 == 0 ? 1.0 : inner;
+    polygon.push_back({radius * std::cos(angle), radius * std::sin(angle), 0.0});
+  }
+  return polygon;
+}
+
+TEST(Polygon, ConcavePolygonsAreCoveredExactly) {
+  expectCovered({{0, 0, 0}, {4, 0, 0}, {4, 1, 0}, {1, 1, 0}, {1, 3, 0}, {4, 3, 0}, {4, 4, 0}, {0, 4, 0}}, "C");
+  expectCovered({{0, 0, 0}, {2, 2, 0}, {4, 0, 0}, {2, 4, 0}}, "arrow");
+  expectCovered(star(5, 0.3), "star");
+  expectCovered(star(60, 0.9), "many points");
+}
+
+TEST(Polygon, AnySenseAnyPlaneAndAnyFirstCorner) {
+  std::vector<Vec3> polygon = star(7, 0.4);
+  for (Vec3& p : polygon) {
+    p = {100.0 + p.x, 200.0 + 0.6 * p.y, 300.0 + 0.8 * p.y};
+  }
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    std::ranges::rotate(polygon, polygon.begin() + 1);
+    expectCovered(polygon, "rotated");
+  }
+  std::ranges::reverse(polygon);
+  expectCovered(polygon, "clockwise");
+}
+
+TEST(Polygon, RepeatedAndCollinearCornersAreAllowed) {
+  expectCovered({{0, 0, 0}, {1, 0, 0}, {1, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}, {0, 1, 0}, {0, 0, 0}}, "repeated");
+}
+
+TEST(Polygon, APolygonThatCrossesItselfStillGivesTriangles) {
+  const std::vector<Vec3> polygon{{0, 0, 0}, {2, 2, 0}, {2, 0, 0}, {0, 2, 0}, {3, 1, 0}};
+  EXPECT_EQ(triangulate(polygon, {0, 0, 1}).size(), 3U);
+  // no area at all
+  const std::vector<Vec3> line{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {1, 0, 0}};
+  EXPECT_EQ(triangulate(line, {0, 1, 0}).size(), 2U);
+}
+
+}  // namespace
+}  // namespace espalier::core
