@@ -305,6 +305,7 @@ std::uint64_t Interpretation::executeSurface(const Sequence& sequence, std::uint
     if (surface.id != id) {
       continue;
     }
+    checkOrgan(factor * state_.scale);
     drawing_.surface(state_, static_cast<std::uint32_t>(k), false, factor * state_.scale);
     // the end point is scaled by the first parameter alone
     const core::Vec3 end = surface.endPoint * (a * state_.scale);
@@ -316,6 +317,7 @@ std::uint64_t Interpretation::executeSurface(const Sequence& sequence, std::uint
   }
   for (std::size_t k = 0; k < view_.triangleSurfaces.size(); ++k) {
     if (view_.triangleSurfaces[k].id == id) {
+      checkOrgan(factor * state_.scale);
       drawing_.surface(state_, static_cast<std::uint32_t>(k), true, factor * state_.scale);
       isTouched_ = true;
       return 2;
@@ -467,6 +469,16 @@ void Interpretation::failPosition() const {
   core::appendNumber(text, state_.position.z, core::NumberStyle::Shortest);
   fail(core::SimulationErrorCode::NonFinite,
        "the turtle's position became (" + text + ") while interpreting. Bound the lengths and scales of the model");
+}
+
+void Interpretation::checkOrgan(const core::Vec3& size) const {
+  const auto isFinite = [](const core::Vec3& v) { return std::isfinite(v.x + v.y + v.z); };
+  if (isFinite(size) && isFinite(state_.frame.heading) && isFinite(state_.frame.left) && isFinite(state_.frame.up)) {
+    return;
+  }
+  fail(core::SimulationErrorCode::NonFinite,
+       std::string("the ") + (isFinite(size) ? "direction" : "size") +
+           " of what it draws is not finite. Bound the angles and scales of the model");
 }
 
 }  // namespace espalier::turtle

@@ -75,6 +75,7 @@ void Interpretation::perform(TurtleCommand command, const Arguments& arguments) 
       return;
     case TurtleCommand::PolygonBegin:
       if (arguments.count > 0) {
+        checkOrgan({state_.width, 0.0, 0.0});
         drawing_.beginCylinder(state_, wholeNumber(arguments.values[0]), wholeNumber(arguments.valueOr(1, 0.0)));
       } else {
         drawing_.beginPolygon(state_);
@@ -139,6 +140,9 @@ void Interpretation::changeWidth(const Arguments& arguments, double sign) {
   const double width = arguments.count > 0 ? arguments.values[0] * state_.scale
                                            : state_.width + sign * view_.lineWidthIncrement * state_.scale;
   state_.width = width > kSmallestWidth ? width : kSmallestWidth;
+  if (std::isinf(width)) {
+    fail(core::SimulationErrorCode::NonFinite, "the line width became infinite. Bound the widths of the model");
+  }
 }
 
 void Interpretation::setRadiusTangents(const Arguments& arguments) {
@@ -218,7 +222,9 @@ void Interpretation::performAt(TurtleCommand command, const Arguments& arguments
       const Ball::Kind kind = command == TurtleCommand::Sphere       ? Ball::Kind::Sphere
                               : command == TurtleCommand::ScreenDisc ? Ball::Kind::ScreenDisc
                                                                      : Ball::Kind::Disc;
-      drawing_.ball(state_, kind, arguments.count > 0 ? arguments.values[0] * state_.scale : state_.width);
+      const double diameter = arguments.count > 0 ? arguments.values[0] * state_.scale : state_.width;
+      checkOrgan({diameter, 0.0, 0.0});
+      drawing_.ball(state_, kind, diameter);
       isTouched_ = true;
       return;
     }
@@ -246,13 +252,16 @@ void Interpretation::performAt(TurtleCommand command, const Arguments& arguments
       state_.contour = wholeNumber(arguments.valueOr(0, 0.0));
       return;
     case TurtleCommand::CylinderStart:
+      checkOrgan({state_.width, 0.0, 0.0});
       drawing_.startAxisCylinder(state_);
       return;
     case TurtleCommand::CylinderPoint:
+      checkOrgan({state_.width, 0.0, 0.0});
       drawing_.addAxisCylinderPoint(state_, wholeNumber(arguments.valueOr(0, 0.0)));
       isTouched_ = true;
       return;
     case TurtleCommand::CylinderEnd:
+      checkOrgan({state_.width, 0.0, 0.0});
       drawing_.endAxisCylinder(state_, wholeNumber(arguments.valueOr(0, 0.0)));
       isTouched_ = true;
       return;
