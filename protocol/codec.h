@@ -21,6 +21,7 @@ using Decoded = std::variant<T, Error>;
 [[nodiscard]] Decoded<ModelParams> decodeModelParams(const Payload& payload);
 [[nodiscard]] Decoded<CreateParams> decodeCreateParams(const Payload& payload);
 [[nodiscard]] Decoded<StepParams> decodeStepParams(const Payload& payload);
+[[nodiscard]] Decoded<ForkParams> decodeForkParams(const Payload& payload);
 [[nodiscard]] Decoded<GetParams> decodeGetParams(const Payload& payload);
 [[nodiscard]] Decoded<ResetParams> decodeResetParams(const Payload& payload);
 [[nodiscard]] Decoded<SaveParams> decodeSaveParams(const Payload& payload);

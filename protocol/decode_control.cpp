@@ -229,6 +229,14 @@ Decoded<StepParams> decodeStepParams(const Payload& payload) {
   });
 }
 
+Decoded<ForkParams> decodeForkParams(const Payload& payload) {
+  return decodePayload<ForkParams>(payload, [](const Field& params, ForkParams& fork) {
+    params.requireObject();
+    fork.simulation = readName(params["simulation"]);
+    fork.name = readOptionalText(params["name"]);
+  });
+}
+
 Decoded<GetParams> decodeGetParams(const Payload& payload) {
   return decodePayload<GetParams>(payload, [](const Field& params, GetParams& get) {
     params.requireObject();

@@ -138,6 +138,11 @@ struct StepResult {
   Statistics statistics;  // figures of the last step; queries, answers and milliseconds summed over this call
 };
 
+struct ForkParams {
+  std::string simulation;
+  std::string name;  // of the new one, for people; empty: that of the old one
+};
+
 struct GetParams {
   std::string simulation;
   std::string what;  // string, statistics, state-hash, turtle, model, information

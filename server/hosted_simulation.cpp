@@ -72,6 +72,22 @@ std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> HostedSimulatio
   return hosted;
 }
 
+std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> HostedSimulation::fork(
+    SimulationRecord record, const HostedSimulation& original, const core::Limits& limits,
+    const EnvironmentServices& services, Store& store) {
+  std::unique_ptr<HostedSimulation> hosted(new HostedSimulation(std::move(record), limits, services, store));
+  if (auto error = hosted->build(original.simulation_->sharedProgram(), false)) {
+    return std::move(*error);
+  }
+  if (auto error = hosted->simulation_->restore(original.snapshot())) {
+    return hosted->errorOf(*error);
+  }
+  if (auto error = hosted->save(true)) {
+    return std::move(*error);
+  }
+  return hosted;
+}
+
 std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> HostedSimulation::load(
     SimulationRecord record, std::string_view snapshot, const core::Limits& limits, const EnvironmentServices& services,
     Store& store) {

@@ -26,6 +26,10 @@ class HostedSimulation {
   [[nodiscard]] static std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> create(
       SimulationRecord record, std::shared_ptr<const language::Program> program, const core::Limits& limits,
       const EnvironmentServices& services, Store& store, Interruption& interruption);
+  /// Another simulation, by `record`, in the state of `original`, and saves it.
+  [[nodiscard]] static std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> fork(
+      SimulationRecord record, const HostedSimulation& original, const core::Limits& limits,
+      const EnvironmentServices& services, Store& store);
   /// From the data folder. Environments in other processes may be away; stepping asks for them again.
   [[nodiscard]] static std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> load(
       SimulationRecord record, std::string_view snapshot, const core::Limits& limits,

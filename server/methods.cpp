@@ -40,7 +40,7 @@ void runOnPool(Session& session, const protocol::MessageId& id, std::function<vo
     } catch (const std::bad_alloc&) {
       self->respondError(id, {ErrorCode::Limit, "The server has not enough memory for this. Use a smaller model.", {}});
     } catch (const std::exception& exception) {
-      self->core().log().error(std::string("internal error: ") + exception.what());
+      self->core().log().error(std::string("internal error: ") + exception.what(), {.session = self->id()});
       self->respondError(
           id,
           {ErrorCode::Internal, std::string("Espalier has a bug: ") + exception.what() + ". Please report it.", {}});
@@ -194,6 +194,16 @@ void simulationRestore(Session& session, const protocol::Message& message) {
                makeRestoreCommand);
 }
 
+void simulationPause(Session& session, const protocol::Message& message) {
+  onSimulation(session, message, protocol::decodeNameParams(message.payload, "simulation"), &protocol::NameParams::name,
+               makePauseCommand);
+}
+
+void simulationFork(Session& session, const protocol::Message& message) {
+  onSimulation(session, message, protocol::decodeForkParams(message.payload), &protocol::ForkParams::simulation,
+               makeForkCommand);
+}
+
 void simulationDelete(Session& session, const protocol::Message& message) {
   auto decoded = protocol::decodeNameParams(message.payload, "simulation");
   if (const auto* error = std::get_if<protocol::Error>(&decoded)) {
@@ -260,8 +270,8 @@ void environmentOffer(Session& session, const protocol::Message& message) {
   result.beginObject().key("name").text(name).endObject();
   session.respond(message.id, result.view());
   const bool isReplacing = session.core().offered().offer(name, session.shared_from_this());
-  session.core().log().info("session " + session.id() + " offers environment '" + name + "'" +
-                            (isReplacing ? ", in place of an older offer" : ""));
+  session.core().log().info("offers environment '" + name + "'" + (isReplacing ? ", in place of an older offer" : ""),
+                            {.session = session.id()});
 }
 
 // ---- streams ----
@@ -337,6 +347,16 @@ void serverStatus(Session& session, const protocol::Message& message) {
   result.key("running").integer(static_cast<std::uint64_t>(running));
   result.key("workers").integer(core.pool().workers()).key("saving").boolean(core.store().isKept());
   result.key("offered").texts(core.offered().names());
+  const auto seconds =
+      std::chrono::duration_cast<std::chrono::seconds>(std::chrono::steady_clock::now() - core.started());
+  result.key("uptimeSeconds").integer(static_cast<std::uint64_t>(seconds.count()));
+  result.key("damaged").integer(std::uint64_t{core.damaged().size()});
+  std::uint64_t stringBytes = 0;
+  for (const auto& runner : runners) {
+    stringBytes += runner->stringBytes();
+  }
+  result.key("memory").beginObject().key("stringBytes").integer(stringBytes);
+  result.key("outboxBytes").integer(core.outboxBytes()).key("storeBytes").integer(core.store().bytes()).endObject();
   session.respond(message.id, result.endObject().view());
 }
 
@@ -368,6 +388,8 @@ constexpr std::array kMethods{
     Method{"simulation.reset", simulationReset},
     Method{"simulation.save", simulationSave},
     Method{"simulation.restore", simulationRestore},
+    Method{"simulation.pause", simulationPause},
+    Method{"simulation.fork", simulationFork},
     Method{"simulation.list", simulationList},
     Method{"simulation.delete", simulationDelete},
     Method{"environment.list", environmentList},
@@ -404,7 +426,7 @@ void dispatch(Session& session, const protocol::Message& message) {
   }
   if (!isRequest && !method->canBeNotification) {
     // nobody would hear of its outcome
-    session.core().log().debug("session " + session.id() + " sent " + message.method + " without an id; it is ignored");
+    session.core().log().debug("sent " + message.method + " without an id; it is ignored", {.session = session.id()});
     return;
   }
   if (isRequest && session.core().isShuttingDown()) {

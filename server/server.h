@@ -26,7 +26,8 @@ struct ServerOptions {
   bool isSpawnAllowed = false;  // callers from other machines may have commands started (stdio environments)
   unsigned workers = 0;         // 0: as many as cores
   ServerLimits limits;
-  std::string logLevel = "info";  // trace debug info warn error off
+  std::string logLevel = "info";   // trace debug info warn error off
+  std::string logFormat = "text";  // text or json
 };
 
 /// The server. run() blocks until stop() (from any thread or a signal) and shuts down cleanly: sessions are told,

@@ -2,6 +2,8 @@
 
 #include <random>
 
+#include "server/session.h"
+
 namespace espalier::server {
 namespace {
 
@@ -31,7 +33,7 @@ std::uint64_t drawSeed() {
 
 ServerCore::ServerCore(ServerOptions options)
     : options_(std::move(options)),
-      log_(options_.logLevel),
+      log_(options_.logLevel, options_.logFormat),
       store_(options_.dataFolder, options_.limits.storeBytes),
       models_(options_.galleryFolder, store_),
       pool_({.workers = options_.workers}) {}
@@ -93,7 +95,7 @@ void ServerCore::loadOne(const Store::Entry& entry) {
   } else {
     information.damage = "The data folder's record of it cannot be read (" + std::get<std::string>(record) + ").";
   }
-  log_.warn("simulation '" + entry.id + "' is not loaded: " + information.damage);
+  log_.warn("is not loaded: " + information.damage, {.simulation = entry.id});
   const std::lock_guard lock(mutex_);
   damaged_.emplace(entry.id, std::move(information));
 }
@@ -163,6 +165,25 @@ std::vector<std::shared_ptr<SimulationRunner>> ServerCore::all() const {
   return runners;
 }
 
+void ServerCore::enter(const Session& session) {
+  const std::lock_guard lock(sessionMutex_);
+  sessions_.insert(&session);
+}
+
+void ServerCore::leave(const Session& session) {
+  const std::lock_guard lock(sessionMutex_);
+  sessions_.erase(&session);
+}
+
+std::uint64_t ServerCore::outboxBytes() const {
+  const std::lock_guard lock(sessionMutex_);
+  std::uint64_t sum = 0;
+  for (const Session* session : sessions_) {
+    sum += session->outboxBytes();
+  }
+  return sum;
+}
+
 void ServerCore::beginShutdown() {
   isShuttingDown_ = true;
   for (const auto& runner : all()) {
@@ -180,7 +201,7 @@ void ServerCore::finishRunning(std::chrono::milliseconds patience) {
   for (const auto& runner : all()) {
     runner->endStreams("the server is shutting down");
     if (const auto problem = runner->saveAtEnd()) {
-      log_.error("simulation " + runner->id() + ": " + *problem);
+      log_.error(*problem, {.simulation = runner->id()});
     }
   }
 }

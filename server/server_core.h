@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -20,6 +21,8 @@
 #include "server/worker_pool.h"
 
 namespace espalier::server {
+
+class Session;
 
 /// What all sessions share: simulations, models, offered environments, workers. Knows no network. Thread-safe.
 class ServerCore {
@@ -57,6 +60,12 @@ class ServerCore {
 
   std::atomic<std::uint32_t> sessionCount{0};
   Metrics metrics;
+  /// Sessions say when they begin and end.
+  void enter(const Session& session);
+  void leave(const Session& session);
+  /// What waits for peers to read it.
+  [[nodiscard]] std::uint64_t outboxBytes() const;
+  [[nodiscard]] std::chrono::steady_clock::time_point started() const { return started_; }
 
  private:
   void loadOne(const Store::Entry& entry);
@@ -66,6 +75,9 @@ class ServerCore {
   OfferedEnvironments offered_;
   Store store_;
   ModelStore models_;
+  const std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
+  mutable std::mutex sessionMutex_;
+  std::set<const Session*> sessions_;
   mutable std::mutex mutex_;
   std::map<std::string, std::shared_ptr<SimulationRunner>> simulations_;  // null: reserved
   std::map<std::string, protocol::SimulationInformation> damaged_;

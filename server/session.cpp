@@ -24,9 +24,13 @@ bool isEqualInConstantTime(std::string_view a, std::string_view b) {
 }  // namespace
 
 Session::Session(std::string id, ServerCore& core, std::shared_ptr<Connection> connection)
-    : id_(std::move(id)), core_(&core), connection_(std::move(connection)) {}
+    : id_(std::move(id)), core_(&core), connection_(std::move(connection)) {
+  core_->enter(*this);
+}
 
-Session::~Session() = default;
+Session::~Session() {
+  core_->leave(*this);
+}
 
 void Session::send(std::string line) {
   connection_->send(std::make_shared<const std::string>(std::move(line)));
@@ -52,7 +56,7 @@ void Session::respondError(const protocol::MessageId& id, const protocol::Error&
     const std::lock_guard lock(mutex_);
     inProgress_.erase(protocol::toText(id));
   }
-  core_->log().debug("session " + id_ + ": request " + protocol::toText(id) + ": " + error.message);
+  core_->log().debug("request " + protocol::toText(id) + ": " + error.message, {.session = id_});
   send(protocol::encodeError(id, error));
 }
 
@@ -61,7 +65,7 @@ void Session::notify(std::string_view method, const protocol::Body& params) {
 }
 
 void Session::refuse(const protocol::MessageId& id, const protocol::Error& error) {
-  core_->log().info("session " + id_ + " (" + connection_->peerName() + ") is refused: " + error.message);
+  core_->log().info(connection_->peerName() + " is refused: " + error.message, {.session = id_});
   send(protocol::encodeError(id, error));
   connection_->closeWhenSent();
 }
@@ -131,7 +135,7 @@ void Session::onAnswer(const protocol::Message& message) {
   }
   if (call == nullptr) {
     // a late answer to a question that timed out, or to none: nobody waits for it
-    core_->log().debug("session " + id_ + " answers " + protocol::toText(message.id) + ", which nobody waits for");
+    core_->log().debug("answers " + protocol::toText(message.id) + ", which nobody waits for", {.session = id_});
     return;
   }
   if (message.kind == protocol::Message::Kind::Result) {
@@ -178,8 +182,9 @@ void Session::onHello(const protocol::Message& message) {
     const std::lock_guard lock(mutex_);
     terms_ = termsOf(hello.capabilities, hello.limits);
   }
-  core_->log().info("session " + id_ + ": " + (hello.name.empty() ? std::string("a peer") : hello.name) + " " +
-                    hello.version + " from " + connection_->peerName());
+  core_->log().info((hello.name.empty() ? std::string("a peer") : hello.name) + " " + hello.version + " from " +
+                        connection_->peerName(),
+                    {.session = id_});
   std::vector<std::pair<std::string, std::uint64_t>> limits;
   for (const LimitEntry& entry : limitEntries()) {
     limits.emplace_back(entry.name, entry.get(options.limits));
@@ -253,7 +258,7 @@ void Session::onClosed() {
       cancel();
     }
   }
-  core_->log().debug("session " + id_ + " is closed");
+  core_->log().debug("closed", {.session = id_});
 }
 
 PeerTerms Session::terms() const {

@@ -105,8 +105,9 @@ bool advanceSteps(SimulationRunner& runner, Command& command, Session& session, 
     session.respondError(id, cancelledError(simulation.completedSteps()));
     return false;
   }
-  if (isDone(runner, simulation, progress)) {
-    session.respond(id, protocol::encode(resultOf(runner, progress, false)));
+  const bool isAtEnd = isDone(runner, simulation, progress);
+  if (isAtEnd || command.isPaused) {
+    session.respond(id, protocol::encode(resultOf(runner, progress, !isAtEnd)));
     return false;
   }
   double milliseconds = 0.0;
@@ -211,6 +212,52 @@ std::variant<std::string, protocol::Error> getResult(SimulationRunner& runner, c
   return result.endObject().take();
 }
 
+protocol::Error simulationsError(const ServerCore& core) {
+  const std::uint64_t bound = core.options().limits.simulations;
+  return protocol::limitError("simulations", bound + 1, bound, "Delete one first.");
+}
+
+protocol::CreateResult createResultOf(HostedSimulation& hosted) {
+  protocol::CreateResult result;
+  result.simulation = hosted.record().id;
+  result.step = hosted.simulation().completedSteps();
+  result.seed = hosted.record().seed;
+  result.derivationLength = hosted.simulation().derivationLength();
+  result.plants = static_cast<std::uint32_t>(hosted.simulation().plantCount());
+  result.isFinished = hosted.simulation().isFinished();
+  result.statistics = toStatistics(hosted.simulation().statistics(), 0.0);
+  return result;
+}
+
+std::variant<std::string, protocol::Error> forkSimulation(ServerCore& core, HostedSimulation& original,
+                                                          const std::string& title) {
+  const auto name = core.reserve();
+  if (!name) {
+    return simulationsError(core);
+  }
+  SimulationRecord record = original.record();
+  record.id = *name;
+  if (!title.empty()) {
+    record.create.name = title;
+  }
+  std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> made = protocol::Error{};
+  try {
+    made = HostedSimulation::fork(std::move(record), original, core.options().limits.simulation,
+                                  core.environmentServices(), core.store());
+  } catch (...) {
+    core.remove(*name);
+    throw;
+  }
+  if (auto* error = std::get_if<protocol::Error>(&made)) {
+    core.remove(*name);
+    return std::move(*error);
+  }
+  auto& hosted = std::get<std::unique_ptr<HostedSimulation>>(made);
+  const std::string result = protocol::encode(createResultOf(*hosted));
+  core.add(*name, std::move(hosted));
+  return result;
+}
+
 std::string stateAfter(SimulationRunner& runner) {
   protocol::JsonWriter result;
   result.beginObject().key("step").integer(runner.hosted().simulation().completedSteps());
@@ -248,8 +295,7 @@ void createSimulation(Session& session, const protocol::MessageId& id, protocol:
   }
   const auto name = core.reserve();
   if (!name) {
-    const std::uint64_t bound = core.options().limits.simulations;
-    session.respondError(id, protocol::limitError("simulations", bound + 1, bound, "Delete one first."));
+    session.respondError(id, simulationsError(core));
     return;
   }
 
@@ -290,20 +336,13 @@ void createSimulation(Session& session, const protocol::MessageId& id, protocol:
     return;
   }
   auto& hosted = std::get<std::unique_ptr<HostedSimulation>>(made);
-  protocol::CreateResult result;
-  result.simulation = *name;
-  result.step = hosted->simulation().completedSteps();
-  result.seed = hosted->record().seed;
-  result.derivationLength = hosted->simulation().derivationLength();
-  result.plants = static_cast<std::uint32_t>(hosted->simulation().plantCount());
-  result.isFinished = hosted->simulation().isFinished();
-  result.statistics = toStatistics(hosted->simulation().statistics(), 0.0);
+  protocol::CreateResult result = createResultOf(*hosted);
   result.diagnostics = toRecords(model.result.diagnostics.entries());
   for (protocol::DiagnosticRecord& warning : toRecords(warningsOfRun(*model.result.program, *hosted))) {
     result.diagnostics.push_back(std::move(warning));
   }
   core.add(*name, std::move(hosted));
-  core.log().info("session " + session.id() + " created simulation " + *name);
+  core.log().info("created", {.session = session.id(), .simulation = *name});
   session.respond(id, protocol::encode(result));
 }
 
@@ -325,6 +364,24 @@ std::shared_ptr<Command> makeStepCommand(SessionPointer session, const protocol:
     }
   };
   return command;
+}
+
+std::shared_ptr<Command> makePauseCommand(SessionPointer session, const protocol::MessageId& id, protocol::NameParams) {
+  return makeCommand(std::move(session), id,
+                     [](SimulationRunner& runner) -> std::variant<std::string, protocol::Error> {
+                       const std::size_t paused = runner.pauseWaiting();
+                       protocol::JsonWriter result;
+                       result.beginObject().key("step").integer(runner.hosted().simulation().completedSteps());
+                       return result.key("paused").integer(std::uint64_t{paused}).endObject().take();
+                     });
+}
+
+std::shared_ptr<Command> makeForkCommand(SessionPointer session, const protocol::MessageId& id,
+                                         protocol::ForkParams params) {
+  ServerCore* const core = &session->core();
+  return makeCommand(std::move(session), id, [core, name = std::move(params.name)](SimulationRunner& runner) {
+    return forkSimulation(*core, runner.hosted(), name);
+  });
 }
 
 std::shared_ptr<Command> makeGetCommand(SessionPointer session, const protocol::MessageId& id,

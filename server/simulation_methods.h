@@ -20,6 +20,12 @@ void createSimulation(Session& session, const protocol::MessageId& id, protocol:
 
 [[nodiscard]] std::shared_ptr<Command> makeStepCommand(SessionPointer session, const protocol::MessageId& id,
                                                        protocol::StepParams params);
+/// Ends what steps now, between two steps; it is answered as truncated.
+[[nodiscard]] std::shared_ptr<Command> makePauseCommand(SessionPointer session, const protocol::MessageId& id,
+                                                        protocol::NameParams params);
+/// A second simulation in the state of this one.
+[[nodiscard]] std::shared_ptr<Command> makeForkCommand(SessionPointer session, const protocol::MessageId& id,
+                                                       protocol::ForkParams params);
 [[nodiscard]] std::shared_ptr<Command> makeGetCommand(SessionPointer session, const protocol::MessageId& id,
                                                       protocol::GetParams params);
 [[nodiscard]] std::shared_ptr<Command> makeResetCommand(SessionPointer session, const protocol::MessageId& id,

@@ -27,6 +27,7 @@ void SimulationRunner::publishInformation() {
   information.isSaved = hosted_->isSaved();
   information.environment = hosted_->environmentNames();
   information.lastError = lastError_;
+  stringBytes_ = simulation.statistics().bytes;
   const std::lock_guard lock(mutex_);
   information_ = std::move(information);
 }
@@ -135,7 +136,7 @@ void SimulationRunner::runGuarded(Command& command, bool& wantsMore) {
     bug = exception.what();
   }
   // a bug of ours closes this simulation and nothing else
-  log_->error("simulation " + id_ + " is closed after an internal error: " + bug);
+  log_->error("closed after an internal error: " + bug, {.simulation = id_});
   const protocol::Error error{protocol::ErrorCode::Internal,
                               "Espalier has a bug: " + bug + ". This simulation is closed; please report it.",
                               {}};
@@ -173,6 +174,16 @@ void SimulationRunner::closeWith(std::shared_ptr<Command> last, const protocol::
   const std::lock_guard lock(mutex_);
   queue_.push_back(std::move(last));
   schedule();
+}
+
+std::size_t SimulationRunner::pauseWaiting() {
+  const std::lock_guard lock(mutex_);
+  std::size_t count = 0;
+  for (const auto& command : queue_) {
+    command->isPaused = true;
+    count += command->lane == Lane::Step ? 1U : 0U;
+  }
+  return count;
 }
 
 void SimulationRunner::addStream(std::shared_ptr<Stream> stream) {

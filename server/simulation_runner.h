@@ -27,6 +27,7 @@ struct Command {
   Lane lane = Lane::Short;  // of its turns
   std::string owner;        // the session whose share of the workers they take
   std::atomic<bool> isCancelled{false};
+  bool isPaused = false;                 // to be ended between two steps; the owner of the simulation's
   std::atomic<bool> isOverLimit{false};  // this turn took longer than a call may
 };
 
@@ -48,6 +49,8 @@ class SimulationRunner final : public std::enable_shared_from_this<SimulationRun
   void closeWith(std::shared_ptr<Command> last, const protocol::Error& reason);
   [[nodiscard]] protocol::SimulationInformation information() const;
   [[nodiscard]] const std::string& id() const { return id_; }
+  /// Bytes of its strings after its last turn.
+  [[nodiscard]] std::uint64_t stringBytes() const { return stringBytes_; }
   void addStream(std::shared_ptr<Stream> stream);
   /// A stream may be ready for the frames it missed.
   void catchUp();
@@ -64,6 +67,8 @@ class SimulationRunner final : public std::enable_shared_from_this<SimulationRun
   void publishFrames(bool isDue);
   /// A viewer that comes late sees the present state at once.
   void publishFirstFrame(Stream& stream);
+  /// Marks every command that waits for a turn as paused; how many there are.
+  std::size_t pauseWaiting();
   void setMilliseconds(double milliseconds) { milliseconds_ = milliseconds; }
   [[nodiscard]] double milliseconds() const { return milliseconds_; }
   void setLastError(std::string error) { lastError_ = std::move(error); }
@@ -83,6 +88,7 @@ class SimulationRunner final : public std::enable_shared_from_this<SimulationRun
   const std::uint32_t callSeconds_;
   double milliseconds_ = 0.0;  // of the last step; the owner's
   std::string lastError_;      // the owner's
+  std::atomic<std::uint64_t> stringBytes_{0};
 
   mutable std::mutex mutex_;
   std::deque<std::shared_ptr<Command>> queue_;

@@ -19,5 +19,6 @@ void addServe(CLI::App& program, int& status);
 void addEnvironment(CLI::App& program, int& status);
 void addReplay(CLI::App& program, int& status);
 void addConnect(CLI::App& program, int& status);
+void addStatus(CLI::App& program, int& status);
 
 }  // namespace espalier::command

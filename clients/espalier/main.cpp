@@ -29,6 +29,7 @@ int main(int argumentCount, char** arguments) {
   addServe(program, status);
   addEnvironment(program, status);
   addConnect(program, status);
+  addStatus(program, status);
 
   try {
     program.parse(argumentCount, arguments);

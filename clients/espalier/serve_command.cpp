@@ -7,6 +7,7 @@
 
 #include "clients/espalier/commands.h"
 #include "clients/espalier/messages.h"
+#include "clients/espalier/serve_configuration.h"
 #include "server/line_channel.h"
 #include "server/server.h"
 
@@ -17,6 +18,8 @@ struct ServeOptions {
   std::string address = "127.0.0.1:4321";
   std::string http;  // HOST:PORT; empty: none
   std::string tokenFile;
+  std::string configuration;  // file
+  bool isConfigurationPrinted = false;
   std::vector<std::string> limits;  // NAME=NUMBER
   server::ServerOptions server;
 };
@@ -32,7 +35,13 @@ std::string limitHelp() {
   return text;
 }
 
-int runServe(ServeOptions options) {
+int runServe(CLI::App& command, ServeOptions& options) {
+  if (!options.configuration.empty()) {
+    if (const auto problem = readServeConfiguration(command, options.configuration, options.server.limits)) {
+      printError(*problem);
+      return kUsage;
+    }
+  }
   const bool isUnixSocket = options.address.starts_with("unix:") && options.address.size() > 5;
   if (isUnixSocket) {
     options.server.host = options.address;
@@ -50,6 +59,11 @@ int runServe(ServeOptions options) {
       printError(*problem);
       return kUsage;
     }
+  }
+  if (options.isConfigurationPrinted) {
+    const std::string text = serveConfigurationText(command, options.server.limits);
+    std::fwrite(text.data(), 1, text.size(), stdout);
+    return kSuccess;
   }
   if (!options.tokenFile.empty()) {
     std::ifstream file(options.tokenFile);
@@ -123,7 +137,14 @@ void addServe(CLI::App& program, int& status) {
   command->add_option("--log-level", options->server.logLevel, "trace, debug, info, warn, error or off")
       ->check(CLI::IsMember({"trace", "debug", "info", "warn", "error", "off"}))
       ->capture_default_str();
-  command->callback([options, &status] { status = runServe(*options); });
+  command->add_option("--log-format", options->server.logFormat, "text, or json: one object a line")
+      ->check(CLI::IsMember({"text", "json"}))
+      ->capture_default_str();
+  command->add_option("--config", options->configuration,
+                      "TOML file with these options, without dashes, and a section [limits]; the command line wins");
+  command->add_flag("--print-config", options->isConfigurationPrinted,
+                    "Print the effective options and limits as such a file, and end");
+  command->callback([options, command, &status] { status = runServe(*command, *options); });
 }
 
 }  // namespace espalier::command

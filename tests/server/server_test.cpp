@@ -538,6 +538,67 @@ TEST(Server, ACallBeyondItsSecondsIsEndedAndTheSimulationStays) {
       "the server with a higher --limit callSeconds=N.");
 }
 
+TEST(Server, PauseEndsARunBetweenStepsAndAskingAgainGoesOn) {
+  const RunningServer server;
+  const auto runner = connectTo(server);
+  const std::string simulation =
+      create(*runner, "Lsystem: 1\nderivation length: 100000000\nAxiom: A\nA --> A\nendlsystem\n");
+  const auto id = std::get<std::int64_t>(runner->send("simulation.run", named(simulation)));
+  const auto other = connectTo(server);
+  std::string paused = "0";
+  std::string step;
+  for (int i = 0; i < 1'000'000 && paused == "0"; ++i) {
+    const std::string result = resultOf(other->request("simulation.pause", named(simulation)));
+    paused = member(result, "paused");
+    step = member(result, "step");
+  }
+  const std::string run = resultOf(runner->waitFor(id, std::chrono::seconds(30)));
+  EXPECT_EQ(member(run, "truncated"), "true");
+  EXPECT_EQ(member(run, "step"), step);
+  EXPECT_EQ(member(resultOf(other->request("simulation.step", named(simulation))), "truncated"), "false");
+}
+
+TEST(Server, AForkGoesItsOwnWayFromTheSameState) {
+  const TemporaryFolder folder;
+  ServerOptions options;
+  options.dataFolder = folder.path();
+  const RunningServer server(options);
+  const auto client = connectTo(server);
+  const auto hash = [&](const std::string& simulation) {
+    return member(resultOf(client->request("simulation.get", named(simulation, R"("what":"state-hash")"))),
+                  "stateHash");
+  };
+  const std::string original = create(*client, kGrowth, R"([{"type":"height"}])", R"("seed":3)");
+  resultOf(client->request("simulation.step", named(original)));
+  const std::string forked = resultOf(client->request("simulation.fork", named(original, R"("name":"other")")));
+  const std::string fork = member(forked, "simulation");
+  EXPECT_EQ(member(forked, "step"), "1");
+  EXPECT_EQ(member(forked, "seed"), "3");
+  EXPECT_EQ(hash(fork), hash(original));
+  resultOf(client->request("simulation.step", named(fork)));
+  EXPECT_NE(hash(fork), hash(original));
+  resultOf(client->request("simulation.step", named(original)));
+  EXPECT_EQ(hash(fork), hash(original));
+  EXPECT_NE(resultOf(client->request("simulation.list", "{}")).find("\"name\":\"other\""), std::string::npos);
+}
+
+TEST(Server, StatusTellsWhatIsHeldInMemoryAndOnDisk) {
+  const TemporaryFolder folder;
+  ServerOptions options;
+  options.dataFolder = folder.path();
+  const RunningServer server(options);
+  const auto client = connectTo(server);
+  const std::string empty = member(resultOf(client->request("server.status", "{}")), "memory");
+  EXPECT_EQ(member(empty, "stringBytes"), "0");
+  const std::string simulation =
+      create(*client, "Lsystem: 1\nderivation length: 12\nAxiom: A(1)\nA(x) --> A(x)A(x)\nendlsystem\n");
+  resultOf(client->request("simulation.run", named(simulation)));
+  const std::string memory = member(resultOf(client->request("server.status", "{}")), "memory");
+  // 4096 modules of two bytes and a double each
+  EXPECT_EQ(member(memory, "stringBytes"), "40960");
+  EXPECT_GT(std::stoull(member(memory, "storeBytes")), std::stoull(member(empty, "storeBytes")));
+}
+
 TEST(Server, ACreationCanBeCancelled) {
   ServerOptions options;
   options.limits.simulation.maximumLoopIterations = UINT64_MAX;

@@ -1,0 +1,26 @@
+#include "server/log.h"
+
+#include <gtest/gtest.h>
+
+namespace espalier::server {
+namespace {
+
+TEST(Log, ATextLineBeginsWithWhatItIsAbout) {
+  EXPECT_EQ(logText("stopped", {}), "stopped");
+  EXPECT_EQ(logText("closed", {.session = "3"}), "session 3: closed");
+  EXPECT_EQ(logText("created", {.session = "3", .simulation = "sim-1"}), "session 3, simulation sim-1: created");
+  EXPECT_EQ(logText("loaded", {.simulation = "sim-1"}), "simulation sim-1: loaded");
+}
+
+TEST(Log, APeersTextBeginsNoLine) {
+  EXPECT_EQ(logText("a\n2026 error b\r", {}), "a 2026 error b ");
+}
+
+TEST(Log, AJsonLineHasMembers) {
+  EXPECT_EQ(logMembers("said \"hi\"\n", {.session = "3", .simulation = "sim-1"}),
+            R"("session":"3","simulation":"sim-1","message":"said \"hi\"\n")");
+  EXPECT_EQ(logMembers("stopped", {}), R"("message":"stopped")");
+}
+
+}  // namespace
+}  // namespace espalier::server
