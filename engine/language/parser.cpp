@@ -296,6 +296,9 @@ void Parser::parseProductions(LSystemSyntax& system, ProductionListSyntax& list,
     } else if (token.keyword == Keyword::Axiom) {
       expected("a production", token, "an L-system has one axiom");
       recover();
+    } else if (token.keyword == Keyword::Warnings || token.keyword == Keyword::NoWarnings) {
+      expected("a production", token, "it stands behind 'decomposition' or 'homomorphism', on the same line");
+      recover();
     } else {
       expected("a production", token, "this keyword must stand before the axiom");
       parseItem(system);

@@ -430,5 +430,12 @@ TEST(Parser, AModuleWithTooManyParametersEndsAtALimit) {
             Messages{"3:10: error: the module 'B' has 3 parameters, more than the limit maximumArity (2)"});
 }
 
+TEST(Parser, WarningsOfASectionStandOnItsLine) {
+  EXPECT_EQ(
+      messagesOf(model("A(n) --> A(n)\ndecomposition\nno warnings\nB --> C")),
+      Messages{"5:1: error: expected a production while reading the decomposition, found the keyword 'no warnings' "
+               "| it stands behind 'decomposition' or 'homomorphism', on the same line"});
+}
+
 }  // namespace
 }  // namespace espalier::language
