@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -13,6 +14,7 @@
 #include "clients/espalier/environment_loading.h"
 #include "clients/espalier/messages.h"
 #include "clients/espalier/model_files.h"
+#include "engine/language/compiler.h"
 #include "protocol/base64.h"
 #include "protocol/json_writer.h"
 #include "server/disk_files.h"
@@ -72,7 +74,7 @@ std::string simulationParams(const ConnectOptions& options) {
   return params.beginObject().key("simulation").text(options.simulation).endObject().take();
 }
 
-/// The model and what may belong to it: the text files of its folder that models name.
+/// The model and what may belong to it: the text files of its folder that models name, and those that this one reads.
 void writeModelFiles(protocol::JsonWriter& params, const ModelFiles& model) {
   namespace fs = std::filesystem;
   constexpr std::array<std::string_view, 12> kSuffixes{".l",    ".v",   ".h",    ".s", ".func", ".funcs",
@@ -80,23 +82,32 @@ void writeModelFiles(protocol::JsonWriter& params, const ModelFiles& model) {
   server::DiskFileProvider files(16'000'000);
   const fs::path main(model.model);
   const fs::path folder = main.has_parent_path() ? main.parent_path() : fs::path(".");
-  std::vector<fs::path> names;
+  std::map<std::string, std::string> texts;  // by name in the folder
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
-    if (std::find(kSuffixes.begin(), kSuffixes.end(), entry.path().extension().string()) != kSuffixes.end()) {
-      names.push_back(entry.path());
+    const fs::path& name = entry.path();
+    if (std::find(kSuffixes.begin(), kSuffixes.end(), name.extension().string()) != kSuffixes.end()) {
+      if (auto text = files.read(name.string())) {
+        texts.emplace(name.filename().string(), std::move(*text));
+      }
     }
   }
-  std::sort(names.begin(), names.end());
-  protocol::JsonWriter list;
-  std::string members;
-  for (const fs::path& name : names) {
-    if (const auto text = files.read(name.string())) {
-      protocol::JsonWriter key;
-      protocol::JsonWriter value;
-      members +=
-          (members.empty() ? "" : ",") + key.text(name.filename().string()).take() + ":" + value.text(*text).take();
+  // what fopen names may have any name; a model with mistakes is the server's to judge
+  language::CompileInput input;
+  input.modelFile = model.model;
+  input.viewFile = model.view;
+  if (const auto program = language::compile(input, files).program) {
+    for (const language::ModelFile& file : program->files) {
+      if (file.source != language::ModelFile::kNoSource) {
+        texts.emplace(file.name, program->sources[file.source].text);
+      }
     }
+  }
+  std::string members;
+  for (const auto& [name, text] : texts) {
+    protocol::JsonWriter key;
+    protocol::JsonWriter value;
+    members += (members.empty() ? "" : ",") + key.text(name).take() + ":" + value.text(text).take();
   }
   params.key("files").raw("{" + members + "}").key("main").text(main.filename().string());
 }

@@ -48,6 +48,16 @@ class ClientAndServer(unittest.TestCase):
         self.assertEqual(espalier("connect", address, "get", simulation, "string").stdout.strip(),
                          strings("branch-tiers")[-1])
 
+    def test_the_shell_sends_what_a_model_reads_with_fopen(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            Path(folder, "lengths.txt").write_text("2 5\n")
+            model = Path(folder, "reading.l")
+            model.write_text('Lsystem: 1\nderivation length: 1\nStart: {f = fopen("lengths.txt", "r");'
+                             ' fscanf(f, "%g %g", &a, &b);}\nAxiom: F(a)F(b)\nx --> x\nendlsystem\n')
+            address = self.server.address
+            simulation = espalier("connect", address, "create", str(model)).stdout.strip()
+            self.assertEqual(espalier("connect", address, "get", simulation, "string").stdout.strip(), "F(2)F(5)")
+
     def test_streams_a_frame_for_every_step(self) -> None:
         simulation = self.client.create(gallery="growth-to-a-height", environment=[{"type": "height"}])
         seen = []
