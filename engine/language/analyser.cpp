@@ -235,6 +235,10 @@ void Analyser::defineVariables(LSystemSyntax& system, Scope& scope) {
       continue;
     }
     system.externalSlots.push_back(scope.addVariable(name.text).index);
+    if (&system == &model_.systems.front()) {
+      messages_.warning(name.range, "nobody calls the first L-system: the external variable '" + name.text +
+                                        "' is its own, with the value 0");
+    }
   }
   for (const Block* block : {&system.start, &system.startEach, &system.endEach, &system.end}) {
     for (const NameSyntax& name : assignedNames(model_, block->statements)) {

@@ -218,6 +218,13 @@ TEST(Analyser, ManyVariablesAreNoTrouble) {
   EXPECT_EQ(program->systems[0].variables.size(), 100'000U);
 }
 
+TEST(Analyser, TheFirstLSystemHasNoCallerWhoseVariablesItCouldShare) {
+  EXPECT_EQ(
+      messagesOf(header("define: {external n;}", "A(x) --> A(n)")),
+      Messages{
+          "2:19: warning: nobody calls the first L-system: the external variable 'n' is its own, with the value 0"});
+}
+
 TEST(Analyser, TargetsOfFscanfAreAssigned) {
   const auto program = programOf(header("Start: {f = 0; fscanf(f, \"%g\", &x);}", "A(n) --> A(x)"));
   EXPECT_EQ(program->systems[0].variables, (std::vector<std::string>{"f", "x"}));
