@@ -12,6 +12,8 @@ namespace espalier::command {
 void addDerive(CLI::App& program, int& status);
 void addCheck(CLI::App& program, int& status);
 void addRun(CLI::App& program, int& status);
+void addExport(CLI::App& program, int& status);
+void addWatch(CLI::App& program, int& status);
 void addFormat(CLI::App& program, int& status);
 void addDisassemble(CLI::App& program, int& status);
 void addExplain(CLI::App& program, int& status);

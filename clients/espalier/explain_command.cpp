@@ -1,6 +1,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdint>
 #include <cstdio>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -12,6 +13,7 @@
 #include "clients/espalier/commands.h"
 #include "clients/espalier/messages.h"
 #include "clients/espalier/model_loading.h"
+#include "clients/espalier/number_option.h"
 #include "engine/derivation/explanation.h"
 #include "server/disk_files.h"
 
@@ -96,11 +98,13 @@ void addExplain(CLI::App& program, int& status) {
   auto options = std::make_shared<ExplainOptions>();
   addReadingOptions(*command, options->model, true);
   addRunningOptions(*command, options->model);
-  command->add_option("--step", options->step, "The step to explain, from 1")
+  addWholeNumber(*command, "--step", "The step to explain, from 1", 1, kMaximumSteps,
+                 [options](std::uint64_t step) { options->step = step; })
       ->type_name("K")
-      ->required()
-      ->check(CLI::PositiveNumber);
-  command->add_option("--module", options->module, "The module of the string of step K-1, from 0")
+      ->required();
+  addWholeNumber(*command, "--module", "The module of the string of step K-1, from 0", 0,
+                 std::numeric_limits<std::uint64_t>::max(),
+                 [options](std::uint64_t module) { options->module = module; })
       ->type_name("I")
       ->required();
   command

@@ -1,11 +1,16 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <string>
+#include <vector>
 
 #include "clients/espalier/commands.h"
 #include "clients/espalier/messages.h"
 #include "engine/core/check.h"
+#include "engine/core/diagnostic.h"
 
 int main(int argumentCount, char** arguments) {
   using namespace espalier::command;
@@ -18,9 +23,13 @@ int main(int argumentCount, char** arguments) {
   program.set_version_flag("--version", "espalier " ESPALIER_VERSION);
   program.footer("`espalier COMMAND --help` explains a command. Start with: espalier derive MODEL.l --every");
 
+  // a file that may not grow further is an error of that file, not the end of the program
+  std::signal(SIGXFSZ, SIG_IGN);
   int status = kSuccess;
   addDerive(program, status);
   addRun(program, status);
+  addExport(program, status);
+  addWatch(program, status);
   addCheck(program, status);
   addExplain(program, status);
   addFormat(program, status);
@@ -30,6 +39,19 @@ int main(int argumentCount, char** arguments) {
   addEnvironment(program, status);
   addConnect(program, status);
   addStatus(program, status);
+
+  // a mistyped command, before the options that belong to none
+  if (argumentCount > 1 && arguments[1][0] != '-') {
+    std::vector<std::string> names;
+    for (const CLI::App* command : program.get_subcommands({})) {
+      names.push_back(command->get_name());
+    }
+    if (std::find(names.begin(), names.end(), arguments[1]) == names.end()) {
+      printError(std::string("there is no command '") + arguments[1] + "'. " +
+                 espalier::core::suggestName(arguments[1], {names.begin(), names.end()}));
+      return kUsage;
+    }
+  }
 
   try {
     program.parse(argumentCount, arguments);

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
+#include <limits>
 #include <random>
 #include <system_error>
 #include <thread>
@@ -11,8 +12,10 @@
 #include "clients/espalier/folder_writer.h"
 #include "clients/espalier/messages.h"
 #include "clients/espalier/model_files.h"
+#include "clients/espalier/number_option.h"
 #include "engine/language/compiler.h"
 #include "engine/language/file_name.h"
+#include "engine/turtle/export/mtg.h"
 #include "server/limits.h"
 
 namespace espalier::command {
@@ -25,6 +28,33 @@ std::optional<std::string> whyUnreadable(const std::string& file, const char* op
     return std::nullopt;
   }
   return std::string("there is no file '") + file + "' (" + option + "): check the name and the working folder";
+}
+
+// the string of a file, from an MTG too
+std::optional<std::string> readStartString(const std::string& file, core::FileProvider& files) {
+  std::optional<std::string> text = files.read(file);
+  if (!text) {
+    printError("there is no file '" + file + "' (--from): check the name and the working folder");
+    return std::nullopt;
+  }
+  if (std::filesystem::path(file).extension() == ".mtg") {
+    auto read = turtle::readMtg(*text);
+    if (const std::string* problem = std::get_if<std::string>(&read)) {
+      printError(file + ":" + *problem);
+      return std::nullopt;
+    }
+    const auto& strings = std::get<std::vector<std::string>>(read);
+    if (strings.size() != 1) {
+      printError("'" + file + "' has " + std::to_string(strings.size()) + " plants; a run starts from one");
+      return std::nullopt;
+    }
+    text = strings.front();
+  }
+  if (text->find_first_not_of(" \t\r\n") == std::string::npos) {
+    printError("'" + file + "' (--from) has no modules");
+    return std::nullopt;
+  }
+  return text;
 }
 
 bool drawsRandom(const language::ProductionList& list) {
@@ -63,6 +93,10 @@ std::string limitHelp() {
 }
 
 }  // namespace
+
+unsigned ModelOptions::threadCount() const {
+  return threads > 0 ? threads : std::max(1U, std::thread::hardware_concurrency());
+}
 
 core::Limits ModelOptions::simulationLimits() const {
   server::ServerLimits result;
@@ -128,12 +162,18 @@ void addReadingOptions(CLI::App& command, ModelOptions& options, bool isModelReq
 }
 
 void addRunningOptions(CLI::App& command, ModelOptions& options) {
-  command.add_option("--steps", options.steps, "Number of steps instead of the model's derivation length (Z)")
+  addWholeNumber(command, "--steps", "Number of steps instead of the model's derivation length (Z)", 0, kMaximumSteps,
+                 [&options](std::uint64_t steps) { options.steps = steps; })
       ->type_name("N");
   command.add_flag("-a,--animate", options.isAnimated,
                    "The folder's animation file decides which step is the last, as with its switch -a");
-  command.add_option("--seed", options.seed, "Seed of the random numbers; it replaces the model's `seed:`")
+  addWholeNumber(command, "--seed", "Seed of the random numbers; it replaces the model's `seed:`", 0,
+                 std::numeric_limits<std::uint64_t>::max(), [&options](std::uint64_t seed) { options.seed = seed; })
       ->type_name("S");
+  command
+      .add_option("--from", options.startFile,
+                  "A string that takes the axiom's place: a file of `run -o NAME.string` or an MTG (.mtg)")
+      ->type_name("FILE");
   command
       .add_option("--threads", options.threads,
                   "Threads for strings of more than 65536 modules; 0: as many as the machine has. The result does not "
@@ -151,14 +191,16 @@ std::pair<std::string, std::string> splitDefine(const std::string& text) {
   return {text.substr(0, equals), text.substr(equals + 1)};
 }
 
-bool needsDrawnSeed(const language::Program& program) {
-  if (program.compatibility != core::Compatibility::Espalier || program.systems.front().seed) {
-    return false;
-  }
+bool drawsRandomNumbers(const language::Program& program) {
   return std::any_of(program.systems.begin(), program.systems.end(), [](const language::LSystem& system) {
     return system.isStochastic || system.blocksDrawRandom || drawsRandom(system.productions) ||
            drawsRandom(system.decomposition) || drawsRandom(system.homomorphism);
   });
+}
+
+bool needsDrawnSeed(const language::Program& program) {
+  return program.compatibility == core::Compatibility::Espalier && !program.systems.front().seed &&
+         drawsRandomNumbers(program);
 }
 
 std::shared_ptr<const language::Program> loadProgram(ModelOptions& options, core::FileProvider& files,
@@ -207,7 +249,7 @@ simulation::SimulationOptions simulationOptionsFor(const ModelOptions& options, 
   simulation::SimulationOptions result;
   result.name = std::filesystem::path(program.modelFile).stem().string();
   result.derivationLength = options.steps;
-  result.threads = options.threads > 0 ? options.threads : std::max(1U, std::thread::hardware_concurrency());
+  result.threads = options.threadCount();
   result.limits = options.simulationLimits();
   result.messages = standardErrorMessages(options.isQuiet);
   // a model that comes from a snapshot may have no folder here: it writes into the working one
@@ -246,6 +288,14 @@ std::optional<LoadedModel> loadModel(ModelOptions& options, core::FileProvider& 
                              options.isQuiet);
   loaded.simulationOptions = simulationOptionsFor(options, *loaded.program);
   loaded.simulationOptions.environmentOrigin = loaded.environment.origin;
+  loaded.simulationOptions.palette = loaded.folder.palette;
+  if (!options.startFile.empty()) {
+    std::optional<std::string> start = readStartString(options.startFile, files);
+    if (!start) {
+      return std::nullopt;
+    }
+    loaded.simulationOptions.startString = std::move(*start);
+  }
   return loaded;
 }
 

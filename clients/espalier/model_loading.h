@@ -10,6 +10,7 @@
 #include "clients/espalier/environment_loading.h"
 #include "clients/espalier/folder_settings.h"
 #include "engine/core/identifiers.h"
+#include "engine/core/limits.h"
 #include "engine/core/streams.h"
 #include "engine/language/program.h"
 #include "engine/simulation/simulation.h"
@@ -33,10 +34,13 @@ struct ModelOptions {
   std::vector<std::string> limits;   // NAME=NUMBER
   unsigned threads = 0;              // 0: as many as the machine has
   bool isAnimated = false;           // the animation file decides which step is the last
+  std::string startFile;             // string that takes the axiom's place; empty: none
   bool isQuiet = false;
 
   [[nodiscard]] core::Compatibility mode() const;
   [[nodiscard]] core::Limits simulationLimits() const;
+  /// `threads`, or as many as the machine has.
+  [[nodiscard]] unsigned threadCount() const;
   /// Of processor time for the whole run; 0: no limit.
   [[nodiscard]] std::uint64_t seconds() const;
 };
@@ -44,11 +48,14 @@ struct ModelOptions {
 /// The options which say how a model is read: MODEL, --object, --view, --environment, --compat, --define, --limit,
 /// --quiet.
 void addReadingOptions(CLI::App& command, ModelOptions& options, bool isModelRequired);
-/// The options which say how it is run: --steps, --animate, --seed, --threads.
+/// The options which say how it is run: --steps, --animate, --seed, --from, --threads.
 void addRunningOptions(CLI::App& command, ModelOptions& options);
 
 /// `NAME=VALUE` as the preprocessor's -D has it: without `=` the value is 1.
 [[nodiscard]] std::pair<std::string, std::string> splitDefine(const std::string& text);
+
+/// Whether the program draws random numbers.
+[[nodiscard]] bool drawsRandomNumbers(const language::Program& program);
 
 /// Whether a run of the program depends on a seed that neither the model nor the caller gave.
 [[nodiscard]] bool needsDrawnSeed(const language::Program& program);

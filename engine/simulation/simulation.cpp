@@ -385,7 +385,8 @@ std::variant<std::vector<turtle::TurtleRecord>, core::SimulationError> Simulatio
   return records;
 }
 
-Outcome Simulation::visitModules(const std::function<void(const turtle::TurtleRecord&)>& visit) const {
+Outcome Simulation::visitModules(
+    const std::function<void(const turtle::TurtleRecord&, std::uint64_t first)>& visit) const {
   return implementation_->draw({.onModule = visit});
 }
 

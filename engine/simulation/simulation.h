@@ -119,7 +119,7 @@ class Simulation {
   /// Calls `visit` after each module of all plants, in order, with the turtle's state then (InterpretationOutput::
   /// onModule). Does not change the simulation.
   [[nodiscard]] std::optional<core::SimulationError> visitModules(
-      const std::function<void(const turtle::TurtleRecord&)>& visit) const;
+      const std::function<void(const turtle::TurtleRecord&, std::uint64_t first)>& visit) const;
 
   /// Hash of the complete state: strings, variables, random streams, environment.
   [[nodiscard]] std::uint64_t stateHash() const;

@@ -171,7 +171,7 @@ void Interpretation::walk(std::uint64_t module, std::uint64_t end, std::uint64_t
       record(i - 1, lastOffset);
     }
     if (output_.onModule) {
-      output_.onModule(stateAfter(i - 1, lastOffset));
+      output_.onModule(stateAfter(i - 1, lastOffset), i - consumed);
     }
     if (isCut_) {
       skipCut(i, offset);

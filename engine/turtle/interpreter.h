@@ -40,9 +40,9 @@ struct InterpretationOutput {
   QueryBatch* queries = nullptr;  // communication modules are appended
   EnvironmentNeeds needs{};       // of whoever reads `queries`
   std::vector<TurtleRecord>* records = nullptr;
-  /// Called after each module of the string, or after the modules that belong together, with the turtle's state then;
-  /// `module` is the last of them, `parent` is not set.
-  std::function<void(const TurtleRecord&)> onModule{};
+  /// Called after each module of the string, or after the modules that belong together, with the turtle's state then
+  /// and the first of them; the record's module is the last, its parent is not set.
+  std::function<void(const TurtleRecord&, std::uint64_t first)> onModule{};
   /// Per appended query: where its parameters are in the string; kTransientQuery when a homomorphism made it.
   std::vector<std::uint64_t>* queryParameterOffsets = nullptr;
   std::vector<ParameterChange>* changes = nullptr;  // every parameter that was filled is appended

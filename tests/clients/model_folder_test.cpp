@@ -124,7 +124,7 @@ TEST_F(Folder, PicturesHaveTheFoldersMaterials) {
   EXPECT_EQ(run("run plant -o p.svg -o p.obj").status, 0);
   EXPECT_EQ(folder_.read("p.mtl"), "newmtl colour_7\nKd 0 1 0\nKa 0 0 1\nKs 1 1 1\nKe 0 0 0\nNs 32\nd 0.8\nillum 2\n");
   EXPECT_TRUE(contains(folder_.read("p.svg"), "fill=\"#0a0b0c\""));
-  EXPECT_TRUE(contains(folder_.read("p.svg"), "<g opacity=\"0.8\">"));
+  EXPECT_TRUE(contains(folder_.read("p.svg"), " opacity=\"0.8\""));
 }
 
 TEST_F(Folder, SeveralCommandsAreOfferedAndChosen) {

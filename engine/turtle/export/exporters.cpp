@@ -5,10 +5,13 @@
 #include <cctype>
 
 #include "engine/turtle/export/glb.h"
+#include "engine/turtle/export/module_table.h"
+#include "engine/turtle/export/mtg.h"
 #include "engine/turtle/export/obj.h"
 #include "engine/turtle/export/picture.h"
 #include "engine/turtle/export/ply.h"
 #include "engine/turtle/export/png.h"
+#include "engine/turtle/export/postscript.h"
 #include "engine/turtle/export/stl.h"
 #include "engine/turtle/export/svg.h"
 #include "engine/turtle/export/usda.h"
@@ -18,7 +21,18 @@ namespace espalier::turtle {
 namespace {
 
 std::optional<std::string> exportSvg(const ExportInput& input, const ExportTarget& target) {
-  writeSvg(input.scene, input.view, {.palette = input.palette}, target.sink);
+  SvgOptions options{.palette = input.palette};
+  if (input.picture != nullptr) {
+    options.widthPixels = input.picture->widthPixels;
+    options.heightPixels = input.picture->heightPixels;
+    options.hasBackground = input.picture->background == PictureBackground::Model;
+  }
+  writeSvg(input.scene, input.view, options, target.sink);
+  return std::nullopt;
+}
+
+std::optional<std::string> exportPostScript(const ExportInput& input, const ExportTarget& target) {
+  writePostScript(input.scene, input.view, {.palette = input.palette}, target.sink);
   return std::nullopt;
 }
 
@@ -30,12 +44,20 @@ std::optional<std::string> exportPng(const ExportInput& input, const ExportTarge
 
 constexpr std::array kFormats = {
     ExportFormat{"png", ".png", "a shaded picture of points", exportPng},
-    ExportFormat{"svg", ".svg", "a picture of paths and shapes", exportSvg},
+    ExportFormat{"svg", ".svg", "a drawing of lines and areas for web pages", exportSvg},
+    ExportFormat{"eps", ".eps", "a drawing of lines and areas for print (PostScript)", exportPostScript},
+    ExportFormat{"ps", ".ps", "the same with another suffix", exportPostScript},
     ExportFormat{"glb", ".glb", "meshes, materials and repeated organs (binary glTF 2.0)", exportGlb},
     ExportFormat{"obj", ".obj", "triangles and quads for 3-D programs, with a .mtl of colours", exportObj},
     ExportFormat{"ply", ".ply", "a mesh whose vertices know plant, module and order (binary)", exportPly},
     ExportFormat{"stl", ".stl", "triangles only, for printing (binary)", exportStl},
     ExportFormat{"usda", ".usda", "a USD stage in text; also of a growing plant", exportUsda, beginUsdaGrowth},
+    ExportFormat{"mtg", ".mtg", "a multiscale tree graph with geometry, for plant science", writeMtg, nullptr,
+                 ExportSource::Modules},
+    ExportFormat{"csv", ".csv", "a table of all modules with the turtle's state", writeModuleTable, nullptr,
+                 ExportSource::Modules},
+    ExportFormat{"string", ".string", "the derived string as text, to start from with --from", writeStrings, nullptr,
+                 ExportSource::Modules},
 };
 
 char lowerCase(char c) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -8,13 +9,18 @@
 #include <string_view>
 
 #include "engine/core/streams.h"
+#include "engine/derivation/module_string.h"
 #include "engine/language/colour_files.h"
+#include "engine/language/program.h"
 #include "engine/language/view_settings.h"
 #include "engine/turtle/scene.h"
 
 namespace espalier::turtle {
 
 struct PictureOptions;
+
+/// Receives the turtle's state after each module of a string (InterpretationOutput::onModule).
+using ModuleVisitor = std::function<void(const TurtleRecord&, std::uint64_t first)>;
 
 /// What is exported. Everything referred to must outlive the export.
 struct ExportInput {
@@ -23,7 +29,17 @@ struct ExportInput {
   const language::Palette* palette = nullptr;  // a model folder's colours; null or empty: Espalier's own
   std::span<const TurtleRecord> records = {};  // of the same interpretation
   double detail = 1.0;  // factor of the sides and subdivisions of meshes: a half is a coarser level of detail
-  const PictureOptions* picture = nullptr;  // for pictures; null: the defaults. Its palette is not looked at
+  const PictureOptions* picture = nullptr;     // for pictures; null: the defaults. Its palette is not looked at
+  const language::Program* program = nullptr;  // of the strings
+  std::span<const derivation::ModuleString* const> strings = {};  // of the plants, for formats of modules
+  /// Interprets the strings once more and visits their modules; an error sentence when that fails.
+  std::function<std::optional<std::string>(const ModuleVisitor&)> visitModules = {};
+};
+
+/// What a format is written from.
+enum class ExportSource : std::uint8_t {
+  Scene,    // ExportInput::scene
+  Modules,  // program, strings, visitModules; the scene may be empty
 };
 
 /// Told how far an export is: parts written and parts in all. Called from time to time and with the last part.
@@ -73,6 +89,7 @@ struct ExportFormat {
   /// Begins a file that holds a whole growth animation; null: the format has one scene a file. `target` must outlive
   /// the result.
   std::unique_ptr<GrowthExport> (*beginGrowth)(const ExportTarget& target, const GrowthRange& range) = nullptr;
+  ExportSource source = ExportSource::Scene;
 };
 
 /// All formats, the table that the command line lists.

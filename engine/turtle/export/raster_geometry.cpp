@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 
+#include "engine/turtle/export/polygon_mesh.h"
 #include "engine/turtle/export/raster_pen.h"
 
 namespace espalier::turtle {
@@ -76,21 +77,10 @@ Mesh RasterGeometry::meshOf(const Part& part, std::int32_t& colour) const {
       appendPatch(mesh, patch.points, patch.subdivisionS, patch.subdivisionT);
       break;
     }
-    case Kind::Polygon: {
-      const Polygon& polygon = scene_.polygons[part.index];
-      colour = polygon.colour;
-      Vec3 normal;
-      for (std::size_t i = 0; i < polygon.vertices.size(); ++i) {
-        normal = normal + core::cross(polygon.vertices[i] - polygon.vertices.front(),
-                                      polygon.vertices[(i + 1) % polygon.vertices.size()] - polygon.vertices.front());
-      }
-      mesh.positions = polygon.vertices;
-      mesh.normals.assign(polygon.vertices.size(), core::normalised(normal));
-      for (std::uint32_t i = 1; i + 1 < polygon.vertices.size(); ++i) {
-        mesh.faces.push_back({0, i, i + 1, Mesh::kNoVertex});
-      }
+    case Kind::Polygon:
+      colour = scene_.polygons[part.index].colour;
+      appendPolygon(mesh, scene_.polygons[part.index].vertices);
       break;
-    }
     case Kind::Ball:
       colour = scene_.balls[part.index].colour;
       appendDisc(mesh, scene_.balls[part.index], kDiscSides);

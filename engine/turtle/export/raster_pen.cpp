@@ -16,6 +16,7 @@ namespace {
 constexpr double kThinnestRadius = 0.3;  // pixels; thinner lines are drawn so that they stay visible
 constexpr double kThinRadius = 0.6;      // pixels, below which a round line has one shade across
 constexpr int kMostColumns = 12;         // of the half of a round line
+constexpr float kRimShade = 0.72F;       // of a disc that faces the viewer
 constexpr int kMostRings = 12;           // of the half of a ball
 constexpr double kTextPixel = 1.5;       // side of one point of a letter, in pixels of the page
 
@@ -238,16 +239,20 @@ void RasterPen::flatEnd(const LineEnd& end, double radius, const Vec3& outward) 
 void RasterPen::screenDisc(const Vec3& centre, double radius) {
   // the line that ends in it is behind it
   const Vec3 front = centre + radius * camera_.projection().towardViewer(centre);
-  pageDisc(plainVertex(front), std::max(radius * camera_.onPage(centre).pixelsPerUnit, kThinnestRadius));
+  pageDisc(plainVertex(front), std::max(radius * camera_.onPage(centre).pixelsPerUnit, kThinnestRadius),
+           shading_.isLit() ? kRimShade : 1.0F);
 }
 
-void RasterPen::pageDisc(const RasterVertex& centre, double radius) {
+void RasterPen::pageDisc(const RasterVertex& centre, double radius, float rimShade) {
   const int sides = 4 * roundness(radius, 2, 12);
   const auto rim = [&](int k) {
     const double angle = 2.0 * std::numbers::pi * k / sides;
     RasterVertex v = centre;
     v.x = static_cast<float>(static_cast<double>(v.x) + radius * std::cos(angle));
     v.y = static_cast<float>(static_cast<double>(v.y) + radius * std::sin(angle));
+    for (float& channel : v.colour) {
+      channel *= rimShade;
+    }
     return v;
   };
   for (int k = 0; k < sides; ++k) {

@@ -40,7 +40,8 @@ class RasterPen {
   void pixelLine(const LineEnd& a, const LineEnd& b);
   /// The half of a ball that faces the viewer.
   void ball(const core::Vec3& centre, double radius);
-  /// A disc that faces the viewer, without shading, as near as the front of a ball would be.
+  /// A disc that faces the viewer, as near as the front of a ball would be; its rim is darker, so that discs before one
+  /// another can be told apart.
   void screenDisc(const core::Vec3& centre, double radius);
   /// A line of text that begins at a place, before everything else.
   void text(const core::Vec3& place, std::string_view text);
@@ -52,7 +53,8 @@ class RasterPen {
   void quad(const RasterVertex& a, const RasterVertex& b, const RasterVertex& c, const RasterVertex& d);
   /// The end of a round line, where it faces the viewer.
   void flatEnd(const LineEnd& end, double radius, const core::Vec3& outward);
-  void pageDisc(const RasterVertex& centre, double radius);
+  /// A disc on the page; its rim has `rimShade` of the colour.
+  void pageDisc(const RasterVertex& centre, double radius, float rimShade = 1.0F);
   void edge(const core::Vec3& a, const core::Vec3& b);
   [[nodiscard]] double leastRadius(const core::Vec3& place, double radius) const;
 

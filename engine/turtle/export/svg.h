@@ -16,8 +16,9 @@ struct SvgOptions {
       nullptr;  // a model folder's colours, its background too; null or empty: Espalier's own
 };
 
-/// Writes a picture of the scene as SVG 1.1: parallel or perspective view of the view settings, far to near, tapered
-/// branches as polygons, fitted to the picture with the margin. Deterministic text. O(n log n).
+/// Writes a drawing of the scene as SVG 1.1 in the view file's projection: one path for each branch order (and colour),
+/// with the class `order-N`: strokes when all its lines have one width, else outlines; then organs from far to near,
+/// then labels. The viewBox is the drawing with its margin, no larger than asked for. Deterministic text. O(n log n).
 void writeSvg(const Scene& scene, const language::ViewSettings& view, const SvgOptions& options, core::ByteSink& sink);
 
 }  // namespace espalier::turtle

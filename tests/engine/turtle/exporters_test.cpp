@@ -140,17 +140,45 @@ TEST(Svg, EveryOrganIsPainted) {
   EXPECT_EQ(count(svg, "inf"), 0U);
 }
 
-TEST(Svg, TheSceneIsFittedToThePageWithItsMargin) {
-  // a line of length 10 upward: it fills the height of 100 less the margins of 10
+TEST(Svg, TheViewBoxIsTheDrawingWithItsMargin) {
+  // a line of length 10 upward: the height of 100 less margins of a tenth of the larger side, 20 each
   language::ViewSettings view;
-  TurtleRun run("F(10)", view);
+  TurtleRun run("F(4)F(6)", view);
   run.draw();
   const std::string svg = svgOf(run.scene, view, {.widthPixels = 200, .heightPixels = 100, .marginFraction = 0.1});
-  EXPECT_NE(svg.find("viewBox=\"0 0 200 100\""), std::string::npos);
-  // a pixel line of width 1 from (100, 90) to (100, 10)
-  EXPECT_NE(svg.find("<path d=\"M99.5 90L99.5 10A0.5 0.5 0 0 1 100.5 10L100.5 90A0.5 0.5 0 0 1 99.5 90Z\""),
+  EXPECT_NE(svg.find("width=\"40\" height=\"100\" viewBox=\"0 0 40 100\""), std::string::npos) << svg;
+  // one stroke of width 1 through the joint at 4/10 of the length
+  EXPECT_NE(svg.find("stroke-width=\"1\" stroke-linecap=\"round\" stroke-linejoin=\"round\" "
+                     "d=\"M20 80L20 56L20 20\"/>"),
             std::string::npos)
       << svg;
+}
+
+TEST(Svg, EveryBranchOrderIsOnePath) {
+  language::ViewSettings view;
+  TurtleRun run("F[+F[+F]F]F[-F[-F]]F", view);
+  run.draw();
+  const std::string svg = svgOf(run.scene, view);
+  for (const char* const order : {"order-0", "order-1", "order-2"}) {
+    EXPECT_EQ(count(svg, std::string("class=\"") + order + "\""), 1U);
+  }
+  EXPECT_EQ(count(svg, "<path"), 3U);
+  // three axes of order 0 to 2: F F F; F F, F; F, F begin 1, 2 and 2 strokes
+  EXPECT_EQ(count(svg, "M"), 5U);
+  EXPECT_EQ(count(svg, "L"), 8U);
+}
+
+TEST(Svg, LinesThatTaperAreOutlines) {
+  language::ViewSettings view;
+  view.lineStyle = language::LineStyle::Cylinder;
+  TurtleRun run("!(2)F(10)!(1)F(10)", view);
+  run.draw();
+  const std::string svg = svgOf(run.scene, view);
+  EXPECT_EQ(count(svg, "<path"), 1U);
+  EXPECT_EQ(count(svg, "fill=\"none\""), 0U);
+  // two outlines of two arcs each
+  EXPECT_EQ(count(svg, "A"), 4U);
+  EXPECT_EQ(count(svg, "Z"), 2U);
 }
 
 TEST(Svg, TheBackgroundCanBeLeftOut) {
@@ -166,16 +194,16 @@ TEST(Svg, AnEmptySceneIsAnEmptyPage) {
   EXPECT_EQ(count(svg, "<path"), 0U);
 }
 
-TEST(Svg, FartherThingsArePaintedFirst) {
-  // the default view looks along -z: the second line is nearer and comes last although it was drawn first
-  TurtleRun run("@M(0,0,5);(0)F@M(1,0,-5);(255)F");
+TEST(Svg, FartherOrgansArePaintedFirst) {
+  // the default view looks along -z: the second disc is nearer and comes last although it was drawn first
+  TurtleRun run("@M(0,0,5);(0)@o(1)@M(1,0,-5);(255)@o(1)");
   run.draw();
   const std::string svg = svgOf(run.scene, {}, {.hasBackground = false});
-  const std::size_t first = svg.find("<path");
-  const std::size_t second = svg.find("<path", first + 1);
+  const std::size_t first = svg.find("<circle cx=\"");
+  const std::size_t second = svg.find("<circle cx=\"", first + 1);
   ASSERT_NE(second, std::string::npos);
   // x = 1 is on the right
-  EXPECT_GT(std::strtod(svg.c_str() + first + 10, nullptr), std::strtod(svg.c_str() + second + 10, nullptr));
+  EXPECT_GT(std::strtod(svg.c_str() + first + 12, nullptr), std::strtod(svg.c_str() + second + 12, nullptr));
 }
 
 TEST(Svg, LabelsAreEscaped) {

@@ -1,0 +1,25 @@
+#include "clients/espalier/number_option.h"
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+
+namespace espalier::command {
+
+CLI::Option* addWholeNumber(CLI::App& command, const std::string& name, const std::string& help, std::uint64_t least,
+                            std::uint64_t most, const std::function<void(std::uint64_t)>& set) {
+  return command.add_option_function<std::string>(
+      name,
+      [name, least, most, set](const std::string& text) {
+        std::uint64_t value = 0;
+        const char* const end = text.data() + text.size();
+        const auto [last, problem] = std::from_chars(text.data(), end, value);
+        if (problem != std::errc() || last != end || value < least || value > most) {
+          throw CLI::ValidationError(name, "'" + text + "' is not possible: give a whole number from " +
+                                               std::to_string(least) + " to " + std::to_string(most));
+        }
+        set(value);
+      },
+      help);
+}
+
+}  // namespace espalier::command

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/language/colour_files.h"
+#include "engine/simulation/simulation.h"
+#include "engine/turtle/export/exporters.h"
+#include "engine/turtle/export/picture.h"
+
+namespace CLI {
+class App;
+}
+
+namespace espalier::command {
+
+/// What is written to files after or during a run, as told on the command line.
+struct OutputOptions {
+  std::vector<std::string> files;
+  std::string format;  // of all files; empty: by their suffixes
+  double detail = 1.0;
+  turtle::PictureOptions picture;
+};
+
+/// -o, --format and what says how pictures and meshes look: --size, --background, --framing, --colours, --detail.
+void addOutputOptions(CLI::App& command, OutputOptions& options, bool isOutputRequired);
+
+/// Whether every file can be written at all, before a long run rather than after it: known format, existing folder. The
+/// exit status, with an error written when it is not success.
+[[nodiscard]] int checkOutputs(const OutputOptions& options);
+
+/// `file` with a number: in the place of its `%d` or `%04d`, or else before its suffix, `-` and as many digits as
+/// given.
+[[nodiscard]] std::string numberedName(const std::string& file, std::uint64_t number, int digits);
+
+/// Writes the present state of a simulation to all files, or, with a number, to files of that number. Each appears
+/// complete or not at all. Says on standard error what was written, or what went wrong.
+class OutputWriter {
+ public:
+  /// `options` must outlive the object.
+  OutputWriter(const OutputOptions& options, bool isQuiet) : options_(options), isQuiet_(isQuiet) {}
+
+  [[nodiscard]] bool write(const simulation::Simulation& simulation, std::optional<std::uint64_t> number = std::nullopt,
+                           int digits = 4) const;
+
+ private:
+  struct Drawn;
+  [[nodiscard]] bool writeFile(const simulation::Simulation& simulation, const Drawn& drawn, const std::string& file,
+                               const std::string& formatFrom) const;
+
+  const OutputOptions& options_;
+  bool isQuiet_;
+};
+
+}  // namespace espalier::command

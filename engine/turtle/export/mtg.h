@@ -1,0 +1,27 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "engine/turtle/export/exporters.h"
+
+namespace espalier::turtle {
+
+/// Writes a multiscale tree graph (Godin & Caraglio 1998) in the text form FORM-A of AMAPmod and OpenAlea: plants at
+/// scale 1, at scale 2 an entity for every module whose symbol begins with a letter, joined by `<` along an axis and by
+/// `+` to a branch. Features of an entity: `Text`, the string from the entity before it to this one without brackets,
+/// so that the whole string can be read back (`\x23` stands for `#`, which begins comments, `\x5c` for the backslash);
+/// `Module`, its index; XX YY ZZ and HX HY HZ, position and heading of the turtle after it; Diameter, Color, Order, and
+/// its parameters P1, P2, … Entities of class Z (or a free letter) stand where turtle commands or an empty branch
+/// belong to no module with a letter. An error sentence when brackets do not match.
+[[nodiscard]] std::optional<std::string> writeMtg(const ExportInput& input, const ExportTarget& target);
+
+/// Reads an MTG in FORM-A back into strings, one for each entity of the coarsest scale: entities of the finest scale
+/// become modules, in brackets what is joined by `+`. An entity with a feature `Text` is that text; another is its
+/// class with its numeric features as parameters. An error is "LINE: what is wrong".
+[[nodiscard]] std::variant<std::vector<std::string>, std::string> readMtg(std::string_view text);
+
+}  // namespace espalier::turtle

@@ -1,0 +1,201 @@
+#include "engine/turtle/export/page_drawing.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <tuple>
+
+#include "engine/turtle/export/polygon_mesh.h"
+
+namespace espalier::turtle {
+
+using core::Vec3;
+
+namespace {
+
+constexpr double kThinnestLine = 0.5;  // page units
+constexpr int kDiscSides = 24;
+constexpr Colour kShade{22, 26, 30};
+constexpr Colour kShine{255, 255, 250};
+
+Colour lit(const Colour& colour, double factor) {
+  return factor <= 1.0 ? mixed(kShade, colour, factor) : mixed(colour, kShine, factor - 1.0);
+}
+
+}  // namespace
+
+PageDrawing::PageDrawing(const Scene& scene, const language::ViewSettings& view, const Palette& palette, double width,
+                         double height, double marginFraction)
+    : scene_(scene), view_(view), palette_(palette), projection_(view) {
+  light_ = core::normalised(-0.45 * projection_.right() + 0.75 * projection_.up() + 0.6 * projection_.towardViewer());
+  chooseProjection();
+  for (const Segment& segment : scene.segments) {
+    const ProjectedPoint a = projection_.project(segment.start);
+    const ProjectedPoint b = projection_.project(segment.end);
+    bounds_.include(a, hasPixelLines() ? 0.0 : segment.startWidth * a.magnification / 2.0);
+    bounds_.include(b, hasPixelLines() ? 0.0 : segment.endWidth * b.magnification / 2.0);
+  }
+  addShapes();
+  fit(width, height, marginFraction);
+  addLines();
+}
+
+// a perspective whose viewer stands inside the scene shows nothing sensible: draw it in parallel
+void PageDrawing::chooseProjection() {
+  const bool isClear = std::all_of(scene_.segments.begin(), scene_.segments.end(), [&](const Segment& segment) {
+    return projection_.isVisible(segment.start) && projection_.isVisible(segment.end);
+  });
+  if (!isClear) {
+    projection_.useParallel();
+  }
+}
+
+void PageDrawing::addFace(std::span<const Vec3> corners, const Vec3& normal, std::int32_t colour) {
+  PageShape shape;
+  shape.firstPoint = static_cast<std::uint32_t>(points_.size());
+  shape.pointCount = static_cast<std::uint32_t>(corners.size());
+  for (const Vec3& corner : corners) {
+    const ProjectedPoint p = projection_.project(corner);
+    bounds_.include(p, 0.0);
+    points_.push_back({p.x, p.y});
+    shape.depth += p.depth / static_cast<double>(corners.size());
+  }
+  shape.opacity = palette_.opacityOfIndex(colour);
+  shape.colour = lit(palette_.ofIndex(colour), 0.68 + 0.36 * std::abs(core::dot(normal, light_)));
+  shapes_.push_back(shape);
+}
+
+void PageDrawing::addMesh(const Mesh& mesh, std::int32_t colour) {
+  std::vector<Vec3> corners;
+  for (const auto& face : mesh.faces) {
+    corners.clear();
+    Vec3 normal;
+    for (const std::uint32_t vertex : face) {
+      if (vertex != Mesh::kNoVertex) {
+        corners.push_back(mesh.positions[vertex]);
+        normal = normal + mesh.normals[vertex];
+      }
+    }
+    addFace(corners, core::normalised(normal), colour);
+  }
+}
+
+void PageDrawing::addShapes() {
+  for (const Polygon& polygon : scene_.polygons) {
+    addFace(polygon.vertices, core::normalised(newellNormal(polygon.vertices)), polygon.colour);
+  }
+  Mesh mesh;
+  for (const Ball& ball : scene_.balls) {
+    if (ball.kind == Ball::Kind::Disc) {
+      mesh.clear();
+      appendDisc(mesh, ball, kDiscSides);
+      addFace(std::span(mesh.positions).subspan(1, kDiscSides), ball.frame.up, ball.colour);
+      continue;
+    }
+    const ProjectedPoint p = projection_.project(ball.centre);
+    PageShape shape;
+    shape.kind = ball.kind == Ball::Kind::Sphere ? PageShape::Kind::Sphere : PageShape::Kind::Disc;
+    shape.depth = p.depth - ball.diameter / 2.0;
+    shape.radius = ball.diameter / 2.0 * p.magnification;
+    shape.firstPoint = static_cast<std::uint32_t>(points_.size());
+    shape.pointCount = 1;
+    shape.colour = palette_.ofIndex(ball.colour);
+    shape.opacity = palette_.opacityOfIndex(ball.colour);
+    bounds_.include(p, shape.radius);
+    points_.push_back({p.x, p.y});
+    shapes_.push_back(shape);
+  }
+  for (const SurfaceInstance& surface : scene_.surfaces) {
+    mesh.clear();
+    appendSurface(mesh, surface, view_);
+    addMesh(mesh, surface.colour);
+  }
+  for (const Patch& patch : scene_.patches) {
+    mesh.clear();
+    appendPatch(mesh, patch.points, patch.subdivisionS, patch.subdivisionT);
+    addMesh(mesh, patch.colour);
+  }
+  for (const GeneralizedCylinder& cylinder : scene_.cylinders) {
+    mesh.clear();
+    appendCylinder(mesh, cylinder, view_);
+    addMesh(mesh, cylinder.points.front().colour);
+  }
+  for (std::size_t i = 0; i < scene_.labels.size(); ++i) {
+    const ProjectedPoint p = projection_.project(scene_.labels[i].position);
+    PageShape shape;
+    shape.kind = PageShape::Kind::Text;
+    // text is for reading: before everything else
+    shape.depth = -std::numeric_limits<double>::infinity();
+    shape.firstPoint = static_cast<std::uint32_t>(points_.size());
+    shape.pointCount = 1;
+    shape.colour = palette_.ofIndex(scene_.labels[i].colour);
+    shape.label = static_cast<std::uint32_t>(i);
+    bounds_.include(p, 0.0);
+    points_.push_back({p.x, p.y});
+    shapes_.push_back(shape);
+  }
+  // far to near; equal depths keep the order of drawing
+  std::stable_sort(shapes_.begin(), shapes_.end(),
+                   [](const PageShape& a, const PageShape& b) { return a.depth > b.depth; });
+}
+
+void PageDrawing::fit(double width, double height, double marginFraction) {
+  const double spanX = bounds_.empty() ? 0.0 : bounds_.right - bounds_.left;
+  const double spanY = bounds_.empty() ? 0.0 : bounds_.top - bounds_.bottom;
+  const double margin = std::max(width, height) * marginFraction;
+  const double scaleX = spanX > 0.0 ? (width - 2.0 * margin) / spanX : std::numeric_limits<double>::infinity();
+  const double scaleY = spanY > 0.0 ? (height - 2.0 * margin) / spanY : std::numeric_limits<double>::infinity();
+  scale_ = std::isfinite(std::min(scaleX, scaleY)) ? std::min(scaleX, scaleY) : 1.0;
+  width_ = scale_ * spanX + 2.0 * margin;
+  height_ = scale_ * spanY + 2.0 * margin;
+  if (!bounds_.empty()) {
+    offsetX_ = margin - scale_ * bounds_.left;
+    offsetY_ = margin + scale_ * bounds_.top;
+  }
+  for (PageShape& shape : shapes_) {
+    shape.radius = std::max(scale_ * shape.radius, kThinnestLine / 2.0);
+  }
+}
+
+void PageDrawing::addLines() {
+  using Key = std::tuple<std::uint32_t, std::uint32_t, double>;  // order, colour, opacity
+  std::map<Key, std::size_t> groups;
+  for (std::uint32_t i = 0; i < scene_.segments.size(); ++i) {
+    const Segment& segment = scene_.segments[i];
+    const Colour colour = palette_.ofSegment(segment);
+    const double opacity = palette_.opacityOfIndex(segment.colour);
+    const std::uint32_t packed =
+        static_cast<std::uint32_t>(colour.red) << 16U | static_cast<std::uint32_t>(colour.green) << 8U | colour.blue;
+    const auto [group, isNew] = groups.try_emplace({segment.branchOrder, packed, opacity}, lines_.size());
+    if (isNew) {
+      lines_.push_back({segment.branchOrder, colour, opacity, 2.0 * radius(segment, false), {}});
+    }
+    PageLines& lines = lines_[group->second];
+    lines.segments.push_back(i);
+    if (lines.width != 2.0 * radius(segment, false) || lines.width != 2.0 * radius(segment, true)) {
+      lines.width = 0.0;
+    }
+  }
+  std::stable_sort(lines_.begin(), lines_.end(),
+                   [](const PageLines& a, const PageLines& b) { return a.order < b.order; });
+}
+
+PagePlace PageDrawing::point(const PageShape& shape, std::uint32_t corner) const {
+  const auto& p = points_[shape.firstPoint + corner];
+  return {offsetX_ + scale_ * p[0], offsetY_ - scale_ * p[1]};
+}
+
+PagePlace PageDrawing::place(const Vec3& position) const {
+  const ProjectedPoint p = projection_.project(position);
+  return {offsetX_ + scale_ * p.x, offsetY_ - scale_ * p.y};
+}
+
+double PageDrawing::radius(const Segment& segment, bool isEnd) const {
+  const double width = isEnd ? segment.endWidth : segment.startWidth;
+  const double seen =
+      hasPixelLines() ? width : width * scale_ * projection_.project(isEnd ? segment.end : segment.start).magnification;
+  return std::max(seen, kThinnestLine) / 2.0;
+}
+
+}  // namespace espalier::turtle

@@ -1,0 +1,186 @@
+#include "engine/turtle/export/mtg.h"
+
+#include <random>
+
+#include "engine/turtle/export/module_table.h"
+#include "tests/engine/turtle/turtle_fixture.h"
+
+namespace espalier::turtle {
+namespace {
+
+// what a writer of modules makes of a string
+std::string written(TurtleRun& run, std::string_view format) {
+  const std::vector<const derivation::ModuleString*> strings{&run.state.string};
+  const auto visit = [&run](const ModuleVisitor& visitor) -> std::optional<std::string> {
+    InterpretationOutput output;
+    output.onModule = visitor;
+    output.fillsQueries = false;
+    run.interpret({}, output);
+    return std::nullopt;
+  };
+  const ExportInput input{
+      .scene = run.scene, .view = run.program.view, .program = &run.program, .strings = strings, .visitModules = visit};
+  core::StringSink sink;
+  const ExportTarget target{.fileName = "a", .sink = sink, .openCompanion = {}, .progress = {}};
+  const auto problem = findExportFormat(format)->write(input, target);
+  return problem ? "problem: " + *problem : sink.take();
+}
+
+std::vector<std::string> read(std::string_view mtg) {
+  auto result = readMtg(mtg);
+  return std::holds_alternative<std::string>(result) ? std::vector{std::get<std::string>(result)}
+                                                     : std::get<std::vector<std::string>>(std::move(result));
+}
+
+std::vector<std::string> linesOf(const std::string& text) {
+  std::vector<std::string> lines;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = text.find('\n', begin);
+    lines.push_back(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return lines;
+}
+
+TEST(Mtg, TopologyIsAsTheBranchesAre) {
+  TurtleRun run("F(2)[+(90)F(1)L]F(3)");
+  const std::string mtg = written(run, "mtg");
+  const std::size_t begin = mtg.find("MTG:\n");
+  const auto lines = linesOf(mtg.substr(begin));
+  ASSERT_EQ(lines.size(), 7U);
+  EXPECT_EQ(lines[1], "ENTITY-CODE\t\t\tText\tModule\tXX\tYY\tZZ\tHX\tHY\tHZ\tDiameter\tColor\tOrder\tP1");
+  EXPECT_EQ(lines[2], "/P1");
+  EXPECT_EQ(lines[3], "\t/F1\t\tF(2)\t0\t0\t2\t0\t0\t1\t0\t1\t128\t0\t2");
+  EXPECT_TRUE(lines[4].starts_with("\t\t+F2\t+(90)F(1)\t3\t-1\t2\t0\t-1\t")) << lines[4];
+  EXPECT_TRUE(lines[5].starts_with("\t\t^<L3\tL\t4\t-1\t2\t0\t")) << lines[5];
+  EXPECT_TRUE(lines[6].starts_with("\t^<F4\t\tF(3)\t6\t0\t5\t0\t")) << lines[6];
+}
+
+TEST(Mtg, EveryBracketedStringIsReadBack) {
+  for (const char* const text : {"F", "F(1.5)[+(30)F]F", "[F]F", "[[F]]", "[]", "F[]F[[A]B]", "+(3)", "F[+(3)]-(2)",
+                                 "A[B[C[D]E]F]G[H][I]J", "~l(2)@O(0.5)F#(2)\\(30);(3){.f.}", "P[Z]Y"}) {
+    TurtleRun run(text);
+    EXPECT_EQ(read(written(run, "mtg")), std::vector<std::string>{run.text()}) << text;
+  }
+}
+
+TEST(Mtg, RandomStringsAreReadBack) {
+  std::mt19937 random(7);
+  for (int i = 0; i < 200; ++i) {
+    std::string text;
+    int open = 0;
+    for (int k = 0; k < 40; ++k) {
+      const unsigned choice = random() % 8;
+      if (choice == 0) {
+        text += "[";
+        ++open;
+      } else if (choice == 1 && open > 0) {
+        text += "]";
+        --open;
+      } else if (choice < 5) {
+        text += std::string(1, static_cast<char>('A' + random() % 5)) + "(" + std::to_string(random() % 1000) + ")";
+      } else {
+        text += choice == 5 ? "+" : choice == 6 ? "-(20)" : "F";
+      }
+    }
+    text += std::string(static_cast<std::size_t>(open), ']');
+    TurtleRun run(text);
+    ASSERT_EQ(read(written(run, "mtg")), std::vector<std::string>{run.text()}) << text;
+  }
+}
+
+TEST(Mtg, BracketsThatDoNotMatchAreRefused) {
+  TurtleRun open("F[F");
+  EXPECT_EQ(written(open, "mtg"),
+            "problem: the branch that module 1 of plant 0 opens is never closed; an MTG has whole branches only");
+  TurtleRun closed("F]F");
+  EXPECT_EQ(written(closed, "mtg"),
+            "problem: module 1 of plant 0 closes a branch that none opened; an MTG has whole branches only");
+}
+
+constexpr const char* kHead =
+    "CODE:\tFORM-A\nCLASSES:\nSYMBOL\tSCALE\tDECOMPOSITION\tINDEXATION\tDEFINITION\n$\t0\tFREE\tFREE\tIMPLICIT\n"
+    "P\t1\tFREE\tFREE\tIMPLICIT\nA\t2\tFREE\tFREE\tIMPLICIT\nU\t3\tFREE\tFREE\tEXPLICIT\n"
+    "DESCRIPTION:\nLEFT\tRIGHT\tRELTYPE\tMAX\nU\tU\t+\t?\nU\tU\t<\t1\nFEATURES:\nNAME\tTYPE\n";
+
+TEST(Mtg, AFileOfThreeScalesIsReadAtTheFinest) {
+  // plants of axes of growth units; a branch is an axis whose first unit grows on a unit
+  const std::string mtg = std::string(kHead) +
+                          "Length\tREAL\nSpecies\tALPHA\nMTG:\nENTITY-CODE\t\t\tLength\tSpecies\n"
+                          "/P1/A1\t\t\t\tapple # a comment\n"
+                          "\t/U1\t\t10\n"
+                          "\t\t+A2/U1\t2.5\n"
+                          "\t\t^<U2\t3\n"
+                          "\t^<U2\t\t8\n"
+                          "/P2/A1/U1\t\t\t4\n"
+                          "^<U2\n";
+  EXPECT_EQ(read(mtg), (std::vector<std::string>{"U(10)[U(2.5)U(3)]U(8)", "U(4)U"}));
+}
+
+TEST(Mtg, BlanksAroundColonsAndWindowsLineEndsAreRead) {
+  std::string mtg =
+      "CODE :\tFORM-A\n\nCLASSES :\nSYMBOL\tSCALE\tDECOMPOSITION\tINDEXATION\tDEFINITION\n$\t0\tFREE\tFREE\tIMPLICIT\n"
+      "plant\t1\tFREE\tFREE\tIMPLICIT\ninternode\t2\tFREE\tFREE\tIMPLICIT\n\nDESCRIPTION :\n"
+      "LEFT\tRIGHT\tRELTYPE\tMAX\ninternode\tinternode\t<\t1\n\nFEATURES :\nNAME\tTYPE\n\nMTG :\nENTITY-CODE\n\n"
+      "/plant1\n\t/internode1\n\t\t+internode2\n\t\t\t+internode3\n\t^<internode4\n";
+  const std::vector<std::string> expected{"internode[internode[internode]]internode"};
+  EXPECT_EQ(read(mtg), expected);
+  for (std::size_t at = 0; (at = mtg.find('\n', at)) != std::string::npos; at += 2) {
+    mtg.replace(at, 1, "\r\n");
+  }
+  EXPECT_EQ(read(mtg), expected);
+}
+
+TEST(Mtg, OneScaleWithoutPlantsIsOneString) {
+  EXPECT_EQ(
+      read("CODE: FORM-A\nCLASSES:\nSYMBOL\tSCALE\n$\t0\nE\t1\nFEATURES:\nNAME\tTYPE\nMTG:\nTOPO\n/E1\n^<E2\n\t+E3\n"
+           "\t+E4\n^<E5\n"),
+      std::vector<std::string>{"EE[E][E]E"});
+}
+
+TEST(Mtg, MistakesAreNamedWithTheirLine) {
+  EXPECT_EQ(read(""),
+            std::vector<std::string>{"0: the file has no entities: it is no MTG, or ends before its section MTG"});
+  EXPECT_EQ(read("hello\n"), std::vector<std::string>{"1: expected 'CODE:', 'CLASSES:', 'FEATURES:' or 'MTG:'"});
+  const auto problem = [](const std::string& graph) {
+    return read(std::string(kHead) + "MTG:\nENTITY-CODE\n" + graph).front();
+  };
+  EXPECT_EQ(problem("/P1/X1\n"), "16: the class 'X' is not in the section CLASSES");
+  EXPECT_EQ(problem("/P1\n\t^<U1\n"), "17: '^' follows no entity of its column");
+  EXPECT_EQ(problem("/P1\n\tU1\n"), "17: expected '/', '<' or '+' before an entity, found 'U1'");
+  EXPECT_EQ(problem("/P1\n\t/7\n"), "17: expected the class of an entity, found '7'");
+  EXPECT_EQ(problem("+P1\n"), "16: '+P' joins nothing");
+  EXPECT_EQ(problem("/P1\n\t+U1\n"), "17: '+U' joins nothing of its scale");
+  EXPECT_EQ(read("CLASSES:\nSYMBOL\tSCALE\nP\tone\n").front(), "3: the scale of class 'P' is not a whole number");
+}
+
+TEST(ModuleTable, EveryModuleHasARowWithItsState) {
+  TurtleRun run("F(2)[+(90)F(1)]@O(3)\"");
+  const auto rows = linesOf(written(run, "csv"));
+  ASSERT_EQ(rows.size(), 9U);
+  EXPECT_EQ(rows[0], "plant,module,symbol,parameters,x,y,z,hx,hy,hz,lx,ly,lz,ux,uy,uz,width,colour,order,parent");
+  EXPECT_EQ(rows[1], "0,0,F,2,0,2,0,0,1,0,-1,0,0,0,0,-1,1,128,0,");
+  EXPECT_EQ(rows[2], "0,1,[,,0,2,0,0,1,0,-1,0,0,0,0,-1,1,128,0,0");
+  EXPECT_TRUE(rows[3].starts_with("0,2,+,90,0,2,0,-1,")) << rows[3];
+  EXPECT_TRUE(rows[3].ends_with(",1,0")) << rows[3];
+  EXPECT_TRUE(rows[4].starts_with("0,3,F,1,-1,2,0,")) << rows[4];
+  EXPECT_TRUE(rows[4].ends_with(",1,2")) << rows[4];
+  EXPECT_TRUE(rows[5].starts_with("0,4,],,0,2,0,")) << rows[5];
+  // the two symbols of a ball stand together; both have the state after it
+  EXPECT_TRUE(rows[6].starts_with("0,5,@,,0,2,0,")) << rows[6];
+  EXPECT_TRUE(rows[7].starts_with("0,6,O,3,0,2,0,")) << rows[7];
+  EXPECT_TRUE(rows[8].starts_with("0,7,\"\"\"\",,0,2,0,")) << rows[8];
+}
+
+TEST(ModuleTable, WhatWasCutOffHasNoState) {
+  language::ViewSettings view;
+  view.interpretsPastCut = false;
+  TurtleRun run("F[%F]F", view);
+  const auto rows = linesOf(written(run, "csv"));
+  ASSERT_EQ(rows.size(), 7U);
+  EXPECT_EQ(rows[4], "0,3,F,,,,,,,,,,,,,,,,1,2");
+  EXPECT_TRUE(rows[6].starts_with("0,5,F,,0,2,0,")) << rows[6];
+}
+
+}  // namespace
+}  // namespace espalier::turtle

@@ -1,0 +1,157 @@
+"""What run writes, read back by parsers that share nothing with the writers: the same model in every format agrees."""
+
+from __future__ import annotations
+
+import csv
+import struct
+import tempfile
+import unittest
+import xml.etree.ElementTree as ElementTree
+import zlib
+from pathlib import Path
+
+from support import espalier
+
+MODEL = """Lsystem: 1
+derivation length: 5
+Axiom: A(1)
+A(l) --> F(l)[+(30)A(l*0.7)@O(0.1)]/(90)F(l*0.5)[-(40)A(l*0.6)]
+endlsystem
+"""
+VIEW = "line style: pixel\ninitial line width: 2 p\nviewpoint: 0,0,1\n"
+
+
+def read_png(data: bytes) -> tuple[int, int, list[bytes]]:
+    """Width, height and rows of an RGB or RGBA PNG, by the standard's own words."""
+    assert data[:8] == b"\x89PNG\r\n\x1a\n"
+    at, body, head = 8, b"", b""
+    while at < len(data):
+        (length,) = struct.unpack(">I", data[at : at + 4])
+        kind, content = data[at + 4 : at + 8], data[at + 8 : at + 8 + length]
+        assert struct.unpack(">I", data[at + 8 + length : at + 12 + length])[0] == zlib.crc32(kind + content)
+        head = content if kind == b"IHDR" else head
+        body += content if kind == b"IDAT" else b""
+        at += 12 + length
+    width, height, depth, colour = struct.unpack(">IIBB", head[:10])
+    assert depth == 8 and colour in (2, 6)
+    size = 3 if colour == 2 else 4
+    raw, rows, before = zlib.decompress(body), [], bytes(width * size)
+    for y in range(height):
+        line = raw[y * (width * size + 1) : (y + 1) * (width * size + 1)]
+        row = bytearray(line[1:])
+        for i in range(len(row)):
+            left = row[i - size] if i >= size else 0
+            corner = before[i - size] if i >= size else 0
+            up = before[i]
+            p = left + up - corner
+            paeth = min((abs(p - left), 0, left), (abs(p - up), 1, up), (abs(p - corner), 2, corner))[2]
+            row[i] = (row[i] + (0, left, up, (left + up) // 2, paeth)[line[0]]) % 256
+        before = bytes(row)
+        rows.append(before)
+    return width, height, rows
+
+
+class MtgFile:
+    """Topology and features of an MTG: entities as (edge, class, parent index, features)."""
+
+    def __init__(self, text: str) -> None:
+        lines = text.split("\n")
+        start = lines.index("MTG:")
+        header = lines[start + 1].split("\t")
+        first = next(i for i, name in enumerate(header) if i > 0 and name)
+        self.entities: list[tuple[str, str, int | None, dict[str, str]]] = []
+        last: dict[int, int] = {}
+        for line in lines[start + 2 :]:
+            if not line:
+                continue
+            columns = line.split("\t")
+            column = next(i for i, text in enumerate(columns) if text)
+            code = columns[column]
+            parent = last[column] if code.startswith("^") else last.get(column - 1)
+            edge, name = code.lstrip("^")[0], code.lstrip("^")[1:].rstrip("0123456789")
+            self.entities.append((edge, name, parent, dict(zip(header[first:], columns[first:]))))
+            last[column] = len(self.entities) - 1
+
+
+class Formats(unittest.TestCase):
+    def setUp(self) -> None:
+        holder = tempfile.TemporaryDirectory()
+        self.addCleanup(holder.cleanup)
+        self.folder = Path(holder.name)
+        (self.folder / "tree.l").write_text(MODEL, encoding="utf-8")
+        (self.folder / "tree.v").write_text(VIEW, encoding="utf-8")
+
+    def write(self, *arguments: str) -> None:
+        outputs = [word for name in arguments for word in ("-o", str(self.folder / name))]
+        run = espalier("run", str(self.folder / "tree.l"), *outputs, "--quiet", "--size", "400x300")
+        self.assertEqual(run.returncode, 0, run.stderr)
+
+    def test_all_formats_agree_on_counts_and_bounds(self) -> None:
+        self.write("a.csv", "a.mtg", "a.svg", "a.eps", "a.string", "a.obj")
+        with (self.folder / "a.csv").open(newline="", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        segments = [row for row in rows if row["symbol"] == "F"]
+        balls = [row for row in rows if row["symbol"] == "O"]
+        self.assertGreater(len(segments), 60)
+        # the string has the modules of the table
+        text = (self.folder / "a.string").read_text(encoding="utf-8").strip()
+        modules = "".join(
+            row["symbol"] + (f"({row['parameters'].replace(';', ',')})" if row["parameters"] else "") for row in rows
+        )
+        self.assertEqual(modules, text)
+
+        mtg = MtgFile((self.folder / "a.mtg").read_text(encoding="utf-8"))
+        entities = [entity for entity in mtg.entities if entity[1] == "F"]
+        self.assertEqual(len(entities), len(segments))
+        for entity, row in zip(entities, segments):
+            self.assertEqual((entity[3]["XX"], entity[3]["YY"], entity[3]["ZZ"]), (row["x"], row["y"], row["z"]))
+            self.assertEqual(entity[3]["Order"], row["order"])
+            self.assertEqual(entity[3]["P1"], row["parameters"])
+        # what is joined by + begins a branch of the next order
+        for edge, _, parent, features in mtg.entities:
+            if edge in "+<" and parent is not None:
+                step = int(features["Order"]) - int(mtg.entities[parent][3]["Order"])
+                self.assertEqual(step, 1 if edge == "+" else 0)
+
+        name = "{http://www.w3.org/2000/svg}"
+        svg = ElementTree.parse(self.folder / "a.svg").getroot()
+        paths = [path for path in svg.iter(name + "path") if path.get("class")]
+        orders = {row["order"] for row in segments}
+        self.assertEqual(sorted(path.get("class", "") for path in paths), sorted(f"order-{n}" for n in orders))
+        self.assertEqual(sum(path.get("d", "").count("L") for path in paths), len(segments))
+        self.assertEqual(len(list(svg.iter(name + "circle"))), len(balls))
+        # width to height as the turtle's way, seen along -z; the margin is 20 and balls reach 0.05 beyond their centres
+        _, _, width, height = map(float, svg.get("viewBox", "").split())
+        tops = [float(row["y"]) for row in segments] + [float(row["y"]) + 0.05 for row in balls]
+        lefts = [float(row["x"]) for row in segments] + [float(row["x"]) - 0.05 for row in balls]
+        rights = [float(row["x"]) for row in segments] + [float(row["x"]) + 0.05 for row in balls]
+        bottoms = [0.0] + [float(row["y"]) - 0.05 for row in balls]
+        ratio = (max(rights) - min(lefts)) / (max(tops) - min(bottoms))
+        self.assertAlmostEqual((width - 40) / (height - 40), ratio, places=3)
+
+        eps = (self.folder / "a.eps").read_text(encoding="ascii").split("gsave")[1].split()
+        self.assertEqual(eps.count("l"), len(segments))
+        self.assertEqual(eps.count("d"), len(balls))
+
+        vertices = [line.split() for line in (self.folder / "a.obj").read_text(encoding="ascii").splitlines()]
+        heights = [float(words[2]) for words in vertices if words and words[0] == "v"]
+        self.assertAlmostEqual(max(heights), max(tops), delta=0.05)
+
+    def test_a_picture_shows_the_plant_where_it_is(self) -> None:
+        self.write("a.png")
+        width, height, rows = read_png((self.folder / "a.png").read_bytes())
+        self.assertEqual((width, height), (400, 300))
+        page = rows[0][:3]
+        drawn = [
+            (x, y) for y, row in enumerate(rows) for x in range(width) if row[x * 3 : x * 3 + 3] != page
+        ]
+        # fitted with a margin of a twentieth: the height decides
+        self.assertAlmostEqual(min(y for _, y in drawn), 15, delta=2)
+        self.assertAlmostEqual(max(y for _, y in drawn), 285, delta=3)
+        left, right = min(x for x, _ in drawn), max(x for x, _ in drawn)
+        self.assertAlmostEqual(left, width - 1 - right, delta=4)
+        self.assertGreater(len(drawn), 2000)
+
+
+if __name__ == "__main__":
+    unittest.main()
