@@ -6,7 +6,7 @@
 #include <map>
 #include <tuple>
 
-#include "engine/turtle/export/polygon_mesh.h"
+#include "engine/core/polygon.h"
 
 namespace espalier::turtle {
 
@@ -83,7 +83,7 @@ void PageDrawing::addMesh(const Mesh& mesh, std::int32_t colour) {
 
 void PageDrawing::addShapes() {
   for (const Polygon& polygon : scene_.polygons) {
-    addFace(polygon.vertices, core::normalised(newellNormal(polygon.vertices)), polygon.colour);
+    addFace(polygon.vertices, core::normalised(core::newellNormal(polygon.vertices)), polygon.colour);
   }
   Mesh mesh;
   for (const Ball& ball : scene_.balls) {
