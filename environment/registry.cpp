@@ -4,30 +4,38 @@
 #include <array>
 #include <utility>
 
+#include "environment/arvo.h"
+#include "environment/attractors.h"
 #include "environment/chiba.h"
 #include "environment/clover.h"
 #include "environment/constant.h"
 #include "environment/density.h"
 #include "environment/density3d.h"
 #include "environment/ecosystem.h"
+#include "environment/emission.h"
+#include "environment/gravity.h"
 #include "environment/height.h"
 #include "environment/honda.h"
+#include "environment/meadow.h"
 #include "environment/multiple.h"
+#include "environment/obstacles.h"
 #include "environment/ornament.h"
 #include "environment/process_entry.h"
 #include "environment/shadow.h"
 #include "environment/soil.h"
 #include "environment/takenaka.h"
+#include "environment/wind.h"
 
 namespace espalier::environment {
 
 namespace {
 
 // sorted by name
-constexpr std::array kProcesses{&kChibaProcess,     &kCloverProcess,    &kConstantProcess, &kDensityProcess,
-                                &kDensity3dProcess, &kEcosystemProcess, &kHeightProcess,   &kHondaProcess,
-                                &kMultipleProcess,  &kOrnamentProcess,  &kShadowProcess,   &kSoilProcess,
-                                &kTakenakaProcess};
+constexpr std::array kProcesses{&kArvoProcess,     &kAttractorsProcess, &kChibaProcess,     &kCloverProcess,
+                                &kConstantProcess, &kDensityProcess,    &kDensity3dProcess, &kEcosystemProcess,
+                                &kEmissionProcess, &kGravityProcess,    &kHeightProcess,    &kHondaProcess,
+                                &kMeadowProcess,   &kMultipleProcess,   &kObstaclesProcess, &kOrnamentProcess,
+                                &kShadowProcess,   &kSoilProcess,       &kTakenakaProcess,  &kWindProcess};
 
 }  // namespace
 
@@ -56,6 +64,11 @@ std::vector<std::string> processNames() {
     names.emplace_back(entry->name);
   }
   return names;
+}
+
+std::string canonicalName(std::string_view name) {
+  const ProcessEntry* entry = findProcess(name);
+  return std::string(entry == nullptr ? name : entry->name);
 }
 
 std::string configurationSchema(std::string_view name) {

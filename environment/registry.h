@@ -19,6 +19,9 @@ using ProcessOrErrors = std::variant<std::unique_ptr<turtle::EnvironmentProcess>
 /// Names of all built-in processes, sorted, aliases left out.
 [[nodiscard]] std::vector<std::string> processNames();
 
+/// The name of a process by its name or an alias; the given name when it is unknown.
+[[nodiscard]] std::string canonicalName(std::string_view name);
+
 /// JSON Schema (as text) of a process's configuration; empty for an unknown name.
 [[nodiscard]] std::string configurationSchema(std::string_view name);
 

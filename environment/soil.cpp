@@ -10,10 +10,12 @@
 #include <utility>
 #include <vector>
 
+#include "environment/obstacle_scene.h"
 #include "environment/replies.h"
+#include "environment/scene_file.h"
 #include "environment/soil_field.h"
 #include "environment/soil_specification.h"
-#include "environment/state_bytes.h"
+#include "environment/state_numbers.h"
 
 namespace espalier::environment {
 
@@ -82,6 +84,10 @@ constexpr std::array kKeys{
                      .maximum = 1.0,
                      .isWhole = true,
                      .minimumCount = 1},
+    ConfigurationKey{
+        .name = "obstacleScene",
+        .kind = KeyKind::Text,
+        .description = "the text of a background scene: cells whose middle is in a solid of it are obstacles"},
     ConfigurationKey{.name = "sourceMap",
                      .kind = KeyKind::Rows,
                      .description = "1 where the concentration is restored in every step, laid out as concentration",
@@ -129,6 +135,7 @@ constexpr std::array kFieldKeywords{
     FieldKeyword{.keyword = "array", .kind = FieldKind::Own, .key = {}, .read = readArray},
     FieldKeyword{.keyword = "image", .kind = FieldKind::Own, .key = {}, .read = readConcentrationImage},
     FieldKeyword{.keyword = "obstacles and sources", .kind = FieldKind::Own, .key = {}, .read = readObstacleImage},
+    FieldKeyword{.keyword = "3D primitives", .kind = FieldKind::Own, .key = {}, .read = readPrimitives},
     FieldKeyword{.keyword = "diffusion", .kind = FieldKind::Own, .key = {}, .read = readDiffusion},
     FieldKeyword{.keyword = "depletion", .kind = FieldKind::Switch, .key = "depletion", .onWords = kOn},
     FieldKeyword{.keyword = "relaxation factor", .key = "relaxationFactor"},
@@ -221,32 +228,9 @@ class Soil final : public turtle::EnvironmentProcess {
     return std::nullopt;
   }
 
-  [[nodiscard]] std::string save() const override {
-    StateWriter writer;
-    writer.integer(field_.cells().size());
-    for (const double concentration : field_.cells()) {
-      writer.number(concentration);
-    }
-    return writer.take();
-  }
-
+  [[nodiscard]] std::string save() const override { return saveNumbers(field_.cells()); }
   [[nodiscard]] std::optional<turtle::EnvironmentError> restore(std::string_view state) override {
-    StateReader reader(state);
-    std::vector<double> cells;
-    if (reader.integer() == field_.cells().size()) {
-      cells.reserve(field_.cells().size());
-      while (reader.isIntact() && cells.size() < field_.cells().size()) {
-        cells.push_back(reader.number());
-      }
-    }
-    if (!reader.isComplete() || cells.size() != field_.cells().size()) {
-      return turtle::EnvironmentError{
-          "The saved state of environment 'soil' is damaged or of a field of another size. Use a snapshot that is "
-          "complete and was made with this configuration.",
-          false};
-    }
-    field_.cells() = std::move(cells);
-    return std::nullopt;
+    return restoreNumbers(state, "soil", field_.cells());
   }
 
  private:
@@ -452,6 +436,38 @@ std::string layOut(const ConfigurationRows& rows, std::string_view key, const st
   return {};
 }
 
+/// Marks the cells whose middle is in a solid of a scene; a message when the scene cannot be read.
+std::string markSolids(const std::string& text, const SoilField::Shape& shape, std::vector<std::uint8_t>& isObstacle) {
+  if (text.empty()) {
+    return {};
+  }
+  auto read = readScene(text);
+  if (const auto* problem = std::get_if<std::string>(&read)) {
+    return "'obstacleScene', " + *problem;
+  }
+  ObstacleScene::Content content;
+  content.spheres = std::get<SceneShapes>(read).spheres;
+  for (MeshData& mesh : std::get<SceneShapes>(read).meshes) {
+    if (const std::string problem = problemOf(mesh); !problem.empty()) {
+      return "'obstacleScene' " + problem;
+    }
+    content.meshes.push_back(std::move(mesh));
+  }
+  const ObstacleScene scene(std::move(content));
+  const auto [nx, ny, nz] = shape.cells;
+  isObstacle.resize(nx * ny * nz, 0);
+  const auto middle = [](double low, double size, std::size_t cell, std::size_t count) {
+    return low + size * (static_cast<double>(cell) + 0.5) / static_cast<double>(count);
+  };
+  for (std::size_t cell = 0; cell < isObstacle.size(); ++cell) {
+    const Vec3 place{middle(shape.position.x, shape.size.x, cell % nx, nx),
+                     middle(shape.position.y, shape.size.y, cell / nx % ny, ny),
+                     middle(shape.position.z, shape.size.z, cell / (nx * ny), nz)};
+    isObstacle[cell] = isObstacle[cell] != 0 || scene.isInside(place) ? 1 : 0;
+  }
+  return {};
+}
+
 ProcessOrErrors makeSoil(const Configuration& configuration) {
   const ConfigurationRows& rows = configuration.rows("concentration");
   const auto vectorOf = [&](const char* key) {
@@ -489,6 +505,7 @@ ProcessOrErrors makeSoil(const Configuration& configuration) {
   std::vector<core::Diagnostic> errors;
   for (const std::string& problem : {layOut(rows, "concentration", shape.cells, initial),
                                      layOut(configuration.rows("obstacleMap"), "obstacleMap", shape.cells, isObstacle),
+                                     markSolids(configuration.text("obstacleScene"), shape, isObstacle),
                                      layOut(configuration.rows("sourceMap"), "sourceMap", shape.cells, isSource)}) {
     if (!problem.empty()) {
       errors.push_back(errorOf(problem, "all maps have one number for each cell"));

@@ -126,7 +126,7 @@ void SoilField::spread(const Diffusion& diffusion) {
       own[count] = count == 0 ? 1.0 : 1.0 - diffusion.relaxation;
       others[count] = count == 0 ? 0.0 : diffusion.relaxation / n;
     } else {
-      own[count] = 1.0 - diffusion.relaxation * n / faces;
+      own[count] = 1.0 - diffusion.relaxation * (diffusion.isOpen ? 1.0 : n / faces);
       others[count] = diffusion.relaxation / faces;
     }
   }

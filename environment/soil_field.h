@@ -15,6 +15,7 @@ struct Diffusion {
   double tolerance = 0.0;    // stop before when no cell changes by as much; 0: never
   double relaxation = 0.5;   // 0 … 1
   bool isAveraging = false;  // the published scheme, which loses or makes matter at borders
+  bool isOpen = false;       // beyond the sides of the box there is nothing, and what gets there is gone
 };
 
 /// Concentrations in the cells of a box, with impermeable obstacles and sources of constant concentration.

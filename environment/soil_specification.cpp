@@ -117,6 +117,16 @@ std::string readObstacleImage(const FieldLineInput& input) {
   return {};
 }
 
+std::string readPrimitives(const FieldLineInput& input) {
+  const std::string name = besideFile(input.file, input.line.value);
+  auto text = input.files.read(name);
+  if (!text) {
+    return "names the file '" + name + "', which cannot be read; it is looked for beside the specification";
+  }
+  input.values.insert_or_assign("obstacleScene", std::move(*text));
+  return {};
+}
+
 std::string readDiffusion(const FieldLineInput& input) {
   const auto numbers = readFieldNumbers(input.line.value);
   if (numbers.empty()) {

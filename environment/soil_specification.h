@@ -13,6 +13,8 @@ namespace espalier::environment {
 [[nodiscard]] std::string readConcentrationImage(const FieldLineInput& input);
 /// `obstacles and sources: FILE`, an image: red is an obstacle, green a source.
 [[nodiscard]] std::string readObstacleImage(const FieldLineInput& input);
+/// `3D primitives: FILE`, a background scene: its solids are obstacles.
+[[nodiscard]] std::string readPrimitives(const FieldLineInput& input);
 /// `diffusion: steps [tolerance]`.
 [[nodiscard]] std::string readDiffusion(const FieldLineInput& input);
 [[nodiscard]] std::string readThicknesses(const FieldLineInput& input);

@@ -5,8 +5,10 @@
 
 #include "clients/espalier/commands.h"
 #include "clients/espalier/messages.h"
+#include "environment/environment_entries.h"
 #include "environment/registry.h"
 #include "protocol/codec.h"
+#include "protocol/envelope.h"
 #include "server/disk_files.h"
 #include "server/environment_check.h"
 #include "server/environment_host.h"
@@ -87,6 +89,26 @@ int serveOn(const std::string& address, bool isInsecureAllowed, const server::Pr
   return kSuccess;
 }
 
+// The configuration of one process from the text of a file, which may be the same file that `--environment` takes: an
+// object with a `type`. Nothing after its errors were printed.
+std::optional<std::string> configurationOf(const EnvironmentOptions& options, const std::string& text) {
+  if (!protocol::memberOf(text, "type")) {
+    return text;
+  }
+  auto parsed = environment::parseEnvironmentEntries(text);
+  if (const auto* problems = std::get_if<std::vector<core::Diagnostic>>(&parsed)) {
+    printDiagnostics(*problems, false);
+    return std::nullopt;
+  }
+  const auto& entry = std::get<std::vector<environment::EnvironmentEntry>>(parsed).front();
+  if (environment::canonicalName(entry.type) != environment::canonicalName(options.name)) {
+    printError("the configuration file '" + options.configurationFile + "' is for '" + entry.type + "', not for '" +
+               options.name + "': name that environment, or another file");
+    return std::nullopt;
+  }
+  return entry.configuration;
+}
+
 int runEnvironment(const EnvironmentOptions& options) {
   if (options.lists) {
     return listProcesses();
@@ -106,7 +128,11 @@ int runEnvironment(const EnvironmentOptions& options) {
       printError("the configuration file '" + options.configurationFile + "' cannot be read");
       return kFailure;
     }
-    configuration = std::move(*text);
+    auto chosen = configurationOf(options, *text);
+    if (!chosen) {
+      return kFailure;
+    }
+    configuration = std::move(*chosen);
   }
 
   if ((options.name == kLegacy) == options.fieldFile.empty() ||
@@ -224,7 +250,8 @@ void addEnvironment(CLI::App& program, int& status) {
   command->add_flag("--insecure", options->isInsecureAllowed,
                     "Serve on an address that other machines reach, without encryption and without asking who it is");
   command->add_flag("--stdio", options->isOnStdio, "Serve on standard input and output until the input ends");
-  command->add_option("--configuration", options->configurationFile, "JSON file with its configuration; see --schema");
+  command->add_option("--configuration", options->configurationFile,
+                      "JSON file with its configuration (see --schema), with or without its \"type\"");
   command->add_option("--executable", options->executable,
                       "For NAME legacy: the program and its arguments, instead of the field file's `executable`");
   command->add_option("--spec", options->fieldFile,

@@ -11,6 +11,7 @@
 #include "environment/environment_entries.h"
 #include "environment/environment_set.h"
 #include "environment/field_file.h"
+#include "environment/mesh_embedding.h"
 #include "environment/registry.h"
 #include "protocol/envelope.h"
 #include "server/legacy_process.h"
@@ -103,7 +104,13 @@ Process loadConfiguration(const std::string& file, core::FileProvider& files, st
   if (const auto* errors = std::get_if<std::vector<core::Diagnostic>>(&parsed)) {
     return orPrintErrors(*errors, file);
   }
-  const auto& entries = std::get<std::vector<environment::EnvironmentEntry>>(parsed);
+  auto& entries = std::get<std::vector<environment::EnvironmentEntry>>(parsed);
+  for (environment::EnvironmentEntry& entry : entries) {
+    if (const auto problem = environment::embedMeshFile(entry, file, files)) {
+      printDiagnostics(std::vector{*problem}, false);
+      return nullptr;
+    }
+  }
   if (entries.empty()) {
     printError("'" + file + "' names no environment: give an object such as {\"type\":\"height\"}, or leave it out");
     return nullptr;

@@ -68,8 +68,11 @@ void answer(benchmark::State& state, const std::string& name, const std::string&
   state.counters["queries/s"] = Counter(static_cast<double>(queries), Counter::kIsIterationInvariantRate);
 }
 
+// the parameters of query i in the benchmark of one process
+using Parameters = std::vector<double> (*)(std::size_t i);
+
 // queries at points of a space-filling lattice (R3 sequence), about one per unit of volume
-turtle::QueryBatch makeQueries(std::size_t count) {
+turtle::QueryBatch makeQueries(std::size_t count, Parameters parametersOf) {
   turtle::QueryBatch batch;
   const double side = std::cbrt(static_cast<double>(count));
   constexpr double kGolden = 1.2207440846057596;
@@ -90,19 +93,64 @@ turtle::QueryBatch makeQueries(std::size_t count) {
     batch.up.push_back({0.0, 0.0, -1.0});
     batch.width.push_back(1.0);
     batch.scale.push_back(1.0);
-    batch.parameters.push_back(static_cast<double>(i % 7 + 1));
-    batch.parameterOffset.push_back(i + 1);
+    const std::vector<double> parameters = parametersOf(i);
+    batch.parameters.insert(batch.parameters.end(), parameters.begin(), parameters.end());
+    batch.parameterOffset.push_back(batch.parameters.size());
     batch.following.push_back(core::kNoSymbol);
     batch.followingOffset.push_back(0);
   }
   return batch;
 }
 
-void process(benchmark::State& state, const std::string& name, const std::string& configuration) {
-  const Process environment = makeProcess(name, configuration);
+// a process with parameters of the kind it is used with: sizes of about half the distance between neighbours
+struct Candidate {
+  const char* name;
+  const char* configuration;
+  Parameters parameters;
+};
+
+std::vector<double> few(std::size_t i) {
+  return {static_cast<double>(i % 7 + 1)};
+}
+std::vector<double> leaves(std::size_t i) {
+  return i % 2 == 0 ? std::vector<double>{1.0, 0.1} : std::vector<double>{0.0};
+}
+
+const std::vector<Candidate>& candidates() {
+  static const std::vector<Candidate> kCandidates{
+      {"chiba", R"({"sources":[[0,1,0,4],[0.6,0.8,0,3],[-0.6,0.8,0,3]]})",
+       [](std::size_t i) { return std::vector<double>{0.1 + 0.05 * static_cast<double>(i % 7)}; }},
+      {"clover", R"({"range":[100,100],"position":[0,0],"gridSize":[2000,2000]})", leaves},
+      {"density", "", [](std::size_t) { return std::vector<double>(3, 0.0); }},
+      {"density3d", R"({"range":[100,100,100],"gridSize":[100,100,100]})", few},
+      {"ecosystem", R"({"threeDimensional":true})",
+       [](std::size_t i) {
+         return std::vector<double>{0.1 * static_cast<double>(i % 7 + 1), 0.0};
+       }},
+      {"height", "", few},
+      {"honda", R"({"radius":0.5,"threeDimensional":true})", few},
+      {"ornament", R"({"range":[100,100],"position":[0,0],"gridSize":[2000,2000]})",
+       [](std::size_t) {
+         return std::vector<double>{0.0, 0.2};
+       }},
+      {"shadow", "", few},
+      {"soil", R"({"domainSize":[100,100,100],"gridSize":[100,100,1],"depletion":true})",
+       [](std::size_t) {
+         return std::vector<double>{0.001, 1.0, 1.0, 0.0};
+       }},
+      {"takenaka", R"({"sources":[[0,1000,0,4],[500,800,0,3]]})",
+       [](std::size_t) {
+         return std::vector<double>{0.2, 0.0};
+       }},
+  };
+  return kCandidates;
+}
+
+void process(benchmark::State& state, const Candidate& candidate) {
+  const Process environment = makeProcess(candidate.name, candidate.configuration);
   turtle::EnvironmentContext context;
   context.symbols = {"E"};
-  const turtle::QueryBatch queries = makeQueries(static_cast<std::size_t>(state.range(0)));
+  const turtle::QueryBatch queries = makeQueries(static_cast<std::size_t>(state.range(0)), candidate.parameters);
   turtle::ReplyBatch replies;
   for (auto _ : state) {
     state.PauseTiming();
@@ -119,6 +167,26 @@ void process(benchmark::State& state, const std::string& name, const std::string
   }
   state.counters["queries"] = Counter(static_cast<double>(queries.size()));
   state.counters["queries/s"] = Counter(static_cast<double>(queries.size()), Counter::kIsIterationInvariantRate);
+}
+
+// diffusion alone: how fast a field of range(0)^2 cells is read and written
+void diffusion(benchmark::State& state) {
+  const std::string side = std::to_string(state.range(0));
+  constexpr int kSteps = 10;
+  const Process soil = makeProcess("soil", R"({"gridSize":[)" + side + "," + side + R"(,1],"diffusionSteps":10})");
+  if (const auto error = soil->open({})) {
+    state.SkipWithError(error->message.c_str());
+    return;
+  }
+  for (auto _ : state) {
+    if (const auto error = soil->tick(0)) {
+      state.SkipWithError(error->message.c_str());
+      return;
+    }
+  }
+  // each step reads one buffer and writes the other
+  const double bytes = static_cast<double>(state.range(0) * state.range(0)) * kSteps * 2.0 * sizeof(double);
+  state.counters["bytes/s"] = Counter(bytes, Counter::kIsIterationInvariantRate);
 }
 
 const bool kIsRegistered = [] {
@@ -139,16 +207,19 @@ const bool kIsRegistered = [] {
         ->Unit(benchmark::kMillisecond)
         ->UseRealTime();
   }
-  for (const auto& [name, configuration] : std::vector<std::pair<std::string, std::string>>{
-           {"height", ""}, {"honda", R"({"radius":0.5,"threeDimensional":true})"}, {"shadow", ""}}) {
-    benchmark::RegisterBenchmark(
-        ("process/" + name).c_str(),
-        [name = name, configuration = configuration](benchmark::State& state) { process(state, name, configuration); })
+  for (const Candidate& candidate : candidates()) {
+    benchmark::RegisterBenchmark((std::string("process/") + candidate.name).c_str(),
+                                 [&candidate](benchmark::State& state) { process(state, candidate); })
         ->Unit(benchmark::kMillisecond)
         ->UseRealTime()
         ->RangeMultiplier(10)
         ->Range(100, 1'000'000);
   }
+  benchmark::RegisterBenchmark("diffusion/soil", diffusion)
+      ->Unit(benchmark::kMillisecond)
+      ->UseRealTime()
+      ->Arg(256)
+      ->Arg(2048);
   return true;
 }();
 

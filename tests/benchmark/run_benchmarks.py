@@ -5,6 +5,7 @@ All figures are kept as JSON; with --baseline each row also says how the time co
 
 import argparse
 import json
+import math
 import re
 import statistics
 import subprocess
@@ -37,6 +38,7 @@ OTHER_COLUMNS = (
     ("bytes/module", "bytes/module", "{:.1f}", 1),
     ("queries", "queries", "{:,.0f}", 1),
     ("queries/s", "M queries/s", "{:.2f}", 1e-6),
+    ("bytes/s", "GB/s", "{:.2f}", 1e-9),
 )
 
 
@@ -137,6 +139,23 @@ def other_rows(entries: dict, baseline: dict) -> list[list[str]]:
     return rows
 
 
+def growth_rows(entries: dict) -> list[list[str]]:
+    """The exponent e of time ~ queries^e of every process, fitted to its sizes of 1000 queries and more."""
+    points: dict = {}
+    for name, entry in entries.items():
+        match = re.fullmatch(r"(process/\w+)/(\d+)", name)
+        if match and not entry.get("error_occurred") and int(match.group(2)) >= 1000:
+            points.setdefault(match.group(1), []).append((math.log(int(match.group(2))), math.log(milliseconds(entry))))
+    rows = [["process", "time grows as queries^"]]
+    for name, fitted in points.items():
+        if len(fitted) > 1:
+            mean_x = sum(x for x, _ in fitted) / len(fitted)
+            mean_y = sum(y for _, y in fitted) / len(fitted)
+            rise = sum((x - mean_x) * (y - mean_y) for x, y in fitted) / sum((x - mean_x) ** 2 for x, _ in fitted)
+            rows.append([name, f"{rise:.2f}"])
+    return rows
+
+
 def time_commands(espalier: str, models: str, entries: dict) -> dict:
     """`derivationMilliseconds` of the command line for the workloads of the table, the best of three runs."""
     times = {}
@@ -207,6 +226,7 @@ def main() -> int:
     print_table("No cliff: small strings, many productions and parameters, nesting, contexts",
                 cliff_rows(entries, baseline))
     print_table("Everything else", other_rows(entries, baseline))
+    print_table("Growth with the number of queries", growth_rows(entries))
     for name, entry in failed.items():
         print(f"{name} failed: {entry['error_message']}")
     return 1 if failed else 0

@@ -305,5 +305,18 @@ TEST_F(Cli, QuietLeavesResultsAndErrorsOnly) {
   EXPECT_NE(run("derive nosuch.l --quiet").errors, "");
 }
 
+TEST_F(Cli, EnvironmentTakesTheConfigurationFileThatDeriveTakes) {
+  folder_.write("tiers.json", R"({"type":"honda81","name":"Tiers","radius":0.5})");
+  const ProgramRun described = run("environment honda --describe --configuration tiers.json");
+  EXPECT_EQ(described.status, 0) << described.errors;
+  EXPECT_TRUE(contains(described.output, R"("name":"honda")")) << described.output;
+  const ProgramRun other = run("environment shadow --describe --configuration tiers.json");
+  EXPECT_EQ(other.status, 1);
+  EXPECT_TRUE(contains(other.errors,
+                       "the configuration file 'tiers.json' is for 'honda81', not for 'shadow': name that environment, "
+                       "or another file"))
+      << other.errors;
+}
+
 }  // namespace
 }  // namespace espalier::test

@@ -26,6 +26,9 @@ void PrintTo(const Candidate& candidate, std::ostream* stream) {
 
 std::vector<Candidate> candidates() {
   return {
+      {"arvo", R"({"spheres":[[5,5,5,3]],"planes":[[0,0,0,0,1,0]],"maxSurfaceDistance":3,"addObjects":true})", 7},
+      {"arvo", R"({"spheres":[[5,5,5,3]],"boxes":[[0,0,0,9,1,9]],"compatible":true,"triesForSurface":8})", 7},
+      {"attractors", R"({"points":[[1,2,3,4],[9,8,7,-2]]})", 4},
       {"chiba", R"({"radius":1,"sampleCount":8})", 4},
       {"chiba", R"({"radius":1,"sources":[[0,1,0,4],[1,1,0,3]],"estimateIntersectionArea":true,"beamRadius":0.5})", 4},
       {"clover", R"({"gridSize":[64,64],"range":[10,10],"position":[0,0]})", 2},
@@ -35,12 +38,19 @@ std::vector<Candidate> candidates() {
       {"density3d", R"({"range":[10,10,10],"gridSize":[5,5,5]})", 1},
       {"ecosystem", "", 2},
       {"ecosystem", R"({"vigor":true,"threeDimensional":true})", 2},
+      {"emission", R"({"gridSize":[5,5,5],"cellSize":2,"diffusivity":0.5,"decayRate":0.1,"border":"open"})", 4},
+      {"gravity", "", 3},
       {"height", "", 1},
       {"honda", R"({"radius":1})", 2},
+      {"meadow", R"({"gridSize":[16,16],"range":[10,10],"position":[0,0],"lightMap":[[0,255],[100,30]]})", 6},
       {"multiple",
        R"({"fields":[{"type":"soil","domainSize":[10,10,10],"gridSize":[4,4,1],"depletion":true},)"
        R"({"type":"chiba","radius":1}]})",
        3},
+      {"obstacles",
+       R"({"spheres":[[5,5,5,3]],"capsules":[[1,1,1,4,2,9,0.5]],"heightField":[[1,2],[0,1]],)"
+       R"("heightFieldExtent":[0,0,10,10],"plants":"remembered"})",
+       9},
       {"ornament", R"({"gridSize":[64,64],"range":[10,10],"position":[0,0]})", 2},
       {"shadow", R"({"gridSize":41,"gridSpan":20})", 4},
       {"soil",
@@ -53,6 +63,7 @@ std::vector<Candidate> candidates() {
        R"("depletion":true,"diffusionSteps":2})",
        7},
       {"takenaka", R"({"sources":[[0,100,0,1],[50,80,3,0.5]]})", 2},
+      {"wind", R"({"profile":"power"})", 3},
   };
 }
 

@@ -76,5 +76,11 @@ TEST(Registry, TheDefaultsOfASchemaAreAValidConfiguration) {
   }
 }
 
+TEST(Registry, CanonicalNamesResolveAliases) {
+  EXPECT_EQ(canonicalName("honda81"), "honda");
+  EXPECT_EQ(canonicalName("shadow"), "shadow");
+  EXPECT_EQ(canonicalName("nothing"), "nothing");
+}
+
 }  // namespace
 }  // namespace espalier::environment

@@ -13,12 +13,13 @@ class Height(Environment):
     """Answers the height of the queried point above the origin."""
 
     needs = ("position",)
-    outputs = (Variable("height", "length"),)
+    outputs = (Variable("height", "m"),)
 
     def opened(self) -> None:
         x, y, z = self.opening.world.get("up", [0.0, 1.0, 0.0])
         length = (x * x + y * y + z * z) ** 0.5
         self._up = (x / length, y / length, z / length)
+        self.outputs = (Variable("height", self.opening.world.get("lengthUnit", "m")),)
 
     def answer(self, query: Query) -> Answer:
         return [sum(along * unit for along, unit in zip(query.position, self._up))]

@@ -1,0 +1,43 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "query_builder.h"
+
+namespace espalier::environment {
+namespace {
+
+std::vector<std::optional<double>> pullAt(const std::string& configuration, const core::Vec3& place) {
+  const auto process = openProcess("attractors", configuration);
+  return answersOf(*process, QueryBuilder().add(place, {0, 0, 0, 0}).batch())[0];
+}
+
+TEST(Attractors, PullByThePowerOfTheirDistance) {
+  // strength 50 at distance 5 along (3, 4, 0): 50/25 of the unit vector
+  const auto row = pullAt(R"({"points":[[3,4,0,50]]})", {});
+  EXPECT_DOUBLE_EQ(*row[0], 2.0 * 0.6);
+  EXPECT_DOUBLE_EQ(*row[1], 2.0 * 0.8);
+  EXPECT_EQ(*row[2], 0.0);
+  EXPECT_DOUBLE_EQ(*row[3], 5.0);
+  EXPECT_DOUBLE_EQ(*pullAt(R"({"points":[[3,4,0,50]],"exponent":0})", {})[0], 30.0);
+}
+
+TEST(Attractors, AddUpAndPushWhenNegative) {
+  const auto row = pullAt(R"({"points":[[2,0,0,8],[-1,0,0,-1],[0,0,10,0]]})", {});
+  EXPECT_DOUBLE_EQ(*row[0], 8.0 / 4.0 + 1.0);
+  EXPECT_DOUBLE_EQ(*row[3], 1.0);
+}
+
+TEST(Attractors, DoNotActBeyondTheirReachNorStrongerThanAtTheNearest) {
+  EXPECT_EQ(*pullAt(R"({"points":[[5,0,0,1]],"reach":4.99})", {})[0], 0.0);
+  EXPECT_DOUBLE_EQ(*pullAt(R"({"points":[[0.001,0,0,1]],"nearest":0.5})", {})[0], 4.0);
+  EXPECT_EQ(*pullAt(R"({"points":[[0,0,0,1]]})", {})[0], 0.0);
+}
+
+TEST(Attractors, WithoutAnyNothingPullsAndNoDistanceIsSet) {
+  const auto row = pullAt("", {});
+  EXPECT_EQ(row, (std::vector<std::optional<double>>{0.0, 0.0, 0.0, std::nullopt}));
+}
+
+}  // namespace
+}  // namespace espalier::environment
