@@ -1,0 +1,90 @@
+"""Gallery models that grow against an environment: their tables, and what they are there to show."""
+
+import re
+import unittest
+from typing import Dict, List, Optional, Tuple
+
+from support import GALLERY, espalier, model, strings
+
+
+def table(name: str, symbols: str) -> Dict[int, List[int]]:
+    """The file golden.tsv of a model: numbers of modules of each symbol, by step."""
+    lines = (GALLERY / name / "golden.tsv").read_text(encoding="utf-8").splitlines()
+    assert lines[0].split("\t") == ["step", *symbols], lines[0]
+    return {int(row[0]): [int(count) for count in row[1:]] for row in (line.split("\t") for line in lines[1:])}
+
+
+def places(string: str) -> List[Tuple[float, ...]]:
+    """The answers of the modules ?P in a string."""
+    return [tuple(map(float, numbers.split(","))) for numbers in re.findall(r"\?P\(([^)]*)\)", string)]
+
+
+def answered(name: str) -> str:
+    """The last string of a run with its answers filled in."""
+    return espalier("derive", model(name), "--every", "--answered", "--quiet").stdout.splitlines()[-1].split("\t")[1]
+
+
+class GalleryEnvironments(unittest.TestCase):
+    def check_table(self, name: str, symbols: str) -> List[str]:
+        derived = strings(name)
+        for step, expected in table(name, symbols).items():
+            self.assertEqual([derived[step].count(symbol) for symbol in symbols], expected, f"{name}, step {step}")
+        return derived
+
+    def test_borchert_honda_shares_the_flux_and_forks_only_above_the_threshold(self) -> None:
+        derived = self.check_table("borchert-honda", "IA")
+        nodes = 0
+        for string in derived[::10]:
+            # a fork: a segment, a minor branch in brackets, a major one; fluxes of one year when the message has passed
+            for parent, minor, major in re.findall(
+                    r"I\(\d,0,([-\d.e]+),\d+\)/\(180\)\[-\(32\)I\(2,1,([-\d.e]+),\d+\)"
+                    r"[^]]*\]\+\(10\)I\(1,1,([-\d.e]+),\d+\)", string):
+                self.assertAlmostEqual(float(minor) + float(major), float(parent), 9)
+                nodes += 1
+        self.assertGreater(nodes, 0)
+        # tips never get fewer, and the growth of the flux slows down
+        tips = [string.count("A") for string in derived]
+        self.assertEqual(tips, sorted(tips))
+        self.assertLess(tips[240] - tips[180], tips[120] - tips[60] + 1)
+
+    def test_topiary_stays_in_its_box_and_fills_it(self) -> None:
+        derived = self.check_table("topiary", "FAB")
+        for step in (10, 50, 100, 150):
+            filled = espalier("derive", model("topiary"), "--every", "--answered", "--quiet", "--steps",
+                              str(step + 1)).stdout.splitlines()[step].split("\t")[1]
+            # an apex may be one segment outside, for the step before it is cut
+            for x, y in places(filled):
+                self.assertLessEqual(max(abs(x), abs(y)), 2.6 + 1.0)
+        segments = [string.count("F") for string in derived]
+        self.assertGreater(segments[150], 3 * segments[10])
+
+    def test_clonal_plants_forage_where_there_is_light(self) -> None:
+        self.check_table("clonal-foraging", "FAGD")
+        lines = (GALLERY / "clonal-foraging" / "patches.pnm").read_text(encoding="utf-8").splitlines()[4:]
+        patches = [[int(number) for number in line.split()[1::3]] for line in lines][::-1]
+
+        def light(x: float, y: float) -> Optional[int]:
+            inside = -80 <= x < 80 and -80 <= y < 80
+            return patches[int((y + 80) // 20)][int((x + 80) // 20)] if inside else None
+
+        ramets = [light(*place) for place in places(answered("clonal-foraging"))]
+        area = {value: sum(row.count(value) for row in patches) for value in (230, 90, 15)}
+        density = {value: ramets.count(value) / area[value] for value in area}
+        self.assertGreater(density[230], density[90])
+        self.assertGreater(density[90], density[15])
+
+    def test_the_vine_climbs_at_its_distance_from_the_boulder_and_the_ground(self) -> None:
+        self.check_table("climbing", "FAL")
+        points = places(answered("climbing"))
+        self.assertGreater(len(points), 50)
+        distances = [min((x * x + (y - 1) ** 2 + z * z) ** 0.5 - 1.5, y) for x, y, z in points]
+        # in the crease between boulder and ground the distance is kept from one of them only
+        self.assertGreater(min(distances), 0.0)
+        self.assertLess(max(distances), 0.1 + 1e-5)
+        self.assertGreater(sum(distance > 0.1 - 1e-5 for distance in distances), 0.9 * len(distances))
+        # it starts on the ground and comes up over the boulder
+        self.assertGreater(max(y for _, y, _ in points), 1.5)
+
+
+if __name__ == "__main__":
+    unittest.main()
