@@ -21,6 +21,8 @@ using Decoded = std::variant<T, Error>;
 [[nodiscard]] Decoded<ModelParams> decodeModelParams(const Payload& payload);
 [[nodiscard]] Decoded<CreateParams> decodeCreateParams(const Payload& payload);
 [[nodiscard]] Decoded<StepParams> decodeStepParams(const Payload& payload);
+[[nodiscard]] Decoded<EditParams> decodeEditParams(const Payload& payload);
+[[nodiscard]] Decoded<SetParams> decodeSetParams(const Payload& payload);
 [[nodiscard]] Decoded<ForkParams> decodeForkParams(const Payload& payload);
 [[nodiscard]] Decoded<GetParams> decodeGetParams(const Payload& payload);
 [[nodiscard]] Decoded<ResetParams> decodeResetParams(const Payload& payload);

@@ -85,6 +85,21 @@ void readModelReference(const Field& field, ModelReference& model) {
   }
 }
 
+/// NAME: number or text, each as text.
+void readValues(const Field& parameters, std::vector<std::pair<std::string, std::string>>& values) {
+  parameters.requireObject();
+  for (const auto& [name, value] : parameters.json().items()) {
+    const Field field = parameters[name];
+    if (field.isText()) {
+      values.emplace_back(name, field.text());
+    } else {
+      const double number = field.number();
+      JsonWriter text;
+      values.emplace_back(name, text.number(number).take());
+    }
+  }
+}
+
 void readModelParams(const Field& params, ModelParams& model) {
   // model.check {source} is short for model.check {model:{source}}
   const Field reference = params["model"];
@@ -101,17 +116,7 @@ void readModelParams(const Field& params, ModelParams& model) {
     }
   }
   if (const Field parameters = params["parameters"]; !parameters.isAbsent()) {
-    parameters.requireObject();
-    for (const auto& [name, value] : parameters.json().items()) {
-      const Field field = parameters[name];
-      if (field.isText()) {
-        model.defines.emplace_back(name, field.text());
-      } else {
-        const double number = field.number();
-        JsonWriter text;
-        model.defines.emplace_back(name, text.number(number).take());
-      }
-    }
+    readValues(parameters, model.defines);
   }
 }
 
@@ -226,6 +231,50 @@ Decoded<StepParams> decodeStepParams(const Payload& payload) {
       }
       step.steps = static_cast<std::uint64_t>(steps.integer(1, kMaximumExactInteger));
     }
+  });
+}
+
+Decoded<EditParams> decodeEditParams(const Payload& payload) {
+  return decodePayload<EditParams>(payload, [](const Field& params, EditParams& edit) {
+    params.requireObject();
+    edit.simulation = readName(params["simulation"]);
+    if (const Field plant = params["plant"]; !plant.isAbsent()) {
+      edit.plant = static_cast<std::uint32_t>(plant.integer(0, UINT32_MAX));
+    }
+    edit.module = params["module"].count();
+    const Field action = params["action"];
+    edit.action = action.text();
+    if (edit.action != "insert" && edit.action != "prune" && edit.action != "replace") {
+      action.failExpected("one of insert, prune, replace");
+    }
+    const Field modules = params["modules"];
+    if (edit.action == "prune") {
+      if (!modules.isAbsent()) {
+        modules.fail("nothing is put in by prune; use replace");
+      }
+      return;
+    }
+    const std::size_t count = modules.arraySize();
+    for (std::size_t i = 0; i < count; ++i) {
+      const Field module = modules.element(i);
+      module.requireObject();
+      ModuleRecord record{module["symbol"].text(), {}};
+      if (const Field parameters = module["parameters"]; !parameters.isAbsent()) {
+        const std::size_t parameterCount = parameters.arraySize();
+        for (std::size_t k = 0; k < parameterCount; ++k) {
+          record.parameters.push_back(parameters.element(k).number());
+        }
+      }
+      edit.modules.push_back(std::move(record));
+    }
+  });
+}
+
+Decoded<SetParams> decodeSetParams(const Payload& payload) {
+  return decodePayload<SetParams>(payload, [](const Field& params, SetParams& set) {
+    params.requireObject();
+    set.simulation = readName(params["simulation"]);
+    readValues(params["parameters"], set.values);
   });
 }
 

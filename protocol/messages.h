@@ -138,6 +138,24 @@ struct StepResult {
   Statistics statistics;  // figures of the last step; queries, answers and milliseconds summed over this call
 };
 
+struct ModuleRecord {
+  std::string symbol;
+  std::vector<double> parameters;
+};
+
+struct EditParams {
+  std::string simulation;
+  std::uint32_t plant = 0;
+  std::uint64_t module = 0;  // index in the plant's string
+  std::string action;        // insert, prune, replace
+  std::vector<ModuleRecord> modules;
+};
+
+struct SetParams {
+  std::string simulation;
+  std::vector<std::pair<std::string, std::string>> values;  // name, text of the value
+};
+
 struct ForkParams {
   std::string simulation;
   std::string name;  // of the new one, for people; empty: that of the old one

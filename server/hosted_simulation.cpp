@@ -1,14 +1,49 @@
 #include "server/hosted_simulation.h"
 
 #include <algorithm>
+#include <charconv>
 #include <chrono>
 
 #include "engine/simulation/snapshot.h"
+#include "engine/simulation/snapshot_editing.h"
 #include "protocol/json_writer.h"
 #include "server/metrics.h"
 #include "server/translate.h"
 
 namespace espalier::server {
+namespace {
+
+/// The name that a line defines: `  # define NAME ...`; empty for any other line.
+std::string_view definedName(std::string_view line) {
+  constexpr std::string_view kBlanks = " \t";
+  const auto skip = [&line](std::string_view word) {
+    line.remove_prefix(std::min(line.size(), line.find_first_not_of(kBlanks)));
+    const bool isThere = line.starts_with(word);
+    line.remove_prefix(isThere ? word.size() : 0);
+    return isThere;
+  };
+  if (!skip("#") || !skip("define") || !skip("")) {
+    return {};
+  }
+  return line.substr(0, line.find_first_of(" \t\r("));
+}
+
+/// Whether a source of the model has a `#define` of the name.
+bool isDefined(const language::Program& program, std::string_view name) {
+  return std::any_of(program.sources.begin(), program.sources.end(), [name](const auto& file) {
+    const std::string_view text = file.text;
+    for (std::size_t begin = 0; begin < text.size();) {
+      const std::size_t end = std::min(text.find('\n', begin), text.size());
+      if (definedName(text.substr(begin, end - begin)) == name) {
+        return !name.empty();
+      }
+      begin = end + 1;
+    }
+    return false;
+  });
+}
+
+}  // namespace
 
 HostedSimulation::HostedSimulation(SimulationRecord record, const core::Limits& limits,
                                    const EnvironmentServices& services, Store& store)
@@ -192,13 +227,105 @@ std::optional<protocol::Error> HostedSimulation::reset(std::optional<std::uint64
   if (const auto failure = fresh.simulation_->rewind()) {
     return errorOf(*failure);
   }
-  record_ = fresh.record_;
-  {
-    const std::lock_guard lock(cancelMutex_);
-    simulation_.swap(fresh.simulation_);
-    links_.swap(fresh.links_);
-  }
+  adopt(fresh);
   return save(true);
+}
+
+void HostedSimulation::adopt(HostedSimulation& fresh) {
+  record_ = fresh.record_;
+  const std::lock_guard lock(cancelMutex_);
+  simulation_.swap(fresh.simulation_);
+  links_.swap(fresh.links_);
+}
+
+std::optional<protocol::Error> HostedSimulation::edit(const protocol::EditParams& params) {
+  simulation::StringEdit edit;
+  edit.kind = params.action == "prune"     ? simulation::StringEdit::Kind::Prune
+              : params.action == "replace" ? simulation::StringEdit::Kind::Replace
+                                           : simulation::StringEdit::Kind::Insert;
+  edit.plant = params.plant;
+  edit.module = params.module;
+  for (const protocol::ModuleRecord& module : params.modules) {
+    edit.modules.push_back({module.symbol, module.parameters});
+  }
+  const auto edited = simulation::editString(snapshot(), edit);
+  if (const auto* error = std::get_if<core::SimulationError>(&edited)) {
+    return errorOf(*error);
+  }
+  return restore(std::get<std::string>(edited));
+}
+
+std::optional<protocol::Error> HostedSimulation::set(const std::vector<std::pair<std::string, std::string>>& values) {
+  const language::Program& program = simulation_->program();
+  std::vector<std::pair<std::string, double>> variables;
+  std::vector<std::pair<std::string, std::string>> defines;
+  for (const auto& [name, text] : values) {
+    const auto& names = program.systems.front().variables;
+    if (std::find(names.begin(), names.end(), name) == names.end()) {
+      defines.emplace_back(name, text);
+      continue;
+    }
+    double number = 0.0;
+    const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), number);
+    if (problem != std::errc() || end != text.data() + text.size()) {
+      return protocol::fieldError("params.parameters." + name, "expected a number for a variable");
+    }
+    variables.emplace_back(name, number);
+  }
+  // definitions first: they are what can fail
+  if (!defines.empty()) {
+    if (!variables.empty()) {
+      return protocol::fieldError(
+          "params.parameters", "variables and #defines in one call could fail half-way; set them one after the other");
+    }
+    return define(defines);
+  }
+  const auto edited = simulation::setVariables(snapshot(), program, variables);
+  if (const auto* error = std::get_if<core::SimulationError>(&edited)) {
+    return errorOf(*error);
+  }
+  return restore(std::get<std::string>(edited));
+}
+
+std::optional<protocol::Error> HostedSimulation::define(
+    const std::vector<std::pair<std::string, std::string>>& defines) {
+  const language::Program& program = simulation_->program();
+  language::CompileInput input;
+  input.modelFile = program.modelFile;
+  input.viewFile = program.viewFile;
+  input.compatibility = program.compatibility;
+  input.defines = program.defines;
+  input.limits = limits_;
+  core::MemoryFileProvider files;
+  for (const auto& file : program.sources) {
+    files.add(file.name, file.text);
+  }
+  for (const auto& [name, value] : defines) {
+    if (!isDefined(program, name)) {
+      return protocol::fieldError("params.parameters." + name,
+                                  "the model has neither a variable nor a #define of that name");
+    }
+    const auto same = [&name](const auto& define) { return define.first == name; };
+    std::erase_if(input.defines, same);
+    input.defines.emplace_back(name, value);
+  }
+  auto compiled = language::compile(input, files);
+  if (compiled.program == nullptr) {
+    return toError(compiled.diagnostics.entries());
+  }
+  HostedSimulation fresh(record_, limits_, services_, *store_);
+  if (auto error = fresh.build(compiled.program, false)) {
+    return error;
+  }
+  const auto edited = simulation::withProgram(snapshot(), *compiled.program);
+  if (const auto* error = std::get_if<core::SimulationError>(&edited)) {
+    return errorOf(*error);
+  }
+  if (const auto error = fresh.simulation_->restore(std::get<std::string>(edited))) {
+    return errorOf(*error);
+  }
+  adopt(fresh);
+  return saveChange();
 }
 
 std::string HostedSimulation::snapshot() const {

@@ -50,6 +50,10 @@ class HostedSimulation {
   /// Back to step 0; with a new seed when given.
   [[nodiscard]] std::optional<protocol::Error> reset(std::optional<std::uint64_t> seed);
   [[nodiscard]] std::string snapshot() const;
+  /// Changes a plant's string. On failure nothing changes.
+  [[nodiscard]] std::optional<protocol::Error> edit(const protocol::EditParams& params);
+  /// Gives variables of the model, and names that it defines (#define), other values. On failure nothing changes.
+  [[nodiscard]] std::optional<protocol::Error> set(const std::vector<std::pair<std::string, std::string>>& values);
   [[nodiscard]] std::optional<protocol::Error> restore(std::string_view snapshot);
   /// Writes the present state to disk, unless the simulation is not kept or is saved already.
   [[nodiscard]] std::optional<protocol::Error> keep();
@@ -72,6 +76,10 @@ class HostedSimulation {
   [[nodiscard]] std::optional<protocol::Error> saveChange();
   /// Saves state and, when `withRecord`, record.
   [[nodiscard]] std::optional<protocol::Error> save(bool withRecord);
+  /// Takes over what another one, made from the same record, was built of.
+  void adopt(HostedSimulation& fresh);
+  /// Takes the model with other definitions.
+  [[nodiscard]] std::optional<protocol::Error> define(const std::vector<std::pair<std::string, std::string>>& defines);
   [[nodiscard]] protocol::Error storageError(const std::string& problem) const;
 
   SimulationRecord record_;

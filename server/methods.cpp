@@ -199,6 +199,16 @@ void simulationPause(Session& session, const protocol::Message& message) {
                makePauseCommand);
 }
 
+void simulationSet(Session& session, const protocol::Message& message) {
+  onSimulation(session, message, protocol::decodeSetParams(message.payload), &protocol::SetParams::simulation,
+               makeSetCommand);
+}
+
+void simulationEdit(Session& session, const protocol::Message& message) {
+  onSimulation(session, message, protocol::decodeEditParams(message.payload), &protocol::EditParams::simulation,
+               makeEditCommand);
+}
+
 void simulationFork(Session& session, const protocol::Message& message) {
   onSimulation(session, message, protocol::decodeForkParams(message.payload), &protocol::ForkParams::simulation,
                makeForkCommand);
@@ -389,6 +399,8 @@ constexpr std::array kMethods{
     Method{"simulation.save", simulationSave},
     Method{"simulation.restore", simulationRestore},
     Method{"simulation.pause", simulationPause},
+    Method{"simulation.set", simulationSet},
+    Method{"simulation.edit", simulationEdit},
     Method{"simulation.fork", simulationFork},
     Method{"simulation.list", simulationList},
     Method{"simulation.delete", simulationDelete},

@@ -278,6 +278,16 @@ std::vector<core::Diagnostic> warningsOfRun(const language::Program& program, co
   return warnings;
 }
 
+/// The answer to a change between steps, and a frame of it for the viewers.
+std::variant<std::string, protocol::Error> changed(SimulationRunner& runner, std::optional<protocol::Error> error) {
+  if (error) {
+    return std::move(*error);
+  }
+  runner.setLastError({});
+  runner.publishFrames(true);
+  return stateAfter(runner);
+}
+
 }  // namespace
 
 void createSimulation(Session& session, const protocol::MessageId& id, protocol::CreateParams params,
@@ -376,6 +386,20 @@ std::shared_ptr<Command> makePauseCommand(SessionPointer session, const protocol
                      });
 }
 
+std::shared_ptr<Command> makeSetCommand(SessionPointer session, const protocol::MessageId& id,
+                                        protocol::SetParams params) {
+  return makeCommand(std::move(session), id, [params = std::move(params)](SimulationRunner& runner) {
+    return changed(runner, runner.hosted().set(params.values));
+  });
+}
+
+std::shared_ptr<Command> makeEditCommand(SessionPointer session, const protocol::MessageId& id,
+                                         protocol::EditParams params) {
+  return makeCommand(std::move(session), id, [params = std::move(params)](SimulationRunner& runner) {
+    return changed(runner, runner.hosted().edit(params));
+  });
+}
+
 std::shared_ptr<Command> makeForkCommand(SessionPointer session, const protocol::MessageId& id,
                                          protocol::ForkParams params) {
   ServerCore* const core = &session->core();
@@ -394,12 +418,7 @@ std::shared_ptr<Command> makeResetCommand(SessionPointer session, const protocol
                                           protocol::ResetParams params) {
   return makeCommand(std::move(session), id,
                      [seed = params.seed](SimulationRunner& runner) -> std::variant<std::string, protocol::Error> {
-                       if (auto error = runner.hosted().reset(seed)) {
-                         return std::move(*error);
-                       }
-                       runner.setLastError({});
-                       runner.publishFrames(true);
-                       return stateAfter(runner);
+                       return changed(runner, runner.hosted().reset(seed));
                      });
 }
 
@@ -431,13 +450,8 @@ std::shared_ptr<Command> makeRestoreCommand(SessionPointer session, const protoc
       std::move(session), id,
       [params = std::move(params)](SimulationRunner& runner) -> std::variant<std::string, protocol::Error> {
         HostedSimulation& hosted = runner.hosted();
-        if (auto error = params.checkpoint.empty() ? hosted.restore(params.snapshot)
-                                                   : hosted.restoreCheckpoint(params.checkpoint)) {
-          return std::move(*error);
-        }
-        runner.setLastError({});
-        runner.publishFrames(true);
-        return stateAfter(runner);
+        return changed(runner, params.checkpoint.empty() ? hosted.restore(params.snapshot)
+                                                         : hosted.restoreCheckpoint(params.checkpoint));
       });
 }
 

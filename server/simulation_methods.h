@@ -23,6 +23,10 @@ void createSimulation(Session& session, const protocol::MessageId& id, protocol:
 /// Ends what steps now, between two steps; it is answered as truncated.
 [[nodiscard]] std::shared_ptr<Command> makePauseCommand(SessionPointer session, const protocol::MessageId& id,
                                                         protocol::NameParams params);
+[[nodiscard]] std::shared_ptr<Command> makeSetCommand(SessionPointer session, const protocol::MessageId& id,
+                                                      protocol::SetParams params);
+[[nodiscard]] std::shared_ptr<Command> makeEditCommand(SessionPointer session, const protocol::MessageId& id,
+                                                       protocol::EditParams params);
 /// A second simulation in the state of this one.
 [[nodiscard]] std::shared_ptr<Command> makeForkCommand(SessionPointer session, const protocol::MessageId& id,
                                                        protocol::ForkParams params);

@@ -599,6 +599,62 @@ TEST(Server, StatusTellsWhatIsHeldInMemoryAndOnDisk) {
   EXPECT_GT(std::stoull(member(memory, "storeBytes")), std::stoull(member(empty, "storeBytes")));
 }
 
+TEST(Server, SetGivesVariablesAndDefinitionsOtherValues) {
+  const RunningServer server;
+  const auto client = connectTo(server);
+  const std::string simulation =
+      create(*client,
+             "#define GROWTH 1\nLsystem: 1\nderivation length: 9\nfloat size;\nStart: {size = 1;}\nAxiom: A\n"
+             "A : {size = size + GROWTH;} * --> F(size)A\nendlsystem\n");
+  const auto set = [&](const std::string& values) {
+    return client->request("simulation.set", named(simulation, "\"parameters\":" + values));
+  };
+  resultOf(client->request("simulation.step", named(simulation)));
+  EXPECT_EQ(member(resultOf(set(R"({"size":10})")), "step"), "1");
+  resultOf(client->request("simulation.step", named(simulation)));
+  resultOf(set(R"({"GROWTH":5})"));
+  resultOf(client->request("simulation.step", named(simulation)));
+  EXPECT_EQ(stringOf(*client, simulation), "F(2)F(11)F(16)A");
+  EXPECT_EQ(errorOf(set(R"({"GROWHT":5})")).message,
+            "params.parameters.GROWHT: the model has neither a variable nor a #define of that name");
+  EXPECT_EQ(errorOf(set(R"({"size":"big"})")).message, "params.parameters.size: expected a number for a variable");
+  EXPECT_EQ(errorOf(set(R"({"size":1,"GROWTH":2})")).message,
+            "params.parameters: variables and #defines in one call could fail half-way; set them one after the other");
+  // a definition that does not compile changes nothing
+  EXPECT_EQ(static_cast<int>(errorOf(set(R"({"GROWTH":"+*"})")).code), 1009);
+  EXPECT_EQ(stringOf(*client, simulation), "F(2)F(11)F(16)A");
+}
+
+TEST(Server, EditPrunesAndBendsBetweenSteps) {
+  const TemporaryFolder folder;
+  ServerOptions options;
+  options.dataFolder = folder.path();
+  std::string simulation;
+  {
+    const RunningServer server(options);
+    const auto client = connectTo(server);
+    simulation = create(*client, "Lsystem: 1\nderivation length: 9\nAxiom: F(1)[+(30)A]A\nA --> F(1)A\nendlsystem\n");
+    resultOf(client->request("simulation.step", named(simulation)));
+    EXPECT_EQ(member(resultOf(client->request("simulation.edit", named(simulation, R"("module":3,"action":"prune")"))),
+                     "step"),
+              "1");
+    resultOf(client->request(
+        "simulation.edit",
+        named(simulation, R"("module":4,"action":"insert","modules":[{"symbol":"+","parameters":[5]}])")));
+    EXPECT_EQ(stringOf(*client, simulation), "F(1)[+(30)]+(5)F(1)A");
+    EXPECT_EQ(errorOf(client->request("simulation.edit", named(simulation, R"("module":4,"action":"bend")"))).message,
+              "params.action: expected one of insert, prune, replace, found \"bend\"");
+    EXPECT_EQ(
+        member(errorOf(client->request("simulation.edit", named(simulation, R"("module":40,"action":"prune")"))).data,
+               "step"),
+        "1");
+  }
+  const RunningServer server(options);
+  const auto client = connectTo(server);
+  resultOf(client->request("simulation.step", named(simulation)));
+  EXPECT_EQ(stringOf(*client, simulation), "F(1)[+(30)]+(5)F(1)F(1)A");
+}
+
 TEST(Server, ACreationCanBeCancelled) {
   ServerOptions options;
   options.limits.simulation.maximumLoopIterations = UINT64_MAX;

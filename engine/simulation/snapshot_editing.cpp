@@ -1,0 +1,216 @@
+#include "engine/simulation/snapshot_editing.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/core/diagnostic.h"
+#include "engine/simulation/snapshot_content.h"
+
+namespace espalier::simulation {
+namespace {
+
+core::SimulationError modelError(std::string message) {
+  core::SimulationError error;
+  error.code = core::SimulationErrorCode::Model;
+  error.message = std::move(message);
+  return error;
+}
+
+std::string bytesOf(const SnapshotContent& content) {
+  core::StringSink sink;
+  writeSnapshot(content, sink);
+  return sink.take();
+}
+
+/// Finds module types by name and arity as the snapshot numbers them.
+class Types {
+ public:
+  explicit Types(const SnapshotContent& content) : content_(&content) {}
+
+  [[nodiscard]] std::uint16_t arity(core::ModuleTypeId type) const { return content_->types[type].second; }
+  [[nodiscard]] bool isOpening(core::ModuleTypeId type) const { return isNamed(type, "["); }
+  [[nodiscard]] bool isClosing(core::ModuleTypeId type) const { return isNamed(type, "]"); }
+  [[nodiscard]] std::size_t count() const { return content_->types.size(); }
+  [[nodiscard]] core::ModuleTypeId find(const EditedModule& module) const {
+    for (std::size_t i = 0; i < content_->types.size(); ++i) {
+      if (content_->types[i].first == module.symbol && content_->types[i].second == module.parameters.size()) {
+        return static_cast<core::ModuleTypeId>(i);
+      }
+    }
+    return core::kNoModuleType;
+  }
+  /// All types as people write them.
+  [[nodiscard]] std::string list() const {
+    std::string text;
+    for (const auto& [name, arity] : content_->types) {
+      text += (text.empty() ? "" : ", ") + name;
+      text += arity == 0 ? "" : " with " + std::to_string(arity) + (arity == 1 ? " parameter" : " parameters");
+    }
+    return text;
+  }
+
+ private:
+  [[nodiscard]] bool isNamed(core::ModuleTypeId type, std::string_view name) const {
+    return content_->types[type].first == name && content_->types[type].second == 0;
+  }
+
+  const SnapshotContent* content_;
+};
+
+/// The first module behind what is pruned at `begin`.
+std::uint64_t endOfPruned(std::span<const core::ModuleTypeId> string, const Types& types, std::uint64_t begin) {
+  const bool isBranch = types.isOpening(string[begin]);
+  std::uint64_t depth = 0;
+  for (std::uint64_t i = begin; i < string.size(); ++i) {
+    if (types.isOpening(string[i])) {
+      ++depth;
+    } else if (types.isClosing(string[i])) {
+      if (depth == 0) {
+        return i;  // of the branch that the pruned part is in: it stays
+      }
+      if (--depth == 0 && isBranch) {
+        return i + 1;
+      }
+    }
+  }
+  return string.size();
+}
+
+/// What is wrong with the modules to put in, or an empty text. Fills `chosen` with their types.
+std::string problemOf(const std::vector<EditedModule>& modules, const Types& types,
+                      std::vector<core::ModuleTypeId>& chosen) {
+  std::uint64_t depth = 0;
+  for (const EditedModule& module : modules) {
+    const core::ModuleTypeId type = types.find(module);
+    if (type == core::kNoModuleType) {
+      return "The model has no module '" + module.symbol + "' with " + std::to_string(module.parameters.size()) +
+             " parameters. It has " + types.list() + ".";
+    }
+    if (std::any_of(module.parameters.begin(), module.parameters.end(), [](double x) { return !std::isfinite(x); })) {
+      return "A parameter of '" + module.symbol + "' is NaN or infinite. Give finite numbers.";
+    }
+    if (types.isClosing(type) && depth-- == 0) {
+      return "The modules close a branch that they do not open. Give as many '[' as ']', each '[' first.";
+    }
+    depth += types.isOpening(type) ? 1U : 0U;
+    chosen.push_back(type);
+  }
+  return depth == 0 ? "" : "The modules open a branch that they do not close. Give as many ']' as '['.";
+}
+
+/// Reads a snapshot whose strings may be changed.
+std::variant<SnapshotContent, core::SimulationError> readForEditing(std::string_view snapshot) {
+  auto read = readSnapshot(snapshot, false);
+  if (const auto* content = std::get_if<SnapshotContent>(&read)) {
+    if (content->hasReplies || content->isAnswered) {
+      return modelError(
+          "The environment has answered already for a step that could not be completed. Make that step first, or go "
+          "back to a snapshot.");
+    }
+  }
+  return read;
+}
+
+}  // namespace
+
+EditedSnapshot editString(std::string_view snapshot, const StringEdit& edit) {
+  auto read = readForEditing(snapshot);
+  if (auto* error = std::get_if<core::SimulationError>(&read)) {
+    return std::move(*error);
+  }
+  SnapshotContent& content = std::get<SnapshotContent>(read);
+  const Types types(content);
+  if (edit.plant >= content.plants.size()) {
+    return modelError("There is no plant " + std::to_string(edit.plant) + "; there are " +
+                      std::to_string(content.plants.size()) + ", numbered from 0.");
+  }
+  derivation::PlantState& plant = content.plants[edit.plant];
+  if (plant.instances.size() > 1) {
+    return modelError("A model with sub-L-systems cannot be edited: their variables are counted along the string.");
+  }
+  const std::span<const core::ModuleTypeId> old = plant.string.types();
+  const bool isInserting = edit.kind == StringEdit::Kind::Insert;
+  if (edit.module > old.size() || (!isInserting && edit.module == old.size())) {
+    return modelError("There is no module " + std::to_string(edit.module) + "; the string has " +
+                      std::to_string(old.size()) + ", numbered from 0.");
+  }
+  if (std::any_of(old.begin(), old.end(), [&](core::ModuleTypeId type) { return type >= types.count(); })) {
+    return snapshotError("The snapshot is damaged: a module has no type.");
+  }
+  std::vector<core::ModuleTypeId> chosen;
+  if (std::string problem = problemOf(edit.modules, types, chosen); !problem.empty()) {
+    return modelError(std::move(problem));
+  }
+  std::uint64_t end = edit.module;
+  if (edit.kind == StringEdit::Kind::Prune) {
+    if (types.isClosing(old[edit.module])) {
+      return modelError("Module " + std::to_string(edit.module) + " is the end of a branch. Prune one before it.");
+    }
+    end = endOfPruned(old, types, edit.module);
+  } else if (edit.kind == StringEdit::Kind::Replace) {
+    if (types.isOpening(old[edit.module]) || types.isClosing(old[edit.module])) {
+      return modelError("Module " + std::to_string(edit.module) + " is a bracket and cannot be replaced. Prune it.");
+    }
+    ++end;
+  }
+
+  // the parameters before and behind the change
+  std::uint64_t before = 0;
+  std::uint64_t removed = 0;
+  for (std::uint64_t i = 0; i < end; ++i) {
+    (i < edit.module ? before : removed) += types.arity(old[i]);
+  }
+  const std::span<const double> parameters = plant.string.parameters();
+  if (before + removed > parameters.size()) {
+    return snapshotError("The snapshot is damaged: parameters are missing.");
+  }
+  derivation::ModuleString changed;
+  changed.appendAll(old.first(edit.module), parameters.first(before));
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    changed.append(chosen[i], edit.modules[i].parameters);
+  }
+  changed.appendAll(old.subspan(end), parameters.subspan(before + removed));
+  plant.string.swap(changed);
+  return bytesOf(content);
+}
+
+EditedSnapshot setVariables(std::string_view snapshot, const language::Program& program,
+                            const std::vector<std::pair<std::string, double>>& values) {
+  auto read = readForEditing(snapshot);
+  if (auto* error = std::get_if<core::SimulationError>(&read)) {
+    return std::move(*error);
+  }
+  SnapshotContent& content = std::get<SnapshotContent>(read);
+  const std::vector<std::string>& names = program.systems.front().variables;
+  for (const auto& [name, value] : values) {
+    const auto found = std::find(names.begin(), names.end(), name);
+    if (found == names.end()) {
+      const std::vector<std::string_view> views(names.begin(), names.end());
+      return modelError("The model has no variable '" + name + "'. " + core::suggestName(name, views));
+    }
+    if (!std::isfinite(value)) {
+      return modelError("The value of '" + name + "' is NaN or infinite. Give a finite number.");
+    }
+    const auto slot = static_cast<std::size_t>(found - names.begin());
+    for (derivation::PlantState& plant : content.plants) {
+      if (plant.instances.empty() || slot >= plant.instances.front().variables.size()) {
+        return snapshotError("The snapshot does not fit the model: it has other variables.");
+      }
+      plant.instances.front().variables[slot] = value;
+    }
+  }
+  return bytesOf(content);
+}
+
+EditedSnapshot withProgram(std::string_view snapshot, const language::Program& program) {
+  auto read = readForEditing(snapshot);
+  if (auto* error = std::get_if<core::SimulationError>(&read)) {
+    return std::move(*error);
+  }
+  SnapshotContent& content = std::get<SnapshotContent>(read);
+  content.programHash = program.hash;
+  content.defines = program.defines;
+  return bytesOf(content);
+}
+
+}  // namespace espalier::simulation

@@ -1,0 +1,78 @@
+#include "engine/simulation/snapshot_editing.h"
+
+#include "tests/engine/simulation/simulation_fixture.h"
+
+namespace espalier::simulation {
+namespace {
+
+constexpr const char* kTree =
+    "Lsystem: 1\nderivation length: 9\nfloat size;\nfloat rate;\nStart: {size = 1; rate = 2;}\n"
+    "Axiom: F(1)[+(30)F(2)A]F(3)A\nA : {size = size + rate;} * --> F(size)A\nendlsystem\n";
+
+std::string snapshotOf(const Simulation& simulation) {
+  core::StringSink sink;
+  simulation.save(sink);
+  return sink.take();
+}
+
+/// The string after the edit, or the message of its error.
+std::string edited(const StringEdit& edit) {
+  const auto program = compileText(kTree);
+  Simulation simulation(program, {{}}, nullptr, {});
+  expectSuccess(simulation.rewind());
+  const EditedSnapshot outcome = editString(snapshotOf(simulation), edit);
+  if (const auto* error = std::get_if<core::SimulationError>(&outcome)) {
+    return error->message;
+  }
+  expectSuccess(simulation.restore(std::get<std::string>(outcome)));
+  return simulation.stringText();
+}
+
+using Kind = StringEdit::Kind;
+
+TEST(SnapshotEditing, PruneTakesWhatTheModuleCarries) {
+  // F(1) [ +(30) F(2) A ] F(3) A
+  EXPECT_EQ(edited({Kind::Prune, 0, 3, {}}), "F(1)[+(30)]F(3)A");
+  EXPECT_EQ(edited({Kind::Prune, 0, 1, {}}), "F(1)F(3)A");
+  EXPECT_EQ(edited({Kind::Prune, 0, 6, {}}), "F(1)[+(30)F(2)A]");
+  EXPECT_EQ(edited({Kind::Prune, 0, 0, {}}), "");
+  EXPECT_EQ(edited({Kind::Prune, 0, 5, {}}), "Module 5 is the end of a branch. Prune one before it.");
+}
+
+TEST(SnapshotEditing, InsertAndReplacePutModulesInTheirPlace) {
+  EXPECT_EQ(edited({Kind::Insert, 0, 6, {{"+", {15.0}}}}), "F(1)[+(30)F(2)A]+(15)F(3)A");
+  EXPECT_EQ(edited({Kind::Insert, 0, 8, {{"[", {}}, {"A", {}}, {"]", {}}}}), "F(1)[+(30)F(2)A]F(3)A[A]");
+  EXPECT_EQ(edited({Kind::Replace, 0, 2, {{"+", {60.0}}, {"F", {0.5}}}}), "F(1)[+(60)F(0.5)F(2)A]F(3)A");
+}
+
+TEST(SnapshotEditing, WhatDoesNotFitIsRefused) {
+  EXPECT_EQ(edited({Kind::Insert, 0, 9, {}}), "There is no module 9; the string has 8, numbered from 0.");
+  EXPECT_EQ(edited({Kind::Prune, 0, 8, {}}), "There is no module 8; the string has 8, numbered from 0.");
+  EXPECT_EQ(edited({Kind::Insert, 1, 0, {}}), "There is no plant 1; there are 1, numbered from 0.");
+  EXPECT_EQ(edited({Kind::Insert, 0, 0, {{"B", {1.0}}}}).substr(0, 52),
+            "The model has no module 'B' with 1 parameters. It ha");
+  EXPECT_EQ(edited({Kind::Insert, 0, 0, {{"]", {}}}}),
+            "The modules close a branch that they do not open. Give as many '[' as ']', each '[' first.");
+  EXPECT_EQ(edited({Kind::Insert, 0, 0, {{"[", {}}}}),
+            "The modules open a branch that they do not close. Give as many ']' as '['.");
+  EXPECT_EQ(edited({Kind::Replace, 0, 1, {}}), "Module 1 is a bracket and cannot be replaced. Prune it.");
+  EXPECT_EQ(edited({Kind::Insert, 0, 0, {{"F", {std::numeric_limits<double>::infinity()}}}}),
+            "A parameter of 'F' is NaN or infinite. Give finite numbers.");
+}
+
+TEST(SnapshotEditing, VariablesHaveTheirNewValuesInTheNextStep) {
+  const auto program = compileText(kTree);
+  Simulation simulation(program, {{}}, nullptr, {});
+  expectSuccess(simulation.rewind());
+  const EditedSnapshot changed = setVariables(snapshotOf(simulation), *program, {{"rate", 10.0}});
+  ASSERT_TRUE(std::holds_alternative<std::string>(changed));
+  expectSuccess(simulation.restore(std::get<std::string>(changed)));
+  expectSuccess(simulation.step());
+  EXPECT_EQ(simulation.stringText(), "F(1)[+(30)F(2)F(11)A]F(3)F(21)A");
+  const auto unknown = setVariables(snapshotOf(simulation), *program, {{"rat", 10.0}});
+  EXPECT_EQ(std::get<core::SimulationError>(unknown).message.substr(0, 59),
+            "The model has no variable 'rat'. Did you mean 'rate'? Avail");
+}
+
+}  // namespace
+}  // namespace espalier::simulation
