@@ -604,7 +604,7 @@ TEST(Server, SetGivesVariablesAndDefinitionsOtherValues) {
   const auto client = connectTo(server);
   const std::string simulation =
       create(*client,
-             "#define GROWTH 1\nLsystem: 1\nderivation length: 9\nfloat size;\nStart: {size = 1;}\nAxiom: A\n"
+             "#define GROWTH 1\nLsystem: 1\nderivation length: 9\nStart: {size = 1;}\nAxiom: A\n"
              "A : {size = size + GROWTH;} * --> F(size)A\nendlsystem\n");
   const auto set = [&](const std::string& values) {
     return client->request("simulation.set", named(simulation, "\"parameters\":" + values));

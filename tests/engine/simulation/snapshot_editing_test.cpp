@@ -6,7 +6,7 @@ namespace espalier::simulation {
 namespace {
 
 constexpr const char* kTree =
-    "Lsystem: 1\nderivation length: 9\nfloat size;\nfloat rate;\nStart: {size = 1; rate = 2;}\n"
+    "Lsystem: 1\nderivation length: 9\nStart: {size = 1; rate = 2;}\n"
     "Axiom: F(1)[+(30)F(2)A]F(3)A\nA : {size = size + rate;} * --> F(size)A\nendlsystem\n";
 
 std::string snapshotOf(const Simulation& simulation) {
