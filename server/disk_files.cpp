@@ -58,8 +58,11 @@ std::string temporaryNameFor(const std::string& name) {
   return name + "." + std::to_string(::getpid()) + "." + std::to_string(count++) + ".part";
 }
 
-// a device or pipe, which a rename would replace
+// a device, a pipe or a name that stands for an open file, which a rename would replace
 bool isSpecial(const std::string& name) {
+  if (name.starts_with("/dev/") || name.starts_with("/proc/")) {
+    return true;
+  }
   std::error_code error;
   const auto status = std::filesystem::status(name, error);
   return !error && std::filesystem::exists(status) && !std::filesystem::is_regular_file(status);
@@ -71,7 +74,7 @@ AtomicFile::AtomicFile(std::string name) : name_(std::move(name)) {
   const bool isDirect = isSpecial(name_);
   temporary_ = isDirect ? std::string() : temporaryNameFor(name_);
   const std::string& opened = isDirect ? name_ : temporary_;
-  const int flags = O_WRONLY | O_CLOEXEC | (isDirect ? 0 : O_CREAT | O_TRUNC);
+  const int flags = O_WRONLY | O_CLOEXEC | (isDirect ? O_APPEND : O_CREAT | O_TRUNC);
   descriptor_ = ::open(opened.c_str(), flags, 0666);
   failure_ = descriptor_ < 0 ? errno : 0;
 }
@@ -105,20 +108,28 @@ void AtomicFile::flush() {
   buffered_.clear();
 }
 
-std::optional<std::string> AtomicFile::commit() {
+std::optional<std::string> AtomicFile::finish() {
   flush();
-  const auto close = [this] {
-    const int descriptor = std::exchange(descriptor_, -1);
-    return descriptor < 0 || ::close(descriptor) == 0;
-  };
-  if (!close() && failure_ == 0) {
-    failure_ = errno;
+  if (const int descriptor = std::exchange(descriptor_, -1); descriptor >= 0 && ::close(descriptor) != 0) {
+    failure_ = failure_ == 0 ? errno : failure_;
   }
-  if (failure_ == 0 && !temporary_.empty() && ::rename(temporary_.c_str(), name_.c_str()) != 0) {
-    failure_ = errno;
+  return problem();
+}
+
+std::optional<std::string> AtomicFile::commit() {
+  static_cast<void>(finish());
+  if (failure_ == 0 && !temporary_.empty()) {
+    if (::rename(temporary_.c_str(), name_.c_str()) == 0) {
+      temporary_.clear();
+    } else {
+      failure_ = errno;
+    }
   }
+  return problem();
+}
+
+std::optional<std::string> AtomicFile::problem() const {
   if (failure_ == 0) {
-    temporary_.clear();
     return std::nullopt;
   }
   return "cannot write '" + name_ + "': " + std::strerror(failure_) +

@@ -30,10 +30,14 @@ class AtomicFile final : public core::ByteSink {
 
   /// After a failure nothing more is written; commit() says what it was.
   void write(std::string_view bytes) override;
-  /// Puts the file in its place. An error sentence that says what to do, or nothing.
+  /// Writes what is left and closes the file; of several files that belong together all are finished before one is
+  /// committed. An error sentence that says what to do, or nothing.
+  [[nodiscard]] std::optional<std::string> finish();
+  /// Finishes the file and puts it in its place. An error sentence, or nothing.
   [[nodiscard]] std::optional<std::string> commit();
   [[nodiscard]] const std::string& name() const { return name_; }
-  [[nodiscard]] bool hasFailed() const { return failure_ != 0; }
+  /// Whether it will be renamed into its place: not a device or the like.
+  [[nodiscard]] bool isRenamed() const { return !temporary_.empty(); }
 
  private:
   std::string name_;
@@ -43,6 +47,7 @@ class AtomicFile final : public core::ByteSink {
   std::string buffered_;
 
   void flush();
+  [[nodiscard]] std::optional<std::string> problem() const;
 };
 
 /// Writes a file so that a reader sees the old content or the new, never a part: temporary file beside it, then rename.

@@ -69,12 +69,6 @@ std::string readSize(const std::string& text, turtle::PictureOptions& picture) {
                       std::to_string(turtle::kMaximumPicturePixels) + ", as 800x600";
 }
 
-bool isSpecialFile(const std::string& file) {
-  std::error_code error;
-  const auto status = fs::status(file, error);
-  return !error && fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status);
-}
-
 }  // namespace
 
 void addOutputOptions(CLI::App& command, OutputOptions& options, bool isOutputRequired) {
@@ -208,7 +202,7 @@ bool OutputWriter::writeFile(const simulation::Simulation& simulation, const Dra
   } else {
     turtle::ExportTarget target{
         .fileName = fs::path(file).filename().string(), .sink = content, .openCompanion = {}, .progress = {}};
-    if (!isSpecialFile(file)) {
+    if (content.isRenamed()) {
       target.openCompanion = [&](const std::string& name) -> core::ByteSink& {
         auto& companion = companions[name];
         companion = std::make_unique<server::AtomicFile>(fs::path(file).replace_filename(name).string());
@@ -239,7 +233,11 @@ bool OutputWriter::writeFile(const simulation::Simulation& simulation, const Dra
     printError("cannot write '" + file + "': " + *problem);
     return false;
   }
-  // companions first: a file never refers to what is not there
+  // all or none, companions first: a file never refers to what is not there
+  problem = content.finish();
+  for (auto& [name, companion] : companions) {
+    problem = problem ? problem : companion->finish();
+  }
   for (auto& [name, companion] : companions) {
     problem = problem ? problem : companion->commit();
   }

@@ -81,7 +81,7 @@ TEST(PostScript, TheDrawingFillsItsBoundingBox) {
 TEST(PostScript, EveryOrganIsPainted) {
   language::ViewSettings view;
   view.lineStyle = language::LineStyle::Cylinder;
-  const Page page = interpret(postScriptOf("!(2)F(10)[+!(1)F(5)@O(2)]{.+(60)f.+(60)f.}@o(1)", view));
+  const Page page = interpret(postScriptOf("!(2)F(10)!(1)F(10)[+F(5)@O(2)]{.+(60)f.+(60)f.}@o(1)", view));
   EXPECT_EQ(page.tapered, 2);
   EXPECT_EQ(page.discs, 2);
   EXPECT_EQ(page.fills, 1);
