@@ -1,0 +1,184 @@
+// The pictures of the gallery: made anew they look as they are kept.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <sstream>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "engine/turtle/export/png.h"
+#include "tests/clients/program_run.h"
+#include "tests/support/disk_files.h"
+
+namespace espalier::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+using turtle::PictureImage;
+
+// CIELAB of an sRGB colour under daylight D65 (CIE 15:2004)
+std::array<double, 3> labOf(const std::array<double, 3>& colour) {
+  std::array<double, 3> linear{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double c = colour[k] / 255.0;
+    linear[k] = c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
+  }
+  const auto f = [](double t) { return t > 216.0 / 24389.0 ? std::cbrt(t) : (24389.0 / 27.0 * t + 16.0) / 116.0; };
+  const double x = f((0.4124564 * linear[0] + 0.3575761 * linear[1] + 0.1804375 * linear[2]) / 0.95047);
+  const double y = f(0.2126729 * linear[0] + 0.7151522 * linear[1] + 0.0721750 * linear[2]);
+  const double z = f((0.0193339 * linear[0] + 0.1191920 * linear[1] + 0.9503041 * linear[2]) / 1.08883);
+  return {116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)};
+}
+
+// how different two pictures look: squares of 8 by 8 points are compared as the eye sees them from afar, by the
+// distance in CIELAB (1 is just noticeable); the mean, and the 99th percentile
+struct Difference {
+  double mean = 0.0;
+  double nearlyLargest = 0.0;
+};
+
+Difference differenceOf(const PictureImage& a, const PictureImage& b) {
+  constexpr int kSquare = 8;
+  std::vector<double> distances;
+  const auto meanOf = [](const PictureImage& image, int column, int row) {
+    std::array<double, 3> sum{};
+    for (int y = 0; y < kSquare; ++y) {
+      for (int x = 0; x < kSquare; ++x) {
+        const auto at = static_cast<std::size_t>((row * kSquare + y) * image.width + column * kSquare + x) * 4;
+        for (std::size_t k = 0; k < 3; ++k) {
+          sum[k] += image.pixels[at + k] / static_cast<double>(kSquare * kSquare);
+        }
+      }
+    }
+    return sum;
+  };
+  for (int row = 0; row < a.height / kSquare; ++row) {
+    for (int column = 0; column < a.width / kSquare; ++column) {
+      const auto p = labOf(meanOf(a, column, row));
+      const auto q = labOf(meanOf(b, column, row));
+      distances.push_back(std::hypot(p[0] - q[0], p[1] - q[1], p[2] - q[2]));
+    }
+  }
+  std::sort(distances.begin(), distances.end());
+  Difference difference;
+  for (const double distance : distances) {
+    difference.mean += distance / static_cast<double>(distances.size());
+  }
+  difference.nearlyLargest = distances[distances.size() * 99 / 100];
+  return difference;
+}
+
+bool looksAlike(const PictureImage& a, const PictureImage& b) {
+  if (a.width != b.width || a.height != b.height) {
+    return false;
+  }
+  const Difference difference = differenceOf(a, b);
+  return difference.mean < 0.5 && difference.nearlyLargest < 6.0;
+}
+
+PictureImage readPicture(const std::string& file) {
+  const std::optional<std::string> bytes = readFile(file);
+  if (!bytes) {
+    ADD_FAILURE() << file << " cannot be read";
+    return {};
+  }
+  auto image = turtle::readPng(*bytes);
+  if (const std::string* problem = std::get_if<std::string>(&image)) {
+    ADD_FAILURE() << file << ": " << *problem;
+    return {};
+  }
+  return std::get<PictureImage>(std::move(image));
+}
+
+// the further arguments of each picture, by model
+std::map<std::string, std::string> pictures() {
+  std::map<std::string, std::string> found;
+  std::istringstream lines(readFile(std::string(ESPALIER_SOURCE_DIR) + "/clients/gallery/pictures.txt").value_or(""));
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.empty() && line.front() != '#') {
+      const std::size_t blank = std::min(line.find(' '), line.size());
+      found[line.substr(0, blank)] = line.substr(blank);
+    }
+  }
+  return found;
+}
+
+std::string galleryFile(const std::string& model) {
+  return std::string(ESPALIER_SOURCE_DIR) + "/clients/gallery/" + model + "/" + model + ".png";
+}
+
+class GalleryPicture : public testing::TestWithParam<std::string> {};
+
+TEST_P(GalleryPicture, MadeAnewItLooksAsItIsKept) {
+  const TemporaryFolder folder;
+  const std::string file = folder.path() + "/a.png";
+  ASSERT_EQ(setenv("PYTHONPATH", (std::string(ESPALIER_SOURCE_DIR) + "/clients/python").c_str(), 1), 0);
+  const ProgramRun made = runProgram(
+      "run clients/gallery/" + GetParam() + pictures()[GetParam()] + " --size 800x600 --colours 48 --quiet -o " + file,
+      ESPALIER_SOURCE_DIR);
+  ASSERT_EQ(made.status, 0) << made.errors;
+  const PictureImage kept = readPicture(galleryFile(GetParam()));
+  const PictureImage fresh = readPicture(file);
+  ASSERT_EQ(kept.width, fresh.width);
+  ASSERT_EQ(kept.height, fresh.height);
+  const Difference difference = differenceOf(kept, fresh);
+  EXPECT_TRUE(looksAlike(kept, fresh)) << "mean " << difference.mean << ", 99th percentile " << difference.nearlyLargest
+                                       << ". If it is meant to look so, make it with ./dev gallery " << GetParam();
+  EXPECT_LE(fs::file_size(galleryFile(GetParam())), 100'000U);
+}
+
+std::vector<std::string> models() {
+  std::vector<std::string> names;
+  for (const auto& [name, arguments] : pictures()) {
+    names.push_back(name);
+  }
+  return names;
+}
+
+INSTANTIATE_TEST_SUITE_P(Models, GalleryPicture, testing::ValuesIn(models()), [](const auto& parameter) {
+  std::string name = parameter.param;
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+});
+
+TEST(GalleryPictures, ADifferenceThatCanBeSeenIsFound) {
+  const PictureImage weed = readPicture(galleryFile("classic-weed"));
+  EXPECT_TRUE(looksAlike(weed, weed));
+  EXPECT_FALSE(looksAlike(weed, readPicture(galleryFile("classic-herb"))));
+  // a little darker everywhere, a hole, moved by a few points: each is seen; one level of green in every other point is
+  // not
+  PictureImage darker = weed;
+  PictureImage barely = weed;
+  for (std::size_t at = 0; at < weed.pixels.size(); ++at) {
+    if (at % 4 != 3) {
+      darker.pixels[at] = static_cast<std::uint8_t>(weed.pixels[at] * 97 / 100);
+    }
+    if (at % 8 == 1 && weed.pixels[at] > 0) {
+      --barely.pixels[at];
+    }
+  }
+  EXPECT_FALSE(looksAlike(weed, darker));
+  EXPECT_TRUE(looksAlike(weed, barely));
+  PictureImage hole = weed;
+  for (int y = 250; y < 350; ++y) {
+    for (int x = 350; x < 450; ++x) {
+      const auto at = static_cast<std::size_t>(y * weed.width + x) * 4;
+      std::copy_n(weed.pixels.begin(), 3, hole.pixels.begin() + static_cast<std::ptrdiff_t>(at));
+    }
+  }
+  EXPECT_FALSE(looksAlike(weed, hole));
+  PictureImage moved = weed;
+  std::rotate(moved.pixels.begin(), moved.pixels.begin() + 4 * 6, moved.pixels.end());
+  EXPECT_FALSE(looksAlike(weed, moved));
+}
+
+}  // namespace
+}  // namespace espalier::test
