@@ -156,11 +156,8 @@ BatchScan::Outcome BatchScan::choose(std::uint64_t first, std::uint64_t end, std
   Outcome outcome{end_, endOffset_, end_ - first_, endOffset_ - offset_, isUnusual_ || evaluator_.isUnusual()};
   if (isResized_) {
     place();
-    for (std::size_t i = 0; i < resizingCount_; ++i) {
-      const BatchBlock& block = plan_->blocks()[siteBlock_[resizing_[i]]];
-      outcome.moduleCount += static_cast<std::uint64_t>(std::int64_t{block.moduleGrowth});
-      outcome.parameterCount += static_cast<std::uint64_t>(std::int64_t{block.parameterGrowth});
-    }
+    outcome.moduleCount = madeModules_;
+    outcome.parameterCount = madeParameters_;
   }
   return outcome;
 }
@@ -489,6 +486,7 @@ void BatchScan::accept(const BatchRule& rule, std::size_t count) {
 
 void BatchScan::place() {
   const BatchBlock* blocks = plan_->blocks().data();
+  // growth may be negative: sums of unsigned numbers wrap around and come back
   std::uint32_t moduleGrowth = 0;
   std::uint32_t parameterGrowth = 0;
   std::size_t resizing = 0;
@@ -502,6 +500,8 @@ void BatchScan::place() {
     resizing += block.isResizing ? 1 : 0;
   }
   resizingCount_ = resizing;
+  madeModules_ = static_cast<std::uint32_t>(end_ - first_) + moduleGrowth;
+  madeParameters_ = static_cast<std::uint32_t>(endOffset_ - offset_) + parameterGrowth;
 }
 
 bool BatchScan::write(ModuleTypeId* types, double* parameters) {
@@ -512,8 +512,8 @@ bool BatchScan::write(ModuleTypeId* types, double* parameters) {
   if (isResized_) {
     writeBlocks(types, parameters);
   } else {
-    std::memcpy(types, step_.old.types + first_, (end_ - first_) * sizeof(ModuleTypeId));
-    std::memcpy(parameters, step_.old.parameters + offset_, (endOffset_ - offset_) * sizeof(double));
+    std::copy(step_.old.types + first_, step_.old.types + end_, types);
+    std::copy(step_.old.parameters + offset_, step_.old.parameters + endOffset_, parameters);
   }
   const std::uint32_t* madeModule = isResized_ ? madeModule_.data() : siteModule_.data();
   bool isUsual = true;
@@ -537,18 +537,19 @@ void BatchScan::writeBlocks(ModuleTypeId* types, double* parameters) const {
   // how far one can read, and how far write, from where the chunk begins
   const std::uint64_t readable = step_.old.size - first_;
   const std::uint64_t readableParameters = step_.old.parameterCount - offset_;
-  std::uint64_t made = end_ - first_;
-  std::uint64_t madeParameters = endOffset_ - offset_;
-  for (std::size_t i = 0; i < resizingCount_; ++i) {
-    const BatchBlock& block = blocks[siteBlock_[resizing_[i]]];
-    made += static_cast<std::uint64_t>(std::int64_t{block.moduleGrowth});
-    madeParameters += static_cast<std::uint64_t>(std::int64_t{block.parameterGrowth});
-  }
+  const std::uint64_t made = madeModules_;
+  const std::uint64_t madeParameters = madeParameters_;
+  // what is written may be anything to the compiler, so that members would be read again and again
+  const std::uint32_t* const siteModule = siteModule_.data();
+  const std::uint32_t* const siteOffset = siteOffset_.data();
+  const std::uint32_t* const siteBlock = siteBlock_.data();
+  const std::uint32_t* const resizing = resizing_.data();
+  const std::size_t resizingCount = resizingCount_;
 
   // the first sites are so far from the ends that more modules may be read and written than count
-  std::size_t roomy = resizingCount_;
-  while (roomy > 0 && (madeModule_[resizing_[roomy - 1]] + 2 * kTypesAtOnce > made ||
-                       siteModule_[resizing_[roomy - 1]] + kTypesAtOnce > readable)) {
+  std::size_t roomy = resizingCount;
+  while (roomy > 0 && (madeModule_[resizing[roomy - 1]] + 2 * kTypesAtOnce > made ||
+                       siteModule[resizing[roomy - 1]] + kTypesAtOnce > readable)) {
     --roomy;
   }
 
@@ -557,16 +558,16 @@ void BatchScan::writeBlocks(ModuleTypeId* types, double* parameters) const {
   std::uint64_t target = 0;  // next to write
   std::uint64_t targetOffset = 0;
   const auto copyUpTo = [&](std::uint64_t endModule, std::uint64_t endOffset) {
-    std::memcpy(types + target, oldTypes + module, (endModule - module) * sizeof(ModuleTypeId));
-    std::memcpy(parameters + targetOffset, oldParameters + offset, (endOffset - offset) * sizeof(double));
+    std::copy(oldTypes + module, oldTypes + endModule, types + target);
+    std::copy(oldParameters + offset, oldParameters + endOffset, parameters + targetOffset);
     target += endModule - module;
     targetOffset += endOffset - offset;
   };
-  for (std::size_t i = 0; i < resizingCount_; ++i) {
-    const std::uint32_t site = resizing_[i];
-    const BatchBlock& block = blocks[siteBlock_[site]];
-    const std::uint64_t endModule = siteModule_[site];
-    const std::uint64_t endOffset = siteOffset_[site];
+  for (std::size_t i = 0; i < resizingCount; ++i) {
+    const std::uint32_t site = resizing[i];
+    const BatchBlock& block = blocks[siteBlock[site]];
+    const std::uint64_t endModule = siteModule[site];
+    const std::uint64_t endOffset = siteOffset[site];
     // what stands between this site and the one before, then the block; its parameters follow when all gaps are closed
     if (i < roomy) [[likely]] {
       copyStretch<kTypesAtOnce>(types + target, oldTypes + module, endModule - module);
@@ -583,8 +584,7 @@ void BatchScan::writeBlocks(ModuleTypeId* types, double* parameters) const {
                                 block.length);
     } else {
       copyUpTo(endModule, endOffset);
-      std::memcpy(types + target, block.length <= kTypesAtOnce ? block.types.data() : block.allTypes,
-                  block.length * sizeof(ModuleTypeId));
+      std::copy_n(block.allTypes, block.length, types + target);
     }
     target += block.length;
     targetOffset += block.valueCount;

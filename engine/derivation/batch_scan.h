@@ -115,6 +115,8 @@ class BatchScan {
   std::vector<std::uint32_t> madeOffset_;
   std::vector<std::uint32_t> resizing_;  // sites whose block has another size than the module
   std::size_t resizingCount_ = 0;
+  std::uint32_t madeModules_ = 0;  // of the chunk's result, when something resizes
+  std::uint32_t madeParameters_ = 0;
 
   std::vector<std::uint32_t> allSites_;     // 0, 1, 2, ...
   std::vector<std::uint32_t> sorted_;       // sites by group

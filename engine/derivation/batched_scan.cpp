@@ -9,7 +9,7 @@ namespace {
 // a batch shorter than this, before a module that needs the general way, is not worth its setting up
 constexpr std::uint64_t kWorthwhileModules = 256;
 // the longest stretch that is left to the general way before batches are tried again
-constexpr std::uint64_t kGeneralModules = 2048;
+constexpr std::uint64_t kGeneralModules = 8192;
 
 }  // namespace
 
@@ -48,7 +48,6 @@ void Derivation::Implementation::scanInBatches(const PlantState& state) {
   BatchScan& batch = *batches_.front();
   ScanPlace place;
   std::uint64_t chunk = BatchScan::kChunkModules;
-  std::uint64_t general = 1;
   while (place.module < old.size()) {
     evaluator_.clearModule();
     evaluator_.pollCancelled();
@@ -69,9 +68,9 @@ void Derivation::Implementation::scanInBatches(const PlantState& state) {
       continue;
     }
     // a module for the general way; where these stand close together, so do the ones between them
-    general = batched < kWorthwhileModules ? std::min(2 * general, kGeneralModules) : 1;
+    generalModules_ = batched < kWorthwhileModules ? std::min(2 * generalModules_, kGeneralModules) : 1;
     chunk = std::clamp(2 * batched, kWorthwhileModules, BatchScan::kChunkModules);
-    scanUpTo(state, std::min(old.size(), outcome.endModule + general), place);
+    scanUpTo(state, std::min(old.size(), outcome.endModule + generalModules_), place);
   }
 }
 

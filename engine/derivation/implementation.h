@@ -149,10 +149,12 @@ class Derivation::Implementation {
   bool hasParameters_ = false;
 
   std::vector<std::unique_ptr<BatchScan>> batches_;  // by thread; made when a string is long enough to use them
-  unsigned threadCount_ = 1;                         // DerivationOptions::threads, or as many as the machine has
-  std::unique_ptr<WorkerTeam> team_;                 // made when a string is long enough for several threads
-  std::vector<std::uint64_t> chunkOffsets_;   // by chunk: its first parameter in the string that is read; one more
-  std::vector<std::uint64_t> unusualChunks_;  // of the last round of threads
+  std::uint64_t generalModules_ = 1;             // how many modules the general way does before batches are tried again
+  unsigned threadCount_ = 1;                     // DerivationOptions::threads, or as many as the machine has
+  std::unique_ptr<WorkerTeam> team_;             // made when a string is long enough for several threads
+  std::vector<std::uint64_t> chunkOffsets_;      // by chunk: its first parameter in the string that is read; one more
+  std::vector<StringIndex::OpenEnds> openEnds_;  // by part of the string that is read
+  std::vector<std::uint64_t> unusualChunks_;     // of the last round of threads
 
   ModuleString working_;   // the string being produced; swapped with the old one at the end of a step
   ProducedPieces pieces_;  // the same while it is produced from right to left

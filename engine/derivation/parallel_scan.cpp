@@ -15,6 +15,8 @@ namespace espalier::derivation {
 namespace {
 
 constexpr std::uint64_t kChunkModules = BatchScan::kChunkModules;
+// chunks whose parameters are counted, and brackets linked, by one thread at a time
+constexpr std::uint64_t kPartChunks = 16;
 // turns a waiting thread looks again before it lets others run
 constexpr int kSpins = 200;
 
@@ -52,34 +54,50 @@ struct Round {
 
 bool Derivation::Implementation::canScanInParallel(const ModuleString& old) {
   const BatchPlan& plan = tables_.front().batches;
-  return old.size() >= options_.threadedModules && threadCount_ > 1 && !program_->hasSubSystems && plan.isComplete() &&
-         !(random_.isSequential() && program_->systems.front().isStochastic);
+  return old.size() >= options_.threadedModules && threadCount_ > 1 && record_ == nullptr && !program_->hasSubSystems &&
+         plan.isComplete() && !(random_.isSequential() && program_->systems.front().isStochastic);
 }
 
 void Derivation::Implementation::findChunkOffsets(const ModuleString& old) {
-  const std::uint64_t chunkCount = (old.size() + kChunkModules - 1) / kChunkModules;
+  const std::uint64_t size = old.size();
+  const std::uint64_t chunkCount = (size + kChunkModules - 1) / kChunkModules;
+  const std::uint64_t partCount = (chunkCount + kPartChunks - 1) / kPartChunks;
+  const bool needsLinks = needsIndex(program_->systems.front());
   chunkOffsets_.assign(chunkCount + 1, 0);
-  if (old.parameterCount() == 0) {
+  if (needsLinks) {
+    index_.beginParts(size);
+    openEnds_.resize(std::max<std::uint64_t>(openEnds_.size(), partCount));
+  }
+  if (old.parameterCount() == 0 && !needsLinks) {
     return;
   }
+  // each part on its own
   std::atomic<std::uint64_t> next{0};
   team_->run([&](unsigned) {
     const core::ModuleTypeId* types = old.types().data();
     const std::uint16_t* arity = program_->arity.data();
-    // a few chunks at a time, so that threads do not meet in the table
-    constexpr std::uint64_t kAtOnce = 16;
-    for (std::uint64_t first = next.fetch_add(kAtOnce); first < chunkCount; first = next.fetch_add(kAtOnce)) {
-      for (std::uint64_t chunk = first; chunk < std::min(first + kAtOnce, chunkCount); ++chunk) {
+    for (std::uint64_t part = next++; part < partCount; part = next++) {
+      const std::uint64_t firstChunk = part * kPartChunks;
+      const std::uint64_t endChunk = std::min(firstChunk + kPartChunks, chunkCount);
+      for (std::uint64_t chunk = firstChunk; chunk < endChunk; ++chunk) {
         std::uint64_t count = 0;
-        for (std::uint64_t i = chunk * kChunkModules; i < std::min((chunk + 1) * kChunkModules, old.size()); ++i) {
+        for (std::uint64_t i = chunk * kChunkModules; i < std::min((chunk + 1) * kChunkModules, size); ++i) {
           count += arity[types[i]];
         }
         chunkOffsets_[chunk + 1] = count;
       }
+      if (needsLinks) {
+        index_.linkPart(*program_, types, firstChunk * kChunkModules, std::min(endChunk * kChunkModules, size),
+                        openEnds_[part]);
+      }
     }
   });
+  // then all together
   for (std::uint64_t chunk = 0; chunk < chunkCount; ++chunk) {
     chunkOffsets_[chunk + 1] += chunkOffsets_[chunk];
+  }
+  for (std::uint64_t part = 0; part < (needsLinks ? partCount : 0); ++part) {
+    index_.joinPart(openEnds_[part], chunkOffsets_[part * kPartChunks]);
   }
 }
 

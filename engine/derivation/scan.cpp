@@ -48,8 +48,9 @@ void Derivation::Implementation::scan(PlantState& state) {
   const ModuleString& old = state.string;
   working_.clear();
   keptParts_.clear();
-  if (std::any_of(program_->systems.begin(), program_->systems.end(),
-                  [&](const language::LSystem& system) { return needsIndex(system); })) {
+  const bool isParallel = canScanInParallel(old);
+  if (!isParallel && std::any_of(program_->systems.begin(), program_->systems.end(),
+                                 [&](const language::LSystem& system) { return needsIndex(system); })) {
     buildIndex(old);
   }
   const bool isBackwards = tables_.front().isProducedBackwards && !program_->hasSubSystems;
@@ -62,7 +63,7 @@ void Derivation::Implementation::scan(PlantState& state) {
     scanBackwards(state);
   } else if (record_ != nullptr) {
     scanRecorded(state);
-  } else if (canScanInParallel(old)) {
+  } else if (isParallel) {
     scanInParallel(state);
   } else if (tables_.front().batches.isUseful() &&
              old.size() >= (program_->hasContexts ? kBatchedModulesWithContexts : kBatchedModules) &&

@@ -26,7 +26,33 @@ class StringIndex {
   explicit StringIndex(std::uint64_t longestShortBranch = std::numeric_limits<std::int32_t>::max())
       : longestShortBranch_(longestShortBranch) {}
 
+  /// A bracket whose partner is not known yet.
+  struct Open {
+    std::uint64_t module;
+    std::uint64_t parameterOffset;  // of the first module inside for `[`, of the bracket itself for `]`
+  };
+  /// A branch that is too long for a short link.
+  struct Branch {
+    std::uint64_t open;
+    std::uint64_t close;
+    std::uint64_t parameterCount;
+  };
+  /// The brackets of a part of a string whose partners are outside of it; offsets count from the part's first
+  /// parameter.
+  struct OpenEnds {
+    std::vector<Open> closed;  // `]` without `[` before it
+    std::vector<Open> opened;  // `[` without `]` behind it
+    std::vector<Branch> longBranches;
+  };
+
   void clear();
+
+  /// Makes room for the links of a string that is indexed in parts. Then linkPart for each part [first, end), on any
+  /// threads at the same time, then joinPart in the order of the parts, with the offset of each one's parameters.
+  void beginParts(std::uint64_t size);
+  void linkPart(const language::Program& program, const core::ModuleTypeId* types, std::uint64_t first,
+                std::uint64_t end, OpenEnds& ends);
+  void joinPart(const OpenEnds& ends, std::uint64_t parameterOffset);
 
   /// Adds the modules from where the last call ended to the end of `string`. A `[` that is still open has no partner
   /// yet. O(new modules).
@@ -52,10 +78,11 @@ class StringIndex {
     std::int32_t distance;         // to the partner, negative at `]`; or one of the two values above
     std::uint32_t parameterCount;  // parameters of all modules between the two
   };
-  struct Open {
-    std::uint64_t module;
-    std::uint64_t parameterOffset;  // of the first module inside
-  };
+  /// Links a branch whose bracket `]` stands at `close`; false when it is too long for that. For different branches
+  /// from several threads.
+  [[nodiscard]] bool linkShort(const Open& open, std::uint64_t close, std::uint64_t parameterOffset);
+  void linkLong(const Branch& branch);
+
   std::uint64_t longestShortBranch_;
   core::Buffer<ShortLink> links_;                      // by module; defined at brackets only (moduleCount)
   std::unordered_map<std::uint64_t, Link> longLinks_;  // by module

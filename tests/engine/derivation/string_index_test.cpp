@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <vector>
+
 #include "tests/support/derived_model.h"
 
 namespace espalier {
@@ -58,6 +61,39 @@ TEST(StringIndex, KeepsLongBranchesApartAndLinksThemAlike) {
   EXPECT_EQ(brackets, 8U);
   EXPECT_EQ(apart.link(0).partner, 7U);
   EXPECT_EQ(apart.link(9).parameterCount, 4U);
+}
+
+TEST(StringIndex, PartsLinkAsTheWholeDoes) {
+  // lone brackets of both kinds, and branches over many parts
+  DerivedModel model(modelText("", "A(1)]B[C(2)[D][E(3)[F(4,5)]G]H(6)[[[I(7)]]]J]K[L(8)[M]", "A --> A\n"));
+  const derivation::ModuleString& string = model.state().string;
+  StringIndex whole;
+  whole.extend(model.program(), string);
+  for (std::uint64_t length = 1; length <= string.size(); ++length) {
+    // every other time with a threshold at which branches are kept apart
+    StringIndex parts = length % 2 == 0 ? StringIndex(3) : StringIndex();
+    parts.beginParts(string.size());
+    const std::uint64_t count = (string.size() + length - 1) / length;
+    std::vector<StringIndex::OpenEnds> ends(count);
+    for (std::uint64_t i = count; i-- > 0;) {
+      parts.linkPart(model.program(), string.types().data(), i * length, std::min((i + 1) * length, string.size()),
+                     ends[i]);
+    }
+    std::uint64_t offset = 0;
+    for (std::uint64_t i = 0; i < string.size(); ++i) {
+      if (i % length == 0) {
+        parts.joinPart(ends[i / length], offset);
+      }
+      offset += model.program().arity[string.types()[i]];
+    }
+    for (std::uint64_t i = 0; i < string.size(); ++i) {
+      const core::ModuleTypeId type = string.types()[i];
+      if (type == model.program().openBranch || type == model.program().closeBranch) {
+        EXPECT_EQ(parts.link(i).partner, whole.link(i).partner) << length << " " << i;
+        EXPECT_EQ(parts.link(i).parameterCount, whole.link(i).parameterCount) << length << " " << i;
+      }
+    }
+  }
 }
 
 }  // namespace
