@@ -214,6 +214,7 @@ Decoded<CreateParams> decodeCreateParams(const Payload& payload) {
       readOptionalCount(limits["modules"], create.maximumModules);
       readOptionalCount(limits["queries"], create.maximumQueries);
     }
+    create.isTraced = !params["trace"].isAbsent() && params["trace"].boolean();
     if (const Field save = params["save"]; !save.isAbsent()) {
       create.save = readSavePolicy(save);
     }

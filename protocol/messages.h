@@ -100,6 +100,7 @@ struct CreateParams {
   std::optional<std::uint64_t> maximumModules;  // lowers the server's limits
   std::optional<std::uint64_t> maximumQueries;
   SavePolicy save;
+  bool isTraced = false;  // the dialogue with its environments is recorded
 };
 
 struct Statistics {

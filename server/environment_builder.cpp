@@ -63,6 +63,35 @@ std::variant<std::shared_ptr<EnvironmentLink>, protocol::Error> makeLink(const e
   return std::shared_ptr<EnvironmentLink>(ChannelLink::stdio(std::move(*value), {}));
 }
 
+/// What is done when an environment in another process fails.
+struct Policy {
+  bool isTolerant = false;                               // keep or fallback
+  std::unique_ptr<turtle::EnvironmentProcess> fallback;  // null: none
+};
+
+std::variant<Policy, protocol::Error> readPolicy(const environment::EnvironmentEntry& entry, const std::string& path) {
+  constexpr std::string_view kFallback = "fallback:";
+  const std::string name = protocol::memberOf(entry.configuration, "policy").value_or("fail");
+  Policy policy;
+  if (name == "fail") {
+    return policy;
+  }
+  policy.isTolerant = true;
+  if (name == "keep") {
+    return policy;
+  }
+  if (!name.starts_with(kFallback)) {
+    return protocol::fieldError(path + ".policy",
+                                "expected fail, keep or fallback:NAME of a built-in, found \"" + name + "\"");
+  }
+  auto made = environment::makeProcess(name.substr(kFallback.size()), "");
+  if (const auto* problems = std::get_if<std::vector<core::Diagnostic>>(&made)) {
+    return protocol::fieldError(path + ".policy", sentences(*problems));
+  }
+  policy.fallback = std::move(std::get<std::unique_ptr<turtle::EnvironmentProcess>>(made));
+  return policy;
+}
+
 /// The process that the field file of a gallery model names. `origin` receives the files that it was made from, by
 /// names in the gallery.
 environment::ProcessOrErrors makeFromGallery(const environment::EnvironmentEntry& entry,
@@ -145,12 +174,21 @@ std::variant<BuiltEnvironment, protocol::Error> buildEnvironment(const std::stri
       options.isAbsenceTolerated = isAbsenceTolerated;
       options.runWaiting = services.runWaiting;
       auto remote = std::make_unique<RemoteProcess>(link, std::move(options));
-      if (auto error = remote->introduce(); error && !(isAbsenceTolerated && error->isRetryable)) {
+      auto policy = readPolicy(entry, path);
+      if (auto* error = std::get_if<protocol::Error>(&policy)) {
+        return std::move(*error);
+      }
+      auto& onFailure = std::get<Policy>(policy);
+      if (auto error = remote->introduce();
+          error && !((isAbsenceTolerated || onFailure.isTolerant) && error->isRetryable)) {
         return environmentFailed(entry.name, *error);
       }
       built.links.push_back(link);
       built.names.push_back(entry.type == "offered" ? "offered:" + entry.name : entry.type);
       process = std::move(remote);
+      if (onFailure.isTolerant) {
+        process = withFailurePolicy(std::move(process), std::move(onFailure.fallback), services.onFailure);
+      }
     } else if (entry.type == "field") {
       auto made = makeFromSentFiles(entry, path, compatibility, fieldOrigin);
       if (auto* error = std::get_if<protocol::Error>(&made)) {

@@ -11,6 +11,7 @@
 #include "engine/turtle/environment_process.h"
 #include "protocol/errors.h"
 #include "server/environment_link.h"
+#include "server/failure_policy.h"
 
 namespace espalier::server {
 
@@ -24,6 +25,8 @@ struct EnvironmentServices {
   std::chrono::milliseconds stepTimeout{60'000};
   std::string galleryFolder;
   Metrics* metrics = nullptr;  // null: nothing is counted
+  std::string traceFolder;     // empty: no traces
+  FailureSink onFailure;       // hears of environments with a policy that failed
 };
 
 struct BuiltEnvironment {
@@ -37,7 +40,8 @@ struct BuiltEnvironment {
 /// Makes the environment of a simulation from the `environment` array of simulation.create. `isAbsenceTolerated`:
 /// entries in other processes may be away (simulations loaded from disk). Besides the built-in processes there are the
 /// types `offered` {name}, `tcp` {address}, `stdio` {command}, `gallery` {model}: the field file (`.e`) of a gallery
-/// folder, and `field` {main, files}: a field file with the files it names, as texts.
+/// folder, and `field` {main, files}: a field file with the files it names, as texts. An
+/// entry in another process may have a `policy`: fail (the default), keep, or fallback:NAME of a built-in.
 [[nodiscard]] std::variant<BuiltEnvironment, protocol::Error> buildEnvironment(const std::string& environmentJson,
                                                                                core::Compatibility compatibility,
                                                                                bool isAbsenceTolerated,

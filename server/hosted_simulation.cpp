@@ -58,7 +58,21 @@ HostedSimulation::HostedSimulation(SimulationRecord record, const core::Limits& 
 
 std::optional<protocol::Error> HostedSimulation::build(std::shared_ptr<const language::Program> program,
                                                        bool isAbsenceTolerated) {
-  auto built = buildEnvironment(record_.create.environmentJson, program->compatibility, isAbsenceTolerated, services_);
+  EnvironmentServices services = services_;
+  if (record_.create.isTraced) {
+    if (services_.traceFolder.empty()) {
+      return protocol::fieldError("params.trace", "this server keeps nothing; start it with --data to have traces");
+    }
+    auto trace = SimulationTrace::create(services_.traceFolder, record_.id);
+    if (auto* problem = std::get_if<std::string>(&trace)) {
+      return protocol::Error{protocol::ErrorCode::Storage, *problem, {}};
+    }
+    trace_ = std::move(std::get<std::unique_ptr<SimulationTrace>>(trace));
+    services.onFailure = [trace = trace_](std::uint64_t step, const std::string& message) {
+      trace->note(step, message);
+    };
+  }
+  auto built = buildEnvironment(record_.create.environmentJson, program->compatibility, isAbsenceTolerated, services);
   if (auto* error = std::get_if<protocol::Error>(&built)) {
     return std::move(*error);
   }
@@ -77,8 +91,10 @@ std::optional<protocol::Error> HostedSimulation::build(std::shared_ptr<const lan
   options.derivationLength = record_.create.derivationLength;
   options.limits = limits_;
   options.environmentOrigin = std::move(environment.origin);
-  auto made = std::make_unique<simulation::Simulation>(std::move(program), std::move(placements),
-                                                       std::move(environment.process), std::move(options));
+  auto made = std::make_unique<simulation::Simulation>(
+      std::move(program), std::move(placements),
+      trace_ == nullptr ? std::move(environment.process) : trace_->record(std::move(environment.process)),
+      std::move(options));
   const std::lock_guard lock(cancelMutex_);
   simulation_.swap(made);
   links_ = std::move(environment.links);
@@ -101,6 +117,7 @@ std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> HostedSimulatio
     }
   }
   hosted->setCancelled(false);
+  hosted->beginTrace();
   if (auto error = hosted->save(true)) {
     return std::move(*error);
   }
@@ -143,6 +160,7 @@ std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> HostedSimulatio
   if (auto error = hosted->simulation_->restore(snapshot)) {
     return hosted->errorOf(*error);
   }
+  hosted->beginTrace();
   hosted->isSaved_ = true;
   return hosted;
 }
@@ -203,10 +221,19 @@ std::optional<protocol::Error> HostedSimulation::step(double& milliseconds) {
   if (error) {
     return errorOf(*error);
   }
+  if (trace_ != nullptr) {
+    trace_->complete(*simulation_);
+  }
   isSaved_ = false;
   const std::uint64_t every = record_.create.save.every;
   const bool isDue = every > 0 && (simulation_->completedSteps() % every == 0 || simulation_->isFinished());
   return isDue ? save(false) : std::nullopt;
+}
+
+void HostedSimulation::beginTrace() {
+  if (trace_ != nullptr) {
+    trace_->begin(*simulation_);
+  }
 }
 
 std::optional<protocol::Error> HostedSimulation::reset(std::optional<std::uint64_t> seed) {
@@ -214,6 +241,7 @@ std::optional<protocol::Error> HostedSimulation::reset(std::optional<std::uint64
     if (const auto error = simulation_->rewind()) {
       return errorOf(*error);
     }
+    beginTrace();
     return saveChange();
   }
   // a simulation has its seed for life: make another, which takes the place of the old one when it is ready
@@ -233,9 +261,13 @@ std::optional<protocol::Error> HostedSimulation::reset(std::optional<std::uint64
 
 void HostedSimulation::adopt(HostedSimulation& fresh) {
   record_ = fresh.record_;
-  const std::lock_guard lock(cancelMutex_);
-  simulation_.swap(fresh.simulation_);
-  links_.swap(fresh.links_);
+  {
+    const std::lock_guard lock(cancelMutex_);
+    simulation_.swap(fresh.simulation_);
+    links_.swap(fresh.links_);
+  }
+  trace_ = fresh.trace_;
+  beginTrace();
 }
 
 std::optional<protocol::Error> HostedSimulation::edit(const protocol::EditParams& params) {
@@ -338,6 +370,7 @@ std::optional<protocol::Error> HostedSimulation::restore(std::string_view snapsh
   if (const auto error = simulation_->restore(snapshot)) {
     return errorOf(*error);
   }
+  beginTrace();
   return saveChange();
 }
 

@@ -13,6 +13,7 @@
 #include "server/environment_builder.h"
 #include "server/interruption.h"
 #include "server/simulation_record.h"
+#include "server/simulation_trace.h"
 #include "server/store.h"
 
 namespace espalier::server {
@@ -72,6 +73,7 @@ class HostedSimulation {
                    Store& store);
   [[nodiscard]] std::optional<protocol::Error> build(std::shared_ptr<const language::Program> program,
                                                      bool isAbsenceTolerated);
+  void beginTrace();
   /// After a change that was asked for: saves unless only requests do.
   [[nodiscard]] std::optional<protocol::Error> saveChange();
   /// Saves state and, when `withRecord`, record.
@@ -91,8 +93,9 @@ class HostedSimulation {
   std::vector<std::shared_ptr<EnvironmentLink>> links_;
   std::vector<std::string> environmentNames_;
   std::vector<std::string> processNames_;
-  bool isSaved_ = false;    // the copy on disk is of the present step
-  bool isSaveDue_ = false;  // it ought to be, and could not be written
+  std::shared_ptr<SimulationTrace> trace_;  // null: none
+  bool isSaved_ = false;                    // the copy on disk is of the present step
+  bool isSaveDue_ = false;                  // it ought to be, and could not be written
 };
 
 }  // namespace espalier::server

@@ -47,6 +47,9 @@ EnvironmentServices ServerCore::environmentServices() {
     metrics.environmentSeconds.observe(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
   };
   services.metrics = &metrics;
+  if (!options_.dataFolder.empty()) {
+    services.traceFolder = options_.dataFolder + "/traces";
+  }
   services.galleryFolder = options_.galleryFolder;
   services.stepTimeout = std::chrono::milliseconds(options_.limits.environmentStepMilliseconds);
   return services;

@@ -28,7 +28,7 @@ std::string toText(const SimulationRecord& record) {
   }
   params.endObject().key("save");
   write(params, create.save);
-  params.endObject();
+  params.key("trace").boolean(create.isTraced).endObject();
   return protocol::encodeNotification("simulation.create", params.take());
 }
 

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <variant>
+
+#include "engine/simulation/trace.h"
+#include "server/trace_file.h"
+
+namespace espalier::server {
+
+/// The trace of a simulation of the server: a compressed file in the data folder, readable up to the last completed
+/// step whenever the server ends.
+class SimulationTrace {
+ public:
+  /// `FOLDER/ID-N.trace.zst` with the first N that is free; the folder is made. An error sentence when that fails.
+  [[nodiscard]] static std::variant<std::unique_ptr<SimulationTrace>, std::string> create(const std::string& folder,
+                                                                                          const std::string& id);
+
+  /// The process with its dialogue recorded; null stays null.
+  [[nodiscard]] std::unique_ptr<turtle::EnvironmentProcess> record(
+      std::unique_ptr<turtle::EnvironmentProcess> process) {
+    return simulation::record(std::move(process), recorder_);
+  }
+  /// After rewind() or restore().
+  void begin(simulation::Simulation& simulation) {
+    recorder_->begin(simulation);
+    file_->flush();
+  }
+  void complete(const simulation::Simulation& simulation) {
+    recorder_->complete(simulation);
+    file_->flush();
+  }
+  /// What is done about an environment that failed.
+  void note(std::uint64_t step, const std::string& message) { recorder_->fail(step, message); }
+
+ private:
+  explicit SimulationTrace(std::unique_ptr<TraceFile> file)
+      : file_(std::move(file)), recorder_(std::make_shared<simulation::TraceRecorder>(*file_)) {}
+
+  std::unique_ptr<TraceFile> file_;
+  std::shared_ptr<simulation::TraceRecorder> recorder_;
+};
+
+}  // namespace espalier::server
