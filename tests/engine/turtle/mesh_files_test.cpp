@@ -236,6 +236,9 @@ TEST_F(MeshFiles, UsdOfAGrowingPlantShowsOneStepAtATime) {
 
 TEST_F(MeshFiles, TheSameSceneGivesTheSameBytes) {
   for (const ExportFormat& format : exportFormats()) {
+    if (format.source != ExportSource::Scene) {
+      continue;  // written from the string
+    }
     EXPECT_EQ(written(std::string(format.name)), written(std::string(format.name))) << format.name;
   }
 }
@@ -255,6 +258,9 @@ TEST(MeshFilesBadInput, GeometryThatDoesNotFit32BitsNamesItsModule) {
 
 TEST(MeshFilesBadInput, AnEmptySceneIsAFileWithoutTriangles) {
   for (const ExportFormat& format : exportFormats()) {
+    if (format.source != ExportSource::Scene) {
+      continue;  // written from the string
+    }
     core::StringSink sink;
     const ExportTarget target{.fileName = "plant", .sink = sink, .openCompanion = {}, .progress = {}};
     EXPECT_EQ(format.write({.scene = Scene{}, .view = {}}, target), std::nullopt) << format.name;
