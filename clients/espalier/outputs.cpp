@@ -42,11 +42,6 @@ bool isSnapshot(const OutputOptions& options, const std::string& file) {
   return options.format.empty() ? fs::path(file).extension() == snapshotSuffix() : options.format == kSnapshot;
 }
 
-// null: a snapshot, or none of that name
-const turtle::ExportFormat* formatOf(const OutputOptions& options, const std::string& file) {
-  return options.format.empty() ? turtle::findExportFormatOfFile(file) : turtle::findExportFormat(options.format);
-}
-
 std::string whyNotAFormat(const std::string& name) {
   return name == kSnapshot || turtle::findExportFormat(name) != nullptr
              ? std::string{}
@@ -70,6 +65,10 @@ std::string readSize(const std::string& text, turtle::PictureOptions& picture) {
 }
 
 }  // namespace
+
+const turtle::ExportFormat* formatOf(const OutputOptions& options, const std::string& file) {
+  return options.format.empty() ? turtle::findExportFormatOfFile(file) : turtle::findExportFormat(options.format);
+}
 
 void addOutputOptions(CLI::App& command, OutputOptions& options, bool isOutputRequired) {
   command.add_option("-o,--output", options.files, "File to write; may be repeated, each in the format of its suffix")

@@ -31,6 +31,9 @@ void addOutputOptions(CLI::App& command, OutputOptions& options, bool isOutputRe
 /// exit status, with an error written when it is not success.
 [[nodiscard]] int checkOutputs(const OutputOptions& options);
 
+/// The format of a file by --format or its suffix; null: a snapshot, or none of that name.
+[[nodiscard]] const turtle::ExportFormat* formatOf(const OutputOptions& options, const std::string& file);
+
 /// `file` with a number: in the place of its `%d` or `%04d`, or else before its suffix, `-` and as many digits as
 /// given.
 [[nodiscard]] std::string numberedName(const std::string& file, std::uint64_t number, int digits);

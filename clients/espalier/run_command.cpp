@@ -5,6 +5,7 @@
 
 #include "clients/espalier/commands.h"
 #include "clients/espalier/environment_loading.h"
+#include "clients/espalier/growth_outputs.h"
 #include "clients/espalier/messages.h"
 #include "clients/espalier/model_loading.h"
 #include "clients/espalier/number_option.h"
@@ -45,7 +46,15 @@ bool runToEnd(simulation::Simulation& simulation, std::optional<std::uint64_t> l
               const OutputWriter& writer, const TimeLimit& time) {
   ProgressBar bar(!options.model.isQuiet);
   options.trace.begin(simulation);
-  if (options.writesEveryStep && !writer.write(simulation, simulation.completedSteps())) {
+  std::optional<GrowthOutputs> growth;
+  const auto writeStep = [&] {
+    return !options.writesEveryStep ||
+           (writer.write(simulation, simulation.completedSteps()) && growth->addFrame(simulation));
+  };
+  if (options.writesEveryStep) {
+    growth.emplace(options.outputs, simulation.completedSteps(), last.value_or(simulation.derivationLength()));
+  }
+  if (!writeStep()) {
     return false;
   }
   while (!isOver(simulation, last)) {
@@ -56,15 +65,15 @@ bool runToEnd(simulation::Simulation& simulation, std::optional<std::uint64_t> l
     }
     if (options.writesEveryStep) {
       bar.clear();
-      if (!writer.write(simulation, simulation.completedSteps())) {
-        return false;
-      }
+    }
+    if (!writeStep()) {
+      return false;
     }
     options.trace.complete(simulation);
     bar.show(simulation.completedSteps(), last.value_or(simulation.derivationLength()),
              simulation.statistics().modules);
   }
-  return true;
+  return !growth || growth->finish(options.model.isQuiet);
 }
 
 // one run, written with a number when it is one of several variants
@@ -96,7 +105,12 @@ int runOnce(RunOptions& options, ModelOptions model, std::optional<std::uint64_t
   if (resumed && isOver(simulation, last) && !model.isQuiet) {
     explainNothingToDo(simulation, last);
   }
-  const OutputWriter writer(options.outputs, model.isQuiet);
+  // with --every a format that can hold all steps has one file, which OutputWriter does not see
+  OutputOptions separate = options.outputs;
+  if (options.writesEveryStep) {
+    std::erase_if(separate.files, [&](const std::string& file) { return isGrowthFile(options.outputs, file); });
+  }
+  const OutputWriter writer(separate, model.isQuiet);
   const bool isComplete = runToEnd(simulation, last, options, writer, time);
   if (!options.trace.close() || !isComplete) {
     return kFailure;
@@ -146,7 +160,8 @@ void addRun(CLI::App& program, int& status) {
   resume->type_name("FILE.snapshot");
   CLI::Option* every = command->add_flag(
       "--every", options->writesEveryStep,
-      "Write every step, from 0: the step's number goes where the file name has %d or %04d, or before its suffix");
+      "Write every step, from 0: the step's number goes where the file name has %d or %04d, or before its suffix;\n"
+      "a .usda without %d holds the whole growth animation");
   addWholeNumber(*command, "--variants",
                  "Grow so many plants, from the seeds S, S+1, ... of --seed S (1); files are numbered from 001", 1,
                  1'000'000, [options](std::uint64_t count) { options->variants = count; })

@@ -118,6 +118,22 @@ TEST_F(Output, EveryStepIsAFileWithItsNumber) {
   EXPECT_FALSE(files().contains("f-0004.svg"));
 }
 
+TEST_F(Output, EveryStepOfAUsdStageIsAFrameOfOneFile) {
+  const ProgramRun result = run("run tree.l --every -o grow.usda -o f.svg");
+  ASSERT_EQ(result.status, 0) << result.errors;
+  EXPECT_TRUE(contains(result.errors, "wrote grow.usda (4 steps)")) << result.errors;
+  const std::string stage = folder_.read("grow.usda");
+  EXPECT_TRUE(contains(stage, "    startTimeCode = 0\n    endTimeCode = 3\n"));
+  for (int step = 0; step <= 3; ++step) {
+    EXPECT_TRUE(contains(stage, "def Xform \"step_" + std::to_string(step) + "\"\n")) << step;
+    EXPECT_TRUE(files().contains("f-000" + std::to_string(step) + ".svg")) << step;
+  }
+  EXPECT_FALSE(files().contains("grow-0000.usda"));
+  // with a place for the number: a stage for each step
+  ASSERT_EQ(run("run tree.l --every -o s%d.usda --quiet").status, 0);
+  EXPECT_TRUE(files().contains("s3.usda"));
+}
+
 TEST_F(Output, VariantsAreRunsOfConsecutiveSeeds) {
   ASSERT_EQ(run("run bush.l --variants 3 --seed 7 -o v.string --quiet").status, 0);
   std::set<std::string> strings;

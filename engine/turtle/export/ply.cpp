@@ -12,15 +12,27 @@ namespace espalier::turtle {
 
 namespace {
 
-std::string headerOf(std::uint64_t vertices, std::uint64_t faces) {
+constexpr std::uint16_t kNoSymbol = 65'535;
+
+// the symbol of the module that a piece of geometry comes from, by its number in the program
+std::uint16_t symbolOf(const ExportInput& input, const Provenance& from) {
+  const bool isKnown =
+      input.program != nullptr && from.plant < input.strings.size() && from.module < input.strings[from.plant]->size();
+  return isKnown ? input.program->symbolOf[input.strings[from.plant]->types()[from.module]] : kNoSymbol;
+}
+
+std::string headerOf(const ExportInput& input, std::uint64_t vertices, std::uint64_t faces) {
   std::string text = "ply\nformat binary_little_endian 1.0\ncomment Espalier: y is up\ncomment organs:";
   for (std::uint8_t kind = 0; kind <= static_cast<std::uint8_t>(OrganKind::Ball); ++kind) {
     text += " " + std::to_string(kind) + " " + std::string(organName(static_cast<OrganKind>(kind)));
   }
+  for (std::size_t i = 0; input.program != nullptr && i < input.program->symbols.size(); ++i) {
+    text += "\ncomment symbol " + std::to_string(i) + " " + input.program->symbols[i].name;
+  }
   text += "\nelement vertex " + std::to_string(vertices) + "\n";
   for (const char* property :
        {"float x", "float y", "float z", "float nx", "float ny", "float nz", "float s", "float t", "uchar red",
-        "uchar green", "uchar blue", "uchar organ", "ushort order", "uint plant", "uint module"}) {
+        "uchar green", "uchar blue", "uchar organ", "ushort order", "ushort symbol", "uint plant", "uint module"}) {
     text += std::string("property ") + property + "\n";
   }
   return text + "element face " + std::to_string(faces) +
@@ -33,7 +45,8 @@ Provenance provenanceAt(const SceneMeshes& meshes, const MeshPart& part, const s
   return segments.empty() ? meshes.provenanceOf(part) : meshes.provenanceOfSegment(segments[i]);
 }
 
-void writeVertices(const SceneMeshes& meshes, const MeshPart& part, const Mesh& mesh, BinaryOutput& out) {
+void writeVertices(const ExportInput& input, const SceneMeshes& meshes, const MeshPart& part, const Mesh& mesh,
+                   BinaryOutput& out) {
   const Colour colour = meshes.palette().ofMaterial(part.material);
   for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
     const Provenance from = provenanceAt(meshes, part, mesh.vertexSegments, i);
@@ -46,6 +59,7 @@ void writeVertices(const SceneMeshes& meshes, const MeshPart& part, const Mesh& 
     out.byte(colour.blue);
     out.byte(static_cast<unsigned char>(part.kind));
     out.uint16(static_cast<std::uint16_t>(std::min<std::uint32_t>(from.branchOrder, 65'535)));
+    out.uint16(symbolOf(input, from));
     out.uint32(from.plant);
     out.uint32(static_cast<std::uint32_t>(from.module));
   }
@@ -88,10 +102,10 @@ std::optional<std::string> exportPly(const ExportInput& input, const ExportTarge
            " vertices and the format numbers at most 4294967295. Write fewer contour sides";
   }
   BinaryOutput out(target.sink);
-  out.bytes(headerOf(vertices, faces));
+  out.bytes(headerOf(input, vertices, faces));
   for (const MeshPart& part : parts) {
     meshes.make(part, mesh);
-    writeVertices(meshes, part, mesh, out);
+    writeVertices(input, meshes, part, mesh, out);
     report();
   }
   std::uint32_t first = 0;

@@ -55,7 +55,10 @@ class MeshFiles : public ::testing::Test {
   [[nodiscard]] std::string written(const std::string& format) const {
     core::StringSink sink;
     const ExportTarget target{.fileName = "plant", .sink = sink, .openCompanion = {}, .progress = {}};
-    EXPECT_EQ(findExportFormat(format)->write({.scene = run.scene, .view = run.program.view}, target), std::nullopt);
+    const derivation::ModuleString* const string = &run.state.string;
+    const ExportInput input{
+        .scene = run.scene, .view = run.program.view, .program = &run.program, .strings = {&string, 1}};
+    EXPECT_EQ(findExportFormat(format)->write(input, target), std::nullopt);
     return sink.take();
   }
 
@@ -140,8 +143,8 @@ TEST_F(MeshFiles, PlyVerticesKnowWhereTheyComeFrom) {
   const std::size_t begin = bytes.find("end_header\n") + 11;
   ASSERT_NE(bytes.find("comment organs: 0 branches 1 cylinders 2 polygons 3 surfaces 4 patches 5 balls\n"),
             std::string::npos);
-  // position, normal, st: 32 bytes; three of colour, organ, order, plant, module
-  constexpr std::size_t kStride = 32 + 3 + 1 + 2 + 4 + 4;
+  // position, normal, st: 32 bytes; three of colour, organ, order, symbol, plant, module
+  constexpr std::size_t kStride = 32 + 3 + 1 + 2 + 2 + 4 + 4;
   const std::size_t count = expected.positions.size();
   ASSERT_NE(bytes.find("element vertex " + std::to_string(count) + "\n"), std::string::npos);
   ASSERT_GT(bytes.size(), begin + count * kStride);
@@ -151,7 +154,10 @@ TEST_F(MeshFiles, PlyVerticesKnowWhereTheyComeFrom) {
     std::uint32_t module = 0;
     std::uint16_t order = 0;
     std::memcpy(&order, vertex + 36, 2);
-    std::memcpy(&module, vertex + 42, 4);
+    std::memcpy(&module, vertex + 44, 4);
+    std::uint16_t symbol = 0;
+    std::memcpy(&symbol, vertex + 38, 2);
+    EXPECT_EQ(symbol, run.program.symbolOf[run.state.string.types()[module]]);
     const auto organ = static_cast<OrganKind>(vertex[35]);
     if (organ == OrganKind::Ball && order == 1) {
       EXPECT_EQ(module, run.scene.balls[0].module);
