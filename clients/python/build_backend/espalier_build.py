@@ -92,7 +92,7 @@ def version() -> str:
 
 def package_files() -> List[Path]:
     return sorted(path for path in (ROOT / PACKAGE).rglob("*")
-                  if path.is_file() and (path.suffix == ".py" or path.name == "py.typed"))
+                  if path.is_file() and (path.suffix in (".py", ".js") or path.name == "py.typed"))
 
 
 def source_files() -> List[Path]:

@@ -5,11 +5,12 @@ from .environment import Answer, Columns, Environment, Following, Opening, Query
 from .errors import ConnectionLost, EspalierError, ProtocolError, ServerError, ServerFailed
 from .local_server import Local, local
 from .server import Server
+from .viewing import View
 from .version import VERSION as __version__
 
 __all__ = [
     "Answer", "Client", "Columns", "ConnectionLost", "Environment", "EspalierError", "Following", "Frame", "Local",
     "Model", "Opening",
     "ProtocolError", "Query", "Server", "ServerError", "ServerFailed", "Simulation", "StepResult", "Stream",
-    "TurtleRecord", "Variable", "__version__", "local",
+    "TurtleRecord", "Variable", "View", "__version__", "local",
 ]

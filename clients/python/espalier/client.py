@@ -14,12 +14,15 @@ from collections import deque
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType, TracebackType
-from typing import Any, Deque, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple, Type, Union
+from typing import TYPE_CHECKING, Any, Deque, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple, Type, Union
 
 from . import wire
 from .blocks import Blocks
 from .errors import ConnectionLost, EspalierError, ProtocolError, ServerError
 from .hosting import hello_parameters
+
+if TYPE_CHECKING:
+    from .viewing import View
 
 Vector = Tuple[float, float, float]
 # one process with its configuration, as in {"type": "honda", "radius": 0.5}
@@ -256,6 +259,7 @@ class Simulation:
         self._client = client
         self.identifier = identifier
         self.created = created  # what the server said when it was created or found
+        self.history: List[StepResult] = []  # what the calls of step() made, in order
 
     def _call(self, method: str, **parameters: Any) -> Any:
         return self._client.call(method, {"simulation": self.identifier, **parameters})
@@ -264,8 +268,10 @@ class Simulation:
         """Makes steps, or as many as are missing to `until` completed steps. When the environment fails, ServerError is
         raised and the simulation stays at its last completed step."""
         made = self._call("simulation.step", **({"steps": steps} if until is None else {"until": until}))
-        return StepResult(int(made["step"]), bool(made["finished"]), bool(made["truncated"]),
-                          bool(made.get("saved", False)), made["statistics"])
+        result = StepResult(int(made["step"]), bool(made["finished"]), bool(made["truncated"]),
+                            bool(made.get("saved", False)), made["statistics"])
+        self.history.append(result)
+        return result
 
     def steps(self) -> Iterator[StepResult]:
         """Makes one step after the other until the model is finished."""
@@ -307,6 +313,27 @@ class Simulation:
     def delete(self) -> None:
         """Removes the simulation from the server."""
         self._call("simulation.delete")
+
+    def view(self, snapshots: Optional[Sequence[bytes]] = None, *, height: int = 480) -> "View":
+        """The plant in a page, which a notebook shows: as it is now, or one frame for each of `snapshots` (what save()
+        returned). The program `espalier` on this machine draws it. `height` is that of the notebook's cell, in pixels."""
+        from .viewing import View, geometry_of
+
+        states = [self.save()] if snapshots is None else snapshots
+        return View(geometry_of(states), str(self.created.get("name", "Espalier")), height)
+
+    def plot(self, *names: str) -> Any:
+        """Plots statistics over the steps that step() made (`modules` by default) and returns the axes. Needs matplotlib."""
+        try:
+            from matplotlib import pyplot  # type: ignore[import]
+        except ImportError:
+            raise EspalierError("plot() needs matplotlib (Debian: python3-matplotlib). The figures are in `history`.") from None
+        axes = pyplot.figure().add_subplot()
+        for name in names or ("modules",):
+            axes.plot([made.step for made in self.history], [made.statistics[name] for made in self.history], label=name)
+        axes.set_xlabel("step")
+        axes.legend()
+        return axes
 
     def stream(self, what: str = "turtle", *, every: int = 1, symbols: Optional[Sequence[str]] = None,
                credits: int = 8, arrays: bool = False, single: bool = False) -> "Stream":

@@ -1,0 +1,77 @@
+"""Plants in a page: self-contained HTML for notebooks and files, drawn by three.js.
+
+    with espalier.local() as client:
+        plant = client.create(gallery="light-tree", seed=7, environment=[…])
+        plant.step(6)
+        plant.view()                    # the last line of a notebook's cell shows it
+        plant.view().save("plant.html") # the same as a file that needs nothing else
+"""
+
+from __future__ import annotations
+
+import base64
+import html
+import json
+import subprocess
+import tempfile
+from pathlib import Path
+from typing import List, Sequence, Union
+
+from .errors import EspalierError
+from .local_server import find_program
+
+SCRIPT = Path(__file__).parent / "viewer" / "plant_view.js"
+PAGE = """<!doctype html>
+<html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width"><title>{title}</title>
+<style>html,body,#plant{{margin:0;width:100%;height:100%;overflow:hidden;position:relative}}</style></head>
+<body><div id="plant"></div>
+<script>{script}</script>
+<script>espalier.showPlant(document.getElementById("plant"), {frames});</script>
+</body></html>
+"""
+
+
+class View:
+    """A page with one plant, or with the frames of its growth. A notebook shows it; save() writes it to a file."""
+
+    def __init__(self, frames: Sequence[bytes], title: str = "Espalier", height: int = 480) -> None:
+        """`frames`: binary glTF files (.glb); `height`: of the notebook's cell, in pixels."""
+        if not frames:
+            raise EspalierError("A view needs at least one frame.")
+        self.frames = list(frames)
+        self.title = title
+        self.height = height
+
+    def html(self) -> str:
+        """The page as a text; it loads nothing from elsewhere."""
+        if not SCRIPT.is_file():
+            raise EspalierError("The viewer's script was not built: run './dev web' in the source tree (it needs Node.js), then "
+                                "install the package again.")
+        frames = json.dumps([base64.b64encode(frame).decode("ascii") for frame in self.frames])
+        # the end of a script element must not stand inside one
+        script = SCRIPT.read_text(encoding="utf-8").replace("</script", "<\\\\/script")
+        return PAGE.format(title=html.escape(self.title), script=script, frames=frames)
+
+    def save(self, path: Union[str, "Path"]) -> None:
+        """Writes the page."""
+        Path(path).write_text(self.html(), encoding="utf-8")
+
+    def _repr_html_(self) -> str:
+        page = html.escape(self.html(), quote=True)
+        return f'<iframe srcdoc="{page}" style="width:100%;height:{self.height}px;border:0"></iframe>'
+
+
+def geometry_of(snapshots: Sequence[bytes]) -> List[bytes]:
+    """The binary glTF of each snapshot, drawn by the program `espalier` of this machine."""
+    program = find_program()
+    drawn: List[bytes] = []
+    with tempfile.TemporaryDirectory() as folder:
+        snapshot, picture = Path(folder) / "plant.snapshot", Path(folder) / "plant.glb"
+        for state in snapshots:
+            snapshot.write_bytes(state)
+            done = subprocess.run([program, "export", str(snapshot), "-o", str(picture), "--quiet"], capture_output=True,
+                                  text=True, check=False, stdin=subprocess.DEVNULL)
+            if done.returncode != 0:
+                raise EspalierError(f"The plant cannot be drawn: {done.stderr.strip() or 'espalier export failed'}")
+            drawn.append(picture.read_bytes())
+    return drawn
