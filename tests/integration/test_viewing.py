@@ -1,0 +1,59 @@
+"""Plants in a page: self-contained, with the geometry that the program exports."""
+
+import base64
+import json
+import re
+import tempfile
+import unittest
+from pathlib import Path
+from unittest import mock
+
+from support import program
+
+import espalier
+from espalier import EspalierError, View
+from espalier import viewing
+
+
+@unittest.skipUnless(viewing.SCRIPT.is_file(), "the viewer's script was not built (./dev web)")
+class Viewing(unittest.TestCase):
+    def test_shows_a_simulation_with_every_frame_of_its_growth(self) -> None:
+        with mock.patch.dict("os.environ", {"ESPALIER_PROGRAM": program()}), espalier.local() as client:
+            plant = client.create(gallery="branch-tiers", environment=[{"type": "honda", "radius": 0.5}], seed=7)
+            snapshots = []
+            for _ in range(3):
+                plant.step()
+                snapshots.append(plant.save())
+            growth = plant.view(snapshots)
+            now = plant.view()
+        self.assertEqual(len(growth.frames), 3)
+        self.assertEqual(growth.frames[-1], now.frames[0])
+        self.assertTrue(all(frame[:4] == b"glTF" for frame in growth.frames))
+        self.assertLess(len(growth.frames[0]), len(growth.frames[2]))
+        page = growth.html()
+        found = re.search(r'getElementById\("plant"\), (\[.*?\])\)', page)
+        assert found is not None
+        self.assertEqual([base64.b64decode(frame) for frame in json.loads(found.group(1))], growth.frames)
+        # nothing is loaded from elsewhere
+        self.assertEqual(re.findall(r'<(?:script|link|img)[^>]+(?:src|href)=', page), [])
+
+    def test_writes_a_page_and_fits_a_notebook(self) -> None:
+        view = View([b"glTF"], title="a <b> & c", height=123)
+        with tempfile.TemporaryDirectory() as folder:
+            view.save(Path(folder) / "plant.html")
+            page = (Path(folder) / "plant.html").read_text(encoding="utf-8")
+        self.assertIn("<title>a &lt;b&gt; &amp; c</title>", page)
+        self.assertEqual(page.count("</script"), 2)
+        cell = view._repr_html_()
+        self.assertIn("height:123px", cell)
+        self.assertNotIn('srcdoc="<', cell)
+
+    def test_says_what_is_missing(self) -> None:
+        with self.assertRaisesRegex(EspalierError, "at least one frame"):
+            View([])
+        with mock.patch.object(viewing, "SCRIPT", Path("nowhere.js")), self.assertRaisesRegex(EspalierError, "./dev web"):
+            View([b"glTF"]).html()
+
+
+if __name__ == "__main__":
+    unittest.main()
