@@ -25,6 +25,7 @@ std::shared_ptr<Command> makeCommand(
       return false;
     }
     const auto outcome = work(runner);
+    runner.publishInformation();
     if (const auto* error = std::get_if<protocol::Error>(&outcome)) {
       self->respondError(id, *error);
     } else {
@@ -134,6 +135,7 @@ bool advanceSteps(SimulationRunner& runner, Command& command, Session& session, 
                                                "The simulation stays at step " + std::to_string(stays) + ".", stays)
                             : *error;
     runner.setLastError(reason.message);
+    runner.publishInformation();
     session.respondError(id, reason);
     if (isMade) {
       runner.publishFrames(true);
@@ -144,6 +146,7 @@ bool advanceSteps(SimulationRunner& runner, Command& command, Session& session, 
   const bool isLast = isDone(runner, simulation, progress);
   if (isLast || runner.isClosing()) {
     // the controller first, viewers after
+    runner.publishInformation();
     session.respond(id, protocol::encode(resultOf(runner, progress, !isLast)));
     runner.publishFrames(true);
     return false;

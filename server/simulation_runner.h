@@ -63,6 +63,9 @@ class SimulationRunner final : public std::enable_shared_from_this<SimulationRun
   // inside Command::advance only
   [[nodiscard]] HostedSimulation& hosted() { return *hosted_; }
   [[nodiscard]] std::uint32_t callSeconds() const { return callSeconds_; }
+  /// What others are told about the simulation is what it is now; before the answer to a command, so that who has the
+  /// answer and asks again does not hear of the state before it.
+  void publishInformation();
   /// Sends frames of the present state to the streams that want one. `isDue`: a step was just completed.
   void publishFrames(bool isDue);
   /// A viewer that comes late sees the present state at once.
@@ -78,7 +81,6 @@ class SimulationRunner final : public std::enable_shared_from_this<SimulationRun
   void takeTurn();
   void giveUpTurn(std::uint64_t turn);
   void runGuarded(Command& command, bool& wantsMore);
-  void publishInformation();  // without mutex_
   void publishTo(Stream& stream, std::optional<std::vector<turtle::TurtleRecord>>& records);
 
   const std::string id_;
