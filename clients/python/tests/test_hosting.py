@@ -432,8 +432,14 @@ class Programs(unittest.TestCase):
     def test_an_interrupt_ends_it_cleanly(self) -> None:
         ways: List[List[str]] = [["--listen", "127.0.0.1:0"], []]
         for arguments in ways:
+            # a test that runs in the background is started with interrupts ignored, and hands that on
             with subprocess.Popen([*self.command, *arguments], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-                                  stderr=subprocess.PIPE, env=self.variables) as process:
+                                  stderr=subprocess.PIPE, env=self.variables,
+                                  preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)) as process:
+                # whatever goes wrong, the end of the block does not wait for it
+                watchdog = threading.Timer(60, process.kill)
+                watchdog.start()
+                self.addCleanup(watchdog.cancel)
                 assert process.stdout is not None and process.stdin is not None
                 # it is at work
                 if arguments:
