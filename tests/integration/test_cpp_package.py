@@ -19,7 +19,7 @@ class CppPackage(unittest.TestCase):
             prefix, project, out = Path(folder) / "prefix", Path(folder) / "project", Path(folder) / "out"
             shutil.copytree(REPOSITORY / "clients" / "cpp" / "example", project)
             for command in (["cmake", "--install", str(build), "--prefix", str(prefix)],
-                            ["cmake", "-S", str(project), "-B", str(out), f"-DCMAKE_PREFIX_PATH={prefix}"],
+                            ["cmake", "-S", str(project), "-B", str(out), "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={prefix}"],
                             ["cmake", "--build", str(out)]):
                 done = subprocess.run(command, capture_output=True, text=True, timeout=SECONDS, check=False)
                 self.assertEqual(done.returncode, 0, f"{' '.join(command)}\n{done.stdout}{done.stderr}")
