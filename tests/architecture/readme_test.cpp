@@ -6,12 +6,13 @@
 #include <regex>
 
 #include "tests/support/disk_files.h"
+#include "tests/support/places.h"
 
 namespace espalier::test {
 namespace {
 
 std::string file(const std::string& name) {
-  return readFile(std::string(ESPALIER_SOURCE_DIR) + "/" + name).value_or("");
+  return readFile(sourceFolder() + "/" + name).value_or("");
 }
 
 TEST(Readme, ShowsTheExampleAsItIs) {
@@ -26,7 +27,7 @@ TEST(Readme, LinksAndPicturesExist) {
   int count = 0;
   for (auto match = std::sregex_iterator(text.begin(), text.end(), kTarget); match != std::sregex_iterator(); ++match) {
     const std::string target = (*match)[1].matched ? (*match)[1].str() : (*match)[2].str();
-    EXPECT_TRUE(std::filesystem::exists(std::string(ESPALIER_SOURCE_DIR) + "/" + target)) << target;
+    EXPECT_TRUE(std::filesystem::exists(sourceFolder() + "/" + target)) << target;
     ++count;
   }
   EXPECT_GT(count, 10);

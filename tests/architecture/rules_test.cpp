@@ -1,4 +1,5 @@
 #include "tests/architecture/rules.h"
+#include "tests/support/places.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +9,7 @@ namespace {
 using Breaches = std::vector<std::string>;
 
 const std::vector<SourceFile>& tree() {
-  static const std::vector<SourceFile> kTree = readSourceTree(ESPALIER_SOURCE_DIR);
+  static const std::vector<SourceFile> kTree = readSourceTree(sourceFolder());
   return kTree;
 }
 

@@ -8,6 +8,7 @@
 #include "environment/registry.h"
 #include "tests/benchmark/workload.h"
 #include "tests/support/disk_files.h"
+#include "tests/support/places.h"
 
 namespace espalier::benchmarking {
 namespace {
@@ -61,7 +62,7 @@ void grow(benchmark::State& state, const fs::path& model) {
 const bool kIsRegistered = [] {
   std::vector<fs::path> models;
   std::error_code error;
-  for (const auto& folder : fs::directory_iterator(std::string(ESPALIER_SOURCE_DIR) + "/clients/gallery", error)) {
+  for (const auto& folder : fs::directory_iterator(sourceFolder() + "/clients/gallery", error)) {
     const fs::path model = folder.path() / (folder.path().filename().string() + ".l");
     if (fs::exists(model)) {
       models.push_back(model);

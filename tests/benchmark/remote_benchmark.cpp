@@ -15,6 +15,7 @@
 #include "server/line_channel.h"
 #include "server/remote_environment.h"
 #include "server/translate_environment.h"
+#include "tests/support/places.h"
 
 namespace espalier::benchmarking {
 namespace {
@@ -76,7 +77,7 @@ void ask(benchmark::State& state, turtle::EnvironmentProcess& process, std::size
 /// `espalier environment height` on a free port.
 struct Served {
   Served() {
-    const std::string program = std::string(ESPALIER_BINARY_DIR) + "/bin/espalier";
+    const std::string program = buildFolder() + "/bin/espalier";
     auto result = server::ChildProcess::start("exec '" + program + "' environment height --listen 127.0.0.1:0");
     auto* made = std::get_if<std::unique_ptr<server::ChildProcess::Started>>(&result);
     if (made == nullptr) {

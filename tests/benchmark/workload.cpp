@@ -14,6 +14,7 @@
 #include "engine/language/compiler.h"
 #include "environment/registry.h"
 #include "tests/support/disk_files.h"
+#include "tests/support/places.h"
 
 namespace espalier::benchmarking {
 namespace {
@@ -79,8 +80,7 @@ std::shared_ptr<const language::Program> compileWorkload(const Workload& workloa
   if (!workload.size.empty()) {
     defines.emplace_back("K", workload.size);
   }
-  return compileFile(std::string(ESPALIER_SOURCE_DIR) + "/tests/benchmark/models/" + workload.model + ".l", "",
-                     std::move(defines));
+  return compileFile(sourceFolder() + "/tests/benchmark/models/" + workload.model + ".l", "", std::move(defines));
 }
 
 std::unique_ptr<turtle::EnvironmentProcess> makeProcess(const std::string& name, const std::string& configuration) {

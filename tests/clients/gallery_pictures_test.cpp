@@ -16,6 +16,7 @@
 #include "engine/turtle/export/png.h"
 #include "tests/clients/program_run.h"
 #include "tests/support/disk_files.h"
+#include "tests/support/places.h"
 
 namespace espalier::test {
 namespace {
@@ -101,7 +102,7 @@ PictureImage readPicture(const std::string& file) {
 // the further arguments of each picture, by model
 std::map<std::string, std::string> pictures() {
   std::map<std::string, std::string> found;
-  std::istringstream lines(readFile(std::string(ESPALIER_SOURCE_DIR) + "/clients/gallery/pictures.txt").value_or(""));
+  std::istringstream lines(readFile(sourceFolder() + "/clients/gallery/pictures.txt").value_or(""));
   for (std::string line; std::getline(lines, line);) {
     if (!line.empty() && line.front() != '#') {
       const std::size_t blank = std::min(line.find(' '), line.size());
@@ -112,7 +113,7 @@ std::map<std::string, std::string> pictures() {
 }
 
 std::string galleryFile(const std::string& model) {
-  return std::string(ESPALIER_SOURCE_DIR) + "/clients/gallery/" + model + "/" + model + ".png";
+  return sourceFolder() + "/clients/gallery/" + model + "/" + model + ".png";
 }
 
 class GalleryPicture : public testing::TestWithParam<std::string> {};
@@ -120,10 +121,10 @@ class GalleryPicture : public testing::TestWithParam<std::string> {};
 TEST_P(GalleryPicture, MadeAnewItLooksAsItIsKept) {
   const TemporaryFolder folder;
   const std::string file = folder.path() + "/a.png";
-  ASSERT_EQ(setenv("PYTHONPATH", (std::string(ESPALIER_SOURCE_DIR) + "/clients/python").c_str(), 1), 0);
+  ASSERT_EQ(setenv("PYTHONPATH", (sourceFolder() + "/clients/python").c_str(), 1), 0);
   const ProgramRun made = runProgram(
       "run clients/gallery/" + GetParam() + pictures()[GetParam()] + " --size 800x600 --colours 48 --quiet -o " + file,
-      ESPALIER_SOURCE_DIR);
+      sourceFolder());
   ASSERT_EQ(made.status, 0) << made.errors;
   const PictureImage kept = readPicture(galleryFile(GetParam()));
   const PictureImage fresh = readPicture(file);

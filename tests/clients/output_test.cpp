@@ -10,6 +10,7 @@
 #include <string>
 
 #include "tests/clients/program_run.h"
+#include "tests/support/places.h"
 
 namespace espalier::test {
 namespace {
@@ -227,7 +228,7 @@ TEST_F(Output, AFullDiskIsSaidAndLeavesNoFile) {
   fs::remove(folder_.path() + "/long.snapshot");
   fs::remove(folder_.path() + "/long.obj");
   fs::remove(folder_.path() + "/long.mtl");
-  const std::string program = std::string(ESPALIER_BINARY_DIR) + "/bin/espalier";
+  const std::string program = buildFolder() + "/bin/espalier";
   const std::string command =
       "cd '" + folder_.path() + "' && ulimit -f 1 && '" + program + "' run tree.l -o long.obj > limited.txt 2>&1";
   EXPECT_NE(std::system(command.c_str()), 0);

@@ -8,12 +8,13 @@
 #include <stdexcept>
 
 #include "tests/support/disk_files.h"
+#include "tests/support/places.h"
 
 namespace espalier::test {
 
 ProgramRun runProgram(const std::string& arguments, const std::string& folder) {
   const TemporaryFolder streams;
-  const std::string command = "cd '" + folder + "' && '" + ESPALIER_BINARY_DIR + "/bin/espalier' " + arguments + " >'" +
+  const std::string command = "cd '" + folder + "' && '" + buildFolder() + "/bin/espalier' " + arguments + " >'" +
                               streams.path() + "/output' 2>'" + streams.path() + "/errors' </dev/null";
   const int status = std::system(command.c_str());
   ProgramRun run;

@@ -11,6 +11,7 @@
 #include "engine/simulation/simulation.h"
 #include "environment/registry.h"
 #include "tests/support/disk_files.h"
+#include "tests/support/places.h"
 
 namespace espalier::test {
 namespace {
@@ -146,11 +147,11 @@ std::string compareWithFile(const std::vector<std::string>& strings, const std::
 }  // namespace
 
 std::string casesFolder() {
-  return std::string(ESPALIER_SOURCE_DIR) + "/tests/conformance/cases";
+  return sourceFolder() + "/tests/conformance/cases";
 }
 
 std::string listFile(const std::string& name) {
-  return std::string(ESPALIER_SOURCE_DIR) + "/tests/conformance/" + name;
+  return sourceFolder() + "/tests/conformance/" + name;
 }
 
 std::vector<ConformanceCase> readCases() {

@@ -8,6 +8,7 @@
 #include "engine/language/view_file.h"
 #include "tests/fuzz/bundle.h"
 #include "tests/fuzz/targets.h"
+#include "tests/support/places.h"
 
 namespace espalier::fuzz {
 namespace {
@@ -20,8 +21,7 @@ std::string contentOf(const std::filesystem::path& file) {
 // a finding ends the test program or throws
 TEST(FuzzRegressions, EveryFormerFindingIsAnsweredNow) {
   for (const NamedTarget& target : kTargets) {
-    const std::filesystem::path folder =
-        std::filesystem::path(ESPALIER_SOURCE_DIR) / "tests/fuzz/regressions" / target.name;
+    const std::filesystem::path folder = std::filesystem::path(sourceFolder()) / "tests/fuzz/regressions" / target.name;
     if (!std::filesystem::exists(folder)) {
       continue;
     }
@@ -36,7 +36,7 @@ TEST(FuzzRegressions, EveryFormerFindingIsAnsweredNow) {
 TEST(FuzzRegressions, SeedsOfMessagesCrossTheWireUnchanged) {
   std::size_t count = 0;
   for (const auto& entry :
-       std::filesystem::directory_iterator(std::filesystem::path(ESPALIER_SOURCE_DIR) / "tests/fuzz/seeds/messages")) {
+       std::filesystem::directory_iterator(std::filesystem::path(sourceFolder()) / "tests/fuzz/seeds/messages")) {
     SCOPED_TRACE(entry.path().string());
     const std::string bytes = contentOf(entry.path());
     EXPECT_NO_THROW(fuzzMessages(bytes));
@@ -100,8 +100,8 @@ TEST(FuzzRegressions, DeepNestingIsRefusedNotFollowed) {
 
 // a seed that is refused early teaches a fuzzer nothing
 TEST(FuzzSeeds, TheViewFileWithEveryFormatIsReadWithoutAWarning) {
-  core::MemoryFileProvider files = unbundle(
-      contentOf(std::filesystem::path(ESPALIER_SOURCE_DIR) / "tests/fuzz/seeds/view_file/every-format"), "model.v");
+  core::MemoryFileProvider files =
+      unbundle(contentOf(std::filesystem::path(sourceFolder()) / "tests/fuzz/seeds/view_file/every-format"), "model.v");
   const language::ViewFileResult result =
       language::readViewFile("model.v", files, core::Compatibility::Espalier, core::Limits{});
   for (const core::Diagnostic& diagnostic : result.diagnostics.entries()) {

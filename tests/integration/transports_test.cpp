@@ -12,6 +12,7 @@
 #include "server/disk_files.h"
 #include "server/line_channel.h"
 #include "server/remote_environment.h"
+#include "tests/support/places.h"
 
 namespace espalier {
 namespace {
@@ -20,7 +21,7 @@ constexpr const char* kHonda = R"({"radius":0.5})";
 constexpr const char* kShadow = R"({"gridSize":101,"gridSpan":50})";  // as the model's .spec: voxels of side 1
 
 std::shared_ptr<const language::Program> galleryProgram(const std::string& name) {
-  const std::string stem = std::string(ESPALIER_SOURCE_DIR) + "/clients/gallery/" + name + "/" + name;
+  const std::string stem = sourceFolder() + "/clients/gallery/" + name + "/" + name;
   server::DiskFileProvider files;
   language::CompileInput input;
   input.modelFile = stem + ".l";
@@ -34,7 +35,7 @@ std::unique_ptr<turtle::EnvironmentProcess> builtIn(const std::string& name, con
   return process == nullptr ? nullptr : std::move(*process);
 }
 
-const std::string kProgram = std::string(ESPALIER_BINARY_DIR) + "/bin/espalier";
+const std::string kProgram = buildFolder() + "/bin/espalier";
 
 std::unique_ptr<turtle::EnvironmentProcess> connected(const std::string& address, bool isTextOnly) {
   server::RemoteEnvironmentOptions options;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "protocol/codec.h"
+#include "tests/support/places.h"
 
 namespace espalier::protocol {
 namespace {
@@ -15,7 +16,7 @@ namespace {
 using nlohmann::json;
 
 std::string contentOf(const std::string& name) {
-  std::ifstream file(std::string(ESPALIER_SOURCE_DIR) + "/protocol/" + name);
+  std::ifstream file(sourceFolder() + "/protocol/" + name);
   std::stringstream text;
   text << file.rdbuf();
   return text.str();

@@ -9,6 +9,7 @@
 #include "raw_peer.h"
 #include "server/environment_dialogue.h"
 #include "server/remote_environment.h"
+#include "tests/support/places.h"
 
 namespace espalier::server {
 namespace {
@@ -88,8 +89,7 @@ TEST(EnvironmentHost, TcpAndStdioGiveBitwiseTheSameStringsAsInProcess) {
     EXPECT_EQ(inside.size(), 6U);
     const Hosted hosted(name);
     EXPECT_EQ(grow(remote(hosted.address())), inside);
-    EXPECT_EQ(grow(remote("stdio:exec '" ESPALIER_BINARY_DIR "/bin/espalier' environment " + name + " --stdio")),
-              inside);
+    EXPECT_EQ(grow(remote("stdio:exec '" + buildFolder() + "/bin/espalier' environment " + name + " --stdio")), inside);
   }
 }
 

@@ -5,13 +5,14 @@
 #include <limits>
 
 #include "environment/plugin_process.h"
+#include "tests/support/places.h"
 
 namespace espalier::server {
 namespace {
 
 using Process = std::unique_ptr<turtle::EnvironmentProcess>;
 
-const std::string kCeiling = std::string(ESPALIER_BINARY_DIR) + "/lib/ceiling.so";
+const std::string kCeiling = buildFolder() + "/lib/ceiling.so";
 
 Process load(const std::string& configuration) {
   auto loaded = loadPluginProcess(kCeiling, configuration);

@@ -12,11 +12,12 @@
 
 #include "engine/core/diagnostic.h"
 #include "engine/language/compiler.h"
+#include "tests/support/places.h"
 
 namespace espalier::language {
 namespace {
 
-const std::filesystem::path kFolder(ESPALIER_SOURCE_DIR "/tests/engine/language/broken");
+const std::filesystem::path kFolder(sourceFolder() + "/tests/engine/language/broken");
 
 std::optional<std::string> contentOf(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);

@@ -9,6 +9,7 @@
 
 #include "engine/language/compiler.h"
 #include "tests/engine/language/compile_text.h"
+#include "tests/support/places.h"
 
 namespace espalier::language {
 namespace {
@@ -26,7 +27,7 @@ class FolderFiles final : public core::FileProvider {
 
 TEST(ConformanceModels, AllCompileInTheReferencesMode) {
   std::vector<std::filesystem::path> models;
-  for (const auto& entry : std::filesystem::directory_iterator(ESPALIER_SOURCE_DIR "/tests/conformance/cases")) {
+  for (const auto& entry : std::filesystem::directory_iterator(sourceFolder() + "/tests/conformance/cases")) {
     if (std::filesystem::exists(entry.path() / "model.l")) {
       models.push_back(entry.path());
     }
@@ -50,7 +51,7 @@ TEST(ConformanceModels, FewGiveWarnings) {
   FolderFiles files;
   std::size_t count = 0;
   std::string all;
-  for (const auto& entry : std::filesystem::directory_iterator(ESPALIER_SOURCE_DIR "/tests/conformance/cases")) {
+  for (const auto& entry : std::filesystem::directory_iterator(sourceFolder() + "/tests/conformance/cases")) {
     CompileInput input;
     input.modelFile = (entry.path() / "model.l").string();
     input.viewFile = std::filesystem::exists(entry.path() / "model.v") ? (entry.path() / "model.v").string() : "";
@@ -68,7 +69,7 @@ TEST(ConformanceModels, FewGiveWarnings) {
 TEST(GalleryModels, GiveNoWarnings) {
   FolderFiles files;
   std::size_t count = 0;
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(ESPALIER_SOURCE_DIR "/clients/gallery")) {
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(sourceFolder() + "/clients/gallery")) {
     if (entry.path().extension() == ".l") {
       CompileInput input;
       input.modelFile = entry.path().string();

@@ -14,6 +14,7 @@
 #include "engine/language/disassembler.h"
 #include "engine/language/program_comparison.h"
 #include "tests/support/disk_files.h"
+#include "tests/support/places.h"
 
 namespace espalier::language {
 namespace {
@@ -45,8 +46,7 @@ std::string productions(const std::string& lines) {
 std::vector<fs::path> publishedModels() {
   std::vector<fs::path> found;
   for (const char* folder : {"/tests/conformance/cases", "/clients/gallery"}) {
-    for (const fs::directory_entry& entry :
-         fs::recursive_directory_iterator(ESPALIER_SOURCE_DIR + std::string(folder))) {
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(sourceFolder() + std::string(folder))) {
       if (entry.path().extension() == ".l") {
         found.push_back(entry.path());
       }

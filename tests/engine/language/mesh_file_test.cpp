@@ -9,6 +9,7 @@
 
 #include "engine/core/streams.h"
 #include "engine/language/view_file.h"
+#include "tests/support/places.h"
 
 namespace espalier::language {
 namespace {
@@ -16,7 +17,7 @@ namespace {
 using core::Vec3;
 
 std::string fileText(const std::string& name) {
-  std::ifstream file(std::string(ESPALIER_SOURCE_DIR) + "/tests/engine/language/meshes/" + name, std::ios::binary);
+  std::ifstream file(sourceFolder() + "/tests/engine/language/meshes/" + name, std::ios::binary);
   EXPECT_TRUE(file.good()) << name;
   return {std::istreambuf_iterator<char>(file), {}};
 }
