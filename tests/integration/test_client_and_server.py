@@ -6,10 +6,11 @@ import sys
 import tempfile
 import unittest
 from pathlib import Path
+from typing import List
 
 from support import GALLERY, PACKAGE, SECONDS, espalier, program, strings, variables
 
-from espalier import Server, ServerError
+from espalier import EspalierError, Frame, Server, ServerError
 
 
 class ClientAndServer(unittest.TestCase):
@@ -105,6 +106,58 @@ class ClientAndServer(unittest.TestCase):
             subprocess.run([program(), *command.group(1).split()], cwd=folder, check=True, timeout=SECONDS,
                            stderr=subprocess.DEVNULL)
             self.assertIn("<svg", (Path(folder) / "tiers.svg").read_text(encoding="utf-8"))
+
+    def test_the_asyncio_example_of_the_package_works_as_written(self) -> None:
+        page = (PACKAGE / "README.md").read_text(encoding="utf-8")
+        example = page.split("The same for asyncio")[1].split("```python\n")[1].split("```")[0]
+        said = subprocess.run([sys.executable, "-c", example.replace("127.0.0.1:4321", self.server.address)],
+                              env=variables(), check=True, timeout=SECONDS, stdout=subprocess.PIPE, text=True).stdout
+        self.assertRegex(said.splitlines()[0], r"^0 \d+ \(\d+, 3\)$")
+        self.assertEqual(said.splitlines()[-1].split()[0], str(len(strings("branch-tiers")) - 1))
+
+    def test_edits_and_forks(self) -> None:
+        weed = self.client.create(gallery="classic-weed")
+        weed.insert(0, ["[", "+", "F", "]"])
+        other = weed.fork("pruned")
+        other.prune(0)
+        self.assertEqual((weed.string(), other.string()), ("[+F]F", "F"))
+        weed.replace(4, ["F", "F"])
+        self.assertEqual(weed.string(), "[+F]FF")
+        with self.assertRaisesRegex(EspalierError, r"3 is not a module. Write its symbol and then its parameters"):
+            weed.insert(0, [3])  # type: ignore[list-item]
+        with self.assertRaisesRegex(EspalierError, "not a module"):
+            weed.insert(0, [()])
+        with self.assertRaisesRegex(EspalierError, r"either a snapshot .* or checkpoint="):
+            weed.restore()
+
+    def test_keeps_checkpoints_on_the_servers_disk(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            server = Server(program(), arguments=["--gallery", str(GALLERY), "--log-level", "off", "--data", folder])
+            self.addCleanup(server.stop)
+            with server.connect(timeout=60) as client:
+                algae = client.create(gallery="classic-algae")
+                algae.checkpoint("start")
+                algae.step(3)
+                self.assertEqual([item["checkpoint"] for item in algae.checkpoints()], ["start"])
+                algae.restore(checkpoint="start")
+                self.assertEqual(algae.string(), "a")
+            server.stop()
+
+    def test_run_reports_its_progress_and_what_that_raises_ends_it(self) -> None:
+        algae = self.client.create(gallery="classic-algae", derivation_length=12)
+        seen: List[int] = []
+        self.assertEqual(algae.run(lambda frame: seen.append(frame.step)).step, 12)
+        self.assertEqual((seen, seen[-1]), (sorted(set(seen)), 12))
+        endless = self.client.create("Lsystem: 1\nderivation length: 1000000\nAxiom: A\nA --> A\nendlsystem\n", save=False)
+
+        def stop(frame: Frame) -> None:
+            if frame.step > 2:
+                raise KeyboardInterrupt
+
+        with self.assertRaises(KeyboardInterrupt):
+            endless.run(stop)
+        self.assertEqual(endless.pause(), 0)
+        self.assertGreater(endless.step().step, 3)
 
     def test_a_snapshot_of_the_server_says_how_its_environment_was_set_up(self) -> None:
         last = strings("branch-tiers")

@@ -1,6 +1,8 @@
 """Espalier from Python: environments that plants grow against, and a client of the server. Standard library only."""
 
-from .client import Client, Frame, Model, Simulation, StepResult, Stream, TurtleRecord
+from .asynchronous import AsyncClient, AsyncSimulation, AsyncStream
+from .client import Client, Simulation, Stream
+from .shapes import Frame, Model, StepResult, TurtleRecord
 from .environment import Answer, Columns, Environment, Following, Opening, Query, Variable
 from .errors import ConnectionLost, EspalierError, ProtocolError, ServerError, ServerFailed
 from .local_server import Local, local
@@ -9,7 +11,7 @@ from .viewing import View
 from .version import VERSION as __version__
 
 __all__ = [
-    "Answer", "Client", "Columns", "ConnectionLost", "Environment", "EspalierError", "Following", "Frame", "Local",
+    "Answer", "AsyncClient", "AsyncSimulation", "AsyncStream", "Client", "Columns", "ConnectionLost", "Environment", "EspalierError", "Following", "Frame", "Local",
     "Model", "Opening",
     "ProtocolError", "Query", "Server", "ServerError", "ServerFailed", "Simulation", "StepResult", "Stream",
     "TurtleRecord", "Variable", "View", "__version__", "local",

@@ -1,126 +1,37 @@
-"""A controller and viewer of a running server.
+"""A controller and viewer of a running server, whose calls wait. asynchronous.py has the same for asyncio.
 
     with Client("127.0.0.1:4321") as client:
         simulation = client.create(gallery="branch-tiers", seed=7)
         with simulation.stream() as stream:
             while not simulation.step().finished:
                 print(len(stream.read().records), "turtle records")
+
+In the examples below, which the tests run, `client` is what `espalier.local()` returns.
 """
 
 from __future__ import annotations
 
-import base64
-from collections import deque
-from dataclasses import dataclass, field
 from pathlib import Path
-from types import MappingProxyType, TracebackType
-from typing import TYPE_CHECKING, Any, Deque, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple, Type, Union
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, Callable, Dict, Iterator, List, Mapping, Optional, Sequence, Type, Union
 
-from . import wire
-from .blocks import Blocks
-from .errors import ConnectionLost, EspalierError, ProtocolError, ServerError
+from . import requests, wire
+from .errors import ConnectionLost, EspalierError
 from .hosting import hello_parameters
+from .requests import Inbox, NewModule, Process, Request, Result, result_of
+from .shapes import Frame, Model, StepResult, TurtleRecord, Vector
 
 if TYPE_CHECKING:
     from .viewing import View
 
-Vector = Tuple[float, float, float]
-# one process with its configuration, as in {"type": "honda", "radius": 0.5}
-Process = Mapping[str, Any]
-
-
-@dataclass(frozen=True)
-class StepResult:
-    """What a call of step made."""
-
-    step: int  # completed steps
-    finished: bool  # the derivation length is reached or the model stopped itself
-    truncated: bool  # fewer steps than asked for were made, although the model is not finished
-    saved: bool  # the state is on the server's disk
-    statistics: Mapping[str, Any]
-
-
-@dataclass(frozen=True)
-class Model:
-    """A model that the server has compiled, or what is wrong with it."""
-
-    model: str  # identifier; empty when the model was only checked
-    valid: bool
-    derivation_length: int
-    diagnostics: Sequence[Mapping[str, Any]]
-
-    def __str__(self) -> str:
-        return "\n".join(str(diagnostic.get("text", "")) for diagnostic in self.diagnostics)
-
-
-@dataclass(frozen=True)
-class TurtleRecord:
-    """One module of a string and the turtle's state after it."""
-
-    index: int  # among all records of the frame; what `parent` refers to
-    plant: int
-    module: int  # index in the plant's string
-    symbol: str
-    parameters: Tuple[float, ...]
-    position: Vector
-    heading: Vector
-    left: Vector
-    up: Vector
-    width: float
-    colour: int
-    branch_order: int
-    parent: Optional[int]  # None: a root
-
-
-@dataclass(frozen=True)
-class Frame:
-    """What a stream says about one step."""
-
-    step: int
-    sequence: int
-    missed: int  # frames left out since the one before, because this reader was slow
-    finished: bool  # the simulation will make no further step
-    records: Sequence[TurtleRecord] = ()
-    string: str = ""
-    statistics: Mapping[str, Any] = field(default_factory=dict)
-    count: int = 0  # of records
-    # with stream(arrays=True) instead of records: plant, module, symbol (an index in `symbols`), position (count, 3),
-    # heading, left, up, width, colour, branchOrder, parent (2^32 - 1: none), parameters and parameterOffset (count + 1)
-    columns: Blocks = field(default_factory=dict)
-    symbols: Tuple[str, ...] = ()
-
-
-def _vector(value: Any) -> Vector:
-    x, y, z = value
-    return (float(x), float(y), float(z))
-
-
-def read_record(shape: Mapping[str, Any], index: int) -> TurtleRecord:
-    """The record of its JSON shape; the index is the place in the list unless the record says another."""
-    return TurtleRecord(
-        index=int(shape.get("index", index)), plant=int(shape["plant"]), module=int(shape["module"]),
-        symbol=str(shape["symbol"]), parameters=tuple(float(value) for value in shape["parameters"]),
-        position=_vector(shape["position"]), heading=_vector(shape["heading"]), left=_vector(shape["left"]),
-        up=_vector(shape["up"]), width=float(shape["width"]), colour=int(shape["colour"]),
-        branch_order=int(shape["branchOrder"]), parent=shape["parent"])
-
-
-def read_frame(shape: Mapping[str, Any], blocks: Blocks = MappingProxyType({})) -> Frame:
-    """The frame of the params of `stream.data`."""
-    try:
-        return Frame(
-            step=int(shape["step"]), sequence=int(shape["sequence"]), missed=int(shape.get("missed", 0)),
-            finished=bool(shape.get("finished", False)),
-            records=[read_record(record, index) for index, record in enumerate(shape.get("records", []))],
-            string=str(shape.get("string", "")), statistics=shape.get("statistics", {}),
-            count=int(shape.get("count", len(shape.get("records", [])))), symbols=tuple(shape.get("symbols", ())),
-            columns=blocks)
-    except (KeyError, TypeError, ValueError) as error:
-        raise ProtocolError(f"stream.data: a frame without or with a wrong {error}.") from None
-
 
 class Client:
-    """A connection to a server. Use it as a context manager, from one thread."""
+    """A connection to a server. Use it as a context manager, from one thread.
+
+    Whatever the server refuses raises ServerError with its `code`, `message` and `data`; a lost connection, or no answer
+    in time, raises ConnectionLost. An interrupt (Ctrl-C, or a notebook's stop button) while a call waits cancels it on the
+    server: the simulation stays at its last completed step.
+    """
 
     def __init__(self, address: str, *, name: str = "python", token: Optional[str] = None,
                  timeout: Optional[float] = None, connect_timeout: float = 10.0) -> None:
@@ -140,8 +51,7 @@ class Client:
         self._channel = channel
         self._timeout = timeout
         self._next_id = 1
-        self._frames: Dict[str, Deque[Frame]] = {}
-        self._ended: Dict[str, str] = {}  # why, by stream
+        self._inbox = Inbox()
         try:
             self.server: Mapping[str, Any] = self.call("hello", hello_parameters(name, "controller", token))
             channel.agree(self.server)
@@ -163,18 +73,41 @@ class Client:
     # ---- any method --------------------------------------------------------------------------------------------
 
     def call(self, method: str, parameters: Optional[Mapping[str, Any]] = None) -> Any:
-        """Sends a request and returns its result. An error of the server raises ServerError."""
-        identifier = self._next_id
-        self._next_id += 1
-        self._channel.send(wire.request(identifier, method, dict(parameters or {})))
-        while True:
-            message = self._receive(self._timeout, method)
-            if "method" not in message and message.get("id") == identifier:
-                return _result_of(message)
+        """Sends a request of protocol/README.md and returns its result.
+
+        >>> client.call("server.status")["protocol"]
+        1
+        """
+        return self._wait_for(self._start(method, parameters or {}), method)
 
     def notify(self, method: str, parameters: Mapping[str, Any]) -> None:
         """Sends a notification: nothing is answered."""
         self._channel.send(wire.notification(method, dict(parameters)))
+
+    def _do(self, request: Request[Result]) -> Result:
+        return request.read(self.call(request.method, request.parameters))
+
+    def _start(self, method: str, parameters: Mapping[str, Any]) -> int:
+        """Sends a request; the number by which its answer is known."""
+        identifier = self._next_id
+        self._next_id += 1
+        self._channel.send(wire.request(identifier, method, dict(parameters)))
+        return identifier
+
+    def _wait_for(self, identifier: int, method: str, meanwhile: Callable[[], None] = lambda: None) -> Any:
+        """The result of a request that was sent; `meanwhile` is called before each message."""
+        message: wire.Message = {}
+        try:
+            while "method" in message or message.get("id") != identifier:
+                meanwhile()
+                message = self._receive(self._timeout, method)
+        except EspalierError:
+            raise
+        except BaseException:
+            # an interrupt, or what `meanwhile` raised: nobody waits any more
+            self.notify("$/cancel", {"id": identifier})
+            raise
+        return result_of(message)
 
     def _receive(self, timeout: Optional[float], what: str) -> wire.Received:
         """The next message. A frame is put aside for its stream on the way."""
@@ -184,31 +117,28 @@ class Client:
             raise ConnectionLost(f"{self._channel.peer} did not answer {what} within {timeout:g} seconds.") from None
         if message is None:
             raise ConnectionLost(f"{self._channel.peer} closed the connection while {what} was waited for.")
-        if message.get("method") == "stream.data":
-            parameters = message.get("params")
-            if not isinstance(parameters, dict) or not isinstance(parameters.get("stream"), str):
-                raise ProtocolError("stream.data: params.stream: expected a text.")
-            # frames of a stream that was closed meanwhile are dropped
-            frames = self._frames.get(parameters["stream"])
-            if frames is not None:
-                frames.append(read_frame(parameters, message.blocks))
-        elif message.get("method") == "stream.end" and isinstance(message.get("params"), dict):
-            closed = message["params"]
-            self._ended[str(closed.get("stream"))] = str(closed.get("reason", "the server closed it"))
-        elif message.get("id") is None and "error" in message:
-            _result_of(message)
+        self._inbox.take(message)
         return message
 
     # ---- models ------------------------------------------------------------------------------------------------
 
     def check(self, source: str) -> Model:
-        """Compiles a model without keeping it; the diagnostics say what is wrong and where."""
-        return _model(self.call("model.check", {"source": source}))
+        """Compiles a model without keeping it; the diagnostics say what is wrong and where.
+
+        >>> wrong = client.check("Lsystem: 1")
+        >>> wrong.valid, len(wrong.diagnostics) > 0
+        (False, True)
+        """
+        return self._do(requests.check(source))
 
     def load(self, source: Optional[str] = None, *, gallery: Optional[str] = None,
              files: Optional[Mapping[str, str]] = None, main: Optional[str] = None) -> Model:
-        """Compiles a model and keeps it on the server, for many simulations."""
-        return _model(self.call("model.load", {"model": _reference(source, gallery, files, main, None)}))
+        """Compiles a model and keeps it on the server, for many simulations: `create(loaded=model.model)`.
+
+        >>> client.load(gallery="classic-algae").valid
+        True
+        """
+        return self._do(requests.load(source, gallery, files, main))
 
     # ---- simulations -------------------------------------------------------------------------------------------
 
@@ -219,100 +149,215 @@ class Client:
                parameters: Optional[Mapping[str, Any]] = None, limits: Optional[Mapping[str, int]] = None,
                save: bool = True) -> "Simulation":
         """Creates a simulation of a model: its source text, a folder of the gallery, `files` by name with `main`, or what
-        load() returned. `environment` lists processes, as in [{"type": "honda", "radius": 0.5}]; one that offered itself
-        is {"type": "offered", "name": …}. `parameters` override #define; `plants` are positions."""
-        request: Dict[str, Any] = {"model": _reference(source, gallery, files, main, loaded)}
-        if environment is not None:
-            request["environment"] = [dict(process) for process in environment]
-        if plants is not None:
-            request["plants"] = [{"position": list(position)} for position in plants]
-        if not save:
-            request["save"] = False
-        optional = {"seed": seed, "name": name, "derivationLength": derivation_length, "parameters": parameters,
-                    "limits": limits}
-        request.update({key: value for key, value in optional.items() if value is not None})
-        created = self.call("simulation.create", request)
+        load() returned.
+
+        `environment` lists processes, as in [{"type": "honda", "radius": 0.5}]; one that offered itself is {"type":
+        "offered", "name": …}. `parameters` override #define; `plants` are positions (x, y, z) in the model's unit of
+        length, one plant at each. A model with errors raises ServerError, whose `diagnostics` list all of them.
+
+        >>> client.create(gallery="branch-tiers", environment=[{"type": "honda", "radius": 0.5}], seed=7).step().step
+        1
+        """
+        created = self._do(requests.create(
+            source, gallery=gallery, loaded=loaded, files=files, main=main, environment=environment, plants=plants, save=save,
+            seed=seed, name=name, derivationLength=derivation_length, parameters=parameters, limits=limits))
         return Simulation(self, str(created["simulation"]), created)
 
     def simulation(self, identifier: str) -> "Simulation":
-        """A simulation that is on the server already."""
-        found = self.call("simulation.get", {"simulation": identifier, "what": "information"})
-        return Simulation(self, identifier, found["information"])
+        """A simulation that is on the server already; ServerError with the code 1011 when there is none."""
+        return Simulation(self, identifier, self._do(requests.information(identifier)))
 
     def simulations(self) -> List[Mapping[str, Any]]:
         """What the server says about each of its simulations."""
-        return list(self.call("simulation.list")["simulations"])
+        return self._do(requests.simulations())
 
     def environments(self) -> List[Mapping[str, Any]]:
-        """The server's built-in processes and those that are offered to it."""
-        return list(self.call("environment.list")["environments"])
+        """The server's built-in processes and those that are offered to it.
+
+        >>> "honda" in [process["name"] for process in client.environments()]
+        True
+        """
+        return self._do(requests.environments())
 
     def status(self) -> Mapping[str, Any]:
-        found: Mapping[str, Any] = self.call("server.status")
-        return found
+        """How busy the server is and what it holds."""
+        return self._do(requests.status())
 
 
 class Simulation:
-    """One simulation on the server."""
+    """One simulation on the server. Its methods return when the server has done what they ask; a call that fails changes
+    nothing (of several steps, those before the failure count).
+
+    >>> algae = client.create(gallery="classic-algae")
+    >>> algae.step(4).step, algae.string()
+    (4, 'abaababa')
+    """
 
     def __init__(self, client: Client, identifier: str, created: Mapping[str, Any]) -> None:
         self._client = client
         self.identifier = identifier
         self.created = created  # what the server said when it was created or found
-        self.history: List[StepResult] = []  # what the calls of step() made, in order
+        self.history: List[StepResult] = []  # what the calls of step() and run() made, in order
 
-    def _call(self, method: str, **parameters: Any) -> Any:
-        return self._client.call(method, {"simulation": self.identifier, **parameters})
+    def _do(self, request: Request[Result]) -> Result:
+        return self._client._do(request)
 
     def step(self, steps: int = 1, *, until: Optional[int] = None) -> StepResult:
         """Makes steps, or as many as are missing to `until` completed steps. When the environment fails, ServerError is
-        raised and the simulation stays at its last completed step."""
-        made = self._call("simulation.step", **({"steps": steps} if until is None else {"until": until}))
-        result = StepResult(int(made["step"]), bool(made["finished"]), bool(made["truncated"]),
-                            bool(made.get("saved", False)), made["statistics"])
-        self.history.append(result)
-        return result
+        raised and the simulation stays at its last completed step; the same call goes on once the environment is back."""
+        made = self._do(requests.step(self.identifier, steps, until))
+        self.history.append(made)
+        return made
 
     def steps(self) -> Iterator[StepResult]:
-        """Makes one step after the other until the model is finished."""
+        """Makes one step after the other until the model is finished.
+
+        >>> [made.step for made in client.create(gallery="growth-to-a-height", environment=[{"type": "height"}]).steps()]
+        [1, 2, 3]
+        """
         while True:
             made = self.step()
             yield made
             if made.finished or made.truncated:
                 return
 
+    def run(self, progress: Optional[Callable[[Frame], None]] = None) -> StepResult:
+        """Makes all steps until the model is finished. `progress` is called with a statistics frame (`step`,
+        `statistics`) for each step, or for the latest when they come faster than they are read; what it raises ends the
+        run between two steps and is raised here.
+
+        >>> algae = client.create(gallery="classic-algae", derivation_length=5)
+        >>> algae.run(lambda frame: None).step
+        5
+        """
+        request = requests.run(self.identifier)
+        if progress is None:
+            made = self._do(request)
+        else:
+            report = progress
+            with self.stream("statistics") as stream:
+                shown = -1
+
+                def show() -> None:
+                    nonlocal shown
+                    frame = stream.poll()
+                    while frame is not None:
+                        report(frame)
+                        shown = frame.step
+                        frame = stream.poll()
+
+                started = self._client._start(request.method, request.parameters)
+                made = request.read(self._client._wait_for(started, request.method, show))
+                show()
+                while shown < made.step:
+                    self._client._receive(self._client._timeout, "stream.data")
+                    show()
+        self.history.append(made)
+        return made
+
+    def pause(self) -> int:
+        """Ends, between two steps, whatever steps the simulation (a run of another client); how many calls that were."""
+        return self._do(requests.pause(self.identifier))
+
     def get(self, what: str, **parameters: Any) -> Mapping[str, Any]:
-        """string, statistics, state-hash, turtle, model or information."""
-        found: Mapping[str, Any] = self._call("simulation.get", what=what, **parameters)
-        return found
+        """string, statistics, state-hash, turtle, model, information or checkpoints, as the protocol has it.
+
+        >>> client.create(gallery="classic-algae").get("statistics")["statistics"]["modules"]
+        1
+        """
+        return self._do(requests.get(self.identifier, what, parameters))
 
     def string(self, plant: int = 0) -> str:
         """The derived string of a plant."""
-        return str(self.get("string", plant=plant)["string"])
+        return self._do(requests.string(self.identifier, plant))
 
     def turtle(self) -> List[TurtleRecord]:
-        """The turtle's state at every module, now."""
-        return [read_record(record, index) for index, record in enumerate(self.get("turtle")["records"])]
+        """The turtle's state at every module, now. stream(arrays=True) gives the same as arrays, for big plants."""
+        return self._do(requests.turtle(self.identifier))
+
+    def set(self, parameters: Mapping[str, Union[float, str]]) -> None:
+        """Gives variables of the model, or names that it has by #define (the two in calls of their own), other values
+        from the next step on.
+
+        >>> tiers = client.create(gallery="branch-tiers", environment=[{"type": "honda", "radius": 0.5}])
+        >>> tiers.set({"ALPHA2": 30})
+        """
+        self._do(requests.set_parameters(self.identifier, parameters))
+
+    def prune(self, module: int, plant: int = 0) -> None:
+        """Takes away a module (its index in the plant's string, as TurtleRecord.module) and everything it carries.
+
+        >>> algae = client.create(gallery="classic-algae")
+        >>> algae.step(3).step, algae.string()
+        (3, 'abaab')
+        >>> algae.prune(2)
+        >>> algae.string()
+        'ab'
+        """
+        self._do(requests.edit(self.identifier, "prune", module, (), plant))
+
+    def insert(self, module: int, modules: Sequence[NewModule], plant: int = 0) -> None:
+        """Puts modules, each a symbol or (symbol, parameter…), before a module: a rotation there bends the shoot. They are
+        of types that the model has.
+
+        >>> weed = client.create(gallery="classic-weed")
+        >>> weed.insert(0, ["[", "+", "F", "]"])
+        >>> weed.string()
+        '[+F]F'
+        """
+        self._do(requests.edit(self.identifier, "insert", module, modules, plant))
+
+    def replace(self, module: int, modules: Sequence[NewModule], plant: int = 0) -> None:
+        """Puts modules in the place of one module."""
+        self._do(requests.edit(self.identifier, "replace", module, modules, plant))
 
     def save(self) -> bytes:
         """The complete state: the bytes of a snapshot, which `espalier run --resume` reads too."""
-        return base64.b64decode(self._call("simulation.save")["snapshot"])
+        return self._do(requests.save(self.identifier))
 
     def save_to(self, path: Union[str, Path]) -> None:
         """Writes a snapshot file."""
         Path(path).write_bytes(self.save())
 
-    def restore(self, snapshot: bytes) -> None:
-        """Goes back, or forward, to the state of a snapshot of the same model."""
-        self._call("simulation.restore", snapshot=base64.b64encode(snapshot).decode("ascii"))
+    def checkpoint(self, name: str) -> None:
+        """Keeps the complete state on the server's disk under a name. Needs a server with a data folder (--data)."""
+        self._do(requests.save_checkpoint(self.identifier, name))
+
+    def checkpoints(self) -> List[Mapping[str, Any]]:
+        """What checkpoint() kept: `checkpoint` (the name), `step` and `bytes` of each."""
+        return self._do(requests.checkpoints(self.identifier))
+
+    def restore(self, snapshot: Optional[bytes] = None, *, checkpoint: Optional[str] = None) -> None:
+        """Goes back, or forward, to the state of a snapshot of the same model, or to a checkpoint of the server.
+
+        >>> algae = client.create(gallery="classic-algae")
+        >>> start = algae.save()
+        >>> algae.step(5).step
+        5
+        >>> algae.restore(start)
+        >>> algae.string()
+        'a'
+        """
+        self._do(requests.restore(self.identifier, snapshot, checkpoint))
 
     def reset(self, seed: Optional[int] = None) -> None:
         """Goes back to step 0, with another seed when one is given."""
-        self._call("simulation.reset", **({} if seed is None else {"seed": seed}))
+        self._do(requests.reset(self.identifier, seed))
+
+    def fork(self, name: Optional[str] = None) -> "Simulation":
+        """A second simulation in the same state, which goes its own way from here.
+
+        >>> algae = client.create(gallery="classic-algae")
+        >>> other = algae.fork()
+        >>> other.step(2).step, algae.string()
+        (2, 'a')
+        """
+        created = self._do(requests.fork(self.identifier, name))
+        return Simulation(self._client, str(created["simulation"]), created)
 
     def delete(self) -> None:
         """Removes the simulation from the server."""
-        self._call("simulation.delete")
+        self._do(requests.delete(self.identifier))
 
     def view(self, snapshots: Optional[Sequence[bytes]] = None, *, height: int = 480) -> "View":
         """The plant in a page, which a notebook shows: as it is now, or one frame for each of `snapshots` (what save()
@@ -323,7 +368,7 @@ class Simulation:
         return View(geometry_of(states), str(self.created.get("name", "Espalier")), height)
 
     def plot(self, *names: str) -> Any:
-        """Plots statistics over the steps that step() made (`modules` by default) and returns the axes. Needs matplotlib."""
+        """Plots statistics over the steps in `history` (`modules` by default) and returns the axes. Needs matplotlib."""
         try:
             from matplotlib import pyplot  # type: ignore[import]
         except ImportError:
@@ -338,14 +383,20 @@ class Simulation:
     def stream(self, what: str = "turtle", *, every: int = 1, symbols: Optional[Sequence[str]] = None,
                credits: int = 8, arrays: bool = False, single: bool = False) -> "Stream":
         """Opens a stream of frames: turtle, string or statistics. The first frame is the state now. At most `credits`
-        frames are under way; a reader that is slower misses frames and never slows the simulation. With `arrays` the turtle's
-        records come as columns (Frame.columns: NumPy arrays when NumPy is there), in single precision when `single`."""
-        parameters: Dict[str, Any] = {"what": what, "every": every, "credits": credits}
-        if symbols is not None:
-            parameters["select"] = {"symbols": list(symbols)}
-        if arrays:
-            parameters.update({"bin": True, "precision": "single" if single else "double"})
-        return Stream(self._client, str(self._call("stream.open", **parameters)["stream"]))
+        frames are under way; a reader that is slower misses frames and never slows the simulation.
+
+        With `arrays` the turtle's records come as columns (Frame.columns: NumPy arrays when NumPy is there), in single
+        precision when `single`.
+
+        >>> algae = client.create(gallery="classic-algae")
+        >>> with algae.stream("string") as stream:
+        ...     now = stream.read().string
+        ...     made = algae.step()
+        ...     now, stream.read().string
+        ('a', 'ab')
+        """
+        opened = self._do(requests.open_stream(self.identifier, what, every, symbols, credits, arrays, single))
+        return Stream(self._client, opened)
 
 
 class Stream:
@@ -354,21 +405,23 @@ class Stream:
     def __init__(self, client: Client, identifier: str) -> None:
         self._client = client
         self.identifier = identifier
+        client._inbox.open(identifier)
         self._is_open = True
-        client._frames.setdefault(identifier, deque())
 
     def read(self, timeout: Optional[float] = None) -> Frame:
         """The next frame; waits for it at most `timeout` seconds (None: as long as it takes). It is acknowledged, which
         lets the server send another."""
-        if not self._is_open:
-            raise EspalierError("The stream is closed.")
-        frames = self._client._frames[self.identifier]
-        while not frames:
-            if self.identifier in self._client._ended:
-                raise EspalierError(f"The stream has ended: {self._client._ended[self.identifier]}")
+        frame = self.poll()
+        while frame is None:
             self._client._receive(timeout, "stream.data")
-        frame = frames.popleft()
-        self._client.notify("stream.ack", {"stream": self.identifier, "sequence": frame.sequence})
+            frame = self.poll()
+        return frame
+
+    def poll(self) -> Optional[Frame]:
+        """The next frame if one has come, without waiting."""
+        frame = self._client._inbox.next(self.identifier)
+        if frame is not None:
+            self._client.notify(*requests.acknowledgement(self.identifier, frame))
         return frame
 
     def __iter__(self) -> Iterator[Frame]:
@@ -380,12 +433,13 @@ class Stream:
                 return
 
     def close(self) -> None:
+        """Ends the stream; frames that were not read are dropped."""
         if self._is_open:
             self._is_open = False
             try:
-                self._client.call("stream.close", {"stream": self.identifier})
+                self._client._do(requests.close_stream(self.identifier))
             finally:
-                self._client._frames.pop(self.identifier, None)
+                self._client._inbox.close(self.identifier)
 
     def __enter__(self) -> "Stream":
         return self
@@ -395,29 +449,3 @@ class Stream:
         # a connection that is lost has no stream to close; the first error is the one to see
         if error is None or not isinstance(error, ConnectionLost):
             self.close()
-
-
-def _result_of(message: wire.Message) -> Any:
-    if "error" not in message:
-        return message.get("result")
-    error = message["error"]
-    if not isinstance(error, dict):
-        raise ProtocolError("error: expected an object.")
-    raise ServerError(int(error.get("code", 0)), str(error.get("message", "")), error.get("data"))
-
-
-def _reference(source: Optional[str], gallery: Optional[str], files: Optional[Mapping[str, str]], main: Optional[str],
-               loaded: Optional[str]) -> Dict[str, Any]:
-    given: Dict[str, Any] = {"source": source, "gallery": gallery, "loaded": loaded}
-    if files is not None:
-        given["files"] = dict(files)
-        given["main"] = main
-    chosen = {key: value for key, value in given.items() if value is not None}
-    if len(chosen) - (1 if "main" in chosen else 0) != 1:
-        raise EspalierError("Give a model in exactly one way: its source text, gallery=…, files=… with main=…, or loaded=….")
-    return chosen
-
-
-def _model(shape: Mapping[str, Any]) -> Model:
-    return Model(str(shape.get("model", "")), bool(shape["valid"]), int(shape.get("derivationLength", 0)),
-                 shape.get("diagnostics", []))

@@ -124,6 +124,7 @@ class Variable:
     unit: str = "1"
 
     def as_json(self) -> Dict[str, str]:
+        """As the protocol has it."""
         return {"name": self.name, "unit": self.unit}
 
 
@@ -156,16 +157,33 @@ class Environment:
         """Called once before the first step, and again on a new object after a simulation starts over."""
 
     def answer(self, query: Query) -> Answer:
-        """The values the query's module gets, in order; None keeps what it sent."""
+        """The values the query's module gets, in order; None keeps what it sent.
+
+        >>> class Ceiling(espalier.Environment):
+        ...     def answer(self, query):
+        ...         return [1 if query.position[1] < 3 else 0]
+        >>> tip = client.create(gallery="growth-to-a-height", environment=[client.attach(Ceiling)])
+        >>> tip.step().statistics["answers"]
+        1
+        """
         raise NotImplementedError(f"{type(self).__name__} defines neither answer(self, query) nor step(self, queries).")
 
     def step(self, queries: Sequence[Query]) -> Sequence[Answer]:
-        """Answers of all queries of one step, in their order. Called also for a step without queries."""
+        """Answers of all queries of one step, in their order. Called also for a step without queries. Whatever it raises
+        fails the step: the trace goes to standard error here, a sentence to who runs the simulation, and the same step is
+        asked again when the simulation is stepped again."""
         return [self.answer(query) for query in queries]
 
     def step_columns(self, queries: Columns) -> Any:
-        """Instead of `step`, for many queries: all of them as arrays. Returns an array of one number for every query,
-        or of rows of numbers (queries, values), which set the module's parameters in order; None keeps all."""
+        """Instead of `step`, for many queries: all of them as arrays. Returns an array of one number for every query
+        (queries), or of rows of numbers (queries, values), which set the module's parameters in order; None keeps all.
+        Numbers of any kind are taken, as doubles; they must be finite.
+
+        >>> class Height(espalier.Environment):
+        ...     needs = ("position",)
+        ...     def step_columns(self, queries):
+        ...         return queries.position[:, 1]                # of NumPy: (queries)
+        """
         raise NotImplementedError
 
     def save(self) -> Any:

@@ -10,7 +10,7 @@ import json
 import socket
 import ssl
 import time
-from typing import Any, BinaryIO, Dict, Mapping, Optional, Sequence
+from typing import Any, BinaryIO, Dict, List, Mapping, Optional, Sequence
 
 from .blocks import Blocks, pack, read_blocks
 from .errors import ConnectionLost, ProtocolError
@@ -93,6 +93,41 @@ def parse_address(address: str) -> "tuple[str, int]":
     return host.strip("[]") or "127.0.0.1", int(port)
 
 
+def nothing_answers(address: str, error: OSError) -> ConnectionLost:
+    return ConnectionLost(f"Nothing answers at {address} ({error.strerror or error}). "
+                          f"Start a server there with 'espalier serve --listen {address}'.")
+
+
+def lost(peer: str, error: OSError) -> ConnectionLost:
+    return ConnectionLost(f"The connection to {peer} is lost ({error.strerror or error}).")
+
+
+def pieces_of(message: Message, blocks: Optional[Blocks]) -> List[Any]:
+    """The bytes-like pieces of a message on a line, with the arrays behind it when there are some."""
+    if not blocks:
+        return [encode(message)]
+    table, pieces, total = pack(blocks)
+    return [encode({**message, "bin": table, "binBytes": total}), *pieces]
+
+
+def announced_bytes(message: Message, takes_blocks: bool, peer: str) -> Optional[int]:
+    """How many bytes of arrays follow a message; None: it has no arrays."""
+    total = message.get("binBytes")
+    if total is None:
+        return None
+    if not takes_blocks:
+        raise ConnectionLost(f"{peer} sent binary blocks that were not agreed on.")
+    if isinstance(total, bool) or not isinstance(total, int) or not 0 <= total <= MAXIMUM_BLOCK_BYTES:
+        raise ConnectionLost(f"{peer} sent binBytes {total!r}; expected at most {MAXIMUM_BLOCK_BYTES}.")
+    return total
+
+
+def has_blocks(hello: Mapping[str, Any]) -> bool:
+    """Whether the other side named the capability `bin` in its hello, or in its answer to it."""
+    capabilities = hello.get("capabilities")
+    return isinstance(capabilities, list) and "bin" in capabilities
+
+
 def connect(address: str, timeout: float) -> "Channel":
     """A channel to a server: HOST:PORT (or tcp://…), tls://HOST:PORT, unix:PATH, or ws://HOST:PORT and wss://HOST:PORT of
     its HTTP side. The certificate of tls and wss must be one that this machine trusts; SSL_CERT_FILE names another."""
@@ -103,8 +138,7 @@ def connect(address: str, timeout: float) -> "Channel":
             connection.connect(path)
         except OSError as error:
             connection.close()
-            raise ConnectionLost(f"Nothing answers at {address} ({error.strerror or error}). "
-                                 f"Start a server there with 'espalier serve --listen {address}'.") from None
+            raise nothing_answers(address, error) from None
         return SocketChannel(connection, address)
     scheme, separator, rest = address.partition("://")
     if separator and scheme in ("ws", "wss"):
@@ -135,16 +169,11 @@ class Channel:
 
     def agree(self, hello: Mapping[str, Any]) -> None:
         """Takes in what the other side said in its hello, or answered to it."""
-        capabilities = hello.get("capabilities")
-        self.takes_blocks = isinstance(capabilities, list) and "bin" in capabilities
+        self.takes_blocks = has_blocks(hello)
 
     def send(self, message: Message, blocks: Optional[Blocks] = None) -> None:
         """Sends a message, and arrays behind it when there are some (only when they were agreed on)."""
-        if not blocks:
-            self._write([encode(message)])
-            return
-        table, pieces, total = pack(blocks)
-        self._write([encode({**message, "bin": table, "binBytes": total}), *pieces])
+        self._write(pieces_of(message, blocks))
 
     def receive(self, timeout: Optional[float] = None) -> Optional[Received]:
         """The next message; None when the other side has ended. Raises TimeoutError after `timeout` seconds."""
@@ -153,13 +182,9 @@ class Channel:
         if line is None:
             return None
         message = decode(line)
-        total = message.get("binBytes")
+        total = announced_bytes(message, self.takes_blocks, self.peer)
         if total is None:
             return message
-        if not self.takes_blocks:
-            raise ConnectionLost(f"{self.peer} sent binary blocks that were not agreed on.")
-        if isinstance(total, bool) or not isinstance(total, int) or not 0 <= total <= MAXIMUM_BLOCK_BYTES:
-            raise ConnectionLost(f"{self.peer} sent binBytes {total!r}; expected at most {MAXIMUM_BLOCK_BYTES}.")
         raw = self._read_bytes(total, deadline)
         if raw is None:
             return None
@@ -197,8 +222,7 @@ class SocketChannel(Channel):
         try:
             connection = socket.create_connection((host, port), timeout)
         except OSError as error:
-            raise ConnectionLost(f"Nothing answers at {peer} ({error.strerror or error}). "
-                                 f"Start a server there with 'espalier serve --listen {peer}'.") from None
+            raise nothing_answers(peer, error) from None
         connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         return cls(connection, peer)
 
@@ -212,7 +236,7 @@ class SocketChannel(Channel):
             for piece in pieces:
                 self._socket.sendall(piece)
         except OSError as error:
-            raise ConnectionLost(f"The connection to {self.peer} is lost ({error.strerror or error}).") from None
+            raise lost(self.peer, error) from None
 
     def _read_line(self, deadline: Optional[float]) -> Optional[bytes]:
         while True:
@@ -251,7 +275,7 @@ class SocketChannel(Channel):
         except ConnectionError:
             return 0
         except OSError as error:
-            raise ConnectionLost(f"The connection to {self.peer} is lost ({error.strerror or error}).") from None
+            raise lost(self.peer, error) from None
 
     def _set_timeout(self, deadline: Optional[float]) -> None:
         remaining = None if deadline is None else deadline - time.monotonic()
@@ -269,7 +293,7 @@ class SocketChannel(Channel):
         except ConnectionError:
             return False
         except OSError as error:
-            raise ConnectionLost(f"The connection to {self.peer} is lost ({error.strerror or error}).") from None
+            raise lost(self.peer, error) from None
         self._buffer += piece
         return bool(piece)
 
