@@ -41,8 +41,8 @@ void addDescription(const std::string& name, const turtle::EnvironmentProcess& p
 
 void ProcessGroup::add(std::string name, std::unique_ptr<turtle::EnvironmentProcess> process) {
   ESPALIER_CHECK(process != nullptr);
-  const bool isStateful = process->describe().isStateful;
-  members_.push_back({std::move(name), std::move(process), isStateful});
+  const turtle::EnvironmentDescription description = process->describe();
+  members_.push_back({std::move(name), std::move(process), description.isStateful, description.needs.geometry});
 }
 
 std::string ProcessGroup::names() const {
@@ -66,7 +66,9 @@ std::optional<EnvironmentError> ProcessGroup::open(const turtle::EnvironmentCont
     if (auto error = member.process->open(context)) {
       return error;
     }
-    member.isStateful = member.process->describe().isStateful;
+    const turtle::EnvironmentDescription description = member.process->describe();
+    member.isStateful = description.isStateful;
+    member.needsGeometry = description.needs.geometry;
   }
   return std::nullopt;
 }
@@ -76,7 +78,7 @@ std::optional<EnvironmentError> ProcessGroup::step(const turtle::QueryBatch& que
                                                    std::size_t firstParameter, turtle::ReplyBatch& replies) {
   auto error = advanceAll([&](std::size_t index) -> std::optional<EnvironmentError> {
     Member& member = members_[index];
-    if (assigned[index].empty()) {
+    if (assigned[index].empty() && !member.needsGeometry) {
       return member.process->tick(queries.step);
     }
     selectQueries(queries, assigned[index], firstParameter, member.batch);

@@ -27,8 +27,9 @@ class ProcessGroup {
   [[nodiscard]] std::optional<turtle::EnvironmentError> open(const turtle::EnvironmentContext& context);
 
   /// Gives each member the queries assigned to it in one batch, without their parameters before `firstParameter`, or a
-  /// tick when it has none, and merges the replies. If one fails, all have their state from before. `assigned` holds
-  /// indices into `queries` (size()). O(queries + parameters) and a copy of the state of all stateful members but one.
+  /// tick when it has none and needs no geometry, and merges the replies. If one fails, all have their state from
+  /// before. `assigned` holds indices into `queries` (size()). O(queries + parameters) and a copy of the state of all
+  /// stateful members but one.
   [[nodiscard]] std::optional<turtle::EnvironmentError> step(const turtle::QueryBatch& queries,
                                                              const std::vector<std::vector<std::size_t>>& assigned,
                                                              std::size_t firstParameter, turtle::ReplyBatch& replies);
@@ -44,6 +45,7 @@ class ProcessGroup {
     std::string name;
     std::unique_ptr<turtle::EnvironmentProcess> process;
     bool isStateful = false;
+    bool needsGeometry = false;
     turtle::QueryBatch batch{};    // its queries of this step
     turtle::ReplyBatch replies{};  // and their answers
   };

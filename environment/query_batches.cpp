@@ -25,6 +25,7 @@ void selectQueries(const turtle::QueryBatch& whole, std::span<const std::size_t>
   part.step = whole.step;
   part.iteration = whole.iteration;
   part.timeDays = whole.timeDays;
+  part.geometry = whole.geometry;
   selectItems(whole.plant, chosen, part.plant);
   selectItems(whole.module, chosen, part.module);
   selectItems(whole.symbol, chosen, part.symbol);

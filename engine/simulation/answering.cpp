@@ -3,6 +3,7 @@
 
 #include "engine/core/number_text.h"
 #include "engine/simulation/simulation_implementation.h"
+#include "engine/turtle/geometry.h"
 
 namespace espalier::simulation {
 
@@ -23,6 +24,8 @@ void Simulation::Implementation::answerPass() {
     interpretForQueries();
   }
   if (environment_) {
+    queries_.step = completedSteps_;
+    queries_.timeDays = static_cast<double>(completedSteps_) * options_.world.stepDurationDays;
     consultEnvironment();
   }
   isAnswered_ = true;
@@ -42,13 +45,28 @@ void Simulation::Implementation::interpretForQueries() {
     interpreter_.interpret(derivations_[plant], plants_[plant], static_cast<std::uint32_t>(plant), placements_[plant],
                            output);
   }
-  queries_.step = completedSteps_;
-  queries_.timeDays = static_cast<double>(completedSteps_) * options_.world.stepDurationDays;
   statistics_.queries = queries_.size();
 }
 
+void Simulation::Implementation::measureGeometry() {
+  turtle::Scene scene;
+  turtle::InterpretationOutput output;
+  output.scene = &scene;
+  if (auto error = draw(std::move(output))) {
+    throw core::SimulationFailure(std::move(*error));
+  }
+  auto geometry = std::make_shared<turtle::Geometry>();
+  const auto symbolOf = [this](std::uint32_t plant, std::uint64_t module) {
+    return program_->symbolOf[plants_[plant].string.types()[module]];
+  };
+  turtle::appendGeometry(std::move(scene), program_->view, symbolOf, *geometry);
+  queries_.geometry = std::move(geometry);
+}
+
 void Simulation::Implementation::consultEnvironment() {
-  if (queries_.size() == 0) {
+  // the reference transmits nothing in a step without queries
+  const bool needsGeometry = description_.needs.geometry;
+  if (queries_.size() == 0 && (!needsGeometry || isCompatible())) {
     tickEnvironment();
     return;
   }
@@ -57,6 +75,9 @@ void Simulation::Implementation::consultEnvironment() {
   if (!hasKept) {
     pending_.hasReplies = false;
     pending_.replies.prepare(queries_);
+    if (needsGeometry) {
+      measureGeometry();
+    }
     if (const auto error = environment_->step(queries_, pending_.replies)) {
       if (options_.environmentPolicy == EnvironmentPolicy::Fail) {
         throw core::SimulationFailure(environmentFailure(*error));

@@ -63,6 +63,7 @@ class Simulation::Implementation {
   // the parts of a step: they throw SimulationFailure and are undone by undoStep
   void answerPass();
   void interpretForQueries();
+  void measureGeometry();
   void consultEnvironment();
   void tickEnvironment();
   void requireFiniteReplies() const;

@@ -21,6 +21,7 @@ void QueryBatch::clear() {
   following.clear();
   followingOffset.assign(1, 0);
   followingParameters.clear();
+  geometry.reset();
 }
 
 void ReplyBatch::prepare(const QueryBatch& queries) {

@@ -14,6 +14,8 @@
 
 namespace espalier::turtle {
 
+struct Geometry;
+
 /// Which parts of a query a process reads; the rest need not be filled or sent.
 struct EnvironmentNeeds {
   bool position = false;
@@ -24,7 +26,7 @@ struct EnvironmentNeeds {
   bool scale = false;
   bool parameters = false;
   bool following = false;
-  bool geometry = false;
+  bool geometry = false;  // what all plants look like (geometry.h)
 
   constexpr bool operator==(const EnvironmentNeeds&) const = default;
 };
@@ -83,6 +85,7 @@ struct QueryBatch {
   std::vector<core::SymbolId> following;                // the next module of the string; kNoSymbol: none (n)
   std::vector<std::uint64_t> followingOffset;           // (n + 1)
   std::vector<double> followingParameters;
+  std::shared_ptr<const Geometry> geometry;  // all plants as they are when they ask; null unless it is needed
 
   [[nodiscard]] std::size_t size() const { return plant.size(); }
   [[nodiscard]] std::span<const double> parametersOf(std::size_t query) const {
@@ -132,7 +135,7 @@ class EnvironmentProcess {
   [[nodiscard]] virtual std::optional<EnvironmentError> open(const EnvironmentContext& context) = 0;
 
   /// Answers a batch. `replies` is prepared. On an error nothing of `replies` is used and the process's state is as
-  /// before.
+  /// before. A process that needs geometry is also called in steps without queries, instead of tick().
   [[nodiscard]] virtual std::optional<EnvironmentError> step(const QueryBatch& queries, ReplyBatch& replies) = 0;
 
   /// Called when a step of simulation time passes without queries (soil diffuses). Default: nothing.

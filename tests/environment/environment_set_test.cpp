@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "engine/turtle/geometry.h"
 #include "query_builder.h"
 
 namespace espalier::environment {
@@ -219,6 +220,46 @@ TEST(EnvironmentSet, OneNamedProcessAnswersItsNameAndPlainQueriesOnly) {
   turtle::ReplyBatch replies;
   replies.prepare(wrong.batch());
   EXPECT_TRUE(set->step(wrong.batch(), replies));
+}
+
+/// Needs geometry and counts its steps.
+class Looker final : public EnvironmentProcess {
+ public:
+  explicit Looker(std::vector<std::size_t>& steps) : steps_(&steps) {}
+  [[nodiscard]] turtle::EnvironmentDescription describe() const override {
+    turtle::EnvironmentDescription description;
+    description.name = "looker";
+    description.needs.geometry = true;
+    return description;
+  }
+  [[nodiscard]] std::optional<EnvironmentError> open(const turtle::EnvironmentContext&) override {
+    return std::nullopt;
+  }
+  [[nodiscard]] std::optional<EnvironmentError> step(const turtle::QueryBatch& queries, turtle::ReplyBatch&) override {
+    steps_->push_back(queries.geometry != nullptr ? queries.geometry->segments.size() : 0);
+    return std::nullopt;
+  }
+
+ private:
+  std::vector<std::size_t>* steps_;
+};
+
+TEST(EnvironmentSet, GeometryGoesToWhoNeedsItAlsoWithoutQueries) {
+  std::vector<std::size_t> steps;
+  std::vector<std::pair<std::string, std::unique_ptr<EnvironmentProcess>>> processes;
+  processes.emplace_back("adder", std::make_unique<Adder>(1.0, false));
+  processes.emplace_back("looker", std::make_unique<Looker>(steps));
+  const auto set = makeEnvironmentSet(std::move(processes));
+  EXPECT_TRUE(set->describe().needs.geometry);
+  turtle::QueryBatch queries;
+  queries.clear();
+  auto geometry = std::make_shared<turtle::Geometry>();
+  geometry->segments.plant.assign(3, 0);
+  queries.geometry = geometry;
+  turtle::ReplyBatch replies;
+  replies.prepare(queries);
+  EXPECT_FALSE(set->step(queries, replies).has_value());
+  EXPECT_EQ(steps, (std::vector<std::size_t>{3}));
 }
 
 }  // namespace
