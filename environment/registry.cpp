@@ -8,6 +8,7 @@
 #include "environment/attractors.h"
 #include "environment/chiba.h"
 #include "environment/clover.h"
+#include "environment/colonization.h"
 #include "environment/constant.h"
 #include "environment/density.h"
 #include "environment/density3d.h"
@@ -16,6 +17,7 @@
 #include "environment/gravity.h"
 #include "environment/height.h"
 #include "environment/honda.h"
+#include "environment/light/light_voxels.h"
 #include "environment/meadow.h"
 #include "environment/multiple.h"
 #include "environment/obstacles.h"
@@ -31,11 +33,12 @@ namespace espalier::environment {
 namespace {
 
 // sorted by name
-constexpr std::array kProcesses{&kArvoProcess,     &kAttractorsProcess, &kChibaProcess,     &kCloverProcess,
-                                &kConstantProcess, &kDensityProcess,    &kDensity3dProcess, &kEcosystemProcess,
-                                &kEmissionProcess, &kGravityProcess,    &kHeightProcess,    &kHondaProcess,
-                                &kMeadowProcess,   &kMultipleProcess,   &kObstaclesProcess, &kOrnamentProcess,
-                                &kShadowProcess,   &kSoilProcess,       &kTakenakaProcess,  &kWindProcess};
+constexpr std::array kProcesses{&kArvoProcess,         &kAttractorsProcess,  &kChibaProcess,   &kCloverProcess,
+                                &kColonizationProcess, &kConstantProcess,    &kDensityProcess, &kDensity3dProcess,
+                                &kEcosystemProcess,    &kEmissionProcess,    &kGravityProcess, &kHeightProcess,
+                                &kHondaProcess,        &kLightVoxelsProcess, &kMeadowProcess,  &kMultipleProcess,
+                                &kObstaclesProcess,    &kOrnamentProcess,    &kShadowProcess,  &kSoilProcess,
+                                &kTakenakaProcess,     &kWindProcess};
 
 }  // namespace
 

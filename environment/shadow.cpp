@@ -8,6 +8,7 @@
 
 #include "engine/core/random.h"
 #include "environment/bricked_grid.h"
+#include "environment/grid_axes.h"
 #include "environment/replies.h"
 
 namespace espalier::environment {
@@ -98,40 +99,6 @@ struct ShadowParameters {
 using Darkness = std::int64_t;
 constexpr double kDarknessUnit = 1099511627776.0;  // 2^40
 constexpr Darkness kDark = Darkness{2000} << 40;
-
-/// The three directions of the grid: which world direction is up, and how world coordinates map to it and back.
-struct GridAxes {
-  int up = 1;         // index of the world axis along which the grid's y runs
-  double sign = 1.0;  // -1: up is the negative axis
-
-  [[nodiscard]] Vec3 toGrid(const Vec3& p) const {
-    if (up == 0) {
-      return {p.y, sign * p.x, p.z};
-    }
-    return up == 1 ? Vec3{p.x, sign * p.y, p.z} : Vec3{p.x, sign * p.z, p.y};
-  }
-  [[nodiscard]] Vec3 toWorld(const Vec3& p) const {
-    if (up == 0) {
-      return {sign * p.y, p.x, p.z};
-    }
-    return up == 1 ? Vec3{p.x, sign * p.y, p.z} : Vec3{p.x, p.z, sign * p.y};
-  }
-};
-
-std::optional<GridAxes> axesOf(const Vec3& up) {
-  const std::array<double, 3> components{up.x, up.y, up.z};
-  std::optional<GridAxes> axes;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double component = components[static_cast<std::size_t>(axis)];
-    if (component != 0.0) {
-      if (axes) {
-        return std::nullopt;
-      }
-      axes = GridAxes{axis, component > 0.0 ? 1.0 : -1.0};
-    }
-  }
-  return axes;
-}
 
 class Shadow final : public turtle::EnvironmentProcess {
  public:

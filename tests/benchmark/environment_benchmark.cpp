@@ -121,6 +121,8 @@ const std::vector<Candidate>& candidates() {
       {"chiba", R"({"sources":[[0,1,0,4],[0.6,0.8,0,3],[-0.6,0.8,0,3]]})",
        [](std::size_t i) { return std::vector<double>{0.1 + 0.05 * static_cast<double>(i % 7)}; }},
       {"clover", R"({"range":[100,100],"position":[0,0],"gridSize":[2000,2000]})", leaves},
+      {"colonization", R"({"markerCount":1000000,"markerBox":[0,0,0,100,100,100],"occupancyRadius":0.5})",
+       [](std::size_t i) { return std::vector<double>(5, i % 2 == 0 ? 1.0 : 0.0); }},
       {"density", "", [](std::size_t) { return std::vector<double>(3, 0.0); }},
       {"density3d", R"({"range":[100,100,100],"gridSize":[100,100,100]})", few},
       {"ecosystem", R"({"threeDimensional":true})",
@@ -129,6 +131,7 @@ const std::vector<Candidate>& candidates() {
        }},
       {"height", "", few},
       {"honda", R"({"radius":0.5,"threeDimensional":true})", few},
+      {"light-voxels", R"({"gridSize":[50,50,50],"voxelSize":2,"position":[0,0,0]})", few},
       {"ornament", R"({"range":[100,100],"position":[0,0],"gridSize":[2000,2000]})",
        [](std::size_t) {
          return std::vector<double>{0.0, 0.2};

@@ -32,6 +32,7 @@ std::vector<Candidate> candidates() {
       {"chiba", R"({"radius":1,"sampleCount":8})", 4},
       {"chiba", R"({"radius":1,"sources":[[0,1,0,4],[1,1,0,3]],"estimateIntersectionArea":true,"beamRadius":0.5})", 4},
       {"clover", R"({"gridSize":[64,64],"range":[10,10],"position":[0,0]})", 2},
+      {"colonization", R"({"markerCount":2000,"markerBox":[0,0,0,10,10,10],"occupancyRadius":0.4})", 5},
       {"constant", "", 2},
       {"density", "", 3},
       {"density", R"({"onePointValue":true,"returnVector":true})", 3},
@@ -42,6 +43,8 @@ std::vector<Candidate> candidates() {
       {"gravity", "", 3},
       {"height", "", 1},
       {"honda", R"({"radius":1})", 2},
+      {"light-voxels", R"({"gridSize":[10,10,10],"voxelSize":1,"position":[0,0,0],"zenithAngles":3})", 5},
+      {"light-voxels", R"({"method":"shadow","gridSize":[10,10,10],"voxelSize":1,"position":[0,0,0]})", 4},
       {"meadow", R"({"gridSize":[16,16],"range":[10,10],"position":[0,0],"lightMap":[[0,255],[100,30]]})", 6},
       {"multiple",
        R"({"fields":[{"type":"soil","domainSize":[10,10,10],"gridSize":[4,4,1],"depletion":true},)"
@@ -68,7 +71,9 @@ std::vector<Candidate> candidates() {
 }
 
 std::string nameOf(const testing::TestParamInfo<Candidate>& info) {
-  return info.param.name + std::to_string(info.index);
+  std::string name = info.param.name;
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name + std::to_string(info.index);
 }
 
 class ProcessContract : public testing::TestWithParam<Candidate> {};

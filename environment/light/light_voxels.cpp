@@ -1,0 +1,354 @@
+#include "environment/light/light_voxels.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "environment/light/leaf_angles.h"
+#include "environment/light/sky.h"
+#include "environment/light/voxel_field.h"
+#include "environment/replies.h"
+
+namespace espalier::environment {
+
+namespace {
+
+using core::Vec3;
+
+constexpr std::string_view kSummary = "Light in voxels: through a turbid medium of leaves, or by propagated shadows.";
+constexpr std::array<std::string_view, 2> kMethods{"turbid", "shadow"};
+constexpr std::array<std::string_view, 2> kSkies{"uniform", "overcast"};
+constexpr std::array kGridSize{40.0, 40.0, 40.0};
+constexpr std::array kPosition{-10.0, 0.0, -10.0};
+constexpr std::int64_t kMaximumCellCount = std::int64_t{1} << 27;
+constexpr std::array kKeys{
+    ConfigurationKey{.name = "method",
+                     .kind = KeyKind::Choice,
+                     .description = "turbid: Beer-Lambert through the leaf area density; shadow: additive shadow "
+                                    "propagation",
+                     .defaultText = "turbid",
+                     .choices = kMethods},
+    ConfigurationKey{.name = "gridSize",
+                     .kind = KeyKind::Numbers,
+                     .description = "voxels along x, y, z",
+                     .minimum = 1.0,
+                     .maximum = 4096.0,
+                     .isWhole = true,
+                     .defaultNumbers = kGridSize,
+                     .minimumCount = 3,
+                     .maximumCount = 3},
+    ConfigurationKey{.name = "voxelSize",
+                     .description = "side of a voxel, which is a cube",
+                     .unit = "length",
+                     .minimum = 0.0,
+                     .isMinimumExclusive = true,
+                     .defaultNumber = 0.5},
+    ConfigurationKey{.name = "position",
+                     .kind = KeyKind::Numbers,
+                     .description = "corner of the box with the smallest coordinates",
+                     .unit = "length",
+                     .defaultNumbers = kPosition,
+                     .minimumCount = 3,
+                     .maximumCount = 3},
+    ConfigurationKey{.name = "periodic",
+                     .kind = KeyKind::Boolean,
+                     .description = "the box repeats itself without end in the horizontal directions: a stand"},
+    ConfigurationKey{.name = "sky",
+                     .kind = KeyKind::Choice,
+                     .description = "turbid: brightness of the sky; overcast is (1 + 2 cos θ)/3",
+                     .defaultText = "overcast",
+                     .choices = kSkies},
+    ConfigurationKey{.name = "zenithAngles",
+                     .kind = KeyKind::Integer,
+                     .description = "turbid: rings of the sky's directions, at Gauss points of cos θ",
+                     .minimum = 1.0,
+                     .maximum = 64.0,
+                     .defaultNumber = 6.0},
+    ConfigurationKey{.name = "azimuthAngles",
+                     .kind = KeyKind::Integer,
+                     .description = "turbid: directions in each ring",
+                     .minimum = 1.0,
+                     .maximum = 256.0,
+                     .defaultNumber = 8.0},
+    ConfigurationKey{.name = "directions",
+                     .kind = KeyKind::Rows,
+                     .description =
+                         "turbid: instead of a sky, directions x, y, z towards the light and the part of the "
+                         "irradiance of a horizontal plane that comes from there",
+                     .minimumCount = 4,
+                     .maximumCount = 4},
+    ConfigurationKey{.name = "irradiance",
+                     .description = "turbid: of a horizontal plane in the open; 1: all light is relative",
+                     .unit = "any",
+                     .minimum = 0.0,
+                     .defaultNumber = 1.0},
+    ConfigurationKey{
+        .name = "leafAngles",
+        .kind = KeyKind::Choice,
+        .description = "turbid: distribution of the leaf normals (de Wit 1965; ellipsoidal: Campbell 1986)",
+        .defaultText = "spherical",
+        .choices = kLeafAngleNames},
+    ConfigurationKey{.name = "ellipsoidRatio",
+                     .description =
+                         "turbid, ellipsoidal: horizontal over vertical axis χ; above 1 the leaves are rather "
+                         "horizontal",
+                     .minimum = 0.0,
+                     .isMinimumExclusive = true,
+                     .defaultNumber = 1.0},
+    ConfigurationKey{.name = "absorptance",
+                     .description = "turbid: part of the light that a leaf absorbs",
+                     .minimum = 0.0,
+                     .maximum = 1.0,
+                     .defaultNumber = 1.0},
+    ConfigurationKey{.name = "fullLight",
+                     .description = "shadow: C, the light without shadow",
+                     .minimum = 0.0,
+                     .defaultNumber = 1.0},
+    ConfigurationKey{.name = "shadowStrength",
+                     .description = "shadow: a, the shadow in the own voxel",
+                     .minimum = 0.0,
+                     .defaultNumber = 0.2},
+    ConfigurationKey{.name = "shadowBase",
+                     .description = "shadow: b, by which the shadow is weaker with every voxel further down",
+                     .minimum = 1.0,
+                     .defaultNumber = 2.0},
+    ConfigurationKey{.name = "shadowDepth",
+                     .kind = KeyKind::Integer,
+                     .description = "shadow: how many voxels down it reaches",
+                     .minimum = 0.0,
+                     .maximum = 1000.0,
+                     .defaultNumber = 8.0},
+};
+
+/// A direction of the light with what the medium does to it.
+struct Beam {
+  Vec3 direction;
+  double weight = 0.0;      // part of the irradiance of a horizontal plane
+  double extinction = 0.0;  // √α G, per leaf area density and length
+  double perLeaf = 0.0;     // √α G/cos θ times the weight
+};
+
+class LightVoxels final : public turtle::EnvironmentProcess {
+ public:
+  LightVoxels(const VoxelField::Shape& shape, const Configuration& configuration)
+      : shape_(shape),
+        configuration_(configuration),
+        isTurbid_(configuration.text("method") == "turbid"),
+        irradiance_(configuration.number("irradiance")),
+        fullLight_(configuration.number("fullLight")),
+        strength_(configuration.number("shadowStrength")) {
+    const double base = configuration.number("shadowBase");
+    for (std::int64_t q = 0; q <= configuration.integer("shadowDepth"); ++q) {
+      shadowOf_.push_back(strength_ * std::pow(base, -static_cast<double>(q)));
+    }
+  }
+
+  [[nodiscard]] turtle::EnvironmentDescription describe() const override {
+    const std::string perLength = "1/" + lengthUnit_;
+    const std::string area = lengthUnit_ + "^2";
+    turtle::EnvironmentDescription description{
+        .name = "light-voxels",
+        .summary = std::string(kSummary),
+        .needs = {.position = true, .parameters = true},
+        .inputs = {{isTurbid_ ? "leafArea" : "castsShadow", isTurbid_ ? area : "1", ""}},
+        .outputs = {{"light", "1", ""},
+                    {"directionX", perLength, ""},
+                    {"directionY", perLength, ""},
+                    {"directionZ", perLength, ""}},
+        .isStateful = false};
+    if (isTurbid_) {
+      description.outputs.push_back({"absorbed", "1", ""});
+    }
+    return description;
+  }
+
+  [[nodiscard]] std::optional<turtle::EnvironmentError> open(const turtle::EnvironmentContext& context) override {
+    const auto axes = axesOf(context.world.up);
+    if (!axes) {
+      return turtle::EnvironmentError{
+          "Environment 'light-voxels' has voxels along the axes: the world's 'up' must be along x, y or z. Set it to 0 "
+          "1 "
+          "0.",
+          false};
+    }
+    lengthUnit_ = context.world.lengthUnit;
+    field_ = VoxelField(shape_, *axes);
+    return isTurbid_ ? makeBeams(core::normalised(context.world.up)) : std::nullopt;
+  }
+
+  [[nodiscard]] std::optional<turtle::EnvironmentError> step(const turtle::QueryBatch& queries,
+                                                             turtle::ReplyBatch& replies) override {
+    fill(queries);
+    if (!isTurbid_) {
+      field_.sumLayers();
+    }
+    for (std::size_t query = 0; query < queries.size(); ++query) {
+      const std::size_t count = queries.parametersOf(query).size();
+      if (count > 0 && isTurbid_) {
+        answerTurbid(queries, query, count, replies);
+      } else if (count > 0) {
+        answerShadow(queries, query, count, replies);
+      }
+    }
+    countAnswers(queries, replies);
+    return std::nullopt;
+  }
+
+ private:
+  [[nodiscard]] std::optional<turtle::EnvironmentError> makeBeams(const Vec3& up) {
+    std::vector<LightDirection> lights;
+    for (const auto& row : configuration_.rows("directions")) {
+      lights.push_back({{row[0], row[1], row[2]}, row[3]});
+    }
+    if (lights.empty()) {
+      const SkyKind kind = configuration_.text("sky") == "uniform" ? SkyKind::Uniform : SkyKind::Overcast;
+      lights = skyRings(kind, static_cast<int>(configuration_.integer("zenithAngles")),
+                        static_cast<int>(configuration_.integer("azimuthAngles")), up, up);
+    } else {
+      normaliseLight(lights);
+    }
+    const LeafAngles angles = static_cast<LeafAngles>(
+        std::find(kLeafAngleNames.begin(), kLeafAngleNames.end(), configuration_.text("leafAngles")) -
+        kLeafAngleNames.begin());
+    const double dimming = std::sqrt(configuration_.number("absorptance"));
+    beams_.clear();
+    for (const LightDirection& light : lights) {
+      const double cosine = core::dot(light.direction, up);
+      if (!(cosine > 1e-6) || light.weight < 0.0) {
+        return turtle::EnvironmentError{
+            "Environment 'light-voxels' takes light from above only: in 'directions' every direction must be above the "
+            "horizon and no weight below 0.",
+            false};
+      }
+      const double projection = leafProjection(angles, cosine, configuration_.number("ellipsoidRatio"));
+      beams_.push_back(
+          {light.direction, light.weight, dimming * projection, dimming * projection / cosine * light.weight});
+    }
+    return std::nullopt;
+  }
+
+  /// What the organs put into their voxels: leaf area per volume, or a number of casters.
+  void fill(const turtle::QueryBatch& queries) {
+    std::fill(field_.values().begin(), field_.values().end(), 0.0);
+    std::vector<std::pair<std::size_t, double>> given;
+    for (std::size_t query = 0; query < queries.size(); ++query) {
+      const auto parameters = queries.parametersOf(query);
+      if (!parameters.empty() && parameters[0] > 0.0) {
+        if (const auto voxel = field_.indexOf(field_.voxelOf(queries.position[query]))) {
+          given.emplace_back(*voxel, parameters[0]);
+        }
+      }
+    }
+    // sorted, the sums of a voxel are the same for any order of queries
+    std::sort(given.begin(), given.end());
+    for (const auto& [voxel, amount] : given) {
+      field_.values()[voxel] += amount;
+    }
+    if (isTurbid_) {
+      const double volume = shape_.voxelSize * shape_.voxelSize * shape_.voxelSize;
+      for (const auto& entry : given) {
+        // once for each voxel: the first of its entries
+        if (&entry == given.data() || (&entry - 1)->first != entry.first) {
+          field_.values()[entry.first] /= volume;
+        }
+      }
+    }
+  }
+
+  void answerTurbid(const turtle::QueryBatch& queries, std::size_t query, std::size_t count,
+                    turtle::ReplyBatch& replies) const {
+    const Vec3& place = queries.position[query];
+    double light = 0.0;
+    double absorbed = 0.0;
+    for (const Beam& beam : beams_) {
+      const double transmitted = std::exp(-beam.extinction * field_.integralAlong(place, beam.direction));
+      light += beam.weight * transmitted;
+      absorbed += beam.perLeaf * transmitted;
+    }
+    replies.set(queries, query, 0, irradiance_ * light);
+    if (count > 1) {
+      const double h = shape_.voxelSize;
+      const std::array<Vec3, 3> steps{Vec3{h, 0, 0}, Vec3{0, h, 0}, Vec3{0, 0, h}};
+      for (std::size_t k = 0; k < std::min<std::size_t>(count - 1, 3); ++k) {
+        const double slope = (lightAt(place + steps[k]) - lightAt(place - steps[k])) / (2.0 * h);
+        replies.set(queries, query, 1 + k, irradiance_ * slope);
+      }
+    }
+    if (count > 4) {
+      replies.set(queries, query, 4, irradiance_ * absorbed);
+    }
+  }
+
+  [[nodiscard]] double lightAt(const Vec3& place) const {
+    double light = 0.0;
+    for (const Beam& beam : beams_) {
+      light += beam.weight * std::exp(-beam.extinction * field_.integralAlong(place, beam.direction));
+    }
+    return light;
+  }
+
+  void answerShadow(const turtle::QueryBatch& queries, std::size_t query, std::size_t count,
+                    turtle::ReplyBatch& replies) const {
+    const Vec3& place = queries.position[query];
+    const bool isInside = field_.indexOf(field_.voxelOf(place)).has_value();
+    const double own = isInside ? strength_ * std::max(queries.parametersOf(query)[0], 0.0) : 0.0;
+    replies.set(queries, query, 0, std::max(fullLight_ - shadowAt(place) + own, 0.0));
+    const double h = shape_.voxelSize;
+    const std::array<Vec3, 3> steps{Vec3{h, 0, 0}, Vec3{0, h, 0}, Vec3{0, 0, h}};
+    for (std::size_t k = 0; k < std::min<std::size_t>(count - 1, 3); ++k) {
+      replies.set(queries, query, 1 + k, (shadowAt(place - steps[k]) - shadowAt(place + steps[k])) / (2.0 * h));
+    }
+  }
+
+  [[nodiscard]] double shadowAt(const Vec3& place) const {
+    VoxelField::Voxel voxel = field_.voxelOf(place);
+    double shadow = 0.0;
+    for (std::size_t q = 0; q < shadowOf_.size(); ++q, ++voxel.layer) {
+      shadow += shadowOf_[q] * field_.boxSum(voxel, static_cast<std::int64_t>(q));
+    }
+    return shadow;
+  }
+
+  VoxelField::Shape shape_;
+  Configuration configuration_;
+  bool isTurbid_;
+  double irradiance_;
+  double fullLight_;
+  double strength_;
+  std::vector<double> shadowOf_;  // of one caster by tiers below it (shadowDepth + 1)
+  std::vector<Beam> beams_;
+  VoxelField field_;  // leaf area density, or number of casters
+  std::string lengthUnit_ = "m";
+};
+
+ProcessOrErrors makeLightVoxels(const Configuration& configuration) {
+  const auto& size = configuration.numbers("gridSize");
+  const auto& position = configuration.numbers("position");
+  VoxelField::Shape shape{
+      {position[0], position[1], position[2]},
+      {static_cast<std::int64_t>(size[0]), static_cast<std::int64_t>(size[1]), static_cast<std::int64_t>(size[2])},
+      configuration.number("voxelSize"),
+      configuration.flag("periodic")};
+  const std::int64_t cellCount = shape.cells[0] * shape.cells[1] * shape.cells[2];
+  if (cellCount > kMaximumCellCount) {
+    core::Diagnostic diagnostic;
+    diagnostic.message = "environment process 'light-voxels': a field of " + std::to_string(cellCount) +
+                         " voxels is larger than " + std::to_string(kMaximumCellCount) + " voxels";
+    diagnostic.hint = "use fewer voxels along x, y or z";
+    return std::vector{diagnostic};
+  }
+  return std::make_unique<LightVoxels>(shape, configuration);
+}
+
+}  // namespace
+
+constinit const ProcessEntry kLightVoxelsProcess{.name = "light-voxels",
+                                                 .summary = kSummary,
+                                                 .aliases = {},
+                                                 .keys = kKeys,
+                                                 .fieldKeywords = {},
+                                                 .make = makeLightVoxels};
+
+}  // namespace espalier::environment
