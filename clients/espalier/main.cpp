@@ -34,6 +34,7 @@ int main(int argumentCount, char** arguments) {
   addExplain(program, status);
   addFormat(program, status);
   addDisassemble(program, status);
+  addInfer(program, status);
   addReplay(program, status);
   addServe(program, status);
   addEnvironment(program, status);

@@ -120,5 +120,42 @@ TEST_F(LanguageTools, HelpTeachesByExample) {
   EXPECT_TRUE(contains(run("disassemble --help").output, "espalier disassemble tree.l"));
 }
 
+TEST_F(LanguageTools, InferPrintsAModelThatMakesTheSteps) {
+  folder_.write("tree.l", "Lsystem: 1\nderivation length: 4\nAxiom: X\nX-->F[+X]F[-X]/(90)X\nF-->FF\nendlsystem\n");
+  const ProgramRun steps = run("derive tree.l --every");
+  folder_.write("steps.txt", steps.output);
+  const ProgramRun result = run("infer steps.txt");
+  EXPECT_EQ(result.status, 0) << result.errors;
+  EXPECT_EQ(result.output,
+            "/* the only bracketed D0L-system that makes these 5 strings */\nLsystem: 1\nderivation length: 4\n"
+            "Axiom: X\nX --> F[+X]F[-X]/(90)X\nF --> FF\nendlsystem\n");
+  EXPECT_EQ(result.errors, "the only bracketed D0L-system that makes these 5 strings\n");
+  folder_.write("again.l", result.output);
+  EXPECT_EQ(run("derive again.l --every").output, steps.output);
+}
+
+TEST_F(LanguageTools, InferSaysHowSeveralDifferAndWhenNoneExists) {
+  folder_.write("two.txt", "ab\nabc\n");
+  const ProgramRun two = run("infer two.txt --no-erasing");
+  EXPECT_EQ(two.status, 0);
+  EXPECT_TRUE(contains(two.errors, "one of 2 D0L-systems that make these 2 strings. They differ in\n"
+                                   "  a: a, or ab\n  b: bc, or c\n"))
+      << two.errors;
+  folder_.write("none.txt", "a\nab\naba\nabb\n");
+  const ProgramRun none = run("infer none.txt");
+  EXPECT_EQ(none.status, 1);
+  EXPECT_EQ(none.output, "");
+  EXPECT_TRUE(contains(none.errors, "the string of step 3 does not follow from those before it")) << none.errors;
+  folder_.write("broken.txt", "F\nF(2\n");
+  const ProgramRun broken = run("infer broken.txt");
+  EXPECT_EQ(broken.status, 1);
+  EXPECT_TRUE(contains(broken.errors, "broken.txt:2:2: error: a '(' without its module")) << broken.errors;
+}
+
+TEST_F(LanguageTools, InferPrintsProductionsWhereTheLanguageHasNotTheSymbols) {
+  folder_.write("greek.txt", "ω\nωτ\nωττ\n");
+  EXPECT_EQ(run("infer greek.txt").output, "ω → ωτ\n");
+}
+
 }  // namespace
 }  // namespace espalier::test
