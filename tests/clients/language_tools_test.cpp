@@ -138,8 +138,9 @@ TEST_F(LanguageTools, InferSaysHowSeveralDifferAndWhenNoneExists) {
   folder_.write("two.txt", "ab\nabc\n");
   const ProgramRun two = run("infer two.txt --no-erasing");
   EXPECT_EQ(two.status, 0);
-  EXPECT_TRUE(contains(two.errors, "one of 2 D0L-systems that make these 2 strings. They differ in\n"
-                                   "  a: a, or ab\n  b: bc, or c\n"))
+  EXPECT_TRUE(contains(two.errors,
+                       "one of 2 D0L-systems that make these 2 strings. They differ in\n"
+                       "  a: a, or ab\n  b: bc, or c\n"))
       << two.errors;
   folder_.write("none.txt", "a\nab\naba\nabb\n");
   const ProgramRun none = run("infer none.txt");
