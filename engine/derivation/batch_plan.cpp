@@ -12,9 +12,19 @@ using language::Production;
 // more weights than this are not worth a table of thresholds
 constexpr std::size_t kMaximumThresholds = 32;
 constexpr std::uint8_t kAllBits = 0xFF;
+// of the marks of sites: one for what may change whatever stands beside it, the others for rules
+constexpr std::uint8_t kAnywhere = 0x80;
+constexpr std::size_t kRuleMarks = 7;
 
 std::uint8_t bitOf(std::size_t candidate) {
   return static_cast<std::uint8_t>(1U << std::min<std::size_t>(candidate, 7));
+}
+
+/// Whether the neighbour that a search meets first may be the one that the context asks for. `isBracket`: a bracket
+/// that this kind of search passes or enters.
+bool canBeNext(const std::vector<ContextElement>& context, core::ModuleTypeId neighbour, bool isBracket) {
+  return context.empty() || isBracket || context[0].kind == ContextElement::Kind::SkipToBranchEnd ||
+         context[0].module.type == neighbour;
 }
 
 bool hasCandidates(const language::ProductionList& list, core::ModuleTypeId type) {
@@ -70,6 +80,7 @@ BatchPlan::BatchPlan(const language::Program& program, const language::LSystem& 
     blocks_[i].allTypes = blockTypes_[i].data();
   }
   makePairs(program, rules);
+  makeSiteMarks(program, rules);
 }
 
 void BatchPlan::planType(const language::Program& program, const language::LSystem& system, const ContextRules& rules,
@@ -273,19 +284,53 @@ void BatchPlan::makePairs(const language::Program& program, const ContextRules& 
         for (std::uint32_t k = 0; k < group.ruleCount; ++k) {
           const Production& production = *rules_[group.firstRule + k].production;
           // a bracket is not what a search ends at, except `]` on the right and `[` when it is asked for
-          const bool isBracket = other == program.openBranch || other == program.closeBranch;
-          if (production.leftContext.empty() || isBracket || production.leftContext[0].module.type == other) {
+          const bool isOpen = other == program.openBranch;
+          if (canBeNext(production.leftContext, other, isOpen || other == program.closeBranch)) {
             left |= bitOf(k);
           }
-          if (production.rightContext.empty() || other == program.openBranch ||
-              production.rightContext[0].kind == ContextElement::Kind::SkipToBranchEnd ||
-              production.rightContext[0].module.type == other) {
+          if (canBeNext(production.rightContext, other, isOpen)) {
             right |= bitOf(k);
           }
         }
       }
       leftBits_[j * pairStride_ + i] = left;
       rightBits_[i * pairStride_ + j] = right;
+    }
+  }
+}
+
+void BatchPlan::makeSiteMarks(const language::Program& program, const ContextRules& rules) {
+  const std::size_t typeCount = program.moduleTypeCount();
+  siteMarks_.own.assign(candidateBits_.begin(), candidateBits_.begin() + static_cast<std::ptrdiff_t>(typeCount));
+  if (!hasPairs_) {
+    return;
+  }
+  // one table for each side instead of pairs: each rule has a mark of its own, while there are enough
+  const auto markOf = [](std::size_t rule) { return static_cast<std::uint8_t>(1U << (rule % kRuleMarks)); };
+  needsPairBits_ = rules_.size() > kRuleMarks;
+  siteMarks_.before.assign(typeCount, kAnywhere);
+  siteMarks_.behind.assign(typeCount, kAnywhere);
+  for (std::size_t i = 0; i < typeCount; ++i) {
+    const auto type = static_cast<core::ModuleTypeId>(i);
+    if (classes_[i] == Class::Group) {
+      siteMarks_.own[i] = 0;
+      const BatchGroup& group = groups_[indices_[i]];
+      for (std::uint32_t k = 0; k < group.ruleCount; ++k) {
+        siteMarks_.own[i] |= markOf(group.firstRule + k);
+      }
+    } else if (classes_[i] != Class::Kept) {
+      siteMarks_.own[i] = kAnywhere;
+    }
+    const bool isOpen = type == program.openBranch;
+    for (std::size_t rule = 0; rule < rules_.size(); ++rule) {
+      const Production& production = *rules_[rule].production;
+      needsPairBits_ = needsPairBits_ || rules_[rule].context == BatchRule::Context::Searched;
+      if (rules.isIgnored(type) || canBeNext(production.leftContext, type, isOpen || type == program.closeBranch)) {
+        siteMarks_.before[i] |= markOf(rule);
+      }
+      if (rules.isIgnored(type) || canBeNext(production.rightContext, type, isOpen)) {
+        siteMarks_.behind[i] |= markOf(rule);
+      }
     }
   }
 }

@@ -10,6 +10,7 @@
 #include "engine/derivation/column_evaluator.h"
 #include "engine/derivation/column_plan.h"
 #include "engine/derivation/context_matcher.h"
+#include "engine/derivation/module_finder.h"
 #include "engine/derivation/production_plan.h"
 #include "engine/language/program.h"
 
@@ -101,6 +102,11 @@ class BatchPlan {
   /// Whether the two tables exist and say more than candidateBits.
   [[nodiscard]] bool hasPairs() const { return hasPairs_; }
 
+  /// What finds the modules that may change: at least those with a bit in the tables above, though the bits are others.
+  [[nodiscard]] const ModuleFinder::Marks& siteMarks() const { return siteMarks_; }
+  /// Whether the tables above rule out more than the marks do, or their bits are wanted.
+  [[nodiscard]] bool needsPairBits() const { return needsPairBits_; }
+
   [[nodiscard]] std::size_t largestSlotCount() const { return largestSlotCount_; }
   [[nodiscard]] std::size_t largestColumnCount() const { return largestColumnCount_; }
   [[nodiscard]] std::size_t largestRuleCount() const { return largestRuleCount_; }
@@ -113,6 +119,7 @@ class BatchPlan {
   void addBlock(const std::vector<core::ModuleTypeId>& types, std::uint32_t valueCount, std::uint16_t arity);
   void findThresholds(BatchGroup& group) const;
   void makePairs(const language::Program& program, const ContextRules& rules);
+  void makeSiteMarks(const language::Program& program, const ContextRules& rules);
   void addColumns(const ColumnExpression& expression);
 
   std::vector<Class> classes_;          // by module type
@@ -128,6 +135,8 @@ class BatchPlan {
   std::vector<std::uint8_t> rightBits_;
   std::size_t pairStride_ = 0;
   bool hasPairs_ = false;
+  ModuleFinder::Marks siteMarks_;
+  bool needsPairBits_ = false;
   std::size_t largestSlotCount_ = 0;
   std::size_t largestColumnCount_ = 0;
   std::size_t largestRuleCount_ = 0;

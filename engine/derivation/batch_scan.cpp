@@ -65,10 +65,11 @@ BatchScan::BatchScan(const language::Program& program, const ContextRules& rules
       plan_(&plan),
       productions_(&productions),
       evaluator_(program, plan.largestSlotCount(), plan.largestColumnCount()),
+      finder_(program.arity, plan.siteMarks()),
       passing_(program.moduleTypeCount(), 0),
-      siteModule_(kChunkModules + 1),
-      siteOffset_(kChunkModules + 1),
-      siteBits_(kChunkModules + 1),
+      siteModule_(kChunkModules + ModuleFinder::kSlack),
+      siteOffset_(kChunkModules + ModuleFinder::kSlack),
+      siteBits_(kChunkModules + ModuleFinder::kSlack),
       siteBlock_(kChunkModules),
       madeModule_(kChunkModules),
       madeOffset_(kChunkModules),
@@ -138,7 +139,7 @@ BatchScan::Outcome BatchScan::choose(std::uint64_t first, std::uint64_t end, std
     return countFixed();
   }
 
-  plan_->hasPairs() ? collectSites<true>() : collectSites<false>();
+  collectSites();
   if (plan_->hasOneKindOnly()) {
     std::fill_n(siteBlock_.begin(), siteCount_, 0U);
     if (siteCount_ > 0) {
@@ -199,48 +200,38 @@ void BatchScan::writeFixed(ModuleTypeId* types, double* parameters) const {
   }
 }
 
-template <bool kHasPairs>
 void BatchScan::collectSites() {
+  const ModuleFinder::Count count =
+      finder_.find(step_.old.types + first_, static_cast<std::uint32_t>(end_ - first_), first_ > 0,
+                   end_ < step_.old.size, {siteModule_.data(), siteOffset_.data(), siteBits_.data()});
+  siteCount_ = count.found;
+  endOffset_ = offset_ + count.parameters;
+  if (plan_->needsPairBits()) {
+    dropPairs();
+  }
+}
+
+void BatchScan::dropPairs() {
   const ModuleTypeId* types = step_.old.types;
-  const std::uint16_t* arity = program_->arity.data();
   const std::uint8_t* leftBits = plan_->leftBits();
   const std::uint8_t* rightBits = plan_->rightBits();
-  const std::uint8_t* candidateBits = plan_->candidateBits();
   const std::size_t stride = plan_->pairStride();
-  std::uint32_t* modules = siteModule_.data();
-  std::uint32_t* offsets = siteOffset_.data();
-  std::uint8_t* allBits = siteBits_.data();
-  std::size_t count = 0;
-  std::uint32_t offset = 0;
-  const auto add = [&](std::uint64_t module, std::uint8_t bits) {
-    modules[count] = static_cast<std::uint32_t>(module - first_);
-    offsets[count] = offset;
-    allBits[count] = bits;
-    count += bits != 0 ? 1 : 0;
-    offset += arity[types[module]];
-  };
-  if constexpr (kHasPairs) {
-    // beyond the string's ends there may be anything
-    const auto unknown = static_cast<std::size_t>(program_->moduleTypeCount());
-    const std::uint64_t last = end_ == step_.old.size ? end_ - 1 : end_;
-    std::size_t before = first_ == 0 ? unknown : types[first_ - 1];
-    for (std::uint64_t module = first_; module < last; ++module) {
-      const std::size_t type = types[module];
-      add(module,
-          static_cast<std::uint8_t>(leftBits[before * stride + type] & rightBits[type * stride + types[module + 1]]));
-      before = type;
-    }
-    if (last < end_) {
-      const std::size_t type = types[last];
-      add(last, static_cast<std::uint8_t>(leftBits[before * stride + type] & rightBits[type * stride + unknown]));
-    }
-  } else {
-    for (std::uint64_t module = first_; module < end_; ++module) {
-      add(module, candidateBits[types[module]]);
-    }
+  // beyond the string's ends there may be anything
+  const auto unknown = static_cast<std::size_t>(program_->moduleTypeCount());
+  std::size_t kept = 0;
+  for (std::size_t site = 0; site < siteCount_; ++site) {
+    const std::uint64_t module = first_ + siteModule_[site];
+    const std::size_t type = types[module];
+    const std::size_t before = module == 0 ? unknown : types[module - 1];
+    const std::size_t behind = module + 1 == step_.old.size ? unknown : types[module + 1];
+    const auto bits =
+        static_cast<std::uint8_t>(leftBits[before * stride + type] & rightBits[type * stride + behind]);
+    siteModule_[kept] = siteModule_[site];
+    siteOffset_[kept] = siteOffset_[site];
+    siteBits_[kept] = bits;
+    kept += bits != 0 ? 1 : 0;
   }
-  siteCount_ = count;
-  endOffset_ = offset_ + offset;
+  siteCount_ = kept;
 }
 
 void BatchScan::sortSites() {

@@ -9,6 +9,7 @@
 #include "engine/derivation/batch_plan.h"
 #include "engine/derivation/column_evaluator.h"
 #include "engine/derivation/context_matcher.h"
+#include "engine/derivation/module_finder.h"
 #include "engine/language/program.h"
 
 namespace espalier::derivation {
@@ -64,8 +65,8 @@ class BatchScan {
 
   [[nodiscard]] Outcome countFixed();
   void writeFixed(core::ModuleTypeId* types, double* parameters) const;
-  template <bool kHasPairs>
   void collectSites();
+  void dropPairs();
   void sortSites();
   void chooseGroup(const BatchGroup& group, std::span<const std::uint32_t> sites);
   void chooseFirst(const BatchGroup& group, std::span<const std::uint32_t> sites);
@@ -90,6 +91,7 @@ class BatchScan {
   const ProductionPlan* productions_;
   Step step_;
   ColumnEvaluator evaluator_;
+  ModuleFinder finder_;
   std::vector<std::uint64_t>
       fixedSizes_;                     // by module type: modules, and parameters from a fixed bit on; fixed models only
   std::vector<std::uint8_t> passing_;  // by module type: what a search from the left or right does there

@@ -42,6 +42,7 @@ Derivation::Implementation::Implementation(const language::Program& program, Der
       keptCut_(program.findType("%", 2)),
       threadCount_(options_.threads == 0 ? std::min(std::max(std::thread::hardware_concurrency(), 1U), kMostThreads)
                                          : std::min(options_.threads, kMostThreads)),
+      index_(program),
       frame_(program.maximumSlots + std::size_t{1}, 0.0) {
   ESPALIER_CHECK(!program.systems.empty());
   for (const language::LSystem& system : program.systems) {
@@ -211,7 +212,7 @@ bool Derivation::Implementation::needsIndex(const language::LSystem& system) con
 
 void Derivation::Implementation::buildIndex(const ModuleString& string) {
   index_.clear();
-  index_.extend(*program_, string);
+  index_.extend(string);
 }
 
 void Derivation::Implementation::beginInterpretation(PlantState& state) {

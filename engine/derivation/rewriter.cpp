@@ -18,6 +18,7 @@ Rewriter::Rewriter(const language::Program& program, Evaluator& evaluator, Rando
       random_(&random),
       limits_(&limits),
       storesFloats_(program.compatibility != core::Compatibility::Espalier),
+      producedIndex_(program),
       frames_(program.maximumSlots + std::size_t{1}, 0.0),
       chosenFrame_(frames_.data()) {}
 
@@ -83,7 +84,7 @@ bool Rewriter::matchesProduced(const Production& production, const ContextRules&
   if (produced_ == nullptr) {
     return false;
   }
-  producedIndex_.extend(*program_, *produced_);
+  producedIndex_.extend(*produced_);
   const ContextString produced{produced_->types().data(), produced_->parameters().data(),
                                produced_->size(),         produced_->parameterCount(),
                                &producedIndex_,           false};

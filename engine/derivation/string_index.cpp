@@ -1,6 +1,30 @@
 #include "engine/derivation/string_index.h"
 
+#include <algorithm>
+#include <array>
+
 namespace espalier::derivation {
+namespace {
+
+constexpr std::uint8_t kOpens = 1;
+constexpr std::uint8_t kCloses = 2;
+// modules whose brackets are found at once
+constexpr std::uint64_t kFoundAtOnce = 1024;
+
+ModuleFinder::Marks bracketMarks(const language::Program& program) {
+  ModuleFinder::Marks marks;
+  marks.own.assign(program.moduleTypeCount(), 0);
+  for (std::size_t i = 0; i < program.moduleTypeCount(); ++i) {
+    const auto type = static_cast<core::ModuleTypeId>(i);
+    marks.own[i] = type == program.openBranch ? kOpens : (type == program.closeBranch ? kCloses : std::uint8_t{0});
+  }
+  return marks;
+}
+
+}  // namespace
+
+StringIndex::StringIndex(const language::Program& program, std::uint64_t longestShortBranch)
+    : brackets_(program.arity, bracketMarks(program)), longestShortBranch_(longestShortBranch) {}
 
 void StringIndex::clear() {
   links_.clear();
@@ -10,33 +34,61 @@ void StringIndex::clear() {
   parameterOffset_ = 0;
 }
 
-void StringIndex::extend(const language::Program& program, const ModuleString& string) {
+template <typename OnClosed, typename OnLong>
+std::uint64_t StringIndex::linkStretch(const core::ModuleTypeId* types, std::uint64_t first, std::uint64_t end,
+                                       std::uint64_t offset, core::Buffer<Open>& open, OnClosed onClosed,
+                                       OnLong onLong) {
+  std::array<std::uint32_t, kFoundAtOnce + ModuleFinder::kSlack> modules;
+  std::array<std::uint32_t, kFoundAtOnce + ModuleFinder::kSlack> offsets;
+  std::array<std::uint8_t, kFoundAtOnce + ModuleFinder::kSlack> bits;
+  ShortLink* const links = links_.data();
+  for (std::uint64_t begin = first; begin < end; begin += kFoundAtOnce) {
+    const auto count = static_cast<std::uint32_t>(std::min(kFoundAtOnce, end - begin));
+    const ModuleFinder::Count found =
+        brackets_.find(types + begin, count, false, false, {modules.data(), offsets.data(), bits.data()});
+    // room for all of them, should all be `[`
+    std::uint64_t depth = open.size();
+    open.resize(depth + found.found + 1);
+    Open* const stack = open.data();
+    for (std::size_t i = 0; i < found.found; ++i) {
+      // no branch between `[` and `]`, whose order nothing foretells: both write the place above the top, and both
+      // write two links, which for `[` are its own
+      const Open here{begin + modules[i], offset + offsets[i]};
+      const bool closes = bits[i] == kCloses;
+      if (closes && depth == 0) [[unlikely]] {
+        onClosed(here);
+        continue;
+      }
+      stack[depth] = here;
+      const Open partner = stack[depth - (closes ? 1 : 0)];
+      const std::uint64_t distance = here.module - partner.module;
+      const std::uint64_t parameterCount = here.parameterOffset - partner.parameterOffset;
+      depth = closes ? depth - 1 : depth + 1;
+      if (isLong(distance, parameterCount)) [[unlikely]] {
+        onLong({partner.module, here.module, parameterCount});
+        continue;
+      }
+      const auto shortDistance = static_cast<std::int32_t>(distance);
+      const auto shortCount = static_cast<std::uint32_t>(parameterCount);
+      links[here.module] = {-shortDistance, shortCount};
+      links[partner.module] = {shortDistance, shortCount};
+    }
+    open.resize(depth);
+    offset += found.parameters;
+  }
+  return offset;
+}
+
+void StringIndex::extend(const ModuleString& string) {
   const std::uint64_t size = string.size();
   links_.resize(size);
-  const core::ModuleTypeId* types = string.types().data();
-  const std::uint16_t* arity = program.arity.data();
-  ShortLink* links = links_.data();
-  std::uint64_t offset = parameterOffset_;
-  for (std::uint64_t i = indexed_; i < size; ++i) {
-    const core::ModuleTypeId type = types[i];
-    if (type == program.openBranch) {
-      links[i] = {kNoPartner, 0};
-      open_.push_back({i, offset});
-    } else if (type == program.closeBranch) {
-      if (open_.empty()) {
-        links[i] = {kNoPartner, 0};
-      } else {
-        const Open open = open_.back();
-        open_.pop_back();
-        if (!linkShort(open, i, offset)) {
-          linkLong({open.module, i, offset - open.parameterOffset});
-        }
-      }
-    }
-    offset += arity[type];
-  }
+  parameterOffset_ = linkStretch(
+      string.types().data(), indexed_, size, parameterOffset_, open_,
+      [this](const Open& closed) {
+        links_[closed.module] = {kNoPartner, 0};
+      },
+      [this](const Branch& branch) { linkLong(branch); });
   indexed_ = size;
-  parameterOffset_ = offset;
 }
 
 void StringIndex::beginParts(std::uint64_t size) {
@@ -44,30 +96,13 @@ void StringIndex::beginParts(std::uint64_t size) {
   links_.resize(size);
 }
 
-void StringIndex::linkPart(const language::Program& program, const core::ModuleTypeId* types, std::uint64_t first,
-                           std::uint64_t end, OpenEnds& ends) {
+void StringIndex::linkPart(const core::ModuleTypeId* types, std::uint64_t first, std::uint64_t end, OpenEnds& ends) {
   ends.closed.clear();
   ends.opened.clear();
   ends.longBranches.clear();
-  const std::uint16_t* arity = program.arity.data();
-  std::uint64_t offset = 0;
-  for (std::uint64_t i = first; i < end; ++i) {
-    const core::ModuleTypeId type = types[i];
-    if (type == program.openBranch) {
-      ends.opened.push_back({i, offset});
-    } else if (type == program.closeBranch) {
-      if (ends.opened.empty()) {
-        ends.closed.push_back({i, offset});
-      } else {
-        const Open open = ends.opened.back();
-        ends.opened.pop_back();
-        if (!linkShort(open, i, offset)) {
-          ends.longBranches.push_back({open.module, i, offset - open.parameterOffset});
-        }
-      }
-    }
-    offset += arity[type];
-  }
+  static_cast<void>(linkStretch(
+      types, first, end, 0, ends.opened, [&ends](const Open& closed) { ends.closed.push_back(closed); },
+      [&ends](const Branch& branch) { ends.longBranches.push_back(branch); }));
 }
 
 void StringIndex::joinPart(const OpenEnds& ends, std::uint64_t parameterOffset) {
@@ -79,29 +114,26 @@ void StringIndex::joinPart(const OpenEnds& ends, std::uint64_t parameterOffset) 
       links_[end.module] = {kNoPartner, 0};
       continue;
     }
-    const Open open = open_.back();
-    open_.pop_back();
-    const std::uint64_t offset = parameterOffset + end.parameterOffset;
-    if (!linkShort(open, end.module, offset)) {
-      linkLong({open.module, end.module, offset - open.parameterOffset});
+    const Open open = open_[open_.size() - 1];
+    open_.resize(open_.size() - 1);
+    const std::uint64_t distance = end.module - open.module;
+    const std::uint64_t parameterCount = parameterOffset + end.parameterOffset - open.parameterOffset;
+    if (isLong(distance, parameterCount)) {
+      linkLong({open.module, end.module, parameterCount});
+    } else {
+      linkShort(open.module, distance, parameterCount);
     }
   }
-  for (const Open& end : ends.opened) {
-    links_[end.module] = {kNoPartner, 0};
+  for (const Open& end : ends.opened.view()) {
     open_.push_back({end.module, parameterOffset + end.parameterOffset});
   }
 }
 
-bool StringIndex::linkShort(const Open& open, std::uint64_t close, std::uint64_t parameterOffset) {
-  const std::uint64_t distance = close - open.module;
-  const std::uint64_t count = parameterOffset - open.parameterOffset;
-  if (distance > longestShortBranch_ || count > longestShortBranch_) [[unlikely]] {
-    return false;
-  }
+void StringIndex::linkShort(std::uint64_t open, std::uint64_t distance, std::uint64_t parameterCount) {
   const auto shortDistance = static_cast<std::int32_t>(distance);
-  links_[close] = {-shortDistance, static_cast<std::uint32_t>(count)};
-  links_[open.module] = {shortDistance, static_cast<std::uint32_t>(count)};
-  return true;
+  const auto shortCount = static_cast<std::uint32_t>(parameterCount);
+  links_[open + distance] = {-shortDistance, shortCount};
+  links_[open] = {shortDistance, shortCount};
 }
 
 void StringIndex::linkLong(const Branch& branch) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engine/core/buffer.h"
+#include "engine/derivation/module_finder.h"
 #include "engine/derivation/module_string.h"
 #include "engine/language/program.h"
 
@@ -22,9 +23,10 @@ class StringIndex {
     std::uint64_t parameterCount;  // parameters of all modules between the two
   };
 
-  /// Branches of more than `longestShortBranch` modules or parameters (at most the default) are kept beside.
-  explicit StringIndex(std::uint64_t longestShortBranch = std::numeric_limits<std::int32_t>::max())
-      : longestShortBranch_(longestShortBranch) {}
+  /// `program` must outlive the object. Branches of more than `longestShortBranch` modules or parameters (at most the
+  /// default) are kept beside.
+  explicit StringIndex(const language::Program& program,
+                       std::uint64_t longestShortBranch = std::numeric_limits<std::int32_t>::max());
 
   /// A bracket whose partner is not known yet.
   struct Open {
@@ -40,8 +42,8 @@ class StringIndex {
   /// The brackets of a part of a string whose partners are outside of it; offsets count from the part's first
   /// parameter.
   struct OpenEnds {
-    std::vector<Open> closed;  // `]` without `[` before it
-    std::vector<Open> opened;  // `[` without `]` behind it
+    std::vector<Open> closed;    // `]` without `[` before it
+    core::Buffer<Open> opened;   // `[` without `]` behind it
     std::vector<Branch> longBranches;
   };
 
@@ -50,13 +52,12 @@ class StringIndex {
   /// Makes room for the links of a string that is indexed in parts. Then linkPart for each part [first, end), on any
   /// threads at the same time, then joinPart in the order of the parts, with the offset of each one's parameters.
   void beginParts(std::uint64_t size);
-  void linkPart(const language::Program& program, const core::ModuleTypeId* types, std::uint64_t first,
-                std::uint64_t end, OpenEnds& ends);
+  void linkPart(const core::ModuleTypeId* types, std::uint64_t first, std::uint64_t end, OpenEnds& ends);
   void joinPart(const OpenEnds& ends, std::uint64_t parameterOffset);
 
   /// Adds the modules from where the last call ended to the end of `string`. A `[` that is still open has no partner
   /// yet. O(new modules).
-  void extend(const language::Program& program, const ModuleString& string);
+  void extend(const ModuleString& string);
 
   /// The link of the bracket at `module`. Undefined for other modules.
   [[nodiscard]] Link link(std::uint64_t module) const {
@@ -78,15 +79,23 @@ class StringIndex {
     std::int32_t distance;         // to the partner, negative at `]`; or one of the two values above
     std::uint32_t parameterCount;  // parameters of all modules between the two
   };
-  /// Links a branch whose bracket `]` stands at `close`; false when it is too long for that. For different branches
-  /// from several threads.
-  [[nodiscard]] bool linkShort(const Open& open, std::uint64_t close, std::uint64_t parameterOffset);
+  /// Links the brackets of [first, end), whose parameters begin at `offset`, with each other and with those in `open`;
+  /// what stays open is left there. Calls onClosed(Open) for a `]` without partner and onLong(Branch) for a branch that
+  /// is too long. Returns the offset behind the last module. For different stretches from several threads.
+  template <typename OnClosed, typename OnLong>
+  std::uint64_t linkStretch(const core::ModuleTypeId* types, std::uint64_t first, std::uint64_t end,
+                            std::uint64_t offset, core::Buffer<Open>& open, OnClosed onClosed, OnLong onLong);
+  [[nodiscard]] bool isLong(std::uint64_t distance, std::uint64_t parameterCount) const {
+    return distance > longestShortBranch_ || parameterCount > longestShortBranch_;
+  }
+  void linkShort(std::uint64_t open, std::uint64_t distance, std::uint64_t parameterCount);
   void linkLong(const Branch& branch);
 
+  ModuleFinder brackets_;
   std::uint64_t longestShortBranch_;
   core::Buffer<ShortLink> links_;                      // by module; defined at brackets only (moduleCount)
   std::unordered_map<std::uint64_t, Link> longLinks_;  // by module
-  std::vector<Open> open_;                             // brackets without a partner so far
+  core::Buffer<Open> open_;                            // brackets without a partner so far
   std::uint64_t indexed_ = 0;                          // modules seen
   std::uint64_t parameterOffset_ = 0;                  // of the next module
 };

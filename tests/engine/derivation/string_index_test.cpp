@@ -16,8 +16,8 @@ using test::modelText;
 
 TEST(StringIndex, LinksBracketsBothWaysAndCountsTheParametersBetween) {
   DerivedModel model(modelText("", "A(1)[B(2,3)[C]D(4)]E", "A --> A\n"));
-  StringIndex index;
-  index.extend(model.program(), model.state().string);
+  StringIndex index(model.program());
+  index.extend(model.state().string);
   // modules: 0 A, 1 [, 2 B, 3 [, 4 C, 5 ], 6 D, 7 ], 8 E
   EXPECT_EQ(index.link(1).partner, 7U);
   EXPECT_EQ(index.link(7).partner, 1U);
@@ -32,11 +32,11 @@ TEST(StringIndex, ClosesBranchesThatWereOpenWhenItWasExtended) {
   const derivation::ModuleString& whole = model.state().string;
   derivation::ModuleString part;
   part.appendAll(whole.types().subspan(0, 2), {});
-  StringIndex index;
-  index.extend(model.program(), part);
+  StringIndex index(model.program());
+  index.extend(part);
   EXPECT_EQ(index.link(1).partner, StringIndex::kNone);
   part.appendAll(whole.types().subspan(2), whole.parameters());
-  index.extend(model.program(), part);
+  index.extend(part);
   EXPECT_EQ(index.link(3).partner, 1U);
   EXPECT_EQ(index.link(1).partner, 3U);
   EXPECT_EQ(index.link(3).parameterCount, 1U);
@@ -45,10 +45,10 @@ TEST(StringIndex, ClosesBranchesThatWereOpenWhenItWasExtended) {
 TEST(StringIndex, KeepsLongBranchesApartAndLinksThemAlike) {
   // a threshold of 3 instead of 2^31 - 1: too many modules in the first, too many parameters in the second
   DerivedModel model(modelText("", "[A(1)[B]CD]E[B(1,2,3,4)][C(1,2,3)]F", "A --> A\n"));
-  StringIndex plain;
-  StringIndex apart(3);
-  plain.extend(model.program(), model.state().string);
-  apart.extend(model.program(), model.state().string);
+  StringIndex plain(model.program());
+  StringIndex apart(model.program(), 3);
+  plain.extend(model.state().string);
+  apart.extend(model.state().string);
   const auto types = model.state().string.types();
   std::size_t brackets = 0;
   for (std::uint64_t i = 0; i < types.size(); ++i) {
@@ -68,15 +68,16 @@ TEST(StringIndex, PartsLinkAsTheWholeDoes) {
   DerivedModel model(modelText("", "A(1)]B[C(2)[D][E(3)[F(4,5)]G]H(6)[[[I(7)]]]J]K[L(8)[M]", "A --> A\n"));
   const derivation::ModuleString& string = model.state().string;
   StringIndex whole;
-  whole.extend(model.program(), string);
+  whole.extend(string);
   for (std::uint64_t length = 1; length <= string.size(); ++length) {
     // every other time with a threshold at which branches are kept apart
-    StringIndex parts = length % 2 == 0 ? StringIndex(3) : StringIndex();
+    StringIndex parts =
+        length % 2 == 0 ? StringIndex(model.program(), 3) : StringIndex(model.program());
     parts.beginParts(string.size());
     const std::uint64_t count = (string.size() + length - 1) / length;
     std::vector<StringIndex::OpenEnds> ends(count);
     for (std::uint64_t i = count; i-- > 0;) {
-      parts.linkPart(model.program(), string.types().data(), i * length, std::min((i + 1) * length, string.size()),
+      parts.linkPart(string.types().data(), i * length, std::min((i + 1) * length, string.size()),
                      ends[i]);
     }
     std::uint64_t offset = 0;
