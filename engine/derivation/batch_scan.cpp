@@ -21,8 +21,10 @@ constexpr std::uint8_t kJumpedLeft = 4;    // `]`: the branch is passed
 constexpr std::uint8_t kJumpedRight = 8;   // `[`
 
 // modules, or parameters, that are copied without asking how many count
-constexpr std::uint64_t kTypesAtOnce = 16;
-constexpr std::uint64_t kParametersAtOnce = 4;
+constexpr std::uint64_t kTypesAtOnce = 24;
+constexpr std::uint64_t kParametersAtOnce = 16;
+// so many of a block are at hand in one place
+constexpr std::uint64_t kBlockTypes = TypePlan::kInlineTypes;
 // where the parameters begin in a sum of modules and parameters of a chunk
 constexpr unsigned kFixedShift = 36;
 
@@ -235,36 +237,42 @@ void BatchScan::dropPairs() {
 }
 
 void BatchScan::sortSites() {
-  const ModuleTypeId* types = step_.old.types + first_;
+  // what is written may be anything to the compiler, so that members would be read again and again
+  const ModuleTypeId* const types = step_.old.types + first_;
+  const std::uint32_t* const siteModule = siteModule_.data();
+  const std::uint32_t* const groupOf = groupOf_.data();
+  std::uint32_t* const siteGroup = siteGroup_.data();
+  std::uint32_t* const siteBlock = siteBlock_.data();
+  std::uint32_t* const sorted = sorted_.data();
   const auto groupCount = static_cast<std::uint32_t>(plan_->groups().size());
   // two counts for each group, of the sites in turn: a single one would have every addition wait for the one before
-  std::uint32_t* counts = groupCounts_.data();
+  std::uint32_t* const counts = groupCounts_.data();
   std::fill(groupCounts_.begin(), groupCounts_.end(), 0U);
-  for (std::size_t site = 0; site < siteCount_; ++site) {
-    const std::uint32_t group = groupOf_[types[siteModule_[site]]];
-    siteGroup_[site] = group;
+  std::size_t siteCount = siteCount_;
+  for (std::size_t site = 0; site < siteCount; ++site) {
+    const std::uint32_t group = groupOf[types[siteModule[site]]];
+    siteGroup[site] = group;
     ++counts[2 * group + (site & 1U)];
   }
   const std::uint32_t fixed = groupCount;
   const std::uint32_t general = groupCount + 1;
   if (counts[2 * general] + counts[2 * general + 1] > 0) {
     // the chunk ends at the first module for the general way
-    const std::size_t last = static_cast<std::size_t>(
-        std::find(siteGroup_.begin(), siteGroup_.begin() + static_cast<std::ptrdiff_t>(siteCount_), general) -
-        siteGroup_.begin());
-    end_ = first_ + siteModule_[last];
+    const auto last = static_cast<std::size_t>(std::find(siteGroup, siteGroup + siteCount, general) - siteGroup);
+    end_ = first_ + siteModule[last];
     endOffset_ = offset_ + siteOffset_[last];
-    for (std::size_t site = last; site < siteCount_; ++site) {
-      --counts[2 * siteGroup_[site] + (site & 1U)];
+    for (std::size_t site = last; site < siteCount; ++site) {
+      --counts[2 * siteGroup[site] + (site & 1U)];
     }
+    siteCount = last;
     siteCount_ = last;
   }
-  std::fill_n(siteBlock_.begin(), siteCount_, 0U);
+  std::fill_n(siteBlock, siteCount, 0U);
   if (counts[2 * fixed] + counts[2 * fixed + 1] > 0) {
     isResized_ = true;
-    for (std::size_t site = 0; site < siteCount_; ++site) {
-      if (siteGroup_[site] == fixed) {
-        siteBlock_[site] = plan_->indexOf(types[siteModule_[site]]);
+    for (std::size_t site = 0; site < siteCount; ++site) {
+      if (siteGroup[site] == fixed) {
+        siteBlock[site] = plan_->indexOf(types[siteModule[site]]);
       }
     }
   }
@@ -279,10 +287,11 @@ void BatchScan::sortSites() {
   groupBegin_[groupCount] = begin;
   counts[2 * fixed] = begin;
   counts[2 * fixed + 1] = begin;
-  for (std::size_t site = 0; site < siteCount_; ++site) {
-    const std::size_t place = 2 * siteGroup_[site] + (site & 1U);
-    sorted_[counts[place]] = static_cast<std::uint32_t>(site);
-    counts[place] += siteGroup_[site] != fixed ? 1 : 0;
+  for (std::size_t site = 0; site < siteCount; ++site) {
+    const std::uint32_t group = siteGroup[site];
+    const std::size_t place = 2 * group + (site & 1U);
+    sorted[counts[place]] = static_cast<std::uint32_t>(site);
+    counts[place] += group != fixed ? 1 : 0;
   }
 }
 
@@ -304,6 +313,8 @@ void BatchScan::chooseGroup(const BatchGroup& group, std::span<const std::uint32
 }
 
 void BatchScan::chooseFirst(const BatchGroup& group, std::span<const std::uint32_t> sites) {
+  const std::uint32_t* const siteBlock = siteBlock_.data();
+  std::uint32_t* const remaining = remaining_.data();
   for (std::uint32_t i = 0; i < group.ruleCount && !sites.empty(); ++i) {
     const BatchRule& rule = plan_->rules()[group.firstRule + i];
     std::size_t count = match(rule, static_cast<std::uint8_t>(1U << std::min(i, 7U)), sites);
@@ -312,13 +323,13 @@ void BatchScan::chooseFirst(const BatchGroup& group, std::span<const std::uint32
     }
     accept(rule, count);
     // the others try the next rule
-    if (i + 1 < group.ruleCount) {
+    if (count > 0 && i + 1 < group.ruleCount) {
       std::size_t left = 0;
       for (const std::uint32_t site : sites) {
-        remaining_[left] = site;
-        left += siteBlock_[site] == 0 ? 1 : 0;
+        remaining[left] = site;
+        left += siteBlock[site] == 0 ? 1 : 0;
       }
-      sites = {remaining_.data(), left};
+      sites = {remaining, left};
     }
   }
 }
@@ -330,19 +341,15 @@ std::size_t BatchScan::match(const BatchRule& rule, std::uint8_t bit, std::span<
       std::memcpy(laneSite_.data() + lane, sites.data(), sites.size_bytes());
       lane += sites.size();
       break;
-    case BatchRule::Context::Near: {
-      const ModuleTypeId left = rule.left;
-      const ModuleTypeId right = rule.right;
-      for (const std::uint32_t site : sites) {
-        laneSite_[lane] = site;
-        laneLeft_[lane] = leftOffset_[site];
-        laneRight_[lane] = rightOffset_[site];
-        const bool isLeft = left == core::kNoModuleType || leftType_[site] == left;
-        const bool isRight = right == core::kNoModuleType || rightType_[site] == right;
-        lane += static_cast<std::size_t>(isLeft) & static_cast<std::size_t>(isRight);
+    case BatchRule::Context::Near:
+      if (rule.right == core::kNoModuleType) {
+        lane = matchNear<true, false>(rule, sites);
+      } else if (rule.left == core::kNoModuleType) {
+        lane = matchNear<false, true>(rule, sites);
+      } else {
+        lane = matchNear<true, true>(rule, sites);
       }
       break;
-    }
     case BatchRule::Context::Searched:
       for (const std::uint32_t site : sites) {
         if ((siteBits_[site] & bit) != 0 && matchSearched(rule, site, lane)) {
@@ -354,13 +361,47 @@ std::size_t BatchScan::match(const BatchRule& rule, std::uint8_t bit, std::span<
   return lane - laneCount_;
 }
 
+template <bool kLooksLeft, bool kLooksRight>
+std::size_t BatchScan::matchNear(const BatchRule& rule, std::span<const std::uint32_t> sites) {
+  std::uint32_t* const laneSite = laneSite_.data();
+  std::uint64_t* const laneLeft = laneLeft_.data();
+  std::uint64_t* const laneRight = laneRight_.data();
+  const ModuleTypeId* const leftType = leftType_.data();
+  const ModuleTypeId* const rightType = rightType_.data();
+  const std::uint64_t* const leftOffset = leftOffset_.data();
+  const std::uint64_t* const rightOffset = rightOffset_.data();
+  const ModuleTypeId left = rule.left;
+  const ModuleTypeId right = rule.right;
+  std::size_t lane = laneCount_;
+  for (const std::uint32_t site : sites) {
+    laneSite[lane] = site;
+    bool isMatch = true;
+    if constexpr (kLooksLeft) {
+      laneLeft[lane] = leftOffset[site];
+      isMatch = leftType[site] == left;
+    }
+    if constexpr (kLooksRight) {
+      laneRight[lane] = rightOffset[site];
+      isMatch = isMatch & (rightType[site] == right);
+    }
+    lane += isMatch ? 1 : 0;
+  }
+  return lane;
+}
+
 void BatchScan::findLeft(std::span<const std::uint32_t> sites) {
-  const ContextString& old = step_.old;
+  const ContextString old = step_.old;
   const std::uint16_t* arity = program_->arity.data();
   const std::uint8_t* passing = passing_.data();
+  const std::uint32_t* const siteModule = siteModule_.data();
+  const std::uint32_t* const siteOffset = siteOffset_.data();
+  ModuleTypeId* const leftType = leftType_.data();
+  std::uint64_t* const leftOffset = leftOffset_.data();
+  const std::uint64_t first = first_;
+  const std::uint64_t firstOffset = offset_;
   for (const std::uint32_t site : sites) {
-    std::uint64_t module = first_ + siteModule_[site];
-    std::uint64_t offset = offset_ + siteOffset_[site];
+    std::uint64_t module = first + siteModule[site];
+    std::uint64_t offset = firstOffset + siteOffset[site];
     ModuleTypeId found = core::kNoModuleType;
     while (module > 0) {
       --module;
@@ -379,18 +420,24 @@ void BatchScan::findLeft(std::span<const std::uint32_t> sites) {
         offset -= link.parameterCount;
       }
     }
-    leftType_[site] = found;
-    leftOffset_[site] = offset;
+    leftType[site] = found;
+    leftOffset[site] = offset;
   }
 }
 
 void BatchScan::findRight(std::span<const std::uint32_t> sites) {
-  const ContextString& old = step_.old;
+  const ContextString old = step_.old;
   const std::uint16_t* arity = program_->arity.data();
   const std::uint8_t* passing = passing_.data();
+  const std::uint32_t* const siteModule = siteModule_.data();
+  const std::uint32_t* const siteOffset = siteOffset_.data();
+  ModuleTypeId* const rightType = rightType_.data();
+  std::uint64_t* const rightOffset = rightOffset_.data();
+  const std::uint64_t first = first_;
+  const std::uint64_t firstOffset = offset_;
   for (const std::uint32_t site : sites) {
-    std::uint64_t module = first_ + siteModule_[site];
-    std::uint64_t offset = offset_ + siteOffset_[site] + arity[old.types[module]];
+    std::uint64_t module = first + siteModule[site];
+    std::uint64_t offset = firstOffset + siteOffset[site] + arity[old.types[module]];
     ModuleTypeId found = core::kNoModuleType;
     ++module;
     while (module < old.size) {
@@ -411,8 +458,8 @@ void BatchScan::findRight(std::span<const std::uint32_t> sites) {
         offset += link.parameterCount;
       }
     }
-    rightType_[site] = found;
-    rightOffset_[site] = offset;
+    rightType[site] = found;
+    rightOffset[site] = offset;
   }
 }
 
@@ -435,27 +482,41 @@ bool BatchScan::matchSearched(const BatchRule& rule, std::uint32_t site, std::si
 }
 
 void BatchScan::setLanes(const BatchRule& rule, std::size_t begin, std::size_t count) {
+  const std::uint32_t* const site = laneSite_.data() + begin;
+  const std::uint32_t* const siteOffset = siteOffset_.data();
+  std::uint32_t* const own = own_.data();
   for (std::size_t i = 0; i < count; ++i) {
-    own_[i] = siteOffset_[laneSite_[begin + i]];
+    own[i] = siteOffset[site[i]];
   }
   evaluator_.setLanes({count, rule.slots.data(), step_.old.parameters + offset_, step_.old.parameters, rows_.data(),
                        own_.data(), laneLeft_.data() + begin, laneRight_.data() + begin});
 }
 
 std::size_t BatchScan::keepWhereTrue(const BatchRule& rule, std::size_t count) {
+  std::uint32_t* const laneSite = laneSite_.data();
+  std::uint64_t* const laneLeft = laneLeft_.data();
+  std::uint64_t* const laneRight = laneRight_.data();
+  const bool hasNeighbours = rule.context != BatchRule::Context::None;
   std::size_t kept = laneCount_;
   for (std::size_t begin = laneCount_; begin < laneCount_ + count; begin += ColumnEvaluator::kLanes) {
     const std::size_t size = std::min(ColumnEvaluator::kLanes, laneCount_ + count - begin);
     setLanes(rule, begin, size);
     const ColumnValue truth = evaluator_.value(*rule.condition);
-    const bool hasNeighbours = rule.context != BatchRule::Context::None;
-    for (std::size_t i = 0; i < size; ++i) {
-      laneSite_[kept] = laneSite_[begin + i];
-      if (hasNeighbours) {
-        laneLeft_[kept] = laneLeft_[begin + i];
-        laneRight_[kept] = laneRight_[begin + i];
+    const auto isTrue = [&truth](std::size_t i) {
+      return (truth.values == nullptr ? truth.constant : truth.values[i]) != 0.0;
+    };
+    if (hasNeighbours) {
+      for (std::size_t i = 0; i < size; ++i) {
+        laneSite[kept] = laneSite[begin + i];
+        laneLeft[kept] = laneLeft[begin + i];
+        laneRight[kept] = laneRight[begin + i];
+        kept += isTrue(i) ? 1 : 0;
       }
-      kept += (truth.values == nullptr ? truth.constant : truth.values[i]) != 0.0 ? 1 : 0;
+    } else {
+      for (std::size_t i = 0; i < size; ++i) {
+        laneSite[kept] = laneSite[begin + i];
+        kept += isTrue(i) ? 1 : 0;
+      }
     }
   }
   return kept - laneCount_;
@@ -466,8 +527,11 @@ void BatchScan::accept(const BatchRule& rule, std::size_t count) {
     return;
   }
   isResized_ = isResized_ || plan_->blocks()[rule.block].isResizing;
+  const std::uint32_t* const site = laneSite_.data() + laneCount_;
+  std::uint32_t* const siteBlock = siteBlock_.data();
+  const std::uint32_t block = rule.block;
   for (std::size_t i = 0; i < count; ++i) {
-    siteBlock_[laneSite_[laneCount_ + i]] = rule.block;
+    siteBlock[site[i]] = block;
   }
   if (rule.needsLanes) {
     ruleLanes_.push_back({&rule, laneCount_, count});
@@ -476,21 +540,27 @@ void BatchScan::accept(const BatchRule& rule, std::size_t count) {
 }
 
 void BatchScan::place() {
-  const BatchBlock* blocks = plan_->blocks().data();
+  const BatchBlock* const blocks = plan_->blocks().data();
+  const std::uint32_t* const siteModule = siteModule_.data();
+  const std::uint32_t* const siteOffset = siteOffset_.data();
+  const std::uint32_t* const siteBlock = siteBlock_.data();
+  std::uint32_t* const madeModule = madeModule_.data();
+  std::uint32_t* const madeOffset = madeOffset_.data();
+  std::uint32_t* const resizing = resizing_.data();
   // growth may be negative: sums of unsigned numbers wrap around and come back
   std::uint32_t moduleGrowth = 0;
   std::uint32_t parameterGrowth = 0;
-  std::size_t resizing = 0;
+  std::size_t resizingCount = 0;
   for (std::size_t site = 0; site < siteCount_; ++site) {
-    const BatchBlock& block = blocks[siteBlock_[site]];
-    madeModule_[site] = siteModule_[site] + moduleGrowth;
-    madeOffset_[site] = siteOffset_[site] + parameterGrowth;
+    const BatchBlock& block = blocks[siteBlock[site]];
+    madeModule[site] = siteModule[site] + moduleGrowth;
+    madeOffset[site] = siteOffset[site] + parameterGrowth;
     moduleGrowth += static_cast<std::uint32_t>(block.moduleGrowth);
     parameterGrowth += static_cast<std::uint32_t>(block.parameterGrowth);
-    resizing_[resizing] = static_cast<std::uint32_t>(site);
-    resizing += block.isResizing ? 1 : 0;
+    resizing[resizingCount] = static_cast<std::uint32_t>(site);
+    resizingCount += block.isResizing ? 1 : 0;
   }
-  resizingCount_ = resizing;
+  resizingCount_ = resizingCount;
   madeModules_ = static_cast<std::uint32_t>(end_ - first_) + moduleGrowth;
   madeParameters_ = static_cast<std::uint32_t>(endOffset_ - offset_) + parameterGrowth;
 }
@@ -571,8 +641,8 @@ void BatchScan::writeBlocks(ModuleTypeId* types, double* parameters) const {
         }
         targetOffset += endOffset - offset;
       }
-      copyStretch<kTypesAtOnce>(types + target, block.length <= kTypesAtOnce ? block.types.data() : block.allTypes,
-                                block.length);
+      copyStretch<kBlockTypes>(types + target, block.length <= kBlockTypes ? block.types.data() : block.allTypes,
+                               block.length);
     } else {
       copyUpTo(endModule, endOffset);
       std::copy_n(block.allTypes, block.length, types + target);
@@ -588,30 +658,34 @@ void BatchScan::writeBlocks(ModuleTypeId* types, double* parameters) const {
 
 bool BatchScan::writeValues(const RuleLanes& lanes, double* parameters) {
   const BatchRule& rule = *lanes.rule;
-  const std::uint32_t* madeOffset = isResized_ ? madeOffset_.data() : siteOffset_.data();
+  const std::uint32_t* const madeOffset = isResized_ ? madeOffset_.data() : siteOffset_.data();
+  std::array<std::uint32_t, ColumnEvaluator::kLanes> offsets;
   bool isFinite = true;
   for (std::size_t begin = lanes.begin; begin < lanes.begin + lanes.count; begin += ColumnEvaluator::kLanes) {
     const std::size_t count = std::min(ColumnEvaluator::kLanes, lanes.begin + lanes.count - begin);
     setLanes(rule, begin, count);
-    const std::uint32_t* site = laneSite_.data() + begin;
+    const std::uint32_t* const site = laneSite_.data() + begin;
+    for (std::size_t i = 0; i < count; ++i) {
+      offsets[i] = madeOffset[site[i]];
+    }
     for (std::size_t k = 0; k < rule.values.size(); ++k) {
       const ColumnValue column = evaluator_.value(rule.values[k]);
-      double* target = parameters + k;
+      double* const target = parameters + k;
       if (column.values == nullptr) {
         const double value =
             step_.storesFloats ? static_cast<double>(static_cast<float>(column.constant)) : column.constant;
         isFinite = isFinite && (step_.storesFloats || value - value == 0.0);
         for (std::size_t i = 0; i < count; ++i) {
-          target[madeOffset[site[i]]] = value;
+          target[offsets[i]] = value;
         }
       } else if (step_.storesFloats) {
         for (std::size_t i = 0; i < count; ++i) {
-          target[madeOffset[site[i]]] = static_cast<double>(static_cast<float>(column.values[i]));
+          target[offsets[i]] = static_cast<double>(static_cast<float>(column.values[i]));
         }
       } else {
         isFinite = areFinite(column.values, count) && isFinite;
         for (std::size_t i = 0; i < count; ++i) {
-          target[madeOffset[site[i]]] = column.values[i];
+          target[offsets[i]] = column.values[i];
         }
       }
     }

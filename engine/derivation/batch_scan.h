@@ -75,6 +75,8 @@ class BatchScan {
   [[nodiscard]] double draw(std::uint64_t module);
   void loadDraws();
   std::size_t match(const BatchRule& rule, std::uint8_t bit, std::span<const std::uint32_t> sites);
+  template <bool kLooksLeft, bool kLooksRight>
+  std::size_t matchNear(const BatchRule& rule, std::span<const std::uint32_t> sites);
   void findLeft(std::span<const std::uint32_t> sites);
   void findRight(std::span<const std::uint32_t> sites);
   [[nodiscard]] bool matchSearched(const BatchRule& rule, std::uint32_t site, std::size_t lane);
