@@ -226,8 +226,7 @@ void BatchScan::dropPairs() {
     const std::size_t type = types[module];
     const std::size_t before = module == 0 ? unknown : types[module - 1];
     const std::size_t behind = module + 1 == step_.old.size ? unknown : types[module + 1];
-    const auto bits =
-        static_cast<std::uint8_t>(leftBits[before * stride + type] & rightBits[type * stride + behind]);
+    const auto bits = static_cast<std::uint8_t>(leftBits[before * stride + type] & rightBits[type * stride + behind]);
     siteModule_[kept] = siteModule_[site];
     siteOffset_[kept] = siteOffset_[site];
     siteBits_[kept] = bits;

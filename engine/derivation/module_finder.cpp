@@ -153,9 +153,9 @@ struct VectorFinder {
 
 ModuleFinder::ModuleFinder(std::span<const std::uint16_t> arity, Marks marks)
     : arity_(arity), marks_(std::move(marks)), looksAround_(!marks_.before.empty()) {
-  if (arity.size() > kMostTypes || std::any_of(arity.begin(), arity.end(), [](std::uint16_t count) {
-        return count > kLargestVectorArity;
-      }) || !hasVectors()) {
+  if (arity.size() > kMostTypes ||
+      std::any_of(arity.begin(), arity.end(), [](std::uint16_t count) { return count > kLargestVectorArity; }) ||
+      !hasVectors()) {
     return;
   }
   blockCount_ = arity.size() <= 16 ? 1 : (arity.size() <= 32 ? 2 : 4);
@@ -202,9 +202,9 @@ void ModuleFinder::findAll(const core::ModuleTypeId* types, std::uint32_t begin,
     const std::uint8_t* before = marks_.before.data();
     const std::uint8_t* behind = marks_.behind.data();
     for (std::uint32_t module = begin; module < end; ++module) {
-      add(module, static_cast<std::uint8_t>(own[types[module]] &
-                                            before[types[static_cast<std::ptrdiff_t>(module) - 1]] &
-                                            behind[types[module + std::size_t{1}]]));
+      add(module,
+          static_cast<std::uint8_t>(own[types[module]] & before[types[static_cast<std::ptrdiff_t>(module) - 1]] &
+                                    behind[types[module + std::size_t{1}]]));
     }
   } else {
     for (std::uint32_t module = begin; module < end; ++module) {

@@ -87,8 +87,7 @@ void Derivation::Implementation::findChunkOffsets(const ModuleString& old) {
         chunkOffsets_[chunk + 1] = count;
       }
       if (needsLinks) {
-        index_.linkPart(types, firstChunk * kChunkModules, std::min(endChunk * kChunkModules, size),
-                        openEnds_[part]);
+        index_.linkPart(types, firstChunk * kChunkModules, std::min(endChunk * kChunkModules, size), openEnds_[part]);
       }
     }
   });

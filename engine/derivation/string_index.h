@@ -42,8 +42,8 @@ class StringIndex {
   /// The brackets of a part of a string whose partners are outside of it; offsets count from the part's first
   /// parameter.
   struct OpenEnds {
-    std::vector<Open> closed;    // `]` without `[` before it
-    core::Buffer<Open> opened;   // `[` without `]` behind it
+    std::vector<Open> closed;   // `]` without `[` before it
+    core::Buffer<Open> opened;  // `[` without `]` behind it
     std::vector<Branch> longBranches;
   };
 

@@ -67,18 +67,16 @@ TEST(StringIndex, PartsLinkAsTheWholeDoes) {
   // lone brackets of both kinds, and branches over many parts
   DerivedModel model(modelText("", "A(1)]B[C(2)[D][E(3)[F(4,5)]G]H(6)[[[I(7)]]]J]K[L(8)[M]", "A --> A\n"));
   const derivation::ModuleString& string = model.state().string;
-  StringIndex whole;
+  StringIndex whole(model.program());
   whole.extend(string);
   for (std::uint64_t length = 1; length <= string.size(); ++length) {
     // every other time with a threshold at which branches are kept apart
-    StringIndex parts =
-        length % 2 == 0 ? StringIndex(model.program(), 3) : StringIndex(model.program());
+    StringIndex parts = length % 2 == 0 ? StringIndex(model.program(), 3) : StringIndex(model.program());
     parts.beginParts(string.size());
     const std::uint64_t count = (string.size() + length - 1) / length;
     std::vector<StringIndex::OpenEnds> ends(count);
     for (std::uint64_t i = count; i-- > 0;) {
-      parts.linkPart(string.types().data(), i * length, std::min((i + 1) * length, string.size()),
-                     ends[i]);
+      parts.linkPart(string.types().data(), i * length, std::min((i + 1) * length, string.size()), ends[i]);
     }
     std::uint64_t offset = 0;
     for (std::uint64_t i = 0; i < string.size(); ++i) {
