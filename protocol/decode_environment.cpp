@@ -232,6 +232,9 @@ Decoded<EnvironmentStepParams> decodeEnvironmentStepParams(const Payload& payloa
     if (const Field time = params["time"]; !time.isAbsent()) {
       step.timeDays = time.number();
     }
+    if (const Field geometry = params["geometry"]; !geometry.isAbsent()) {
+      step.geometry = readGeometry(geometry, payload);
+    }
     if (payload.blocks() != nullptr) {
       step.queries = readQueryBlocks(params, payload);
       return;
@@ -264,6 +267,12 @@ Decoded<DescribeResult> decodeDescribeResult(const Payload& payload) {
     description.outputs = readVariables(result["outputs"]);
     description.isStateful = !result["stateful"].isAbsent() && result["stateful"].boolean();
     description.canCheckpoint = !result["checkpoint"].isAbsent() && result["checkpoint"].boolean();
+    if (const Field geometry = result["geometry"]; !geometry.isAbsent()) {
+      if (geometry.text() != "whole" && geometry.text() != "difference") {
+        geometry.failExpected("whole or difference");
+      }
+      description.takesDifferences = geometry.text() == "difference";
+    }
   });
 }
 

@@ -239,6 +239,9 @@ std::string encode(const DescribeResult& result) {
   writeVariables(writer, "inputs", result.inputs);
   writeVariables(writer, "outputs", result.outputs);
   writer.key("stateful").boolean(result.isStateful).key("checkpoint").boolean(result.canCheckpoint);
+  if (result.needs.geometry) {
+    writer.key("geometry").text(result.takesDifferences ? "difference" : "whole");
+  }
   return writer.endObject().take();
 }
 

@@ -46,9 +46,12 @@ void writeQuery(JsonWriter& writer, const QueryColumns& queries, std::size_t i) 
   writer.endObject();
 }
 
-void writeStep(JsonWriter& writer, const EnvironmentStepParams& params) {
+void writeStep(JsonWriter& writer, const EnvironmentStepParams& params, bool isInBlocks) {
   writer.beginObject().key("simulation").text(params.simulation).key("step").integer(params.step);
   writer.key("iteration").integer(params.iteration).key("time").number(params.timeDays);
+  if (params.geometry) {
+    write(writer.key("geometry"), *params.geometry, isInBlocks);
+  }
 }
 
 void requireFinite(std::span<const double> numbers) {
@@ -104,7 +107,7 @@ void addRows(BlockWriter& blocks, const char* name, const char* offsetName, std:
 std::string encode(const EnvironmentStepParams& params) {
   JsonWriter writer;
   writer.reserve(params.queries.count * kUsualQueryBytes + 200);
-  writeStep(writer, params);
+  writeStep(writer, params, false);
   writer.key("queries").beginArray();
   for (std::size_t i = 0; i < params.queries.count; ++i) {
     writeQuery(writer, params.queries, i);
@@ -115,7 +118,7 @@ std::string encode(const EnvironmentStepParams& params) {
 Body encodeBlocks(const EnvironmentStepParams& params) {
   const QueryColumns& queries = params.queries;
   JsonWriter writer;
-  writeStep(writer, params);
+  writeStep(writer, params, true);
   Body body(writer.key("symbols").texts(queries.symbols).endObject().take());
   BlockWriter& blocks = body.blocks;
   const std::uint64_t rows = queries.count;
@@ -138,6 +141,9 @@ Body encodeBlocks(const EnvironmentStepParams& params) {
   if (!queries.following.empty()) {
     blocks.add("following", queries.following, {rows});
     addRows(blocks, "followingParameters", "followingOffset", queries.followingParameters, queries.followingOffset);
+  }
+  if (params.geometry) {
+    addBlocks(blocks, *params.geometry);
   }
   return body;
 }

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "protocol/blocks.h"
+#include "protocol/geometry.h"
 
 namespace espalier::protocol {
 
@@ -278,7 +279,8 @@ struct DescribeResult {
   std::vector<VariableRecord> inputs;
   std::vector<VariableRecord> outputs;
   bool isStateful = false;
-  bool canCheckpoint = false;  // answers environment.save and environment.restore
+  bool canCheckpoint = false;     // answers environment.save and environment.restore
+  bool takesDifferences = false;  // of a geometry, instead of all of it in each step
 };
 
 struct WorldRecord {
@@ -330,6 +332,7 @@ struct EnvironmentStepParams {
   std::uint32_t iteration = 0;
   double timeDays = 0.0;
   QueryColumns queries;
+  std::optional<GeometryColumns> geometry;  // for an environment that needs it
 };
 
 /// The replies to a step as columns. The numbers live in `owner`, or with whoever made the columns.

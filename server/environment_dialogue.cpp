@@ -7,6 +7,7 @@
 #include "protocol/version.h"
 #include "server/translate.h"
 #include "server/translate_environment.h"
+#include "server/translate_geometry.h"
 
 namespace espalier::server {
 namespace {
@@ -190,9 +191,19 @@ EnvironmentDialogue::Reply EnvironmentDialogue::step(const protocol::Payload& pa
 
   opened.lastStep.reset();
   opened.queries = toBatch(params, opened.needs, opened.symbols);
+  if (params.geometry) {
+    auto geometry = std::make_shared<turtle::Geometry>();
+    const std::shared_ptr<const turtle::Geometry> last = std::exchange(opened.geometry, nullptr);
+    if (const auto problem = toGeometry(*params.geometry, last.get(), opened.symbols, *geometry)) {
+      opened.lastStep = before;
+      return protocol::fieldError("params.geometry", *problem + "; send the whole geometry");
+    }
+    opened.geometry = geometry;
+    opened.queries.geometry = std::move(geometry);
+  }
   opened.replies.prepare(opened.queries);
-  const auto error = opened.queries.size() == 0 ? opened.process->tick(params.step)
-                                                : opened.process->step(opened.queries, opened.replies);
+  const bool isTick = opened.queries.size() == 0 && !opened.needs.geometry;
+  const auto error = isTick ? opened.process->tick(params.step) : opened.process->step(opened.queries, opened.replies);
   if (error) {
     opened.lastStep = before;
     return failed(*error);

@@ -36,6 +36,7 @@ class EnvironmentDialogue {
     std::optional<std::uint64_t> lastStep;  // of a process with state
     std::uint32_t lastIteration = 0;
     std::uint64_t lastQueriesHash = 0;
+    std::shared_ptr<const turtle::Geometry> geometry;  // that came last; null: none
     // of the last step: its answer refers to them
     turtle::QueryBatch queries;
     turtle::ReplyBatch replies;

@@ -1,8 +1,11 @@
 #include "server/remote_process.h"
 
+#include <utility>
+
 #include "protocol/codec.h"
 #include "server/translate.h"
 #include "server/translate_environment.h"
+#include "server/translate_geometry.h"
 
 namespace espalier::server {
 namespace {
@@ -95,6 +98,7 @@ turtle::EnvironmentDescription RemoteProcess::describe() const {
 }
 
 std::optional<turtle::EnvironmentError> RemoteProcess::openPeer(std::uint64_t step) {
+  peerGeometry_.reset();
   auto params = toOpenParams(*context_, options_.configurationJson);
   const bool isInRun = step > 0 || stepCount_ > 0;
   if (isInRun && !canCheckpoint()) {
@@ -189,8 +193,14 @@ std::optional<turtle::EnvironmentError> RemoteProcess::step(const turtle::QueryB
   const std::string during =
       "step " + std::to_string(queries.step) + ", " + std::to_string(queries.size()) + " queries";
   const std::string simulation = context_ ? context_->simulation : std::string("simulation");
-  const auto params =
-      toStepParams(simulation, queries, description_.needs, context_ ? context_->symbols : std::vector<std::string>());
+  const std::vector<std::string> symbols = context_ ? context_->symbols : std::vector<std::string>();
+  auto params = toStepParams(simulation, queries, description_.needs, symbols);
+  // whatever goes wrong from here on: the peer is sent all of the geometry again
+  const auto peerGeometry = std::exchange(peerGeometry_, nullptr);
+  if (description_.needs.geometry && queries.geometry != nullptr) {
+    params.geometry =
+        toColumns(queries.geometry, description_.takesDifferences ? peerGeometry.get() : nullptr, symbols);
+  }
   auto body = bodyOf(params, during);
   if (auto* error = std::get_if<turtle::EnvironmentError>(&body)) {
     return std::move(*error);
@@ -206,6 +216,7 @@ std::optional<turtle::EnvironmentError> RemoteProcess::step(const turtle::QueryB
                                     true};
   }
   applyReplies(std::get<protocol::ReplyColumns>(decoded), queries, replies);
+  peerGeometry_ = queries.geometry;
   ++stepCount_;
   return std::nullopt;
 }

@@ -67,6 +67,7 @@ class RemoteProcess final : public turtle::EnvironmentProcess {
   std::uint64_t stepCount_ = 0;                    // steps and ticks since open: the version of the peer's state
   mutable std::optional<std::string> savedState_;  // of the peer, when savedAt_ == stepCount_
   mutable std::uint64_t savedAt_ = 0;
+  std::shared_ptr<const turtle::Geometry> peerGeometry_;  // that the peer was sent last and has; null: send all of it
 };
 
 }  // namespace espalier::server

@@ -189,11 +189,12 @@ void Session::onHello(const protocol::Message& message) {
   for (const LimitEntry& entry : limitEntries()) {
     limits.emplace_back(entry.name, entry.get(options.limits));
   }
-  const protocol::HelloResult result{.protocol = protocol::kProtocolVersion,
-                                     .session = id_,
-                                     .server = "espalier " + std::string(protocol::kProgramVersion),
-                                     .capabilities = {"bin", "checkpoint", "cancel", "streams", "credits", "offer"},
-                                     .limits = std::move(limits)};
+  const protocol::HelloResult result{
+      .protocol = protocol::kProtocolVersion,
+      .session = id_,
+      .server = "espalier " + std::string(protocol::kProgramVersion),
+      .capabilities = {"bin", "checkpoint", "cancel", "streams", "credits", "offer", "geometry"},
+      .limits = std::move(limits)};
   respond(message.id, protocol::encode(result));
 }
 

@@ -165,7 +165,8 @@ protocol::DescribeResult toDescribeResult(const turtle::EnvironmentDescription& 
           .inputs = toVariables(description.inputs),
           .outputs = toVariables(description.outputs),
           .isStateful = description.isStateful,
-          .canCheckpoint = description.isStateful};
+          .canCheckpoint = description.isStateful,
+          .takesDifferences = description.needs.geometry};
 }
 
 turtle::EnvironmentDescription toDescription(const protocol::DescribeResult& result) {

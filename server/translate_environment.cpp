@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cstring>
-#include <unordered_map>
+
+#include "server/translate_geometry.h"
 
 namespace espalier::server {
 namespace {
@@ -108,18 +109,7 @@ turtle::QueryBatch toBatch(const protocol::EnvironmentStepParams& params, const 
   const std::size_t count = columns.count;
 
   // the symbols of the params among those of the simulation
-  std::unordered_map<std::string, core::SymbolId> idOf;
-  for (std::size_t i = 0; i < symbols.size(); ++i) {
-    idOf.emplace(symbols[i], static_cast<core::SymbolId>(i));
-  }
-  std::vector<core::SymbolId> ids;
-  for (const std::string& name : columns.symbols) {
-    const auto [entry, isNew] = idOf.emplace(name, static_cast<core::SymbolId>(symbols.size()));
-    if (isNew) {
-      symbols.push_back(name);
-    }
-    ids.push_back(entry->second);
-  }
+  const std::vector<core::SymbolId> ids = idsOf(columns.symbols, symbols);
 
   turtle::QueryBatch batch;
   batch.clear();

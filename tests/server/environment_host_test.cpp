@@ -5,6 +5,7 @@
 
 #include "engine/language/compiler.h"
 #include "engine/simulation/simulation.h"
+#include "engine/turtle/geometry.h"
 #include "environment/registry.h"
 #include "raw_peer.h"
 #include "server/environment_dialogue.h"
@@ -22,8 +23,8 @@ std::unique_ptr<EnvironmentProcess> builtIn(const std::string& name, const std::
   return std::move(std::get<std::unique_ptr<EnvironmentProcess>>(made));
 }
 
-std::unique_ptr<EnvironmentProcess> remote(const std::string& address) {
-  auto connected = connectRemoteEnvironment(address, {});
+std::unique_ptr<EnvironmentProcess> remote(const std::string& address, bool isTextOnly = false) {
+  auto connected = connectRemoteEnvironment(address, {.isTextOnly = isTextOnly, .configurationJson = {}});
   if (const auto* problem = std::get_if<std::string>(&connected)) {
     ADD_FAILURE() << *problem;
     return nullptr;
@@ -38,8 +39,8 @@ constexpr std::string_view kBush =
     "?E(v) < B(l,w) : v > 0.05 --> A(l,w*0.97)\n?E(v) < B(l,w) : v <= 0.05 --> *\nendlsystem\n";
 
 /// The strings after each step.
-std::vector<std::string> grow(std::unique_ptr<EnvironmentProcess> process) {
-  core::MemoryFileProvider files({{"model.l", std::string(kBush)}});
+std::vector<std::string> grow(std::unique_ptr<EnvironmentProcess> process, std::string_view model = kBush) {
+  core::MemoryFileProvider files({{"model.l", std::string(model)}});
   language::CompileInput input;
   input.modelFile = "model.l";
   const auto compiled = language::compile(input, files);
@@ -61,12 +62,12 @@ std::vector<std::string> grow(std::unique_ptr<EnvironmentProcess> process) {
 /// A built-in process served on a free port until the end of the scope.
 class Hosted {
  public:
-  explicit Hosted(std::string name) {
+  explicit Hosted(const std::string& name) : Hosted([name] { return builtIn(name); }) {}
+  explicit Hosted(ProcessFactory factory) {
     std::promise<std::uint16_t> listening;
     auto port = listening.get_future();
-    thread_ = std::thread([name = std::move(name), &listening] {
-      const auto problem = hostEnvironment(
-          {}, [&name] { return builtIn(name); }, [&listening](std::uint16_t p) { listening.set_value(p); });
+    thread_ = std::thread([factory = std::move(factory), &listening] {
+      const auto problem = hostEnvironment({}, factory, [&listening](std::uint16_t p) { listening.set_value(p); });
       EXPECT_EQ(problem, std::nullopt);
     });
     address_ = "tcp://127.0.0.1:" + std::to_string(port.get());
@@ -91,6 +92,86 @@ TEST(EnvironmentHost, TcpAndStdioGiveBitwiseTheSameStringsAsInProcess) {
     EXPECT_EQ(grow(remote(hosted.address())), inside);
     EXPECT_EQ(grow(remote("stdio:exec '" + buildFolder() + "/bin/espalier' environment " + name + " --stdio")), inside);
   }
+}
+
+/// Answers with what it sees of the geometry, in numbers with all their digits: the area and mean height of the organ
+/// behind the module, over the length of all segments.
+class Canopy final : public EnvironmentProcess {
+ public:
+  [[nodiscard]] turtle::EnvironmentDescription describe() const override {
+    turtle::EnvironmentDescription description;
+    description.name = "canopy";
+    description.needs.parameters = true;
+    description.needs.geometry = true;
+    return description;
+  }
+  [[nodiscard]] std::optional<turtle::EnvironmentError> open(const turtle::EnvironmentContext&) override {
+    return std::nullopt;
+  }
+  [[nodiscard]] std::optional<turtle::EnvironmentError> step(const turtle::QueryBatch& queries,
+                                                             turtle::ReplyBatch& replies) override {
+    if (queries.geometry == nullptr) {
+      return turtle::EnvironmentError{"no geometry came", false};
+    }
+    const turtle::Geometry& geometry = *queries.geometry;
+    double length = 0.0;
+    for (std::size_t i = 0; i < geometry.segments.size(); ++i) {
+      length += core::length(geometry.end[i] - geometry.start[i]) * geometry.startWidth[i];
+    }
+    for (std::size_t query = 0; query < queries.size(); ++query) {
+      for (std::size_t organ = 0; organ < geometry.organs.size(); ++organ) {
+        if (geometry.organs.plant[organ] != queries.plant[query] ||
+            geometry.organs.module[organ] != queries.module[query] + 1) {
+          continue;
+        }
+        double area = 0.0;
+        for (std::uint64_t t = geometry.triangleOffset[organ]; t < geometry.triangleOffset[organ + 1]; ++t) {
+          const auto& [a, b, c] = geometry.triangles[t];
+          const core::Vec3& origin = geometry.vertices[a];
+          area += core::length(core::cross(geometry.vertices[b] - origin, geometry.vertices[c] - origin)) + origin.y;
+        }
+        replies.set(queries, query, 0, area / (1.0 + length) + geometry.organs.colour[organ]);
+      }
+    }
+    return std::nullopt;
+  }
+};
+
+TEST(EnvironmentHost, GeometryCrossesWholeAndAsDifferencesWithTheSameBits) {
+  const ProcessFactory factory = [] { return std::make_unique<Canopy>(); };
+  const Hosted hosted(factory);
+  // leaves that grow, turn with what they get, and fall
+  const std::string model =
+      "Lsystem: 1\nderivation length: 7\nAxiom: A(1)\n"
+      "A(l) --> !(l*0.1);(3)F(l)[+(31.7)?E(0)L(l,0)]/(77.3)A(l*0.93)\n"
+      "?E(x) < L(s,n) : n < 3 --> L(s*1.1+x*0.01,n+1)\nL(s,n) : n >= 3 --> *\n"
+      "homomorphism\nL(s,n) --> ,(s*10){.f(s)-(70+n)f(s)-(60)f(s)}\nendlsystem\n";
+  const std::vector<std::string> inside = grow(std::make_unique<Canopy>(), model);
+  ASSERT_EQ(inside.size(), 7U);
+  EXPECT_NE(inside[6].find("?E(3"), std::string::npos) << inside[6];
+  EXPECT_EQ(grow(remote(hosted.address()), model), inside);
+  EXPECT_EQ(grow(remote(hosted.address(), true), model), inside);
+}
+
+TEST(EnvironmentDialogue, AGeometryThatDoesNotFitIsRefused) {
+  const ProcessFactory factory = [] { return std::make_unique<Canopy>(); };
+  EnvironmentDialogue dialogue(factory, {});
+  const auto ask = [&dialogue](const std::string& geometry) {
+    return dialogue.answer(protocol::decodeMessage(
+        R"({"jsonrpc":"2.0","id":1,"method":"environment.step","params":{"simulation":"s","step":0,"queries":[],)"
+        R"("geometry":{"widths":"world","symbols":[],"segmentPlant":[],"segmentModule":[],"segmentSymbol":[],)"
+        R"("segmentColour":[],"segmentOrder":[],"segmentStart":[],"segmentEnd":[],"segmentStartWidth":[],)"
+        R"("segmentEndWidth":[],"organPlant":[],"organModule":[],"organSymbol":[],"organColour":[],"organOrder":[],)"
+        R"("organKind":[],"organVertices":[],"organTriangles":[],"vertices":[],"triangles":[],)" +
+        geometry + "}}}"));
+  };
+  EXPECT_NE(ask(R"("form":"difference","segmentRuns":[],"organRuns":[])")
+                ->find("params.geometry: it is a difference, but no geometry came before it; send the whole geometry"),
+            std::string::npos);
+  EXPECT_NE(ask(R"("form":"whole")")->find(R"("replies":[])"), std::string::npos);
+  EXPECT_NE(ask(R"("form":"difference","segmentRuns":[[0,1,0]],"organRuns":[])")
+                ->find("params.geometry: the runs of segments take more rows than the 0 before and the 0 new ones"),
+            std::string::npos);
 }
 
 TEST(EnvironmentHost, AnAddressThatOtherMachinesReachIsRefusedUnlessAllowed) {

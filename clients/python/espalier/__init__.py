@@ -5,13 +5,14 @@ from .client import Client, Simulation, Stream
 from .shapes import Frame, Model, StepResult, TurtleRecord
 from .environment import Answer, Columns, Environment, Following, Opening, Query, Variable
 from .errors import ConnectionLost, EspalierError, ProtocolError, ServerError, ServerFailed
+from .geometry import Geometry
 from .local_server import Local, local
 from .server import Server
 from .viewing import View
 from .version import VERSION as __version__
 
 __all__ = [
-    "Answer", "AsyncClient", "AsyncSimulation", "AsyncStream", "Client", "Columns", "ConnectionLost", "Environment", "EspalierError", "Following", "Frame", "Local",
+    "Answer", "AsyncClient", "AsyncSimulation", "AsyncStream", "Client", "Columns", "ConnectionLost", "Environment", "EspalierError", "Following", "Frame", "Geometry", "Local",
     "Model", "Opening",
     "ProtocolError", "Query", "Server", "ServerError", "ServerFailed", "Simulation", "StepResult", "Stream",
     "TurtleRecord", "Variable", "View", "__version__", "local",

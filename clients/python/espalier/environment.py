@@ -18,6 +18,7 @@ from typing import Any, ClassVar, Dict, List, Mapping, NoReturn, Optional, Seque
 
 from .blocks import Blocks, numpy, offsets_of
 from .errors import ProtocolError
+from .geometry import Geometry, form
 
 Vector = Tuple[float, float, float]
 # the values a query's module gets, in order; None keeps what the module sent
@@ -135,7 +136,8 @@ class Environment:
     (the same as arrays: a million queries a second), and may define `opened` (to read its configuration), `save` and `restore` (when it changes from step to step).
     """
 
-    # what the server sends with each query: position heading left up width scale parameters following
+    # what the server sends with each query: position heading left up width scale parameters following; and geometry,
+    # what all plants look like
     needs: ClassVar[Sequence[str]] = ("position", "heading", "left", "up", "width", "scale", "parameters", "following")
     inputs: ClassVar[Sequence[Variable]] = ()
     outputs: ClassVar[Sequence[Variable]] = ()
@@ -147,6 +149,8 @@ class Environment:
     # set before every step: completed steps of the plants, and their age in days
     completed_steps: int = 0
     days: float = 0.0
+    # all plants as they are when they ask; None unless `needs` has geometry
+    geometry: Optional[Geometry] = None
 
     @classmethod
     def name(cls) -> str:
@@ -200,6 +204,7 @@ class Environment:
     def description(cls) -> Dict[str, Any]:
         """What `environment.describe` answers."""
         summary = (cls.__doc__ or "").strip().split("\n")[0]
+        asked = {"geometry": form()} if "geometry" in cls.needs else {}
         return {
             "name": cls.name(),
             "summary": summary,
@@ -208,6 +213,7 @@ class Environment:
             "outputs": [variable.as_json() for variable in cls.outputs],
             "stateful": cls.is_stateful,
             "checkpoint": cls.is_stateful,
+            **asked,
         }
 
     @classmethod

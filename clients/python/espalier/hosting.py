@@ -19,6 +19,7 @@ from . import wire
 from .blocks import Blocks, numpy
 from .environment import Answer, Columns, Environment, Query, read_columns, read_opening, read_query
 from .errors import ConnectionLost, EspalierError, ProtocolError, ServerError
+from .geometry import NAMES, Geometry, read_geometry
 from .version import VERSION
 
 PROTOCOL = 1
@@ -49,6 +50,7 @@ class _Simulation:
         self.environment = environment
         self.last_request: Optional[Tuple[int, int, Any]] = None  # step, iteration, queries
         self.last_reply: "Reply" = Reply({})
+        self.geometry: Optional[Geometry] = None  # that came last
 
 
 class Reply:
@@ -160,7 +162,9 @@ class Host:
         # arrays are kept only for an environment that must not advance twice
         asked: Any = sent
         if blocks:
-            asked = {name: bytes(array) for name, array in blocks.items()} if self._class.is_stateful else object()
+            # of the geometry all comes where only the difference came before
+            asked = ({name: bytes(array) for name, array in blocks.items() if name not in NAMES}
+                     if self._class.is_stateful else object())
         key = (int(parameters.get("step", 0)), int(parameters.get("iteration", 0)), asked)
         # the same step is sent again after a lost connection
         if simulation.last_request == key:
@@ -169,6 +173,10 @@ class Host:
         environment = simulation.environment
         environment.completed_steps = key[0]
         environment.days = float(parameters.get("time", 0.0))
+        if "geometry" in parameters:
+            before, simulation.geometry = simulation.geometry, None
+            simulation.geometry = read_geometry(parameters["geometry"], blocks, before)
+            environment.geometry = simulation.geometry
         if type(environment).step_columns is not Environment.step_columns:
             reply = self._step_columns(environment, parameters, blocks)
         else:
