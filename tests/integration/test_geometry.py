@@ -5,7 +5,7 @@ from typing import Any, ClassVar, Dict, List, Sequence
 
 from support import program
 
-from espalier import Answer, Environment, Geometry, Query, Server, blocks
+from espalier import Answer, Environment, Geometry, Query, blocks, local
 
 # leaves that grow, turn and fall while the stem goes on
 MODEL = """Lsystem: 1
@@ -46,16 +46,13 @@ class Difference(Whole):
 class GeometryOverTheWire(unittest.TestCase):
     @unittest.skipIf(blocks.numpy is None, "NumPy is not installed")
     def test_differences_make_the_whole(self) -> None:
-        server = Server(program(), arguments=["--log-level", "off"])
-        self.addCleanup(server.stop)
-        client = server.connect(timeout=60)
-        self.addCleanup(client.close)
-        strings = []
-        for kind in (Whole, Difference):
-            kind.seen.clear()
-            simulation = client.create(source=MODEL, environment=[client.attach(kind)], seed=1)
-            simulation.run()
-            strings.append(simulation.string())
+        with local(program(), arguments=["--log-level", "off"]) as client:
+            strings = []
+            for kind in (Whole, Difference):
+                kind.seen.clear()
+                simulation = client.create(source=MODEL, environment=[client.attach(kind)], seed=1)
+                simulation.run()
+                strings.append(simulation.string())
         self.assertEqual(strings[0], strings[1])
         # also before anything asks: a step without queries
         self.assertEqual([len(one.segment_plant) for one in Whole.seen], [0, 1, 2, 3, 4, 5])
