@@ -10,6 +10,7 @@
 #include "environment/clover.h"
 #include "environment/colonization.h"
 #include "environment/constant.h"
+#include "environment/crowding.h"
 #include "environment/density.h"
 #include "environment/density3d.h"
 #include "environment/ecosystem.h"
@@ -25,6 +26,7 @@
 #include "environment/process_entry.h"
 #include "environment/shadow.h"
 #include "environment/soil.h"
+#include "environment/soil_water/soil_water.h"
 #include "environment/takenaka.h"
 #include "environment/wind.h"
 
@@ -33,12 +35,12 @@ namespace espalier::environment {
 namespace {
 
 // sorted by name
-constexpr std::array kProcesses{&kArvoProcess,         &kAttractorsProcess,  &kChibaProcess,   &kCloverProcess,
-                                &kColonizationProcess, &kConstantProcess,    &kDensityProcess, &kDensity3dProcess,
-                                &kEcosystemProcess,    &kEmissionProcess,    &kGravityProcess, &kHeightProcess,
-                                &kHondaProcess,        &kLightVoxelsProcess, &kMeadowProcess,  &kMultipleProcess,
-                                &kObstaclesProcess,    &kOrnamentProcess,    &kShadowProcess,  &kSoilProcess,
-                                &kTakenakaProcess,     &kWindProcess};
+constexpr std::array kProcesses{&kArvoProcess,         &kAttractorsProcess, &kChibaProcess,       &kCloverProcess,
+                                &kColonizationProcess, &kConstantProcess,   &kCrowdingProcess,    &kDensityProcess,
+                                &kDensity3dProcess,    &kEcosystemProcess,  &kEmissionProcess,    &kGravityProcess,
+                                &kHeightProcess,       &kHondaProcess,      &kLightVoxelsProcess, &kMeadowProcess,
+                                &kMultipleProcess,     &kObstaclesProcess,  &kOrnamentProcess,    &kShadowProcess,
+                                &kSoilProcess,         &kSoilWaterProcess,  &kTakenakaProcess,    &kWindProcess};
 
 }  // namespace
 

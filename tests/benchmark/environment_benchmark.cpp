@@ -123,6 +123,10 @@ const std::vector<Candidate>& candidates() {
       {"clover", R"({"range":[100,100],"position":[0,0],"gridSize":[2000,2000]})", leaves},
       {"colonization", R"({"markerCount":1000000,"markerBox":[0,0,0,100,100,100],"occupancyRadius":0.5})",
        [](std::size_t i) { return std::vector<double>(5, i % 2 == 0 ? 1.0 : 0.0); }},
+      {"crowding", R"({"samples":32})",
+       [](std::size_t i) {
+         return std::vector<double>{i % 8 == 0 ? 0.0 : 0.05 * static_cast<double>(i % 7 + 1), 1.0, 0.0, 0.0, 0.0};
+       }},
       {"density", "", [](std::size_t) { return std::vector<double>(3, 0.0); }},
       {"density3d", R"({"range":[100,100,100],"gridSize":[100,100,100]})", few},
       {"ecosystem", R"({"threeDimensional":true})",
@@ -140,6 +144,11 @@ const std::vector<Candidate>& candidates() {
       {"soil", R"({"domainSize":[100,100,100],"gridSize":[100,100,1],"depletion":true})",
        [](std::size_t) {
          return std::vector<double>{0.001, 1.0, 1.0, 0.0};
+       }},
+      {"soil-water",
+       R"({"gridSize":[20,20,20],"cellSize":[5,5,5],"position":[0,0,0],"layers":[[100,0.05,0.4,2,1.6,0.2]]})",
+       [](std::size_t) {
+         return std::vector<double>{1e-4, 0.0, 0.0};
        }},
       {"takenaka", R"({"sources":[[0,1000,0,4],[500,800,0,3]]})",
        [](std::size_t) {

@@ -34,6 +34,8 @@ std::vector<Candidate> candidates() {
       {"clover", R"({"gridSize":[64,64],"range":[10,10],"position":[0,0]})", 2},
       {"colonization", R"({"markerCount":2000,"markerBox":[0,0,0,10,10,10],"occupancyRadius":0.4})", 5},
       {"constant", "", 2},
+      {"crowding", R"({"samples":20,"leastShare":0.2,"deathProbability":0.5})", 5},
+      {"crowding", R"({"extent":[0,10,0,10],"periodic":true,"siteQuality":[[1,0.5]],"competition":"largest"})", 5},
       {"density", "", 3},
       {"density", R"({"onePointValue":true,"returnVector":true})", 3},
       {"density3d", R"({"range":[10,10,10],"gridSize":[5,5,5]})", 1},
@@ -65,6 +67,11 @@ std::vector<Candidate> candidates() {
        R"("obstacleMap":[[0,0,0],[0,1,0],[0,0,0],[0,0,0]],"sourceMap":[[1,0,0],[0,0,0],[0,0,0],[0,0,1]],)"
        R"("depletion":true,"diffusionSteps":2})",
        7},
+      {"soil-water",
+       R"({"gridSize":[4,5,3],"cellSize":[2.5,2,3.4],"position":[0,0,0],"spheres":[[5,5,5,2]],"acidity":true,)"
+       R"("layers":[[3,0.05,0.4,2,1.6,0.2],[1,0.08,0.43,1,1.4,0.05]],"rain":[[0,0.01],[2,0]],)"
+       R"("solutes":[[1,0.5,0.001,0.1,0.2,0.01]]})",
+       9},
       {"takenaka", R"({"sources":[[0,100,0,1],[50,80,3,0.5]]})", 2},
       {"wind", R"({"profile":"power"})", 3},
   };

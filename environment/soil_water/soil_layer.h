@@ -1,0 +1,27 @@
+#pragma once
+
+namespace espalier::environment {
+
+/// The hydraulic functions of a soil after van Genuchten (1980) and Mualem (1976, l = 1/2). Heads h are in the world's
+/// length unit, negative where water is held by suction; conductivities in length per day.
+struct SoilLayer {
+  double residualContent = 0.078;  // θr
+  double saturatedContent = 0.43;  // θs
+  double alpha = 3.6;              // 1/length
+  double n = 1.56;                 // above 1
+  double conductivity = 0.2496;    // saturated, length/day
+  double specificStorage = 1e-6;   // water taken up by saturated soil, 1/length
+
+  /// Effective saturation ((θ − θr)/(θs − θr)) at a head: 1 when h ≥ 0.
+  [[nodiscard]] double saturation(double head) const;
+  /// Volume of water per volume of soil: θ(h), and beyond θs with the specific storage.
+  [[nodiscard]] double content(double head) const;
+  /// Its derivative, 1/length.
+  [[nodiscard]] double capacity(double head) const;
+  /// Hydraulic conductivity K(h), length/day.
+  [[nodiscard]] double conductivityAt(double head) const;
+  /// The head at a water content; −10⁷ lengths where there is only the residual one.
+  [[nodiscard]] double headAt(double content) const;
+};
+
+}  // namespace espalier::environment

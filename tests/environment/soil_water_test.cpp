@@ -1,0 +1,166 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "query_builder.h"
+
+namespace espalier::environment {
+namespace {
+
+/// A column of a square metre with cells of 10 cm from −1 m to 0, in the default loam.
+const std::string kColumn = R"("gridSize":[1,10,1],"cellSize":[1,0.1,1],"position":[-0.5,-1,-0.5])";
+
+std::vector<std::optional<double>> answerAt(turtle::EnvironmentProcess& process, const core::Vec3& place,
+                                            std::vector<double> parameters = std::vector<double>(9, 0.0)) {
+  return answersOf(process, QueryBuilder().add(place, parameters).batch())[0];
+}
+
+TEST(SoilWater, AQuerySeesHeadContentGradientAndSolutes) {
+  const auto process = openProcess(
+      "soil-water",
+      "{" + kColumn +
+          R"(,"initially":"waterTable","waterTableDepth":1,"bottom":"closed","acidity":true,"initialPh":6,)" +
+          R"("solutes":[[0.25,0,0,0,0,0]]})");
+  // hydrostatic: h is the height above the table, negated; θ by van Genuchten with α = 3.6, n = 1.56 (m = 1 − 1/n)
+  const auto answer = answerAt(*process, {0, -0.35, 0});
+  EXPECT_EQ(answer[0], 0.0);
+  EXPECT_NEAR(*answer[1], -0.65, 1e-12);
+  const auto content = [](double head) {
+    return 0.078 + 0.352 * std::pow(1 + std::pow(-3.6 * head, 1.56), 1 / 1.56 - 1);
+  };
+  EXPECT_NEAR(*answer[2], content(-0.65), 1e-12);
+  EXPECT_EQ(answer[3], 0.0);
+  EXPECT_NEAR(*answer[4], (content(-0.75) - content(-0.55)) / 0.2, 1e-12);
+  EXPECT_NEAR(*answer[6], 6.0, 1e-4);
+  EXPECT_EQ(answer[7], 0.0);
+  EXPECT_NEAR(*answer[8], 0.25, 1e-12);
+  // nothing has moved a day later
+  EXPECT_NEAR(*answerAt(*process, {0, -0.35, 0})[1], -0.65, 1e-9);
+  // in the air there is nothing
+  for (const auto& value : answerAt(*process, {0, 0.1, 0})) {
+    EXPECT_EQ(value, 0.0);
+  }
+}
+
+TEST(SoilWater, ScarceWaterIsSharedByWhatEachWants) {
+  // a cell of 0.1 m³ holds θ(−1 m) − θ(−150 m) of available water; roots want 0.03 and 0.06 m³, more than there is
+  const auto process = openProcess("soil-water", "{" + kColumn + R"(,"bottom":"closed","initialHead":-1})");
+  const auto table = answersOf(
+      *process,
+      QueryBuilder().add({0, -0.05, 0}, {0.03}).add({0.2, -0.02, 0}, {0.06, 0, 0}).add({0, -0.55, 0}, {0.001}).batch());
+  const double first = *table[0][0];
+  const double second = *table[1][0];
+  EXPECT_NEAR(second / first, 2.0, 1e-12);
+  const auto content = [](double head) {
+    return 0.078 + 0.352 * std::pow(1 + std::pow(-3.6 * head, 1.56), 1 / 1.56 - 1);
+  };
+  EXPECT_NEAR(first + second, 0.1 * (content(-1) - content(-150)), 1e-12);
+  EXPECT_EQ(*table[2][0], 0.001);
+  // and it is gone: all the water there is now, read cell by cell
+  QueryBuilder builder;
+  for (int cell = 0; cell < 10; ++cell) {
+    builder.add({0, -0.95 + 0.1 * cell, 0}, {0, 0, 0});
+  }
+  double left = 0;
+  for (const auto& row : answersOf(*process, builder.batch())) {
+    left += 0.1 * *row[2];
+  }
+  EXPECT_NEAR(left + first + second + 0.001, content(-1), 1e-10);
+}
+
+TEST(SoilWater, SolutesAreTakenUpAndGivenOff) {
+  const auto process = openProcess("soil-water", "{" + kColumn + R"(,"bottom":"closed","solutes":[[1,0,0,0,0.5,0]]})");
+  const core::Vec3 place{0, -0.05, 0};
+  const auto before = answerAt(*process, place, {0, 0, 0, 0, 0, 0, 0, 0.02, 0});
+  EXPECT_EQ(before[7], 0.02);
+  EXPECT_NEAR(*before[8], 1.0, 1e-12);
+  const double content = *before[2];
+  // 0.1 m³ of soil lose 0.02: the concentration falls by 0.2/(θ + sorption), but for what came from below
+  const auto after = answerAt(*process, place, {0, 0, 0, 0, 0, 0, 0, 99, 0});
+  EXPECT_NEAR(*after[8], 1 - 0.2 / (content + 0.5), 0.01);
+  EXPECT_LT(*after[7], 0.1 * (content + 0.5) - 0.02 + 0.01);
+  EXPECT_NEAR(*answerAt(*process, place, {0, 0, 0, 0, 0, 0, 0, -0.05, 0})[8], 0.0, 0.05);
+  EXPECT_GT(*answerAt(*process, place)[8], 0.3);
+}
+
+TEST(SoilWater, RootsAcidifyTheSoil) {
+  const auto process = openProcess(
+      "soil-water", "{" + kColumn + R"(,"bottom":"closed","acidity":true,"initialPh":6.5,"bufferCapacity":20})");
+  // 1 mol in 0.1 m³ that holds 20 mol/m³ per unit of pH: half a unit
+  answerAt(*process, {0, -0.05, 0}, {0, 0, 0, 0, 0, 0, 1});
+  EXPECT_NEAR(*answerAt(*process, {0, -0.05, 0})[6], 6.0, 0.01);
+}
+
+TEST(SoilWater, StonesHoldNoWaterAndTheWeatherChanges) {
+  const auto process = openProcess(
+      "soil-water",
+      R"({"gridSize":[3,5,1],"cellSize":[0.1,0.1,0.1],"position":[0,-0.5,0],"boxes":[[0.1,-0.3,0,0.2,-0.1,0.1]],)"
+      R"("rain":[[0,0],[3,0.02],[4,0]],"initialHead":-3})");
+  const core::Vec3 top{0.05, -0.05, 0.05};
+  EXPECT_EQ(answerAt(*process, {0.15, -0.25, 0.05})[2], 0.0);
+  double before = *answerAt(*process, top)[2];
+  before = *answerAt(*process, top)[2];
+  const double dry = *answerAt(*process, top)[2];
+  EXPECT_LE(dry, before);
+  answerAt(*process, top);
+  EXPECT_GT(*answerAt(*process, top)[2], dry + 0.05) << "after the rain of the fourth day";
+}
+
+TEST(SoilWater, WhatCannotBeIsAnError) {
+  turtle::EnvironmentContext context;
+  const auto openingError = [&](const std::string& configuration) {
+    auto made = makeProcess("soil-water", configuration);
+    const auto error = std::get<std::unique_ptr<turtle::EnvironmentProcess>>(made)->open(context);
+    return error ? error->message : "";
+  };
+  context.world.lengthUnit = "cm";
+  EXPECT_EQ(
+      openingError(""),
+      "Environment 'soil-water' knows its default soil in metres, not in the world's unit 'cm'. Give 'layers', or "
+      "set lengthUnit to m.");
+  context.world.lengthUnit = "inch";
+  EXPECT_EQ(
+      openingError(R"({"layers":[[1,0.05,0.4,1,1.5,1]],"acidity":true})"),
+      "Environment 'soil-water' measures acidity in moles per litre and knows lengths in m, dm, cm and mm, not in "
+      "the world's unit 'inch'. Set lengthUnit to one of these.");
+  context.world = {};
+  context.world.up = {1, 1, 0};
+  EXPECT_EQ(
+      openingError(""),
+      "Environment 'soil-water' has cells along the axes: the world's 'up' must be along x, y or z. Set it to 0 1 "
+      "0.");
+  context.world = {};
+  context.world.stepDurationDays = 0;
+  EXPECT_EQ(openingError(""),
+            "Environment 'soil-water' lets time pass in steps: the world's 'stepDurationDays' must be greater than 0.");
+  EXPECT_EQ(errorsOf(makeProcess("soil-water", R"({"layers":[[1,0.5,0.4,1,1.5,1],[1,0.1,0.4,1,1,1]]})")),
+            "error: environment process 'soil-water': layers[0] has a residual water content that is not below the "
+            "saturated one, or one above 1\n"
+            "   hint: a row is thickness, residual content, saturated content, α, n, conductivity\n"
+            "error: environment process 'soil-water': layers[1] needs α and the conductivity above 0 and n above 1\n"
+            "   hint: a row is thickness, residual content, saturated content, α, n, conductivity");
+  EXPECT_EQ(errorsOf(makeProcess("soil-water", R"({"rain":[[2,1],[1,1]],"gridSize":[4096,4096,1000]})")),
+            "error: environment process 'soil-water': a field of 16777216000 cells is larger than 16777216 cells\n"
+            "   hint: use fewer cells along x, y or z\n"
+            "error: environment process 'soil-water': 'rain' has day 1.000000 after day 2.000000\n"
+            "   hint: write the rows in the order of their days, each day once");
+  EXPECT_EQ(
+      errorsOf(makeProcess("soil-water", R"({"rain":[[2,1],[9,1]],"weatherPeriod":7})")),
+      "error: environment process 'soil-water': 'rain' has a day beyond the 'weatherPeriod' after which it repeats\n"
+      "   hint: use days from 0 to below the period");
+}
+
+TEST(SoilWater, AFlowWithoutSolutionIsAnErrorAndChangesNothing) {
+  const auto process = openProcess(
+      "soil-water", "{" + kColumn + R"(,"surface":"head","topHead":0,"tolerance":1e-16,"initialHead":-1e6})");
+  const std::string before = process->save();
+  const auto error = process->tick(0);
+  ASSERT_TRUE(error.has_value());
+  EXPECT_EQ(error->message.find("Environment 'soil-water' finds no solution of the flow of water on day "), 0U);
+  EXPECT_NE(error->message.find(". Use larger cells, a larger 'tolerance', or less extreme weather and layers."),
+            std::string::npos);
+  EXPECT_EQ(process->save(), before);
+}
+
+}  // namespace
+}  // namespace espalier::environment
