@@ -6,11 +6,15 @@ import re
 import subprocess
 import sys
 import tempfile
+import types
 import unittest
 from pathlib import Path
-from typing import List
+from typing import Any, List
+from unittest import mock
 
 from support import EXAMPLES, SECONDS, program, variables
+
+import espalier
 
 
 def run(*arguments: str, status: int = 0) -> str:
@@ -77,6 +81,15 @@ class Examples(unittest.TestCase):
         self.assertEqual(done.returncode, 1)
         self.assertIn(f"{broken}:3: a face names a vertex that is not there", done.stderr)
 
+    def test_pruning_robot_earns_more_than_an_idle_one(self) -> None:
+        picture = self.folder / "trained.png"
+        lines = run("pruning_robot/pruning_robot.py", "--seasons", "4", "--picture", str(picture)).splitlines()
+        returns = {line.split(":")[0]: float(line.split("return ")[1].split(";")[0]) for line in lines}
+        self.assertEqual(list(returns), ["idle", "careless", "trained"])
+        self.assertGreater(returns["trained"], returns["idle"])
+        self.assertLess(returns["careless"], returns["idle"])
+        self.assertEqual(picture.read_bytes()[:4], b"\x89PNG")
+
     def test_parameter_sweep_writes_a_table_and_a_plot(self) -> None:
         table, plot = self.folder / "sweep.csv", self.folder / "sweep.svg"
         said = run("parameter_sweep.py", "--angles", "3", "--radii", "4", "--table", str(table), "--plot", str(plot))
@@ -89,6 +102,86 @@ class Examples(unittest.TestCase):
         for angle in {row["angle"] for row in rows}:
             clusters = [row["clusters"] for row in sorted(rows, key=lambda row: row["radius"]) if row["angle"] == angle]
             self.assertEqual(clusters, sorted(clusters, reverse=True))
+
+
+def pruning_robot() -> types.ModuleType:
+    """The example as a module."""
+    specification = importlib.util.spec_from_file_location("pruning_robot", EXAMPLES / "pruning_robot" / "pruning_robot.py")
+    assert specification is not None and specification.loader is not None
+    module = importlib.util.module_from_spec(specification)
+    specification.loader.exec_module(module)
+    return module
+
+
+class PruningRobot(unittest.TestCase):
+    def setUp(self) -> None:
+        self.robot = pruning_robot()
+        self.client = espalier.local(program(), arguments=["--log-level", "off"])
+        self.addCleanup(self.client.close)
+        self.sky = self.client.attach(self.robot.Sky)
+
+    def task(self, seasons: int) -> Any:
+        return self.robot.PruningEnvironment(self.client, self.sky, seasons)
+
+    def test_the_same_seed_and_actions_make_the_same_episode(self) -> None:
+        episodes = []
+        for _ in range(2):
+            task = self.task(3)
+            observation, info = task.reset(seed=5)
+            self.assertEqual(info["seed"], 5)
+            episode = [observation]
+            for _ in range(3):
+                episode.append(task.step(self.robot.trained(episode[-1] if len(episode) == 1 else episode[-1][0])))
+            episodes.append(episode)
+            task.close()
+        self.assertEqual(episodes[0], episodes[1])
+        self.assertEqual((len(observation), len(observation[0])), (self.robot.SHOOTS, self.robot.COLUMNS))
+
+    def test_the_end_of_the_seasons_truncates_and_the_death_of_the_tree_terminates(self) -> None:
+        task = self.task(2)
+        task.reset(seed=1)
+        nothing = [0] * self.robot.SHOOTS
+        self.assertEqual(task.step(nothing)[2:4], (False, False))
+        self.assertEqual(task.step(nothing)[2:4], (False, True))
+        task.reset(seed=1)
+        observation, reward, terminated, truncated, info = task.step([1] * self.robot.SHOOTS)
+        self.assertEqual((terminated, truncated, info["buds"]), (True, False, 0))
+        self.assertLess(reward, 0.0)
+        self.assertEqual(set(observation), {(0.0,) * self.robot.COLUMNS})
+
+    def test_a_cut_shoot_falls_with_all_that_it_carries(self) -> None:
+        task = self.task(5)
+        observation, info = task.reset(seed=1)
+        first = [1] + [0] * (self.robot.SHOOTS - 1)
+        carried = observation[0][3]
+        self.assertGreater(carried, 1.0)
+        before = info["buds"]
+        task.simulation.prune(task._shown[0].module)
+        self.assertEqual(len([record for record in task.simulation.turtle() if record.symbol == "E"]), before - carried)
+        with self.assertRaisesRegex(RuntimeError, "reset"):
+            self.task(1).step(first)
+
+    @unittest.skipUnless(importlib.util.find_spec("numpy"), "NumPy is not installed")
+    def test_gives_gymnasium_arrays_and_spaces(self) -> None:
+        # what the example uses of the package, which Debian does not have
+        gymnasium = types.ModuleType("gymnasium")
+        gymnasium.Env = type("Env", (), {"reset": lambda self, seed=None: None})  # type: ignore[attr-defined]
+        gymnasium.spaces = types.SimpleNamespace(  # type: ignore[attr-defined]
+            Box=lambda low, high, shape, dtype: shape, MultiBinary=lambda count: count)
+        with mock.patch.dict(sys.modules, {"gymnasium": gymnasium}):
+            robot = pruning_robot()
+        wrapped = robot.PruningEnv(self.client, self.sky, 1)
+        observation, info = wrapped.reset(seed=3)
+        self.assertEqual((observation.shape, info["seed"]), (wrapped.observation_space, 3))
+        observation, reward, terminated, truncated, info = wrapped.step(observation[:, 0] > 9.0)
+        self.assertEqual((observation.shape, terminated, truncated, info["cuts"]), (wrapped.observation_space, False, True, 0))
+        wrapped.close()
+
+    @unittest.skipUnless(importlib.util.find_spec("gymnasium") and importlib.util.find_spec("numpy"), "gymnasium is not installed")
+    def test_is_an_environment_of_gymnasium(self) -> None:
+        from gymnasium.utils.env_checker import check_env  # type: ignore[import]
+
+        check_env(self.robot.PruningEnv(self.client, self.sky, 2), skip_render_check=True)
 
 
 class LocalServer(unittest.TestCase):
