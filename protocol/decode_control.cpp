@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 
 #include "protocol/base64.h"
 #include "protocol/codec.h"
@@ -356,8 +357,9 @@ Decoded<StreamOpenParams> decodeStreamOpenParams(const Payload& payload) {
     open.simulation = readName(params["simulation"]);
     const Field what = params["what"];
     open.what = what.text();
-    if (open.what != "turtle" && open.what != "string" && open.what != "statistics") {
-      what.failExpected("one of turtle, string, statistics");
+    constexpr std::array<std::string_view, 4> kKinds{"turtle", "string", "statistics", "geometry"};
+    if (std::find(kKinds.begin(), kKinds.end(), open.what) == kKinds.end()) {
+      what.failExpected("one of turtle, string, statistics, geometry");
     }
     if (const Field every = params["every"]; !every.isAbsent()) {
       open.every = static_cast<std::uint64_t>(every.integer(1, kMaximumExactInteger));

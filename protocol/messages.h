@@ -216,7 +216,7 @@ struct StreamSelection {
 
 struct StreamOpenParams {
   std::string simulation;
-  std::string what;  // turtle, string, statistics
+  std::string what;  // turtle, string, statistics, geometry
   StreamSelection select;
   std::uint64_t every = 1;  // frames at steps that are multiples of it
   std::optional<std::uint64_t>

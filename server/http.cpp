@@ -98,6 +98,12 @@ http::response<http::string_body> responseOf(const HttpPage& page, const Request
   response.set(http::field::server, "espalier");
   response.set(http::field::content_type, page.type);
   response.set("X-Content-Type-Options", "nosniff");
+  if (page.type.starts_with("text/html")) {
+    // its own script, styles in the page, images made by the script, and the WebSocket of this server: nothing else
+    response.set("Content-Security-Policy",
+                 "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
+                 "connect-src 'self' blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'");
+  }
   response.keep_alive(request.keep_alive());
   response.body() = page.body;
   response.prepare_payload();

@@ -9,16 +9,6 @@
 namespace espalier::server {
 namespace {
 
-constexpr std::string_view kFrontPage =
-    "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Espalier</title></head>\n"
-    "<body style=\"font-family:sans-serif;max-width:40em;margin:3em auto;line-height:1.5\">\n"
-    "<h1>Espalier</h1>\n"
-    "<p>This is an Espalier server: it grows plants from L-systems that respond to their environment.</p>\n"
-    "<ul>\n"
-    "<li>Programs speak the protocol espalier/1 over TCP, or over a WebSocket at <code>/espalier/1</code>.</li>\n"
-    "<li><a href=\"/health\">/health</a> says whether it works, <a href=\"/metrics\">/metrics</a> how much.</li>\n"
-    "</ul>\n</body></html>\n";
-
 HttpPage healthPage(const ServerCore& core) {
   protocol::JsonWriter json;
   json.beginObject().key("status").text(core.isShuttingDown() ? "stopping" : "ok");
@@ -40,8 +30,10 @@ HttpPage metricsPage(const ServerCore& core) {
 
 HttpPage pageOf(std::string_view target, const ServerCore& core) {
   const std::string_view path = target.substr(0, target.find('?'));
-  if (path == "/") {
-    return {200, "text/html; charset=utf-8", std::string(kFrontPage)};
+  for (const WebFile& file : core.options().pages) {
+    if (path == file.path) {
+      return {200, file.type, std::string(file.content)};
+    }
   }
   if (path == "/health") {
     return healthPage(core);
@@ -52,7 +44,7 @@ HttpPage pageOf(std::string_view target, const ServerCore& core) {
   if (path == "/espalier/1") {
     return {426, "text/plain; charset=utf-8", "This is where WebSockets are opened: ask for an upgrade.\n"};
   }
-  return {404, "text/plain; charset=utf-8", "There is no such page. There are /, /health, /metrics and /espalier/1.\n"};
+  return {404, "text/plain; charset=utf-8", "There is no such page. There are /health, /metrics and /espalier/1.\n"};
 }
 
 bool isOriginAllowed(std::string_view origin, std::string_view host, const std::vector<std::string>& allowed) {

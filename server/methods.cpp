@@ -8,7 +8,9 @@
 #include "environment/registry.h"
 #include "protocol/base64.h"
 #include "protocol/codec.h"
+#include "protocol/json_writer.h"
 #include "protocol/version.h"
+#include "server/gallery.h"
 #include "server/server_core.h"
 #include "server/session.h"
 #include "server/simulation_methods.h"
@@ -284,6 +286,14 @@ void environmentOffer(Session& session, const protocol::Message& message) {
                             {.session = session.id()});
 }
 
+// ---- the gallery ----
+
+void modelList(Session& session, const protocol::Message& message) {
+  protocol::JsonWriter result;
+  result.beginObject().key("gallery").texts(galleryNames(session.core().options().galleryFolder)).endObject();
+  session.respond(message.id, result.view());
+}
+
 // ---- streams ----
 
 void streamOpen(Session& session, const protocol::Message& message) {
@@ -298,6 +308,12 @@ void streamOpen(Session& session, const protocol::Message& message) {
                                       "params.bin: binary blocks were not agreed on. Name the capability 'bin' in "
                                       "hello, or leave bin out.",
                                       {}});
+    return;
+  }
+  if (params.what == "geometry" && !params.isInBlocks) {
+    session.respondError(
+        message.id, {ErrorCode::InvalidParams, "params.bin: geometry comes in binary blocks only; say \"bin\": true.",
+                     protocol::JsonWriter().beginObject().key("path").text("params.bin").endObject().take()});
     return;
   }
   const auto runner = findRunner(session, message.id, params.simulation);
@@ -391,6 +407,7 @@ struct Method {
 constexpr std::array kMethods{
     Method{"model.check", modelCheck},
     Method{"model.load", modelLoad},
+    Method{"model.list", modelList},
     Method{"simulation.create", simulationCreate},
     Method{"simulation.step", simulationStep},
     Method{"simulation.run", simulationRun},

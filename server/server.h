@@ -5,11 +5,19 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "server/limits.h"
 
 namespace espalier::server {
+
+/// A file that the HTTP side gives to browsers.
+struct WebFile {
+  std::string path;          // "/" is the front page
+  std::string type;          // Content-Type
+  std::string_view content;  // must outlive the server
+};
 
 struct ServerOptions {
   std::string host = "127.0.0.1";  // or unix:PATH: a socket of this machine's file system
@@ -18,6 +26,7 @@ struct ServerOptions {
   std::uint16_t httpPort = 0;      // 0: a free one
   std::string certificateFile;     // PEM; with a key: connections are encrypted
   std::string keyFile;
+  std::vector<WebFile> pages;               // beside /health and /metrics
   std::vector<std::string> allowedOrigins;  // of pages that may open WebSockets, beside the server's own
   std::string dataFolder;                   // empty: simulations are not saved
   std::string galleryFolder;                // empty: no gallery models by name

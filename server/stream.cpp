@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "protocol/codec.h"
+#include "server/geometry_frame.h"
 #include "server/server_core.h"
 #include "server/session.h"
 #include "server/translate.h"
@@ -121,6 +122,9 @@ std::variant<protocol::Body, core::SimulationError> frameBody(
     protocol::JsonWriter body;
     body.key("string").text(plant < simulation.plantCount() ? simulation.stringText(plant) : std::string());
     return protocol::Body(body.take());
+  }
+  if (params.what == "geometry") {
+    return geometryBody(simulation);
   }
   if (!records) {
     auto made = simulation.turtleRecords();

@@ -1,14 +1,10 @@
 #include "clients/cpp/client.h"
 
-#include <algorithm>
 #include <array>
 #include <boost/asio.hpp>
-#include <deque>
-#include <map>
 
+#include "clients/cpp/conversation.h"
 #include "protocol/codec.h"
-#include "protocol/framing.h"
-#include "protocol/version.h"
 
 namespace espalier::client {
 namespace {
@@ -17,51 +13,31 @@ namespace asio = boost::asio;
 using asio::ip::tcp;
 using boost::system::error_code;
 using protocol::Error;
-using protocol::ErrorCode;
 using Clock = std::chrono::steady_clock;
-
-Error lost(const std::string& what) {
-  return {ErrorCode::Internal, "The connection to the server is lost: " + what + ". Connect again.", {}};
-}
-
-Error late(std::string_view what, std::chrono::milliseconds timeout) {
-  return {ErrorCode::Timeout,
-          "No answer to " + std::string(what) + " within " + std::to_string(timeout.count()) + " ms.",
-          {}};
-}
 
 }  // namespace
 
 class Client::Implementation {
  public:
-  explicit Implementation(ClientOptions options)
-      : options_(std::move(options)), socket_(context_), reader_(options_.limits) {}
+  explicit Implementation(ClientOptions options) : conversation_(std::move(options)), socket_(context_) {}
 
-  std::optional<Error> dial(const std::string& address) {
-    const std::size_t colon = address.rfind(':');
-    if (colon == std::string::npos || colon == 0 || colon + 1 == address.size()) {
-      return Error{ErrorCode::InvalidParams,
-                   "'" + address + "' is not an address; write HOST:PORT, for example 127.0.0.1:4321.",
-                   {}};
+  std::optional<Error> dial(const std::string& text) {
+    auto parsed = parseAddress(text);
+    if (auto* error = std::get_if<Error>(&parsed)) {
+      return std::move(*error);
     }
-    std::string host = address.substr(0, colon);
-    if (host.size() > 2 && host.front() == '[' && host.back() == ']') {
-      host = host.substr(1, host.size() - 2);
-    }
+    const auto& address = std::get<Address>(parsed);
     tcp::resolver resolver(context_);
     error_code error;
-    const auto found = resolver.resolve(host, address.substr(colon + 1), error);
+    const auto found = resolver.resolve(address.host, address.port, error);
     if (!error) {
       error = asio::error::timed_out;
       asio::async_connect(socket_, found, [&](const error_code& result, const tcp::endpoint&) { error = result; });
-      runFor(options_.connectTimeout);
+      runFor(conversation_.options().connectTimeout);
     }
     if (error) {
       closeSocket();
-      return Error{ErrorCode::Internal,
-                   "Cannot connect to " + address + ": " + error.message() +
-                       ". Start the server (espalier serve) or correct the address.",
-                   {}};
+      return notReached(text, error.message());
     }
     isOpen_ = true;
     error_code ignored;
@@ -71,13 +47,13 @@ class Client::Implementation {
 
   std::optional<Error> write(const std::string& line) {
     if (!isOpen_) {
-      return lost("it was closed");
+      return lostConnection("it was closed");
     }
     error_code error;
     asio::write(socket_, asio::buffer(line), error);
     if (error) {
       closeSocket();
-      return lost(error.message());
+      return lostConnection(error.message());
     }
     return std::nullopt;
   }
@@ -85,12 +61,11 @@ class Client::Implementation {
   /// Takes in one message. False when the time is over or the connection closed.
   bool receive(Clock::time_point deadline) {
     while (isOpen_) {
-      if (auto read = reader_.next()) {
-        sort(*read);
+      if (conversation_.takeMessage()) {
         return true;
       }
-      if (reader_.lost()) {
-        reason_ = "the server sent what cannot be read: " + reader_.lost()->message;
+      if (auto broken = conversation_.broken()) {
+        reason_ = std::move(*broken);
         closeSocket();
         return false;
       }
@@ -102,7 +77,7 @@ class Client::Implementation {
       });
       const bool isInTime = runFor(std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now()));
       if (count > 0) {
-        reader_.feed({bytes_.data(), count});
+        conversation_.feed({bytes_.data(), count});
         continue;
       }
       if (!isInTime) {
@@ -117,37 +92,32 @@ class Client::Implementation {
   Outcome waitFor(std::int64_t id, std::string_view what, std::chrono::milliseconds timeout) {
     const auto deadline = Clock::now() + timeout;
     while (true) {
-      const auto found = answers_.find(id);
-      if (found != answers_.end()) {
-        Outcome outcome = std::move(found->second);
-        answers_.erase(found);
-        return outcome;
+      if (auto answer = conversation_.takeAnswer(id)) {
+        return std::move(*answer);
       }
       if (!receive(deadline)) {
-        if (answers_.contains(id)) {
-          continue;
-        }
-        return isOpen_ ? late(what, timeout) : refusal_.value_or(lost(reason_));
+        return isOpen_ ? lateAnswer(what, timeout) : conversation_.refusal().value_or(lostConnection(reason_));
       }
     }
   }
 
   std::variant<std::int64_t, Error> send(std::string_view method, std::string_view paramsJson) {
-    const std::int64_t id = ++lastId_;
+    const std::int64_t id = conversation_.nextId();
     if (auto error = write(protocol::encodeRequest(protocol::MessageId::of(id), method, std::string(paramsJson)))) {
       return std::move(*error);
     }
     return id;
   }
 
-  /// Accepts blocks when the server named them too.
-  void agree() {
-    const auto capabilities = protocol::memberOf(helloResult_, "capabilities");
-    const auto& own = options_.capabilities;
-    if (capabilities && capabilities->find("\"bin\"") != std::string::npos &&
-        std::find(own.begin(), own.end(), "bin") != own.end()) {
-      reader_.allowBlocks();
+  /// What `take` finds, waiting for messages meanwhile; nothing when the time is over or the connection closed.
+  template <typename Take>
+  auto waitUntil(std::chrono::milliseconds timeout, Take take) {
+    const auto deadline = Clock::now() + timeout;
+    auto found = take(conversation_);
+    while (!found && receive(deadline)) {
+      found = take(conversation_);
     }
+    return found;
   }
 
   void closeSocket() {
@@ -156,10 +126,7 @@ class Client::Implementation {
     isOpen_ = false;
   }
 
-  ClientOptions options_;
-  std::string helloResult_;
-  std::deque<Notification> notifications_;
-  std::deque<IncomingRequest> requests_;
+  Conversation conversation_;
   bool isOpen_ = false;
 
  private:
@@ -176,39 +143,10 @@ class Client::Implementation {
     return false;
   }
 
-  void sort(protocol::MessageReader::Read& read) {
-    auto* message = std::get_if<protocol::Message>(&read);
-    if (message == nullptr) {
-      return;
-    }
-    switch (message->kind) {
-      case protocol::Message::Kind::Notification:
-        notifications_.push_back({std::move(message->method), message->payload.toText(), message->payload});
-        break;
-      case protocol::Message::Kind::Request:
-        requests_.push_back({std::move(message->id), std::move(message->method), std::move(message->payload)});
-        break;
-      case protocol::Message::Kind::Result:
-        answers_.insert_or_assign(message->id.number, message->payload.toText());
-        break;
-      case protocol::Message::Kind::Error:
-        if (message->id.kind == protocol::MessageId::Kind::Number) {
-          answers_.insert_or_assign(message->id.number, std::move(message->error));
-        } else {
-          refusal_ = std::move(message->error);
-        }
-        break;
-    }
-  }
-
   asio::io_context context_;
   tcp::socket socket_;
-  protocol::MessageReader reader_;
   std::array<char, 262'144> bytes_{};
-  std::map<std::int64_t, Outcome> answers_;  // by request, not yet waited for
-  std::optional<Error> refusal_;             // an error without id: why the server closes
   std::string reason_ = "it was closed";
-  std::int64_t lastId_ = 0;
 };
 
 Client::Client(std::unique_ptr<Implementation> implementation) : implementation_(std::move(implementation)) {}
@@ -220,15 +158,7 @@ std::variant<std::unique_ptr<Client>, Error> Client::connect(const std::string& 
   if (auto error = implementation.dial(address)) {
     return std::move(*error);
   }
-  const protocol::HelloParams hello{
-      .protocol = {protocol::kProtocolVersion},
-      .roles = options.roles,
-      .name = options.name,
-      .version = options.version,
-      .capabilities = options.capabilities,
-      .token = options.token,
-      .limits = {{"lineBytes", options.limits.lineBytes}, {"blockBytes", options.limits.blockBytes}}};
-  auto sent = implementation.send("hello", protocol::encode(hello));
+  auto sent = implementation.send("hello", implementation.conversation_.helloJson());
   if (auto* error = std::get_if<Error>(&sent)) {
     return std::move(*error);
   }
@@ -236,13 +166,12 @@ std::variant<std::unique_ptr<Client>, Error> Client::connect(const std::string& 
   if (auto* error = std::get_if<Error>(&outcome)) {
     return std::move(*error);
   }
-  implementation.helloResult_ = std::move(std::get<std::string>(outcome));
-  implementation.agree();
+  implementation.conversation_.agree(std::move(std::get<std::string>(outcome)));
   return client;
 }
 
 const std::string& Client::helloResult() const {
-  return implementation_->helloResult_;
+  return implementation_->conversation_.helloResult();
 }
 
 Outcome Client::request(std::string_view method, std::string_view paramsJson) {
@@ -250,7 +179,8 @@ Outcome Client::request(std::string_view method, std::string_view paramsJson) {
   if (auto* error = std::get_if<Error>(&sent)) {
     return std::move(*error);
   }
-  return implementation_->waitFor(std::get<std::int64_t>(sent), method, implementation_->options_.requestTimeout);
+  return implementation_->waitFor(std::get<std::int64_t>(sent), method,
+                                  implementation_->conversation_.options().requestTimeout);
 }
 
 std::variant<std::int64_t, Error> Client::send(std::string_view method, std::string_view paramsJson) {
@@ -266,29 +196,12 @@ std::optional<Error> Client::notify(std::string_view method, std::string_view pa
 }
 
 std::optional<Notification> Client::nextNotification(std::chrono::milliseconds timeout) {
-  auto& queue = implementation_->notifications_;
-  const auto deadline = Clock::now() + timeout;
-  while (queue.empty()) {
-    if (!implementation_->receive(deadline)) {
-      return std::nullopt;
-    }
-  }
-  Notification next = std::move(queue.front());
-  queue.pop_front();
-  return next;
+  return implementation_->waitUntil(timeout,
+                                    [](Conversation& conversation) { return conversation.takeNotification(); });
 }
 
 std::optional<IncomingRequest> Client::nextRequest(std::chrono::milliseconds timeout) {
-  auto& queue = implementation_->requests_;
-  const auto deadline = Clock::now() + timeout;
-  while (queue.empty()) {
-    if (!implementation_->receive(deadline)) {
-      return std::nullopt;
-    }
-  }
-  IncomingRequest next = std::move(queue.front());
-  queue.pop_front();
-  return next;
+  return implementation_->waitUntil(timeout, [](Conversation& conversation) { return conversation.takeRequest(); });
 }
 
 std::optional<Error> Client::respond(const protocol::MessageId& id, const protocol::Body& result) {

@@ -8,6 +8,7 @@
 #include "clients/espalier/commands.h"
 #include "clients/espalier/messages.h"
 #include "clients/espalier/serve_configuration.h"
+#include "clients/web/pages.h"
 #include "server/line_channel.h"
 #include "server/server.h"
 
@@ -75,6 +76,8 @@ int runServe(CLI::App& command, ServeOptions& options) {
   // a file that may not grow is an error of the step that wanted to be saved, not the server's end
   (void)std::signal(SIGXFSZ, SIG_IGN);
   const auto hostOf = [](const std::string& address) { return address.substr(0, address.rfind(':')); };
+  options.server.pages = {{"/", "text/html; charset=utf-8", web::serverPage()},
+                          {"/espalier.js", "text/javascript; charset=utf-8", web::script()}};
   server::Server server(std::move(options.server));
   if (const auto problem = server.listen()) {
     printError(*problem);
@@ -112,8 +115,10 @@ void addServe(CLI::App& program, int& status) {
           "HOST:PORT; port 0 takes a free one. Addresses that other machines reach need a token, and a certificate or "
           "--insecure. unix:PATH: a socket for programs of this user")
       ->capture_default_str();
-  command->add_option("--http", options->http,
-                      "HOST:PORT for browsers and monitoring: WebSockets at /espalier/1, /metrics, /health");
+  command->add_option(
+      "--http", options->http,
+      "HOST:PORT for browsers and monitoring: a page at / that grows plants, WebSockets at /espalier/1, /metrics, "
+      "/health");
   CLI::Option* certificate = command->add_option("--certificate", options->server.certificateFile,
                                                  "PEM file of a certificate: connections are encrypted (TLS)");
   CLI::Option* key = command->add_option("--key", options->server.keyFile, "PEM file of its private key");

@@ -21,6 +21,7 @@ const std::vector<std::pair<std::string, std::vector<std::string>>>& directions(
       {"protocol/", {"protocol/"}},
       {"server/", {"engine/", "environment/", "protocol/", "server/"}},
       {"clients/cpp/", {"protocol/", "clients/cpp/"}},
+      {"clients/web/", {"clients/web/"}},
       {"clients/espalier/", {"engine/", "environment/", "protocol/", "server/", "clients/"}},
   };
   return kDirections;

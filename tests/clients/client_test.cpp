@@ -2,46 +2,13 @@
 
 #include <gtest/gtest.h>
 
-#include <boost/asio.hpp>
-#include <thread>
+#include "tests/clients/scripted_server.h"
 
 namespace espalier::client {
 namespace {
 
 namespace asio = boost::asio;
 using asio::ip::tcp;
-
-/// A server that sends one prepared text for every line it receives, then closes.
-class ScriptedServer {
- public:
-  explicit ScriptedServer(std::vector<std::string> answers)
-      : acceptor_(context_, tcp::endpoint(asio::ip::address_v4::loopback(), 0)) {
-    port_ = acceptor_.local_endpoint().port();
-    thread_ = std::thread([this, answers = std::move(answers)] {
-      tcp::socket socket = acceptor_.accept();
-      asio::streambuf buffer;
-      for (const std::string& answer : answers) {
-        boost::system::error_code error;
-        const std::size_t count = asio::read_until(socket, buffer, '\n', error);
-        if (error) {
-          return;
-        }
-        buffer.consume(count);
-        asio::write(socket, asio::buffer(answer), error);
-      }
-    });
-  }
-  ~ScriptedServer() { thread_.join(); }
-  [[nodiscard]] std::string address() const { return "127.0.0.1:" + std::to_string(port_); }
-
- private:
-  asio::io_context context_;
-  tcp::acceptor acceptor_;
-  unsigned short port_ = 0;
-  std::thread thread_;
-};
-
-const std::string kWelcome = "{\"jsonrpc\":\"2.0\",\"id\":1,\"result\":{\"protocol\":1}}\n";
 
 std::unique_ptr<Client> connected(const ScriptedServer& server) {
   auto result = Client::connect(server.address(), {});

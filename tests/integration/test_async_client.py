@@ -60,6 +60,8 @@ class AsyncClientAndServer(unittest.IsolatedAsyncioTestCase):
         await other.reset()
         self.assertEqual((await other.get("information"))["information"]["step"], 0)
         self.assertEqual(len(await other.turtle()), 1)
+        self.assertEqual((await other.geometry())[:4], b"glTF")
+        self.assertIn("classic-algae", await self.client.gallery())
         found = await self.client.simulation(other.identifier)
         await found.delete()
         self.assertNotIn(other.identifier, [item["simulation"] for item in await self.client.simulations()])

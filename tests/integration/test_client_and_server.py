@@ -115,6 +115,24 @@ class ClientAndServer(unittest.TestCase):
         self.assertRegex(said.splitlines()[0], r"^0 \d+ \(\d+, 3\)$")
         self.assertEqual(said.splitlines()[-1].split()[0], str(len(strings("branch-tiers")) - 1))
 
+    def test_streams_what_the_program_exports(self) -> None:
+        weed = self.client.create(gallery="classic-weed")
+        with weed.stream("geometry", arrays=True, credits=1) as stream:
+            stream.read()
+            weed.step(2)
+            frame = stream.read()
+            while frame.step < 2:
+                frame = stream.read()
+        with tempfile.TemporaryDirectory() as folder:
+            snapshot, exported = Path(folder) / "weed.snapshot", Path(folder) / "weed.glb"
+            weed.save_to(snapshot)
+            espalier("export", str(snapshot), "-o", str(exported), "--quiet")
+            self.assertEqual(bytes(frame.columns["glb"]), exported.read_bytes())
+        self.assertEqual(weed.geometry(), bytes(frame.columns["glb"]))
+        with self.assertRaisesRegex(ServerError, r'params.bin: geometry comes in binary blocks only; say "bin": true.'):
+            weed.stream("geometry")
+        self.assertIn("classic-weed", self.client.gallery())
+
     def test_edits_and_forks(self) -> None:
         weed = self.client.create(gallery="classic-weed")
         weed.insert(0, ["[", "+", "F", "]"])

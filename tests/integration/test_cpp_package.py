@@ -26,11 +26,19 @@ class CppPackage(unittest.TestCase):
             with Server(str(prefix / "bin" / "espalier"), arguments=["--log-level", "off"]) as server:
                 grown = subprocess.run([str(out / "grow"), server.address], capture_output=True, text=True,
                                        timeout=SECONDS, check=True)
+                many = subprocess.run([str(out / "grow_many"), server.address], capture_output=True, text=True,
+                                      timeout=SECONDS, check=True)
+                wrong = subprocess.run([str(out / "grow_many"), "127.0.0.1:1"], capture_output=True, text=True,
+                                       timeout=SECONDS, check=False)
         lines = [line.split("\t") for line in grown.stdout.splitlines()]
         self.assertEqual([line[0] for line in lines], ["1", "2", "3", "4", "5"])
         # what stands at the heights 0, 1 and 2 grows, what stands at 3 does not
         self.assertEqual([line[1] for line in lines],
                          ["FA?E(0)", "FFA?E(0)", "FFFA?E(0)", "FFFA?E(3)", "FFFA?E(3)"])
+        # the coroutines: four plants over one connection, in the order in which they are done
+        self.assertEqual(sorted(many.stdout.splitlines()),
+                         [f"{height}\t{'F' * height}A?E({height})" for height in range(1, 5)])
+        self.assertEqual((wrong.returncode, "Cannot connect to 127.0.0.1:1" in wrong.stderr), (1, True))
 
 
 if __name__ == "__main__":

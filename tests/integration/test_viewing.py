@@ -15,7 +15,6 @@ from espalier import EspalierError, View
 from espalier import viewing
 
 
-@unittest.skipUnless(viewing.SCRIPT.is_file(), "the viewer's script was not built (./dev web)")
 class Viewing(unittest.TestCase):
     def test_shows_a_simulation_with_every_frame_of_its_growth(self) -> None:
         with mock.patch.dict("os.environ", {"ESPALIER_PROGRAM": program()}), espalier.local() as client:
@@ -51,7 +50,7 @@ class Viewing(unittest.TestCase):
     def test_says_what_is_missing(self) -> None:
         with self.assertRaisesRegex(EspalierError, "at least one frame"):
             View([])
-        with mock.patch.object(viewing, "SCRIPT", Path("nowhere.js")), self.assertRaisesRegex(EspalierError, "./dev web"):
+        with mock.patch.object(viewing, "SCRIPTS", (Path("nowhere.js"),)), self.assertRaisesRegex(EspalierError, "install the package"):
             View([b"glTF"]).html()
 
 

@@ -21,8 +21,11 @@ TEST(HttpPages, BrowsersConnectFromPagesOfTheHostItselfOrAnAllowedOne) {
 TEST(HttpPages, ThePathDecidesAndWhatFollowsItDoesNot) {
   ServerOptions options;
   options.logLevel = "off";
+  options.pages = {{"/", "text/html", "the page"}, {"/a.js", "text/javascript", "its script"}};
   ServerCore core(options);
-  EXPECT_EQ(pageOf("/", core).status, 200U);
+  EXPECT_EQ(pageOf("/", core).body, "the page");
+  EXPECT_EQ(pageOf("/a.js?x=1", core).body, "its script");
+  EXPECT_EQ(pageOf("/a.js", core).type, "text/javascript");
   EXPECT_EQ(pageOf("/health?x=1", core).body.find("{\"status\":\"ok\""), 0U);
   EXPECT_EQ(pageOf("/metrics", core).status, 200U);
   EXPECT_EQ(pageOf("/../etc/passwd", core).status, 404U);

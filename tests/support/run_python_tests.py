@@ -35,6 +35,8 @@ def main() -> int:
     result = unittest.TextTestRunner(stream=stream, verbosity=0, buffer=True).run(chosen)
     broken = len(result.failures) + len(result.errors) + len(result.unexpectedSuccesses)
     passed = max(0, result.testsRun - broken - len(result.skipped) - len(result.expectedFailures))
+    for test, reason in result.skipped:
+        print(f"skipped: {test.id()}: {reason}")
     if broken:
         sys.stdout.write(stream.getvalue())
     with open(options.figures, "w", encoding="utf-8") as figures:

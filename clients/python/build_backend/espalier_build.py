@@ -38,7 +38,7 @@ def get_requires_for_build_sdist(config_settings: Settings = None) -> List[str]:
 def build_wheel(wheel_directory: str, config_settings: Settings = None,
                 metadata_directory: Optional[str] = None) -> str:
     """Writes a wheel that holds the sources; returns its file name."""
-    files = [(path.relative_to(ROOT).as_posix(), path.read_bytes()) for path in package_files()]
+    files = [(path.relative_to(ROOT).as_posix(), path.read_bytes()) for path in package_files()] + viewer()
     return write_wheel(Path(wheel_directory), files)
 
 
@@ -67,7 +67,7 @@ def build_sdist(sdist_directory: str, config_settings: Settings = None) -> str:
     base = f"{PACKAGE}-{version()}"
     name = f"{base}.tar.gz"
     files = [(path.relative_to(ROOT).as_posix(), path.read_bytes()) for path in source_files()]
-    files.append(("PKG-INFO", metadata()))
+    files += viewer() + [("PKG-INFO", metadata())]
     with tarfile.open(Path(sdist_directory) / name, "w:gz", format=tarfile.PAX_FORMAT) as archive:
         for relative, content in files:
             entry = tarfile.TarInfo(f"{base}/{relative}")
@@ -93,6 +93,12 @@ def version() -> str:
 def package_files() -> List[Path]:
     return sorted(path for path in (ROOT / PACKAGE).rglob("*")
                   if path.is_file() and (path.suffix in (".py", ".js") or path.name == "py.typed"))
+
+
+def viewer() -> List[Tuple[str, bytes]]:
+    """The script of the pages that show plants: of clients/web, or in the package already when this is a source archive."""
+    script = ROOT.parent / "web" / "espalier.js"
+    return [(f"{PACKAGE}/viewer/espalier.js", script.read_bytes())] if script.is_file() else []
 
 
 def source_files() -> List[Path]:

@@ -216,6 +216,10 @@ class AsyncClient:
     async def simulation(self, identifier: str) -> "AsyncSimulation":
         return AsyncSimulation(self, identifier, await self._do(requests.information(identifier)))
 
+    @_as(blocking.Client.gallery)
+    async def gallery(self) -> List[str]:
+        return await self._do(requests.gallery())
+
     @_as(blocking.Client.simulations)
     async def simulations(self) -> List[Mapping[str, Any]]:
         return await self._do(requests.simulations())
@@ -342,6 +346,11 @@ class AsyncSimulation:
     @_as(blocking.Simulation.delete)
     async def delete(self) -> None:
         await self._do(requests.delete(self.identifier))
+
+    @_as(blocking.Simulation.geometry)
+    async def geometry(self) -> bytes:
+        async with await self.stream("geometry", arrays=True, credits=1) as stream:
+            return bytes((await stream.read()).columns["glb"])
 
     @_as(blocking.Simulation.stream)
     async def stream(self, what: str = "turtle", *, every: int = 1, symbols: Optional[Sequence[str]] = None,

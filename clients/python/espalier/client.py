@@ -167,6 +167,14 @@ class Client:
         """A simulation that is on the server already; ServerError with the code 1011 when there is none."""
         return Simulation(self, identifier, self._do(requests.information(identifier)))
 
+    def gallery(self) -> List[str]:
+        """The names of the models in the server's gallery.
+
+        >>> "light-tree" in client.gallery()
+        True
+        """
+        return self._do(requests.gallery())
+
     def simulations(self) -> List[Mapping[str, Any]]:
         """What the server says about each of its simulations."""
         return self._do(requests.simulations())
@@ -361,11 +369,20 @@ class Simulation:
 
     def view(self, snapshots: Optional[Sequence[bytes]] = None, *, height: int = 480) -> "View":
         """The plant in a page, which a notebook shows: as it is now, or one frame for each of `snapshots` (what save()
-        returned). The program `espalier` on this machine draws it. `height` is that of the notebook's cell, in pixels."""
+        returned), which the program `espalier` on this machine draws. `height` is that of the notebook's cell, in pixels."""
         from .viewing import View, geometry_of
 
-        states = [self.save()] if snapshots is None else snapshots
-        return View(geometry_of(states), str(self.created.get("name", "Espalier")), height)
+        frames = [self.geometry()] if snapshots is None else geometry_of(snapshots)
+        return View(frames, str(self.created.get("name", "Espalier")), height)
+
+    def geometry(self) -> bytes:
+        """The plants as they are drawn now, with the model's materials: a binary glTF file (.glb).
+
+        >>> client.create(gallery="classic-weed").geometry()[:4]
+        b'glTF'
+        """
+        with self.stream("geometry", arrays=True, credits=1) as stream:
+            return bytes(stream.read().columns["glb"])
 
     def plot(self, *names: str) -> Any:
         """Plots statistics over the steps in `history` (`modules` by default) and returns the axes. Needs matplotlib."""
@@ -382,11 +399,11 @@ class Simulation:
 
     def stream(self, what: str = "turtle", *, every: int = 1, symbols: Optional[Sequence[str]] = None,
                credits: int = 8, arrays: bool = False, single: bool = False) -> "Stream":
-        """Opens a stream of frames: turtle, string or statistics. The first frame is the state now. At most `credits`
+        """Opens a stream of frames: turtle, string, statistics or geometry. The first frame is the state now. At most `credits`
         frames are under way; a reader that is slower misses frames and never slows the simulation.
 
         With `arrays` the turtle's records come as columns (Frame.columns: NumPy arrays when NumPy is there), in single
-        precision when `single`.
+        precision when `single`. Geometry needs `arrays`: a binary glTF file in columns["glb"], unsigned (bytes / 4).
 
         >>> algae = client.create(gallery="classic-algae")
         >>> with algae.stream("string") as stream:

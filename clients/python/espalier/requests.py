@@ -112,6 +112,10 @@ def information(simulation: str) -> Request[Mapping[str, Any]]:
     return Request("simulation.get", {"simulation": simulation, "what": "information"}, _information)
 
 
+def gallery() -> Request[List[str]]:
+    return Request("model.list", {}, lambda result: list(result["gallery"]))
+
+
 def simulations() -> Request[List[Mapping[str, Any]]]:
     return Request("simulation.list", {}, lambda result: list(result["simulations"]))
 

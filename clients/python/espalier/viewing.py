@@ -20,7 +20,8 @@ from typing import List, Sequence, Union
 from .errors import EspalierError
 from .local_server import find_program
 
-SCRIPT = Path(__file__).parent / "viewer" / "plant_view.js"
+# in an installed package, and in the source tree
+SCRIPTS = (Path(__file__).parent / "viewer" / "espalier.js", Path(__file__).parents[2] / "web" / "espalier.js")
 PAGE = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width"><title>{title}</title>
 <style>html,body,#plant{{margin:0;width:100%;height:100%;overflow:hidden;position:relative}}</style></head>
@@ -44,13 +45,12 @@ class View:
 
     def html(self) -> str:
         """The page as a text; it loads nothing from elsewhere."""
-        if not SCRIPT.is_file():
-            raise EspalierError("The viewer's script was not built: run './dev web' in the source tree (it needs Node.js), then "
-                                "install the package again.")
+        script = next((path.read_text(encoding="utf-8") for path in SCRIPTS if path.is_file()), None)
+        if script is None:
+            raise EspalierError("The viewer's script is not there: install the package from the source tree again.")
         frames = json.dumps([base64.b64encode(frame).decode("ascii") for frame in self.frames])
         # the end of a script element must not stand inside one
-        script = SCRIPT.read_text(encoding="utf-8").replace("</script", "<\\\\/script")
-        return PAGE.format(title=html.escape(self.title), script=script, frames=frames)
+        return PAGE.format(title=html.escape(self.title), script=script.replace("</script", "<\\\\/script"), frames=frames)
 
     def save(self, path: Union[str, "Path"]) -> None:
         """Writes the page."""

@@ -1,18 +1,6 @@
-// A plant in a page: a binary glTF file, a camera that fits it, and a mouse that turns it.
-import {
-  AmbientLight,
-  Box3,
-  Color,
-  DirectionalLight,
-  DoubleSide,
-  HemisphereLight,
-  PerspectiveCamera,
-  Scene,
-  Vector3,
-  WebGLRenderer,
-} from "three";
-import { OrbitControls } from "three/addons/controls/OrbitControls.js";
-import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
+// A plant in a page that holds its geometry: one frame, or several with a slider and a button that plays the growth.
+import { Box3 } from "three";
+import { PlantScene, boxOf } from "./plant_scene.js";
 
 function bytesOf(base64) {
   const text = atob(base64);
@@ -23,92 +11,35 @@ function bytesOf(base64) {
   return bytes.buffer;
 }
 
-function addLights(scene) {
-  scene.add(new HemisphereLight(0xffffff, 0x8a7f6a, 1.6), new AmbientLight(0xffffff, 0.4));
-  const sun = new DirectionalLight(0xffffff, 2.2);
-  sun.position.set(-0.6, 1, 0.8);
-  scene.add(sun);
-}
-
-// far enough that the whole box is in view, from a little above
-function fit(camera, controls, box) {
-  const centre = box.getCenter(new Vector3());
-  const size = box.getSize(new Vector3());
-  const slope = Math.tan((camera.fov * Math.PI) / 360);
-  const radius = Math.max(size.length() / 2, 1e-6);
-  // the camera may be turned about the vertical: the box is as wide as its diagonal
-  const width = Math.hypot(size.x, size.z);
-  const distance = 1.08 * Math.max(size.y / 2 / slope, width / 2 / slope / camera.aspect, radius) + width / 2;
-  camera.position.copy(centre).add(new Vector3(0, 0.18, 1).normalize().multiplyScalar(distance));
-  camera.near = distance / 100;
-  camera.far = distance + 20 * radius;
-  camera.updateProjectionMatrix();
-  controls.target.copy(centre);
-  controls.update();
-}
-
 /** Shows frames (base64 texts of .glb files) in an element; more than one get a slider and a button that plays them. */
 export async function showPlant(element, frames, background = "#f7f7f2") {
-  const say = (text) => {
+  const fail = (text) => {
     element.textContent = text;
     element.dataset.state = "failed";
   };
-  let renderer;
+  let view;
   try {
-    renderer = new WebGLRenderer({ antialias: true });
+    view = new PlantScene(element, background);
   } catch (error) {
-    say(`This page cannot draw: WebGL is not available (${error.message}).`);
+    fail(`This page cannot draw: WebGL is not available (${error.message}).`);
     return;
   }
-  const scene = new Scene();
-  scene.background = new Color(background);
-  addLights(scene);
-  const camera = new PerspectiveCamera(35, element.clientWidth / element.clientHeight, 0.01, 1000);
-  const controls = new OrbitControls(camera, renderer.domElement);
-  renderer.setPixelRatio(window.devicePixelRatio);
-  renderer.setSize(element.clientWidth, element.clientHeight);
-  element.append(renderer.domElement);
-  const draw = () => renderer.render(scene, camera);
-
-  const loader = new GLTFLoader();
   const plants = [];
   const whole = new Box3();
   for (const frame of frames) {
-    let gltf;
     try {
-      gltf = await loader.parseAsync(bytesOf(frame), "");
+      plants.push(await view.read(bytesOf(frame)));
     } catch (error) {
-      say(`The plant cannot be read: ${error.message}`);
+      fail(`The plant cannot be read: ${error.message}`);
       return;
     }
-    gltf.scene.traverse((object) => {
-      for (const material of object.isMesh ? [object.material].flat() : []) {
-        material.side = DoubleSide; // leaves have two sides
-      }
-    });
-    plants.push(gltf.scene);
-    whole.union(new Box3().setFromObject(gltf.scene));
+    whole.union(boxOf(plants[plants.length - 1]));
   }
-  let shown = -1;
-  const show = (index) => {
-    if (shown >= 0) {
-      scene.remove(plants[shown]);
-    }
-    scene.add(plants[index]);
-    shown = index;
-    draw();
-  };
+  const show = (index) => view.show(plants[index], true);
   if (plants.length > 1) {
     addPlayer(element, plants.length, show);
   }
-  fit(camera, controls, whole);
-  controls.addEventListener("change", draw);
-  new ResizeObserver(() => {
-    camera.aspect = element.clientWidth / element.clientHeight;
-    camera.updateProjectionMatrix();
-    renderer.setSize(element.clientWidth, element.clientHeight);
-    draw();
-  }).observe(element);
+  view.fit(whole);
   show(plants.length - 1);
   element.dataset.state = "shown";
 }

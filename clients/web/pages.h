@@ -1,0 +1,12 @@
+#pragma once
+
+#include <string_view>
+
+namespace espalier::web {
+
+/// The page of a server (HTML). It loads /espalier.js and nothing else.
+[[nodiscard]] std::string_view serverPage();
+/// The script of all pages, bundled with three.js.
+[[nodiscard]] std::string_view script();
+
+}  // namespace espalier::web
