@@ -119,7 +119,7 @@ class Http(unittest.TestCase):
     def test_pages(self) -> None:
         status, kind, text = self.get("/")
         self.assertEqual((status, kind), (200, "text/html; charset=utf-8"))
-        self.assertIn("This is an Espalier server", text)
+        self.assertIn("<title>Espalier</title>", text)
         status, kind, text = self.get("/health")
         self.assertEqual((status, kind, json.loads(text)["status"]), (200, "application/json", "ok"))
         self.assertEqual(self.get("/nothing")[0], 404)
