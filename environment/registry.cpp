@@ -18,6 +18,7 @@
 #include "environment/gravity.h"
 #include "environment/height.h"
 #include "environment/honda.h"
+#include "environment/light/light.h"
 #include "environment/light/light_voxels.h"
 #include "environment/meadow.h"
 #include "environment/multiple.h"
@@ -35,12 +36,12 @@ namespace espalier::environment {
 namespace {
 
 // sorted by name
-constexpr std::array kProcesses{&kArvoProcess,         &kAttractorsProcess, &kChibaProcess,       &kCloverProcess,
-                                &kColonizationProcess, &kConstantProcess,   &kCrowdingProcess,    &kDensityProcess,
-                                &kDensity3dProcess,    &kEcosystemProcess,  &kEmissionProcess,    &kGravityProcess,
-                                &kHeightProcess,       &kHondaProcess,      &kLightVoxelsProcess, &kMeadowProcess,
-                                &kMultipleProcess,     &kObstaclesProcess,  &kOrnamentProcess,    &kShadowProcess,
-                                &kSoilProcess,         &kSoilWaterProcess,  &kTakenakaProcess,    &kWindProcess};
+constexpr std::array kProcesses{
+    &kArvoProcess,        &kAttractorsProcess, &kChibaProcess,     &kCloverProcess,    &kColonizationProcess,
+    &kConstantProcess,    &kCrowdingProcess,   &kDensityProcess,   &kDensity3dProcess, &kEcosystemProcess,
+    &kEmissionProcess,    &kGravityProcess,    &kHeightProcess,    &kHondaProcess,     &kLightProcess,
+    &kLightVoxelsProcess, &kMeadowProcess,     &kMultipleProcess,  &kObstaclesProcess, &kOrnamentProcess,
+    &kShadowProcess,      &kSoilProcess,       &kSoilWaterProcess, &kTakenakaProcess,  &kWindProcess};
 
 }  // namespace
 

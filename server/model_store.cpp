@@ -113,6 +113,8 @@ std::variant<CompiledModel, protocol::Error> ModelStore::compileGallery(const st
     protocol::JsonWriter entry;
     entry.beginArray().beginObject().key("type").text("gallery").key("model").text(name).endObject().endArray();
     compiled.environmentJson = entry.take();
+  } else if (const std::string file = fileWithSuffix(*folder, name, ".json"); !file.empty()) {
+    compiled.environmentJson = files.read(file).value_or(std::string());
   }
   return compiled;
 }

@@ -87,6 +87,9 @@ FilesOrProblem onlyModelOf(const std::string& folder) {
   files.model = models.front().string();
   files.view = companion(models.front(), ".v", "its settings do not count", files);
   files.environment = companion(models.front(), ".e", "it does not answer communication modules", files);
+  if (files.environment.empty()) {
+    files.environment = besideModel(files.model, ".json");
+  }
   files.animation = companion(models.front(), ".a", "it does not decide which step is the last", files);
   const std::string materials = companion(models.front(), ".mat", "its materials are not used", files);
   const std::string map = companion(models.front(), ".map", "its colours are not used", files);
@@ -223,6 +226,9 @@ std::variant<ModelFiles, std::string> findModelFiles(const std::string& path, co
   files.model = path;
   files.view = besideModel(path, ".v");
   files.environment = besideModel(path, ".e");
+  if (files.environment.empty()) {
+    files.environment = besideModel(path, ".json");
+  }
   files.animation = besideModel(path, ".a");
   return files;
 }

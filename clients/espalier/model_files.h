@@ -13,7 +13,7 @@ namespace espalier::command {
 struct ModelFiles {
   std::string model;
   std::string view;         // empty: none
-  std::string environment;  // a field file; empty: none
+  std::string environment;  // a field file or a configuration; empty: none
   std::string animation;    // empty: none
   std::vector<language::ColourFile> colours;
   int colourBase = 1;
@@ -23,7 +23,7 @@ struct ModelFiles {
 };
 
 /// The files of a model given as `MODEL.l` or as a folder:
-/// - beside `MODEL.l`, the `.v`, `.e` and `.a` files of the same stem;
+/// - beside `MODEL.l`, the `.v`, `.e` (or `.json`, a configuration) and `.a` files of the same stem;
 /// - in a folder with a file `specifications`, what its first cpfg command names, or the command that `object` chooses:
 /// by
 ///   its place in the menu, the end of that, the name of its model, or its number from 1;

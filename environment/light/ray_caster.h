@@ -1,0 +1,50 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "engine/core/vec3.h"
+
+namespace espalier::environment {
+
+/// Rays against triangles by Embree, in single precision. Results are the same for any number of threads; between
+/// machines with other vector instructions a ray that grazes an edge may be decided otherwise.
+///
+/// With a repetition the triangles are those of one plot that repeats itself without end along two directions of space.
+class RayCaster {
+ public:
+  static constexpr std::uint32_t kMiss = std::numeric_limits<std::uint32_t>::max();
+  struct Repetition {
+    std::array<int, 2> axes{0, 2};        // indices of the horizontal world axes
+    std::array<double, 2> low{}, high{};  // of the plot along these
+  };
+
+  /// `threads` build the tree. O(n log n).
+  RayCaster(std::span<const core::Vec3> vertices, std::span<const std::array<std::uint32_t, 3>> triangles,
+            const std::optional<Repetition>& repetition, unsigned threads);
+  ~RayCaster();
+  RayCaster(RayCaster&&) noexcept;
+  RayCaster& operator=(RayCaster&&) noexcept;
+
+  /// The first triangle on a ray; kMiss: there is none. `direction` is a unit vector, not horizontal when the plot
+  /// repeats itself. Hits nearer than margin() are left out. May be called by several threads.
+  [[nodiscard]] std::uint32_t firstHit(const core::Vec3& origin, const core::Vec3& direction) const;
+  /// Whether there is none. Faster.
+  [[nodiscard]] bool isFree(const core::Vec3& origin, const core::Vec3& direction) const;
+  /// A length that single precision resolves everywhere in the scene: by this rays start off a surface.
+  [[nodiscard]] double margin() const;
+
+ private:
+  struct Tree;
+  template <typename Cast>
+  [[nodiscard]] std::uint32_t alongPlots(const core::Vec3& origin, const core::Vec3& direction, const Cast& cast) const;
+
+  std::unique_ptr<Tree> tree_;
+};
+
+}  // namespace espalier::environment

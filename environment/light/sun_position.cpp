@@ -1,0 +1,135 @@
+#include "environment/light/sun_position.h"
+
+#include <charconv>
+#include <cmath>
+#include <numbers>
+
+namespace espalier::environment {
+
+namespace {
+
+using core::Vec3;
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+/// A whole number of a fixed number of digits at the front of a text, which is removed.
+std::optional<int> takeNumber(std::string_view& text, std::size_t digits) {
+  int value = 0;
+  if (text.size() < digits) {
+    return std::nullopt;
+  }
+  const auto [end, error] = std::from_chars(text.data(), text.data() + digits, value);
+  if (error != std::errc() || end != text.data() + digits || text.front() == '-') {
+    return std::nullopt;
+  }
+  text.remove_prefix(digits);
+  return value;
+}
+
+bool takeCharacter(std::string_view& text, char character) {
+  if (text.empty() || text.front() != character) {
+    return false;
+  }
+  text.remove_prefix(1);
+  return true;
+}
+
+/// Meeus, chapter 7.
+double julianDay(int year, int month, double day) {
+  if (month <= 2) {
+    year -= 1;
+    month += 12;
+  }
+  const double century = std::floor(year / 100.0);
+  return std::floor(365.25 * (year + 4716)) + std::floor(30.6001 * (month + 1)) + day + 2.0 - century +
+         std::floor(century / 4.0) - 1524.5;
+}
+
+/// Centuries since 2000, the sun's true longitude and anomaly in radians, and the eccentricity of the orbit.
+struct Orbit {
+  double centuries, longitude, anomaly, eccentricity;
+};
+
+Orbit orbitAt(double day) {
+  const double t = (day - 2451545.0) / 36525.0;
+  const double mean = (280.46646 + t * (36000.76983 + t * 0.0003032)) * kDegree;
+  const double anomaly = (357.52911 + t * (35999.05029 - t * 0.0001537)) * kDegree;
+  const double centre = ((1.914602 - t * (0.004817 + t * 0.000014)) * std::sin(anomaly) +
+                         (0.019993 - t * 0.000101) * std::sin(2.0 * anomaly) + 0.000289 * std::sin(3.0 * anomaly)) *
+                        kDegree;
+  return {t, mean + centre, anomaly + centre, 0.016708634 - t * (0.000042037 + t * 0.0000001267)};
+}
+
+/// Of the sun, in astronomical units.
+double distanceOf(const Orbit& orbit) {
+  return 1.000001018 * (1.0 - orbit.eccentricity * orbit.eccentricity) /
+         (1.0 + orbit.eccentricity * std::cos(orbit.anomaly));
+}
+
+}  // namespace
+
+std::optional<double> julianDayOf(std::string_view text) {
+  const auto year = takeNumber(text, 4);
+  const auto month = year && takeCharacter(text, '-') ? takeNumber(text, 2) : std::nullopt;
+  const auto day = month && takeCharacter(text, '-') ? takeNumber(text, 2) : std::nullopt;
+  if (!day || *year < 1 || *month < 1 || *month > 12 || *day < 1 || *day > 31) {
+    return std::nullopt;
+  }
+  double hours = 0.0;
+  if (takeCharacter(text, 'T')) {
+    const auto hour = takeNumber(text, 2);
+    const auto minute = hour && takeCharacter(text, ':') ? takeNumber(text, 2) : std::nullopt;
+    if (!minute || *hour > 24 || *minute > 59) {
+      return std::nullopt;
+    }
+    hours = *hour + *minute / 60.0;
+    if (takeCharacter(text, ':')) {
+      const auto second = takeNumber(text, 2);
+      if (!second || *second > 60) {
+        return std::nullopt;
+      }
+      hours += *second / 3600.0;
+    }
+    takeCharacter(text, 'Z');
+  }
+  if (!text.empty()) {
+    return std::nullopt;
+  }
+  return julianDay(*year, *month, *day + hours / 24.0);
+}
+
+SunPosition sunPosition(double day, double latitudeDegrees, double longitudeDegrees) {
+  const Orbit orbit = orbitAt(day);
+  const double node = (125.04 - 1934.136 * orbit.centuries) * kDegree;
+  // aberration and nutation, then from the ecliptic to the equator
+  const double longitude = orbit.longitude - (0.00569 + 0.00478 * std::sin(node)) * kDegree;
+  const double obliquity = (23.43929111 - orbit.centuries * 0.0130041667 + 0.00256 * std::cos(node)) * kDegree;
+  const double ascension = std::atan2(std::cos(obliquity) * std::sin(longitude), std::cos(longitude));
+  const double declination = std::asin(std::sin(obliquity) * std::sin(longitude));
+  const double t = orbit.centuries;
+  const double sidereal =
+      (280.46061837 + 360.98564736629 * (day - 2451545.0) + t * t * (0.000387933 - t / 38710000.0)) * kDegree;
+  const double hourAngle = sidereal + longitudeDegrees * kDegree - ascension;
+  const double latitude = latitudeDegrees * kDegree;
+  const double sine =
+      std::sin(latitude) * std::sin(declination) + std::cos(latitude) * std::cos(declination) * std::cos(hourAngle);
+  const double elevation = std::asin(sine);
+  const double azimuth = std::atan2(
+      -std::sin(hourAngle) * std::cos(declination),
+      std::cos(latitude) * std::sin(declination) - std::sin(latitude) * std::cos(declination) * std::cos(hourAngle));
+  // seen from the surface the sun stands 8.794" lower at the horizon
+  const double parallax = 8.794 / 3600.0 * kDegree * std::cos(elevation);
+  return {elevation - parallax, azimuth < 0.0 ? azimuth + 2.0 * std::numbers::pi : azimuth};
+}
+
+Vec3 sunDirection(const SunPosition& sun, const Vec3& up, const Vec3& north) {
+  const Vec3 east = core::cross(north, up);
+  return up * std::sin(sun.elevationRadians) +
+         (north * std::cos(sun.azimuthRadians) + east * std::sin(sun.azimuthRadians)) * std::cos(sun.elevationRadians);
+}
+
+double solarIrradiance(double day) {
+  const double distance = distanceOf(orbitAt(day));
+  return 1361.0 / (distance * distance);
+}
+
+}  // namespace espalier::environment
