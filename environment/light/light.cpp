@@ -244,9 +244,8 @@ class Light final : public turtle::EnvironmentProcess {
       const auto start = julianDayOf(own.empty() ? world.start : own);
       if (!start || (own.empty() && !world.latitudeDegrees)) {
         return fail(
-            "needs to know where and when it is for the position of the sun: set the world's 'latitude', 'longitude' "
-            "and "
-            "'start' (\"2026-06-21\" or \"2026-06-21T12:00\", universal time).");
+            "needs to know where and when it is for the position of the sun: set 'latitude', 'longitude' and "
+            "'start', here or in the world (\"2026-06-21\" or \"2026-06-21T12:00\", universal time).");
       }
       startDay_ = *start;
       latitude_ = own.empty() ? *world.latitudeDegrees : configuration_.number("latitude");
