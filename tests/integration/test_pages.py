@@ -138,7 +138,7 @@ class InABrowser(unittest.TestCase):
                 self.assertNotEqual(turned, shown)
                 # the slider goes back to the first frame
                 page.evaluate('const s = document.querySelector("input[type=range]"); s.value = 0; s.dispatchEvent(new Event("input"))')
-                self.assertIn("step 0 of 3", page.evaluate("document.body.innerText"))
+                self.assertIn("1 of 4", page.evaluate("document.body.innerText"))
                 self.assertNotEqual(page.picture(), turned)
 
 

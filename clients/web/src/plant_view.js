@@ -57,10 +57,10 @@ function addPlayer(element, count, show) {
   const label = document.createElement("span");
   const go = (index) => {
     slider.value = String(index);
-    label.textContent = `step ${index} of ${count - 1}`;
+    label.textContent = `${index + 1} of ${count}`;
     show(index);
   };
-  label.textContent = `step ${count - 1} of ${count - 1}`;
+  label.textContent = `${count} of ${count}`;
   slider.addEventListener("input", () => go(Number(slider.value)));
   let timer = 0;
   button.addEventListener("click", () => {
