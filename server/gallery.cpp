@@ -6,6 +6,21 @@ namespace espalier::server {
 
 namespace fs = std::filesystem;
 
+std::string galleryOfProgram() {
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  for (fs::path folder = program.parent_path(); !error && folder != folder.parent_path();
+       folder = folder.parent_path()) {
+    for (const char* const place : {"share/espalier/gallery", "clients/gallery"}) {
+      std::error_code missing;
+      if (fs::is_directory(folder / place, missing)) {
+        return (folder / place).string();
+      }
+    }
+  }
+  return {};
+}
+
 std::vector<std::string> galleryNames(const std::string& gallery) {
   std::vector<std::string> names;
   std::error_code error;

@@ -7,6 +7,10 @@
 
 namespace espalier::server {
 
+/// The gallery that came with this program: beside an installed one (share/espalier/gallery), or in the source tree in
+/// which it was built; empty when there is none.
+[[nodiscard]] std::string galleryOfProgram();
+
 /// Names of the model folders in the gallery folder, sorted.
 [[nodiscard]] std::vector<std::string> galleryNames(const std::string& gallery);
 

@@ -318,10 +318,10 @@ void createSimulation(Session& session, const protocol::MessageId& id, protocol:
   record.seed = effectiveSeed(params, *model.result.program);
   record.hasSeed = params.seed.has_value();
   record.create = std::move(params);
-  record.create.model = {};
   if (record.create.name.empty()) {
-    record.create.name = model.result.program->modelFile;
+    record.create.name = record.create.model.model.gallery.value_or(model.result.program->modelFile);
   }
+  record.create.model = {};
   if (record.create.environmentTypes.empty()) {
     record.create.environmentJson = model.environmentJson;
   }

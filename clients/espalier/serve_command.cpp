@@ -9,6 +9,7 @@
 #include "clients/espalier/messages.h"
 #include "clients/espalier/serve_configuration.h"
 #include "clients/web/pages.h"
+#include "server/gallery.h"
 #include "server/line_channel.h"
 #include "server/server.h"
 
@@ -65,6 +66,9 @@ int runServe(CLI::App& command, ServeOptions& options) {
     const std::string text = serveConfigurationText(command, options.server.limits);
     std::fwrite(text.data(), 1, text.size(), stdout);
     return kSuccess;
+  }
+  if (command.count("--gallery") == 0 && options.server.galleryFolder.empty()) {
+    options.server.galleryFolder = server::galleryOfProgram();
   }
   if (!options.tokenFile.empty()) {
     std::ifstream file(options.tokenFile);
@@ -128,7 +132,8 @@ void addServe(CLI::App& program, int& status) {
                       "Web pages that may open WebSockets beside the server's own, as https://HOST; repeatable");
   command->add_option("--data", options->server.dataFolder, "Folder in which simulations are kept; made when missing");
   command->add_option("--gallery", options->server.galleryFolder,
-                      "Folder of model folders that clients can name: {\"gallery\":\"NAME\"}");
+                      "Folder of model folders that clients can name: {\"gallery\":\"NAME\"}; by default the one that "
+                      "came with the program, if it did");
   command->add_option("--token", options->server.token, "Text that clients must send as `token` in hello");
   command->add_option("--token-file", options->tokenFile,
                       "File whose first line is the token (other users cannot see it)");

@@ -28,6 +28,9 @@ class CppPackage(unittest.TestCase):
                                        timeout=SECONDS, check=True)
                 many = subprocess.run([str(out / "grow_many"), server.address], capture_output=True, text=True,
                                       timeout=SECONDS, check=True)
+                # an installed program finds its gallery
+                with server.connect() as client:
+                    self.assertIn("light-tree", client.gallery())
                 wrong = subprocess.run([str(out / "grow_many"), "127.0.0.1:1"], capture_output=True, text=True,
                                        timeout=SECONDS, check=False)
         lines = [line.split("\t") for line in grown.stdout.splitlines()]

@@ -82,6 +82,7 @@ class Demonstration(unittest.TestCase):
                                   capture_output=True, text=True, timeout=SECONDS, check=False, env=variables())
             self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
             for name in ("light-tree", "branch-tiers", "shadow-trees"):
+                self.assertIn("showPlant", (Path(folder) / f"{name}.html").read_text(encoding="utf-8"))
                 self.assertIn("<svg", (Path(folder) / f"{name}.svg").read_text(encoding="utf-8"))
                 self.assertIn("\nv ", (Path(folder) / f"{name}.obj").read_text(encoding="utf-8"))
             self.assertEqual(done.stdout.count("\nlight-tree "), 8)

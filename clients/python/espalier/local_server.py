@@ -36,27 +36,15 @@ def find_program() -> str:
                        f"or name it in the variable {PROGRAM_VARIABLE}.")
 
 
-def find_gallery(program: str) -> Optional[str]:
-    """The gallery of the source tree that a program was built in; None for an installed program."""
-    for folder in Path(program).resolve().parents:
-        gallery = folder / "clients" / "gallery"
-        if gallery.is_dir():
-            return str(gallery)
-    return None
-
-
 class Local(Client):
     """A client together with the server that it started; both end with close() or the `with` block."""
 
     def __init__(self, program: Optional[str] = None, *, arguments: Sequence[str] = (),
                  timeout: Optional[float] = None) -> None:
         """Starts `espalier serve` on a free port of this machine and connects to it. `program`: find_program() by
-        default. `arguments` follow `serve`; the gallery of the source tree is there unless they name another."""
+        default. `arguments` follow `serve`; the gallery that came with the program is there unless they name another."""
         found = find_program() if program is None else program
         more: List[str] = list(arguments)
-        gallery = find_gallery(found)
-        if gallery is not None and "--gallery" not in more:
-            more += ["--gallery", gallery]
         if "--log-level" not in more:
             more += ["--log-level", "warn"]
         self._server = Server(found, arguments=more)

@@ -3,7 +3,7 @@
     ./dev demo
 
 Starts `espalier serve`, attaches canopy_light.py over TCP, creates three simulations of the gallery, steps them while a second
-client receives their turtle streams, and writes SVG and OBJ of each plant under out/.
+client receives their turtle streams, and writes a page with the growth, SVG and OBJ of each plant under out/.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import shlex
 import subprocess
 import sys
 import tempfile
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Dict, List, Mapping, Optional, Sequence
 
@@ -24,7 +24,7 @@ REPOSITORY = HERE.parents[2]
 # the package is used from the source tree, installed or not
 sys.path.insert(0, str(PACKAGE_FOLDER))
 
-from espalier import Client, EspalierError, Server, Simulation, Stream  # noqa: E402
+from espalier import Client, EspalierError, Server, Simulation, Stream, View  # noqa: E402
 
 ANSWER_SECONDS = 120.0
 
@@ -87,6 +87,7 @@ class Growing:
     steps: int = 0
     frames: int = 0
     is_finished: bool = False
+    drawn: List[bytes] = field(default_factory=list)  # binary glTF of every step
 
 
 def start(plant: Plant, controller: Client, viewer: Client) -> Growing:
@@ -117,6 +118,7 @@ def grow(plants: Sequence[Growing]) -> None:
                 continue
             made = growing.simulation.step()
             receive(growing, made.step)
+            growing.drawn.append(growing.simulation.geometry())
             figures = made.statistics
             print(f"{growing.plant.model:{width}}  {made.step:4}  {figures['modules']:7}  {figures['queries']:7}  "
                   f"{figures['answers']:7}  {figures['milliseconds']:7.1f}  {growing.records:14}", flush=True)
@@ -138,7 +140,9 @@ def draw(growing: Growing, program: str, out: Path) -> List[Path]:
         done = subprocess.run(command, capture_output=True, text=True, check=False, env=python_variables())
     if done.returncode != 0:
         raise DemoFailed(f"The picture of {growing.plant.model} could not be drawn: {done.stderr.strip()}")
-    return files
+    page = out / f"{growing.plant.model}.html"
+    View(growing.drawn, growing.plant.model).save(page)
+    return [page, *files]
 
 
 def demonstrate(program: str, out: Path) -> None:
@@ -162,7 +166,8 @@ def demonstrate(program: str, out: Path) -> None:
                     files = draw(growing, program, out)
                     print(f"{growing.plant.model}: {growing.modules} modules after {growing.steps} steps, "
                           f"{growing.frames} frames received -> {', '.join(map(shown, files))}")
-                print(f"\nThree plants grew; open {shown(out / 'light-tree.svg')} in a browser.")
+                print(f"\nThree plants grew; open {shown(out / 'light-tree.html')} in a browser to see one of them grow, or grow your own there:\n"
+                      f"{shown(Path(program))} serve --http 127.0.0.1:8080   and then http://127.0.0.1:8080/")
         finally:
             if canopy is not None:
                 canopy.stop()
