@@ -9,6 +9,7 @@
 #include "engine/language/file_name.h"
 #include "engine/language/message_list.h"
 #include "engine/language/model_checks.h"
+#include "engine/language/needed_files.h"
 #include "engine/language/parser.h"
 #include "engine/language/preprocessor.h"
 #include "engine/language/syntax.h"
@@ -149,6 +150,15 @@ CompileResult compile(const CompileInput& input, core::FileProvider& files) {
   addSources(program->sources, program->sourceMap.files);
   addSources(program->sources, view.sources);
   readModelFiles(*program, files);
+  // the reference program draws nothing for a file that it cannot read, so its modes go on
+  if (input.compatibility == core::Compatibility::Espalier) {
+    for (core::Diagnostic& error : neededFiles(*program, view.unusable)) {
+      result.diagnostics.add(std::move(error));
+    }
+    if (result.diagnostics.hasErrors()) {
+      return result;
+    }
+  }
   program->hash = hashOf(*program);
   result.program = std::move(program);
   return result;

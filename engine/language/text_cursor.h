@@ -71,6 +71,7 @@ class TextReport {
   TextReport(const SourceMap& map, core::DiagnosticList& diagnostics) : map_(&map), diagnostics_(&diagnostics) {}
   void warn(core::SourceRange range, std::string message, std::string hint = {}) const;
   void note(core::SourceRange range, std::string message) const;
+  [[nodiscard]] core::SourceLocation locate(core::SourceRange range) const { return map_->locate(range); }
   /// Whether further warnings are only counted, so that no work need be done for their text.
   [[nodiscard]] bool isFull() const { return diagnostics_->warningCount() >= core::DiagnosticList::kLimit; }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -38,9 +39,14 @@ struct ViewCommandContext {
   std::uint64_t remainingBytes = 0;
   int openedFileCount = 0;
   ReadingBudget budget{};
+  std::size_t remainingTexturePixels = kMostImagePixels;
 
   [[nodiscard]] ViewSettings& settings() const { return result.settings; }
   [[nodiscard]] bool isCompatible() const { return compatibility != core::Compatibility::Espalier; }
+  /// Writes down that a file of the present command cannot be used: an error if the model needs it.
+  void addUnusable(UnusableFile::Kind kind, int id, core::SourceRange range, std::string file) const {
+    result.unusable.push_back({kind, id, report.locate(range), std::move(file)});
+  }
   void warn(std::string message, std::string hint = {}) const {
     report.warn(lexer.commandRange(), std::move(message), std::move(hint));
   }
@@ -63,6 +69,13 @@ void readNamedContours(ViewCommandContext& context);
 
 /// Reads the line of a `tropism:` or `torque:` (FILES §4.3); nothing, with a warning, when the command is dropped.
 void readMovement(ViewCommandContext& context, Movement::Kind kind);
+
+/// A file beside the view file; nothing, with a warning that says the consequence, when it cannot be read.
+[[nodiscard]] std::optional<DataFile> openFile(ViewCommandContext& context, core::SourceRange range,
+                                               const std::string& name, const std::string& consequence);
+
+/// Reads the line of a `texture:` (FILES §11.3) and its picture.
+void readTexture(ViewCommandContext& context);
 
 /// Reads the line of a `light:` (FILES §4.4); nothing, with a warning, when the light is dropped.
 void readLight(ViewCommandContext& context);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -12,9 +13,20 @@
 
 namespace espalier::language {
 
+/// A file of a surface, contour or texture that is missing or broken. What is wrong with it is a warning of the view
+/// file; it becomes an error when the model draws with it (unusableFilesInUse).
+struct UnusableFile {
+  enum class Kind : std::uint8_t { Surface, Contour, Texture };
+  Kind kind = Kind::Surface;
+  int id = 0;                     // the character of a surface, the number of a contour or texture
+  core::SourceLocation location;  // of the command that names it
+  std::string file;               // as the view file names it
+};
+
 struct ViewFileResult {
   ViewSettings settings;
-  core::DiagnosticList diagnostics;      // a view file never causes an error: warnings only
+  core::DiagnosticList diagnostics;      // a view file alone never causes an error: warnings only
+  std::vector<UnusableFile> unusable;    // in the order of the commands
   std::vector<SourceMap::File> sources;  // the view file, its includes and every file it names that could be read
 };
 

@@ -30,35 +30,6 @@ constexpr std::size_t kReferenceBlobs = 10;
 constexpr int kMostFiles = 1000;
 constexpr int kLastContour = 31;
 
-/// The file of a command beside the view file; nothing, with a warning that says the consequence, when it cannot be
-/// read.
-std::optional<DataFile> openFile(Context& c, core::SourceRange range, const std::string& name,
-                                 const std::string& consequence) {
-  if (++c.openedFileCount > kMostFiles) {
-    c.report.warn(range, "more than " + std::to_string(kMostFiles) + " files in one view file; " + consequence);
-    return std::nullopt;
-  }
-  const std::string file = nameBeside(c.viewFile, name);
-  std::optional<std::string> text = c.files.read(file);
-  if (!text) {
-    c.report.warn(range, "the file '" + file + "' cannot be read; " + consequence,
-                  "files of a view file are looked for beside it");
-    return std::nullopt;
-  }
-  if (text->size() > c.remainingBytes) {
-    c.report.warn(range, "the files of the view file have more bytes than the limit of a model's source allows: '" +
-                             file + "' is not read; " + consequence);
-    return std::nullopt;
-  }
-  c.remainingBytes -= text->size();
-  const bool isNew = std::none_of(c.result.sources.begin(), c.result.sources.end(),
-                                  [&](const SourceMap::File& source) { return source.name == file; });
-  if (isNew) {
-    c.result.sources.push_back({file, *text});
-  }
-  return DataFile(file, std::move(*text), c.result.diagnostics, &c.budget);
-}
-
 /// The id, file and scale with which `surface:` and `tsurface:` begin.
 struct SurfaceArguments {
   char id = 0;
@@ -93,21 +64,25 @@ std::optional<SurfaceArguments> readSurfaceArguments(Context& c) {
   return arguments;
 }
 
+void addUnusableSurface(Context& c, const SurfaceArguments& arguments) {
+  c.addUnusable(UnusableFile::Kind::Surface, arguments.id, c.lexer.commandRange(), arguments.file);
+}
+
 /// A surface from a mesh that another program made, for `surface:` and `tsurface:` alike.
-void addMeshSurface(Context& c, const SurfaceArguments& arguments) {
+void addMeshSurface(Context& c, const SurfaceArguments& arguments, int texture) {
   const std::string name = std::string("~") + arguments.id;
   const std::string consequence = name + " draws nothing";
   const core::SourceRange range = c.lexer.commandRange();
   const std::optional<DataFile> file = openFile(c, range, arguments.file, consequence);
   if (!file) {
-    return;
+    return addUnusableSurface(c, arguments);
   }
   auto read = readMeshFile(file->name(), file->text());
   if (const auto* problem = std::get_if<std::string>(&read)) {
     c.report.warn(range, "the mesh '" + file->name() + "' cannot be used: " + *problem + "; " + consequence);
-    return;
+    return addUnusableSurface(c, arguments);
   }
-  TriangleSurface surface{arguments.id, file->name(), std::move(std::get<std::vector<SurfaceTriangle>>(read))};
+  TriangleSurface surface{arguments.id, file->name(), std::move(std::get<std::vector<SurfaceTriangle>>(read)), texture};
   for (SurfaceTriangle& triangle : surface.triangles) {
     for (core::Vec3& point : triangle.points) {
       point = point * arguments.scale;
@@ -132,7 +107,7 @@ bool surface(Context& c) {
     return true;
   }
   if (isMeshFile(arguments->file)) {
-    addMeshSurface(c, *arguments);
+    addMeshSurface(c, *arguments, texture.value_or(-1));
     return true;
   }
   const std::string name = std::string("~") + arguments->id;
@@ -146,14 +121,16 @@ bool surface(Context& c) {
   }
   const std::optional<DataFile> file =
       openFile(c, c.lexer.commandRange(), arguments->file, name + " draws nothing and the turtle stays");
-  if (!file) {
-    return true;
+  std::optional<Surface> read;
+  if (file) {
+    read = readSurfaceFile(*file, arguments->id, arguments->scale, hasSubdivisions ? *extra[0] : 0,
+                           hasSubdivisions ? *extra[1] : 0);
   }
-  std::optional<Surface> read = readSurfaceFile(*file, arguments->id, arguments->scale, hasSubdivisions ? *extra[0] : 0,
-                                                hasSubdivisions ? *extra[1] : 0);
   if (read) {
     read->texture = texture.value_or(-1);
     c.settings().surfaces.push_back(std::move(*read));
+  } else {
+    addUnusableSurface(c, *arguments);
   }
   return true;
 }
@@ -164,7 +141,7 @@ bool triangleSurface(Context& c) {
     return arguments.has_value();
   }
   if (isMeshFile(arguments->file)) {
-    addMeshSurface(c, *arguments);
+    addMeshSurface(c, *arguments, -1);
     return true;
   }
   const std::string name = std::string("~") + arguments->id;
@@ -174,11 +151,14 @@ bool triangleSurface(Context& c) {
   }
   const std::optional<DataFile> file =
       openFile(c, c.lexer.commandRange(), arguments->file, name + " draws nothing and the turtle stays");
-  if (!file) {
-    return true;
+  std::optional<TriangleSurface> read;
+  if (file) {
+    read = readTriangleSurfaceFile(*file, arguments->id, arguments->scale);
   }
-  if (std::optional<TriangleSurface> read = readTriangleSurfaceFile(*file, arguments->id, arguments->scale)) {
+  if (read) {
     c.settings().triangleSurfaces.push_back(std::move(*read));
+  } else {
+    addUnusableSurface(c, *arguments);
   }
   return true;
 }
@@ -260,14 +240,47 @@ bool blob(Context& c) {
   return true;
 }
 
+bool texture(Context& c) {
+  readTexture(c);
+  return true;
+}
+
 constexpr std::array kCommands = {
     ViewCommand{"contour:", contour},   ViewCommand{"surface:", surface},
     ViewCommand{"line:", surface},      ViewCommand{"tsurface:", triangleSurface},
     ViewCommand{"function:", function}, ViewCommand{"function set:", functionSet},
     ViewCommand{"curve:", curve},       ViewCommand{"blob:", blob},
+    ViewCommand{"texture:", texture},
 };
 
 }  // namespace
+
+std::optional<DataFile> openFile(ViewCommandContext& c, core::SourceRange range, const std::string& name,
+                                 const std::string& consequence) {
+  if (++c.openedFileCount > kMostFiles) {
+    c.report.warn(range, "more than " + std::to_string(kMostFiles) + " files in one view file; " + consequence);
+    return std::nullopt;
+  }
+  const std::string file = nameBeside(c.viewFile, name);
+  std::optional<std::string> text = c.files.read(file);
+  if (!text) {
+    c.report.warn(range, "the file '" + file + "' cannot be read; " + consequence,
+                  "files of a view file are looked for beside it");
+    return std::nullopt;
+  }
+  if (text->size() > c.remainingBytes) {
+    c.report.warn(range, "the files of the view file have more bytes than the limit of a model's source allows: '" +
+                             file + "' is not read; " + consequence);
+    return std::nullopt;
+  }
+  c.remainingBytes -= text->size();
+  const bool isNew = std::none_of(c.result.sources.begin(), c.result.sources.end(),
+                                  [&](const SourceMap::File& source) { return source.name == file; });
+  if (isNew) {
+    c.result.sources.push_back({file, *text});
+  }
+  return DataFile(file, std::move(*text), c.result.diagnostics, &c.budget);
+}
 
 std::span<const ViewCommand> fileCommands() {
   return kCommands;
@@ -279,6 +292,7 @@ void readNamedContours(ViewCommandContext& context) {
         openFile(context, named.range, named.file, "contour " + std::to_string(named.id) + " is the circle");
     std::optional<Contour> read = file ? readContourFile(*file, named.id) : std::nullopt;
     if (!read) {
+      context.addUnusable(UnusableFile::Kind::Contour, named.id, named.range, named.file);
       continue;
     }
     // a later contour of the same number replaces the earlier one

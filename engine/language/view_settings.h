@@ -5,10 +5,12 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "engine/core/vec3.h"
+#include "engine/language/image_file.h"
 
 namespace espalier::language {
 
@@ -88,6 +90,21 @@ struct Surface {
   int texture = -1;  // -1: the turtle's current texture; 0: none
 };
 
+/// A texture of `texture:` (FILES §11.3): a picture on what the turtle draws while its texture is this one (`@Tx`).
+struct Texture {
+  /// How the picture meets the colour below it: multiplied with it; over it where the picture is opaque; or the share
+  /// of white that it gives that colour.
+  enum class Use : std::uint8_t { Modulate, Decal, Blend };
+  std::string file;
+  std::shared_ptr<const std::string> bytes;  // of the file
+  std::shared_ptr<const Image> image;
+  Use use = Use::Modulate;
+  bool isSmoothNear = false;            // magnified by linear interpolation, else by the nearest point
+  std::string_view minification = "n";  // n, l, mnn, mln, mnl or mll, as in the file; `m` is mll
+  bool isPerSurface = false;            // of a surface: once over the whole of it, else over each patch
+  double ratio = 1.0;                   // height by width of one picture on a cylinder
+};
+
 /// One triangle of a `tsurface:` or of a mesh file; local coordinates along L, H, U.
 struct SurfaceTriangle {
   std::array<core::Vec3, 3> points;
@@ -99,6 +116,7 @@ struct TriangleSurface {
   char id = 0;
   std::string file;
   std::vector<SurfaceTriangle> triangles;
+  int texture = -1;  // as of a Surface
 };
 
 /// A contour of `contour:` for generalized cylinders.
@@ -181,6 +199,7 @@ struct ViewSettings {
   std::vector<Surface> surfaces;
   std::vector<TriangleSurface> triangleSurfaces;
   std::vector<Contour> contours;
+  std::vector<Texture> textures;      // id - 1; without an image: the file cannot be used
   std::vector<BlobField> blobFields;  // id - 1
 
   // camera and colour: pictures and the functions vvXmin ... only

@@ -346,11 +346,7 @@ bool passLine(Context& c) {
   c.lexer.skipLine();
   return true;
 }
-/// A command whose files no picture of ours shows.
-bool texture(Context& c) {
-  c.report.note(c.lexer.commandRange(), "the texture is not used: what wears it has its plain colour");
-  return passLine(c);
-}
+// commands whose files no picture of ours shows
 bool backgroundScene(Context& c) {
   c.report.note(c.lexer.commandRange(), "the background scene is not drawn; an environment may still read its file");
   return passLine(c);
@@ -406,7 +402,6 @@ constexpr std::array kCommands = {
     ViewCommand{"surface ambient:", passNumber},
     ViewCommand{"surface diffuse:", passNumber},
     ViewCommand{"shadow map:", passLine},
-    ViewCommand{"texture:", texture},
     ViewCommand{"background scene:", backgroundScene},
     ViewCommand{"font:", passLine},
     ViewCommand{"winfont:", passLine},

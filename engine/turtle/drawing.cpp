@@ -50,8 +50,15 @@ void Drawing::line(TurtleState& state, const Vec3& start) {
                               .plant = plant_,
                               .module = module_,
                               .branchOrder = state.branchOrder,
-                              .parent = state.segment});
+                              .parent = state.segment,
+                              .texture = textureOf(state.texture)});
   state.segment = index;
+}
+
+std::int32_t Drawing::textureOf(std::int32_t id) const {
+  const bool isThere = id >= 1 && static_cast<std::size_t>(id) <= view_->textures.size() &&
+                       view_->textures[static_cast<std::size_t>(id) - 1].image != nullptr;
+  return isThere ? id : 0;
 }
 
 CylinderPoint Drawing::pointOf(const TurtleState& state, std::int32_t stripCount) const {
@@ -107,6 +114,7 @@ void Drawing::beginCylinder(const TurtleState& state, std::int32_t type, std::in
   shape.cylinder.module = module_;
   shape.cylinder.branchOrder = state.branchOrder;
   shape.cylinder.parent = state.segment;
+  shape.cylinder.texture = textureOf(state.texture);
   shape.cylinder.points.push_back(pointOf(state, shape.stripCount));
   open_.push_back(std::move(shape));
 }
@@ -133,6 +141,7 @@ void Drawing::startAxisCylinder(TurtleState& state) {
   cylinder.module = module_;
   cylinder.branchOrder = state.branchOrder;
   cylinder.parent = state.segment;
+  cylinder.texture = textureOf(state.texture);
   cylinder.points.push_back(pointOf(state, kDefaultStripCount));
   state.cylinder = static_cast<std::uint32_t>(scene_->cylinders.size());
   state.cylinderOrder = state.branchOrder;
@@ -170,12 +179,14 @@ void Drawing::surface(const TurtleState& state, std::uint32_t index, bool isTria
   if (scene_ == nullptr || scale.x == 0.0 || scale.y == 0.0 || scale.z == 0.0) {
     return;
   }
+  const int own = isTriangleSurface ? view_->triangleSurfaces[index].texture : view_->surfaces[index].texture;
   scene_->surfaces.push_back({.surface = index,
                               .isTriangleSurface = isTriangleSurface,
                               .position = state.position,
                               .frame = state.frame,
                               .scale = scale,
                               .colour = state.colour,
+                              .texture = textureOf(own >= 0 ? own : state.texture),
                               .plant = plant_,
                               .module = module_,
                               .branchOrder = state.branchOrder,
@@ -220,6 +231,7 @@ void Drawing::drawPatch(const TurtleState& state, std::int32_t id, std::int32_t 
   patch.subdivisionS = std::clamp(subdivisionS, 1, 100);
   patch.subdivisionT = std::clamp(subdivisionT, 1, 100);
   patch.colour = state.colour;
+  patch.texture = textureOf(state.texture);
   patch.plant = plant_;
   patch.module = module_;
   patch.branchOrder = state.branchOrder;

@@ -63,6 +63,8 @@ class Drawing {
     bool isZeroBased = false;           // row or column 0 was used
   };
 
+  /// A texture of the view file, or 0 when there is none of that number.
+  [[nodiscard]] std::int32_t textureOf(std::int32_t id) const;
   [[nodiscard]] CylinderPoint pointOf(const TurtleState& state, std::int32_t stripCount) const;
 
   Scene* scene_;

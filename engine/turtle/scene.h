@@ -23,6 +23,7 @@ struct Segment {
   std::uint64_t module = 0;  // index in the plant's string
   std::uint32_t branchOrder = 0;
   std::uint32_t parent = kNoParent;  // the segment this one continues or branches from
+  std::int32_t texture = 0;          // of the view file, from 1; 0: none
 };
 
 /// A filled polygon `{...}`.
@@ -57,6 +58,7 @@ struct SurfaceInstance {
   core::Frame frame;
   core::Vec3 scale{1.0, 1.0, 1.0};  // along L, H, U, the turtle's scale included
   std::int32_t colour = 128;
+  std::int32_t texture = 0;  // of the view file, from 1; 0: none
   std::uint32_t plant = 0;
   std::uint64_t module = 0;
   std::uint32_t branchOrder = 0;
@@ -75,7 +77,7 @@ struct CylinderPoint {
   core::Vec3 position;
   core::Frame frame;
   double width = 1.0;
-  std::int32_t colour = 128;
+  std::int32_t colour = 128;  // of the stretch that ends here
   std::int32_t contour = 0;
   std::int32_t stripCount = 4;  // mesh strips of the stretch that ends here
   std::int32_t sideCount = 8;
@@ -91,6 +93,7 @@ struct GeneralizedCylinder {
   enum class Curve : std::uint8_t { Hermite, BSpline };
   Curve curve = Curve::Hermite;
   bool isClosed = false;
+  std::int32_t texture = 0;  // of the view file, from 1; 0: none
   std::vector<CylinderPoint> points;
   std::uint32_t plant = 0;
   std::uint64_t module = 0;
@@ -104,6 +107,7 @@ struct Patch {
   std::int32_t subdivisionS = 5;
   std::int32_t subdivisionT = 5;
   std::int32_t colour = 128;
+  std::int32_t texture = 0;  // of the view file, from 1; 0: none
   std::uint32_t plant = 0;
   std::uint64_t module = 0;
   std::uint32_t branchOrder = 0;

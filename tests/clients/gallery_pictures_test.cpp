@@ -91,7 +91,7 @@ PictureImage readPicture(const std::string& file) {
     ADD_FAILURE() << file << " cannot be read";
     return {};
   }
-  auto image = turtle::readPng(*bytes);
+  auto image = language::readPngImage(*bytes);
   if (const std::string* problem = std::get_if<std::string>(&image)) {
     ADD_FAILURE() << file << ": " << *problem;
     return {};

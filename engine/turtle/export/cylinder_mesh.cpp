@@ -18,7 +18,8 @@ struct AxisSample {
   Vec3 tangent;
   Vec3 turtleUp;  // the turtle's own, interpolated
   double radius = 0.5;
-  std::size_t from = 0;  // control points whose contours are blended
+  std::size_t stretch = 0;  // that ends here or goes on beyond
+  std::size_t from = 0;     // control points whose contours are blended
   std::size_t to = 0;
   double blend = 0.0;
 };
@@ -74,19 +75,31 @@ AxisSample bSpline(const GeneralizedCylinder& cylinder, std::size_t segment, dou
   return sample;
 }
 
-std::vector<AxisSample> sampleAxis(const GeneralizedCylinder& cylinder, double detail) {
-  std::vector<AxisSample> samples;
+std::size_t stretchCountOf(const GeneralizedCylinder& cylinder) {
   const std::size_t count = cylinder.points.size();
   const bool isHermite = cylinder.curve == GeneralizedCylinder::Curve::Hermite;
-  const std::size_t segments =
-      isHermite ? (cylinder.isClosed ? count : count - 1) : (cylinder.isClosed ? count : count + 1);
-  for (std::size_t segment = 0; segment < segments; ++segment) {
-    const std::size_t from = isHermite || cylinder.isClosed ? segment : (segment == 0 ? 0 : segment - 1);
-    const std::size_t to = cylinder.isClosed ? (segment + 1) % count : std::min(from + 1, count - 1);
+  return isHermite ? (cylinder.isClosed ? count : count - 1) : (cylinder.isClosed ? count : count + 1);
+}
+
+// the control points between which a stretch lies, or that it is nearest to
+std::pair<std::size_t, std::size_t> endsOf(const GeneralizedCylinder& cylinder, std::size_t stretch) {
+  const std::size_t count = cylinder.points.size();
+  const bool isHermite = cylinder.curve == GeneralizedCylinder::Curve::Hermite;
+  const std::size_t from = isHermite || cylinder.isClosed ? stretch : (stretch == 0 ? 0 : stretch - 1);
+  return {from, cylinder.isClosed ? (stretch + 1) % count : std::min(from + 1, count - 1)};
+}
+
+std::vector<AxisSample> sampleAxis(const GeneralizedCylinder& cylinder, double detail) {
+  std::vector<AxisSample> samples;
+  const bool isHermite = cylinder.curve == GeneralizedCylinder::Curve::Hermite;
+  const std::size_t stretchCount = stretchCountOf(cylinder);
+  for (std::size_t segment = 0; segment < stretchCount; ++segment) {
+    const auto [from, to] = endsOf(cylinder, segment);
     const int strips = atDetail(cylinder.points[to].stripCount, detail, 1);
     for (int i = segment == 0 ? 0 : 1; i <= strips; ++i) {
       const double t = static_cast<double>(i) / strips;
       AxisSample sample = isHermite ? hermite(cylinder, from, to, t) : bSpline(cylinder, segment, t);
+      sample.stretch = segment;
       sample.from = from;
       sample.to = to;
       sample.blend = t;
@@ -187,6 +200,13 @@ double slopeAt(const std::vector<AxisSample>& samples, std::size_t i) {
   return length > 0.0 ? (before.radius - after.radius) / length : 0.0;
 }
 
+// the sample with which a stretch begins, which the one before it ends with
+std::size_t firstSampleOf(const std::vector<AxisSample>& samples, std::size_t stretch) {
+  const auto found = std::ranges::find_if(samples, [stretch](const AxisSample& s) { return s.stretch >= stretch; });
+  const auto index = static_cast<std::size_t>(found - samples.begin());
+  return index > 0 ? index - 1 : 0;
+}
+
 // a flat end over the ring of `columns` vertices that begins at `first`
 void appendCap(Mesh& mesh, std::uint32_t first, std::uint32_t columns, const Vec3& outward) {
   const auto begin = mesh.positions.begin() + first;
@@ -211,11 +231,27 @@ void appendCap(Mesh& mesh, std::uint32_t first, std::uint32_t columns, const Vec
 
 }  // namespace
 
+std::vector<CylinderRun> runsOf(const GeneralizedCylinder& cylinder) {
+  std::vector<CylinderRun> runs;
+  for (std::size_t stretch = 0; cylinder.points.size() >= 2 && stretch < stretchCountOf(cylinder); ++stretch) {
+    const std::int32_t colour = cylinder.points[endsOf(cylinder, stretch).second].colour;
+    if (runs.empty() || runs.back().colour != colour) {
+      runs.push_back({stretch, 0, colour});
+    }
+    ++runs.back().count;
+  }
+  return runs;
+}
+
 void appendCylinder(Mesh& mesh, const GeneralizedCylinder& cylinder, const language::ViewSettings& view,
                     double detail) {
-  if (cylinder.points.size() < 2) {
-    return;
+  for (const CylinderRun& run : runsOf(cylinder)) {
+    appendCylinder(mesh, cylinder, run, view, detail);
   }
+}
+
+void appendCylinder(Mesh& mesh, const GeneralizedCylinder& cylinder, const CylinderRun& run,
+                    const language::ViewSettings& view, double detail) {
   int sides = 3;
   for (const CylinderPoint& point : cylinder.points) {
     sides = std::max(sides, static_cast<int>(point.sideCount));
@@ -225,39 +261,47 @@ void appendCylinder(Mesh& mesh, const GeneralizedCylinder& cylinder, const langu
   for (const CylinderPoint& point : cylinder.points) {
     contours.push_back(sampleContour(view, point.contour, sides));
   }
+  const double ratio = cylinder.texture > 0 ? view.textures[static_cast<std::size_t>(cylinder.texture) - 1].ratio : 0.0;
 
-  // rings along the axis
+  // rings along the axis, those of the run kept
   const std::vector<AxisSample> samples = sampleAxis(cylinder, detail);
   const std::vector<Vec3> ups = normalsAlong(samples, cylinder.isClosed, view.hasTwistOfCylinders);
   const auto first = static_cast<std::uint32_t>(mesh.positions.size());
   const auto columns = static_cast<std::uint32_t>(sides);
+  const std::size_t begin = firstSampleOf(samples, run.first);
+  const std::size_t end = firstSampleOf(samples, run.first + run.count) + 1;
   double along = 0.0;
   bool isTurned = false;
-  for (std::size_t i = 0; i < samples.size(); ++i) {
+  for (std::size_t i = 0; i < end; ++i) {
     const AxisSample& sample = samples[i];
-    along += i == 0 ? 0.0 : core::length(sample.position - samples[i - 1].position);
-    const Vec3 left = core::cross(sample.tangent, ups[i]);
-    const Section section = sectionOf(contours[sample.from], contours[sample.to], sample.blend);
-    const double slope = slopeAt(samples, i);
+    if (i > 0) {
+      const double circumference = std::numbers::pi * (sample.radius + samples[i - 1].radius);
+      const double unit = ratio > 0.0 ? ratio * circumference : 1.0;
+      along += unit > 0.0 ? core::length(sample.position - samples[i - 1].position) / unit : 0.0;
+    }
+    if (i < begin) {
+      continue;
+    }
+    // a closed axis ends exactly where it began
+    const std::size_t at = cylinder.isClosed && i + 1 == samples.size() ? 0 : i;
+    const AxisSample& ring = samples[at];
+    const Vec3 left = core::cross(ring.tangent, ups[at]);
+    const Section section = sectionOf(contours[ring.from], contours[ring.to], ring.blend);
+    const double slope = slopeAt(samples, at);
     isTurned = section.isCounterClockwise;
     for (std::size_t k = 0; k <= columns; ++k) {
       const Vec3& p = section.points[k];
       const Vec3& n = section.normals[k];
       const double tilt = slope * (p.x * n.x + p.y * n.y);
-      mesh.positions.push_back(sample.position + sample.radius * (p.x * ups[i] - p.y * left + p.z * sample.tangent));
-      mesh.normals.push_back(core::normalised(n.x * ups[i] - n.y * left + tilt * sample.tangent));
+      mesh.positions.push_back(ring.position + ring.radius * (p.x * ups[at] - p.y * left + p.z * ring.tangent));
+      mesh.normals.push_back(core::normalised(n.x * ups[at] - n.y * left + tilt * ring.tangent));
       mesh.coordinates.push_back({1.0 - static_cast<double>(k) / sides, along});
     }
   }
-  // a closed axis ends exactly where it began
-  const auto lastRing = static_cast<std::uint32_t>(first + (samples.size() - 1) * (columns + 1));
-  if (cylinder.isClosed) {
-    std::copy_n(mesh.positions.begin() + first, columns + 1, mesh.positions.begin() + lastRing);
-    std::copy_n(mesh.normals.begin() + first, columns + 1, mesh.normals.begin() + lastRing);
-  }
 
   // counter-clockwise sections run clockwise about the axis: x is along U, y against L
-  for (std::uint32_t row = 0; row + 1 < samples.size(); ++row) {
+  const auto rows = static_cast<std::uint32_t>(end - begin);
+  for (std::uint32_t row = 0; row + 1 < rows; ++row) {
     for (std::uint32_t column = 0; column < columns; ++column) {
       const std::uint32_t a = first + row * (columns + 1) + column;
       const std::uint32_t b = a + columns + 1;
@@ -266,8 +310,12 @@ void appendCylinder(Mesh& mesh, const GeneralizedCylinder& cylinder, const langu
   }
   const auto isTube = [](const std::vector<Vec3>& contour) { return contour.front() == contour.back(); };
   if (!cylinder.isClosed && std::ranges::all_of(contours, isTube)) {
-    appendCap(mesh, first, columns, -samples.front().tangent);
-    appendCap(mesh, lastRing, columns, samples.back().tangent);
+    if (begin == 0) {
+      appendCap(mesh, first, columns, -samples.front().tangent);
+    }
+    if (end == samples.size()) {
+      appendCap(mesh, first + (rows - 1) * (columns + 1), columns, samples.back().tangent);
+    }
   }
 }
 

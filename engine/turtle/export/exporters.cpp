@@ -36,22 +36,40 @@ std::optional<std::string> exportPostScript(const ExportInput& input, const Expo
   return std::nullopt;
 }
 
-std::optional<std::string> exportPng(const ExportInput& input, const ExportTarget& target) {
-  PictureOptions options = input.picture != nullptr ? *input.picture : PictureOptions{};
-  options.palette = input.palette;
-  return writePng(renderPicture(input.scene, input.view, options), target.sink, options.maximumColours);
+std::optional<std::string> exportPng(const PlacedScenes& placed, const ExportTarget& target) {
+  const ExportInput& first = placed.scenes[0];
+  const PictureOptions options = first.picture != nullptr ? *first.picture : PictureOptions{};
+  return writePng(renderPlaced(placed, options), target.sink, options.maximumColours);
+}
+
+// the entry of a format that holds copies of scenes
+template <std::optional<std::string> (*kWrite)(const PlacedScenes&, const ExportTarget&)>
+constexpr ExportFormat placedFormat(std::string_view name, std::string_view suffix, std::string_view summary) {
+  ExportFormat format{name, suffix, summary, nullptr};
+  format.write = [](const ExportInput& input, const ExportTarget& target) {
+    const ScenePlacement here;
+    return kWrite({{&input, 1}, {&here, 1}}, target);
+  };
+  format.writePlaced = kWrite;
+  return format;
+}
+
+constexpr ExportFormat usdaFormat() {
+  ExportFormat format = placedFormat<exportUsda>("usda", ".usda", "a USD stage in text; also of a growing plant");
+  format.beginGrowth = beginUsdaGrowth;
+  return format;
 }
 
 constexpr std::array kFormats = {
-    ExportFormat{"png", ".png", "a shaded picture of points", exportPng},
+    placedFormat<exportPng>("png", ".png", "a shaded picture of points"),
     ExportFormat{"svg", ".svg", "a drawing of lines and areas for web pages", exportSvg},
     ExportFormat{"eps", ".eps", "a drawing of lines and areas for print (PostScript)", exportPostScript},
     ExportFormat{"ps", ".ps", "the same with another suffix", exportPostScript},
-    ExportFormat{"glb", ".glb", "meshes, materials and repeated organs (binary glTF 2.0)", exportGlb},
-    ExportFormat{"obj", ".obj", "triangles and quads for 3-D programs, with a .mtl of colours", exportObj},
-    ExportFormat{"ply", ".ply", "a mesh whose vertices know plant, module and order (binary)", exportPly},
-    ExportFormat{"stl", ".stl", "triangles only, for printing (binary)", exportStl},
-    ExportFormat{"usda", ".usda", "a USD stage in text; also of a growing plant", exportUsda, beginUsdaGrowth},
+    placedFormat<exportGlb>("glb", ".glb", "meshes, materials and repeated organs (binary glTF 2.0)"),
+    placedFormat<exportObj>("obj", ".obj", "triangles and quads for 3-D programs, with a .mtl of colours"),
+    placedFormat<exportPly>("ply", ".ply", "a mesh whose vertices know plant, module and order (binary)"),
+    placedFormat<exportStl>("stl", ".stl", "triangles only, for printing (binary)"),
+    usdaFormat(),
     ExportFormat{"mtg", ".mtg", "a multiscale tree graph with geometry, for plant science", writeMtg, nullptr,
                  ExportSource::Modules},
     ExportFormat{"csv", ".csv", "a table of all modules with the turtle's state", writeModuleTable, nullptr,

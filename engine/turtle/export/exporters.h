@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "engine/core/streams.h"
+#include "engine/core/vec3.h"
 #include "engine/derivation/module_string.h"
 #include "engine/language/colour_files.h"
 #include "engine/language/program.h"
@@ -28,12 +29,32 @@ struct ExportInput {
   const language::ViewSettings& view;          // surfaces, contours, camera: of the model that drew the scene
   const language::Palette* palette = nullptr;  // a model folder's colours; null or empty: Espalier's own
   std::span<const TurtleRecord> records = {};  // of the same interpretation
-  double detail = 1.0;  // factor of the sides and subdivisions of meshes: a half is a coarser level of detail
+  double detail = 1.0;          // factor of the sides and subdivisions of meshes: a half is a coarser level of detail
+  unsigned threads = 1;         // that make meshes: nothing in a file depends on them
+  bool usesInstancing = false;  // glb: a scene that is placed several times is one node (EXT_mesh_gpu_instancing)
   const PictureOptions* picture = nullptr;     // for pictures; null: the defaults. Its palette is not looked at
+  std::optional<std::uint64_t> step = {};      // of the strings, for messages
   const language::Program* program = nullptr;  // of the strings
   std::span<const derivation::ModuleString* const> strings = {};  // of the plants, for formats of modules
   /// Interprets the strings once more and visits their modules; an error sentence when that fails.
   std::function<std::optional<std::string>(const ModuleVisitor&)> visitModules = {};
+};
+
+/// Where a copy of a scene stands: its point p comes to position + scale · (p turned about the y axis).
+struct ScenePlacement {
+  std::uint32_t scene = 0;  // index into PlacedScenes::scenes
+  core::Vec3 position;
+  double turnRadians = 0.0;  // from the z axis toward the x axis: counter-clockwise seen from above
+  double scale = 1.0;        // above 0
+
+  [[nodiscard]] bool isIdentity() const { return position == core::Vec3{} && turnRadians == 0.0 && scale == 1.0; }
+};
+
+/// Copies of a few scenes, as a forest of a few grown trees. Camera, lights, page colour, picture options and threads
+/// are those of the first scene; each scene has its own colours, textures and level of detail.
+struct PlacedScenes {
+  std::span<const ExportInput> scenes;
+  std::span<const ScenePlacement> placements;
 };
 
 /// What a format is written from.
@@ -90,6 +111,9 @@ struct ExportFormat {
   /// the result.
   std::unique_ptr<GrowthExport> (*beginGrowth)(const ExportTarget& target, const GrowthRange& range) = nullptr;
   ExportSource source = ExportSource::Scene;
+  /// Writes copies of scenes, at least one scene; null: the format holds one scene as it is. A scene that is placed
+  /// several times is in the file once where the format has shared meshes (glb), and never twice in memory.
+  std::optional<std::string> (*writePlaced)(const PlacedScenes& placed, const ExportTarget& target) = nullptr;
 };
 
 /// All formats, the table that the command line lists.

@@ -10,6 +10,6 @@ namespace espalier::turtle {
 /// it in length units), materials in the colours of the palette; y is up, right-handed, one unit is one length unit.
 /// Fails when the file would exceed the format's 4 GiB or a number does not fit 32 bits. Makes each mesh twice: once to
 /// count, once to write.
-[[nodiscard]] std::optional<std::string> exportGlb(const ExportInput& input, const ExportTarget& target);
+[[nodiscard]] std::optional<std::string> exportGlb(const PlacedScenes& placed, const ExportTarget& target);
 
 }  // namespace espalier::turtle

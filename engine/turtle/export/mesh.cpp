@@ -180,6 +180,25 @@ void appendLocalSurface(Mesh& mesh, const language::Surface& surface, double det
   smoothSeams(mesh, first);
 }
 
+void setWholeCoordinates(Mesh& mesh) {
+  if (mesh.positions.empty()) {
+    return;
+  }
+  Vec3 low = mesh.positions[0];
+  Vec3 high = low;
+  for (const Vec3& p : mesh.positions) {
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), 0.0};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), 0.0};
+  }
+  const auto share = [](double value, double from, double to) {
+    return to > from ? (value - from) / (to - from) : 0.0;
+  };
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    const Vec3& p = mesh.positions[i];
+    mesh.coordinates[i] = {share(p.x, low.x, high.x), share(p.y, low.y, high.y)};
+  }
+}
+
 void appendLocalSurface(Mesh& mesh, const language::TriangleSurface& surface) {
   for (const language::SurfaceTriangle& triangle : surface.triangles) {
     const auto first = static_cast<std::uint32_t>(mesh.positions.size());
@@ -249,7 +268,7 @@ void appendDisc(Mesh& mesh, const Ball& ball, int sides) {
   }
 }
 
-void appendTube(Mesh& mesh, const std::vector<TubeRing>& rings, int sides) {
+void appendTube(Mesh& mesh, const std::vector<TubeRing>& rings, int sides, double ratio) {
   if (rings.size() < 2) {
     return;
   }
@@ -265,7 +284,7 @@ void appendTube(Mesh& mesh, const std::vector<TubeRing>& rings, int sides) {
     for (std::uint32_t k = 0; k <= columns; ++k) {
       const auto [c, s] = circle[k];
       appendVertex(mesh, ring.centre + (c * ring.up + s * ring.side), c * ring.normalUp + s * ring.normalSide + tilt,
-                   static_cast<double>(k) / sides, ring.along);
+                   static_cast<double>(k) / sides, ratio > 0.0 ? ring.turns / ratio : ring.along);
     }
     mesh.vertexSegments.insert(mesh.vertexSegments.end(), columns + 1, ring.segment);
   }

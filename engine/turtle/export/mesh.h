@@ -48,8 +48,9 @@ void appendPlaced(Mesh& mesh, const Mesh& local, const OrganPlacement& placement
 void appendPatch(Mesh& mesh, const std::array<core::Vec3, 16>& points, int subdivisionS, int subdivisionT);
 
 /// A surface `~c` of the view file in its own coordinates (along L, H, U), smooth across its patches. `detail`: factor
-/// of its subdivision.
+/// of its subdivision. Texture coordinates are those of each patch, or go once over the whole surface in its x and y.
 void appendLocalSurface(Mesh& mesh, const language::Surface& surface, double detail = 1.0);
+void setWholeCoordinates(Mesh& mesh);
 void appendLocalSurface(Mesh& mesh, const language::TriangleSurface& surface);
 
 /// A surface `~c` where the turtle placed it (FILES §6.1).
@@ -70,15 +71,31 @@ struct TubeRing {
   core::Vec3 normalUp;        // unit normals of the tube there, without its taper
   core::Vec3 normalSide;      // (cross(normalUp, normalSide) is the tube's direction)
   double slope = 0.0;         // radius lost per unit of length: tilts the normals
-  double along = 0.0;         // second texture coordinate
+  double along = 0.0;         // length of the tube up to here: the second texture coordinate
+  double turns = 0.0;         // the same in circumferences
   std::uint32_t segment = 0;  // that ends here, an index into Scene::segments; of the first ring: that begins here
 };
 
-/// A tube through rings with shared vertices, closed at both ends by flat caps.
-void appendTube(Mesh& mesh, const std::vector<TubeRing>& rings, int sides);
+/// A tube through rings with shared vertices, closed at both ends by flat caps. `ratio` above 0: the second texture
+/// coordinate counts pictures of that height by the tube's circumference; else lengths.
+void appendTube(Mesh& mesh, const std::vector<TubeRing>& rings, int sides, double ratio = 0.0);
 
-/// A generalized cylinder: Hermite or B-spline through its points, circular or with the contours of the view file, with
-/// the least twist unless the view file wants the turtle's.
+/// Consecutive stretches of a generalized cylinder that have one colour. A stretch is a piece of its curve; its colour
+/// is that of the control point where it ends.
+struct CylinderRun {
+  std::size_t first = 0;  // stretch
+  std::size_t count = 0;
+  std::int32_t colour = 128;
+};
+[[nodiscard]] std::vector<CylinderRun> runsOf(const GeneralizedCylinder& cylinder);
+
+/// The stretches of a run of a generalized cylinder: Hermite or B-spline through its points, circular or with the
+/// contours of the view file, with the least twist unless the view file wants the turtle's. Runs meet in equal rings
+/// with equal normals. The second texture coordinate is the length along the axis, or, when the cylinder has a texture,
+/// that length in pictures as high as the texture's ratio says.
+void appendCylinder(Mesh& mesh, const GeneralizedCylinder& cylinder, const CylinderRun& run,
+                    const language::ViewSettings& view, double detail = 1.0);
+/// All runs.
 void appendCylinder(Mesh& mesh, const GeneralizedCylinder& cylinder, const language::ViewSettings& view,
                     double detail = 1.0);
 

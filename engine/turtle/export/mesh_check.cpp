@@ -28,12 +28,21 @@ void Bounds::add(const Mesh& mesh) {
   }
 }
 
-std::optional<std::string> problemOf(const Mesh& mesh, const Provenance& provenance) {
+std::optional<std::string> problemOf(const Mesh& mesh, const ExportInput& input, const Provenance& provenance) {
   if (std::ranges::all_of(mesh.positions, isWritable)) {
     return std::nullopt;
   }
-  return "plant " + std::to_string(provenance.plant) + ", module " + std::to_string(provenance.module) +
-         ": its geometry is not finite in 32-bit numbers. Bound the lengths, widths and scales of the model";
+  std::string place = "plant " + std::to_string(provenance.plant) + ", module " + std::to_string(provenance.module);
+  if (input.step) {
+    place.insert(0, "step " + std::to_string(*input.step) + ", ");
+  }
+  const bool isKnown = input.program != nullptr && provenance.plant < input.strings.size() &&
+                       provenance.module < input.strings[provenance.plant]->size();
+  if (isKnown) {
+    const core::ModuleTypeId type = input.strings[provenance.plant]->types()[provenance.module];
+    place += " ('" + std::string(input.program->nameOf(type)) + "')";
+  }
+  return place + ": its geometry is not finite in 32-bit numbers. Bound the lengths, widths and scales of the model";
 }
 
 Vec3 unitNormal(const Vec3& normal) {

@@ -20,8 +20,10 @@ struct Bounds {
   static constexpr double kLargest = std::numeric_limits<double>::max();
 };
 
-/// What keeps a mesh from being written: a position that is not finite in 32 bits. Names plant and module.
-[[nodiscard]] std::optional<std::string> problemOf(const Mesh& mesh, const Provenance& provenance);
+/// What keeps a mesh from being written: a position that is not finite in 32 bits. Names plant, module with its symbol
+/// and, when the input knows it, the step.
+[[nodiscard]] std::optional<std::string> problemOf(const Mesh& mesh, const ExportInput& input,
+                                                   const Provenance& provenance);
 
 /// A normal as files need it: of length 1. Where there is none (a shape without extent) it is +y.
 [[nodiscard]] core::Vec3 unitNormal(const core::Vec3& normal);

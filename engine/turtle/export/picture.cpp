@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <atomic>
+#include <deque>
+#include <optional>
 #include <span>
 
 #include "engine/core/check.h"
@@ -19,6 +21,51 @@ namespace {
 constexpr std::size_t kTaskParts = 64;   // parts of the scene that one task turns into triangles
 constexpr std::size_t kRoundTasks = 32;  // tasks before the triangles are drawn
 
+/// The parts of all copies of the scenes of a picture.
+class PlacedGeometry {
+ public:
+  explicit PlacedGeometry(const PlacedScenes& placed) : placements_(placed.placements) {
+    for (const ExportInput& input : placed.scenes) {
+      scenes_.emplace_back(input);
+    }
+    firstParts_.push_back(0);
+    for (const ScenePlacement& placement : placements_) {
+      ESPALIER_CHECK(placement.scene < scenes_.size() && placement.scale > 0.0);
+      firstParts_.push_back(firstParts_.back() + scenes_[placement.scene].geometry.partCount());
+    }
+  }
+
+  /// What one scene needs in a picture.
+  struct SceneParts {
+    explicit SceneParts(const ExportInput& input)
+        : palette(input.scene, input.palette), textures(input.view), geometry(input.scene, input.view, palette) {}
+    Palette palette;
+    RasterTextures textures;
+    RasterGeometry geometry;
+    std::optional<RasterShading> shading;  // when the camera is known
+  };
+  struct Item {
+    const SceneParts& scene;
+    const ScenePlacement& placement;
+    std::size_t part;
+  };
+
+  [[nodiscard]] std::deque<SceneParts>& scenes() { return scenes_; }
+  [[nodiscard]] std::size_t partCount() const { return firstParts_.back(); }
+  [[nodiscard]] Item item(std::size_t index) const {
+    // the last copy that begins at or before it
+    const auto after = std::upper_bound(firstParts_.begin(), firstParts_.end(), index);
+    const auto copy = static_cast<std::size_t>(after - firstParts_.begin()) - 1;
+    const ScenePlacement& placement = placements_[copy];
+    return {scenes_[placement.scene], placement, index - firstParts_[copy]};
+  }
+
+ private:
+  std::span<const ScenePlacement> placements_;
+  std::deque<SceneParts> scenes_;        // which do not move
+  std::vector<std::size_t> firstParts_;  // number of each copy's first part; behind them their count (copyCount + 1)
+};
+
 // calls `visit(part, task)` for all parts, in tasks of consecutive parts
 template <typename Visit>
 void forParts(WorkerTeam& team, std::size_t partCount, std::size_t partsInTask, const Visit& visit) {
@@ -31,13 +78,14 @@ void forParts(WorkerTeam& team, std::size_t partCount, std::size_t partsInTask, 
 }
 
 // a perspective whose viewer stands inside the scene shows nothing sensible in a fitted picture: draw it in parallel
-Projection chosenProjection(const RasterGeometry& geometry, const language::ViewSettings& view,
+Projection chosenProjection(const PlacedGeometry& geometry, const language::ViewSettings& view,
                             const PictureOptions& options, WorkerTeam& team) {
   Projection projection(view);
   if (projection.isPerspective() && options.framing == PictureFraming::Fitted) {
     std::atomic<bool> isClear{true};
     forParts(team, geometry.partCount(), 4096, [&](std::size_t part, std::size_t) {
-      if (isClear && !geometry.isVisible(part, projection)) {
+      const PlacedGeometry::Item item = geometry.item(part);
+      if (isClear && !item.scene.geometry.isVisible(item.part, item.placement, projection)) {
         isClear = false;
       }
     });
@@ -48,12 +96,13 @@ Projection chosenProjection(const RasterGeometry& geometry, const language::View
   return projection;
 }
 
-PictureBounds boundsOf(const RasterGeometry& geometry, const Projection& projection, WorkerTeam& team) {
+PictureBounds boundsOf(const PlacedGeometry& geometry, const Projection& projection, WorkerTeam& team) {
   constexpr std::size_t kParts = 4096;
   std::vector<PictureBounds> bounds((geometry.partCount() + kParts - 1) / kParts);
   forParts(team, geometry.partCount(), kParts, [&](std::size_t part, std::size_t task) {
-    if (geometry.isVisible(part, projection)) {
-      geometry.include(part, projection, bounds[task]);
+    const PlacedGeometry::Item item = geometry.item(part);
+    if (!projection.isPerspective() || item.scene.geometry.isVisible(item.part, item.placement, projection)) {
+      item.scene.geometry.include(item.part, item.placement, projection, bounds[task]);
     }
   });
   PictureBounds all;
@@ -64,8 +113,7 @@ PictureBounds boundsOf(const RasterGeometry& geometry, const Projection& project
 }
 
 // draws all parts into some rows of the picture, round by round: triangles are made, sorted into tiles, drawn
-void drawParts(const RasterGeometry& geometry, const RasterCamera& camera, const RasterShading& shading,
-               RasterTarget& target, WorkerTeam& team) {
+void drawParts(const PlacedGeometry& geometry, const RasterCamera& camera, RasterTarget& target, WorkerTeam& team) {
   struct Reference {
     std::uint32_t task = 0;
     std::uint32_t triangle = 0;
@@ -78,8 +126,11 @@ void drawParts(const RasterGeometry& geometry, const RasterCamera& camera, const
     for (auto& triangles : made) {
       triangles.clear();
     }
-    forParts(team, parts, kTaskParts,
-             [&](std::size_t part, std::size_t task) { geometry.append(first + part, camera, shading, made[task]); });
+    forParts(team, parts, kTaskParts, [&](std::size_t part, std::size_t task) {
+      const PlacedGeometry::Item item = geometry.item(first + part);
+      item.scene.geometry.append(item.part, item.placement, camera, *item.scene.shading,
+                                 static_cast<std::uint32_t>(first + part), made[task]);
+    });
     for (auto& tile : tiles) {
       tile.clear();
     }
@@ -109,16 +160,24 @@ Colour backgroundOf(const Palette& palette, PictureBackground background) {
 }  // namespace
 
 PictureImage renderPicture(const Scene& scene, const language::ViewSettings& view, const PictureOptions& options) {
+  const ExportInput input{.scene = scene, .view = view, .palette = options.palette};
+  const ScenePlacement here;
+  return renderPlaced({{&input, 1}, {&here, 1}}, options);
+}
+
+PictureImage renderPlaced(const PlacedScenes& placed, const PictureOptions& options) {
   ESPALIER_CHECK(options.widthPixels > 0 && options.widthPixels <= kMaximumPicturePixels);
   ESPALIER_CHECK(options.heightPixels > 0 && options.heightPixels <= kMaximumPicturePixels);
   WorkerTeam team(std::max(1U, options.threads));
-  const RasterGeometry geometry(scene, view);
-  const Palette palette(scene, options.palette);
-  const Colour background = backgroundOf(palette, options.background);
+  PlacedGeometry geometry(placed);
+  const language::ViewSettings& view = placed.scenes[0].view;
+  const Colour background = backgroundOf(geometry.scenes()[0].palette, options.background);
   const Projection projection = chosenProjection(geometry, view, options, team);
   const PictureBounds bounds = boundsOf(geometry, projection, team);
   const RasterCamera camera(projection, view, bounds, options);
-  const RasterShading shading(view, projection, palette, bounds, background);
+  for (PlacedGeometry::SceneParts& scene : geometry.scenes()) {
+    scene.shading.emplace(view, projection, scene.palette, scene.textures, bounds, background);
+  }
 
   PictureImage image{options.widthPixels, options.heightPixels, {}};
   const auto width = static_cast<std::size_t>(image.width);
@@ -129,7 +188,7 @@ PictureImage renderPicture(const Scene& scene, const language::ViewSettings& vie
   for (int first = 0; first < image.height; first += rowsAtOnce) {
     const int rows = std::min(rowsAtOnce, image.height - first);
     RasterTarget target(image.width, first, rows);
-    drawParts(geometry, camera, shading, target, team);
+    drawParts(geometry, camera, target, team);
     team.run(static_cast<std::size_t>(rows), [&](std::size_t row) {
       const std::size_t at = (static_cast<std::size_t>(first) + row) * width * 4;
       target.resolve(static_cast<int>(row), background, options.background == PictureBackground::Transparent,

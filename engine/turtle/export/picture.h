@@ -5,7 +5,9 @@
 
 #include "engine/core/streams.h"
 #include "engine/language/colour_files.h"
+#include "engine/language/image_file.h"
 #include "engine/language/view_settings.h"
+#include "engine/turtle/export/exporters.h"
 #include "engine/turtle/export/palette.h"
 #include "engine/turtle/scene.h"
 
@@ -36,14 +38,7 @@ struct PictureOptions {
 /// Largest width and height of a picture.
 inline constexpr int kMaximumPicturePixels = 16'384;
 
-/// A picture of points, row by row from the top: red, green, blue, opacity (255: nothing shows through).
-struct PictureImage {
-  int width = 0;
-  int height = 0;
-  std::vector<std::uint8_t> pixels;  // (height, width, 4)
-
-  bool operator==(const PictureImage&) const = default;
-};
+using PictureImage = language::Image;
 
 /// Renders a scene: triangles with depth, shaded by the view file's lights, or by Espalier's own (a key light from the
 /// upper left, a weaker one from the right, light from the sky); lines in the view file's style; 16 samples a pixel.
@@ -51,5 +46,8 @@ struct PictureImage {
 /// scene.
 [[nodiscard]] PictureImage renderPicture(const Scene& scene, const language::ViewSettings& view,
                                          const PictureOptions& options);
+
+/// The same for copies of scenes. Colours are those of each scene's own palette, not of the options.
+[[nodiscard]] PictureImage renderPlaced(const PlacedScenes& placed, const PictureOptions& options);
 
 }  // namespace espalier::turtle

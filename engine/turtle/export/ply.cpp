@@ -6,7 +6,7 @@
 
 #include "engine/turtle/export/binary_output.h"
 #include "engine/turtle/export/mesh_check.h"
-#include "engine/turtle/export/scene_meshes.h"
+#include "engine/turtle/export/placed_meshes.h"
 
 namespace espalier::turtle {
 
@@ -45,11 +45,11 @@ Provenance provenanceAt(const SceneMeshes& meshes, const MeshPart& part, const s
   return segments.empty() ? meshes.provenanceOf(part) : meshes.provenanceOfSegment(segments[i]);
 }
 
-void writeVertices(const ExportInput& input, const SceneMeshes& meshes, const MeshPart& part, const Mesh& mesh,
+void writeVertices(const PlacedMeshes::Item& item, const Colour& colour, bool hasSymbols, const Mesh& mesh,
                    BinaryOutput& out) {
-  const Colour colour = meshes.palette().ofMaterial(part.material);
+  const ExportInput& input = item.scene.input();
   for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
-    const Provenance from = provenanceAt(meshes, part, mesh.vertexSegments, i);
+    const Provenance from = provenanceAt(item.scene, item.part, mesh.vertexSegments, i);
     out.vector(mesh.positions[i]);
     out.vector(unitNormal(mesh.normals[i]));
     out.single(mesh.coordinates[i][0]);
@@ -57,16 +57,15 @@ void writeVertices(const ExportInput& input, const SceneMeshes& meshes, const Me
     out.byte(colour.red);
     out.byte(colour.green);
     out.byte(colour.blue);
-    out.byte(static_cast<unsigned char>(part.kind));
+    out.byte(static_cast<unsigned char>(item.part.kind));
     out.uint16(static_cast<std::uint16_t>(std::min<std::uint32_t>(from.branchOrder, 65'535)));
-    out.uint16(symbolOf(input, from));
-    out.uint32(from.plant);
+    out.uint16(hasSymbols ? symbolOf(input, from) : kNoSymbol);
+    out.uint32(item.copy.firstPlant + from.plant);
     out.uint32(static_cast<std::uint32_t>(from.module));
   }
 }
 
-void writeFaces(const SceneMeshes& meshes, const MeshPart& part, const Mesh& mesh, std::uint32_t first,
-                BinaryOutput& out) {
+void writeFaces(const PlacedMeshes::Item& item, const Mesh& mesh, std::uint32_t first, BinaryOutput& out) {
   for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
     const auto& face = mesh.faces[i];
     const bool isTriangle = face[3] == Mesh::kNoVertex;
@@ -74,48 +73,47 @@ void writeFaces(const SceneMeshes& meshes, const MeshPart& part, const Mesh& mes
     for (std::size_t k = 0; k < (isTriangle ? 3U : 4U); ++k) {
       out.uint32(first + face[k]);
     }
-    out.uint32(static_cast<std::uint32_t>(provenanceAt(meshes, part, mesh.faceSegments, i).module));
+    out.uint32(static_cast<std::uint32_t>(provenanceAt(item.scene, item.part, mesh.faceSegments, i).module));
   }
 }
 
 }  // namespace
 
-std::optional<std::string> exportPly(const ExportInput& input, const ExportTarget& target) {
-  const SceneMeshes meshes(input);
-  const std::span<const MeshPart> parts = meshes.parts();
-  Mesh mesh;
+std::optional<std::string> exportPly(const PlacedScenes& placed, const ExportTarget& target) {
+  PlacedMeshes meshes(placed);
   std::uint64_t done = 0;
-  const auto report = [&] { reportProgress(target.progress, ++done, 3 * parts.size()); };
+  const auto report = [&] { reportProgress(target.progress, ++done, 3 * meshes.partCount()); };
   std::uint64_t vertices = 0;
   std::uint64_t faces = 0;
-  for (const MeshPart& part : parts) {
-    meshes.make(part, mesh);
-    if (auto problem = problemOf(mesh, meshes.provenanceOf(part))) {
-      return problem;
-    }
-    vertices += mesh.positions.size();
-    faces += mesh.faces.size();
-    report();
+  using Item = PlacedMeshes::Item;
+  if (auto problem = meshes.forEach([&](const Item&, const Mesh& mesh) -> std::optional<std::string> {
+        vertices += mesh.positions.size();
+        faces += mesh.faces.size();
+        report();
+        return std::nullopt;
+      })) {
+    return problem;
   }
   if (vertices > std::numeric_limits<std::uint32_t>::max()) {
     return "it would have " + std::to_string(vertices) +
            " vertices and the format numbers at most 4294967295. Write fewer contour sides";
   }
   BinaryOutput out(target.sink);
-  out.bytes(headerOf(input, vertices, faces));
-  for (const MeshPart& part : parts) {
-    meshes.make(part, mesh);
-    writeVertices(input, meshes, part, mesh, out);
+  out.bytes(headerOf(placed.scenes[0], vertices, faces));
+  auto problem = meshes.forEach([&](const Item& item, const Mesh& mesh) -> std::optional<std::string> {
+    const bool hasSymbols = item.scene.input().program == placed.scenes[0].program;
+    writeVertices(item, meshes.materials()[item.part.material].colour, hasSymbols, mesh, out);
     report();
-  }
+    return std::nullopt;
+  });
   std::uint32_t first = 0;
-  for (const MeshPart& part : parts) {
-    meshes.make(part, mesh);
-    writeFaces(meshes, part, mesh, first, out);
+  problem = problem ? problem : meshes.forEach([&](const Item& item, const Mesh& mesh) -> std::optional<std::string> {
+    writeFaces(item, mesh, first, out);
     first += static_cast<std::uint32_t>(mesh.positions.size());
     report();
-  }
-  return std::nullopt;
+    return std::nullopt;
+  });
+  return problem;
 }
 
 }  // namespace espalier::turtle

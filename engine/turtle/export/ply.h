@@ -9,6 +9,6 @@ namespace espalier::turtle {
 /// an OrganKind); comments of the header list symbols and organs. A face has its corners and its `module`. Vertices of
 /// a tube belong to the segment that ends at their ring. Makes each mesh three times: to count, for vertices, for
 /// faces.
-[[nodiscard]] std::optional<std::string> exportPly(const ExportInput& input, const ExportTarget& target);
+[[nodiscard]] std::optional<std::string> exportPly(const PlacedScenes& placed, const ExportTarget& target);
 
 }  // namespace espalier::turtle

@@ -73,22 +73,4 @@ std::optional<std::string> writePng(const PictureImage& image, core::ByteSink& s
   return write(description, opaque.data(), nullptr, sink);
 }
 
-std::variant<PictureImage, std::string> readPng(std::string_view bytes) {
-  Description description;
-  if (png_image_begin_read_from_memory(description.get(), bytes.data(), bytes.size()) == 0) {
-    return std::string("this is not a PNG picture: ") + description->message;
-  }
-  if (description->width > kMaximumPicturePixels || description->height > kMaximumPicturePixels) {
-    return "the picture has " + std::to_string(description->width) + " by " + std::to_string(description->height) +
-           " points; at most " + std::to_string(kMaximumPicturePixels) + " each way are read";
-  }
-  description->format = PNG_FORMAT_RGBA;
-  PictureImage image{static_cast<int>(description->width), static_cast<int>(description->height), {}};
-  image.pixels.resize(PNG_IMAGE_SIZE(*description.get()));
-  if (png_image_finish_read(description.get(), nullptr, image.pixels.data(), 0, nullptr) == 0) {
-    return std::string("the PNG picture is damaged: ") + description->message;
-  }
-  return image;
-}
-
 }  // namespace espalier::turtle

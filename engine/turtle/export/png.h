@@ -3,7 +3,6 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <variant>
 
 #include "engine/core/streams.h"
 #include "engine/turtle/export/picture.h"
@@ -16,8 +15,5 @@ namespace espalier::turtle {
 /// files. Returns an error sentence, or nothing.
 [[nodiscard]] std::optional<std::string> writePng(const PictureImage& image, core::ByteSink& sink,
                                                   int maximumColours = 0);
-
-/// Reads a PNG of any kind, or says what is wrong with it.
-[[nodiscard]] std::variant<PictureImage, std::string> readPng(std::string_view bytes);
 
 }  // namespace espalier::turtle

@@ -54,7 +54,17 @@ RasterVertex RasterPen::plainVertex(const Vec3& place) const {
 }
 
 void RasterPen::triangle(const RasterVertex& a, const RasterVertex& b, const RasterVertex& c) {
-  triangles_.push_back({{a, b, c}, static_cast<float>(look_.opacity), organ_});
+  triangles_.push_back({{a, b, c}, static_cast<float>(look_.opacity), nullptr, organ_});
+}
+
+RasterVertex RasterPen::wornVertex(RasterVertex vertex, const Vec3& place, const std::array<double, 2>& uv) const {
+  // on the page of a perspective a texture is linear only in what is divided by the depth
+  const double depth = camera_.onPage(place).depth;
+  const double share = camera_.projection().isPerspective() && depth > 0.0 ? 1.0 / depth : 1.0;
+  vertex.u = static_cast<float>(uv[0] * share);
+  vertex.v = static_cast<float>(uv[1] * share);
+  vertex.share = static_cast<float>(share);
+  return vertex;
 }
 
 void RasterPen::quad(const RasterVertex& a, const RasterVertex& b, const RasterVertex& c, const RasterVertex& d) {
@@ -81,10 +91,15 @@ void RasterPen::mesh(const Mesh& mesh) {
     for (std::size_t i = 0; i < corners; ++i) {
       const std::uint32_t at = face[i];
       v[i] = vertex(mesh.positions[at], shading_.isFlat() ? faceNormal : mesh.normals[at]);
+      if (look_.texture != nullptr) {
+        v[i] = wornVertex(v[i], mesh.positions[at], mesh.coordinates[at]);
+      }
     }
     triangle(v[0], v[1], v[2]);
+    triangles_.back().texture = look_.texture;
     if (corners == 4) {
       triangle(v[0], v[2], v[3]);
+      triangles_.back().texture = look_.texture;
     }
   }
 }

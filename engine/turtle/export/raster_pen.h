@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string_view>
 #include <vector>
@@ -30,7 +31,7 @@ class RasterPen {
   RasterPen(const RasterCamera& camera, const RasterShading& shading, const Look& look, std::uint32_t organ,
             std::vector<RasterTriangle>& triangles);
 
-  /// A mesh with its normals.
+  /// A mesh with its normals, and the texture of its look. Lines, balls and text are plain.
   void mesh(const Mesh& mesh);
   /// A round line, shaded as a cylinder, of which the half toward the viewer is drawn.
   void roundLine(const LineEnd& a, const LineEnd& b);
@@ -49,6 +50,9 @@ class RasterPen {
  private:
   [[nodiscard]] RasterVertex vertex(const core::Vec3& place, const core::Vec3& normal) const;
   [[nodiscard]] RasterVertex plainVertex(const core::Vec3& place) const;
+  /// The vertex with the place of the texture that the look wears.
+  [[nodiscard]] RasterVertex wornVertex(RasterVertex vertex, const core::Vec3& place,
+                                        const std::array<double, 2>& uv) const;
   void triangle(const RasterVertex& a, const RasterVertex& b, const RasterVertex& c);
   void quad(const RasterVertex& a, const RasterVertex& b, const RasterVertex& c, const RasterVertex& d);
   /// The end of a round line, where it faces the viewer.

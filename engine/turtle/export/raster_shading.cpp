@@ -60,9 +60,20 @@ double arrival(const language::Light& light, const Vec3& point, Vec3& towardLigh
 
 }  // namespace
 
+const RasterTexture* RasterTextures::find(std::int32_t texture, const Colour& below) {
+  if (texture <= 0) {
+    return nullptr;
+  }
+  const language::Texture& picture = view_.textures[static_cast<std::size_t>(texture) - 1];
+  const bool isForAll = picture.use == language::Texture::Use::Modulate;
+  const std::pair key(texture, isForAll ? -1 : below.red << 16 | below.green << 8 | below.blue);
+  const std::lock_guard lock(mutex_);
+  return &textures_.try_emplace(key, picture, below).first->second;
+}
+
 RasterShading::RasterShading(const language::ViewSettings& view, const Projection& projection, const Palette& palette,
-                             const PictureBounds& bounds, const Colour& background)
-    : view_(view), projection_(projection), palette_(palette), background_(fraction(background)) {
+                             RasterTextures& textures, const PictureBounds& bounds, const Colour& background)
+    : view_(view), projection_(projection), palette_(palette), textures_(textures), background_(fraction(background)) {
   const Vec3& right = projection.right();
   const Vec3& up = projection.up();
   const Vec3& toward = projection.towardViewer();
@@ -83,13 +94,25 @@ RasterShading::RasterShading(const language::ViewSettings& view, const Projectio
   }
 }
 
-Look RasterShading::lookOfIndex(std::int32_t index) const {
-  return {palette_.ofIndex(index), palette_.folderMaterial(index), palette_.opacityOfIndex(index)};
+Look RasterShading::worn(Look look, std::int32_t texture) const {
+  look.texture = isWireframe_ ? nullptr : textures_.find(texture, look.colour);
+  if (look.texture != nullptr && look.texture->hidesColour()) {
+    look.colour = {255, 255, 255};
+    if (look.material) {
+      look.material->diffuse = {1.0, 1.0, 1.0};
+    }
+  }
+  return look;
+}
+
+Look RasterShading::lookOfIndex(std::int32_t index, std::int32_t texture) const {
+  return worn({palette_.ofIndex(index), palette_.folderMaterial(index), palette_.opacityOfIndex(index)}, texture);
 }
 
 Look RasterShading::lookOf(const Segment& segment) const {
-  return {palette_.ofSegment(segment), palette_.folderMaterial(segment.colour),
-          palette_.opacityOfIndex(segment.colour)};
+  return worn(
+      {palette_.ofSegment(segment), palette_.folderMaterial(segment.colour), palette_.opacityOfIndex(segment.colour)},
+      segment.texture);
 }
 
 Vec3 RasterShading::litByOwnLights(const Look& look, const Vec3& normal, const Vec3& towardViewer) const {

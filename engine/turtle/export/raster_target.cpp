@@ -130,6 +130,44 @@ void RasterTarget::draw(const RasterTriangle& triangle, int tileColumn, int tile
     }
     return colour;
   };
+  // texture coordinates, and the size at which the picture is looked at
+  std::array<Plane, 3> place;
+  std::size_t level = 0;
+  if (triangle.texture != nullptr) {
+    place[0] =
+        planeThrough(corners, static_cast<double>(v[0].u), static_cast<double>(v[1].u), static_cast<double>(v[2].u));
+    place[1] =
+        planeThrough(corners, static_cast<double>(v[0].v), static_cast<double>(v[1].v), static_cast<double>(v[2].v));
+    place[2] = planeThrough(corners, static_cast<double>(v[0].share), static_cast<double>(v[1].share),
+                            static_cast<double>(v[2].share));
+    std::array<std::array<double, 2>, 3> uv;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double share = static_cast<double>(v[i].share);
+      uv[i] = {static_cast<double>(v[i].u) / share, static_cast<double>(v[i].v) / share};
+    }
+    const double textureArea =
+        (uv[1][0] - uv[0][0]) * (uv[2][1] - uv[0][1]) - (uv[2][0] - uv[0][0]) * (uv[1][1] - uv[0][1]);
+    level = triangle.texture->levelOf(std::abs(textureArea), std::abs(corners.area));
+    isPlain = false;
+  }
+  // the colour with the texture's at a sample; 0 in a hole
+  const auto wornAt = [&](double x, double y) -> std::uint32_t {
+    const auto value = [&](const Plane& plane) { return plane.atOrigin + plane.alongX * x + plane.alongY * y; };
+    const double share = std::clamp(value(place[2]), place[2].low, place[2].high);
+    const std::array<float, 4> worn =
+        triangle.texture->at(std::clamp(value(place[0]), place[0].low, place[0].high) / share,
+                             std::clamp(value(place[1]), place[1].low, place[1].high) / share, level);
+    if (worn[3] < 0.5F) {
+      return 0;
+    }
+    std::uint32_t colour = 0xFF000000U;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double below = std::clamp(value(channels[k]), channels[k].low, channels[k].high);
+      colour |= static_cast<std::uint32_t>(below * static_cast<double>(worn[k]) + 0.5)
+                << (8U * static_cast<unsigned>(k));
+    }
+    return colour;
+  };
   const std::uint32_t plainColour = colourAt(corners.x[0], corners.y[0]);
   const std::uint32_t pattern = mixedBits(triangle.organ) & 15U;
   const double coverage = static_cast<double>(triangle.opacity) * 16.0;
@@ -163,8 +201,13 @@ void RasterTarget::draw(const RasterTriangle& triangle, int tileColumn, int tile
       if (near < nearness_[at] || (coverage < 16.0 && !isCovered(x, row))) {
         continue;
       }
+      const std::uint32_t colour =
+          isPlain ? plainColour : (triangle.texture != nullptr ? wornAt(centre, y) : colourAt(centre, y));
+      if (colour == 0) {
+        continue;
+      }
       nearness_[at] = near;
-      colours_[at] = isPlain ? plainColour : colourAt(centre, y);
+      colours_[at] = colour;
     }
   }
 }

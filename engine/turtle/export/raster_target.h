@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engine/turtle/export/palette.h"
+#include "engine/turtle/export/raster_texture.h"
 
 namespace espalier::turtle {
 
@@ -15,12 +16,17 @@ struct RasterVertex {
   float y = 0.0F;                 // pixels from the upper edge
   float nearness = 0.0F;          // larger is nearer to the viewer; linear over a triangle on the page
   std::array<float, 3> colour{};  // red, green, blue, 0 to 255
+  // of a texture: u and v times `share`, which is linear on the page (1, or in a perspective one by the depth)
+  float u = 0.0F;
+  float v = 0.0F;
+  float share = 1.0F;
 };
 
 /// A triangle on the page, either side up.
 struct RasterTriangle {
   std::array<RasterVertex, 3> corners;
   float opacity = 1.0F;
+  const RasterTexture* texture = nullptr;  // whose colours multiply those of the corners, and which may have holes
   std::uint32_t organ = 0;  // equal for triangles of one organ: they hide the same samples of what is behind them
 };
 

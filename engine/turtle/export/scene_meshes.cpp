@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 
 #include "engine/core/check.h"
 #include "engine/turtle/export/polygon_mesh.h"
@@ -47,33 +48,56 @@ std::string_view organName(OrganKind kind) {
   return kNames[static_cast<std::size_t>(kind)];
 }
 
-SceneMeshes::SceneMeshes(const ExportInput& input)
-    : scene_(input.scene),
+SceneMeshes::SceneMeshes(const ExportInput& input, MaterialTable& materials)
+    : input_(input),
+      scene_(input.scene),
       view_(input.view),
       palette_(input.scene, input.palette),
       chains_(chainsOf(input.scene, palette_)),
       widthUnit_(widthUnitOf(input.scene)),
       detail_(input.detail),
       sides_(atDetail(std::clamp(input.view.contourSides, 3, 64), input.detail, 3)) {
-  collectParts();
+  collectParts(materials);
   makeSharedMeshes();
 }
 
-void SceneMeshes::collectParts() {
-  const auto add = [this](OrganKind kind, std::size_t index, std::int32_t material, std::uint32_t plant) {
-    parts_.push_back({kind, static_cast<std::uint32_t>(index), material, plant});
+const language::Texture* SceneMeshes::textureOf(std::int32_t texture) const {
+  return texture > 0 ? &view_.textures[static_cast<std::size_t>(texture) - 1] : nullptr;
+}
+
+void SceneMeshes::collectParts(MaterialTable& materials) {
+  // numbers first: materials are listed by colour and texture, whatever was drawn first
+  using Look = std::pair<std::int32_t, std::int32_t>;
+  std::vector<Look> looks;
+  std::map<Look, std::uint32_t> indexOf;
+  const auto add = [&](OrganKind kind, std::size_t index, const Look& look, std::uint32_t plant, std::size_t run = 0) {
+    const auto known = indexOf.try_emplace(look, static_cast<std::uint32_t>(looks.size()));
+    if (known.second) {
+      looks.push_back(look);
+    }
+    parts_.push_back(
+        {kind, static_cast<std::uint32_t>(index), known.first->second, plant, static_cast<std::uint32_t>(run)});
   };
   parts_.reserve(chains_.heads.size() + scene_.cylinders.size() + scene_.polygons.size() + scene_.surfaces.size() +
                  scene_.patches.size() + scene_.balls.size());
   for (const std::uint32_t head : chains_.heads) {
-    add(OrganKind::Branch, head, palette_.materialOf(scene_.segments[head]), scene_.segments[head].plant);
+    const Segment& segment = scene_.segments[head];
+    add(OrganKind::Branch, head, {palette_.materialOf(segment), segment.texture}, segment.plant);
   }
   for (std::size_t i = 0; i < scene_.cylinders.size(); ++i) {
-    add(OrganKind::Cylinder, i, materialOfColour(scene_.cylinders[i].points.front().colour), scene_.cylinders[i].plant);
+    const GeneralizedCylinder& cylinder = scene_.cylinders[i];
+    const std::vector<CylinderRun> runs = runsOf(cylinder);
+    for (std::size_t run = 0; run < runs.size(); ++run) {
+      add(OrganKind::Cylinder, i, {materialOfColour(runs[run].colour), cylinder.texture}, cylinder.plant, run);
+    }
   }
   const auto addAll = [&add](OrganKind kind, const auto& organs) {
     for (std::size_t i = 0; i < organs.size(); ++i) {
-      add(kind, i, materialOfColour(organs[i].colour), organs[i].plant);
+      std::int32_t texture = 0;
+      if constexpr (requires { organs[i].texture; }) {
+        texture = organs[i].texture;
+      }
+      add(kind, i, {materialOfColour(organs[i].colour), texture}, organs[i].plant);
     }
   };
   addAll(OrganKind::Polygon, scene_.polygons);
@@ -81,6 +105,14 @@ void SceneMeshes::collectParts() {
   addAll(OrganKind::Patch, scene_.patches);
   addAll(OrganKind::Ball, scene_.balls);
   std::ranges::stable_sort(parts_, {}, [](const MeshPart& part) { return std::pair(part.plant, part.kind); });
+
+  std::vector<std::uint32_t> inTable(looks.size());
+  for (const auto& [look, index] : indexOf) {
+    inTable[index] = materials.add(palette_, look.first, view_, look.second);
+  }
+  for (MeshPart& part : parts_) {
+    part.material = inTable[part.material];
+  }
 }
 
 void SceneMeshes::makeSharedMeshes() {
@@ -93,6 +125,12 @@ void SceneMeshes::makeSharedMeshes() {
   const int sides = std::max(sides_, atDetail(kLeastSphereSides, detail_, 3));
   appendSphere(shared_.emplace_back(), {}, 1.0, std::max(2, sides * 2 / 3), sides);
   appendDisc(shared_.emplace_back(), {.kind = Ball::Kind::Disc, .centre = {}, .frame = kWorldFrame}, sides);
+  if (std::ranges::any_of(view_.textures, &language::Texture::isPerSurface)) {
+    for (std::size_t i = 0; i < view_.surfaces.size(); ++i) {
+      shared_.push_back(shared_[i]);
+      setWholeCoordinates(shared_.back());
+    }
+  }
 }
 
 std::uint32_t SceneMeshes::sharedMeshOf(const MeshPart& part) const {
@@ -102,7 +140,9 @@ std::uint32_t SceneMeshes::sharedMeshOf(const MeshPart& part) const {
     const SurfaceInstance& instance = scene_.surfaces[part.index];
     const std::size_t index = instance.surface + (instance.isTriangleSurface ? surfaces : 0);
     ESPALIER_CHECK(index < (instance.isTriangleSurface ? all : surfaces));
-    return static_cast<std::uint32_t>(index);
+    const language::Texture* const texture = textureOf(instance.texture);
+    const bool isWhole = texture != nullptr && texture->isPerSurface && !instance.isTriangleSurface;
+    return static_cast<std::uint32_t>(isWhole ? all + 2 + index : index);
   }
   if (part.kind == OrganKind::Ball) {
     const bool isSphere = scene_.balls[part.index].kind == Ball::Kind::Sphere;
@@ -114,6 +154,9 @@ std::uint32_t SceneMeshes::sharedMeshOf(const MeshPart& part) const {
 std::string SceneMeshes::sharedMeshName(std::uint32_t index) const {
   const std::size_t surfaces = view_.surfaces.size();
   const std::size_t all = surfaces + view_.triangleSurfaces.size();
+  if (index >= all + 2) {
+    return sharedMeshName(index - static_cast<std::uint32_t>(all + 2)) + " whole";
+  }
   if (index >= all) {
     return index == all ? "sphere" : "disc";
   }
@@ -138,12 +181,17 @@ OrganPlacement SceneMeshes::placementOf(const MeshPart& part) const {
 void SceneMeshes::make(const MeshPart& part, Mesh& mesh) const {
   mesh.clear();
   switch (part.kind) {
-    case OrganKind::Branch:
-      appendTube(mesh, ringsOf(scene_, palette_, chains_, part.index, widthUnit_), sides_);
+    case OrganKind::Branch: {
+      const language::Texture* const texture = textureOf(scene_.segments[part.index].texture);
+      appendTube(mesh, ringsOf(scene_, palette_, chains_, part.index, widthUnit_), sides_,
+                 texture != nullptr ? texture->ratio : 0.0);
       return;
-    case OrganKind::Cylinder:
-      appendCylinder(mesh, scene_.cylinders[part.index], view_, detail_);
+    }
+    case OrganKind::Cylinder: {
+      const GeneralizedCylinder& cylinder = scene_.cylinders[part.index];
+      appendCylinder(mesh, cylinder, runsOf(cylinder)[part.run], view_, detail_);
       return;
+    }
     case OrganKind::Polygon:
       appendPolygon(mesh, scene_.polygons[part.index].vertices);
       return;

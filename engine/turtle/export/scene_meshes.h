@@ -9,6 +9,7 @@
 #include "engine/core/frame.h"
 #include "engine/turtle/export/exporters.h"
 #include "engine/turtle/export/mesh.h"
+#include "engine/turtle/export/mesh_material.h"
 #include "engine/turtle/export/palette.h"
 #include "engine/turtle/export/tubes.h"
 #include "engine/turtle/scene.h"
@@ -21,12 +22,14 @@ enum class OrganKind : std::uint8_t { Branch, Cylinder, Polygon, Surface, Patch,
 /// `branches`, `cylinders`, `polygons`, `surfaces`, `patches`, `balls`.
 [[nodiscard]] std::string_view organName(OrganKind kind);
 
-/// One mesh of a scene: a tube along a chain of lines, or one organ.
+/// One mesh of a scene: a tube along a chain of lines, the stretches of one colour of a generalized cylinder, or one
+/// organ.
 struct MeshPart {
   OrganKind kind = OrganKind::Branch;
-  std::uint32_t index = 0;  // of a branch the chain's first segment, else into the scene's array of that kind
-  std::int32_t material = 0;
+  std::uint32_t index = 0;     // of a branch the chain's first segment, else into the scene's array of that kind
+  std::uint32_t material = 0;  // index into MaterialTable::materials
   std::uint32_t plant = 0;
+  std::uint32_t run = 0;  // of a generalized cylinder, by runsOf
 };
 
 /// Which module of the model a piece of geometry comes from.
@@ -43,13 +46,12 @@ class SceneMeshes {
  public:
   static constexpr std::uint32_t kNotShared = 0xFFFFFFFF;
 
-  /// `input` and what it refers to must outlive the object.
-  explicit SceneMeshes(const ExportInput& input);
+  /// `input`, what it refers to and `materials`, to which the scene's are added, must outlive the object.
+  SceneMeshes(const ExportInput& input, MaterialTable& materials);
 
   /// All parts by plant, kind and order of drawing.
   [[nodiscard]] std::span<const MeshPart> parts() const { return parts_; }
-  [[nodiscard]] const Palette& palette() const { return palette_; }
-  [[nodiscard]] const Scene& scene() const { return scene_; }
+  [[nodiscard]] const ExportInput& input() const { return input_; }
 
   /// Fills `mesh`, which is cleared first, with a part in world coordinates. Thread-safe.
   void make(const MeshPart& part, Mesh& mesh) const;
@@ -68,18 +70,21 @@ class SceneMeshes {
   [[nodiscard]] Provenance provenanceOfSegment(std::uint32_t segment) const;
 
  private:
-  void collectParts();
+  void collectParts(MaterialTable& materials);
   void makeSharedMeshes();
+  [[nodiscard]] const language::Texture* textureOf(std::int32_t texture) const;
 
+  const ExportInput& input_;
   const Scene& scene_;
   const language::ViewSettings& view_;
   Palette palette_;
   SegmentChains chains_;
   std::vector<MeshPart> parts_;
-  std::vector<Mesh> shared_;  // surfaces, then triangle surfaces, then sphere, then disc
-  double widthUnit_ = 1.0;    // world units per unit of line width
-  double detail_ = 1.0;       // factor of the numbers of sides and subdivisions
-  int sides_ = 8;             // around tubes
+  // surfaces, triangle surfaces, sphere, disc, then surfaces again with texture coordinates over the whole of each
+  std::vector<Mesh> shared_;
+  double widthUnit_ = 1.0;  // world units per unit of line width
+  double detail_ = 1.0;     // factor of the numbers of sides and subdivisions
+  int sides_ = 8;           // around tubes
 };
 
 }  // namespace espalier::turtle

@@ -6,7 +6,7 @@
 
 #include "engine/turtle/export/binary_output.h"
 #include "engine/turtle/export/mesh_check.h"
-#include "engine/turtle/export/scene_meshes.h"
+#include "engine/turtle/export/placed_meshes.h"
 
 namespace espalier::turtle {
 
@@ -36,20 +36,18 @@ void forEachTriangle(const Mesh& mesh, Use use) {
 
 }  // namespace
 
-std::optional<std::string> exportStl(const ExportInput& input, const ExportTarget& target) {
-  const SceneMeshes meshes(input);
-  const std::span<const MeshPart> parts = meshes.parts();
-  Mesh mesh;
+std::optional<std::string> exportStl(const PlacedScenes& placed, const ExportTarget& target) {
+  PlacedMeshes meshes(placed);
   std::uint64_t done = 0;
-  const auto report = [&] { reportProgress(target.progress, ++done, 2 * parts.size()); };
+  const auto report = [&] { reportProgress(target.progress, ++done, 2 * meshes.partCount()); };
   std::uint64_t triangles = 0;
-  for (const MeshPart& part : parts) {
-    meshes.make(part, mesh);
-    if (auto problem = problemOf(mesh, meshes.provenanceOf(part))) {
-      return problem;
-    }
-    forEachTriangle(mesh, [&triangles](const auto&, const Vec3&) { ++triangles; });
-    report();
+  using Item = PlacedMeshes::Item;
+  if (auto problem = meshes.forEach([&](const Item&, const Mesh& mesh) -> std::optional<std::string> {
+        forEachTriangle(mesh, [&triangles](const auto&, const Vec3&) { ++triangles; });
+        report();
+        return std::nullopt;
+      })) {
+    return problem;
   }
   if (triangles > std::numeric_limits<std::uint32_t>::max()) {
     return "it would have " + std::to_string(triangles) +
@@ -60,8 +58,7 @@ std::optional<std::string> exportStl(const ExportInput& input, const ExportTarge
   header.resize(kHeaderBytes, ' ');
   out.bytes(header);
   out.uint32(static_cast<std::uint32_t>(triangles));
-  for (const MeshPart& part : parts) {
-    meshes.make(part, mesh);
+  return meshes.forEach([&](const Item&, const Mesh& mesh) -> std::optional<std::string> {
     forEachTriangle(mesh, [&out](const std::array<Vec3, 3>& corners, const Vec3& normal) {
       out.vector(normal);
       for (const Vec3& corner : corners) {
@@ -70,8 +67,8 @@ std::optional<std::string> exportStl(const ExportInput& input, const ExportTarge
       out.uint16(0);
     });
     report();
-  }
-  return std::nullopt;
+    return std::nullopt;
+  });
 }
 
 }  // namespace espalier::turtle

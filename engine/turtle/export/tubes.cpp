@@ -15,6 +15,7 @@ namespace {
 constexpr double kSharpestMitre = 0.5;      // cosine of the bend up to which one oblique ring serves
 constexpr double kSharpestJoint = -0.94;    // cosine of the bend from which a segment turns back and begins a new tube
 constexpr double kElbowStepRadians = 0.53;  // between the rings of an elbow, at most
+constexpr double kCollarRadii = 2.0;        // length of a collar, in the larger of its radii
 
 Vec3 directionOf(const Segment& segment) {
   const Vec3 d = segment.end - segment.start;
@@ -40,12 +41,14 @@ class RingBuilder {
   void joint(std::uint32_t before, std::uint32_t after);
   void end(std::uint32_t segment);
   void endBefore(std::uint32_t segment, std::uint32_t after);
-  [[nodiscard]] SegmentChains::Continuation continuation() const { return {up_, along_}; }
+  [[nodiscard]] SegmentChains::Continuation continuation() const { return {up_, along_, turns_}; }
   [[nodiscard]] std::vector<TubeRing> take() { return std::move(rings_); }
   void dropRings() { rings_.clear(); }
 
  private:
   void turnTo(const Vec3& tangent);
+  void pass(std::uint32_t segment);
+  void addCollar(std::uint32_t segment, double radius);
   void addRing(const Vec3& centre, double radius, double slope, std::uint32_t segment);
   void addMitre(const Vec3& centre, const Vec3& before, const Vec3& after, double radius, double slope,
                 std::uint32_t segment);
@@ -63,6 +66,7 @@ class RingBuilder {
   Vec3 tangent_;  // of the frame that is carried along
   Vec3 up_;
   double along_ = 0.0;
+  double turns_ = 0.0;
 };
 
 double RingBuilder::slopeOf(std::uint32_t segment) const {
@@ -76,6 +80,35 @@ void RingBuilder::turnTo(const Vec3& tangent) {
   tangent_ = tangent;
 }
 
+// goes along a segment to its end
+void RingBuilder::pass(std::uint32_t segment) {
+  const double length = core::length(scene_.segments[segment].end - scene_.segments[segment].start);
+  const double circumference = std::numbers::pi * (startRadius(segment) + endRadius(segment));
+  along_ += length;
+  turns_ += circumference > 0.0 ? length / circumference : 0.0;
+}
+
+// a fork's limb takes its own width over a short way, instead of at the joint
+void RingBuilder::addCollar(std::uint32_t segment, double radius) {
+  const Segment& limb = scene_.segments[segment];
+  const double length = core::length(limb.end - limb.start);
+  const double way = std::min(0.5 * length, kCollarRadii * std::max(radius, startRadius(segment)));
+  if (!(way > 0.0)) {
+    return;
+  }
+  const double share = way / length;
+  const double own = startRadius(segment) + share * (endRadius(segment) - startRadius(segment));
+  const double circumference = std::numbers::pi * (radius + own);
+  const double along = along_;
+  const double turns = turns_;
+  along_ += way;
+  turns_ += circumference > 0.0 ? way / circumference : 0.0;
+  addRing(limb.start + way * tangent_, own, slopeOf(segment), segment);
+  // the whole segment is passed at its end
+  along_ = along;
+  turns_ = turns;
+}
+
 void RingBuilder::addRing(const Vec3& centre, double radius, double slope, std::uint32_t segment) {
   const Vec3 side = core::cross(tangent_, up_);
   rings_.push_back({.centre = centre,
@@ -85,6 +118,7 @@ void RingBuilder::addRing(const Vec3& centre, double radius, double slope, std::
                     .normalSide = side,
                     .slope = slope,
                     .along = along_,
+                    .turns = turns_,
                     .segment = segment});
 }
 
@@ -126,6 +160,7 @@ void RingBuilder::beginAfter(std::uint32_t before, std::uint32_t segment,
   tangent_ = directionOf(scene_.segments[before]);
   up_ = continuation.up;
   along_ = continuation.along;
+  turns_ = continuation.turns;
   joint(before, segment);
   for (TubeRing& ring : rings_) {
     ring.segment = segment;
@@ -141,7 +176,7 @@ void RingBuilder::endBefore(std::uint32_t segment, std::uint32_t after) {
 
 void RingBuilder::end(std::uint32_t segment) {
   const Segment& last = scene_.segments[segment];
-  along_ += core::length(last.end - last.start);
+  pass(segment);
   addRing(last.end, endRadius(segment), slopeOf(segment), segment);
 }
 
@@ -150,10 +185,11 @@ void RingBuilder::joint(std::uint32_t before, std::uint32_t after) {
   const Vec3 from = directionOf(first);
   const Vec3 to = directionOf(scene_.segments[after]);
   const double cosine = std::clamp(core::dot(from, to), -1.0, 1.0);
-  along_ += core::length(first.end - first.start);
+  pass(before);
   const double radius = endRadius(before);
   const double next = startRadius(after);
-  const bool hasStep = radius != next;
+  const bool isFork = first.branchOrder != scene_.segments[after].branchOrder;
+  const bool hasStep = radius != next && !isFork;
   if (cosine >= kSharpestMitre) {
     const double slope = hasStep ? slopeOf(before) : 0.5 * (slopeOf(before) + slopeOf(after));
     if (hasStep) {
@@ -179,6 +215,40 @@ void RingBuilder::joint(std::uint32_t before, std::uint32_t after) {
     }
   }
   turnTo(to);
+  if (isFork && cosine >= kSharpestMitre && radius != next) {
+    addCollar(after, radius);
+  }
+}
+
+bool looksAlike(const Palette& palette, const Segment& a, const Segment& b) {
+  return palette.materialOf(a) == palette.materialOf(b) && a.texture == b.texture;
+}
+
+// of the limbs of a fork without a continuing axis the thickest, of equal ones the straightest, goes on with the tube
+void continueForks(const std::vector<Segment>& segments, std::vector<std::uint32_t>& next) {
+  for (std::uint32_t i = 0; i < segments.size(); ++i) {
+    const Segment& limb = segments[i];
+    if (limb.parent >= i) {
+      continue;
+    }
+    const Segment& before = segments[limb.parent];
+    const double cosine = core::dot(directionOf(before), directionOf(limb));
+    if (before.branchOrder >= limb.branchOrder || !(before.end == limb.start) || before.plant != limb.plant ||
+        cosine <= kSharpestJoint) {
+      continue;
+    }
+    std::uint32_t& chosen = next[limb.parent];
+    if (chosen == kNoParent) {
+      chosen = i;
+      continue;
+    }
+    const Segment& other = segments[chosen];
+    const double otherCosine = core::dot(directionOf(before), directionOf(other));
+    if (other.branchOrder > before.branchOrder &&
+        std::pair(limb.startWidth, cosine) > std::pair(other.startWidth, otherCosine)) {
+      chosen = i;
+    }
+  }
 }
 
 }  // namespace
@@ -193,22 +263,25 @@ SegmentChains chainsOf(const Scene& scene, const Palette& palette) {
            before.branchOrder == segment.branchOrder && before.plant == segment.plant &&
            core::dot(directionOf(before), directionOf(segment)) > kSharpestJoint;
   };
-  bool hasSeveralMaterials = false;
+  for (std::uint32_t i = 0; i < segments.size(); ++i) {
+    if (segments[i].parent < i && continues(segments[i].parent, segments[i])) {
+      chains.next[segments[i].parent] = i;
+    }
+  }
+  continueForks(segments, chains.next);
+  bool hasSeveralLooks = false;
   for (std::uint32_t i = 0; i < segments.size(); ++i) {
     const std::uint32_t parent = segments[i].parent;
-    const bool joins = parent < i && continues(parent, segments[i]);
-    if (joins) {
-      chains.next[parent] = i;
-    }
-    if (!joins || palette.materialOf(segments[parent]) != palette.materialOf(segments[i])) {
-      hasSeveralMaterials = hasSeveralMaterials || joins;
+    const bool joins = parent < i && chains.next[parent] == i;
+    if (!joins || !looksAlike(palette, segments[parent], segments[i])) {
+      hasSeveralLooks = hasSeveralLooks || joins;
       chains.heads.push_back(i);
     }
   }
-  if (!hasSeveralMaterials) {
+  if (!hasSeveralLooks) {
     return chains;
   }
-  // carry the frame along each axis to where its material changes
+  // carry the frame along each axis to where its look changes
   std::vector<bool> isContinued(segments.size(), false);
   for (const std::uint32_t next : chains.next) {
     if (next != kNoParent) {
@@ -222,7 +295,7 @@ SegmentChains chainsOf(const Scene& scene, const Palette& palette) {
     RingBuilder builder(scene, 1.0);
     builder.begin(head);
     for (std::uint32_t at = head, next = chains.next[at]; next != kNoParent; at = next, next = chains.next[at]) {
-      if (palette.materialOf(segments[at]) != palette.materialOf(segments[next])) {
+      if (!looksAlike(palette, segments[at], segments[next])) {
         chains.continuations.emplace(next, builder.continuation());
       }
       builder.joint(at, next);
@@ -240,14 +313,13 @@ std::vector<TubeRing> ringsOf(const Scene& scene, const Palette& palette, const 
   } else {
     builder.begin(head);
   }
-  const std::int32_t material = palette.materialOf(scene.segments[head]);
   for (std::uint32_t at = head;; at = chains.next[at]) {
     const std::uint32_t next = chains.next[at];
     if (next == kNoParent) {
       builder.end(at);
       break;
     }
-    if (palette.materialOf(scene.segments[next]) != material) {
+    if (!looksAlike(palette, scene.segments[at], scene.segments[next])) {
       builder.endBefore(at, next);
       break;
     }

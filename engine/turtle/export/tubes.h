@@ -10,28 +10,32 @@
 
 namespace espalier::turtle {
 
-/// The lines of a scene as chains: segments of one material that continue each other on one axis, from the base
-/// outward.
+/// The lines of a scene as chains: segments of one colour and texture that continue each other, from the base outward:
+/// on one axis, or where an axis ends in a fork from it into one of its limbs.
 struct SegmentChains {
   std::vector<std::uint32_t> heads;  // first segment of each chain, an index into Scene::segments (chainCount)
   std::vector<std::uint32_t> next;   // the segment that continues each one; kNoParent: none (segmentCount)
 
-  /// Where a chain goes on from another one of the same axis, of another material.
+  /// Where a chain goes on from another one of the same tube, of another colour or texture.
   struct Continuation {
     core::Vec3 up;       // carried along the axis, normal to the segment before
-    double along = 0.0;  // length of the axis up to the segment before
+    double along = 0.0;  // length of the tube up to the segment before
+    double turns = 0.0;  // the same in circumferences
   };
   std::unordered_map<std::uint32_t, Continuation> continuations;  // by head
 };
 
 /// Splits the lines of a scene into chains: a segment continues its parent when it begins where the parent ends, has
-/// the same branch order, does not turn back, and no earlier segment has continued there. O(segments).
+/// the same branch order, does not turn back, and no earlier segment has continued there. Where nothing does, the
+/// thickest of the side branches that begin there goes on with the tube, of equal ones the one that bends least, so
+/// that a fork has no flat end. O(segments).
 [[nodiscard]] SegmentChains chainsOf(const Scene& scene, const Palette& palette);
 
 /// The rings of the tube of the chain that begins with segment `head`, turned with the least twist from ring to ring
 /// (along straight pieces the discrete rotation-minimising frame is parallel transport). At a bend of up to 60 degrees
 /// there is one oblique ring, the section of both pieces, so that neither gets thinner; sharper ones are elbows of
-/// several rings. A branch begins in the plane between its parent and itself. `unit`: world units per unit of width.
+/// several rings. At a fork the tube takes the limb's width over a short way. A branch that begins a tube does so in
+/// the plane between its parent and itself. `unit`: world units per unit of width.
 [[nodiscard]] std::vector<TubeRing> ringsOf(const Scene& scene, const Palette& palette, const SegmentChains& chains,
                                             std::uint32_t head, double unit);
 

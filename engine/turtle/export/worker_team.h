@@ -18,6 +18,9 @@ class WorkerTeam {
   WorkerTeam(const WorkerTeam&) = delete;
   WorkerTeam& operator=(const WorkerTeam&) = delete;
 
+  /// The caller counts as one.
+  [[nodiscard]] unsigned threadCount() const { return static_cast<unsigned>(threads_.size()) + 1; }
+
   /// Does `task(i)` for each i below `count` and returns when all are done. The first exception of a task is thrown
   /// again here after that.
   void run(std::size_t count, const std::function<void(std::size_t)>& task);

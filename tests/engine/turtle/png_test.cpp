@@ -31,7 +31,7 @@ std::string bytesOf(const PictureImage& image, int maximumColours = 0) {
 }
 
 PictureImage readBack(const std::string& bytes) {
-  auto read = readPng(bytes);
+  auto read = language::readPngImage(bytes);
   EXPECT_TRUE(std::holds_alternative<PictureImage>(read)) << std::get<std::string>(read);
   return std::get<PictureImage>(std::move(read));
 }
@@ -79,7 +79,7 @@ TEST(Png, ATableOfColoursKeepsFewColoursExactlyAndApproximatesMany) {
 
 TEST(Png, DamageAndOtherFilesAreNamed) {
   const auto problemOf = [](std::string_view bytes) {
-    const auto read = readPng(bytes);
+    const auto read = language::readPngImage(bytes);
     return std::holds_alternative<std::string>(read) ? std::get<std::string>(read) : std::string{};
   };
   EXPECT_TRUE(problemOf("GIF89a").starts_with("this is not a PNG picture: ")) << problemOf("GIF89a");
