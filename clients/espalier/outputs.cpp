@@ -222,7 +222,9 @@ bool OutputWriter::writeFile(const simulation::Simulation& simulation, const Dra
                                     .view = simulation.program().view,
                                     .palette = &simulation.options().palette,
                                     .detail = options_.detail,
+                                    .threads = options_.picture.threads,
                                     .picture = &options_.picture,
+                                    .step = simulation.completedSteps(),
                                     .program = &simulation.program(),
                                     .strings = strings,
                                     .visitModules = visitModules};

@@ -78,14 +78,16 @@ void appendGeometry(Scene&& scene, const language::ViewSettings& view, const Sym
   geometry.areWidthsPixels = scene.lineStyle == language::LineStyle::Pixel;
   addSegments(std::exchange(scene.segments, {}), symbolOf, geometry);
   // without its lines the scene's meshes are its organs
-  const SceneMeshes meshes({.scene = scene, .view = view});
+  const ExportInput input{.scene = scene, .view = view};
+  MaterialTable materials;
+  const SceneMeshes meshes(input, materials);
   Mesh mesh;
   for (const MeshPart& part : meshes.parts()) {
     meshes.make(part, mesh);
     if (mesh.faces.empty()) {
       continue;
     }
-    addSource(geometry.organs, meshes.provenanceOf(part), part.material, symbolOf);
+    addSource(geometry.organs, meshes.provenanceOf(part), part.colour, symbolOf);
     geometry.kind.push_back(kindOf(part.kind));
     addMesh(mesh, geometry);
   }

@@ -77,7 +77,8 @@ void meshing(benchmark::State& state, const Workload& workload) {
   for (auto _ : state) {
     triangles = 0;
     const turtle::ExportInput input{.scene = tree.scene, .view = tree.program->view};
-    const turtle::SceneMeshes meshes(input);
+    turtle::MaterialTable materials;
+    const turtle::SceneMeshes meshes(input, materials);
     turtle::Mesh mesh;
     for (const turtle::MeshPart& part : meshes.parts()) {
       meshes.make(part, mesh);

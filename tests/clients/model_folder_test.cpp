@@ -226,15 +226,15 @@ TEST_F(Folder, WhatCannotBeUsedIsNamedAndTheModelRuns) {
 
 TEST_F(Folder, SwitchesAndSettingsThatAreNotUsedAreNamed) {
   write("p.l", kModel);
-  write("p.v", "texture: F: bark.png\n");
+  write("p.v", "background scene: hill.txt\n");
   write("p.a", "frame intervals: 0-3 step 1 rotate 0 10 0\n");
   writeCommand("cpfg -homo -a p.l p.v p.a");
   EXPECT_EQ(run("derive plant").errors,
             "plant/specifications: note: the switch -homo is not used: strings are printed before homomorphism\n"
             "plant/p.a: note: pictures are neither turned nor scaled as its frame intervals say\n"
-            "plant/p.v:1:1: note: the texture is not used: what wears it has its plain colour\n"
-            "    1 | texture: F: bark.png\n"
-            "      | ^~~~~~~~\n");
+            "plant/p.v:1:1: note: the background scene is not drawn; an environment may still read its file\n"
+            "    1 | background scene: hill.txt\n"
+            "      | ^~~~~~~~~~~~~~~~~\n");
 }
 
 TEST_F(Folder, AnimationWithoutItsFileGoesToTheDerivationLength) {

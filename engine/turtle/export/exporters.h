@@ -43,7 +43,7 @@ struct ExportInput {
 /// Where a copy of a scene stands: its point p comes to position + scale · (p turned about the y axis).
 struct ScenePlacement {
   std::uint32_t scene = 0;  // index into PlacedScenes::scenes
-  core::Vec3 position;
+  core::Vec3 position{};
   double turnRadians = 0.0;  // from the z axis toward the x axis: counter-clockwise seen from above
   double scale = 1.0;        // above 0
 

@@ -4,17 +4,14 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <optional>
 #include <string>
-#include <tuple>
 #include <utility>
 #include <vector>
 
 #include "engine/turtle/export/binary_output.h"
-#include "engine/turtle/export/mesh_check.h"
+#include "engine/turtle/export/glb_plan.h"
 #include "engine/turtle/export/mesh_rounds.h"
-#include "engine/turtle/export/placed_meshes.h"
 #include "engine/turtle/export/text_output.h"
 
 namespace espalier::turtle {
@@ -23,74 +20,7 @@ using core::Vec3;
 
 namespace {
 
-constexpr std::uint64_t kVertexBytes = 32;  // position, normal, texture coordinates
-constexpr std::uint64_t kIndexBytes = 4;
-constexpr std::uint64_t kInstanceBytes = 40;         // translation, rotation, scale
-constexpr std::uint64_t kPieceVertices = 1'000'000;  // about: pieces end with a part
-constexpr std::size_t kMostOrganNodes = 100'000;     // viewers take no more; beyond, organs become part of the meshes
 constexpr double kDefaultRoughness = 0.8;
-
-/// A run of parts of one scene that becomes one primitive: vertices and indices that follow each other in the file.
-struct Piece {
-  std::uint32_t material = 0;
-  std::size_t firstPart = 0;  // into the order of parts
-  std::size_t partCount = 0;
-  std::uint64_t vertexCount = 0;
-  std::uint64_t indexCount = 0;
-  Bounds bounds{};
-  std::uint64_t offset = 0;  // in the binary chunk
-
-  [[nodiscard]] std::uint64_t bytes() const { return vertexCount * kVertexBytes + indexCount * kIndexBytes; }
-  void add(const Mesh& mesh) {
-    vertexCount += mesh.positions.size();
-    indexCount += 3 * mesh.triangleCount();
-    bounds.add(mesh);
-  }
-};
-
-/// A mesh of the file: the pieces of one material of a plant, a shape that organs share in one material, or all of a
-/// scene that is placed several times.
-struct FileMesh {
-  std::string name;
-  std::size_t firstPiece = 0;
-  std::size_t pieceCount = 1;
-  std::optional<std::uint32_t> material = {};  // of a shape, whose piece is the same in every material
-};
-
-/// One part of one scene.
-struct PartOf {
-  std::uint32_t scene = 0;
-  std::uint32_t part = 0;
-};
-
-/// A plant of a copy, and what stands below its node.
-struct PlantNode {
-  std::uint32_t plant = 0;  // among all copies
-  const ScenePlacement* placement = nullptr;
-  std::optional<std::size_t> ownMesh = {};  // of a scene that is placed several times; nothing stands below then
-  std::vector<std::size_t> meshes = {};     // into the file's meshes
-  std::size_t firstOrgan = 0;               // into the parts drawn as nodes
-  std::size_t organCount = 0;
-  std::size_t firstChild = 0;  // node
-};
-
-/// Consecutive items of a list that belong to one scene.
-struct Range {
-  std::size_t begin = 0;
-  std::size_t end = 0;
-
-  /// Adds the next item of the list.
-  void add(std::size_t index) {
-    begin = begin == end ? index : begin;
-    end = index + 1;
-  }
-};
-
-/// Copies of one mesh that stand in one node by EXT_mesh_gpu_instancing.
-struct InstanceNode {
-  std::size_t mesh = 0;
-  std::vector<const ScenePlacement*> placements;
-};
 
 class CountingSink final : public core::ByteSink {
  public:
@@ -101,64 +31,13 @@ class CountingSink final : public core::ByteSink {
   std::uint64_t count_ = 0;
 };
 
-// x, y, z, w of the rotation that takes x, y, z to left, heading, up; nothing when these are no rotation
-std::optional<std::array<double, 4>> rotationOf(const core::Frame& frame) {
-  const Vec3 &a = frame.left, &b = frame.heading, &c = frame.up;
-  const double error = std::abs(core::dot(a, b)) + std::abs(core::dot(b, c)) + std::abs(core::dot(a, c)) +
-                       std::abs(core::length(a) - 1.0) + std::abs(core::length(b) - 1.0) +
-                       core::length(core::cross(a, b) - c);
-  if (!(error < 1e-5)) {
-    return std::nullopt;
-  }
-  // Shepperd 1978: from the largest component
-  std::array<double, 4> q{};
-  if (a.x + b.y + c.z > 0.0) {
-    q = {b.z - c.y, c.x - a.z, a.y - b.x, 1.0 + a.x + b.y + c.z};
-  } else if (a.x > b.y && a.x > c.z) {
-    q = {1.0 + a.x - b.y - c.z, a.y + b.x, c.x + a.z, b.z - c.y};
-  } else if (b.y > c.z) {
-    q = {a.y + b.x, 1.0 + b.y - a.x - c.z, b.z + c.y, c.x - a.z};
-  } else {
-    q = {c.x + a.z, b.z + c.y, 1.0 + c.z - a.x - b.y, a.y - b.x};
-  }
-  const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-  for (double& component : q) {
-    component /= norm;
-  }
-  return q;
-}
-
-// a frame that is no rotation has no place in a node, and not all programs turn the sides of a mirrored one
-bool fitsNode(const OrganPlacement& placement) {
-  return placement.scale.x * placement.scale.y * placement.scale.z > 0.0 && rotationOf(placement.frame).has_value();
-}
-
-/// The range of a table of the binary chunk behind the meshes: instances and pictures.
-struct Block {
-  std::uint64_t offset = 0;
-  std::uint64_t byteCount = 0;
-};
-
 class GlbWriter {
  public:
-  GlbWriter(const PlacedScenes& placed, const ExportTarget& target)
-      : meshes_(placed), target_(target), usesInstancing_(placed.scenes[0].usesInstancing) {}
+  GlbWriter(const PlacedScenes& placed, const ExportTarget& target) : plan_(placed), target_(target) {}
 
   [[nodiscard]] std::optional<std::string> write();
 
  private:
-  // the plan: what is in the file, without its meshes
-  void sortParts();
-  [[nodiscard]] std::optional<std::string> measurePieces();
-  void nameMeshes();
-  void planOrgans();
-  void planNodes();
-  void placeBlocks();
-  [[nodiscard]] bool isRepeated(std::uint32_t scene) const { return copyCount_[scene] > 1; }
-  void planPlants(const SceneCopy& copy);
-  [[nodiscard]] std::uint32_t materialOf(const FileMesh& mesh, std::size_t piece) const;
-  [[nodiscard]] bool sharesMesh(const PartOf& a, const PartOf& b) const;
-
   // the text
   void writeJson(core::ByteSink& sink) const;
   void writeNodes(TextOutput& out) const;
@@ -177,202 +56,11 @@ class GlbWriter {
   void writeVertices(const Mesh& mesh, BinaryOutput& out) const;
   static void appendIndices(const Mesh& mesh, std::uint32_t first, std::vector<std::uint32_t>& indices);
 
-  [[nodiscard]] const SceneMeshes& sceneOf(const PartOf& part) const { return meshes_.scene(part.scene); }
-  [[nodiscard]] const MeshPart& partOf(const PartOf& part) const { return sceneOf(part).parts()[part.part]; }
-  void report(std::size_t done) { reportProgress(target_.progress, done, 2 * own_.size()); }
+  void report(std::size_t done) { reportProgress(target_.progress, done, 2 * plan_.own.size()); }
 
-  PlacedMeshes meshes_;
+  GlbPlan plan_;
   const ExportTarget& target_;
-  bool usesInstancing_;
-  std::vector<std::uint32_t> copyCount_;  // by scene
-  std::vector<PartOf> own_;               // parts with vertices of their own, by scene, plant and material
-  std::vector<PartOf> organs_;            // parts drawn as nodes, by scene and plant
-  std::vector<Piece> pieces_;             // own ones, then the shared shapes in use
-  std::size_t ownPieceCount_ = 0;
-  std::vector<FileMesh> files_;
-  std::vector<Range> filesOf_, organsOf_;                             // own meshes and organs by scene
-  using Shape = std::pair<std::uint32_t, std::uint32_t>;              // of a scene
-  std::map<std::pair<Shape, std::uint32_t>, std::size_t> organMesh_;  // by shape and material
-  std::vector<Shape> shapes_;                                         // of the shared pieces, in order
-  std::vector<PlantNode> plants_;
-  std::vector<InstanceNode> instances_;
-  std::vector<Block> instanceBlocks_, pictureBlocks_;
-  std::map<std::uint32_t, std::size_t> materialIndex_, textureIndex_;  // in the file, of those of the table in use
-  std::uint64_t binaryBytes_ = 0;
 };
-
-void GlbWriter::sortParts() {
-  copyCount_.assign(meshes_.sceneCount(), 0);
-  for (const SceneCopy& copy : meshes_.copies()) {
-    ++copyCount_[copy.scene];
-  }
-  std::size_t sharedCount = 0;
-  const auto isShared = [](const SceneMeshes& scene, const MeshPart& part) {
-    return scene.sharedMeshOf(part) != SceneMeshes::kNotShared;
-  };
-  for (std::uint32_t s = 0; s < meshes_.sceneCount(); ++s) {
-    const SceneMeshes& scene = meshes_.scene(s);
-    sharedCount += copyCount_[s] == 1 ? static_cast<std::size_t>(std::ranges::count_if(
-                                            scene.parts(), [&](const MeshPart& p) { return isShared(scene, p); }))
-                                      : 0;
-  }
-  const bool hasNodes = sharedCount <= kMostOrganNodes;
-  for (std::uint32_t s = 0; s < meshes_.sceneCount(); ++s) {
-    const SceneMeshes& scene = meshes_.scene(s);
-    const std::span<const MeshPart> parts = scene.parts();
-    for (std::uint32_t i = 0; copyCount_[s] > 0 && i < parts.size(); ++i) {
-      // of a scene that is placed several times the whole is the shared mesh
-      const bool isNode =
-          copyCount_[s] == 1 && hasNodes && isShared(scene, parts[i]) && fitsNode(scene.placementOf(parts[i]));
-      (isNode ? organs_ : own_).push_back({s, i});
-    }
-  }
-  std::ranges::stable_sort(own_, {}, [this](const PartOf& p) {
-    return std::tuple(p.scene, isRepeated(p.scene) ? 0 : partOf(p).plant, partOf(p).material);
-  });
-}
-
-// whether two neighbours in the order are in one mesh of the file
-bool GlbWriter::sharesMesh(const PartOf& a, const PartOf& b) const {
-  return a.scene == b.scene &&
-         (isRepeated(a.scene) || (partOf(a).plant == partOf(b).plant && partOf(a).material == partOf(b).material));
-}
-
-std::optional<std::string> GlbWriter::measurePieces() {
-  const auto make = [this](std::size_t i, Mesh& mesh) { sceneOf(own_[i]).make(partOf(own_[i]), mesh); };
-  auto problem = forMeshes(meshes_.team(), own_.size(), make, [&](std::size_t i, const Mesh& mesh) {
-    const MeshPart& next = partOf(own_[i]);
-    report(i + 1);
-    auto wrong = problemOf(mesh, sceneOf(own_[i]).input(), sceneOf(own_[i]).provenanceOf(next));
-    const bool continuesPiece =
-        i > 0 && sharesMesh(own_[i - 1], own_[i]) && partOf(own_[i - 1]).material == next.material;
-    if (!continuesPiece || pieces_.back().vertexCount >= kPieceVertices) {
-      pieces_.push_back({.material = next.material, .firstPart = i});
-    }
-    ++pieces_.back().partCount;
-    pieces_.back().add(mesh);
-    return wrong;
-  });
-  // lines without length or polygons without three corners have no mesh
-  std::erase_if(pieces_, [](const Piece& piece) { return piece.indexCount == 0; });
-  ownPieceCount_ = pieces_.size();
-  return problem;
-}
-
-void GlbWriter::nameMeshes() {
-  filesOf_.resize(meshes_.sceneCount());
-  for (std::size_t i = 0; i < pieces_.size(); ++i) {
-    const PartOf& first = own_[pieces_[i].firstPart];
-    if (i > 0 && sharesMesh(own_[pieces_[i - 1].firstPart], first)) {
-      ++files_.back().pieceCount;
-      continue;
-    }
-    const std::string name = isRepeated(first.scene) ? "scene_" + std::to_string(first.scene)
-                                                     : "plant_" + std::to_string(partOf(first).plant) + " " +
-                                                           meshes_.materials()[pieces_[i].material].name;
-    filesOf_[first.scene].add(files_.size());
-    files_.push_back({name, i, 1});
-  }
-}
-
-// a piece for each shape in use, a mesh for each shape and material
-void GlbWriter::planOrgans() {
-  std::erase_if(organs_, [this](const PartOf& p) {
-    return sceneOf(p).sharedMeshes()[sceneOf(p).sharedMeshOf(partOf(p))].faces.empty();
-  });
-  organsOf_.resize(meshes_.sceneCount());
-  std::map<Shape, std::size_t> pieceOf;
-  for (std::size_t i = 0; i < organs_.size(); ++i) {
-    const PartOf& organ = organs_[i];
-    organsOf_[organ.scene].add(i);
-    const Shape shape{organ.scene, sceneOf(organ).sharedMeshOf(partOf(organ))};
-    const std::uint32_t material = partOf(organ).material;
-    if (pieceOf.emplace(shape, pieces_.size()).second) {
-      pieces_.push_back({});
-      pieces_.back().add(sceneOf(organ).sharedMeshes()[shape.second]);
-      shapes_.push_back(shape);
-    }
-    if (organMesh_.emplace(std::pair(shape, material), files_.size()).second) {
-      files_.push_back({sceneOf(organ).sharedMeshName(shape.second) + " " + meshes_.materials()[material].name,
-                        pieceOf[shape], 1, material});
-    }
-  }
-}
-
-void GlbWriter::planNodes() {
-  std::map<std::uint32_t, std::size_t> instanceOf;  // by scene
-  for (const SceneCopy& copy : meshes_.copies()) {
-    const Range& files = filesOf_[copy.scene];
-    if (!isRepeated(copy.scene)) {
-      planPlants(copy);
-    } else if (files.begin < files.end && usesInstancing_) {
-      if (instanceOf.emplace(copy.scene, instances_.size()).second) {
-        instances_.push_back({files.begin, {}});
-      }
-      instances_[instanceOf[copy.scene]].placements.push_back(&copy.placement);
-    } else if (files.begin < files.end) {
-      plants_.push_back({.plant = copy.firstPlant, .placement = &copy.placement, .ownMesh = files.begin});
-    }
-  }
-  // plants, then instances, then what stands below the plants
-  std::size_t node = plants_.size() + instances_.size();
-  for (PlantNode& plant : plants_) {
-    plant.firstChild = node;
-    node += plant.meshes.size() + plant.organCount;
-  }
-}
-
-// the plants of a scene that is placed once
-void GlbWriter::planPlants(const SceneCopy& copy) {
-  std::map<std::uint32_t, PlantNode> content;
-  for (std::size_t i = filesOf_[copy.scene].begin; i < filesOf_[copy.scene].end; ++i) {
-    content[partOf(own_[pieces_[files_[i].firstPiece].firstPart]).plant].meshes.push_back(i);
-  }
-  for (std::size_t i = organsOf_[copy.scene].begin; i < organsOf_[copy.scene].end; ++i) {
-    PlantNode& plant = content[partOf(organs_[i]).plant];
-    plant.firstOrgan = plant.organCount++ == 0 ? i : plant.firstOrgan;
-  }
-  for (auto& [number, plant] : content) {
-    plant.plant = copy.firstPlant + number;
-    plant.placement = &copy.placement;
-    plants_.push_back(std::move(plant));
-  }
-}
-
-std::uint32_t GlbWriter::materialOf(const FileMesh& mesh, std::size_t piece) const {
-  return mesh.material.value_or(pieces_[piece].material);
-}
-
-void GlbWriter::placeBlocks() {
-  for (Piece& piece : pieces_) {
-    piece.offset = binaryBytes_;
-    binaryBytes_ += piece.bytes();
-  }
-  for (const InstanceNode& node : instances_) {
-    instanceBlocks_.push_back({binaryBytes_, node.placements.size() * kInstanceBytes});
-    binaryBytes_ += instanceBlocks_.back().byteCount;
-  }
-  for (const FileMesh& mesh : files_) {
-    for (std::size_t k = 0; k < mesh.pieceCount; ++k) {
-      materialIndex_.emplace(materialOf(mesh, mesh.firstPiece + k), 0);
-    }
-  }
-  std::size_t index = 0;
-  for (auto& material : materialIndex_) {
-    material.second = index++;
-    const std::uint32_t texture = meshes_.materials()[material.first].texture;
-    if (texture != MeshMaterial::kNoTexture) {
-      textureIndex_.emplace(texture, 0);
-    }
-  }
-  index = 0;
-  for (auto& [texture, number] : textureIndex_) {
-    number = index++;
-    const std::uint64_t bytes = meshes_.textures()[texture].fileBytes().size();
-    pictureBlocks_.push_back({binaryBytes_, bytes});
-    binaryBytes_ += (bytes + 3) / 4 * 4;
-  }
-}
 
 // --- the text --------------------------------------------------------------------------------------------------------
 
@@ -387,13 +75,13 @@ void writePlacement(const ScenePlacement& placement, TextOutput& out) {
 }
 
 void GlbWriter::writeOrganNode(const PartOf& organ, TextOutput& out) const {
-  const SceneMeshes& scene = sceneOf(organ);
-  const MeshPart& part = partOf(organ);
+  const SceneMeshes& scene = plan_.sceneOf(organ);
+  const MeshPart& part = plan_.partOf(organ);
   const OrganPlacement placement = scene.placementOf(part);
   const std::array<double, 4> q = *rotationOf(placement.frame);
   out << "{\"mesh\":";
-  const Shape shape{organ.scene, scene.sharedMeshOf(part)};
-  out.integer(static_cast<long long>(organMesh_.at({shape, part.material})));
+  const GlbPlan::Shape shape{organ.scene, scene.sharedMeshOf(part)};
+  out.integer(static_cast<long long>(plan_.organMesh.at({shape, part.material})));
   (out << ",\"translation\":[").vector(placement.position, ',') << "],\"rotation\":[";
   for (std::size_t k = 0; k < 4; ++k) {
     (k == 0 ? out : out << ',').single(q[k]);
@@ -404,9 +92,9 @@ void GlbWriter::writeOrganNode(const PartOf& organ, TextOutput& out) const {
 
 // accessors of instances follow those of the pieces
 void GlbWriter::writeInstanceNode(std::size_t index, TextOutput& out) const {
-  const std::size_t first = 4 * pieces_.size() + 3 * index;
-  out << "{\"name\":\"" << files_[instances_[index].mesh].name << "\",\"mesh\":";
-  out.integer(static_cast<long long>(instances_[index].mesh))
+  const std::size_t first = 4 * plan_.pieces.size() + 3 * index;
+  out << "{\"name\":\"" << plan_.files[plan_.instances[index].mesh].name << "\",\"mesh\":";
+  out.integer(static_cast<long long>(plan_.instances[index].mesh))
       << ",\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{\"TRANSLATION\":";
   out.integer(static_cast<long long>(first)) << ",\"ROTATION\":";
   out.integer(static_cast<long long>(first + 1)) << ",\"SCALE\":";
@@ -415,8 +103,8 @@ void GlbWriter::writeInstanceNode(std::size_t index, TextOutput& out) const {
 
 void GlbWriter::writeNodes(TextOutput& out) const {
   out << "\"nodes\":[";
-  for (std::size_t p = 0; p < plants_.size(); ++p) {
-    const PlantNode& plant = plants_[p];
+  for (std::size_t p = 0; p < plan_.plants.size(); ++p) {
+    const PlantNode& plant = plan_.plants[p];
     out << (p == 0 ? "" : ",") << "{\"name\":\"plant_";
     out.integer(plant.plant) << '"';
     writePlacement(*plant.placement, out);
@@ -431,18 +119,18 @@ void GlbWriter::writeNodes(TextOutput& out) const {
     }
     out << "]}";
   }
-  for (std::size_t i = 0; i < instances_.size(); ++i) {
-    out << (i + plants_.size() == 0 ? "" : ",");
+  for (std::size_t i = 0; i < plan_.instances.size(); ++i) {
+    out << (i + plan_.plants.size() == 0 ? "" : ",");
     writeInstanceNode(i, out);
   }
-  for (const PlantNode& plant : plants_) {
+  for (const PlantNode& plant : plan_.plants) {
     for (const std::size_t mesh : plant.meshes) {
-      out << ",{\"name\":\"" << files_[mesh].name << "\",\"mesh\":";
+      out << ",{\"name\":\"" << plan_.files[mesh].name << "\",\"mesh\":";
       out.integer(static_cast<long long>(mesh)) << '}';
     }
     for (std::size_t i = 0; i < plant.organCount; ++i) {
       out << ',';
-      writeOrganNode(organs_[plant.firstOrgan + i], out);
+      writeOrganNode(plan_.organs[plant.firstOrgan + i], out);
     }
   }
   out << "],\n";
@@ -450,8 +138,8 @@ void GlbWriter::writeNodes(TextOutput& out) const {
 
 void GlbWriter::writeMeshes(TextOutput& out) const {
   out << "\"meshes\":[";
-  for (std::size_t i = 0; i < files_.size(); ++i) {
-    const FileMesh& mesh = files_[i];
+  for (std::size_t i = 0; i < plan_.files.size(); ++i) {
+    const FileMesh& mesh = plan_.files[i];
     out << (i == 0 ? "" : ",") << "{\"name\":\"" << mesh.name << "\",\"primitives\":[";
     for (std::size_t k = 0; k < mesh.pieceCount; ++k) {
       const auto accessor = static_cast<long long>(4 * (mesh.firstPiece + k));
@@ -460,7 +148,7 @@ void GlbWriter::writeMeshes(TextOutput& out) const {
       out.integer(accessor + 1) << ",\"TEXCOORD_0\":";
       out.integer(accessor + 2) << "},\"indices\":";
       out.integer(accessor + 3) << ",\"material\":";
-      out.integer(static_cast<long long>(materialIndex_.at(materialOf(mesh, mesh.firstPiece + k)))) << '}';
+      out.integer(static_cast<long long>(plan_.materialIndex.at(plan_.materialOf(mesh, mesh.firstPiece + k)))) << '}';
     }
     out << "]}";
   }
@@ -470,10 +158,10 @@ void GlbWriter::writeMeshes(TextOutput& out) const {
 void GlbWriter::writeMaterials(TextOutput& out) const {
   out << "\"materials\":[";
   bool isFirst = true;
-  for (const auto& [number, index] : materialIndex_) {
-    const MeshMaterial& material = meshes_.materials()[number];
+  for (const auto& [number, index] : plan_.materialIndex) {
+    const MeshMaterial& material = plan_.meshes.materials()[number];
     const bool isTextured = material.texture != MeshMaterial::kNoTexture;
-    const MeshTexture* const texture = isTextured ? &meshes_.textures()[material.texture] : nullptr;
+    const MeshTexture* const texture = isTextured ? &plan_.meshes.textures()[material.texture] : nullptr;
     const bool isCovered = isTextured && texture->texture->use == language::Texture::Use::Decal;
     const std::array<double, 3> diffuse = isCovered ? std::array{1.0, 1.0, 1.0} : material.diffuse();
     double roughness = kDefaultRoughness;
@@ -493,7 +181,8 @@ void GlbWriter::writeMaterials(TextOutput& out) const {
     out.vector(factor(diffuse[0], diffuse[1], diffuse[2]), ',') << ',';
     (out.single(opacity) << "],\"metallicFactor\":0,\"roughnessFactor\":").single(roughness);
     if (isTextured) {
-      (out << ",\"baseColorTexture\":{\"index\":").integer(static_cast<long long>(textureIndex_.at(material.texture)))
+      (out << ",\"baseColorTexture\":{\"index\":")
+              .integer(static_cast<long long>(plan_.textureIndex.at(material.texture)))
           << '}';
     }
     out << '}';
@@ -511,7 +200,7 @@ void GlbWriter::writeMaterials(TextOutput& out) const {
 }
 
 void GlbWriter::writeTextures(TextOutput& out) const {
-  if (textureIndex_.empty()) {
+  if (plan_.textureIndex.empty()) {
     return;
   }
   // glTF's numbers of the filters, by the words of view files
@@ -522,9 +211,9 @@ void GlbWriter::writeTextures(TextOutput& out) const {
   };
   const auto list = [this, &out](std::string_view name, const auto& write) {
     out << '"' << name << "\":[";
-    for (auto at = textureIndex_.begin(); at != textureIndex_.end(); ++at) {
-      out << (at == textureIndex_.begin() ? "{" : ",{");
-      write(meshes_.textures()[at->first], static_cast<long long>(at->second));
+    for (auto at = plan_.textureIndex.begin(); at != plan_.textureIndex.end(); ++at) {
+      out << (at == plan_.textureIndex.begin() ? "{" : ",{");
+      write(plan_.meshes.textures()[at->first], static_cast<long long>(at->second));
       out << '}';
     }
     out << "],\n";
@@ -538,7 +227,7 @@ void GlbWriter::writeTextures(TextOutput& out) const {
     out.integer(minification(texture.texture->minification));
   });
   list("images", [&](const MeshTexture& texture, long long index) {
-    const std::size_t view = 2 * pieces_.size() + instances_.size() + static_cast<std::size_t>(index);
+    const std::size_t view = 2 * plan_.pieces.size() + plan_.instances.size() + static_cast<std::size_t>(index);
     (out << "\"name\":\"" << texture.name << "\",\"mimeType\":\""
          << (texture.suffix() == ".jpg" ? "image/jpeg" : "image/png") << "\",\"bufferView\":")
         .integer(static_cast<long long>(view));
@@ -563,8 +252,8 @@ void GlbWriter::writeAccessors(TextOutput& out) const {
   // three attributes and the indices of each piece
   constexpr std::array<Attribute, 3> kAttributes{{{0, "VEC3"}, {12, "VEC3"}, {24, "VEC2"}}};
   out << "\"accessors\":[";
-  for (std::size_t i = 0; i < pieces_.size(); ++i) {
-    const Piece& piece = pieces_[i];
+  for (std::size_t i = 0; i < plan_.pieces.size(); ++i) {
+    const Piece& piece = plan_.pieces[i];
     for (std::size_t k = 0; k < kAttributes.size(); ++k) {
       out << (i + k == 0 ? "" : ",");
       writeAccessor(2 * i, kAttributes[k], kFloat, piece.vertexCount);
@@ -579,13 +268,13 @@ void GlbWriter::writeAccessors(TextOutput& out) const {
     out << '}';
   }
   // translation, rotation and scale of instances, one after the other
-  for (std::size_t i = 0; i < instances_.size(); ++i) {
-    const std::uint64_t count = instances_[i].placements.size();
+  for (std::size_t i = 0; i < plan_.instances.size(); ++i) {
+    const std::uint64_t count = plan_.instances[i].placements.size();
     constexpr std::array<std::pair<std::uint64_t, std::string_view>, 3> kTables{
         {{0, "VEC3"}, {12, "VEC4"}, {28, "VEC3"}}};
     for (const auto& [bytesBefore, type] : kTables) {
       out << ',';
-      writeAccessor(2 * pieces_.size() + i, {bytesBefore * count, type}, kFloat, count);
+      writeAccessor(2 * plan_.pieces.size() + i, {bytesBefore * count, type}, kFloat, count);
       out << '}';
     }
   }
@@ -599,16 +288,16 @@ void GlbWriter::writeBufferViews(TextOutput& out) const {
     out.integer(static_cast<long long>(byteCount));
   };
   out << "\"bufferViews\":[";
-  for (std::size_t i = 0; i < pieces_.size(); ++i) {
-    const Piece& piece = pieces_[i];
-    const std::uint64_t vertexBytes = piece.vertexCount * kVertexBytes;
+  for (std::size_t i = 0; i < plan_.pieces.size(); ++i) {
+    const Piece& piece = plan_.pieces[i];
+    const std::uint64_t vertexBytes = piece.vertexCount * kGlbVertexBytes;
     out << (i == 0 ? "" : ",");
     writeView(piece.offset, vertexBytes);
     out << ",\"byteStride\":32,\"target\":34962},";
-    writeView(piece.offset + vertexBytes, piece.indexCount * kIndexBytes);
+    writeView(piece.offset + vertexBytes, piece.indexCount * kGlbIndexBytes);
     out << ",\"target\":34963}";
   }
-  for (const auto* blocks : {&instanceBlocks_, &pictureBlocks_}) {
+  for (const auto* blocks : {&plan_.instanceBlocks, &plan_.pictureBlocks}) {
     for (const Block& block : *blocks) {
       out << ',';
       writeView(block.offset, block.byteCount);
@@ -621,12 +310,12 @@ void GlbWriter::writeBufferViews(TextOutput& out) const {
 void GlbWriter::writeJson(core::ByteSink& sink) const {
   TextOutput out(sink);
   out << "{\"asset\":{\"version\":\"2.0\",\"generator\":\"Espalier\"},\n\"scene\":0,\n";
-  const std::size_t rootCount = plants_.size() + instances_.size();
+  const std::size_t rootCount = plan_.plants.size() + plan_.instances.size();
   if (rootCount == 0) {
     out << "\"scenes\":[{\"name\":\"empty\"}]}";
     return;
   }
-  if (!instances_.empty()) {
+  if (!plan_.instances.empty()) {
     out << "\"extensionsUsed\":[\"EXT_mesh_gpu_instancing\"],\n\"extensionsRequired\":[\"EXT_mesh_gpu_instancing\"],\n";
   }
   writeNodes(out);
@@ -636,7 +325,7 @@ void GlbWriter::writeJson(core::ByteSink& sink) const {
   writeAccessors(out);
   writeBufferViews(out);
   out << "\"buffers\":[{\"byteLength\":";
-  out.integer(static_cast<long long>(binaryBytes_)) << "}],\n\"scenes\":[{\"nodes\":[";
+  out.integer(static_cast<long long>(plan_.binaryBytes)) << "}],\n\"scenes\":[{\"nodes\":[";
   for (std::size_t p = 0; p < rootCount; ++p) {
     (p == 0 ? out : out << ',').integer(static_cast<long long>(p));
   }
@@ -674,32 +363,34 @@ std::optional<std::string> GlbWriter::writePieces() {
   };
   // the parts of pieces, without those of pieces that have no triangles
   std::vector<std::size_t> order;
-  order.reserve(own_.size());
-  for (std::size_t i = 0; i < ownPieceCount_; ++i) {
-    for (std::size_t k = 0; k < pieces_[i].partCount; ++k) {
-      order.push_back(pieces_[i].firstPart + k);
+  order.reserve(plan_.own.size());
+  for (std::size_t i = 0; i < plan_.ownPieceCount; ++i) {
+    for (std::size_t k = 0; k < plan_.pieces[i].partCount; ++k) {
+      order.push_back(plan_.pieces[i].firstPart + k);
     }
   }
   std::size_t piece = 0;
   std::uint32_t first = 0;
-  const auto make = [&](std::size_t i, Mesh& mesh) { sceneOf(own_[order[i]]).make(partOf(own_[order[i]]), mesh); };
+  const auto make = [&](std::size_t i, Mesh& mesh) {
+    plan_.sceneOf(plan_.own[order[i]]).make(plan_.partOf(plan_.own[order[i]]), mesh);
+  };
   const auto write = [&](std::size_t i, const Mesh& mesh) -> std::optional<std::string> {
     writeVertices(mesh, out);
     appendIndices(mesh, first, indices);
     first += static_cast<std::uint32_t>(mesh.positions.size());
-    if (order[i] + 1 == pieces_[piece].firstPart + pieces_[piece].partCount) {
+    if (order[i] + 1 == plan_.pieces[piece].firstPart + plan_.pieces[piece].partCount) {
       writeIndices();
       first = 0;
       ++piece;
     }
-    report(own_.size() + order[i] + 1);
+    report(plan_.own.size() + order[i] + 1);
     return std::nullopt;
   };
-  if (auto problem = forMeshes(meshes_.team(), order.size(), make, write)) {
+  if (auto problem = forMeshes(plan_.meshes.team(), order.size(), make, write)) {
     return problem;
   }
-  for (const auto& [scene, shape] : shapes_) {
-    const Mesh& mesh = meshes_.scene(scene).sharedMeshes()[shape];
+  for (const auto& [scene, shape] : plan_.shapes) {
+    const Mesh& mesh = plan_.meshes.scene(scene).sharedMeshes()[shape];
     writeVertices(mesh, out);
     appendIndices(mesh, 0, indices);
     writeIndices();
@@ -710,7 +401,7 @@ std::optional<std::string> GlbWriter::writePieces() {
 }
 
 void GlbWriter::writeInstances(BinaryOutput& out) const {
-  for (const InstanceNode& node : instances_) {
+  for (const InstanceNode& node : plan_.instances) {
     for (const ScenePlacement* placement : node.placements) {
       out.vector(placement->position);
     }
@@ -725,29 +416,24 @@ void GlbWriter::writeInstances(BinaryOutput& out) const {
 }
 
 void GlbWriter::writePictures(BinaryOutput& out) const {
-  for (const auto& [texture, index] : textureIndex_) {
-    std::string bytes = meshes_.textures()[texture].fileBytes();
+  for (const auto& [texture, index] : plan_.textureIndex) {
+    std::string bytes = plan_.meshes.textures()[texture].fileBytes();
     bytes.resize((bytes.size() + 3) / 4 * 4, '\0');
     out.bytes(bytes);
   }
 }
 
 std::optional<std::string> GlbWriter::write() {
-  sortParts();
-  if (auto problem = measurePieces()) {
+  if (auto problem = plan_.make([this](std::size_t done) { report(done); })) {
     return problem;
   }
-  nameMeshes();
-  planOrgans();
-  planNodes();
-  placeBlocks();
 
   // header, text padded by blanks, numbers
   CountingSink counter;
   writeJson(counter);
   const std::uint64_t jsonBytes = (counter.count() + 3) / 4 * 4;
-  const bool hasBinary = binaryBytes_ > 0;
-  const std::uint64_t fileBytes = 12 + 8 + jsonBytes + (hasBinary ? 8 + binaryBytes_ : 0);
+  const bool hasBinary = plan_.binaryBytes > 0;
+  const std::uint64_t fileBytes = 12 + 8 + jsonBytes + (hasBinary ? 8 + plan_.binaryBytes : 0);
   if (fileBytes > std::numeric_limits<std::uint32_t>::max()) {
     return "it would have " + std::to_string(fileBytes / 1'000'000) +
            " MB and the format holds at most 4294 MB. Write .ply or .obj, or fewer contour sides";
@@ -765,7 +451,7 @@ std::optional<std::string> GlbWriter::write() {
     BinaryOutput out(target_.sink);
     out.bytes(std::string(jsonBytes - counter.count(), ' '));
     if (hasBinary) {
-      out.uint32(static_cast<std::uint32_t>(binaryBytes_));
+      out.uint32(static_cast<std::uint32_t>(plan_.binaryBytes));
       out.bytes(std::string_view("BIN\0", 4));
     }
   }

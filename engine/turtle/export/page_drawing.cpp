@@ -117,9 +117,11 @@ void PageDrawing::addShapes() {
     addMesh(mesh, patch.colour);
   }
   for (const GeneralizedCylinder& cylinder : scene_.cylinders) {
-    mesh.clear();
-    appendCylinder(mesh, cylinder, view_);
-    addMesh(mesh, cylinder.points.front().colour);
+    for (const CylinderRun& run : runsOf(cylinder)) {
+      mesh.clear();
+      appendCylinder(mesh, cylinder, run, view_);
+      addMesh(mesh, run.colour);
+    }
   }
   for (std::size_t i = 0; i < scene_.labels.size(); ++i) {
     const ProjectedPoint p = projection_.project(scene_.labels[i].position);

@@ -75,8 +75,8 @@ void SceneMeshes::collectParts(MaterialTable& materials) {
     if (known.second) {
       looks.push_back(look);
     }
-    parts_.push_back(
-        {kind, static_cast<std::uint32_t>(index), known.first->second, plant, static_cast<std::uint32_t>(run)});
+    parts_.push_back({kind, static_cast<std::uint32_t>(index), known.first->second, plant,
+                      static_cast<std::uint32_t>(run), look.first});
   };
   parts_.reserve(chains_.heads.size() + scene_.cylinders.size() + scene_.polygons.size() + scene_.surfaces.size() +
                  scene_.patches.size() + scene_.balls.size());

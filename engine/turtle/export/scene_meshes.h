@@ -29,7 +29,8 @@ struct MeshPart {
   std::uint32_t index = 0;     // of a branch the chain's first segment, else into the scene's array of that kind
   std::uint32_t material = 0;  // index into MaterialTable::materials
   std::uint32_t plant = 0;
-  std::uint32_t run = 0;  // of a generalized cylinder, by runsOf
+  std::uint32_t run = 0;    // of a generalized cylinder, by runsOf
+  std::int32_t colour = 0;  // number of its colour: Palette::materialOf of lines, else the colour index
 };
 
 /// Which module of the model a piece of geometry comes from.

@@ -253,10 +253,9 @@ TEST(ViewFile, PictureCommandsAreAcceptedSilently) {
 }
 
 TEST(ViewFile, FilesThatNoPictureShowsAreNamedWithTheConsequence) {
-  const ViewFileResult result = read("texture: F: a.png\nbackground scene: ground.txt\nrayshade objects: box.ray\n");
-  EXPECT_EQ(messages(result), (Texts{"1:1 the texture is not used: what wears it has its plain colour",
-                                     "2:1 the background scene is not drawn; an environment may still read its file",
-                                     "3:1 the objects are not used: no scene for Rayshade is written"}));
+  const ViewFileResult result = read("background scene: ground.txt\nrayshade objects: box.ray\n");
+  EXPECT_EQ(messages(result), (Texts{"1:1 the background scene is not drawn; an environment may still read its file",
+                                     "2:1 the objects are not used: no scene for Rayshade is written"}));
 }
 
 TEST(ViewFile, FlagsAreOnOrOff) {

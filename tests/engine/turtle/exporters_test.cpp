@@ -60,7 +60,7 @@ void writeObj(const Scene& scene, const language::ViewSettings& view, const std:
   if (!fileName.empty()) {
     target.openCompanion = [&written](const std::string&) -> core::ByteSink& { return written.materials; };
   }
-  EXPECT_EQ(exportObj({.scene = scene, .view = view}, target), std::nullopt);
+  EXPECT_EQ(findExportFormat("obj")->write({.scene = scene, .view = view}, target), std::nullopt);
 }
 
 // what a reader of an OBJ file sees

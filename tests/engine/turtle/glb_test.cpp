@@ -36,7 +36,9 @@ language::ViewSettings plantView() {
 std::string glbOf(const Scene& scene, const language::ViewSettings& view, const language::Palette* palette = nullptr) {
   core::StringSink sink;
   const ExportInput input{.scene = scene, .view = view, .palette = palette};
-  EXPECT_EQ(exportGlb(input, {.fileName = "a.glb", .sink = sink, .openCompanion = {}, .progress = {}}), std::nullopt);
+  EXPECT_EQ(
+      findExportFormat("glb")->write(input, {.fileName = "a.glb", .sink = sink, .openCompanion = {}, .progress = {}}),
+      std::nullopt);
   return sink.take();
 }
 
@@ -132,7 +134,8 @@ struct GlbContent {
 // the same scene without a file between
 Mesh expectedMesh(const Scene& scene, const language::ViewSettings& view) {
   const ExportInput input{.scene = scene, .view = view};
-  const SceneMeshes meshes(input);
+  MaterialTable materials;
+  const SceneMeshes meshes(input, materials);
   Mesh all;
   Mesh mesh;
   for (const MeshPart& part : meshes.parts()) {
@@ -273,8 +276,8 @@ TEST(Glb, GeometryBeyond32BitsNamesItsModule) {
   TurtleRun run("F@M(0,1e39)F");
   run.draw();
   core::StringSink sink;
-  EXPECT_EQ(exportGlb({.scene = run.scene, .view = {}},
-                      {.fileName = "a.glb", .sink = sink, .openCompanion = {}, .progress = {}}),
+  EXPECT_EQ(findExportFormat("glb")->write({.scene = run.scene, .view = {}},
+                                           {.fileName = "a.glb", .sink = sink, .openCompanion = {}, .progress = {}}),
             "plant 0, module 3: its geometry is not finite in 32-bit numbers. Bound the lengths, widths and scales of "
             "the model");
   EXPECT_TRUE(sink.text().empty()) << "found before anything is written";
@@ -291,9 +294,10 @@ TEST(Glb, ProgressEndsWithAllParts) {
     lastDone = done;
     lastTotal = total;
   };
-  EXPECT_EQ(exportGlb({.scene = run.scene, .view = {}},
-                      {.fileName = "a.glb", .sink = sink, .openCompanion = {}, .progress = progress}),
-            std::nullopt);
+  EXPECT_EQ(
+      findExportFormat("glb")->write({.scene = run.scene, .view = {}},
+                                     {.fileName = "a.glb", .sink = sink, .openCompanion = {}, .progress = progress}),
+      std::nullopt);
   EXPECT_EQ(lastDone, lastTotal);
   EXPECT_GT(lastTotal, 0U);
 }

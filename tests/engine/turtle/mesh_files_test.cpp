@@ -44,7 +44,8 @@ class MeshFiles : public ::testing::Test {
   MeshFiles() : run(kPlant, plantView()) {
     run.draw({.position = {1, 2, 3}, .frame = {}});
     const ExportInput input{.scene = run.scene, .view = run.program.view};
-    const SceneMeshes meshes(input);
+    MaterialTable materials;
+    const SceneMeshes meshes(input, materials);
     Mesh mesh;
     for (const MeshPart& part : meshes.parts()) {
       meshes.make(part, mesh);

@@ -25,7 +25,8 @@ std::vector<Mesh> meshesOf(const std::string& string, const language::ViewSettin
   TurtleRun run(string, view);
   run.draw();
   const ExportInput input{.scene = run.scene, .view = view, .detail = detail};
-  const SceneMeshes meshes(input);
+  MaterialTable materials;
+  const SceneMeshes meshes(input, materials);
   std::vector<Mesh> made;
   for (const MeshPart& part : meshes.parts()) {
     meshes.make(part, made.emplace_back());
@@ -140,25 +141,86 @@ TEST(SceneMeshes, TextureCoordinatesRunAroundAndAlongByLength) {
   }
 }
 
-TEST(SceneMeshes, BranchesOfAForkBeginInThePlaneBetweenThemAndTheirParent) {
-  const std::vector<Mesh> meshes = meshesOf("!(0.2)F(1)[+(50)F(1)][-(50)F(1)]", cylinderView(8));
-  ASSERT_EQ(meshes.size(), 3U);
+TEST(SceneMeshes, AForkGoesOnIntoOneLimbAndTheOtherBeginsInThePlaneBetweenItAndItsParent) {
+  language::ViewSettings view = cylinderView(8);
+  view.initialColour = 3;  // all one colour
+  const std::vector<Mesh> meshes = meshesOf(";(3)!(0.2)F(1)[+(50)F(1)][-(50)F(1)]", view);
+  ASSERT_EQ(meshes.size(), 2U) << "trunk and first limb are one tube";
+  expectClosed(meshes[0], "trunk and limb");
   const double half = 25.0 * std::numbers::pi / 180.0;
-  for (const double side : {-1.0, 1.0}) {
-    const Mesh& branch = meshes[side < 0.0 ? 1 : 2];
-    for (std::size_t k = 0; k < 8; ++k) {
-      const Vec3 offset = branch.positions[k] - Vec3{0.0, 1.0, 0.0};
-      EXPECT_NEAR(core::dot(offset, {side * std::sin(half), std::cos(half), 0.0}), 0.0, 1e-12);
-    }
-    expectClosed(branch, "branch");
+  const Mesh& branch = meshes[1];
+  for (std::size_t k = 0; k < 8; ++k) {
+    const Vec3 offset = branch.positions[k] - Vec3{0.0, 1.0, 0.0};
+    EXPECT_NEAR(core::dot(offset, {std::sin(half), std::cos(half), 0.0}), 0.0, 1e-12);
   }
+  expectClosed(branch, "branch");
+  // no ring of the first tube is flat across the trunk's end
+  bool hasFlatEnd = false;
+  for (std::size_t i = 0; i < meshes[0].positions.size(); ++i) {
+    const Vec3& p = meshes[0].positions[i];
+    hasFlatEnd =
+        hasFlatEnd || (std::abs(p.y - 1.0) < 1e-9 && core::length(meshes[0].normals[i] - Vec3{0, 1, 0}) < 1e-6);
+  }
+  EXPECT_FALSE(hasFlatEnd);
+}
+
+TEST(SceneMeshes, TheThickestLimbOfAForkGoesOnAndOfEqualOnesTheStraightest) {
+  const auto headsOf = [](const std::string& string) {
+    TurtleRun run(string, cylinderView(8));
+    run.draw();
+    return chainsOf(run.scene, Palette(run.scene)).heads;
+  };
+  // segments: trunk 0, first limb 1, second limb 2
+  EXPECT_EQ(headsOf(";(3)!(0.4)F[+(50)!(0.1)F][-(50)!(0.2)F]"), (std::vector<std::uint32_t>{0, 1}));
+  EXPECT_EQ(headsOf(";(3)!(0.4)F[+(50)F][-(20)F]"), (std::vector<std::uint32_t>{0, 1}));
+  EXPECT_EQ(headsOf(";(3)!(0.4)F[+(20)F][-(50)F]"), (std::vector<std::uint32_t>{0, 2}));
+  EXPECT_EQ(headsOf(";(3)!(0.4)F[+(20)F]F"), (std::vector<std::uint32_t>{0, 1})) << "the axis goes on, not the branch";
+}
+
+TEST(SceneMeshes, AtAForkTheTubeTakesTheLimbsWidthOverAShortWay) {
+  language::ViewSettings view = cylinderView(16);
+  view.hasTaperedLines = false;
+  const std::vector<Mesh> meshes = meshesOf(";(3)!(0.4)F(1)[!(0.2)F(2)]", view);
+  ASSERT_EQ(meshes.size(), 1U);
+  expectClosed(meshes[0], "a thinner limb");
+  // rings at heights 0, 1 (radius 0.2), 1.4 (two radii on, radius 0.1) and 3
+  const auto radiusAt = [&](double y) {
+    double largest = 0.0;
+    for (const Vec3& p : meshes[0].positions) {
+      largest = std::abs(p.y - y) < 1e-9 ? std::max(largest, std::hypot(p.x, p.z)) : largest;
+    }
+    return largest;
+  };
+  EXPECT_NEAR(radiusAt(1.0), 0.2, 1e-9);
+  EXPECT_NEAR(radiusAt(1.4), 0.1, 1e-9);
+  EXPECT_NEAR(radiusAt(3.0), 0.1, 1e-9);
+}
+
+TEST(SceneMeshes, AGeneralizedCylinderOfSeveralColoursIsClosedAndItsPartsMeet) {
+  TurtleRun run("!(1);(3){(1)f(1)+(20)f(1);(7)f(1)+(20)f(1)}(1)");
+  run.draw();
+  const ExportInput input{.scene = run.scene, .view = run.program.view};
+  MaterialTable table;
+  const SceneMeshes meshes(input, table);
+  ASSERT_EQ(meshes.parts().size(), 2U);
+  EXPECT_EQ(table.materials()[meshes.parts()[0].material].name, "colour_3");
+  EXPECT_EQ(table.materials()[meshes.parts()[1].material].name, "colour_7");
+  Mesh both;
+  Mesh mesh;
+  for (const MeshPart& part : meshes.parts()) {
+    meshes.make(part, mesh);
+    append(both, mesh);
+  }
+  expectClosed(both, "two colours");
+  EXPECT_EQ(run.scene.cylinders.size(), 1U);
 }
 
 TEST(SceneMeshes, PartsKnowTheirModules) {
   TurtleRun run("F[+F@O(1)]F{.f+f+f}@c(1)");
   run.draw();
   const ExportInput input{.scene = run.scene, .view = run.program.view};
-  const SceneMeshes meshes(input);
+  MaterialTable materials;
+  const SceneMeshes meshes(input, materials);
   std::vector<std::pair<OrganKind, std::uint64_t>> seen;
   for (const MeshPart& part : meshes.parts()) {
     seen.emplace_back(part.kind, meshes.provenanceOf(part).module);
