@@ -1,6 +1,7 @@
 """The Python package installs without a network, its examples run, and so does the demonstration."""
 
 import os
+import shlex
 import subprocess
 import sys
 import tempfile
@@ -62,6 +63,21 @@ class Examples(unittest.TestCase):
         self.assertEqual(len(lines), 5)
         self.assertTrue(lines[3].startswith("step 3: ") and lines[3].endswith(", height 2"))
         self.assertEqual(lines[4], "F(0,0)F(0,1)F(0,2)?E(2)")
+
+    def test_the_environment_of_the_front_page_is_ten_lines_and_grows_a_tree_as_printed(self) -> None:
+        page = (PACKAGE.parents[1] / "README.md").read_text(encoding="utf-8")
+        section = page.split("## An environment in ten lines")[1]
+        lines = section.split("```python\n")[1].split("```")[0]
+        self.assertEqual(len(lines.splitlines()), 10)
+        command = next(line for line in section.splitlines() if line.startswith("espalier run "))
+        with tempfile.TemporaryDirectory() as folder:
+            script = Path(folder) / "ceiling.py"
+            script.write_text(lines, encoding="utf-8")
+            arguments = (shlex.split(command.replace("clients/python/examples/ceiling.py", str(script))
+                                     .replace("python3", sys.executable).replace("clients/gallery", str(GALLERY))
+                                     .replace("tree.svg", f"{folder}/tree.svg")))
+            espalier(*arguments[1:])
+            self.assertIn("<svg", (Path(folder) / "tree.svg").read_text(encoding="utf-8"))
 
     def test_shade_thins_the_light_tree(self) -> None:
         def buds(*arguments: str) -> int:
