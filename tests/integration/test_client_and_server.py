@@ -1,5 +1,6 @@
 """The Python client against the real server: models, streams, snapshots, errors."""
 
+import contextlib
 import re
 import subprocess
 import sys
@@ -166,6 +167,15 @@ class ClientAndServer(unittest.TestCase):
         seen: List[int] = []
         self.assertEqual(algae.run(lambda frame: seen.append(frame.step)).step, 12)
         self.assertEqual((seen, seen[-1]), (sorted(set(seen)), 12))
+        self.assertEqual([made.step for made in algae.history], seen[1:])
+        self.assertEqual(algae.history[-1].statistics["modules"], 377)
+        with contextlib.suppress(ModuleNotFoundError):
+            import matplotlib  # type: ignore[import]
+
+            matplotlib.use("Agg")
+            lines = algae.plot("modules", "queries").get_lines()
+            self.assertEqual([list(line.get_xdata()) for line in lines], [seen[1:], seen[1:]])
+            self.assertEqual(lines[0].get_ydata()[-1], 377)
         endless = self.client.create("Lsystem: 1\nderivation length: 1000000\nAxiom: A\nA --> A\nendlsystem\n", save=False)
 
         def stop(frame: Frame) -> None:

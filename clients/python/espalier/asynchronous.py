@@ -19,7 +19,7 @@ from . import async_channel, client as blocking, requests, wire
 from .errors import ConnectionLost, EspalierError
 from .hosting import hello_parameters
 from .requests import Inbox, NewModule, Process, Request, Result, result_of
-from .shapes import Frame, Model, StepResult, TurtleRecord, Vector
+from .shapes import Frame, Model, StepResult, TurtleRecord, Vector, step_of
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -263,28 +263,30 @@ class AsyncSimulation:
     async def run(self, progress: Optional[Callable[[Frame], None]] = None) -> StepResult:
         if progress is None:
             made = await self._do(requests.run(self.identifier))
-        else:
-            async with await self.stream("statistics") as stream:
-                running = asyncio.ensure_future(self._do(requests.run(self.identifier)))
-                reading = asyncio.ensure_future(stream.read())
-                try:
-                    shown = -1
-                    while not running.done() or shown < running.result().step:
-                        await asyncio.wait([running, reading] if not running.done() else [reading],
-                                           return_when=asyncio.FIRST_COMPLETED)
-                        if reading.done():
-                            frame = reading.result()
-                            progress(frame)
-                            shown = frame.step
-                            reading = asyncio.ensure_future(stream.read())
-                    made = running.result()
-                finally:
-                    # what `progress` raised, or a cancelled task, ends the run too
-                    for task in (running, reading):
-                        task.cancel()
-                    await asyncio.wait([running, reading])
-        self.history.append(made)
-        return made
+            self.history.append(made)
+            return made
+        async with await self.stream("statistics", credits=None) as stream:
+            first = await stream.read()
+            progress(first)
+            shown = first.step
+            running = asyncio.ensure_future(self._do(requests.run(self.identifier)))
+            reading = asyncio.ensure_future(stream.read())
+            try:
+                while not running.done() or shown < running.result().step:
+                    await asyncio.wait([running, reading] if not running.done() else [reading],
+                                       return_when=asyncio.FIRST_COMPLETED)
+                    if reading.done():
+                        frame = reading.result()
+                        reading = asyncio.ensure_future(stream.read())
+                        progress(frame)
+                        self.history.append(step_of(frame))
+                        shown = frame.step
+                return running.result()
+            finally:
+                # what `progress` raised, or a cancelled task, ends the run too
+                for task in (running, reading):
+                    task.cancel()
+                await asyncio.wait([running, reading])
 
     @_as(blocking.Simulation.pause)
     async def pause(self) -> int:
@@ -354,7 +356,7 @@ class AsyncSimulation:
 
     @_as(blocking.Simulation.stream)
     async def stream(self, what: str = "turtle", *, every: int = 1, symbols: Optional[Sequence[str]] = None,
-                     credits: int = 8, arrays: bool = False, single: bool = False) -> "AsyncStream":
+                     credits: Optional[int] = 8, arrays: bool = False, single: bool = False) -> "AsyncStream":
         # the first frame may come right behind the answer
         opened = await self._client._do(
             requests.open_stream(self.identifier, what, every, symbols, credits, arrays, single),

@@ -19,7 +19,7 @@ from . import requests, wire
 from .errors import ConnectionLost, EspalierError
 from .hosting import hello_parameters
 from .requests import Inbox, NewModule, Process, Request, Result, result_of
-from .shapes import Frame, Model, StepResult, TurtleRecord, Vector
+from .shapes import Frame, Model, StepResult, TurtleRecord, Vector, step_of
 
 if TYPE_CHECKING:
     from .viewing import View
@@ -231,8 +231,8 @@ class Simulation:
 
     def run(self, progress: Optional[Callable[[Frame], None]] = None) -> StepResult:
         """Makes all steps until the model is finished. `progress` is called with a statistics frame (`step`,
-        `statistics`) for each step, or for the latest when they come faster than they are read; what it raises ends the
-        run between two steps and is raised here.
+        `statistics`) of the state now and of each step, or of the latest when they come faster than they are read; what
+        it raises ends the run between two steps and is raised here. With it `history` has every step, else the whole run.
 
         >>> algae = client.create(gallery="classic-algae", derivation_length=5)
         >>> algae.run(lambda frame: None).step
@@ -241,26 +241,29 @@ class Simulation:
         request = requests.run(self.identifier)
         if progress is None:
             made = self._do(request)
-        else:
-            report = progress
-            with self.stream("statistics") as stream:
-                shown = -1
+            self.history.append(made)
+            return made
+        report = progress
+        with self.stream("statistics", credits=None) as stream:
+            first = stream.read()
+            report(first)
+            shown = first.step
 
-                def show() -> None:
-                    nonlocal shown
+            def show() -> None:
+                nonlocal shown
+                frame = stream.poll()
+                while frame is not None:
+                    report(frame)
+                    self.history.append(step_of(frame))
+                    shown = frame.step
                     frame = stream.poll()
-                    while frame is not None:
-                        report(frame)
-                        shown = frame.step
-                        frame = stream.poll()
 
-                started = self._client._start(request.method, request.parameters)
-                made = request.read(self._client._wait_for(started, request.method, show))
+            started = self._client._start(request.method, request.parameters)
+            made = request.read(self._client._wait_for(started, request.method, show))
+            show()
+            while shown < made.step:
+                self._client._receive(self._client._timeout, "stream.data")
                 show()
-                while shown < made.step:
-                    self._client._receive(self._client._timeout, "stream.data")
-                    show()
-        self.history.append(made)
         return made
 
     def pause(self) -> int:
@@ -398,9 +401,10 @@ class Simulation:
         return axes
 
     def stream(self, what: str = "turtle", *, every: int = 1, symbols: Optional[Sequence[str]] = None,
-               credits: int = 8, arrays: bool = False, single: bool = False) -> "Stream":
-        """Opens a stream of frames: turtle, string, statistics or geometry. The first frame is the state now. At most `credits`
-        frames are under way; a reader that is slower misses frames and never slows the simulation.
+               credits: Optional[int] = 8, arrays: bool = False, single: bool = False) -> "Stream":
+        """Opens a stream of frames: turtle, string, statistics or geometry. The first frame is the state now. At most
+        `credits` frames are under way (None: as many as the connection takes); a reader that is slower misses frames and
+        never slows the simulation.
 
         With `arrays` the turtle's records come as columns (Frame.columns: NumPy arrays when NumPy is there), in single
         precision when `single`. Geometry needs `arrays`: a binary glTF file in columns["glb"], unsigned (bytes / 4).

@@ -35,7 +35,10 @@ class Following:
 
 @dataclass(frozen=True)
 class Query:
-    """One communication module `?E(…)` and the turtle's state there. Only what the environment needs is filled."""
+    """One communication module `?E(…)` and the turtle's state there. Only what the environment needs is filled.
+
+    Lengths are in the world's unit (`opening.world["lengthUnit"]`, as "m"), directions are unit vectors.
+    """
 
     id: int
     plant: int = 0
@@ -43,13 +46,13 @@ class Query:
     is_transient: bool = False  # made by a homomorphism: takes part, its answer is discarded
     symbol: str = "E"
     parameters: Tuple[float, ...] = ()
-    position: Vector = (0.0, 0.0, 0.0)
+    position: Vector = (0.0, 0.0, 0.0)  # lengths
     heading: Vector = (0.0, 1.0, 0.0)
     left: Vector = (-1.0, 0.0, 0.0)
     up: Vector = (0.0, 0.0, -1.0)
-    width: float = 1.0
-    scale: float = 1.0
-    following: Optional[Following] = None
+    width: float = 1.0  # of the turtle's line, a length
+    scale: float = 1.0  # factor of lengths that the turtle applies
+    following: Optional[Following] = None  # the module after it in the string, if any
 
 
 @dataclass(frozen=True)
@@ -108,13 +111,14 @@ NO_SYMBOL = 0xFFFFFFFF
 class Opening:
     """What an environment is told when a simulation opens it."""
 
-    simulation: str
+    simulation: str  # its identifier on the server
     plants: int = 1
-    symbols: Tuple[str, ...] = ()
-    configuration: Mapping[str, Any] = field(default_factory=dict)
+    symbols: Tuple[str, ...] = ()  # of the model's modules
+    configuration: Mapping[str, Any] = field(default_factory=dict)  # the member `configuration` of its entry in create()
     seed: int = 0
+    # lengthUnit ("m"), up and north (unit vectors), stepDuration (days)
     world: Mapping[str, Any] = field(default_factory=dict)
-    bounds: Optional[Any] = None
+    bounds: Optional[Any] = None  # of the space that the plants may fill, if the server knows them
 
 
 @dataclass(frozen=True)

@@ -204,9 +204,11 @@ def delete(simulation: str) -> Request[None]:
     return Request("simulation.delete", {"simulation": simulation}, _nothing)
 
 
-def open_stream(simulation: str, what: str, every: int, symbols: Optional[Sequence[str]], credits: int, arrays: bool,
-                single: bool) -> Request[str]:
-    parameters: Dict[str, Any] = {"simulation": simulation, "what": what, "every": every, "credits": credits}
+def open_stream(simulation: str, what: str, every: int, symbols: Optional[Sequence[str]], credits: Optional[int],
+                arrays: bool, single: bool) -> Request[str]:
+    parameters: Dict[str, Any] = {"simulation": simulation, "what": what, "every": every}
+    if credits is not None:
+        parameters["credits"] = credits
     if symbols is not None:
         parameters["select"] = {"symbols": list(symbols)}
     if arrays:

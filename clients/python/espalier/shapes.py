@@ -108,6 +108,11 @@ def read_step(shape: Mapping[str, Any]) -> StepResult:
                       bool(shape.get("saved", False)), shape["statistics"])
 
 
+def step_of(frame: Frame) -> StepResult:
+    """A statistics frame as what one step made."""
+    return StepResult(frame.step, frame.finished, False, False, frame.statistics)
+
+
 def read_model(shape: Mapping[str, Any]) -> Model:
     """What the answer to model.check or model.load says."""
     return Model(str(shape.get("model", "")), bool(shape["valid"]), int(shape.get("derivationLength", 0)),
