@@ -1,13 +1,17 @@
 """Gallery models that grow against an environment: their tables, and what they are there to show."""
 
+import csv
+import math
 import re
+import tempfile
 import unittest
-from typing import Dict, List, Optional, Tuple
+from pathlib import Path
+from typing import Dict, List, Optional, Sequence, Tuple
 
 from support import GALLERY, espalier, model, strings
 
 
-def table(name: str, symbols: str) -> Dict[int, List[int]]:
+def table(name: str, symbols: Sequence[str]) -> Dict[int, List[int]]:
     """The file golden.tsv of a model: numbers of modules of each symbol, by step."""
     lines = (GALLERY / name / "golden.tsv").read_text(encoding="utf-8").splitlines()
     assert lines[0].split("\t") == ["step", *symbols], lines[0]
@@ -84,6 +88,71 @@ class GalleryEnvironments(unittest.TestCase):
         self.assertGreater(sum(distance > 0.1 - 1e-5 for distance in distances), 0.9 * len(distances))
         # it starts on the ground and comes up over the boulder
         self.assertGreater(max(y for _, y, _ in points), 1.5)
+
+    def counted(self, name: str, patterns: Dict[str, str]) -> List[str]:
+        """The strings of a run with seed 1, after comparing numbers of matches with golden.tsv."""
+        derived = strings(name, "--seed", "1")
+        for step, expected in table(name, list(patterns)).items():
+            self.assertEqual([derived[step].count(patterns[symbol]) for symbol in patterns], expected,
+                             f"{name}, step {step}")
+        return derived
+
+    def test_self_organizing_trees_get_a_trunk_as_lambda_grows(self) -> None:
+        self.counted("self-organizing-tree", {"I": "I(", "B": "B("})
+
+        def metamers(weight: str, *more: str) -> Tuple[int, int]:
+            """Of the trunk, and in all."""
+            string = espalier("derive", model("self-organizing-tree"), "--quiet", "--seed", "1", "--define",
+                              f"LAMBDA={weight}", *more).stdout
+            depth = trunk = 0
+            for character, after in zip(string, string[1:]):
+                depth += {"[": 1, "]": -1}.get(character, 0)
+                trunk += depth == 0 and character + after == "I("
+            return trunk, string.count("I(")
+
+        decurrent, even, excurrent = metamers("0.46"), metamers("0.48"), metamers("0.54")
+        self.assertLess(decurrent[0], even[0])
+        self.assertLess(even[0], excurrent[0])
+        self.assertGreater(excurrent[0] / excurrent[1], 2 * decurrent[0] / decurrent[1])
+        # the same model in propagated shadows: a tree with a trunk
+        shade = metamers("0.54", "--steps", "24", "--environment",
+                         str(GALLERY / "self-organizing-tree" / "shade.json"))
+        self.assertGreater(shade[0], 10)
+        self.assertGreater(shade[1], 100)
+
+    def test_roots_gather_in_the_wet_layer(self) -> None:
+        self.counted("roots-in-soil", {"I": "I(", "T": "T("})
+        with tempfile.TemporaryDirectory() as folder:
+            drawn = str(Path(folder) / "roots.csv")
+            espalier("run", model("roots-in-soil"), "--seed", "1", "--quiet", "-o", drawn)
+            rows = list(csv.DictReader(Path(drawn).read_text(encoding="utf-8").splitlines()))
+        lengths = {True: 0.0, False: 0.0}
+        for row in rows:
+            if row["symbol"] == "I":
+                lengths[-0.75 <= float(row["y"]) < -0.45] += float(row["parameters"].split(";")[0])
+        # the layer is 0.3 m of 1.25 m; per metre of depth it has several times the roots of the sand
+        self.assertGreater(lengths[True] / 0.3, 3 * lengths[False] / 0.95)
+
+    def test_a_stand_thins_along_the_line_of_minus_three_halves(self) -> None:
+        derived = self.counted("self-thinning", {"P": "P("})
+        points = []
+        for string in derived[1:]:
+            radii = [float(radius) for radius in re.findall(r"P\(([^,]+),", string)]
+            points.append((len(radii), sum(radius ** 3 for radius in radii) / len(radii)))
+        # only while it thins
+        thinning = [(math.log(count), math.log(mass)) for count, mass in points if 0.05 * 1500 < count < 0.9 * 1500]
+        self.assertGreater(len(thinning), 15)
+        mean_x = sum(x for x, _ in thinning) / len(thinning)
+        mean_y = sum(y for _, y in thinning) / len(thinning)
+        slope = (sum((x - mean_x) * (y - mean_y) for x, y in thinning) / sum((x - mean_x) ** 2 for x, _ in thinning))
+        self.assertAlmostEqual(slope, -1.5, delta=0.15)
+
+    def test_pioneers_come_first_and_climax_trees_last(self) -> None:
+        derived = self.counted("ecosystem", {species: f"P({species}," for species in "012"})
+        counts = [[string.count(f"P({species},") for species in range(3)] for string in derived]
+        self.assertEqual(max(range(3), key=lambda species: counts[32][species]), 0)
+        self.assertEqual(max(range(3), key=lambda species: counts[90][species]), 2)
+        self.assertTrue(all(min(row) > 0 for row in counts))
 
 
 if __name__ == "__main__":
