@@ -6,6 +6,7 @@
 #include <system_error>
 #include <utility>
 
+#include "engine/language/dialects/dialect.h"
 #include "server/disk_files.h"
 
 namespace espalier::command {
@@ -208,6 +209,16 @@ FilesOrProblem commandOf(const std::string& path, const std::string& object) {
 
 std::variant<ModelFiles, std::string> findModelFiles(const std::string& path, const std::string& object) {
   std::error_code error;
+  // one of the models in a file of a foreign dialect: what is beside the file is beside the model
+  server::DiskFileProvider provider;
+  const language::NamedEntry named = language::splitEntry(path, provider);
+  if (!named.entry.empty() && isFile(named.file) && object.empty()) {
+    auto found = findModelFiles(named.file);
+    if (ModelFiles* files = std::get_if<ModelFiles>(&found)) {
+      files->model = path;
+    }
+    return found;
+  }
   const bool isFolder = fs::is_directory(path, error);
   if (!isFolder && !fs::exists(path, error)) {
     return "there is no file '" + path + "': give the name of an L-system file (.l) or of the folder that holds it";

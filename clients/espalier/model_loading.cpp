@@ -14,6 +14,7 @@
 #include "clients/espalier/model_files.h"
 #include "clients/espalier/number_option.h"
 #include "engine/language/compiler.h"
+#include "engine/language/dialects/dialect.h"
 #include "engine/language/file_name.h"
 #include "engine/turtle/export/mtg.h"
 #include "server/limits.h"
@@ -125,10 +126,23 @@ core::Compatibility ModelOptions::mode() const {
   return compatibility == "cpfg-batch" ? core::Compatibility::CpfgBatch : core::Compatibility::Espalier;
 }
 
+namespace {
+
+std::vector<std::string> dialectChoices() {
+  const std::vector<std::string_view> names = language::dialectNames();
+  return {names.begin(), names.end()};
+}
+
+}  // namespace
+
 void addReadingOptions(CLI::App& command, ModelOptions& options, bool isModelRequired) {
-  CLI::Option* model = command.add_option("model", options.model, "The L-system file (.l), or a model folder");
+  CLI::Option* model = command.add_option(
+      "model", options.model,
+      "The L-system file (.l or of another dialect; FILE:ENTRY where a file holds several), or a model\nfolder");
   model->type_name("MODEL");
   model->required(isModelRequired);
+  command.add_option("--dialect", options.dialect, "How the model is written; without it found by its content")
+      ->check(CLI::IsMember(dialectChoices()));
   command
       .add_option("--object", options.object,
                   "Of a folder whose specifications run several models: the one with this title in the\n"
@@ -232,6 +246,7 @@ std::shared_ptr<const language::Program> loadProgram(ModelOptions& options, core
   language::CompileInput input;
   input.modelFile = modelFiles.model;
   input.viewFile = options.view;
+  input.dialect = options.dialect;
   input.compatibility = options.mode();
   input.limits = options.simulationLimits();
   for (const std::string& define : options.defines) {
@@ -288,7 +303,8 @@ std::optional<LoadedModel> loadModel(ModelOptions& options, core::FileProvider& 
                              options.isQuiet);
   loaded.simulationOptions = simulationOptionsFor(options, *loaded.program);
   loaded.simulationOptions.environmentOrigin = loaded.environment.origin;
-  loaded.simulationOptions.palette = loaded.folder.palette;
+  loaded.simulationOptions.palette =
+      loaded.folder.palette.empty() ? loaded.program->view.palette : loaded.folder.palette;
   if (!options.startFile.empty()) {
     std::optional<std::string> start = readStartString(options.startFile, files);
     if (!start) {

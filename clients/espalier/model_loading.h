@@ -24,6 +24,7 @@ namespace espalier::command {
 /// What derive, run and check are told about a model on the command line.
 struct ModelOptions {
   std::string model;        // a `.l` file or a model folder
+  std::string dialect;      // of the model's file; empty: found by its content
   std::string object;       // which command of the folder; empty: the first
   std::string view;         // empty: the folder's, or the one beside the model
   std::string environment;  // empty: the folder's, or the `.e` beside the model

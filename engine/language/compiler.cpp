@@ -1,11 +1,14 @@
 #include "engine/language/compiler.h"
 
 #include <algorithm>
+#include <optional>
+#include <string>
 #include <utility>
 
 #include "engine/core/hash.h"
 #include "engine/language/analyser.h"
 #include "engine/language/code_generator.h"
+#include "engine/language/dialects/dialect.h"
 #include "engine/language/file_name.h"
 #include "engine/language/message_list.h"
 #include "engine/language/model_checks.h"
@@ -86,10 +89,57 @@ void readModelFiles(Program& program, core::FileProvider& files) {
   }
 }
 
+/// The files of a model with the texts that a translation made in front of them.
+class TranslatedFiles final : public core::FileProvider {
+ public:
+  explicit TranslatedFiles(core::FileProvider& files) : files_(files) {}
+  void add(const std::string& name, std::string text) { made_.add(name, std::move(text)); }
+  [[nodiscard]] std::optional<std::string> read(const std::string& name) override {
+    std::optional<std::string> text = made_.read(name);
+    return text ? text : files_.read(name);
+  }
+  [[nodiscard]] std::optional<std::string> readInside(const std::string& folder, const std::string& name) override {
+    return files_.readInside(folder, name);
+  }
+
+ private:
+  core::MemoryFileProvider made_;
+  core::FileProvider& files_;
+};
+
+/// The view file of a translation: what the dialect says, then what the view file of the caller does. It has a name of
+/// its own beside the caller's, so that the files which that one names are found.
+std::string addTranslatedView(const CompileInput& input, const TranslatedModel& translated, TranslatedFiles& files) {
+  const std::string& beside = input.viewFile.empty() ? input.modelFile : input.viewFile;
+  const std::string name = beside + " (" + std::string(translated.dialect->name) + ")";
+  std::string text = viewText(translated.model);
+  if (!input.viewFile.empty()) {
+    text += "#include \"" + input.viewFile.substr(folderOf(input.viewFile).size()) + "\"\n";
+  }
+  files.add(name, std::move(text));
+  return name;
+}
+
 }  // namespace
 
-CompileResult compile(const CompileInput& input, core::FileProvider& files) {
+CompileResult compile(const CompileInput& original, core::FileProvider& originalFiles) {
   CompileResult result;
+  CompileInput input = original;
+  TranslatedFiles files(originalFiles);
+
+  // a foreign dialect -> the text and view file of cpfg, under the model's name
+  const std::optional<TranslatedModel> translated = translateForeign(input, originalFiles);
+  MappedText translation;
+  if (translated) {
+    addAll(result.diagnostics, translated->diagnostics);
+    if (result.diagnostics.hasErrors()) {
+      return result;
+    }
+    translation = modelText(translated->model, false);
+    files.add(input.modelFile, translation.text());
+    input.viewFile = addTranslatedView(input, *translated, files);
+  }
+
   auto program = std::make_shared<Program>();
   program->compatibility = input.compatibility;
   program->modelFile = input.modelFile;
@@ -128,7 +178,7 @@ CompileResult compile(const CompileInput& input, core::FileProvider& files) {
     analyser.analyse();
     if (hasSyntaxErrors) {
       messages.dropWarnings();
-    } else if (messages.errorCount() == 0) {
+    } else if (messages.errorCount() == 0 && !translated) {
       checkModel(source.text, input.compatibility, model, messages);
     }
   }
@@ -137,6 +187,11 @@ CompileResult compile(const CompileInput& input, core::FileProvider& files) {
     messages.dropFrom(static_cast<std::uint32_t>(source.text.find_last_not_of(" \t\n") + 1));
   }
   const bool hasErrors = messages.errorCount() > 0 || source.diagnostics.hasErrors();
+  // the files of a Program are the translated ones, its messages name the foreign one
+  addSources(program->sources, source.sourceMap.files);
+  if (translated) {
+    source.sourceMap = foreignSourceMap(source.sourceMap, translation, translated->foreign);
+  }
   messages.moveTo(result.diagnostics, source.sourceMap);
   if (hasErrors) {
     return result;
@@ -147,7 +202,6 @@ CompileResult compile(const CompileInput& input, core::FileProvider& files) {
   program->view = std::move(view.settings);
   program->text = std::move(source.text);
   program->sourceMap = std::move(source.sourceMap);
-  addSources(program->sources, program->sourceMap.files);
   addSources(program->sources, view.sources);
   readModelFiles(*program, files);
   // the reference program draws nothing for a file that it cannot read, so its modes go on

@@ -242,8 +242,9 @@ struct Program {
 
 /// What to compile. Names are given to the FileProvider as they are.
 struct CompileInput {
-  std::string modelFile;
-  std::string viewFile;  // empty: the reference's defaults
+  std::string modelFile;  // `FILE`, or `FILE:ENTRY` where a file of a foreign dialect holds several models
+  std::string viewFile;   // empty: the reference's defaults
+  std::string dialect;    // of the file (engine/language/dialects); empty: found by its content
   core::Compatibility compatibility = core::Compatibility::Espalier;
   std::vector<std::pair<std::string, std::string>>
       defines;  // like the preprocessor's -DNAME=VALUE; they win over #define

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "engine/core/vec3.h"
+#include "engine/language/colour_files.h"
 #include "engine/language/image_file.h"
 
 namespace espalier::language {
@@ -201,6 +202,12 @@ struct ViewSettings {
   std::vector<Contour> contours;
   std::vector<Texture> textures;      // id - 1; without an image: the file cannot be used
   std::vector<BlobField> blobFields;  // id - 1
+
+  // where the turtle starts, in the plant's coordinates
+  core::Vec3 initialPosition{0.0, 0.0, 0.0};  // length units
+  core::Vec3 initialHeading{0.0, 1.0, 0.0};   // unit; left and up follow by the least rotation from +y
+  core::Vec3 displacement{0.0, 0.0, 0.0};     // of every drawn step and mesh, length units: gravity or wind
+  Palette palette;                            // of `color map entry:`; empty: the folder's, or Espalier's own
 
   // camera and colour: pictures and the functions vvXmin ... only
   bool isPerspective = false;

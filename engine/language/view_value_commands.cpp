@@ -37,6 +37,38 @@ bool setFactor(Context& c) {
   return true;
 }
 
+bool initialHeading(Context& c) {
+  const std::optional<core::Vec3> direction = c.lexer.triple();
+  if (!direction) {
+    return false;
+  }
+  if (!(core::length(*direction) > 0.0)) {
+    c.warn("the initial heading has no length and is ignored");
+    return true;
+  }
+  c.settings().initialHeading = core::normalised(*direction);
+  return true;
+}
+
+/// `color map entry: 3 255,128,0`; entry 0 is the background.
+bool colourMapEntry(Context& c) {
+  const std::optional<int> index = c.lexer.integer();
+  const std::optional<core::Vec3> colour = index ? c.lexer.triple() : std::nullopt;
+  if (!colour) {
+    return false;
+  }
+  const auto isByte = [](double value) { return value >= 0.0 && value <= 255.0; };
+  if (*index < 0 || *index >= Palette::kBlockSize || !isByte(colour->x) || !isByte(colour->y) || !isByte(colour->z)) {
+    c.warn("a color map has entries 0 to 255 with red, green and blue from 0 to 255; this one is ignored");
+    return true;
+  }
+  Palette& palette = c.settings().palette;
+  palette.maps[palette.base][static_cast<std::size_t>(*index)] = {static_cast<std::uint8_t>(std::lround(colour->x)),
+                                                                  static_cast<std::uint8_t>(std::lround(colour->y)),
+                                                                  static_cast<std::uint8_t>(std::lround(colour->z))};
+  return true;
+}
+
 std::optional<bool> readFlag(Context& c, bool isPresent) {
   const std::optional<std::string_view> word = c.lexer.word();
   if (!word) {
@@ -364,6 +396,10 @@ constexpr std::array kCommands = {
     ViewCommand{"initial color:", initialColour},
     ViewCommand{"color increment:", colourIncrement},
     ViewCommand{"initial scale:", setFactor<&ViewSettings::initialScale>},
+    ViewCommand{"initial position:", setTriple<&ViewSettings::initialPosition>},
+    ViewCommand{"initial heading:", initialHeading},
+    ViewCommand{"displacement:", setTriple<&ViewSettings::displacement>},
+    ViewCommand{"color map entry:", colourMapEntry},
     ViewCommand{"scale multiplier:", setFactor<&ViewSettings::scaleMultiplier>},
     ViewCommand{"line style:", lineStyle},
     ViewCommand{"tapered lines:", setFlag<&ViewSettings::hasTaperedLines>},

@@ -7,6 +7,7 @@
 
 #include "engine/core/buffer.h"
 #include "engine/core/number_text.h"
+#include "engine/turtle/turtle_motion.h"
 
 namespace espalier::turtle {
 
@@ -37,13 +38,19 @@ Interpretation::Interpretation(const Subject& subject, const InterpretationOutpu
       coordinates_(subject.placement.position, subject.placement.frame),
       output_(output),
       drawing_(output.scene, subject.program.view, subject.plant),
+      isDisplaced_(subject.program.view.displacement != core::Vec3{}),
       isEnvironmentPass_(output.queries != nullptr),
       skipsAttributes_(isEnvironmentPass_ && isCompatible()) {
   const PlantPlacement& placement = subject.placement;
-  state_.position = placement.position;
+  state_.position = coordinates_.toWorldPoint(view_.initialPosition);
   state_.frame = placement.frame;
-  state_.previousHeading = placement.frame.heading;
-  state_.previousUp = placement.frame.up;
+  if (view_.initialHeading != core::Vec3{0.0, 1.0, 0.0}) {
+    state_.frame.heading = coordinates_.toWorldDirection(view_.initialHeading);
+    state_.frame.up = transported(placement.frame.up, placement.frame.heading, state_.frame.heading);
+    state_.frame.left = core::cross(state_.frame.heading, state_.frame.up);
+  }
+  state_.previousHeading = state_.frame.heading;
+  state_.previousUp = state_.frame.up;
   state_.width = view_.initialLineWidth;
   state_.scale = view_.initialScale;
   state_.colour = view_.initialColour;
@@ -318,7 +325,9 @@ std::uint64_t Interpretation::executeSurface(const Sequence& sequence, std::uint
   for (std::size_t k = 0; k < view_.triangleSurfaces.size(); ++k) {
     if (view_.triangleSurfaces[k].id == id) {
       checkOrgan(factor * state_.scale);
-      drawing_.surface(state_, static_cast<std::uint32_t>(k), true, factor * state_.scale);
+      TurtleState place = state_;
+      place.position = place.position + coordinates_.toWorldDirection(view_.displacement);
+      drawing_.surface(place, static_cast<std::uint32_t>(k), true, factor * state_.scale);
       isTouched_ = true;
       return 2;
     }

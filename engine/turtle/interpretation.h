@@ -156,6 +156,7 @@ class Interpretation {
   std::uint64_t module_ = 0;              // index in the string of the module being interpreted
   bool isTouched_ = false;                // the module moved the turtle, drew or is a query
   bool isCut_ = false;                    // the rest of the branch is not interpreted
+  bool isDisplaced_ = false;              // each drawn step is moved by the view's displacement
   bool isEnvironmentPass_ = false;
   bool skipsAttributes_ = false;  // width and colour are not executed: compatible environment pass
   derivation::ModuleString image_;

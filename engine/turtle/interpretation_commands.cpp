@@ -106,6 +106,9 @@ void Interpretation::advance(const Arguments& arguments, bool draws, bool addsVe
   }
   const Vec3 start = state_.position;
   state_.position = start + (arguments.valueOr(0, kStepLength) * state_.scale) * state_.frame.heading;
+  if (draws && isDisplaced_) {
+    state_.position = state_.position + coordinates_.toWorldDirection(view_.displacement);
+  }
   checkPosition();
   isTouched_ = true;
   if (draws) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -112,7 +113,18 @@ std::map<std::string, std::string> pictures() {
   return found;
 }
 
+bool isOfChapter(const std::string& model) {
+  return model.find('/') != std::string::npos;
+}
+
+// the picture of a model folder, or of a chapter's file or entry (`chapter-x/file.txt:Entry`)
 std::string galleryFile(const std::string& model) {
+  if (isOfChapter(model)) {
+    const std::string file = model.substr(0, model.find(':'));
+    const std::string entry = model.substr(file.size());
+    return sourceFolder() + "/clients/gallery/" + file.substr(0, file.rfind('.')) +
+           (entry.empty() ? "" : "-" + entry.substr(1)) + ".png";
+  }
   return sourceFolder() + "/clients/gallery/" + model + "/" + model + ".png";
 }
 
@@ -122,9 +134,10 @@ TEST_P(GalleryPicture, MadeAnewItLooksAsItIsKept) {
   const TemporaryFolder folder;
   const std::string file = folder.path() + "/a.png";
   ASSERT_EQ(setenv("PYTHONPATH", (sourceFolder() + "/clients/python").c_str(), 1), 0);
-  const ProgramRun made = runProgram(
-      "run clients/gallery/" + GetParam() + pictures()[GetParam()] + " --size 800x600 --colours 48 --quiet -o " + file,
-      sourceFolder());
+  const ProgramRun made =
+      runProgram("run clients/gallery/" + GetParam() + pictures()[GetParam()] + " --size " +
+                     (isOfChapter(GetParam()) ? "320x240" : "800x600") + " --colours 48 --quiet -o " + file,
+                 sourceFolder());
   ASSERT_EQ(made.status, 0) << made.errors;
   const PictureImage kept = readPicture(galleryFile(GetParam()));
   const PictureImage fresh = readPicture(file);
@@ -146,7 +159,8 @@ std::vector<std::string> models() {
 
 INSTANTIATE_TEST_SUITE_P(Models, GalleryPicture, testing::ValuesIn(models()), [](const auto& parameter) {
   std::string name = parameter.param;
-  std::replace(name.begin(), name.end(), '-', '_');
+  std::replace_if(
+      name.begin(), name.end(), [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; }, '_');
   return name;
 });
 

@@ -139,7 +139,7 @@ class Gallery(unittest.TestCase):
 
     def test_every_model_is_complete_and_without_errors(self) -> None:
         listed = (GALLERY / "README.md").read_text(encoding="utf-8")
-        folders = sorted(path for path in GALLERY.iterdir() if path.is_dir())
+        folders = sorted(path for path in GALLERY.iterdir() if path.is_dir() and not path.name.startswith("chapter-"))
         self.assertTrue(folders)
         for folder in folders:
             with self.subTest(folder.name):

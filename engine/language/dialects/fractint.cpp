@@ -1,0 +1,348 @@
+#include "engine/language/dialects/fractint.h"
+
+#include <cmath>
+#include <map>
+#include <optional>
+#include <set>
+
+#include "engine/core/number_text.h"
+#include "engine/language/dialects/text_lines.h"
+
+namespace espalier::language {
+namespace {
+
+constexpr std::uint64_t kOrder = 2;  // derivation length: the file does not say, Fractint asks for it
+constexpr int kLeastAngle = 3;
+constexpr std::size_t kMostRepeated = 255;  // colours
+
+// the 16 colours of a VGA, which Fractint's colour numbers mean; 0 is the background
+constexpr PaletteColour kColours[16] = {{0, 0, 0},     {0, 0, 168},    {0, 168, 0},    {0, 168, 168},
+                                        {168, 0, 0},   {168, 0, 168},  {168, 84, 0},   {168, 168, 168},
+                                        {84, 84, 84},  {84, 84, 252},  {84, 252, 84},  {84, 252, 252},
+                                        {252, 84, 84}, {252, 84, 252}, {252, 252, 84}, {252, 252, 252}};
+constexpr int kFirstColour = 15;
+
+std::string_view withoutComment(std::string_view line) {
+  return line.substr(0, line.find(';'));
+}
+
+/// What the braces of an entry enclose.
+struct EntryText {
+  DialectEntry entry;
+  TextPiece body;
+  bool isClosed = false;
+};
+
+// comments may hold braces, so lines are looked at without them
+std::vector<EntryText> entryTexts(std::string_view text) {
+  std::vector<EntryText> found;
+  bool isOpen = false;
+  for (const TextPiece& line : linesOf(text)) {
+    const std::string_view code = withoutComment(line.text);
+    std::size_t at = 0;
+    if (!isOpen) {
+      const std::size_t brace = code.find('{');
+      if (brace == std::string_view::npos) {
+        continue;
+      }
+      const TextPiece name = line.to(brace).trimmed();
+      // a remark in parentheses may follow the name
+      const std::string_view word = name.text.substr(0, name.text.find_first_of(" \t("));
+      at = brace + 1;
+      found.push_back({{std::string(word), name.offset}, {text.substr(line.offset + at, 0), line.offset + at}, false});
+      isOpen = true;
+    }
+    const std::size_t close = code.find('}', at);
+    EntryText& entry = found.back();
+    const std::size_t end = close == std::string_view::npos ? line.text.size() : close;
+    entry.body.text = text.substr(entry.body.offset, line.offset + end - entry.body.offset);
+    if (close != std::string_view::npos) {
+      entry.isClosed = true;
+      isOpen = false;
+    }
+  }
+  // Fractint's own blocks of remarks are no entries
+  std::erase_if(found, [](const EntryText& entry) { return lowered(entry.entry.name) == "comment"; });
+  return found;
+}
+
+class FractintReader {
+ public:
+  FractintReader(std::string_view text, DialectReport& report) : text_(text), report_(report) {}
+
+  CpfgModel read(const EntryText& entry) {
+    for (const TextPiece& line : linesOf(entry.body.text, entry.body.offset)) {
+      const TextPiece statement = TextPiece{withoutComment(line.text), line.offset}.trimmed();
+      if (!statement.empty()) {
+        readStatement(statement);
+      }
+    }
+    if (!entry.isClosed) {
+      report_.error(entry.entry.offset, entry.entry.name.size(), "the entry '" + entry.entry.name + "' has no '}'",
+                    "an entry is NAME { Angle N, Axiom STRING and rules X=STRING, one a line }");
+    }
+    if (!angle_) {
+      report_.error(entry.entry.offset, entry.entry.name.size(), "the entry '" + entry.entry.name + "' has no Angle",
+                    "'Angle 6' makes + and - turn by 360/6 degrees");
+    }
+    if (model_.axiom.empty()) {
+      report_.error(entry.entry.offset, entry.entry.name.size(), "the entry '" + entry.entry.name + "' has no Axiom",
+                    "write the first string behind the word Axiom");
+    }
+    finish(entry.entry.offset);
+    return std::move(model_);
+  }
+
+ private:
+  void readStatement(const TextPiece& statement) {
+    const std::size_t wordEnd = std::min(statement.text.find_first_of(" \t="), statement.text.size());
+    const std::string word = lowered(statement.text.substr(0, wordEnd));
+    TextPiece value = statement.from(wordEnd).trimmed();
+    // `angle=6` and `axiom=F` are read as well
+    if (word == "angle" || word == "axiom") {
+      value = value.text.starts_with('=') ? value.from(1).trimmed() : value;
+      return word == "angle" ? readAngle(value, statement) : readAxiom(value, statement);
+    }
+    const std::size_t equals = statement.text.find('=');
+    if (equals == std::string_view::npos) {
+      report_.error(
+          statement.offset, statement.text.size(),
+          "expected Angle, Axiom or a rule X=..., found '" + std::string(statement.text.substr(0, 40)) + "'",
+          std::string(core::nearestName(word, {"angle", "axiom"}).empty()
+                          ? "a rule is one character, '=' and its string"
+                          : "did you mean '" + std::string(core::nearestName(word, {"angle", "axiom"})) + "'?"));
+      return;
+    }
+    readRule(statement.to(equals).trimmed(), statement.from(equals + 1).trimmed());
+  }
+
+  void readAngle(const TextPiece& value, const TextPiece& statement) {
+    const std::optional<double> number = core::parseNumber(value.text);
+    if (!number || *number != std::floor(*number) || *number < kLeastAngle || *number > 1e6) {
+      report_.error(value.empty() ? statement.offset : value.offset, value.text.size(),
+                    "expected a whole number from 3 up while reading Angle, found '" +
+                        std::string(value.text.substr(0, 40)) + "'",
+                    "+ and - turn by 360 degrees divided by it");
+      angle_ = kLeastAngle;
+      return;
+    }
+    angle_ = static_cast<int>(*number);
+  }
+
+  void readAxiom(const TextPiece& value, const TextPiece& statement) {
+    checkBrackets(text_, value.offset, value.offset + value.text.size(), "the Axiom", report_);
+    model_.axiom = modules(value);
+    if (model_.axiom.empty()) {
+      report_.error(statement.offset, statement.text.size(), "the Axiom is empty", "write the first string behind it");
+      model_.axiom.make("F", statement.offset);
+    }
+  }
+
+  void readRule(const TextPiece& predecessor, const TextPiece& successor) {
+    if (predecessor.text.size() != 1) {
+      report_.error(predecessor.offset, predecessor.text.size(),
+                    "expected one character before '=', found '" + std::string(predecessor.text.substr(0, 40)) + "'",
+                    "a rule is one character, '=' and its string");
+      return;
+    }
+    const char symbol = upper(predecessor.text.front());
+    if (std::string_view("\\/@<>[]").find(symbol) != std::string_view::npos || !isSymbol(symbol)) {
+      report_.error(predecessor.offset, 1, std::string("the character '") + symbol + "' cannot be rewritten",
+                    "give the rule a letter");
+      return;
+    }
+    checkBrackets(text_, successor.offset, successor.offset + successor.text.size(),
+                  std::string("the rule of ") + symbol, report_);
+    used_.insert(symbol);
+    // several rules of one character add up
+    auto [rule, isNew] = rules_.try_emplace(symbol);
+    if (isNew) {
+      order_.push_back(symbol);
+      rule->second.offset = predecessor.offset;
+    }
+    rule->second.successor.add(modules(successor));
+  }
+
+  static char upper(char c) { return static_cast<char>(std::toupper(static_cast<unsigned char>(c))); }
+  // of those that cpfg can hold as a symbol without a parameter
+  static bool isSymbol(char c) {
+    return c > ' ' && c < 127 && std::string_view("<>:*%?$();,\"'{}#~&^._").find(c) == std::string_view::npos;
+  }
+
+  // a number with I (inverse) and Q (square root) before it; `at` moves behind it
+  std::optional<double> readNumber(std::string_view text, std::size_t& at) {
+    bool isInverse = false;
+    bool isRoot = false;
+    std::size_t position = at;
+    for (; position < text.size() && (upper(text[position]) == 'I' || upper(text[position]) == 'Q'); ++position) {
+      (upper(text[position]) == 'I' ? isInverse : isRoot) = true;
+    }
+    std::size_t end = position;
+    while (end < text.size() && (std::isdigit(static_cast<unsigned char>(text[end])) != 0 || text[end] == '.')) {
+      ++end;
+    }
+    const std::optional<double> number = core::parseNumber(text.substr(position, end - position));
+    if (!number) {
+      return std::nullopt;
+    }
+    at = end;
+    const double root = isRoot ? std::sqrt(*number) : *number;
+    return isInverse ? 1.0 / root : root;
+  }
+
+  MappedText modules(const TextPiece& piece) {
+    MappedText result;
+    const std::string_view text = piece.text;
+    for (std::size_t at = 0; at < text.size();) {
+      const std::size_t begin = at;
+      const std::size_t offset = piece.offset + begin;
+      const char symbol = upper(text[at]);
+      if (symbol == ' ' || symbol == '\t') {
+        ++at;
+        continue;
+      }
+      at += 1;
+      const std::string_view before = result.text();
+      const bool isColour =
+          symbol == 'C' && at < text.size() && std::isdigit(static_cast<unsigned char>(text[at])) != 0;
+      if (symbol == '@' || symbol == '\\' || symbol == '/' || isColour) {
+        const std::optional<double> number = readNumber(text, at);
+        if (!number || !std::isfinite(*number)) {
+          report_.error(offset, 1, std::string("expected a number behind '") + symbol + "'",
+                        symbol == '@' ? "'@.5' halves the step, '@I2' too, '@Q2' multiplies it by the root of 2"
+                                      : "'\\30' turns left by 30 degrees, '/30' right");
+          continue;
+        }
+        // two slashes in a row would begin a comment, and so would a slash and a star
+        result.make(std::string(before.ends_with('/') ? " " : "") + symbol + "(" + cpfgNumber(*number) + ")", offset);
+        used_.insert(symbol);
+        parametric_.insert(symbol);
+      } else if (symbol == '<' || symbol == '>') {
+        std::size_t end = at;
+        while (end < text.size() && std::isdigit(static_cast<unsigned char>(text[end])) != 0) {
+          ++end;
+        }
+        const double count = core::parseNumber(text.substr(at, end - at)).value_or(1.0);
+        at = end;
+        const auto repeated = std::min(static_cast<std::size_t>(std::fmod(count, 256.0)), kMostRepeated);
+        result.make(std::string(repeated, symbol == '<' ? ';' : ','), offset);
+        usesColour_ = true;
+      } else if (!isSymbol(symbol)) {
+        const std::size_t length = std::min(characterLength(text[begin]), text.size() - begin);
+        report_.error(offset, length,
+                      "the character '" + std::string(text.substr(begin, length)) + "' cannot be a symbol here",
+                      "use a letter instead");
+        at = begin + length;
+      } else {
+        if (text[begin] == symbol) {
+          result.copy(text.substr(begin, 1), offset);
+        } else {
+          result.make(std::string(1, symbol), offset);
+        }
+        used_.insert(symbol);
+      }
+    }
+    return result;
+  }
+
+  void finish(std::size_t offset) {
+    for (const char symbol : order_) {
+      const Rule& rule = rules_.at(symbol);
+      MappedText production(std::string(1, symbol) + " --> ", rule.offset);
+      production.add(rule.successor.empty() ? MappedText("*", rule.offset) : rule.successor);
+      model_.productions.push_back(std::move(production));
+    }
+    const int parts = angle_.value_or(kLeastAngle);
+    model_.derivationLength = kOrder;
+    model_.angleDegrees = 360.0 / parts;
+    model_.headingDegrees = 0.0;
+    const auto draw = [&](char symbol, const std::string& modules) {
+      if (used_.count(symbol) > 0) {
+        const std::string formal =
+            parametric_.count(symbol) > 0 ? std::string(1, symbol) + "(x)" : std::string(1, symbol);
+        model_.drawing.emplace_back(formal + " --> " + modules, offset);
+      }
+    };
+    draw('G', "f");
+    draw('D', "F");
+    draw('M', "f");
+    draw('\\', "+(x)");
+    draw('/', "-(x)");
+    draw('@', "@Di(x)");
+    // half a turn, or the most below it that has whole parts
+    draw('|', "+(" + cpfgNumber(parts / 2 * 360.0 / parts) + ")");
+    // the turtle on its back has left and right exchanged
+    draw('!', "/(180)");
+    if (parametric_.count('C') > 0) {
+      draw('C', ";(x)");
+    }
+    if (usesColour_ || parametric_.count('C') > 0) {
+      model_.colour = kFirstColour;
+      model_.lost.emplace_back("the 16 colours of the screen that the color numbers mean, and the first of them, 15");
+      for (int i = 0; i < 256; ++i) {
+        model_.palette[i] = kColours[i % 16];
+      }
+    }
+    const auto uses = [&](std::string_view symbols) {
+      return std::any_of(symbols.begin(), symbols.end(), [&](char symbol) { return used_.count(symbol) > 0; });
+    };
+    const bool hasBoth = (uses("FG") && uses("DM")) || (uses("+-|") && uses("\\/"));
+    if (hasBoth) {
+      report_.warn(
+          offset, 1,
+          "the entry turns in two ways, + and - (for F and G) and \\ and / (for D and M): both turn one heading "
+          "here, so that its picture may differ",
+          "its strings are exact");
+    }
+  }
+
+  struct Rule {
+    MappedText successor;
+    std::size_t offset = 0;
+  };
+
+  std::string_view text_;
+  DialectReport& report_;
+  CpfgModel model_;
+  std::optional<int> angle_;
+  std::map<char, Rule> rules_;
+  std::vector<char> order_;  // of the rules' first lines
+  std::set<char> used_;
+  std::set<char> parametric_;  // with a number
+  bool usesColour_ = false;
+};
+
+}  // namespace
+
+bool recognisesFractint(std::string_view text) {
+  for (const EntryText& entry : entryTexts(text)) {
+    for (const TextPiece& line : linesOf(entry.body.text)) {
+      const std::string word = lowered(TextPiece{withoutComment(line.text), 0}.trimmed().text).substr(0, 5);
+      if (word == "angle" || word == "axiom") {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+std::vector<DialectEntry> fractintEntries(std::string_view text) {
+  std::vector<DialectEntry> entries;
+  for (EntryText& found : entryTexts(text)) {
+    entries.push_back(std::move(found.entry));
+  }
+  return entries;
+}
+
+CpfgModel translateFractint(std::string_view text, const std::string& entry, DialectReport& report) {
+  for (const EntryText& found : entryTexts(text)) {
+    if (found.entry.name == entry) {
+      return FractintReader(text, report).read(found);
+    }
+  }
+  report.error(0, 1, "the file has no entry",
+               "an entry is NAME { Angle N, Axiom STRING and rules X=STRING, one a line }");
+  return {};
+}
+
+}  // namespace espalier::language

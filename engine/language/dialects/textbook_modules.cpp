@@ -1,0 +1,302 @@
+#include "engine/language/dialects/textbook_modules.h"
+
+#include <array>
+#include <cctype>
+#include <utility>
+
+#include "engine/core/number_text.h"
+
+namespace espalier::language {
+namespace {
+
+using Pair = std::pair<std::string_view, std::string_view>;
+
+// signs that print as one character and mean another
+constexpr std::array kSigns = {Pair{"−", "-"}, Pair{"–", "-"}, Pair{"—", "-"}, Pair{"ˆ", "^"}};
+constexpr std::array kOperators = {Pair{"≤", "<="},  Pair{"≥", ">="},  Pair{"≠", "!="},  Pair{"∧", "&&"},
+                                   Pair{"∨", "||"},  Pair{"−", "-"},   Pair{"·", "*"},   Pair{"×", "*"},
+                                   Pair{"<=", "<="}, Pair{">=", ">="}, Pair{"==", "=="}, Pair{"!=", "!="},
+                                   Pair{"=", "=="}};
+constexpr std::array<std::string_view, 10> kSubscriptDigits{"₀", "₁", "₂", "₃", "₄", "₅", "₆", "₇", "₈", "₉"};
+constexpr std::string_view kLeaf = "♠";
+
+template <std::size_t Count>
+const Pair* pairAt(const std::array<Pair, Count>& pairs, std::string_view text) {
+  for (const Pair& pair : pairs) {
+    if (text.starts_with(pair.first)) {
+      return &pair;
+    }
+  }
+  return nullptr;
+}
+
+bool isDigit(char c) {
+  return std::isdigit(static_cast<unsigned char>(c)) != 0;
+}
+
+bool isLetter(char c) {
+  return std::isalpha(static_cast<unsigned char>(c)) != 0;
+}
+
+// `n`, `n+1`, `n - 1` or a whole number; else a name
+Subscript subscriptOf(std::string text) {
+  std::erase(text, ' ');
+  for (std::size_t at = text.find("−"); at != std::string::npos; at = text.find("−")) {
+    text.replace(at, std::string_view("−").size(), "-");
+  }
+  Subscript subscript;
+  if (const auto number = core::parseNumber(text); number && isDigit(text.front())) {
+    subscript.kind = Subscript::Kind::Number;
+    subscript.shift = static_cast<int>(*number);
+  } else if (text.starts_with('n') && (text.size() == 1 || text[1] == '+' || text[1] == '-')) {
+    const auto shift = text.size() == 1 ? std::optional(0.0) : core::parseNumber(text.substr(text[1] == '+' ? 2 : 1));
+    subscript.kind = shift ? Subscript::Kind::Level : Subscript::Kind::Name;
+    subscript.shift = static_cast<int>(shift.value_or(0.0));
+    subscript.name = text;
+  } else {
+    subscript.kind = Subscript::Kind::Name;
+    subscript.name = text;
+  }
+  return subscript;
+}
+
+std::string levelText(const Subscript& subscript, int predecessorShift) {
+  if (subscript.kind == Subscript::Kind::Number) {
+    return std::to_string(subscript.shift);
+  }
+  const int difference = subscript.shift - predecessorShift;
+  return difference == 0 ? "n" : (difference > 0 ? "n+" : "n") + std::to_string(difference);
+}
+
+}  // namespace
+
+std::optional<double> textbookNumber(std::string_view text) {
+  std::string plain(text);
+  for (const std::string_view sign : {"°", "º", "^\\circ", " "}) {
+    for (std::size_t at = plain.find(sign); at != std::string::npos; at = plain.find(sign)) {
+      plain.erase(at, sign.size());
+    }
+  }
+  std::replace(plain.begin(), plain.end(), ',', '.');
+  const std::size_t slash = plain.find('/');
+  const auto above = core::parseNumber(std::string_view(plain).substr(0, slash));
+  if (!above || slash == std::string::npos) {
+    return above;
+  }
+  const auto below = core::parseNumber(std::string_view(plain).substr(slash + 1));
+  return below && *below != 0.0 ? std::optional(*above / *below) : std::nullopt;
+}
+
+Subscript readSubscript(std::string_view text, std::size_t& at) {
+  std::string digits;
+  for (bool isFound = true; isFound;) {
+    isFound = false;
+    for (std::size_t digit = 0; digit < kSubscriptDigits.size(); ++digit) {
+      if (text.substr(at).starts_with(kSubscriptDigits[digit])) {
+        digits += static_cast<char>('0' + digit);
+        at += kSubscriptDigits[digit].size();
+        isFound = true;
+      }
+    }
+  }
+  if (!digits.empty()) {
+    return subscriptOf(digits);
+  }
+  if (at + 1 >= text.size() || text[at] != '_') {
+    return {};
+  }
+  if (text[at + 1] == '{') {
+    const std::size_t end = text.find('}', at);
+    if (end == std::string_view::npos) {
+      return {};
+    }
+    const std::string inner(text.substr(at + 2, end - at - 2));
+    at = end + 1;
+    return inner.empty() ? Subscript{} : subscriptOf(inner);
+  }
+  if (!isLetter(text[at + 1]) && !isDigit(text[at + 1])) {
+    return {};
+  }
+  std::size_t end = at + 2;
+  while (isDigit(text[at + 1]) && end < text.size() && isDigit(text[end])) {
+    ++end;
+  }
+  const std::string inner(text.substr(at + 1, end - at - 1));
+  at = end;
+  return subscriptOf(inner);
+}
+
+MappedText TextbookModules::modules(const TextPiece& piece, int predecessorShift) {
+  MappedText result;
+  const std::string_view text = piece.text;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t begin = at;
+    const std::size_t offset = piece.offset + begin;
+    const char c = text[at];
+    if (c == ' ' || c == '\t' || c == '\r' || c == '\n') {
+      ++at;
+      continue;
+    }
+    std::string symbol(1, c);
+    at += characterLength(c);
+    if (const Pair* sign = pairAt(kSigns, text.substr(begin))) {
+      symbol = sign->second;
+    } else if (text.substr(begin).starts_with(kLeaf)) {
+      symbols_.hasLeaf = true;
+      result.make("@o(0.4)", offset);
+      continue;
+    } else if (text.substr(begin).starts_with("ε")) {
+      continue;
+    } else if (static_cast<unsigned char>(c) > 126 || c < ' ' ||
+               std::string_view("<>:*()").find(c) != std::string_view::npos) {
+      const std::size_t length = std::min(characterLength(c), text.size() - begin);
+      report_.error(offset, length,
+                    "the character '" + std::string(text.substr(begin, length)) + "' cannot be a module here",
+                    c == '(' ? "parameters stand directly behind their symbol"
+                             : "a module is a letter or a sign of the turtle, with parameters in parentheses");
+      at = begin + length;
+      continue;
+    }
+    // two slashes in a row would begin a comment
+    if (symbol == "/" && std::string_view(result.text()).ends_with('/')) {
+      result.make(" ", offset);
+    }
+    const Subscript subscript = isLetter(c) ? readSubscript(text, at) : Subscript{};
+    const bool hasParameters = at < text.size() && text[at] == '(';
+    if (subscript.kind == Subscript::Kind::Name) {
+      symbol += "_" + subscript.name;
+      symbols_.names.insert(symbol);
+    }
+    if (subscript.kind == Subscript::Kind::Level || subscript.kind == Subscript::Kind::Number) {
+      symbols_.levelled.insert(symbol);
+      result.make(symbol + "(" + levelText(subscript, predecessorShift) + ")", offset);
+      continue;
+    }
+    if (symbol == text.substr(begin, 1)) {
+      result.copy(symbol, offset);
+    } else {
+      result.make(symbol, offset);
+    }
+    if (!hasParameters) {
+      if (symbol.size() == 1) {
+        symbols_.plain.insert(symbol.front());
+      }
+      continue;
+    }
+    // parameters up to the parenthesis that closes the list
+    std::size_t end = at;
+    int depth = 0;
+    do {
+      depth += text[end] == '(' ? 1 : text[end] == ')' ? -1 : 0;
+      ++end;
+    } while (end < text.size() && depth > 0);
+    if (depth > 0) {
+      report_.error(piece.offset + at, 1, "the parenthesis '(' of " + symbol + " is never closed",
+                    "the parameters of a module stand between '(' and ')'");
+    }
+    const bool isTurn = symbol.size() == 1 && std::string_view("+-&^/\\").find(symbol) != std::string_view::npos;
+    appendParameters(result, {text.substr(at, end - at), piece.offset + at}, isTurn);
+    at = end;
+  }
+  return result;
+}
+
+void TextbookModules::setFormals(const TextPiece& predecessor) {
+  formals_.clear();
+  int depth = 0;
+  std::string name;
+  for (const char c : predecessor.text) {
+    depth += c == '(' ? 1 : c == ')' ? -1 : 0;
+    const bool isPart = depth > 0 && (isLetter(c) || isDigit(c));
+    if (isPart) {
+      name += c;
+    } else if (!name.empty()) {
+      formals_.insert(std::exchange(name, {}));
+    }
+  }
+}
+
+MappedText TextbookModules::expression(const TextPiece& piece) {
+  MappedText result;
+  appendExpression(result, piece, true);
+  return result;
+}
+
+void TextbookModules::appendExpression(MappedText& result, const TextPiece& piece, bool isCondition) const {
+  const std::string_view text = piece.text;
+  char previous = '(';  // the last character that is no blank
+  for (std::size_t at = 0; at < text.size();) {
+    const char c = text[at];
+    const std::size_t offset = piece.offset + at;
+    const bool isSign = static_cast<unsigned char>(c) > 126;
+    const Pair* found = isCondition || isSign ? pairAt(kOperators, text.substr(at)) : nullptr;
+    if (found != nullptr) {
+      result.make(found->second, offset);
+      at += found->first.size();
+      previous = '=';
+      continue;
+    }
+    std::size_t end = at + 1;
+    while (isLetter(c) && end < text.size() && (isLetter(text[end]) || isDigit(text[end]))) {
+      ++end;
+    }
+    const std::string word(text.substr(at, end - at));
+    const bool isOperand = isLetter(previous) || isDigit(previous) || previous == ')' || previous == '.';
+    if (painter_.areRead && word == "%" && !isOperand) {
+      result.make("floor(ran(100))", offset);
+      previous = ')';
+    } else if (painter_.areRead && word == "t" && formals_.count(word) == 0) {
+      result.make("Q", offset);
+      previous = 'Q';
+    } else if (painter_.areRead && isCondition && (word == "&" || word == "|") && previous != c) {
+      const std::size_t twice = text.substr(at).starts_with(word + word) ? 2 : 1;
+      result.make(word + word, offset);
+      end = at + twice;
+      previous = c;
+    } else {
+      result.copy(text.substr(at, end - at), offset);
+      previous = c == ' ' || c == '\t' ? previous : text[end - 1];
+    }
+    at = end;
+  }
+}
+
+void TextbookModules::appendParameters(MappedText& result, const TextPiece& piece, bool isTurn) const {
+  // a comma of its own list parts the bounds of a random angle
+  std::vector<std::size_t> commas;
+  int depth = 0;
+  for (std::size_t i = 0; i < piece.text.size(); ++i) {
+    depth += piece.text[i] == '(' ? 1 : piece.text[i] == ')' ? -1 : 0;
+    if (piece.text[i] == ',' && depth == 1) {
+      commas.push_back(i);
+    }
+  }
+  if (!painter_.areRead || !isTurn || commas.size() != 1 || !piece.text.ends_with(')')) {
+    return appendExpression(result, piece, false);
+  }
+  const TextPiece least = piece.to(commas.front()).from(1);
+  const TextPiece most = piece.to(piece.text.size() - 1).from(commas.front() + 1);
+  result.make("((", piece.offset);
+  appendExpression(result, least, false);
+  result.make(")+ran((", least.offset);
+  appendExpression(result, most, false);
+  result.make(")-(", most.offset);
+  appendExpression(result, least, false);
+  result.make(")))", most.offset);
+}
+
+std::optional<TextbookModules::Levelled> TextbookModules::levelled(const TextPiece& piece) {
+  const TextPiece trimmed = piece.trimmed();
+  if (trimmed.empty() || !isLetter(trimmed.text.front())) {
+    return std::nullopt;
+  }
+  std::size_t at = 1;
+  Subscript subscript = readSubscript(trimmed.text, at);
+  const bool isLevel = subscript.kind == Subscript::Kind::Level || subscript.kind == Subscript::Kind::Number;
+  if (!isLevel || at != trimmed.text.size()) {
+    return std::nullopt;
+  }
+  return Levelled{std::string(1, trimmed.text.front()), std::move(subscript)};
+}
+
+}  // namespace espalier::language

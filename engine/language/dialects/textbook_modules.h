@@ -1,0 +1,74 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+
+#include "engine/language/dialects/text_lines.h"
+#include "engine/language/dialects/translation.h"
+
+namespace espalier::language {
+
+/// A subscript: a level of a recurrence, `n + shift` or the number `shift`, or a name.
+struct Subscript {
+  enum class Kind : std::uint8_t { None, Level, Number, Name };
+  Kind kind = Kind::None;
+  int shift = 0;
+  std::string name;
+};
+
+/// The symbols that the modules of a textbook's model use.
+struct TextbookSymbols {
+  std::set<char> plain;            // without parameter and subscript
+  std::set<std::string> names;     // with a name as subscript: F_a
+  std::set<std::string> levelled;  // with a level as subscript
+  bool hasLeaf = false;            // the sign ♠
+};
+
+/// What Turtle Painter adds to the notation.
+struct PainterSigns {
+  /// `%` as a value is a random whole number from 0 to 99, `t` the number of the step, and a turn with two parameters
+  /// is by a random angle between them.
+  bool areRead = false;
+};
+
+/// Brings strings of modules and expressions of the textbook notation into cpfg's.
+class TextbookModules {
+ public:
+  TextbookModules(DialectReport& report, TextbookSymbols& symbols, PainterSigns painter)
+      : report_(report), symbols_(symbols), painter_(painter) {}
+
+  /// The names of a production's formal parameters: they hide `t`.
+  void setFormals(const TextPiece& predecessor);
+
+  /// A string of modules: blanks are left out, subscripts become names or parameters. In a successor levels count from
+  /// the predecessor's, `n + predecessorShift`.
+  [[nodiscard]] MappedText modules(const TextPiece& piece, int predecessorShift = 0);
+  /// A condition or probability: `=` is `==`, `≤`, `≥`, `≠`, `∧` and `∨` are written out.
+  [[nodiscard]] MappedText expression(const TextPiece& piece);
+  /// A symbol with a subscript that is a level or a number, alone: the predecessor of a recurrence.
+  struct Levelled {
+    std::string name;
+    Subscript subscript;
+  };
+  [[nodiscard]] static std::optional<Levelled> levelled(const TextPiece& piece);
+
+ private:
+  void appendExpression(MappedText& result, const TextPiece& piece, bool isCondition) const;
+  void appendParameters(MappedText& result, const TextPiece& piece, bool isTurn) const;
+
+  DialectReport& report_;
+  TextbookSymbols& symbols_;
+  PainterSigns painter_;
+  std::set<std::string> formals_;
+};
+
+/// The subscript at `at` of the text, which moves behind it.
+[[nodiscard]] Subscript readSubscript(std::string_view text, std::size_t& at);
+
+/// A number with a decimal point or comma, possibly a fraction and with a degree sign.
+[[nodiscard]] std::optional<double> textbookNumber(std::string_view text);
+
+}  // namespace espalier::language

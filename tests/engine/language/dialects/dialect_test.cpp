@@ -1,0 +1,106 @@
+#include "engine/language/dialects/dialect.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/engine/language/dialects/dialect_text.h"
+
+namespace espalier::language {
+namespace {
+
+const char* const kTwo = "First { angle 4\naxiom f\n}\nSecond { angle 6\naxiom ff\n}\n";
+
+TEST(Dialect, IsRecognisedByContent) {
+  EXPECT_EQ(recognised("Koch {\n Angle 6\n Axiom F\n F=F+F\n}\n"), "fractint");
+  EXPECT_EQ(recognised("axiom F\nangle 60\nprule F -> F+F\n"), "lsv");
+  EXPECT_EQ(recognised("Espécie 6\nAxioma: F\nRegras: F -> F[+F]F\n"), "species");
+  EXPECT_EQ(recognised("ω: F\np1: F → F+F\n"), "textbook");
+  EXPECT_EQ(recognised("w: F\np: F -> F[+F]F : 0.5\n"), "textbook");
+  EXPECT_EQ(recognised("// Turtle Painter\nω = F\nF → FF\n"), "turtle-painter");
+  EXPECT_EQ(recognised("ω = A(1)\nA(p) : (p>%) → F A(p)\n"), "turtle-painter");
+}
+
+TEST(Dialect, LeavesCpfgAlone) {
+  EXPECT_EQ(recognised("Lsystem: 1\nAxiom: F\nF --> FF\nendlsystem\n"), "");
+  EXPECT_EQ(recognised("#include \"model.h\"\n"), "");
+  // a broken cpfg model is reported as one
+  EXPECT_EQ(recognised("Axiom: F\nF --> FF\nendlsystem\n"), "");
+  EXPECT_EQ(recognised(""), "");
+}
+
+TEST(Dialect, IsOverriddenByName) {
+  const std::string text = "w: F\np: F -> FF\n";
+  EXPECT_EQ(foreignMessages(text, {}, "lsv").front().substr(0, 26), "1:1: error: unknown comman");
+  EXPECT_EQ(foreignMessages(text, {}, "cpfg").front().substr(0, 11), "1:1: error:");
+  EXPECT_EQ(
+      foreignMessages(text, {}, "textbok"),
+      Messages{"1:1: error: there is no dialect 'textbok' | Did you mean 'textbook'? Available: cpfg, fractint, lsv, "
+               "species, turtle-painter, textbook."});
+}
+
+TEST(Dialect, AnEntryIsChosenWithoutRegardToCase) {
+  EXPECT_NE(cpfgText(kTwo, "second").find("Axiom: FF\n"), std::string::npos);
+  EXPECT_NE(cpfgText(kTwo, "First").find("Axiom: F\n"), std::string::npos);
+}
+
+TEST(Dialect, WithoutAnEntryTheFirstIsUsedAndTheOthersAreNamed) {
+  const CompileResult result = compileForeign(kTwo);
+  ASSERT_NE(result.program, nullptr);
+  ASSERT_EQ(result.diagnostics.entries().size(), 1U);
+  EXPECT_EQ(result.diagnostics.entries().front().severity, core::Severity::Note);
+  EXPECT_EQ(result.diagnostics.entries().front().message,
+            "the file holds 2 models and the first is used: First, Second");
+  EXPECT_EQ(result.diagnostics.entries().front().hint, "m.txt:NAME chooses another");
+}
+
+TEST(Dialect, AnEntryThatIsNotThereIsAnError) {
+  EXPECT_EQ(foreignMessages(kTwo, "Secnd"),
+            Messages{"1:1: error: the file has no entry 'Secnd' | Did you mean 'Second'? Available: First, Second."});
+  EXPECT_EQ(foreignMessages("ω: F\nF → FF\n", "X"),
+            Messages{"1:1: error: the file has no entry 'X' | it holds one model: leave the ':' and the name out"});
+}
+
+TEST(Dialect, MessagesOfTheCompilerNameTheForeignLine) {
+  EXPECT_EQ(
+      foreignMessages("ω: A(1)\n\np1: A(x) → F(x)A(x+y)\n"),
+      Messages{"3:22: warning: unknown name 'y' in the successor of A(x): its value is 0 | names visible here: x, Q, "
+               "Z"});
+}
+
+TEST(Dialect, ASnapshotsFilesCompileToTheSameProgram) {
+  const CompileResult first = compileForeign(kTwo, "Second");
+  ASSERT_NE(first.program, nullptr);
+  core::MemoryFileProvider files;
+  for (const SourceMap::File& file : first.program->sources) {
+    files.add(file.name, file.text);
+  }
+  CompileInput input;
+  input.modelFile = first.program->modelFile;
+  input.viewFile = first.program->viewFile;
+  const CompileResult second = compile(input, files);
+  ASSERT_NE(second.program, nullptr);
+  EXPECT_EQ(second.program->hash, first.program->hash);
+  EXPECT_EQ(second.program->view.angleIncrementDegrees, 60.0);
+  EXPECT_EQ(second.program->view.initialHeading, (core::Vec3{1.0, 0.0, 0.0}));
+}
+
+TEST(Dialect, AViewFileOfTheCallerCountsAfterTheDialects) {
+  core::MemoryFileProvider files({{"a/m.txt", "ω: F\nδ = 30°\nα0 = 0\nF → FF\n"}, {"b/v.v", "angle increment: 10\n"}});
+  CompileInput input;
+  input.modelFile = "a/m.txt";
+  input.viewFile = "b/v.v";
+  const CompileResult result = compile(input, files);
+  ASSERT_NE(result.program, nullptr);
+  EXPECT_EQ(result.program->view.angleIncrementDegrees, 10.0);
+  EXPECT_EQ(result.program->view.initialHeading, (core::Vec3{1.0, 0.0, 0.0}));
+}
+
+TEST(Dialect, BracketsWithoutPartnerAreErrorsInEveryDialect) {
+  EXPECT_EQ(
+      foreignMessages("ω: F[+F\nF → F]F\nδ = 30°\n"),
+      (Messages{"1:6: error: the bracket '[' is never closed in the axiom | a ']' goes back to where the turtle was "
+                "at '['",
+                "2:8: error: ']' closes no bracket in the successor | each ']' goes back to the '[' before it"}));
+}
+
+}  // namespace
+}  // namespace espalier::language

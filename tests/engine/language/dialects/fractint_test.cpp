@@ -1,0 +1,101 @@
+#include "engine/language/dialects/fractint.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/engine/language/dialects/dialect_text.h"
+
+namespace espalier::language {
+namespace {
+
+std::string entry(const std::string& lines) {
+  return "Koch { ; a remark with { and }\n" + lines + "}\n";
+}
+
+TEST(Fractint, BecomesCpfgTextInCapitals) {
+  EXPECT_EQ(cpfgText(entry("  angle 6\n  axiom f--f ; remark\n  f=f+f\n")),
+            "Lsystem: 1\nderivation length: 2\nAxiom: F--F\nF --> F+F\nendlsystem\n");
+}
+
+TEST(Fractint, StartsAlongXAndTurnsByAPartOfTheCircle) {
+  const CompileResult result = compileForeign(entry("angle 6\naxiom f\n"));
+  ASSERT_NE(result.program, nullptr);
+  EXPECT_EQ(result.program->view.angleIncrementDegrees, 60.0);
+  EXPECT_EQ(result.program->view.initialHeading, (core::Vec3{1.0, 0.0, 0.0}));
+}
+
+TEST(Fractint, RulesOfOneCharacterAddUp) {
+  EXPECT_NE(cpfgText(entry("angle 6\naxiom f\nf=f+\nf=f\n")).find("\nF --> F+F\n"), std::string::npos);
+  EXPECT_NE(cpfgText(entry("angle 6\naxiom f\nf=\n")).find("\nF --> *\n"), std::string::npos);
+}
+
+TEST(Fractint, NumbersBecomeParameters) {
+  const std::string text = cpfgText(entry("angle 6\naxiom @.5f@i2f@q9f@iq4f\\30d/15m/45\n"));
+  EXPECT_NE(text.find("Axiom: @(0.5)F@(0.5)F@(3)F@(0.5)F\\(30)D/(15)M/(45)\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("@(x) --> @Di(x)\n"), std::string::npos);
+  EXPECT_NE(text.find("\\(x) --> +(x)\n"), std::string::npos);
+  EXPECT_NE(text.find("/(x) --> -(x)\n"), std::string::npos);
+  EXPECT_NE(text.find("D --> F\n"), std::string::npos);
+  EXPECT_NE(text.find("M --> f\n"), std::string::npos);
+}
+
+TEST(Fractint, ColoursAreThoseOfTheScreen) {
+  const CompileResult result = compileForeign(entry("angle 6\naxiom C4F<2F>FG\n"));
+  ASSERT_NE(result.program, nullptr);
+  EXPECT_NE(result.program->sources.front().text.find("Axiom: C(4)F;;F,FG\n"), std::string::npos);
+  EXPECT_NE(result.program->sources.front().text.find("C(x) --> ;(x)\n"), std::string::npos);
+  EXPECT_NE(result.program->sources.front().text.find("G --> f\n"), std::string::npos);
+  EXPECT_EQ(result.program->view.initialColour, 15);
+  EXPECT_EQ(result.program->view.palette.colour(4), (PaletteColour{168, 0, 0}));
+  EXPECT_EQ(result.program->view.palette.background(), (PaletteColour{0, 0, 0}));
+}
+
+TEST(Fractint, TurnsRoundByWholePartsAndExchangesLeftAndRight) {
+  EXPECT_NE(cpfgText(entry("angle 8\naxiom f|f!f\n")).find("| --> +(180)\n! --> /(180)\n"), std::string::npos);
+  EXPECT_NE(cpfgText(entry("angle 5\naxiom f|f\n")).find("| --> +(144)\n"), std::string::npos);
+}
+
+TEST(Fractint, ErrorsNameItsLinesAndTerms) {
+  const auto messages = [](const std::string& lines) { return foreignMessages(entry(lines)); };
+  EXPECT_EQ(messages("angle 6\nf=ff\n"),
+            Messages{"1:1: error: the entry 'Koch' has no Axiom | write the first string behind the word Axiom"});
+  EXPECT_EQ(messages("axiom f\n"),
+            Messages{"1:1: error: the entry 'Koch' has no Angle | 'Angle 6' makes + and - turn by 360/6 degrees"});
+  EXPECT_EQ(
+      messages("angle -6\naxiom f\n"),
+      Messages{"2:7: error: expected a whole number from 3 up while reading Angle, found '-6' | + and - turn by 360 "
+               "degrees divided by it"});
+  EXPECT_EQ(
+      messages("angle 6\naxiom f[+f\n"),
+      Messages{"3:8: error: the bracket '[' is never closed in the Axiom | a ']' goes back to where the turtle was "
+               "at '['"});
+  EXPECT_EQ(
+      messages("angle 6\naxiom f@f\n"),
+      Messages{"3:8: error: expected a number behind '@' | '@.5' halves the step, '@I2' too, '@Q2' multiplies it by "
+               "the root of 2"});
+  EXPECT_EQ(messages("angle 6\naxiom f\\f\n"),
+            Messages{"3:8: error: expected a number behind '\\' | '\\30' turns left by 30 degrees, '/30' right"});
+  EXPECT_EQ(messages("angle 6\naxiom f\nff=f\n"),
+            Messages{"4:1: error: expected one character before '=', found 'ff' | a rule is one character, '=' and its "
+                     "string"});
+  EXPECT_EQ(messages("angle 6\naxiom f\n@=f\n"),
+            Messages{"4:1: error: the character '@' cannot be rewritten | give the rule a letter"});
+  EXPECT_EQ(messages("angle 6\naxiom f\nf=f*f\n"),
+            Messages{"4:4: error: the character '*' cannot be a symbol here | use a letter instead"});
+  EXPECT_EQ(messages("angel 6\nangle 6\naxiom f\n"),
+            Messages{"2:1: error: expected Angle, Axiom or a rule X=..., found 'angel 6' | did you mean 'angle'?"});
+  EXPECT_EQ(messages("angle 6\naxiom\n"),
+            Messages{"3:1: error: the Axiom is empty | write the first string behind it"});
+  EXPECT_EQ(foreignMessages("Koch { ; open\nangle 6\naxiom f\n"),
+            Messages{"1:1: error: the entry 'Koch' has no '}' | an entry is NAME { Angle N, Axiom STRING and rules "
+                     "X=STRING, one a line }"});
+}
+
+TEST(Fractint, TwoWaysOfTurningInOneEntryAreAWarning) {
+  EXPECT_EQ(
+      foreignMessages(entry("angle 6\naxiom f+\\30d\n")),
+      Messages{"1:1: warning: the entry turns in two ways, + and - (for F and G) and \\ and / (for D and M): both turn "
+               "one heading here, so that its picture may differ | its strings are exact"});
+}
+
+}  // namespace
+}  // namespace espalier::language
