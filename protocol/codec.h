@@ -26,6 +26,7 @@ using Decoded = std::variant<T, Error>;
 [[nodiscard]] Decoded<ForkParams> decodeForkParams(const Payload& payload);
 [[nodiscard]] Decoded<GetParams> decodeGetParams(const Payload& payload);
 [[nodiscard]] Decoded<ResetParams> decodeResetParams(const Payload& payload);
+[[nodiscard]] Decoded<TraceParams> decodeTraceParams(const Payload& payload);
 [[nodiscard]] Decoded<SaveParams> decodeSaveParams(const Payload& payload);
 [[nodiscard]] Decoded<RestoreParams> decodeRestoreParams(const Payload& payload);
 /// Params whose only member is the text `member`, not empty and at most 200 bytes.

@@ -8,6 +8,9 @@
 namespace espalier::protocol {
 namespace {
 
+// of iterated coupling: more do not settle what so many have not
+constexpr std::int64_t kMostIterations = 10'000;
+
 constexpr std::size_t kLongestNameBytes = 200;
 
 std::vector<std::string> readTexts(const Field& field) {
@@ -215,6 +218,16 @@ Decoded<CreateParams> decodeCreateParams(const Payload& payload) {
       readOptionalCount(limits["modules"], create.maximumModules);
       readOptionalCount(limits["queries"], create.maximumQueries);
     }
+    if (const Field coupling = params["coupling"]; !coupling.isAbsent()) {
+      coupling.requireObject();
+      create.iterations = static_cast<std::uint32_t>(coupling["iterations"].integer(1, kMostIterations));
+      if (const Field tolerance = coupling["tolerance"]; !tolerance.isAbsent()) {
+        create.tolerance = tolerance.number();
+        if (create.tolerance < 0.0) {
+          tolerance.failExpected("a number from 0 on");
+        }
+      }
+    }
     create.isTraced = !params["trace"].isAbsent() && params["trace"].boolean();
     if (const Field save = params["save"]; !save.isAbsent()) {
       create.save = readSavePolicy(save);
@@ -294,14 +307,26 @@ Decoded<GetParams> decodeGetParams(const Payload& payload) {
     get.simulation = readName(params["simulation"]);
     const Field what = params["what"];
     get.what = what.text();
-    constexpr std::array<std::string_view, 7> kKinds{"string", "statistics",  "state-hash", "turtle",
-                                                     "model",  "information", "checkpoints"};
+    constexpr std::array<std::string_view, 9> kKinds{"string",      "statistics",  "state-hash", "turtle", "model",
+                                                     "information", "checkpoints", "traces",     "trace"};
     if (std::find(kKinds.begin(), kKinds.end(), get.what) == kKinds.end()) {
-      what.failExpected("one of string, statistics, state-hash, turtle, model, information, checkpoints");
+      what.failExpected(
+          "one of string, statistics, state-hash, turtle, model, information, checkpoints, traces, trace");
+    }
+    if (get.what == "trace") {
+      get.trace = static_cast<std::uint64_t>(params["trace"].integer(1, kMaximumExactInteger));
     }
     if (const Field plant = params["plant"]; !plant.isAbsent()) {
       get.plant = static_cast<std::uint32_t>(plant.integer(0, 0xFFFFFFFF));
     }
+  });
+}
+
+Decoded<TraceParams> decodeTraceParams(const Payload& payload) {
+  return decodePayload<TraceParams>(payload, [](const Field& params, TraceParams& trace) {
+    params.requireObject();
+    trace.simulation = readName(params["simulation"]);
+    trace.isTraced = params["trace"].boolean();
   });
 }
 

@@ -93,6 +93,9 @@ void write(JsonWriter& writer, const Statistics& statistics) {
   writer.key("step").integer(statistics.step).key("modules").integer(statistics.modules);
   writer.key("parameters").integer(statistics.parameters).key("queries").integer(statistics.queries);
   writer.key("answers").integer(statistics.answers).key("bytes").integer(statistics.bytes);
+  if (statistics.iterations > 1) {
+    writer.key("iterations").integer(statistics.iterations);
+  }
   writer.key("milliseconds").number(statistics.milliseconds).endObject();
 }
 

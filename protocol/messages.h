@@ -101,7 +101,9 @@ struct CreateParams {
   std::optional<std::uint64_t> maximumModules;  // lowers the server's limits
   std::optional<std::uint64_t> maximumQueries;
   SavePolicy save;
-  bool isTraced = false;  // the dialogue with its environments is recorded
+  bool isTraced = false;         // the dialogue with its environments is recorded
+  std::uint32_t iterations = 1;  // of the coupling with its environments, at most, in each step
+  double tolerance = 0.0;        // of the answers of two iterations
 };
 
 struct Statistics {
@@ -111,7 +113,8 @@ struct Statistics {
   std::uint64_t queries = 0;
   std::uint64_t answers = 0;
   std::uint64_t bytes = 0;
-  double milliseconds = 0.0;  // wall time of the step, environment included
+  double milliseconds = 0.0;     // wall time of the step, environment included
+  std::uint32_t iterations = 0;  // exchanges with the environment; 0 and 1 are not sent
 };
 
 struct CreateResult {
@@ -165,8 +168,14 @@ struct ForkParams {
 
 struct GetParams {
   std::string simulation;
-  std::string what;  // string, statistics, state-hash, turtle, model, information
+  std::string what;  // string, statistics, state-hash, turtle, model, information, checkpoints, traces, trace
   std::uint32_t plant = 0;
+  std::uint64_t trace = 0;  // number of the trace; 0: not given
+};
+
+struct TraceParams {
+  std::string simulation;
+  bool isTraced = true;
 };
 
 struct ResetParams {

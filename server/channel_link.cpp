@@ -34,6 +34,20 @@ std::unique_ptr<ChannelLink> ChannelLink::tcp(std::string address, const Channel
                                                       std::move(dialer), options));
 }
 
+std::unique_ptr<ChannelLink> ChannelLink::unixSocket(std::string path, const ChannelOptions& options) {
+  const protocol::FrameLimits limits = options.limits;
+  Dialer dialer = [path, limits](Deadline) -> std::variant<std::unique_ptr<Transport>, std::string> {
+    auto dialled = dialUnix(path);
+    if (auto* problem = std::get_if<std::string>(&dialled)) {
+      return std::move(*problem);
+    }
+    return std::make_unique<Transport>(std::move(std::get<Descriptor>(dialled)), Descriptor(), nullptr, limits);
+  };
+  return std::unique_ptr<ChannelLink>(new ChannelLink("environment unix:" + path,
+                                                      "Start it again at " + path + ", then ask for the step again.",
+                                                      std::move(dialer), options));
+}
+
 std::unique_ptr<ChannelLink> ChannelLink::stdio(std::string command, const ChannelOptions& options) {
   const protocol::FrameLimits limits = options.limits;
   Dialer dialer = [command, limits](Deadline) -> std::variant<std::unique_ptr<Transport>, std::string> {

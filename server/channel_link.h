@@ -22,10 +22,13 @@ struct ChannelOptions {
   bool offersBlocks = true;  // names the capability `bin`
 };
 
-/// A link over a TCP connection that we dial, or to a command that we start. Asio-free: the caller's thread waits.
+/// A link over a connection that we dial (TCP, or a socket of the file system), or to a command that we start.
+/// Asio-free: the caller's thread waits.
 class ChannelLink final : public EnvironmentLink {
  public:
   [[nodiscard]] static std::unique_ptr<ChannelLink> tcp(std::string address, const ChannelOptions& options);
+  /// A socket of the file system.
+  [[nodiscard]] static std::unique_ptr<ChannelLink> unixSocket(std::string path, const ChannelOptions& options);
   [[nodiscard]] static std::unique_ptr<ChannelLink> stdio(std::string command, const ChannelOptions& options);
   ~ChannelLink() override;
 

@@ -1,5 +1,6 @@
 #include "server/environment_builder.h"
 
+#include <algorithm>
 #include <filesystem>
 
 #include "engine/core/streams.h"
@@ -13,6 +14,7 @@
 #include "server/gallery.h"
 #include "server/offered_environments.h"
 #include "server/remote_process.h"
+#include "server/remote_settings.h"
 
 namespace espalier::server {
 namespace {
@@ -58,38 +60,14 @@ std::variant<std::shared_ptr<EnvironmentLink>, protocol::Error> makeLink(const e
     if (value->starts_with("tcp://")) {
       value->erase(0, 6);
     }
+    if (value->starts_with("unix:")) {
+      return protocol::fieldError(path + ".address",
+                                  "a socket of this machine's file system is dialled by the command line only; let the "
+                                  "environment offer itself, or listen on HOST:PORT");
+    }
     return std::shared_ptr<EnvironmentLink>(ChannelLink::tcp(std::move(*value), {}));
   }
   return std::shared_ptr<EnvironmentLink>(ChannelLink::stdio(std::move(*value), {}));
-}
-
-/// What is done when an environment in another process fails.
-struct Policy {
-  bool isTolerant = false;                               // keep or fallback
-  std::unique_ptr<turtle::EnvironmentProcess> fallback;  // null: none
-};
-
-std::variant<Policy, protocol::Error> readPolicy(const environment::EnvironmentEntry& entry, const std::string& path) {
-  constexpr std::string_view kFallback = "fallback:";
-  const std::string name = protocol::memberOf(entry.configuration, "policy").value_or("fail");
-  Policy policy;
-  if (name == "fail") {
-    return policy;
-  }
-  policy.isTolerant = true;
-  if (name == "keep") {
-    return policy;
-  }
-  if (!name.starts_with(kFallback)) {
-    return protocol::fieldError(path + ".policy",
-                                "expected fail, keep or fallback:NAME of a built-in, found \"" + name + "\"");
-  }
-  auto made = environment::makeProcess(name.substr(kFallback.size()), "");
-  if (const auto* problems = std::get_if<std::vector<core::Diagnostic>>(&made)) {
-    return protocol::fieldError(path + ".policy", sentences(*problems));
-  }
-  policy.fallback = std::move(std::get<std::unique_ptr<turtle::EnvironmentProcess>>(made));
-  return policy;
 }
 
 /// The process that the field file of a gallery model names. `origin` receives the files that it was made from, by
@@ -168,27 +146,24 @@ std::variant<BuiltEnvironment, protocol::Error> buildEnvironment(const std::stri
         return std::move(*error);
       }
       const auto& link = std::get<std::shared_ptr<EnvironmentLink>>(made);
+      auto read = readRemoteSettings(entry.configuration);
+      if (const auto* problem = std::get_if<RemoteSettingProblem>(&read)) {
+        return protocol::fieldError(path + "." + problem->key, problem->message);
+      }
+      auto& settings = std::get<RemoteSettings>(read);
       RemoteProcessOptions options;
-      options.stepTimeout = services.stepTimeout;
-      options.configurationJson = protocol::memberOf(entry.configuration, "configuration").value_or("");
+      options.stepTimeout = std::min(services.stepTimeout, settings.stepTimeout.value_or(services.stepTimeout));
+      options.configurationJson = std::move(settings.configurationJson);
       options.isAbsenceTolerated = isAbsenceTolerated;
       options.runWaiting = services.runWaiting;
       auto remote = std::make_unique<RemoteProcess>(link, std::move(options));
-      auto policy = readPolicy(entry, path);
-      if (auto* error = std::get_if<protocol::Error>(&policy)) {
-        return std::move(*error);
-      }
-      auto& onFailure = std::get<Policy>(policy);
       if (auto error = remote->introduce();
-          error && !((isAbsenceTolerated || onFailure.isTolerant) && error->isRetryable)) {
+          error && !((isAbsenceTolerated || settings.policy.isTolerant) && error->isRetryable)) {
         return environmentFailed(entry.name, *error);
       }
       built.links.push_back(link);
       built.names.push_back(entry.type == "offered" ? "offered:" + entry.name : entry.type);
-      process = std::move(remote);
-      if (onFailure.isTolerant) {
-        process = withFailurePolicy(std::move(process), std::move(onFailure.fallback), services.onFailure);
-      }
+      process = settings.policy.around(std::move(remote), services.onFailure);
     } else if (entry.type == "field") {
       auto made = makeFromSentFiles(entry, path, compatibility, fieldOrigin);
       if (auto* error = std::get_if<protocol::Error>(&made)) {

@@ -90,6 +90,7 @@ std::optional<protocol::Error> HostedSimulation::build(std::shared_ptr<const lan
   options.hasSeed = record_.hasSeed;
   options.derivationLength = record_.create.derivationLength;
   options.limits = limits_;
+  options.coupling = {record_.create.iterations, record_.create.tolerance};
   options.environmentOrigin = std::move(environment.origin);
   auto made = std::make_unique<simulation::Simulation>(
       std::move(program), std::move(placements),
@@ -383,11 +384,29 @@ std::optional<protocol::Error> HostedSimulation::saveCheckpoint(const std::strin
 }
 
 std::optional<protocol::Error> HostedSimulation::restoreCheckpoint(const std::string& name) {
-  const Store::State state = store_->readCheckpoint(record_.id, name);
+  const Store::State state = readCheckpoint(name);
   if (!state.problem.empty()) {
     return storageError("The simulation stays as it is: " + state.problem + ".");
   }
   return restore(state.bytes);
+}
+
+std::optional<protocol::Error> HostedSimulation::setTraced(bool isTraced) {
+  if (isTraced == (trace_ != nullptr)) {
+    return std::nullopt;
+  }
+  // the recorder stands between the simulation and its environment: make another simulation in the same state
+  SimulationRecord record = record_;
+  record.create.isTraced = isTraced;
+  HostedSimulation fresh(std::move(record), limits_, services_, *store_);
+  if (auto error = fresh.build(simulation_->sharedProgram(), false)) {
+    return error;
+  }
+  if (const auto error = fresh.simulation_->restore(snapshot())) {
+    return errorOf(*error);
+  }
+  adopt(fresh);
+  return save(true);
 }
 
 std::optional<protocol::Error> HostedSimulation::removeFromDisk() {

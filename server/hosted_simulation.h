@@ -62,6 +62,19 @@ class HostedSimulation {
   [[nodiscard]] std::optional<protocol::Error> saveCheckpoint(const std::string& name);
   [[nodiscard]] std::optional<protocol::Error> restoreCheckpoint(const std::string& name);
   [[nodiscard]] std::vector<Store::Checkpoint> checkpoints() const { return store_->checkpoints(record_.id); }
+  [[nodiscard]] Store::State readCheckpoint(const std::string& name) const {
+    return store_->readCheckpoint(record_.id, name);
+  }
+  /// Begins a trace, or ends the one being written. On failure nothing changes.
+  [[nodiscard]] std::optional<protocol::Error> setTraced(bool isTraced);
+  [[nodiscard]] bool isTraced() const { return trace_ != nullptr; }
+  [[nodiscard]] std::vector<StoredTrace> traces() const {
+    return SimulationTrace::list(services_.traceFolder, record_.id);
+  }
+  /// The bytes of a trace so far; nothing when there is none of the number, or it is larger than `bound`.
+  [[nodiscard]] std::optional<std::string> readTrace(std::uint64_t number, std::uint64_t bound) const {
+    return SimulationTrace::read(services_.traceFolder, record_.id, number, bound);
+  }
   [[nodiscard]] std::optional<protocol::Error> removeFromDisk();
 
   /// From any thread: the step being made is given up, also while it waits for an environment; false makes steps

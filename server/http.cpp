@@ -1,10 +1,12 @@
 #include "server/http.h"
 
+#include <algorithm>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
 #include <boost/beast/websocket/ssl.hpp>
 
+#include "server/downloads.h"
 #include "server/http_pages.h"
 
 namespace espalier::server {
@@ -104,6 +106,16 @@ http::response<http::string_body> responseOf(const HttpPage& page, const Request
                  "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
                  "connect-src 'self' blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'");
   }
+  if (!page.fileName.empty()) {
+    std::string name = page.fileName;
+    // quotes and what is not printable would end the field
+    std::replace_if(
+        name.begin(), name.end(), [](char c) { return c < ' ' || c == '"' || c == '\\' || c > '~'; }, '_');
+    response.set(http::field::content_disposition, "attachment; filename=\"" + name + "\"");
+  }
+  if (page.status == 401) {
+    response.set(http::field::www_authenticate, "Bearer");
+  }
   response.keep_alive(request.keep_alive());
   response.body() = page.body;
   response.prepare_payload();
@@ -113,17 +125,49 @@ http::response<http::string_body> responseOf(const HttpPage& page, const Request
   return response;
 }
 
-HttpPage answerTo(const Request& request, const ServerCore& core) {
-  if (request.method() != http::verb::get && request.method() != http::verb::head) {
-    return {405, "text/plain; charset=utf-8", "Only GET and HEAD are answered here.\n"};
-  }
-  const auto target = request.target();
-  return pageOf({target.data(), target.size()}, core);
-}
-
 std::string fieldOf(const Request& request, http::field name) {
   const auto value = request[name];
   return {value.data(), value.size()};
+}
+
+/// The download is made on a worker; meanwhile the connection waits.
+asio::awaitable<HttpPage> download(DownloadPath path, ServerCore& core) {
+  struct Waiting {
+    asio::steady_timer done;
+    std::optional<HttpPage> page;
+  };
+  const auto executor = co_await asio::this_coro::executor;
+  const auto waiting = std::make_shared<Waiting>(Waiting{asio::steady_timer(executor), std::nullopt});
+  waiting->done.expires_at(std::chrono::steady_clock::time_point::max());
+  makeDownload(core, path, [waiting, executor](HttpPage page) {
+    asio::post(executor, [waiting, page = std::move(page)]() mutable {
+      waiting->page = std::move(page);
+      waiting->done.cancel();
+    });
+  });
+  while (!waiting->page) {
+    co_await waiting->done.async_wait(kAsTuple);
+  }
+  co_return std::move(*waiting->page);
+}
+
+asio::awaitable<HttpPage> answerTo(const Request& request, ServerCore& core, bool isLoopback) {
+  if (request.method() != http::verb::get && request.method() != http::verb::head) {
+    co_return HttpPage{405, "text/plain; charset=utf-8", "Only GET and HEAD are answered here.\n"};
+  }
+  const std::string target(request.target().data(), request.target().size());
+  auto path = downloadPathOf(target);
+  if (!path) {
+    co_return pageOf(target, core);
+  }
+  if (!isHostAllowed(fieldOf(request, http::field::host), isLoopback)) {
+    co_return HttpPage{403, "text/plain; charset=utf-8", "Downloads are for this machine: ask localhost for them.\n"};
+  }
+  if (!mayDownload(fieldOf(request, http::field::authorization), core.options().token)) {
+    co_return HttpPage{401, "text/plain; charset=utf-8",
+                       "Downloads need the server's token: Authorization: Bearer TOKEN.\n"};
+  }
+  co_return co_await download(std::move(*path), core);
 }
 
 /// Makes a session of the connection.
@@ -156,6 +200,8 @@ asio::awaitable<void> serve(Stream stream, HttpServices services) {
     });
   };
   bool isFirst = true;
+  error_code unknown;
+  const bool isLoopback = beast::get_lowest_layer(stream).local_endpoint(unknown).address().is_loopback();
   while (true) {
     limit(isFirst ? std::chrono::milliseconds(services.core->options().limits.handshakeMilliseconds) : kIdle);
     isFirst = false;
@@ -170,14 +216,15 @@ asio::awaitable<void> serve(Stream stream, HttpServices services) {
     HttpPage page;
     if (websocket::is_upgrade(request) && request.target() == "/espalier/1") {
       const std::string origin = fieldOf(request, http::field::origin);
-      if (isOriginAllowed(origin, fieldOf(request, http::field::host), services.core->options().allowedOrigins)) {
+      if (isOriginAllowed(origin, fieldOf(request, http::field::host), isLoopback,
+                          services.core->options().allowedOrigins)) {
         co_await upgrade(std::move(stream), std::move(request), services);
         co_return;
       }
       page = {403, "text/plain; charset=utf-8",
               "Pages from " + origin + " may not connect; start the server with --allow-origin " + origin + ".\n"};
     } else {
-      page = answerTo(request, *services.core);
+      page = co_await answerTo(request, *services.core, isLoopback);
     }
     auto response = responseOf(page, request);
     const auto [writeError, written] = co_await http::async_write(stream, response, kAsTuple);

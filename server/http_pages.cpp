@@ -44,15 +44,30 @@ HttpPage pageOf(std::string_view target, const ServerCore& core) {
   if (path == "/espalier/1") {
     return {426, "text/plain; charset=utf-8", "This is where WebSockets are opened: ask for an upgrade.\n"};
   }
-  return {404, "text/plain; charset=utf-8", "There is no such page. There are /health, /metrics and /espalier/1.\n"};
+  return {404, "text/plain; charset=utf-8",
+          "There is no such page. There are /health, /metrics, /simulations and /espalier/1.\n"};
 }
 
-bool isOriginAllowed(std::string_view origin, std::string_view host, const std::vector<std::string>& allowed) {
+bool isHostAllowed(std::string_view host, bool isLoopback) {
+  if (!isLoopback || host.empty()) {
+    return true;
+  }
+  // without the port
+  const std::size_t bracket = host.find(']');
+  const std::string_view name =
+      bracket != std::string_view::npos ? host.substr(0, bracket + 1) : host.substr(0, host.find(':'));
+  const bool isNumeric = name.find_first_not_of("0123456789.") == std::string_view::npos;
+  return name == "localhost" || name == "[::1]" || (isNumeric && name.starts_with("127."));
+}
+
+bool isOriginAllowed(std::string_view origin, std::string_view host, bool isLoopback,
+                     const std::vector<std::string>& allowed) {
   if (origin.empty() || std::find(allowed.begin(), allowed.end(), origin) != allowed.end()) {
     return true;
   }
   const std::size_t colon = origin.find("://");
-  return colon != std::string_view::npos && !host.empty() && origin.substr(colon + 3) == host;
+  return colon != std::string_view::npos && !host.empty() && origin.substr(colon + 3) == host &&
+         isHostAllowed(host, isLoopback);
 }
 
 }  // namespace espalier::server

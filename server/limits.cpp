@@ -52,6 +52,8 @@ constexpr std::array kEntries{
     ofServer<&Server::handshakeMilliseconds>("handshakeMilliseconds", 1, "time until a peer has said hello"),
     ofServer<&Server::environmentStepMilliseconds>("environmentStepMilliseconds", 1,
                                                    "time of an external environment for one step"),
+    ofServer<&Server::heartbeatMilliseconds>("heartbeatMilliseconds", 0,
+                                             "silence until a peer is asked whether it is there; 0: never"),
     ofServer<&Server::callSeconds>("callSeconds", 0, "computing time of a call without a completed step; 0: no bound"),
     ofServer<&Server::storeBytes>("storeBytes", 0, "bytes of the data folder's database; 0: no bound"),
     ofSimulation<&Simulation::maximumModules>("modules", "modules of one string"),

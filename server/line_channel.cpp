@@ -8,6 +8,7 @@
 #include <signal.h>
 #include <sys/eventfd.h>
 #include <sys/socket.h>
+#include <sys/un.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -18,6 +19,8 @@
 
 namespace espalier::server {
 namespace {
+
+constexpr int kKeepAliveSeconds = 15;  // of silence, and between probes
 
 int millisecondsUntil(Deadline deadline) {
   const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now()).count();
@@ -243,11 +246,32 @@ std::variant<Descriptor, std::string> dialTcp(const std::string& address, Deadli
     if (reason == 0) {
       const int one = 1;
       ::setsockopt(socket.number(), IPPROTO_TCP, TCP_NODELAY, &one, sizeof(one));
+      // a machine that went away without a word is noticed while its answer is waited for
+      ::setsockopt(socket.number(), SOL_SOCKET, SO_KEEPALIVE, &one, sizeof(one));
+      ::setsockopt(socket.number(), IPPROTO_TCP, TCP_KEEPIDLE, &kKeepAliveSeconds, sizeof(kKeepAliveSeconds));
+      ::setsockopt(socket.number(), IPPROTO_TCP, TCP_KEEPINTVL, &kKeepAliveSeconds, sizeof(kKeepAliveSeconds));
       return socket;
     }
   }
   return "cannot connect to " + address + ": " + std::strerror(reason) +
          ". Start the environment there first, or correct the address.";
+}
+
+std::variant<Descriptor, std::string> dialUnix(const std::string& path) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  if (path.empty() || path.size() >= sizeof(address.sun_path)) {
+    return "'" + path + "' is not a socket's path; write unix:PATH with at most " +
+           std::to_string(sizeof(address.sun_path) - 1) + " bytes.";
+  }
+  std::copy(path.begin(), path.end(), address.sun_path);
+  Descriptor socket(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  if (socket.number() < 0 ||
+      ::connect(socket.number(), reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0 ||
+      ::fcntl(socket.number(), F_SETFL, O_NONBLOCK) != 0) {
+    return "cannot connect to " + path + ": " + std::strerror(errno) + ". Start the environment there first.";
+  }
+  return socket;
 }
 
 }  // namespace espalier::server

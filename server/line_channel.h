@@ -70,6 +70,9 @@ class LineChannel {
 /// Connects a TCP socket. An error sentence when that fails before the deadline. `address` is HOST:PORT or [IPV6]:PORT.
 [[nodiscard]] std::variant<Descriptor, std::string> dialTcp(const std::string& address, Deadline deadline);
 
+/// Connects a socket of the file system. An error sentence when that fails.
+[[nodiscard]] std::variant<Descriptor, std::string> dialUnix(const std::string& path);
+
 /// Splits HOST:PORT. False when it is not of that form.
 [[nodiscard]] bool splitAddress(std::string_view address, std::string& host, std::uint16_t& port);
 

@@ -216,6 +216,11 @@ void simulationFork(Session& session, const protocol::Message& message) {
                makeForkCommand);
 }
 
+void simulationTrace(Session& session, const protocol::Message& message) {
+  onSimulation(session, message, protocol::decodeTraceParams(message.payload), &protocol::TraceParams::simulation,
+               makeTraceCommand);
+}
+
 void simulationDelete(Session& session, const protocol::Message& message) {
   auto decoded = protocol::decodeNameParams(message.payload, "simulation");
   if (const auto* error = std::get_if<protocol::Error>(&decoded)) {
@@ -361,6 +366,10 @@ void streamClose(Session& session, const protocol::Message& message) {
 
 // ---- the server ----
 
+void ping(Session& session, const protocol::Message& message) {
+  session.respond(message.id, "{}");
+}
+
 void serverStatus(Session& session, const protocol::Message& message) {
   ServerCore& core = session.core();
   const auto runners = core.all();
@@ -419,6 +428,7 @@ constexpr std::array kMethods{
     Method{"simulation.set", simulationSet},
     Method{"simulation.edit", simulationEdit},
     Method{"simulation.fork", simulationFork},
+    Method{"simulation.trace", simulationTrace},
     Method{"simulation.list", simulationList},
     Method{"simulation.delete", simulationDelete},
     Method{"environment.list", environmentList},
@@ -427,6 +437,7 @@ constexpr std::array kMethods{
     Method{"stream.ack", streamAck, true},
     Method{"stream.close", streamClose},
     Method{"server.status", serverStatus},
+    Method{"ping", ping},
     Method{"$/cancel", cancel, true},
 };
 

@@ -11,6 +11,7 @@ PeerConnection::PeerConnection(asio::any_io_executor executor, ServerCore& core,
     : executor_(std::move(executor)),
       wake_(executor_),
       handshake_(executor_),
+      heartbeat_(executor_),
       core_(&core),
       peerName_(std::move(peerName)),
       isLocal_(isLocal) {
@@ -50,6 +51,25 @@ void PeerConnection::start(std::shared_ptr<Session> session) {
   });
 }
 
+void PeerConnection::beat() {
+  const std::uint32_t milliseconds = core_->options().limits.heartbeatMilliseconds;
+  if (milliseconds == 0) {
+    return;
+  }
+  heartbeat_.expires_after(std::chrono::milliseconds(milliseconds));
+  heartbeat_.async_wait([self = shared_from_this()](const error_code& error) {
+    if (error || self->session_ == nullptr) {
+      return;
+    }
+    if (self->session_->onHeartbeat(std::exchange(self->wasHeard_, false))) {
+      self->beat();
+      return;
+    }
+    self->core_->log().info("session with " + self->peerName_ + " is closed: it does not answer ping");
+    self->closeNow();
+  });
+}
+
 void PeerConnection::closeNow() {
   if (isClosed_) {
     return;
@@ -58,6 +78,7 @@ void PeerConnection::closeNow() {
   closeTransport();
   wake_.cancel();
   handshake_.cancel();
+  heartbeat_.cancel();
   outbox_.clear();
   if (session_ != nullptr) {
     const auto session = std::move(session_);
@@ -76,8 +97,10 @@ protocol::FrameLimits PeerConnection::frameLimits() const {
 
 void PeerConnection::hand(const protocol::MessageReader::Read& read) {
   session_->onRead(read);
-  if (session_ != nullptr && session_->isGreeted()) {
+  if (session_ != nullptr && session_->isGreeted() && !isBeating_) {
+    isBeating_ = true;
     handshake_.cancel();
+    beat();
   }
 }
 

@@ -55,13 +55,17 @@ class PeerConnection : public Connection, public std::enable_shared_from_this<Pe
   [[nodiscard]] ServerCore& core() { return *core_; }
   [[nodiscard]] bool isReading() const { return session_ != nullptr && !isClosing_; }
   [[nodiscard]] protocol::FrameLimits frameLimits() const;
-  void count(std::size_t receivedBytes) { core_->metrics.bytesReceived += receivedBytes; }
+  void count(std::size_t receivedBytes) {
+    core_->metrics.bytesReceived += receivedBytes;
+    wasHeard_ = true;
+  }
   void hand(const protocol::MessageReader::Read& read);
   void lose(const protocol::Error& error);
   /// Both sides agreed on blocks.
   [[nodiscard]] bool areBlocksAgreed() const { return session_ != nullptr && session_->areBlocksAgreed(); }
 
  private:
+  void beat();
   void enqueue(std::shared_ptr<const std::string> message);
   asio::awaitable<void> readAll();
   asio::awaitable<void> writeAll();
@@ -69,12 +73,15 @@ class PeerConnection : public Connection, public std::enable_shared_from_this<Pe
   asio::any_io_executor executor_;
   asio::steady_timer wake_;  // cancelled when the outbox has something
   asio::steady_timer handshake_;
+  asio::steady_timer heartbeat_;
   ServerCore* core_;
   std::shared_ptr<Session> session_;  // null: closed
   Batch outbox_;
   std::atomic<std::size_t> outboxBytes_{0};
   std::string peerName_;
   bool isLocal_ = false;
+  bool isBeating_ = false;  // heartbeats have begun: the peer was greeted
+  bool wasHeard_ = false;   // since the last heartbeat
   bool isReady_ = false;
   bool isClosing_ = false;
   bool isClosed_ = false;

@@ -265,11 +265,20 @@ std::string RemoteProcess::save() const {
 }
 
 std::optional<turtle::EnvironmentError> RemoteProcess::restore(std::string_view state) {
-  // the next call opens it again and gives it this state
-  openedGeneration_ = 0;
   stepCount_ = stepCount_ == 0 ? 1 : stepCount_;
   savedState_ = std::string(state);
   savedAt_ = stepCount_;
+  peerGeometry_.reset();
+  // a peer that has the simulation open is only given its state
+  if (openedGeneration_ != 0 && openedGeneration_ == link_->generation() && canCheckpoint() && context_) {
+    const auto params = protocol::encode(protocol::RestoreStateParams{context_->simulation, *savedState_});
+    const auto restored = call("environment.restore", params, options_.stepTimeout);
+    if (std::holds_alternative<protocol::Payload>(restored)) {
+      return std::nullopt;
+    }
+  }
+  // else the next call opens it again and gives it this state
+  openedGeneration_ = 0;
   auto error = makeReady(0);
   if (error && error->isRetryable && options_.isAbsenceTolerated) {
     return std::nullopt;

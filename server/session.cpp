@@ -5,24 +5,11 @@
 
 #include "protocol/codec.h"
 #include "protocol/version.h"
+#include "server/constant_time.h"
 #include "server/methods.h"
 #include "server/server_core.h"
 
 namespace espalier::server {
-namespace {
-
-/// Compares without telling by its duration how much was right.
-bool isEqualInConstantTime(std::string_view a, std::string_view b) {
-  unsigned difference = a.size() == b.size() ? 0 : 1;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    const unsigned char other = b.empty() ? 0 : static_cast<unsigned char>(b[i % b.size()]);
-    difference |= static_cast<unsigned>(static_cast<unsigned char>(a[i]) ^ other);
-  }
-  return difference == 0;
-}
-
-}  // namespace
-
 Session::Session(std::string id, ServerCore& core, std::shared_ptr<Connection> connection)
     : id_(std::move(id)), core_(&core), connection_(std::move(connection)) {
   core_->enter(*this);
@@ -181,6 +168,8 @@ void Session::onHello(const protocol::Message& message) {
   {
     const std::lock_guard lock(mutex_);
     terms_ = termsOf(hello.capabilities, hello.limits);
+    takesHeartbeats_ =
+        std::find(hello.capabilities.begin(), hello.capabilities.end(), "heartbeat") != hello.capabilities.end();
   }
   core_->log().info((hello.name.empty() ? std::string("a peer") : hello.name) + " " + hello.version + " from " +
                         connection_->peerName(),
@@ -189,12 +178,12 @@ void Session::onHello(const protocol::Message& message) {
   for (const LimitEntry& entry : limitEntries()) {
     limits.emplace_back(entry.name, entry.get(options.limits));
   }
-  const protocol::HelloResult result{
-      .protocol = protocol::kProtocolVersion,
-      .session = id_,
-      .server = "espalier " + std::string(protocol::kProgramVersion),
-      .capabilities = {"bin", "checkpoint", "cancel", "streams", "credits", "offer", "geometry"},
-      .limits = std::move(limits)};
+  const protocol::HelloResult result{.protocol = protocol::kProtocolVersion,
+                                     .session = id_,
+                                     .server = "espalier " + std::string(protocol::kProgramVersion),
+                                     .capabilities = {"bin", "checkpoint", "cancel", "streams", "credits", "offer",
+                                                      "geometry", "iterate", "heartbeat"},
+                                     .limits = std::move(limits)};
   respond(message.id, protocol::encode(result));
 }
 
@@ -211,6 +200,25 @@ void Session::onHandshakeTimeout() {
            {protocol::ErrorCode::Timeout,
             "No hello came within " + std::to_string(bound) + " ms. Connect again and say hello first.", data.take()});
   }
+}
+
+bool Session::onHeartbeat(bool wasHeard) {
+  std::string id;
+  {
+    const std::lock_guard lock(mutex_);
+    // what computes a step may be silent; that has a limit of its own
+    if (!takesHeartbeats_ || wasHeard || !pending_.empty()) {
+      isHeartbeatOwed_ = false;
+      return true;
+    }
+    if (isHeartbeatOwed_) {
+      return false;
+    }
+    isHeartbeatOwed_ = true;
+    id = "h" + std::to_string(++heartbeatCount_);
+  }
+  send(protocol::encodeRequest(protocol::MessageId::of(id), "ping", "{}"));
+  return true;
 }
 
 void Session::onDrained() {

@@ -31,6 +31,9 @@ class Session final : public AskedPeer, public std::enable_shared_from_this<Sess
   /// The framing is lost: the peer is told why and the connection closed.
   void onLost(const protocol::Error& error);
   void onHandshakeTimeout();
+  /// A heartbeat has passed. `wasHeard`: something came from the peer meanwhile. False: the peer is given up, it did
+  /// not answer for a whole heartbeat although it owes no answer that may take longer.
+  [[nodiscard]] bool onHeartbeat(bool wasHeard);
   /// Part of the outbox was sent: streams may have room again.
   void onDrained();
   void onClosed();
@@ -78,6 +81,9 @@ class Session final : public AskedPeer, public std::enable_shared_from_this<Sess
   bool isGreeted_ = false;    // network thread
   mutable std::mutex mutex_;  // guards what follows
   bool isClosed_ = false;
+  bool takesHeartbeats_ = false;  // it named the capability
+  bool isHeartbeatOwed_ = false;  // it was asked and has not been heard since
+  std::uint64_t heartbeatCount_ = 0;
   PeerTerms terms_;
   std::uint64_t askedCount_ = 0;
   std::uint64_t streamCount_ = 0;

@@ -12,6 +12,9 @@ namespace {
 
 using protocol::ErrorCode;
 
+// of a trace in an answer; base64 makes a third more of it
+constexpr std::uint64_t kMostTraceBytes = 40'000'000;
+
 /// A command of one turn that returns the result's JSON or an error.
 std::shared_ptr<Command> makeCommand(
     SessionPointer session, const protocol::MessageId& id,
@@ -199,6 +202,20 @@ std::variant<std::string, protocol::Error> getResult(SimulationRunner& runner, c
       result.key("bytes").integer(checkpoint.bytes).endObject();
     }
     result.endArray();
+  } else if (params.what == "traces") {
+    result.key("traces").beginArray();
+    for (const StoredTrace& trace : hosted.traces()) {
+      result.beginObject().key("trace").integer(trace.number).key("bytes").integer(trace.bytes).endObject();
+    }
+    result.endArray();
+  } else if (params.what == "trace") {
+    const auto trace = hosted.readTrace(params.trace, kMostTraceBytes);
+    if (!trace) {
+      return protocol::fieldError("params.trace", "there is no trace " + std::to_string(params.trace) +
+                                                      " of this simulation, or it is too large for an answer; ask for "
+                                                      "its traces, or download it over HTTP");
+    }
+    result.key("trace").integer(params.trace).key("content").text(protocol::toBase64(*trace));
   } else if (params.what == "turtle") {
     std::optional<std::vector<turtle::TurtleRecord>> records;
     protocol::StreamOpenParams all;
@@ -455,6 +472,22 @@ std::shared_ptr<Command> makeRestoreCommand(SessionPointer session, const protoc
         HostedSimulation& hosted = runner.hosted();
         return changed(runner, params.checkpoint.empty() ? hosted.restore(params.snapshot)
                                                          : hosted.restoreCheckpoint(params.checkpoint));
+      });
+}
+
+std::shared_ptr<Command> makeTraceCommand(SessionPointer session, const protocol::MessageId& id,
+                                          protocol::TraceParams params) {
+  return makeCommand(
+      std::move(session), id,
+      [params = std::move(params)](SimulationRunner& runner) -> std::variant<std::string, protocol::Error> {
+        HostedSimulation& hosted = runner.hosted();
+        if (auto error = hosted.setTraced(params.isTraced)) {
+          return std::move(*error);
+        }
+        protocol::JsonWriter result;
+        result.beginObject().key("step").integer(hosted.simulation().completedSteps());
+        result.key("traced").boolean(hosted.isTraced());
+        return result.endObject().take();
       });
 }
 

@@ -39,6 +39,8 @@ void createSimulation(Session& session, const protocol::MessageId& id, protocol:
 [[nodiscard]] std::shared_ptr<Command> makeRestoreCommand(SessionPointer session, const protocol::MessageId& id,
                                                           protocol::RestoreParams params);
 /// Answers with the stream's name, then sends the first frame.
+[[nodiscard]] std::shared_ptr<Command> makeTraceCommand(SessionPointer session, const protocol::MessageId& id,
+                                                        protocol::TraceParams params);
 [[nodiscard]] std::shared_ptr<Command> makeStreamOpenCommand(SessionPointer session, const protocol::MessageId& id,
                                                              std::shared_ptr<Stream> stream);
 /// Gives up what runs, ends the streams, removes it from disk, answers.

@@ -26,7 +26,12 @@ std::string toText(const SimulationRecord& record) {
   if (create.maximumQueries) {
     params.key("queries").integer(*create.maximumQueries);
   }
-  params.endObject().key("save");
+  params.endObject();
+  if (create.iterations > 1) {
+    params.key("coupling").beginObject().key("iterations").integer(create.iterations);
+    params.key("tolerance").number(create.tolerance).endObject();
+  }
+  params.key("save");
   write(params, create.save);
   params.key("trace").boolean(create.isTraced).endObject();
   return protocol::encodeNotification("simulation.create", params.take());

@@ -143,7 +143,8 @@ protocol::Statistics toStatistics(const simulation::StepStatistics& statistics, 
           .queries = statistics.queries,
           .answers = statistics.answers,
           .bytes = statistics.bytes,
-          .milliseconds = milliseconds};
+          .milliseconds = milliseconds,
+          .iterations = statistics.iterations};
 }
 
 protocol::NeedsRecord toNeeds(const turtle::EnvironmentNeeds& needs) {

@@ -17,6 +17,7 @@
 #include "server/legacy_process.h"
 #include "server/plugin_library.h"
 #include "server/remote_environment.h"
+#include "server/remote_settings.h"
 
 namespace espalier::command {
 namespace {
@@ -42,15 +43,36 @@ Process orPrintErrors(environment::ProcessOrErrors&& made, const std::string& fi
   return std::move(std::get<Process>(made));
 }
 
-Process connectRemote(const std::string& address, const std::string& configurationJson) {
+/// What making an environment needs to know of the command line.
+struct Making {
+  const RemoteOptions& remote;
+  std::shared_ptr<server::FailureSink> onFailure;
+};
+
+// `entryJson` has the settings of an entry; `what` says in errors whose they are
+Process connectRemote(const std::string& address, const std::string& entryJson, const std::string& what,
+                      const Making& making) {
+  auto read = server::readRemoteSettings(entryJson, making.remote.policy);
+  if (const auto* problem = std::get_if<server::RemoteSettingProblem>(&read)) {
+    printError(what + problem->key + ": " + problem->message);
+    return nullptr;
+  }
+  auto& settings = std::get<server::RemoteSettings>(read);
   server::RemoteEnvironmentOptions options;
-  options.configurationJson = configurationJson;
+  options.configurationJson = std::move(settings.configurationJson);
+  options.isAbsenceTolerated = settings.policy.isTolerant;
+  if (making.remote.timeoutSeconds > 0.0) {
+    options.stepTimeout = std::chrono::milliseconds(static_cast<std::int64_t>(making.remote.timeoutSeconds * 1e3));
+  }
+  options.stepTimeout = settings.stepTimeout.value_or(options.stepTimeout);
   auto connected = server::connectRemoteEnvironment(address, options);
   if (const std::string* problem = std::get_if<std::string>(&connected)) {
     printError(*problem);
     return nullptr;
   }
-  return std::move(std::get<Process>(connected));
+  return settings.policy.around(
+      std::move(std::get<Process>(connected)),
+      [sink = making.onFailure](std::uint64_t step, const std::string& message) { (*sink)(step, message); });
 }
 
 Process loadPlugin(const std::string& library, const std::string& configurationJson) {
@@ -63,7 +85,7 @@ Process loadPlugin(const std::string& library, const std::string& configurationJ
 }
 
 // one entry of a configuration: `tcp` with an `address` and `stdio` with a `command` are other processes
-Process makeEntry(const environment::EnvironmentEntry& entry, const std::string& file) {
+Process makeEntry(const environment::EnvironmentEntry& entry, const std::string& file, const Making& making) {
   if (entry.type == "offered" || entry.type == "gallery" || entry.type == "field") {
     printError(file + ": the environment '" + entry.name + "' " +
                (entry.type == "offered" ? "offers itself to a server" : "is a field file beside others on a server") +
@@ -89,12 +111,14 @@ Process makeEntry(const environment::EnvironmentEntry& entry, const std::string&
                "': " + (isTcp ? "HOST:PORT" : "a command line that starts it"));
     return nullptr;
   }
-  const std::string scheme = isTcp && startsWith(target, "tcp://") ? "" : isTcp ? "tcp://" : "stdio:";
-  return connectRemote(scheme + target, protocol::memberOf(entry.configuration, "configuration").value_or(""));
+  const bool isWhole = isTcp && (startsWith(target, "tcp://") || startsWith(target, "unix:"));
+  const std::string scheme = isWhole ? "" : isTcp ? "tcp://" : "stdio:";
+  return connectRemote(scheme + target, entry.configuration, file + ": the environment '" + entry.name + "': ", making);
 }
 
 // one process as it is, several as a set whose members are addressed by their names
-Process loadConfiguration(const std::string& file, core::FileProvider& files, std::vector<std::string>& names) {
+Process loadConfiguration(const std::string& file, core::FileProvider& files, std::vector<std::string>& names,
+                          const Making& making) {
   const std::optional<std::string> json = files.read(file);
   if (!json) {
     printError("there is no environment file '" + file + "': check the name and the working folder");
@@ -117,7 +141,7 @@ Process loadConfiguration(const std::string& file, core::FileProvider& files, st
   }
   std::vector<std::pair<std::string, Process>> processes;
   for (const environment::EnvironmentEntry& entry : entries) {
-    Process process = makeEntry(entry, file);
+    Process process = makeEntry(entry, file, making);
     if (!process) {
       return nullptr;
     }
@@ -165,13 +189,13 @@ Process loadFieldFile(const std::string& file, core::Compatibility compatibility
 }
 
 Process makeEnvironment(const std::string& name, core::Compatibility compatibility, bool isQuiet,
-                        core::FileProvider& files, std::vector<std::string>& names) {
-  if (startsWith(name, "tcp://") || startsWith(name, "stdio:")) {
-    return connectRemote(name, "");
+                        core::FileProvider& files, std::vector<std::string>& names, const Making& making) {
+  if (startsWith(name, "tcp://") || startsWith(name, "unix:") || startsWith(name, "stdio:")) {
+    return connectRemote(name, "{}", "--environment-", making);
   }
   const std::string suffix = std::filesystem::path(name).extension().string();
   if (suffix == ".json") {
-    return loadConfiguration(name, files, names);
+    return loadConfiguration(name, files, names, making);
   }
   if (suffix == ".so") {
     return loadPlugin(name, "");
@@ -189,10 +213,16 @@ Process makeEnvironment(const std::string& name, core::Compatibility compatibili
 }  // namespace
 
 std::optional<LoadedEnvironment> loadEnvironment(const std::string& name, core::Compatibility compatibility,
-                                                 bool isQuiet, core::FileProvider& files) {
+                                                 bool isQuiet, core::FileProvider& files, const RemoteOptions& remote) {
   core::RecordingFileProvider recorder(files);
   LoadedEnvironment loaded;
-  loaded.process = makeEnvironment(name, compatibility, isQuiet, recorder, loaded.processNames);
+  loaded.onFailure = std::make_shared<server::FailureSink>([isQuiet](std::uint64_t step, const std::string& message) {
+    if (!isQuiet) {
+      printNote("step " + std::to_string(step) + ": " + message);
+    }
+  });
+  loaded.process =
+      makeEnvironment(name, compatibility, isQuiet, recorder, loaded.processNames, {remote, loaded.onFailure});
   if (!loaded.process) {
     return std::nullopt;
   }

@@ -18,6 +18,7 @@
 #include "engine/language/file_name.h"
 #include "engine/turtle/export/mtg.h"
 #include "server/limits.h"
+#include "server/remote_settings.h"
 
 namespace espalier::command {
 namespace {
@@ -153,7 +154,8 @@ void addReadingOptions(CLI::App& command, ModelOptions& options, bool isModelReq
   command
       .add_option("--environment", options.environment,
                   "What answers the communication modules ?E: the name of a built-in process,\n"
-                  "a field file (.e), a configuration (.json), tcp://HOST:PORT or stdio:COMMAND;\n"
+                  "a field file (.e), a configuration (.json), tcp://HOST:PORT, unix:PATH or\n"
+                  "stdio:COMMAND; "
                   "without it the .e beside the model")
       ->type_name("ENVIRONMENT");
   command
@@ -181,6 +183,34 @@ void addRunningOptions(CLI::App& command, ModelOptions& options) {
       ->type_name("N");
   command.add_flag("-a,--animate", options.isAnimated,
                    "The folder's animation file decides which step is the last, as with its switch -a");
+  command
+      .add_option(
+          "--environment-policy", options.remote.policy,
+          "When an environment in another process fails: fail (the step fails), keep (the\nmodules keep what they "
+          "sent) or fallback:NAME (a built-in answers)")
+      ->type_name("POLICY")
+      ->check([](const std::string& words) {
+        const auto read = server::readRemotePolicy(words);
+        const auto* problem = std::get_if<std::string>(&read);
+        return problem == nullptr ? std::string{} : *problem;
+      });
+  command
+      .add_option("--environment-timeout", options.remote.timeoutSeconds,
+                  "How long an environment in another process may take for a step (60)")
+      ->type_name("SECONDS")
+      ->check(CLI::Range(0.001, 86'400.0));
+  addWholeNumber(
+      command, "--iterations",
+      "Ask the environment again in each step with what it answered, at most so often,\nuntil its answers stay "
+      "as they are (1: once)",
+      1, 10'000,
+      [&options](std::uint64_t iterations) { options.coupling.iterations = static_cast<std::uint32_t>(iterations); })
+      ->type_name("N");
+  command
+      .add_option("--tolerance", options.coupling.tolerance,
+                  "With --iterations: an answer that changes a parameter by no more than this stays as it is (0)")
+      ->type_name("X")
+      ->check(CLI::NonNegativeNumber);
   addWholeNumber(command, "--seed", "Seed of the random numbers; it replaces the model's `seed:`", 0,
                  std::numeric_limits<std::uint64_t>::max(), [&options](std::uint64_t seed) { options.seed = seed; })
       ->type_name("S");
@@ -265,6 +295,7 @@ simulation::SimulationOptions simulationOptionsFor(const ModelOptions& options, 
   result.name = std::filesystem::path(program.modelFile).stem().string();
   result.derivationLength = options.steps;
   result.threads = options.threadCount();
+  result.coupling = options.coupling;
   result.limits = options.simulationLimits();
   result.messages = standardErrorMessages(options.isQuiet);
   // a model that comes from a snapshot may have no folder here: it writes into the working one
@@ -293,7 +324,7 @@ std::optional<LoadedModel> loadModel(ModelOptions& options, core::FileProvider& 
   }
   if (!options.environment.empty()) {
     std::optional<LoadedEnvironment> environment =
-        loadEnvironment(options.environment, options.mode(), options.isQuiet, files);
+        loadEnvironment(options.environment, options.mode(), options.isQuiet, files, options.remote);
     if (!environment) {
       return std::nullopt;
     }

@@ -36,6 +36,8 @@ struct ModelOptions {
   unsigned threads = 0;              // 0: as many as the machine has
   bool isAnimated = false;           // the animation file decides which step is the last
   std::string startFile;             // string that takes the axiom's place; empty: none
+  RemoteOptions remote;
+  simulation::Coupling coupling;
   bool isQuiet = false;
 
   [[nodiscard]] core::Compatibility mode() const;
@@ -49,7 +51,8 @@ struct ModelOptions {
 /// The options which say how a model is read: MODEL, --object, --view, --environment, --compat, --define, --limit,
 /// --quiet.
 void addReadingOptions(CLI::App& command, ModelOptions& options, bool isModelRequired);
-/// The options which say how it is run: --steps, --animate, --seed, --from, --threads.
+/// The options which say how it is run: --steps, --animate, --environment-policy, --environment-timeout, --iterations,
+/// --tolerance, --seed, --from, --threads.
 void addRunningOptions(CLI::App& command, ModelOptions& options);
 
 /// `NAME=VALUE` as the preprocessor's -D has it: without `=` the value is 1.

@@ -26,7 +26,7 @@ std::shared_ptr<const language::Program> resumedProgram(ModelOptions& options, s
 std::optional<LoadedEnvironment> resumedEnvironment(const ModelOptions& options, const simulation::SnapshotInfo& info,
                                                     core::Compatibility compatibility, core::FileProvider& files) {
   if (!options.environment.empty()) {
-    return loadEnvironment(options.environment, compatibility, options.isQuiet, files);
+    return loadEnvironment(options.environment, compatibility, options.isQuiet, files, options.remote);
   }
   if (info.environmentName.empty()) {
     return LoadedEnvironment{};
@@ -40,7 +40,7 @@ std::optional<LoadedEnvironment> resumedEnvironment(const ModelOptions& options,
   for (const auto& [name, text] : info.environmentOrigin.files) {
     carried.add(name, text);
   }
-  return loadEnvironment(info.environmentOrigin.name, compatibility, options.isQuiet, carried);
+  return loadEnvironment(info.environmentOrigin.name, compatibility, options.isQuiet, carried, options.remote);
 }
 
 }  // namespace

@@ -23,6 +23,13 @@ bool TraceOption::open(LoadedEnvironment& environment) {
   }
   file_ = std::move(std::get<std::unique_ptr<server::TraceFile>>(created));
   recorder_ = std::make_shared<simulation::TraceRecorder>(*file_);
+  if (environment.onFailure != nullptr) {
+    *environment.onFailure = [recorder = recorder_, say = *environment.onFailure](std::uint64_t step,
+                                                                                  const std::string& message) {
+      recorder->fail(step, message);
+      say(step, message);
+    };
+  }
   environment.process = simulation::record(std::move(environment.process), recorder_);
   return true;
 }

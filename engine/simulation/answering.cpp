@@ -1,6 +1,7 @@
 #include <cmath>
 #include <utility>
 
+#include "engine/core/check.h"
 #include "engine/core/number_text.h"
 #include "engine/simulation/simulation_implementation.h"
 #include "engine/turtle/geometry.h"
@@ -19,13 +20,12 @@ void Simulation::Implementation::answerPass() {
   }
   statistics_.queries = 0;
   statistics_.answers = 0;
+  statistics_.iterations = 0;
   queries_.clear();
   if (program_->hasQueries) {
     interpretForQueries();
   }
   if (environment_) {
-    queries_.step = completedSteps_;
-    queries_.timeDays = static_cast<double>(completedSteps_) * options_.world.stepDurationDays;
     consultEnvironment();
   }
   isAnswered_ = true;
@@ -74,20 +74,115 @@ void Simulation::Implementation::consultEnvironment() {
   const bool hasKept = pending_.hasReplies && pending_.replies.values.size() == queries_.parameters.size();
   if (!hasKept) {
     pending_.hasReplies = false;
-    pending_.replies.prepare(queries_);
-    if (needsGeometry) {
-      measureGeometry();
-    }
-    if (const auto error = environment_->step(queries_, pending_.replies)) {
-      if (options_.environmentPolicy == EnvironmentPolicy::Fail) {
-        throw core::SimulationFailure(environmentFailure(*error));
-      }
-      pending_.replies.prepare(queries_);
-    }
-    requireFiniteReplies();
+    exchange();
     pending_.hasReplies = true;
   }
-  writeReplies();
+  statistics_.answers = 0;
+  writeReplies(pending_.replies);
+}
+
+void Simulation::Implementation::exchangeOnce(std::uint32_t iteration) {
+  queries_.step = completedSteps_;
+  queries_.timeDays = static_cast<double>(completedSteps_) * options_.world.stepDurationDays;
+  queries_.iteration = iteration;
+  pending_.replies.prepare(queries_);
+  if (description_.needs.geometry) {
+    measureGeometry();
+  }
+  if (const auto error = environment_->step(queries_, pending_.replies)) {
+    if (options_.environmentPolicy == EnvironmentPolicy::Fail) {
+      throw core::SimulationFailure(environmentFailure(*error));
+    }
+    pending_.replies.prepare(queries_);
+  }
+  requireFiniteReplies();
+  statistics_.iterations = iteration + 1;
+}
+
+/// Asks the environment; when the coupling is iterated, again and again until its answers stay as they are. Afterwards
+/// pending_.replies holds what all iterations set.
+void Simulation::Implementation::exchange() {
+  if (options_.coupling.iterations <= 1 || queries_.size() == 0) {
+    exchangeOnce(0);
+    return;
+  }
+  const std::string before = description_.isStateful ? environment_->save() : std::string();
+  if (description_.isStateful && before.empty()) {
+    throw core::SimulationFailure(
+        environmentFailure({"environment '" + description_.name +
+                                "' changes from step to step and cannot give its state back. Iterated coupling asks it "
+                                "several times from the same state: let it save and restore, or do not iterate.",
+                            false}));
+  }
+  const auto goBack = [&]() -> std::optional<turtle::EnvironmentError> {
+    return description_.isStateful ? environment_->restore(before) : std::nullopt;
+  };
+  try {
+    exchangeOnce(0);
+    turtle::ReplyBatch all = pending_.replies;
+    const std::vector<std::uint64_t> offsets = queryOffsets_;
+    std::vector<double> sent = queries_.parameters;
+    bool isSettled = hasSettled(sent, pending_.replies);
+    for (std::uint32_t iteration = 1; iteration < options_.coupling.iterations && !isSettled; ++iteration) {
+      if (const auto error = goBack()) {
+        throw core::SimulationFailure(environmentFailure(*error));
+      }
+      // the same pass over strings that hold the answers
+      rewindPass();
+      writeReplies(all);
+      queries_.clear();
+      interpretForQueries();
+      // the string is the same but for answers, which no homomorphism reads
+      ESPALIER_CHECK(queryOffsets_ == offsets);
+      sent = queries_.parameters;
+      exchangeOnce(iteration);
+      isSettled = hasSettled(sent, pending_.replies);
+      for (std::size_t k = 0; k < all.values.size(); ++k) {
+        if (pending_.replies.isSet[k] != 0) {
+          all.values[k] = pending_.replies.values[k];
+          all.isSet[k] = 1;
+        }
+      }
+    }
+    if (!isSettled && options_.messages) {
+      options_.messages(core::MessageKind::Warning,
+                        "step " + std::to_string(completedSteps_ + 1) + ": the answers of environment '" +
+                            description_.name + "' did not settle in " + std::to_string(options_.coupling.iterations) +
+                            " iterations; the last are used");
+    }
+    // as if they were the answers to the strings before
+    rewindPass();
+    queries_.clear();
+    interpretForQueries();
+    pending_.replies = std::move(all);
+  } catch (...) {
+    static_cast<void>(goBack());
+    throw;
+  }
+}
+
+/// No answer changes a parameter by more than the tolerance.
+bool Simulation::Implementation::hasSettled(const std::vector<double>& sent, const turtle::ReplyBatch& replies) const {
+  for (std::size_t k = 0; k < sent.size(); ++k) {
+    if (replies.isSet[k] == 0) {
+      continue;
+    }
+    // what the string will hold
+    const double value =
+        isCompatible() ? static_cast<double>(static_cast<float>(replies.values[k])) : replies.values[k];
+    const double change = std::fabs(value - sent[k]);
+    if (change > options_.coupling.tolerance) {
+      return false;
+    }
+  }
+  return true;
+}
+
+/// Back to before the interpretation pass, without giving up the step.
+void Simulation::Implementation::rewindPass() {
+  for (std::size_t plant = 0; plant < plants_.size(); ++plant) {
+    undo_[plant].apply(plants_[plant]);
+  }
 }
 
 void Simulation::Implementation::tickEnvironment() {
@@ -126,8 +221,7 @@ void Simulation::Implementation::requireFiniteReplies() const {
   }
 }
 
-void Simulation::Implementation::writeReplies() {
-  const turtle::ReplyBatch& replies = pending_.replies;
+void Simulation::Implementation::writeReplies(const turtle::ReplyBatch& replies) {
   for (std::size_t query = 0; query < queries_.size(); ++query) {
     const std::uint64_t begin = queries_.parameterOffset[query];
     const std::uint64_t end = queries_.parameterOffset[query + 1];

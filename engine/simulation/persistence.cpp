@@ -86,6 +86,7 @@ void Simulation::Implementation::save(core::ByteSink& sink) {
   content.completedSteps = completedSteps_;
   content.placements = placements_;
   content.palette = options_.palette;
+  content.coupling = options_.coupling;
   for (const language::ModuleType& type : program_->types) {
     content.types.emplace_back(program_->symbols[type.symbol].name, type.arity);
   }
@@ -136,12 +137,14 @@ Simulation::Implementation::Outcome Simulation::Implementation::restore(std::str
     options_.seed = options.seed;
     options_.hasSeed = options.hasSeed;
     options_.palette = options.palette;
+    options_.coupling = options.coupling;
     placements_ = std::move(placements);
     makeDerivations();
   };
   SimulationOptions newOptions = options_;
   newOptions.seed = content.seed;
   newOptions.hasSeed = content.hasSeed;
+  newOptions.coupling = content.coupling;
   if (newOptions.palette.empty()) {
     newOptions.palette = std::move(content.palette);
   }

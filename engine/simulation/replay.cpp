@@ -26,9 +26,10 @@ class ReplayProcess final : public turtle::EnvironmentProcess {
   ReplayProcess(turtle::EnvironmentDescription description, std::vector<std::string> symbols)
       : description_(std::move(description)), symbols_(std::move(symbols)) {}
 
-  /// The event that the next call must fit; null: none.
-  void expect(TraceEvent* event) {
-    expected_ = event;
+  /// The events that the next calls must fit, one after the other; null: none.
+  void expect(std::vector<TraceEvent>* events) {
+    events_ = events;
+    next_ = 0;
     wasAsked_ = false;
   }
   [[nodiscard]] bool wasAsked() const { return wasAsked_; }
@@ -40,38 +41,46 @@ class ReplayProcess final : public turtle::EnvironmentProcess {
   }
   [[nodiscard]] std::optional<turtle::EnvironmentError> step(const turtle::QueryBatch& queries,
                                                              turtle::ReplyBatch& replies) override {
-    wasAsked_ = true;
-    if (expected_ == nullptr || expected_->kind != TraceEventKind::Step) {
+    const TraceEvent* const expected = next();
+    if (expected == nullptr || expected->kind != TraceEventKind::Step) {
       return differ({queries.step, queries.plant[0], queries.module[0],
                      placeOf(queries, 0) + ": the run asks its environment, the recorded one did not."});
     }
-    if (auto found = differenceOf(expected_->queries, queries)) {
+    if (auto found = differenceOf(expected->queries, queries)) {
       return differ(std::move(*found));
     }
     for (std::size_t query = 0; query < queries.size(); ++query) {
-      if (checkOfReply(queries, expected_->replies, query) != expected_->replyChecks[query]) {
+      if (checkOfReply(queries, expected->replies, query) != expected->replyChecks[query]) {
         return differ({queries.step, queries.plant[query], queries.module[query],
                        placeOf(queries, query) +
                            ": the recorded reply is not the one that was given: the trace was changed there."});
       }
     }
-    replies.values = expected_->replies.values;
-    replies.isSet = expected_->replies.isSet;
-    replies.surplusCount = expected_->replies.surplusCount;
+    replies.values = expected->replies.values;
+    replies.isSet = expected->replies.isSet;
+    replies.surplusCount = expected->replies.surplusCount;
     return std::nullopt;
   }
   [[nodiscard]] std::optional<turtle::EnvironmentError> tick(std::uint64_t step) override {
-    wasAsked_ = true;
-    if (expected_ != nullptr && expected_->kind == TraceEventKind::Step) {
-      const turtle::QueryBatch& recorded = expected_->queries;
+    const TraceEvent* const expected = next();
+    // a process that needs geometry is asked a step without queries
+    if (expected != nullptr && expected->kind == TraceEventKind::Step && expected->queries.size() > 0) {
+      const turtle::QueryBatch& recorded = expected->queries;
       return differ({step, recorded.plant[0], recorded.module[0],
                      placeOf(recorded, 0) + ": the recorded run asked its environment, this one asks nothing."});
     }
     return std::nullopt;
   }
+  // iterated coupling gives it back its state before each iteration
+  [[nodiscard]] std::string save() const override { return "replayed"; }
   [[nodiscard]] std::optional<turtle::EnvironmentError> restore(std::string_view) override { return std::nullopt; }
 
  private:
+  [[nodiscard]] const TraceEvent* next() {
+    wasAsked_ = true;
+    return events_ == nullptr || next_ == events_->size() ? nullptr : &(*events_)[next_++];
+  }
+
   [[nodiscard]] std::optional<turtle::EnvironmentError> differ(Divergence divergence) {
     divergence_ = std::move(divergence);
     return turtle::EnvironmentError{divergence_->message, false};
@@ -140,7 +149,8 @@ class ReplayProcess final : public turtle::EnvironmentProcess {
 
   turtle::EnvironmentDescription description_;
   std::vector<std::string> symbols_;
-  TraceEvent* expected_ = nullptr;
+  std::vector<TraceEvent>* events_ = nullptr;
+  std::size_t next_ = 0;  // of events_
   std::optional<Divergence> divergence_;
   bool wasAsked_ = false;
 };
@@ -211,13 +221,21 @@ class Replay {
     switch (event.kind) {
       case TraceEventKind::Step:
         result.queries += event.queries.size();
-        asked_ = std::move(event);
+        // asked from the beginning again: the step had failed
+        if (event.queries.iteration == 0) {
+          asked_.clear();
+        }
+        asked_.push_back(std::move(event));
         break;
       case TraceEventKind::Tick:
-        asked_ = std::move(event);
+        asked_.clear();
+        asked_.push_back(std::move(event));
         break;
       case TraceEventKind::Complete: {
-        const std::string damage = asked_ ? asked_->damage : std::string();
+        std::string damage;
+        for (const TraceEvent& asked : asked_) {
+          damage = damage.empty() ? asked.damage : damage;
+        }
         makeStep(event);
         if (!result.divergence && !damage.empty()) {
           return damage;
@@ -252,6 +270,8 @@ class Replay {
     options.world = event.context.world;
     std::unique_ptr<ReplayProcess> process;
     if (event.hasEnvironment) {
+      // whoever looked at the geometry is not there
+      event.description.needs.geometry = false;
       process = std::make_unique<ReplayProcess>(event.description, event.context.symbols);
     }
     process_ = process.get();
@@ -260,21 +280,21 @@ class Replay {
     if (const auto error = simulation_->restore(event.snapshot)) {
       return error->message;
     }
-    asked_.reset();
+    asked_.clear();
     return std::nullopt;
   }
 
   /// Makes the step that the recorded run made, with the replies that it got.
   void makeStep(const TraceEvent& complete) {
     if (process_ != nullptr) {
-      process_->expect(asked_ ? &*asked_ : nullptr);
+      process_->expect(&asked_);
     }
     const auto error = simulation_->step();
     if (process_ != nullptr) {
       result.divergence = process_->takeDivergence();
       process_->expect(nullptr);
     }
-    asked_.reset();
+    asked_.clear();
     if (result.divergence) {
       return;
     }
@@ -291,7 +311,7 @@ class Replay {
   unsigned threads_;
   std::unique_ptr<Simulation> simulation_;
   ReplayProcess* process_ = nullptr;  // the simulation's; null: it has none
-  std::optional<TraceEvent> asked_;   // the question of the step under way
+  std::vector<TraceEvent> asked_;     // the questions of the step under way
 };
 
 }  // namespace

@@ -39,6 +39,15 @@ struct EnvironmentOrigin {
   bool operator==(const EnvironmentOrigin&) const = default;
 };
 
+/// Iterated (implicit) coupling: within a step the environment answers again from the state it had before the step, to
+/// queries that hold what it answered, until the answers stay as they are. ?E(x) then is a fixed point of both sides.
+struct Coupling {
+  std::uint32_t iterations = 1;  // at most so many exchanges a step; 1: not iterated
+  double tolerance = 0.0;        // a parameter that changes by no more than this stays as it is; 0: the same bits
+
+  bool operator==(const Coupling&) const = default;
+};
+
 struct SimulationOptions {
   std::string name = "simulation";
   std::uint64_t seed = 0;
@@ -47,6 +56,7 @@ struct SimulationOptions {
   unsigned threads = 1;
   core::Limits limits;
   turtle::World world;
+  Coupling coupling;  // of a new run; a restored snapshot brings its own
   EnvironmentPolicy environmentPolicy = EnvironmentPolicy::Fail;
   EnvironmentOrigin environmentOrigin;
   language::Palette palette;  // colours of the model folder: for pictures only, snapshots carry them
@@ -61,8 +71,9 @@ struct StepStatistics {
   std::uint64_t modules = 0;  // of all plants
   std::uint64_t parameters = 0;
   std::uint64_t queries = 0;
-  std::uint64_t answers = 0;  // queries with a reply that set something
-  std::uint64_t bytes = 0;    // of the strings
+  std::uint64_t answers = 0;     // queries with a reply that set something
+  std::uint64_t bytes = 0;       // of the strings
+  std::uint32_t iterations = 0;  // exchanges with the environment in the last step
 };
 
 /// One plant or several of one Program, with an environment, advanced together. Not thread-safe: one worker at a time.

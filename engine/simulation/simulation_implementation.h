@@ -66,8 +66,12 @@ class Simulation::Implementation {
   void measureGeometry();
   void consultEnvironment();
   void tickEnvironment();
+  void exchange();
+  void exchangeOnce(std::uint32_t iteration);
+  [[nodiscard]] bool hasSettled(const std::vector<double>& sent, const turtle::ReplyBatch& replies) const;
+  void rewindPass();
   void requireFiniteReplies() const;
-  void writeReplies();
+  void writeReplies(const turtle::ReplyBatch& replies);
   void measureViewVolume();
   void derivePass();
   void deliverFiles(std::vector<derivation::PlantState>& plants);

@@ -24,7 +24,8 @@ enum class Section : std::uint32_t {
   Pending = 6,
   End = 7,
   Files = 8,
-  Colours = 9
+  Colours = 9,
+  Coupling = 10
 };
 
 void writeVector(ByteWriter& writer, const Vec3& v) {
@@ -387,6 +388,12 @@ void writeSnapshot(const SnapshotContent& content, core::ByteSink& sink) {
   if (!content.palette.empty()) {
     hashing.writeSection(Section::Colours, coloursSection(content.palette));
   }
+  if (content.coupling.iterations > 1) {
+    ByteWriter coupling;
+    coupling.number32(content.coupling.iterations);
+    coupling.real(content.coupling.tolerance);
+    hashing.writeSection(Section::Coupling, coupling);
+  }
   hashing.writeSection(Section::End, ByteWriter());
   ByteWriter checksum;
   checksum.number64(hashing.hash());
@@ -459,6 +466,10 @@ std::variant<SnapshotContent, core::SimulationError> readSnapshot(std::string_vi
         break;
       case Section::Colours:
         readColours(section, content.palette);
+        break;
+      case Section::Coupling:
+        content.coupling.iterations = section.number32();
+        content.coupling.tolerance = section.real();
         break;
       case Section::End:
         hasEnded = true;

@@ -35,6 +35,7 @@ struct SnapshotContent {
   std::uint64_t completedSteps = 0;
   std::vector<turtle::PlantPlacement> placements;
   language::Palette palette;  // of pictures
+  Coupling coupling;
   // module types of the strings: name and arity
   std::vector<std::pair<std::string, std::uint16_t>> types;
   // the state after the last completed step

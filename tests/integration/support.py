@@ -80,6 +80,17 @@ class Process:
         self._stream.close()
 
 
+class Server(Process):
+    """A server with its HTTP side."""
+
+    def __init__(self, *arguments: str, listen: str = "127.0.0.1:0") -> None:
+        super().__init__([program(), "serve", "--listen", listen, "--http", "127.0.0.1:0", "--log-level", "off",
+                          "--gallery", str(GALLERY), *arguments])
+        found = re.match(r"http on (\S+)$", self._stream.readline().strip())
+        assert found is not None
+        self.http = found.group(1)
+
+
 def python(script: Path, *arguments: str) -> List[str]:
     return [sys.executable, str(script), *arguments]
 

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any, Dict, Iterator, List
 from unittest import mock
 
-from support import GALLERY, REPOSITORY, Process, espalier, model, program, python, EXAMPLES
+from support import EXAMPLES, REPOSITORY, Process, Server, espalier, model, program, python
 
 from espalier import Client, ConnectionLost, Environment, Query, ServerError, hosting, wire
 
@@ -32,17 +32,6 @@ class Height(Environment):
 
     def answer(self, query: Query) -> List[float]:
         return [query.position[1]]
-
-
-class Server(Process):
-    """A server with its HTTP side."""
-
-    def __init__(self, *arguments: str, listen: str = "127.0.0.1:0") -> None:
-        super().__init__([program(), "serve", "--listen", listen, "--http", "127.0.0.1:0", "--log-level", "off",
-                          "--gallery", str(GALLERY), *arguments])
-        found = re.match(r"http on (\S+)$", self._stream.readline().strip())
-        assert found is not None
-        self.http = found.group(1)
 
 
 @contextlib.contextmanager

@@ -30,6 +30,7 @@ TEST(DecodeControl, NamesThePathOfWhatIsWrong) {
             "params.roles[0]: expected \"controller\", \"environment\" or \"viewer\", found \"king\"");
   EXPECT_EQ(problem(decodeGetParams(params(R"({"simulation":"a","what":"all"})"))),
             "params.what: expected one of string, statistics, state-hash, turtle, model, information, checkpoints, "
+            "traces, trace, "
             "found \"all\"");
   EXPECT_EQ(problem(decodeRestoreParams(params(R"({"simulation":"a","snapshot":"!"})"))),
             "params.snapshot: expected base64, as simulation.save gave it");

@@ -111,6 +111,7 @@ std::string decodeParams(const Message& message) {
   if (method == "simulation.create") return problemOf(decodeCreateParams(payload));
   if (method == "simulation.step" || method == "simulation.run") return problemOf(decodeStepParams(payload));
   if (method == "simulation.get") return problemOf(decodeGetParams(payload));
+  if (method == "simulation.trace") return problemOf(decodeTraceParams(payload));
   if (method == "simulation.reset") return problemOf(decodeResetParams(payload));
   if (method == "simulation.restore") return problemOf(decodeRestoreParams(payload));
   if (method == "environment.open") return problemOf(decodeOpenParams(payload));
@@ -175,6 +176,66 @@ TEST(Readme, NamesEveryMethodOfTheSchemaAndEveryErrorNumber) {
     EXPECT_NE(text.find("| " + std::to_string(code) + " |"), std::string::npos) << code;
     EXPECT_NE(nameOf(static_cast<ErrorCode>(code)), "unknown") << code;
   }
+}
+
+/// The rows of the specification's table of errors: number, name.
+std::vector<std::pair<int, std::string>> errorRows() {
+  std::vector<std::pair<int, std::string>> rows;
+  std::istringstream text(contentOf("README.md"));
+  bool isInTable = false;
+  for (std::string line; std::getline(text, line);) {
+    if (line == "| code | name | data |") {
+      isInTable = true;
+    } else if (isInTable && !line.starts_with("|")) {
+      break;
+    } else if (isInTable && !line.starts_with("|--")) {
+      std::istringstream cells(line.substr(2));
+      int code = 0;
+      std::string bar;
+      std::string name;
+      cells >> code >> bar;
+      std::getline(cells, name, '|');
+      rows.emplace_back(code,
+                        name.substr(1, name.find_first_of(":", 0) == std::string::npos ? name.find_last_not_of(' ')
+                                                                                       : name.find(':') - 1));
+    }
+  }
+  return rows;
+}
+
+// frozen: programs out there compare with these numbers, so a change here breaks them
+TEST(Readme, TheNumbersOfErrorsAreFrozen) {
+  const std::vector<std::pair<int, std::string>> frozen{{-32700, "parse"},
+                                                        {-32600, "invalid request"},
+                                                        {-32601, "unknown method"},
+                                                        {-32602, "invalid params"},
+                                                        {-32603, "internal"},
+                                                        {1001, "version"},
+                                                        {1002, "capability not agreed"},
+                                                        {1003, "unauthorised"},
+                                                        {1004, "limit"},
+                                                        {1005, "timeout"},
+                                                        {1006, "environment failed"},
+                                                        {1007, "stale step"},
+                                                        {1008, "non-finite number"},
+                                                        {1009, "model"},
+                                                        {1010, "cancelled"},
+                                                        {1011, "not found"},
+                                                        {1012, "hello missing"},
+                                                        {1013, "snapshot"},
+                                                        {1014, "storage"},
+                                                        {1015, "shutting down"}};
+  EXPECT_EQ(errorRows(), frozen);
+  for (const auto& [code, name] : frozen) {
+    EXPECT_NE(nameOf(static_cast<ErrorCode>(code)), "unknown") << code;
+  }
+  EXPECT_EQ(nameOf(static_cast<ErrorCode>(1016)), "unknown");
+  EXPECT_EQ(static_cast<int>(ErrorCode::Parse), -32700);
+  EXPECT_EQ(static_cast<int>(ErrorCode::Internal), -32603);
+  EXPECT_EQ(static_cast<int>(ErrorCode::Version), 1001);
+  EXPECT_EQ(static_cast<int>(ErrorCode::EnvironmentFailed), 1006);
+  EXPECT_EQ(static_cast<int>(ErrorCode::Storage), 1014);
+  EXPECT_EQ(static_cast<int>(ErrorCode::ShuttingDown), 1015);
 }
 
 }  // namespace

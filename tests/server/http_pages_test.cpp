@@ -8,14 +8,27 @@ namespace espalier::server {
 namespace {
 
 TEST(HttpPages, BrowsersConnectFromPagesOfTheHostItselfOrAnAllowedOne) {
-  EXPECT_TRUE(isOriginAllowed("", "127.0.0.1:8080", {}));  // a program
-  EXPECT_TRUE(isOriginAllowed("http://127.0.0.1:8080", "127.0.0.1:8080", {}));
-  EXPECT_TRUE(isOriginAllowed("https://plants.example", "plants.example", {}));
-  EXPECT_FALSE(isOriginAllowed("http://127.0.0.1:8081", "127.0.0.1:8080", {}));
-  EXPECT_FALSE(isOriginAllowed("null", "127.0.0.1:8080", {}));
-  EXPECT_FALSE(isOriginAllowed("http://", "", {}));
-  EXPECT_TRUE(isOriginAllowed("https://elsewhere.example", "127.0.0.1:8080", {"https://elsewhere.example"}));
-  EXPECT_FALSE(isOriginAllowed("https://elsewhere.example.evil", "127.0.0.1:8080", {"https://elsewhere.example"}));
+  EXPECT_TRUE(isOriginAllowed("", "127.0.0.1:8080", true, {}));  // a program
+  EXPECT_TRUE(isOriginAllowed("http://127.0.0.1:8080", "127.0.0.1:8080", true, {}));
+  EXPECT_TRUE(isOriginAllowed("https://plants.example", "plants.example", false, {}));
+  EXPECT_FALSE(isOriginAllowed("http://127.0.0.1:8081", "127.0.0.1:8080", true, {}));
+  EXPECT_FALSE(isOriginAllowed("null", "127.0.0.1:8080", true, {}));
+  EXPECT_FALSE(isOriginAllowed("http://", "", false, {}));
+  EXPECT_TRUE(isOriginAllowed("https://elsewhere.example", "127.0.0.1:8080", true, {"https://elsewhere.example"}));
+  EXPECT_FALSE(
+      isOriginAllowed("https://elsewhere.example.evil", "127.0.0.1:8080", true, {"https://elsewhere.example"}));
+}
+
+TEST(HttpPages, AForeignNameThatLeadsToThisMachineIsNotThisMachine) {
+  // a page of evil.example whose name was made to lead here after it was loaded
+  EXPECT_FALSE(isOriginAllowed("http://evil.example:8080", "evil.example:8080", true, {}));
+  EXPECT_TRUE(isOriginAllowed("http://localhost:8080", "localhost:8080", true, {}));
+  EXPECT_TRUE(isOriginAllowed("http://[::1]:8080", "[::1]:8080", true, {}));
+  EXPECT_FALSE(isHostAllowed("evil.example:8080", true));
+  EXPECT_FALSE(isHostAllowed("localhost.evil.example", true));
+  EXPECT_FALSE(isHostAllowed("127.0.0.1.evil.example", true));
+  EXPECT_TRUE(isHostAllowed("evil.example:8080", false));
+  EXPECT_TRUE(isHostAllowed("127.0.0.1", true));
 }
 
 TEST(HttpPages, ThePathDecidesAndWhatFollowsItDoesNot) {

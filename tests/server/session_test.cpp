@@ -1,6 +1,12 @@
 #include "server/session.h"
 
+#include <fstream>
+
+#include "engine/simulation/trace.h"
+#include "protocol/base64.h"
+#include "protocol/codec.h"
 #include "raw_peer.h"
+#include "server/trace_file.h"
 
 namespace espalier::server {
 namespace {
@@ -184,6 +190,140 @@ TEST(Session, AnIdInProgressCannotBeUsedTwice) {
   peer.send(R"({"jsonrpc":"2.0","method":"$/cancel","params":{"id":5}})"
             "\n");
   EXPECT_EQ(member(member(peer.line(), "error"), "code"), "1010");
+}
+
+constexpr std::string_view kBeatingHello =
+    R"({"jsonrpc":"2.0","id":1,"method":"hello","params":{"protocol":[1],"capabilities":["heartbeat"]}})";
+
+TEST(Session, PingIsAnswered) {
+  const RunningServer server;
+  RawPeer peer(server);
+  (void)peer.ask(kHello);
+  EXPECT_EQ(member(peer.ask(R"({"jsonrpc":"2.0","id":7,"method":"ping"})"), "result"), "{}");
+}
+
+TEST(Session, APeerThatAgreedToHeartbeatsIsAskedAndGivenUpWhenItStaysSilent) {
+  ServerOptions options;
+  options.limits.heartbeatMilliseconds = 60;
+  const RunningServer server(options);
+  const auto watcher = connectTo(server);
+  RawPeer peer(server);
+  (void)peer.ask(kBeatingHello);
+  (void)peer.ask(R"({"jsonrpc":"2.0","id":5,"method":"environment.offer","params":{"name":"mylight"}})");
+  for (int beat = 1; beat <= 3; ++beat) {
+    const std::string asked = peer.line();
+    EXPECT_EQ(member(asked, "method"), "ping");
+    EXPECT_EQ(member(asked, "id"), "h" + std::to_string(beat));
+    // an error is a sign of life as well
+    peer.send("{\"jsonrpc\":\"2.0\",\"id\":\"h" + std::to_string(beat) +
+              (beat == 2 ? "\",\"error\":{\"code\":-32601,\"message\":\"unknown\"}}\n" : "\",\"result\":{}}\n"));
+  }
+  EXPECT_EQ(member(peer.line(), "method"), "ping");
+  EXPECT_EQ(peer.line(), "(closed)");
+  // what it offered is away
+  EXPECT_EQ(member(resultOf(watcher->request("server.status", "{}")), "offered"), "[]");
+}
+
+TEST(Session, WhoOwesTheAnswerToAStepOrDidNotAgreeIsNotAsked) {
+  ServerOptions options;
+  options.limits.heartbeatMilliseconds = 20;
+  options.limits.environmentStepMilliseconds = 400;
+  const RunningServer server(options);
+  const auto client = connectTo(server);
+  RawPeer peer(server);
+  (void)peer.ask(kBeatingHello);
+  (void)peer.ask(R"({"jsonrpc":"2.0","id":5,"method":"environment.offer","params":{"name":"mylight"}})");
+  const auto id = std::get<std::int64_t>(
+      client->send("simulation.create", createParams(kGrowth, R"([{"type":"offered","name":"mylight"}])")));
+  // it computes its description for twenty heartbeats, and is still there
+  std::string asked = peer.line();
+  while (member(asked, "method") == "ping") {
+    peer.send("{\"jsonrpc\":\"2.0\",\"id\":\"" + member(asked, "id") + "\",\"result\":{}}\n");
+    asked = peer.line();
+  }
+  EXPECT_EQ(member(asked, "method"), "environment.describe");
+  peer.send("{\"jsonrpc\":\"2.0\",\"id\":\"" + member(asked, "id") + "\",\"result\":{}}\n");
+  asked = peer.line();
+  EXPECT_EQ(member(asked, "method"), "environment.open");
+  // the next that comes is not a ping: the limit of the step ends it
+  const auto error = errorOf(client->waitFor(id, std::chrono::seconds(30)));
+  EXPECT_NE(error.message.find("did not answer within 400 ms"), std::string::npos) << error.message;
+  EXPECT_EQ(member(peer.line(), "method"), "ping");
+}
+
+TEST(Session, ATraceIsBegunEndedListedAndSent) {
+  const TemporaryFolder folder;
+  ServerOptions options;
+  options.dataFolder = folder.path();
+  const RunningServer server(options);
+  const auto client = connectTo(server);
+  const std::string simulation = create(*client, kGrowth, R"([{"type":"height"}])");
+  const auto get = [&](const std::string& what) {
+    return client->request("simulation.get", named(simulation, R"("what":)" + what));
+  };
+  resultOf(client->request("simulation.step", named(simulation)));
+  EXPECT_EQ(member(resultOf(get(R"("traces")")), "traces"), "[]");
+  const std::string begun = resultOf(client->request("simulation.trace", named(simulation, R"("trace":true)")));
+  EXPECT_EQ(begun, R"({"step":1,"traced":true})");
+  resultOf(client->request("simulation.step", named(simulation, R"("steps":2)")));
+  EXPECT_EQ(resultOf(client->request("simulation.trace", named(simulation, R"("trace":false)"))),
+            R"({"step":3,"traced":false})");
+  resultOf(client->request("simulation.step", named(simulation)));
+  const std::string traces = member(resultOf(get(R"("traces")")), "traces");
+  EXPECT_EQ(traces.rfind(R"([{"trace":1,"bytes":)", 0), 0U) << traces;
+  const std::string sent = member(resultOf(get(R"("trace","trace":1)")), "content");
+  const std::string file = folder.path() + "/sent.trace.zst";
+  std::ofstream(file, std::ios::binary) << protocol::fromBase64(sent).value_or("");
+  std::string bytes;
+  EXPECT_EQ(readTraceFile(file, bytes), std::nullopt);
+  const auto replayed = simulation::replayTrace(bytes, 1);
+  ASSERT_TRUE(std::holds_alternative<simulation::ReplayResult>(replayed)) << std::get<std::string>(replayed);
+  EXPECT_EQ(std::get<simulation::ReplayResult>(replayed).steps, 2U);
+  EXPECT_FALSE(std::get<simulation::ReplayResult>(replayed).divergence.has_value());
+  EXPECT_EQ(
+      errorOf(get(R"("trace","trace":2)")).message,
+      "params.trace: there is no trace 2 of this simulation, or it is too large for an answer; ask for its traces, "
+      "or download it over HTTP");
+}
+
+TEST(Session, ATraceNeedsADataFolder) {
+  const RunningServer server;
+  const auto client = connectTo(server);
+  const std::string simulation = create(*client, kGrowth, R"([{"type":"height"}])");
+  EXPECT_EQ(errorOf(client->request("simulation.trace", named(simulation, R"("trace":true)"))).message,
+            "params.trace: this server keeps nothing; start it with --data to have traces");
+}
+
+TEST(Session, ACouplingIsIteratedOverTheWire) {
+  const RunningServer server;
+  const auto client = connectTo(server);
+  // 1 + x / 2 of what was sent, without state
+  const OfferingEnvironment environment(
+      server, "halver", [](client::Client& self, const client::IncomingRequest& request) {
+        if (request.method != "environment.step") {
+          (void)self.respondError(request.id, {protocol::ErrorCode::UnknownMethod, "only steps here", {}});
+          return;
+        }
+        const auto params =
+            std::get<protocol::EnvironmentStepParams>(protocol::decodeEnvironmentStepParams(request.params));
+        protocol::JsonWriter reply;
+        reply.beginObject().key("replies").beginArray().beginObject().key("id").integer(0).key("parameters");
+        reply.beginArray().number(1.0 + 0.5 * params.queries.parameters[0]).endArray().endObject().endArray();
+        (void)self.respond(request.id, reply.endObject().take());
+      });
+  const std::string simulation =
+      create(*client, "Lsystem: 1\nderivation length: 2\nAxiom: ?E(0)\n?E(x) --> ?E(x)\nendlsystem\n",
+             R"([{"type":"offered","name":"halver"}])", R"("coupling":{"iterations":50,"tolerance":1e-3})");
+  const std::string stepped = resultOf(client->request("simulation.step", named(simulation)));
+  // the change halves from 1 to below 1/1000
+  EXPECT_EQ(member(member(stepped, "statistics"), "iterations"), "11");
+  EXPECT_EQ(errorOf(client->request("simulation.create", createParams(kGrowth, {}, R"("coupling":{"iterations":0})")))
+                .message,
+            "params.coupling.iterations: expected a whole number from 1 to 10000, found 0");
+  EXPECT_EQ(errorOf(client->request("simulation.create",
+                                    createParams(kGrowth, {}, R"("coupling":{"iterations":2,"tolerance":-1})")))
+                .message,
+            "params.coupling.tolerance: expected a number from 0 on, found -1");
 }
 
 }  // namespace

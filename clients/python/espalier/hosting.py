@@ -120,6 +120,8 @@ class Host:
             return Reply(self._restore(parameters))
         if method == "hello":
             return Reply(hello_result(self._class.name(), parameters))
+        if method == "ping":
+            return Reply({})
         raise _Refusal(wire.METHOD_NOT_FOUND, f"An environment does not know the method '{method}'. It knows "
                        "environment.describe, open, step, save, restore and close.")
 
@@ -333,8 +335,10 @@ def unpack_state(packed: Any) -> Any:
 
 
 def hello_parameters(name: str, role: str, token: Optional[str] = None) -> Dict[str, Any]:
+    # an environment answers whatever comes while it waits, so it can be asked whether it is there
+    capabilities = [*wire.CAPABILITIES, *(["heartbeat"] if role == "environment" else [])]
     parameters: Dict[str, Any] = {"protocol": [PROTOCOL], "roles": [role], "name": name, "version": VERSION,
-                                  "capabilities": list(wire.CAPABILITIES), "limits": dict(wire.LIMITS)}
+                                  "capabilities": capabilities, "limits": dict(wire.LIMITS)}
     if token is not None:
         parameters["token"] = token
     return parameters

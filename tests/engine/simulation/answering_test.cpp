@@ -1,3 +1,4 @@
+#include "engine/simulation/trace.h"
 #include "engine/turtle/geometry.h"
 #include "tests/engine/simulation/simulation_fixture.h"
 
@@ -126,6 +127,196 @@ TEST(Answering, ACompatibleModelTransmitsNothingInAStepWithoutQueries) {
   expectSuccess(run.simulation.step());
   EXPECT_TRUE(run.log->batches.empty());
   EXPECT_EQ(run.log->tickCount, 0);
+}
+
+// ---- iterated coupling ----
+
+/// Answers 1 + x / 2 plus the number of steps it has made, so that ?E(x) settles at 2 + 2 * steps; its state is that
+/// number.
+class Halver final : public turtle::EnvironmentProcess {
+ public:
+  struct Log {
+    std::vector<std::uint32_t> iterations;  // of every batch
+    std::uint64_t failingCall = 0;          // 1-based; 0: none
+    std::uint64_t callCount = 0;
+    std::uint64_t steps = 0;
+    bool canSave = true;
+  };
+  explicit Halver(std::shared_ptr<Log> log) : log_(std::move(log)) {}
+
+  [[nodiscard]] turtle::EnvironmentDescription describe() const override {
+    turtle::EnvironmentDescription description;
+    description.name = "halver";
+    description.needs.parameters = true;
+    description.isStateful = true;
+    return description;
+  }
+  [[nodiscard]] std::optional<turtle::EnvironmentError> open(const turtle::EnvironmentContext&) override {
+    log_->steps = 0;
+    return std::nullopt;
+  }
+  [[nodiscard]] std::optional<turtle::EnvironmentError> step(const turtle::QueryBatch& queries,
+                                                             turtle::ReplyBatch& replies) override {
+    if (++log_->callCount == log_->failingCall) {
+      return turtle::EnvironmentError{"halver is away.", true};
+    }
+    log_->iterations.push_back(queries.iteration);
+    for (std::size_t query = 0; query < queries.size(); ++query) {
+      replies.set(queries, query, 0, 1.0 + 0.5 * queries.parametersOf(query)[0] + static_cast<double>(log_->steps));
+    }
+    ++log_->steps;
+    return std::nullopt;
+  }
+  [[nodiscard]] std::string save() const override { return log_->canSave ? std::to_string(log_->steps) : ""; }
+  [[nodiscard]] std::optional<turtle::EnvironmentError> restore(std::string_view state) override {
+    log_->steps = std::stoull(std::string(state));
+    return std::nullopt;
+  }
+
+ private:
+  std::shared_ptr<Log> log_;
+};
+
+// the parameter goes with the module from step to step
+const char* const kCoupledModel =
+    "Lsystem: 1\nderivation length: 3\nAxiom: F?E(0)\nE(x) --> E(x)\n?E(x) --> ?E(x)\nF --> FF\nendlsystem\n";
+
+struct CoupledRun {
+  explicit CoupledRun(Coupling coupling, std::shared_ptr<TraceRecorder> recorder = nullptr,
+                      const char* model = kCoupledModel)
+      : simulation(compileText(model), TestRun::placements(1),
+                   recorder ? record(std::make_unique<Halver>(log), recorder) : std::make_unique<Halver>(log),
+                   optionsOf(coupling)) {
+    expectSuccess(simulation.rewind());
+  }
+  SimulationOptions optionsOf(Coupling coupling) {
+    SimulationOptions options;
+    options.coupling = coupling;
+    options.messages = [this](core::MessageKind, std::string_view text) { messages.emplace_back(text); };
+    return options;
+  }
+  [[nodiscard]] double value() { return simulation.string().parameters().back(); }
+
+  std::vector<std::string> messages;
+  std::shared_ptr<Halver::Log> log = std::make_shared<Halver::Log>();
+  Simulation simulation;
+};
+
+TEST(Answering, AnIteratedStepSettlesAtTheFixedPointOfBothSides) {
+  CoupledRun run({.iterations = 100, .tolerance = 1e-9});
+  expectSuccess(run.simulation.answer());
+  // x = 1 + x / 2: each iteration halves the distance to 2, the last change is below the tolerance
+  EXPECT_NEAR(run.value(), 2.0, 1e-8);
+  EXPECT_EQ(run.log->steps, 1U);
+  EXPECT_EQ(run.log->iterations.size(), 31U);
+  EXPECT_EQ(run.log->iterations.back(), 30U);
+  EXPECT_EQ(run.simulation.statistics().iterations, 31U);
+  EXPECT_TRUE(run.messages.empty());
+  // the next step begins from what the first left: x = 1 + x / 2 + 1
+  expectSuccess(run.simulation.step());
+  expectSuccess(run.simulation.answer());
+  EXPECT_NEAR(run.value(), 4.0, 1e-8);
+  EXPECT_EQ(run.log->steps, 2U);
+}
+
+TEST(Answering, WithoutIterationsTheEnvironmentIsAskedOnce) {
+  CoupledRun run({});
+  expectSuccess(run.simulation.answer());
+  EXPECT_EQ(run.value(), 1.0);
+  EXPECT_EQ(run.simulation.statistics().iterations, 1U);
+}
+
+TEST(Answering, AnIterationThatDoesNotSettleWarnsAndUsesTheLastAnswers) {
+  CoupledRun run({.iterations = 3});
+  expectSuccess(run.simulation.answer());
+  EXPECT_EQ(run.value(), 1.75);
+  ASSERT_EQ(run.messages.size(), 1U);
+  EXPECT_EQ(run.messages[0],
+            "step 1: the answers of environment 'halver' did not settle in 3 iterations; the last are used");
+}
+
+TEST(Answering, AnIterationThatFailsLeavesTheEnvironmentWhereItWas) {
+  CoupledRun run({.iterations = 100, .tolerance = 1e-9});
+  run.log->failingCall = 3;
+  const std::string before = run.simulation.stringText();
+  const auto error = run.simulation.step();
+  ASSERT_TRUE(error.has_value());
+  EXPECT_TRUE(error->isRetryable);
+  EXPECT_EQ(run.log->steps, 0U);
+  EXPECT_EQ(run.simulation.stringText(), before);
+  // the same step again, as if nothing had been
+  expectSuccess(run.simulation.answer());
+  EXPECT_NEAR(run.value(), 2.0, 1e-8);
+  EXPECT_EQ(run.log->steps, 1U);
+}
+
+TEST(Answering, IteratingNeedsAnEnvironmentThatCanGoBack) {
+  CoupledRun run({.iterations = 2});
+  run.log->canSave = false;
+  const auto error = run.simulation.step();
+  ASSERT_TRUE(error.has_value());
+  EXPECT_EQ(
+      error->message,
+      "environment 'halver' changes from step to step and cannot give its state back. Iterated coupling asks it "
+      "several times from the same state: let it save and restore, or do not iterate. The simulation stays at step "
+      "0.");
+}
+
+TEST(Answering, ASnapshotOfAnIteratedRunGoesOnIterating) {
+  CoupledRun run({.iterations = 100, .tolerance = 1e-9});
+  expectSuccess(run.simulation.step());
+  core::StringSink answered;
+  expectSuccess(run.simulation.answer());
+  run.simulation.save(answered);
+  CoupledRun resumed({});
+  expectSuccess(resumed.simulation.restore(answered.text()));
+  EXPECT_EQ(resumed.simulation.stateHash(), run.simulation.stateHash());
+  for (int step = 0; step < 2; ++step) {
+    expectSuccess(run.simulation.step());
+    expectSuccess(resumed.simulation.step());
+    expectSuccess(run.simulation.answer());
+    expectSuccess(resumed.simulation.answer());
+    EXPECT_EQ(resumed.simulation.stateHash(), run.simulation.stateHash());
+  }
+}
+
+TEST(Answering, ATraceOfAnIteratedRunIsReplayed) {
+  core::StringSink sink;
+  const auto recorder = std::make_shared<TraceRecorder>(sink);
+  CoupledRun run({.iterations = 100, .tolerance = 1e-9}, recorder);
+  run.log->failingCall = 40;
+  recorder->begin(run.simulation);
+  int failures = 0;
+  while (!run.simulation.isFinished()) {
+    if (run.simulation.step()) {
+      ++failures;
+    } else {
+      recorder->complete(run.simulation);
+    }
+  }
+  EXPECT_EQ(failures, 1);
+  const auto replayed = replayTrace(sink.text(), 1);
+  ASSERT_TRUE(std::holds_alternative<ReplayResult>(replayed)) << std::get<std::string>(replayed);
+  const auto& result = std::get<ReplayResult>(replayed);
+  EXPECT_EQ(result.steps, 3U);
+  EXPECT_FALSE(result.divergence.has_value()) << result.divergence->message;
+}
+
+TEST(Answering, ATraceWithGeometryIsReplayedWithoutIt) {
+  core::StringSink sink;
+  const auto recorder = std::make_shared<TraceRecorder>(sink);
+  const auto log = std::make_shared<Observer::Log>();
+  Simulation simulation(compileText(kLeafyModel), TestRun::placements(1),
+                        record(std::make_unique<Observer>(log, true), recorder), {});
+  expectSuccess(simulation.rewind());
+  recorder->begin(simulation);
+  while (!simulation.isFinished()) {
+    expectSuccess(simulation.step());
+    recorder->complete(simulation);
+  }
+  const auto replayed = replayTrace(sink.text(), 1);
+  ASSERT_TRUE(std::holds_alternative<ReplayResult>(replayed)) << std::get<std::string>(replayed);
+  EXPECT_FALSE(std::get<ReplayResult>(replayed).divergence.has_value());
 }
 
 }  // namespace

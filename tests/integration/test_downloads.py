@@ -1,0 +1,123 @@
+"""Files of a server over HTTP: exports, states, checkpoints and traces, for who may have them."""
+
+import base64
+import http.client
+import json
+import os
+import socket
+import tempfile
+import unittest
+from pathlib import Path
+from typing import Dict, Tuple
+
+from support import Server, espalier
+
+from espalier import Client
+
+MODEL = ("Lsystem: 1\nderivation length: 6\nAxiom: F(1)A?E(0)\n"
+         "A > ?E(h) : h < 3 --> F(1)A\nA > ?E(h) : h >= 3 --> *\nendlsystem\n")
+
+
+class Downloads(unittest.TestCase):
+    def setUp(self) -> None:
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = folder.name
+
+    def serve(self, *arguments: str) -> None:
+        self.server = Server(*arguments)
+        self.addCleanup(self.server.stop)
+
+    def get(self, path: str, **headers: str) -> Tuple[int, Dict[str, str], bytes]:
+        connection = http.client.HTTPConnection(self.server.http, timeout=60)
+        try:
+            connection.request("GET", path, headers=headers)
+            response = connection.getresponse()
+            return response.status, dict(response.getheaders()), response.read()
+        finally:
+            connection.close()
+
+    def text(self, path: str, **headers: str) -> Tuple[int, str]:
+        status, _, body = self.get(path, **headers)
+        return status, body.decode("utf-8")
+
+    def test_exports_states_checkpoints_and_traces(self) -> None:
+        self.serve("--data", os.path.join(self.folder, "data"))
+        with Client(self.server.address) as client:
+            simulation = client.create(MODEL, environment=[{"type": "height"}], seed=1)
+            name = simulation.identifier
+            client.call("simulation.trace", {"simulation": name, "trace": True})
+            simulation.step(2)
+            client.call("simulation.save", {"simulation": name, "checkpoint": "at two", "snapshot": False})
+            simulation.step(1)
+            state = simulation.string()
+
+            listed = json.loads(self.text("/simulations")[1])["simulations"]
+            self.assertEqual([(one["simulation"], one["step"]) for one in listed], [(name, 3)])
+            for suffix, start in (("png", b"\x89PNG"), ("svg", b"<?xml"), ("glb", b"glTF"), ("ply", b"ply"), ("obj", b"#")):
+                status, headers, body = self.get(f"/simulations/{name}/plant.{suffix}")
+                self.assertEqual(status, 200, body[:200])
+                self.assertTrue(body.startswith(start), body[:20])
+                self.assertEqual(headers["Content-Disposition"], f'attachment; filename="plant.{suffix}"')
+            # the state goes on where it was, here and elsewhere
+            for path, step in ((f"/simulations/{name}/now.snapshot", 3), (f"/simulations/{name}/checkpoints/at%20two", 2)):
+                status, _, body = self.get(path)
+                self.assertEqual(status, 200)
+                kept = Path(self.folder) / "kept.snapshot"
+                kept.write_bytes(body)
+                packed = base64.b64encode(body).decode("ascii")
+                restored = client.call("simulation.restore", {"simulation": name, "snapshot": packed})
+                self.assertEqual(restored["step"], step)
+                simulation.step(3 - step or 1)
+                self.assertEqual(simulation.string() == state, step == 2)
+            status, _, body = self.get(f"/simulations/{name}/traces/1")
+            self.assertEqual(status, 200)
+            trace = Path(self.folder) / "run.trace.zst"
+            trace.write_bytes(body)
+            self.assertRegex(espalier("replay", str(trace)).stdout, r"^\d+ steps with \d+ queries: the same as recorded$")
+
+    def test_what_is_not_there_is_said(self) -> None:
+        self.serve()
+        with Client(self.server.address) as client:
+            name = client.create(MODEL, environment=[{"type": "height"}]).identifier
+            for path, words in (("/simulations/sim-0/a.png", "There is no simulation 'sim-0'."),
+                                (f"/simulations/{name}/a.gif", "'a.gif' names no format. Suffixes: .snapshot .svg"),
+                                (f"/simulations/{name}/traces/1", "There is no trace 1 of this simulation"),
+                                (f"/simulations/{name}/checkpoints/a", "checkpoint"),
+                                (f"/simulations/{name}/traces/..%2F..%2Fdata", "There is no such page."),
+                                ("/simulations/..%2F..%2Fetc/passwd.png", "There is no simulation '../../etc'.")):
+                status, text = self.text(path)
+                self.assertEqual(status, 404, path)
+                self.assertIn(words, text)
+
+    def test_a_token_is_asked_for(self) -> None:
+        self.serve("--token", "a secret")
+        self.assertEqual(self.get("/simulations")[0], 401)
+        self.assertEqual(self.get("/simulations")[1]["WWW-Authenticate"], "Bearer")
+        self.assertEqual(self.get("/simulations", Authorization="Bearer a secre")[0], 401)
+        self.assertEqual(self.get("/simulations", Authorization="Bearer a secret")[0], 200)
+        # how the server is doing is no secret
+        self.assertEqual(self.get("/health")[0], 200)
+
+    def test_a_foreign_name_for_this_machine_gets_nothing(self) -> None:
+        self.serve()
+        self.assertEqual(self.get("/simulations", Host="evil.example")[0], 403)
+        self.assertEqual(self.get("/simulations", Host="localhost")[0], 200)
+        host, port = self.server.http.rsplit(":", 1)
+        with socket.create_connection((host, int(port)), 30) as connection:
+            connection.sendall((b"GET /espalier/1 HTTP/1.1\r\nHost: evil.example\r\nUpgrade: websocket\r\n"
+                                b"Connection: Upgrade\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
+                                b"Sec-WebSocket-Version: 13\r\nOrigin: http://evil.example\r\n\r\n"))
+            self.assertIn("403 Forbidden", connection.recv(1000).decode("ascii"))
+
+    def test_a_download_beyond_the_limit_is_refused(self) -> None:
+        self.serve("--limit", "blockBytes=1000")
+        with Client(self.server.address) as client:
+            name = client.create(MODEL, environment=[{"type": "height"}]).identifier
+            status, text = self.text(f"/simulations/{name}/plant.png")
+            self.assertEqual(status, 413)
+            self.assertIn("blockBytes is limited to 1000, and this is larger.", text)
+
+
+if __name__ == "__main__":
+    unittest.main()
