@@ -293,7 +293,8 @@ TEST(RemoteProcess, AStepLongerThanItsPeerTakesIsNotSentAndSaysWhatHelps) {
 TEST(RemoteProcess, ConnectingSaysWhatIsWrong) {
   const auto unknown = connectRemoteEnvironment("udp://x", {});
   EXPECT_EQ(std::get<std::string>(unknown),
-            "'udp://x' does not name an environment in another process. Write tcp://HOST:PORT or stdio:COMMAND.");
+            "'udp://x' does not name an environment in another process. Write tcp://HOST:PORT, unix:PATH or "
+            "stdio:COMMAND.");
   const auto bad = connectRemoteEnvironment("tcp://nowhere", {});
   EXPECT_NE(std::get<std::string>(bad).find("'nowhere' is not an address; write HOST:PORT"), std::string::npos);
   const auto dead = connectRemoteEnvironment("stdio:exit 3", {});
