@@ -15,7 +15,7 @@ from support import Server, espalier
 from espalier import Client
 
 MODEL = ("Lsystem: 1\nderivation length: 6\nAxiom: F(1)A?E(0)\n"
-         "A > ?E(h) : h < 3 --> F(1)A\nA > ?E(h) : h >= 3 --> *\nendlsystem\n")
+         "A > ?E(h) : h < 9 --> F(1)A\nA > ?E(h) : h >= 9 --> *\nendlsystem\n")
 
 
 class Downloads(unittest.TestCase):
@@ -81,7 +81,7 @@ class Downloads(unittest.TestCase):
         with Client(self.server.address) as client:
             name = client.create(MODEL, environment=[{"type": "height"}]).identifier
             for path, words in (("/simulations/sim-0/a.png", "There is no simulation 'sim-0'."),
-                                (f"/simulations/{name}/a.gif", "'a.gif' names no format. Suffixes: .snapshot .svg"),
+                                (f"/simulations/{name}/a.gif", "'a.gif' names no format. Suffixes: .snapshot .png"),
                                 (f"/simulations/{name}/traces/1", "There is no trace 1 of this simulation"),
                                 (f"/simulations/{name}/checkpoints/a", "checkpoint"),
                                 (f"/simulations/{name}/traces/..%2F..%2Fdata", "There is no such page."),
