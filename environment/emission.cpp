@@ -149,6 +149,9 @@ class Emission final : public turtle::EnvironmentProcess {
     return std::nullopt;
   }
 
+  [[nodiscard]] std::vector<turtle::Field> fields() const override {
+    return {field_.field("concentration", "1/" + lengthUnit_ + "^3")};
+  }
   [[nodiscard]] std::string save() const override { return saveNumbers(field_.cells()); }
   [[nodiscard]] std::optional<turtle::EnvironmentError> restore(std::string_view state) override {
     return restoreNumbers(state, "emission", field_.cells());

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "engine/core/check.h"
+#include "engine/turtle/field.h"
 #include "environment/letter_case.h"
 #include "environment/process_group.h"
 
@@ -40,6 +41,7 @@ class EnvironmentSet final : public turtle::EnvironmentProcess {
   }
 
   [[nodiscard]] std::optional<EnvironmentError> tick(std::uint64_t step) override { return group_.tick(step); }
+  [[nodiscard]] std::vector<turtle::Field> fields() const override { return group_.fields(); }
   [[nodiscard]] std::string save() const override { return group_.save(); }
   [[nodiscard]] std::optional<EnvironmentError> restore(std::string_view state) override {
     return group_.restore(state);

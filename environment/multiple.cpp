@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "engine/core/number_text.h"
+#include "engine/turtle/field.h"
 #include "environment/environment_entries.h"
 #include "environment/process_group.h"
 #include "environment/registry.h"
@@ -60,6 +61,7 @@ class Multiple final : public turtle::EnvironmentProcess {
   }
 
   [[nodiscard]] std::optional<turtle::EnvironmentError> tick(std::uint64_t step) override { return group_.tick(step); }
+  [[nodiscard]] std::vector<turtle::Field> fields() const override { return group_.fields(); }
   [[nodiscard]] std::string save() const override { return group_.save(); }
   [[nodiscard]] std::optional<turtle::EnvironmentError> restore(std::string_view state) override {
     return group_.restore(state);

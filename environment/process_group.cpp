@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "engine/core/check.h"
+#include "engine/turtle/field.h"
 #include "environment/query_batches.h"
 #include "environment/state_bytes.h"
 
@@ -186,6 +187,17 @@ std::optional<EnvironmentError> ProcessGroup::advanceAll(
     }
   }
   return std::nullopt;
+}
+
+std::vector<turtle::Field> ProcessGroup::fields() const {
+  std::vector<turtle::Field> all;
+  for (const Member& member : members_) {
+    for (turtle::Field& field : member.process->fields()) {
+      field.name = member.name + "." + field.name;
+      all.push_back(std::move(field));
+    }
+  }
+  return all;
 }
 
 }  // namespace espalier::environment

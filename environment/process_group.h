@@ -39,6 +39,8 @@ class ProcessGroup {
   [[nodiscard]] std::string save() const;
   /// All or none.
   [[nodiscard]] std::optional<turtle::EnvironmentError> restore(std::string_view state);
+  /// Those of all members, named "soil.waterContent".
+  [[nodiscard]] std::vector<turtle::Field> fields() const;
 
  private:
   struct Member {

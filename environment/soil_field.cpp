@@ -197,4 +197,8 @@ double SoilField::relax(const std::array<double, 7>& own, const std::array<doubl
   return change;
 }
 
+turtle::Field SoilField::field(std::string name, std::string unit) const {
+  return {std::move(name), std::move(unit), shape_.cells, shape_.position, cellSize(), cells_};
+}
+
 }  // namespace espalier::environment

@@ -3,9 +3,11 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "engine/core/vec3.h"
+#include "engine/turtle/field.h"
 
 namespace espalier::environment {
 
@@ -41,6 +43,8 @@ class SoilField {
   [[nodiscard]] const std::vector<double>& cells() const { return cells_; }
   /// The cell of a point; nothing outside the box. Low borders belong to it, high ones do not.
   [[nodiscard]] std::optional<std::size_t> cellOf(const core::Vec3& point) const;
+  /// The concentrations as a field of that name and unit.
+  [[nodiscard]] turtle::Field field(std::string name, std::string unit) const;
   /// Differences of the concentrations of the neighbours on both sides, halved: per cell, not per length. A neighbour
   /// beyond the border or in an obstacle counts as having the cell's own concentration.
   [[nodiscard]] core::Vec3 differencesAt(std::size_t cell) const;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "engine/core/number_text.h"
+#include "engine/turtle/field.h"
 
 namespace espalier::environment {
 
@@ -63,6 +64,7 @@ class TextExchange final : public turtle::EnvironmentProcess {
 
   [[nodiscard]] std::optional<turtle::EnvironmentError> tick(std::uint64_t) override { return std::nullopt; }
   [[nodiscard]] std::string save() const override { return process_->save(); }
+  [[nodiscard]] std::vector<turtle::Field> fields() const override { return process_->fields(); }
   [[nodiscard]] std::optional<turtle::EnvironmentError> restore(std::string_view state) override {
     return process_->restore(state);
   }

@@ -36,6 +36,7 @@ int main(int argumentCount, char** arguments) {
   addConvert(program, status);
   addDisassemble(program, status);
   addInfer(program, status);
+  addField(program, status);
   addReplay(program, status);
   addServe(program, status);
   addEnvironment(program, status);

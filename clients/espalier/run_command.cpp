@@ -5,6 +5,7 @@
 
 #include "clients/espalier/commands.h"
 #include "clients/espalier/environment_loading.h"
+#include "clients/espalier/field_outputs.h"
 #include "clients/espalier/growth_outputs.h"
 #include "clients/espalier/messages.h"
 #include "clients/espalier/model_loading.h"
@@ -23,6 +24,7 @@ struct RunOptions {
   ModelOptions model;
   TraceOption trace;
   OutputOptions outputs;
+  FieldOutputs fields;
   std::string resumed;         // snapshot to go on from; empty: none
   std::uint64_t variants = 0;  // plants from as many seeds; 0: one plant of the run's seed
   bool writesEveryStep = false;
@@ -48,8 +50,10 @@ bool runToEnd(simulation::Simulation& simulation, std::optional<std::uint64_t> l
   options.trace.begin(simulation);
   std::optional<GrowthOutputs> growth;
   const auto writeStep = [&] {
-    return !options.writesEveryStep ||
-           (writer.write(simulation, simulation.completedSteps()) && growth->addFrame(simulation));
+    const std::uint64_t step = simulation.completedSteps();
+    return options.fields.addStep(simulation, options.writesEveryStep ? std::optional(step) : std::nullopt,
+                                  options.model.isQuiet) &&
+           (!options.writesEveryStep || (writer.write(simulation, step) && growth->addFrame(simulation)));
   };
   if (options.writesEveryStep) {
     growth.emplace(options.outputs, simulation.completedSteps(), last.value_or(simulation.derivationLength()));
@@ -115,12 +119,18 @@ int runOnce(RunOptions& options, ModelOptions model, std::optional<std::uint64_t
   if (!options.trace.close() || !isComplete) {
     return kFailure;
   }
+  if (!options.fields.finish(simulation, options.writesEveryStep, options.model.isQuiet)) {
+    return kFailure;
+  }
   return options.writesEveryStep || writer.write(simulation, variant, 3) ? kSuccess : kFailure;
 }
 
 int run(RunOptions& options) {
   if (const int status = checkOutputs(options.outputs); status != kSuccess) {
     return status;
+  }
+  if (!options.fields.parse()) {
+    return kUsage;
   }
   if (options.variants == 0) {
     return runOnce(options, options.model, std::nullopt);
@@ -149,12 +159,14 @@ void addRun(CLI::App& program, int& status) {
       "  espalier run tree.l --every -o frame.png            frame-0000.png, frame-0001.png, ...\n"
       "  espalier run bush.l --variants 20 -o bush-%02d.glb --detail 0.5\n"
       "  espalier run tiers.l --environment honda.json --steps 5 -o tiers.snapshot\n"
-      "  espalier run --resume tiers.snapshot --steps 12 -o tiers.svg");
+      "  espalier run --resume tiers.snapshot --steps 12 -o tiers.svg\n"
+      "  espalier run roots.l -o roots.png --field water.vti --field waterContent@z=water.png --field water.csv");
   auto options = std::make_shared<RunOptions>();
   addReadingOptions(*command, options->model, false);
   addRunningOptions(*command, options->model);
   options->trace.addTo(*command);
   addOutputOptions(*command, options->outputs, true);
+  options->fields.addTo(*command);
   CLI::Option* resume = command->add_option("--resume", options->resumed,
                                             "Go on from a snapshot; it carries its model, so MODEL may be left out");
   resume->type_name("FILE.snapshot");

@@ -4,6 +4,7 @@
 #include "engine/simulation/byte_reader.h"
 #include "engine/simulation/byte_writer.h"
 #include "engine/simulation/trace_format.h"
+#include "engine/turtle/field.h"
 
 namespace espalier::simulation {
 namespace {
@@ -45,6 +46,7 @@ class RecordingProcess final : public turtle::EnvironmentProcess {
     return error;
   }
   [[nodiscard]] std::string save() const override { return process_->save(); }
+  [[nodiscard]] std::vector<turtle::Field> fields() const override { return process_->fields(); }
   [[nodiscard]] std::optional<turtle::EnvironmentError> restore(std::string_view state) override {
     return process_->restore(state);
   }

@@ -1,5 +1,7 @@
 #include "engine/turtle/environment_process.h"
 
+#include "engine/turtle/field.h"
+
 namespace espalier::turtle {
 
 void QueryBatch::clear() {
@@ -48,6 +50,10 @@ std::optional<EnvironmentError> EnvironmentProcess::restore(std::string_view sta
                               std::to_string(state.size()) +
                               " bytes of it. Use the environment that the snapshot was made with.",
                           false};
+}
+
+std::vector<Field> EnvironmentProcess::fields() const {
+  return {};
 }
 
 }  // namespace espalier::turtle

@@ -14,6 +14,7 @@
 
 namespace espalier::turtle {
 
+struct Field;
 struct Geometry;
 
 /// Which parts of a query a process reads; the rest need not be filled or sent.
@@ -144,6 +145,9 @@ class EnvironmentProcess {
   /// Complete state as bytes; empty for a stateless process.
   [[nodiscard]] virtual std::string save() const;
   [[nodiscard]] virtual std::optional<EnvironmentError> restore(std::string_view state);
+
+  /// Quantities in space as they are after the last step (field.h), for files and pictures. Default: none.
+  [[nodiscard]] virtual std::vector<Field> fields() const;
 };
 
 }  // namespace espalier::turtle

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/turtle/field.h"
 #include "environment/grid_axes.h"
 #include "environment/light/leaf_light.h"
 #include "environment/light/plant_surfaces.h"
@@ -277,6 +278,11 @@ class Light final : public turtle::EnvironmentProcess {
         wanted.insert(wanted.end(), plants.bySource.begin() + static_cast<std::ptrdiff_t>(begin),
                       plants.bySource.begin() + static_cast<std::ptrdiff_t>(end));
       }
+      for (std::uint32_t triangle = 0; triangle < plants.surfaces.triangles.size(); ++triangle) {
+        if (plants.surfaces.material[triangle] == kGroundMaterial) {
+          wanted.push_back(triangle);
+        }
+      }
       std::sort(wanted.begin(), wanted.end());
       wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
     }
@@ -294,11 +300,46 @@ class Light final : public turtle::EnvironmentProcess {
     }
     const Incoming incoming = incomingLight(queries.timeDays, options.directions);
     const LeafLight light(plants.surfaces, std::move(wanted), incoming.suns, options);
+    groundLight_.clear();
     for (std::size_t band = 0; band < bands_.size(); ++band) {
       answerBand(queries, band, bounces, plants, light, incoming, replies);
     }
     countAnswers(queries, replies);
     return std::nullopt;
+  }
+
+  /// The irradiance of the ground, when there is one.
+  [[nodiscard]] std::vector<turtle::Field> fields() const override {
+    std::vector<turtle::Field> fields;
+    const auto& plot = configuration_.numbers("plot");
+    for (std::size_t band = 0; band < groundLight_.size(); ++band) {
+      turtle::Field field{bands_.size() == 1 ? "groundLight" : "groundLight" + std::to_string(band + 1),
+                          isPhotons_ ? "umol/(m^2 s)" : "W/m^2",
+                          {},
+                          {},
+                          {},
+                          {}};
+      const double height = configuration_.number("groundHeight");
+      const double wide = (plot[1] - plot[0]) / kGroundCells;
+      const double deep = (plot[3] - plot[2]) / kGroundCells;
+      const Vec3 low = axes_->toWorld({plot[0], height, plot[2]});
+      field.position = low;
+      const std::array<std::size_t, 2> axes{axes_->up == 0 ? 1U : 0U, axes_->up == 2 ? 1U : 2U};
+      field.cells[axes[0]] = kGroundCells;
+      field.cells[axes[1]] = kGroundCells;
+      std::array<double, 3> sizes{};
+      sizes[static_cast<std::size_t>(axes_->up)] = std::min(wide, deep);
+      sizes[axes[0]] = wide;
+      sizes[axes[1]] = deep;
+      field.cellSize = {sizes[0], sizes[1], sizes[2]};
+      for (std::size_t second = 0; second < kGroundCells; ++second) {
+        for (std::size_t first = 0; first < kGroundCells; ++first) {
+          field.values.push_back(groundLight_[band][first * kGroundCells + second]);
+        }
+      }
+      fields.push_back(std::move(field));
+    }
+    return fields;
   }
 
  private:
@@ -395,14 +436,35 @@ class Light final : public turtle::EnvironmentProcess {
     return materials;
   }
 
+  /// The light on the squares of the ground, each two triangles at the end of all.
+  void keepGroundLight(const LightSurfaces& surfaces, const std::vector<double>& irradiances, std::size_t band) {
+    constexpr std::size_t kTriangles = 2 * kGroundCells * kGroundCells;
+    const std::size_t count = surfaces.triangles.size();
+    if (count < kTriangles || surfaces.material[count - kTriangles] != kGroundMaterial) {
+      return;
+    }
+    const double unit = isPhotons_ ? ofBand(configuration_.numbers("photonsPerJoule"), band) : 1.0;
+    std::vector<double> light;
+    for (std::size_t triangle = count - kTriangles; triangle < count; triangle += 2) {
+      // either side may be the front, and the other one sees nothing
+      double sum = 0.0;
+      for (std::size_t side = 2 * triangle; side < 2 * triangle + 4; ++side) {
+        sum += irradiances[side];
+      }
+      light.push_back(0.5 * sum * unit);
+    }
+    groundLight_.push_back(std::move(light));
+  }
+
   void answerBand(const turtle::QueryBatch& queries, std::size_t band, int bounces, const PlantSurfaces& plants,
-                  const LeafLight& light, const Incoming& incoming, turtle::ReplyBatch& replies) const {
+                  const LeafLight& light, const Incoming& incoming, turtle::ReplyBatch& replies) {
     std::vector<double> sky = incoming.sky;
     for (double& radiance : sky) {
       radiance *= bands_[band];
     }
     const std::vector<LightMaterial> materials = materialsOf(band);
     const std::vector<double> irradiances = light.irradiances(band, sky, materials, {}, bounces);
+    keepGroundLight(plants.surfaces, irradiances, band);
     const double unit = isPhotons_ ? ofBand(configuration_.numbers("photonsPerJoule"), band) : 1.0;
     for (std::size_t query = 0; query < queries.size(); ++query) {
       const std::size_t count = queries.parametersOf(query).size();
@@ -436,6 +498,7 @@ class Light final : public turtle::EnvironmentProcess {
     }
   }
 
+  std::vector<std::vector<double>> groundLight_;  // irradiance by band and square of the ground; none: no ground
   Configuration configuration_;
   std::vector<double> bands_;  // parts of the irradiance
   bool isPhotons_;

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/turtle/field.h"
 #include "environment/light/leaf_angles.h"
 #include "environment/light/sky.h"
 #include "environment/light/voxel_field.h"
@@ -194,6 +195,31 @@ class LightVoxels final : public turtle::EnvironmentProcess {
     }
     countAnswers(queries, replies);
     return std::nullopt;
+  }
+
+  [[nodiscard]] std::vector<turtle::Field> fields() const override {
+    turtle::Field light{"light", "1", {}, shape_.position, {}, {}};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      light.cells[axis] = static_cast<std::size_t>(shape_.cells[axis]);
+    }
+    light.cellSize = {shape_.voxelSize, shape_.voxelSize, shape_.voxelSize};
+    turtle::Field content = light;
+    content.name = isTurbid_ ? "leafAreaDensity" : "casters";
+    content.unit = isTurbid_ ? "1/" + lengthUnit_ : "1";
+    for (std::int64_t z = 0; z < shape_.cells[2]; ++z) {
+      for (std::int64_t y = 0; y < shape_.cells[1]; ++y) {
+        for (std::int64_t x = 0; x < shape_.cells[0]; ++x) {
+          const Vec3 middle = shape_.position + Vec3{static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5,
+                                                     static_cast<double>(z) + 0.5} *
+                                                    shape_.voxelSize;
+          const auto index = field_.indexOf(field_.voxelOf(middle));
+          content.values.push_back(index ? field_.values()[*index] : 0.0);
+          light.values.push_back(isTurbid_ ? irradiance_ * lightAt(middle)
+                                           : std::max(fullLight_ - shadowAt(middle), 0.0));
+        }
+      }
+    }
+    return {std::move(light), std::move(content)};
   }
 
  private:

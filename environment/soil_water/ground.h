@@ -2,8 +2,10 @@
 
 #include <array>
 #include <optional>
+#include <string>
 #include <vector>
 
+#include "engine/turtle/field.h"
 #include "environment/configuration.h"
 #include "environment/grid_axes.h"
 #include "environment/obstacle_scene.h"
@@ -42,6 +44,30 @@ class Ground {
       gradient[static_cast<std::size_t>(axis_[axis])] = sign * (above - below) / (2.0 * sizes_[axis]);
     }
     return {gradient[0], gradient[1], gradient[2]};
+  }
+
+  /// A quantity of the cells as a field along the world's axes.
+  template <typename Value>
+  [[nodiscard]] turtle::Field field(const std::string& name, const std::string& unit, const Value& value) const {
+    turtle::Field field{name, unit, {}, {low_[0], low_[1], low_[2]}, {}, {}};
+    std::array<double, 3> sizes{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      field.cells[static_cast<std::size_t>(axis_[axis])] = counts_[axis];
+      sizes[static_cast<std::size_t>(axis_[axis])] = sizes_[axis];
+    }
+    field.cellSize = {sizes[0], sizes[1], sizes[2]};
+    for (std::size_t z = 0; z < field.cells[2]; ++z) {
+      for (std::size_t y = 0; y < field.cells[1]; ++y) {
+        for (std::size_t x = 0; x < field.cells[0]; ++x) {
+          const auto middle = [](double low, std::size_t number, double size) {
+            return low + (static_cast<double>(number) + 0.5) * size;
+          };
+          field.values.push_back(value(
+              *cellOf({middle(low_[0], x, sizes[0]), middle(low_[1], y, sizes[1]), middle(low_[2], z, sizes[2])})));
+        }
+      }
+    }
+    return field;
   }
 
  private:

@@ -118,6 +118,27 @@ class SoilWater final : public turtle::EnvironmentProcess {
 
   [[nodiscard]] std::optional<turtle::EnvironmentError> tick(std::uint64_t) override { return passTime(numbers()); }
 
+  [[nodiscard]] std::vector<turtle::Field> fields() const override {
+    if (!water_) {
+      return {};
+    }
+    std::vector<turtle::Field> fields;
+    const auto add = [&](const std::string& name, const std::string& unit, const auto& value) {
+      fields.push_back(
+          ground_.field(name, unit, [&](std::size_t cell) { return water_->isSoil(cell) ? value(cell) : 0.0; }));
+    };
+    add("waterContent", "1", [&](std::size_t cell) { return water_->contentOf(cell); });
+    add("pressureHead", lengthUnit_, [&](std::size_t cell) { return water_->state().heads[cell]; });
+    for (std::size_t solute = 0; solute < keys_.solutes.size(); ++solute) {
+      add("solute" + std::to_string(solute + 1), "1/" + lengthUnit_ + "^3",
+          [&](std::size_t cell) { return solutes_->concentration(solute, cell, water_->contentOf(cell)); });
+    }
+    if (keys_.acidity) {
+      add("pH", "1", [&](std::size_t cell) { return phOf(cell); });
+    }
+    return fields;
+  }
+
   [[nodiscard]] std::string save() const override { return saveNumbers(numbers()); }
   [[nodiscard]] std::optional<turtle::EnvironmentError> restore(std::string_view state) override {
     std::vector<double> read = numbers();
@@ -164,8 +185,7 @@ class SoilWater final : public turtle::EnvironmentProcess {
         values[3] = gradient.x;
         values[4] = gradient.y;
         values[5] = gradient.z;
-        values[6] =
-            keys_.acidity ? -std::log10(solutes_->concentration(keys_.solutes.size(), *cell, content) / litres_) : 0.0;
+        values[6] = keys_.acidity ? phOf(*cell) : 0.0;
         for (std::size_t solute = 0; solute < keys_.solutes.size(); ++solute) {
           values[8 + 2 * solute] = solutes_->concentration(solute, *cell, content);
         }
@@ -251,6 +271,10 @@ class SoilWater final : public turtle::EnvironmentProcess {
     for (const auto& [cell, amount] : given) {
       solutes_->amounts(keys_.solutes.size())[cell] += amount / water_->cellVolume();
     }
+  }
+
+  [[nodiscard]] double phOf(std::size_t cell) const {
+    return -std::log10(solutes_->concentration(keys_.solutes.size(), cell, water_->contentOf(cell)) / litres_);
   }
 
   [[nodiscard]] std::optional<std::size_t> soilCellOf(const Vec3& point) const {

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "engine/turtle/field.h"
 #include "query_builder.h"
 
 namespace espalier::environment {
@@ -84,6 +85,16 @@ TEST(Emission, OutsideTheBoxNothingIsFeltNorKept) {
   const std::string empty = process->save();
   EXPECT_EQ(firstValues(answersOf(*process, QueryBuilder().add({-1, 1, 1}, {4}).batch())), std::vector<double>{0});
   EXPECT_EQ(process->save(), empty);
+}
+
+TEST(Emission, TheFieldIsItsConcentration) {
+  const auto process = openProcess("emission", R"({"gridSize":[4,3,2],"diffusivity":0,"cellSize":2})");
+  answersOf(*process, QueryBuilder().add({3, 1, 1}, {16}).batch());
+  const auto fields = process->fields();
+  ASSERT_EQ(fields.size(), 1U);
+  EXPECT_EQ(fields[0].unit, "1/m^3");
+  EXPECT_EQ(fields[0].cellSize, (core::Vec3{2, 2, 2}));
+  EXPECT_EQ(fields[0].values[1], 2.0);
 }
 
 TEST(Emission, ImpossibleTimesAndSizesAreErrors) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <random>
 
+#include "engine/turtle/field.h"
 #include "query_builder.h"
 
 namespace espalier::environment {
@@ -161,6 +162,23 @@ TEST(LightVoxels, PropagatedShadowsAgreeWithAddingThemOneByOne) {
         EXPECT_NEAR(light[i], expected, 1e-12) << "up " << up << " periodic " << isPeriodic;
       }
     }
+  }
+}
+
+TEST(LightVoxels, FieldsShowWhatQueriesSee) {
+  for (const std::string method : {"turbid", "shadow"}) {
+    const auto process = openProcess(
+        "light-voxels", R"({"gridSize":[2,3,4],"voxelSize":1,"position":[0,0,0],"method":")" + method + "\"}");
+    QueryBuilder builder;
+    builder.add({0.5, 2.5, 1.5}, {2}).add({0.5, 1.5, 1.5}, {0});
+    const auto light = firstValues(answersOf(*process, builder.batch()));
+    const auto fields = process->fields();
+    ASSERT_EQ(fields.size(), 2U);
+    EXPECT_EQ(fields[0].cells, (std::array<std::size_t, 3>{2, 3, 4}));
+    // x fastest, then y, then z: cell (0, 1, 1) is number 8, the leaf's is number 10
+    EXPECT_EQ(fields[0].values[8], light[1]);
+    EXPECT_LT(fields[0].values[8], 1.0);
+    EXPECT_EQ(fields[1].values[10], 2.0);
   }
 }
 

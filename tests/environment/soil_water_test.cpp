@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "engine/turtle/field.h"
 #include "query_builder.h"
 
 namespace espalier::environment {
@@ -104,6 +105,24 @@ TEST(SoilWater, StonesHoldNoWaterAndTheWeatherChanges) {
   EXPECT_LE(dry, before);
   answerAt(*process, top);
   EXPECT_GT(*answerAt(*process, top)[2], dry + 0.05) << "after the rain of the fourth day";
+}
+
+TEST(SoilWater, FieldsShowWhatQueriesSee) {
+  const auto process =
+      openProcess("soil-water", "{" + kColumn + R"(,"initially":"waterTable","bottom":"closed","acidity":true,)" +
+                                    R"("solutes":[[0.5,0,0,0,0,0]]})");
+  const auto fields = process->fields();
+  ASSERT_EQ(fields.size(), 4U);
+  EXPECT_EQ(fields[0].name, "waterContent");
+  EXPECT_EQ(fields[1].unit, "m");
+  EXPECT_EQ(fields[0].cells, (std::array<std::size_t, 3>{1, 10, 1}));
+  EXPECT_EQ(fields[0].position, (core::Vec3{-0.5, -1, -0.5}));
+  // the third cell from below is the one between -0.8 and -0.7
+  const auto answer = answerAt(*process, {0, -0.75, 0});
+  EXPECT_EQ(fields[0].values[2], answer[2]);
+  EXPECT_EQ(fields[1].values[2], answer[1]);
+  EXPECT_EQ(fields[2].values[2], answer[8]);
+  EXPECT_EQ(fields[3].values[2], answer[6]);
 }
 
 TEST(SoilWater, WhatCannotBeIsAnError) {

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "engine/turtle/field.h"
+
+namespace espalier::environment {
+
+/// The text of a VTK image data file (.vti, XML) with the fields as cell data: doubles, base64, little-endian. All
+/// fields must have the same cells; ParaView and VTK read it. O(cells).
+[[nodiscard]] std::string writeVti(std::span<const turtle::Field> fields);
+
+/// Reads a .vti file with one piece whose cell data are inline base64 or ascii, of any VTK number type, not compressed;
+/// units are kept in our own files. Or says what is wrong with it. O(text).
+[[nodiscard]] std::variant<std::vector<turtle::Field>, std::string> readVti(std::string_view text);
+
+/// The values as little-endian doubles, x fastest, and the JSON header that says so.
+[[nodiscard]] std::string writeRaw(const turtle::Field& field);
+[[nodiscard]] std::string writeRawHeader(const turtle::Field& field);
+/// Reads both back, or says what is wrong with them.
+[[nodiscard]] std::variant<turtle::Field, std::string> readRaw(std::string_view header, std::string_view bytes);
+
+/// What a picture shows of a field: along an axis (0: x, 1: y, 2: z) the mean of all cells, or the slice at a
+/// coordinate.
+struct FieldView {
+  int axis = 2;
+  std::optional<double> at;  // length
+};
+
+/// A plane of numbers, row by row from the top: the picture's right is x (z when seen along x), its top y (z when seen
+/// along y, the smallest first).
+struct FieldPlane {
+  std::size_t width = 0;
+  std::size_t height = 0;
+  std::vector<double> values;  // (height, width)
+};
+
+/// The slice or projection of a field; a sentence when the coordinate is outside. O(cells).
+[[nodiscard]] std::variant<FieldPlane, std::string> viewField(const turtle::Field& field, const FieldView& view);
+
+/// Colours of numbers between two bounds, dark blue over green to yellow (the map viridis of Smith & van der Walt
+/// 2015): red, green, blue, opacity (height, width, 4). Equal bounds give the middle colour.
+[[nodiscard]] std::vector<std::uint8_t> colourPlane(const FieldPlane& plane, double low, double high);
+
+/// Least, mean and greatest value of a field and its integral over the box (value times length³).
+struct FieldSummary {
+  double minimum = 0.0;
+  double mean = 0.0;
+  double maximum = 0.0;
+  double integral = 0.0;
+};
+[[nodiscard]] FieldSummary summaryOf(const turtle::Field& field);
+
+}  // namespace espalier::environment
