@@ -8,6 +8,7 @@
 #include "clients/espalier/messages.h"
 #include "clients/espalier/model_files.h"
 #include "clients/espalier/model_loading.h"
+#include "engine/language/dialects/dialect.h"
 #include "engine/language/formatter.h"
 #include "server/disk_files.h"
 
@@ -35,6 +36,11 @@ int format(FormatOptions& options) {
     input.defines.push_back(splitDefine(define));
   }
   server::DiskFileProvider files;
+  if (const auto foreign = language::translateForeign(input, files)) {
+    printError("'" + input.modelFile + "' is written as " + std::string(foreign->dialect->title) +
+               ": format lays out cpfg models. `espalier convert` makes one of it");
+    return kFailure;
+  }
   const std::string original = files.read(input.modelFile).value_or(std::string());
   const language::FormatResult result = language::format(input, files);
   if (!result.isCompiled) {

@@ -33,6 +33,7 @@ int main(int argumentCount, char** arguments) {
   addCheck(program, status);
   addExplain(program, status);
   addFormat(program, status);
+  addGrowth(program, status);
   addConvert(program, status);
   addDisassemble(program, status);
   addInfer(program, status);

@@ -9,6 +9,7 @@
 #include <utility>
 #include <variant>
 
+#include "clients/espalier/drawing_order.h"
 #include "clients/espalier/messages.h"
 #include "clients/espalier/number_option.h"
 #include "server/disk_files.h"
@@ -106,6 +107,8 @@ void addOutputOptions(CLI::App& command, OutputOptions& options, bool isOutputRe
           },
           "What a PNG shows: fitted (all that is drawn) or view (the view file's box, scale factor and viewing angle)")
       ->check(CLI::IsMember({"fitted", "view"}));
+  command.add_flag("--rainbow", options.isColouredByOrder,
+                   "Lines in the order in which they are drawn: red, orange, yellow, green, blue, purple, red");
   addWholeNumber(command, "--colours", "At most so many colours in a PNG, for a small file", 2, 256,
                  [&options](std::uint64_t count) { options.picture.maximumColours = static_cast<int>(count); })
       ->type_name("N");
@@ -165,11 +168,12 @@ std::string numberedName(const std::string& file, std::uint64_t number, int digi
 /// What several files are written from, made once.
 struct OutputWriter::Drawn {
   turtle::Scene scene;
+  language::Palette palette;
 };
 
 bool OutputWriter::write(const simulation::Simulation& simulation, std::optional<std::uint64_t> number,
                          int digits) const {
-  Drawn drawn;
+  Drawn drawn{.scene = {}, .palette = simulation.options().palette};
   bool needsScene = false;
   for (const std::string& file : options_.files) {
     const turtle::ExportFormat* const format = formatOf(options_, file);
@@ -182,6 +186,9 @@ bool OutputWriter::write(const simulation::Simulation& simulation, std::optional
       return false;
     }
     drawn.scene = std::move(std::get<turtle::Scene>(scene));
+    if (options_.isColouredByOrder) {
+      drawn.palette = colourByDrawingOrder(drawn.scene);
+    }
   }
   for (const std::string& file : options_.files) {
     if (!writeFile(simulation, drawn, number ? numberedName(file, *number, digits) : file, file)) {
@@ -220,7 +227,7 @@ bool OutputWriter::writeFile(const simulation::Simulation& simulation, const Dra
     };
     const turtle::ExportInput input{.scene = drawn.scene,
                                     .view = simulation.program().view,
-                                    .palette = &simulation.options().palette,
+                                    .palette = &drawn.palette,
                                     .detail = options_.detail,
                                     .threads = options_.picture.threads,
                                     .picture = &options_.picture,

@@ -21,6 +21,7 @@ struct OutputOptions {
   std::vector<std::string> files;
   std::string format;  // of all files; empty: by their suffixes
   double detail = 1.0;
+  bool isColouredByOrder = false;  // lines in the colours of the order in which they are drawn
   turtle::PictureOptions picture;
 };
 

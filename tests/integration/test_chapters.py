@@ -58,6 +58,24 @@ class LsystemViewer(unittest.TestCase):
         self.assertEqual(lengths["circle"], [2 * 2**k - 1 for k in range(10)])
         self.assertEqual(lengths["koch-island"], [len(text) for text in rewritten("F--F--F", {"F": "F+F--F+F"}, 4)])
 
+    def test_growth_is_printed_and_drawn_as_it_is_kept(self) -> None:
+        groups = {"contours": ["triangle", "rectangle", "rhombus", "circle", "koch-island"],
+                  "coverings": ["peano", "hilbert", "tiling-triangles", "tiling-rhombs", "tiling-parallelograms"],
+                  "plants": ["plant-1", "plant-2", "plant-3", "plant-4"]}
+        for group, names in groups.items():
+            models = [chapter(f"lsystem-viewer/{name}.lsv") for name in names]
+            with tempfile.TemporaryDirectory() as folder:
+                done = espalier("growth", *models, "--quiet", "-o", f"{folder}/a.svg")
+                picture = Path(folder, "a.svg").read_text(encoding="utf-8")
+            kept = GALLERY / "chapter-lsystem-viewer" / f"growth-{group}.svg"
+            self.assertEqual(picture, kept.read_text(encoding="utf-8"))
+            lengths: Dict[str, List[int]] = {}
+            for row in done.stdout.splitlines():
+                name, _, length = row.split("\t")
+                lengths.setdefault(name, []).append(int(length))
+            for name in names:
+                self.assertEqual(lengths[f"{name}.lsv"], [len(text) for text in derived(f"lsystem-viewer/{name}.lsv")])
+
     def test_contours_close(self) -> None:
         for name in ("triangle", "rectangle", "rhombus", "koch-island"):
             (line,) = lines_of(f"lsystem-viewer/{name}.lsv")
@@ -186,6 +204,13 @@ class OpenLsystems(unittest.TestCase):
         note = espalier("derive", chapter("open-l-systems/hilbert.txt"), "--steps", "0").stderr
         self.assertIn("the file holds 2 models and the first is used: L, R", note)
 
+    def test_signals_go_up_and_down(self) -> None:
+        # Prusinkiewicz & Lindenmayer 1990, figure 1.30, without its turns being of consequence
+        self.assertEqual(derived("open-l-systems/signal-up.txt"),
+                         ["B[+A]A[-A]A[+A]A", "B[+B]B[-A]A[+A]A", "B[+B]B[-B]B[+A]A", "B[+B]B[-B]B[+B]B"])
+        self.assertEqual(derived("open-l-systems/signal-down.txt"),
+                         ["A[+A]A[-A]A[+A]B", "A[+A]A[-A]B[+A]B", "A[+A]B[-A]B[+A]B", "B[+A]B[-A]B[+A]B"])
+
     def test_several_symbols_of_context(self) -> None:
         self.assertEqual(derived("open-l-systems/context.txt"), ["ZAXYACDEF", "ZAXYAAACDEF"])
 
@@ -220,6 +245,19 @@ class OpenLsystems(unittest.TestCase):
         trunk = max(lines, key=lambda line: line[-1][1])
         branch = [point for line in lines for point in line if point not in trunk]
         self.assertTrue(all(x > trunk[0][0] for x, _ in branch))
+
+
+    def test_lines_are_coloured_in_the_order_of_drawing(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            espalier("run", chapter("open-l-systems/hilbert.txt:L"), "--quiet", "--rainbow", "-o", f"{folder}/a.svg")
+            text = Path(folder, "a.svg").read_text(encoding="utf-8")
+        colours = re.findall(r'stroke="(#[0-9a-f]{6})"', text)
+        # red at both ends, blue two thirds on; the last lines join the first, which have their colour
+        self.assertEqual(colours[0], "#dc1e1e")
+        self.assertEqual(colours[-1][:4], "#da1")
+        blue = colours[len(colours) * 2 // 3]
+        self.assertGreater(int(blue[5:7], 16), 180)
+        self.assertGreater(len(set(colours)), 200)
 
 
 class TurtlePainter(unittest.TestCase):
@@ -262,6 +300,15 @@ class TurtlePainter(unittest.TestCase):
         self.assertIn("o", steps[-1])
         # two branches of r/sqrt 2 have together the section of the one below
         self.assertAlmostEqual(2 * (1 / math.sqrt(2)) ** 2, 1.0)
+
+    def test_quadrants_stay_balanced(self) -> None:
+        last = derived("turtle-painter/balanced.txt", "--seed", "2")[-1]
+        apices = [[float(number) for number in text.split(",")] for text in re.findall(r"A\(([^)]+)\)", last)]
+        self.assertGreater(len(apices), 20)
+        for _, _, left, right, upper, lower in apices:
+            # what one quadrant loses the opposite one gains
+            self.assertEqual((left + right, upper + lower), (100, 100))
+            self.assertTrue(0 <= min(left, right, upper, lower) + 30)
 
     def test_the_constant_vector_moves_what_is_drawn(self) -> None:
         with tempfile.TemporaryDirectory() as folder:
@@ -352,6 +399,27 @@ class Conversion(unittest.TestCase):
         done = espalier("convert", chapter("graphical-models/context.txt"), "--to", "cpfg", status=1)
         self.assertIn("cannot be written for cpfg, which has no symbols of more than one character: F_a, F_b", done.stderr)
         self.assertEqual(done.stdout, "")
+
+
+    def test_only_cpfg_models_are_formatted(self) -> None:
+        done = espalier("format", chapter("lsystem-viewer/koch-curve.lsv"), status=1)
+        self.assertIn("is written as L-System Viewer: format lays out cpfg models", done.stderr)
+
+    def test_a_run_goes_on_from_a_snapshot_of_a_foreign_model(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            model = chapter("fractint/curves.l:Weed")
+            espalier("run", model, "--quiet", "--steps", "1", "-o", f"{folder}/a.snapshot")
+            espalier("run", "--resume", f"{folder}/a.snapshot", "--quiet", "--steps", "2", "-o", f"{folder}/a.svg")
+            espalier("run", model, "--quiet", "--steps", "2", "-o", f"{folder}/b.svg")
+            self.assertEqual(Path(folder, "a.svg").read_text(encoding="utf-8"),
+                             Path(folder, "b.svg").read_text(encoding="utf-8"))
+
+    def test_the_dialect_and_the_entry_can_be_named(self) -> None:
+        text = espalier("derive", chapter("fractint/curves.l:nowhere"), status=1).stderr
+        self.assertIn("the file has no entry 'nowhere'", text)
+        self.assertIn("Koch6, Dragon", text)
+        wrong = espalier("check", chapter("open-l-systems/bush.txt"), "--dialect", "lsv", status=1).stderr
+        self.assertIn("bush.txt:1:1: error: unknown command 'w'", wrong)
 
 
 class Chapters(unittest.TestCase):

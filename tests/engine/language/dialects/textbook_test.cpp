@@ -1,0 +1,133 @@
+#include "engine/language/dialects/textbook.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/engine/language/dialects/dialect_text.h"
+
+namespace espalier::language {
+namespace {
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+TEST(Textbook, BecomesCpfgText) {
+  EXPECT_EQ(cpfgText("ω: F\nδ = 25,7°\nn = 2\np1: F → F[+F]F [−F] F\n"),
+            "Lsystem: 1\nderivation length: 2\nAxiom: F\nF --> F[+F]F[-F]F\nendlsystem\n");
+}
+
+TEST(Textbook, ReadsEveryWayOfWritingAProduction) {
+  const std::string plain = cpfgText("ω: F\nF → FF\n");
+  for (const char* const production :
+       {"p1: F -> FF", "p: F --> FF", "P: F ⟶ FF", "p_2: F → F F", "P: F\n→ FF", "P = {F → FF}"}) {
+    EXPECT_EQ(cpfgText(std::string("ω: F\n") + production + "\n"), plain) << production;
+  }
+  EXPECT_TRUE(contains(cpfgText("ω: A\nA → ε\n"), "A --> *\n"));
+  EXPECT_TRUE(
+      contains(cpfgText("WM = 0\nPM = {0 → 1[0]0, 1 → 1, [ → [, ] → ]}\n"), "0 --> 1[0]0\n1 --> 1\nendlsystem"));
+}
+
+TEST(Textbook, ReadsProbabilitiesBeforeAndBehind) {
+  EXPECT_TRUE(contains(cpfgText("ω: F\nF → (1/3)FF\n"), "F --> FF : 1/3\n"));
+  EXPECT_TRUE(contains(cpfgText("ω: F\nF → FF : 0.33\n"), "F --> FF : 0.33\n"));
+}
+
+TEST(Textbook, ReadsContextsAndConditions) {
+  EXPECT_TRUE(contains(cpfgText("ω: AB\nXY<A>CDE → AAA\n"), "XY < A > CDE --> AAA\n"));
+  EXPECT_TRUE(contains(cpfgText("ω: A(1)\nA(x) : x=3 ∧ x≤4 → B\n"), "A(x) : x==3 && x<=4 --> B\n"));
+  EXPECT_TRUE(contains(cpfgText("#ignore : + - -\nω: F\nF → F\n"), "ignore: +--\n"));
+}
+
+TEST(Textbook, ASubscriptIsALevelOrAName) {
+  EXPECT_TRUE(contains(cpfgText("n = 2\nL_{n+1} = +R_nF-L_n\nR_{n+1} = -L_n\n"),
+                       "Axiom: L(2)\nL(n) : n > 0 --> +R(n-1)F-L(n-1)\nR(n) : n > 0 --> -L(n-1)\n"));
+  // a symbol of the same level is replaced one step later
+  EXPECT_TRUE(contains(cpfgText("n = 2\nx_0 → ♠\nx_n → F_n[+x_{n-1}]\nF_n → F_{n-1}F_{n-1}\n"),
+                       "derivation length: 3\nAxiom: x(2)\nx(n) : n > 0 --> F(n)[+x(n-1)]\n"));
+  EXPECT_TRUE(contains(cpfgText("ω: F\nF → F_b[+F_a]\nF_b < F_a → F_b\n"), "Module: F_a, F_b\n"));
+}
+
+TEST(Textbook, SeveralAxiomsAreSeveralModels) {
+  EXPECT_TRUE(contains(cpfgText("w: L,R\nL -> R\n", "R"), "Axiom: R\n"));
+  EXPECT_TRUE(contains(cpfgText("w: A(1,2)\nA(x,y) -> A(y,x)\n"), "Axiom: A(1,2)\n"));
+}
+
+TEST(Textbook, RollsTheOtherWayRoundAndMayTurnClockwise) {
+  const std::string text = cpfgText("ω: F/F\\F+\nδ = 30°\nturns: clockwise\nF → F\n");
+  EXPECT_TRUE(contains(text, "+ --> -(30)\n- --> +(30)\n/ --> \\(30)\n\\ --> /(30)\n")) << text;
+}
+
+TEST(Textbook, ExclamationMarkThickensAndCommaChangesTheColour) {
+  const CompileResult result = compileForeign("ω: !F\nF → F,F\n");
+  ASSERT_NE(result.program, nullptr);
+  EXPECT_TRUE(contains(result.program->sources.front().text, "! --> #\n, --> ;\n"));
+  EXPECT_EQ(result.program->view.lineWidthIncrement, 1.0);
+}
+
+TEST(Textbook, AStepMayShrinkWithEachGeneration) {
+  EXPECT_TRUE(contains(cpfgText("l : F-F\nδ = 90°\nd : d/4\nF → FF\n"), "F --> F(1/4^Q)\n"));
+  EXPECT_TRUE(contains(cpfgText("ω: F\nd = 3\nF → FF\n"), "F --> F(3)\n"));
+}
+
+TEST(Textbook, AShapeSaysWhatASymbolLooksLike) {
+  EXPECT_TRUE(contains(cpfgText("ω: A\nA → [A]A\nshape A: F\nshape ]: ]/(180)\n"), "A --> F\n] --> ]/(180)\n"));
+}
+
+TEST(Textbook, StartsUpwardsUnlessAnAngleIsGiven) {
+  const CompileResult up = compileForeign("ω: F\nF → F\n");
+  const CompileResult right = compileForeign("ω: F\nα0 = 0°\nF → F\n");
+  ASSERT_TRUE(up.program != nullptr && right.program != nullptr);
+  EXPECT_EQ(up.program->view.initialHeading, (core::Vec3{0.0, 1.0, 0.0}));
+  EXPECT_EQ(right.program->view.initialHeading, (core::Vec3{1.0, 0.0, 0.0}));
+}
+
+TEST(Textbook, ErrorsNameItsLinesAndTerms) {
+  EXPECT_EQ(foreignMessages("F → FF\n"),
+            Messages{"1:1: error: the model has no axiom | write the first string as 'ω: F'"});
+  EXPECT_EQ(
+      foreignMessages("ω: F\nn = -2\nF → FF\n"),
+      Messages{"2:5: error: expected a whole number from 0 up while reading n, found '-2' | it says how many steps are "
+               "derived"});
+  EXPECT_EQ(foreignMessages("ω: F\nδ = wide\nF → FF\n"),
+            Messages{"2:6: error: expected an angle in degrees, found 'wide' | write it as δ = 25.7°"});
+  EXPECT_EQ(
+      foreignMessages("ω: F\nF → FF\nqqq\n"),
+      Messages{
+          "3:1: error: expected an axiom, a production or a setting, found 'qqq' | write 'ω: F', 'p1: F → F+F', 'δ "
+          "= 60°', 'n = 3', 'd = 1', '#ignore: +-'"});
+  EXPECT_EQ(
+      foreignMessages("ω: F\nF → F*F\n"),
+      Messages{"2:8: error: the character '*' cannot be a module here | a module is a letter or a sign of the turtle, "
+               "with parameters in parentheses"});
+  EXPECT_EQ(
+      foreignMessages("ω: F (2)\nF → F\n"),
+      (Messages{"1:7: error: the character '(' cannot be a module here | parameters stand directly behind their symbol",
+                "1:9: error: the character ')' cannot be a module here | a module is a letter or a sign of the turtle, "
+                "with parameters in parentheses"}));
+  EXPECT_EQ(
+      foreignMessages("ω: A(1\nF → F\n"),
+      Messages{
+          "1:6: error: the parenthesis '(' of A is never closed | the parameters of a module stand between '(' and "
+          "')'"});
+  EXPECT_EQ(foreignMessages("ω: F\nturns: left\nF → F\n"),
+            Messages{"2:8: error: expected 'clockwise' or 'counterclockwise', found 'left' | it says where + turns"});
+  EXPECT_EQ(foreignMessages("ω: F\nd = 0\nF → F\n"),
+            Messages{"2:5: error: expected a length or a quotient such as d/4, found '0' | d is the length of a step"});
+  EXPECT_EQ(foreignMessages("ω: F\nA < → F\n"),
+            Messages{"2:1: error: a production without a predecessor | the symbol that is replaced stands before '→'"});
+  EXPECT_EQ(
+      foreignMessages("ω: F\nF → F\nshape F\n"),
+      Messages{
+          "3:7: error: expected a module and ':' while reading 'shape' | write 'shape L: [+(30)F]': L is drawn so"});
+  EXPECT_EQ(foreignMessages("ω: F\nδ =\nF → F\n"),
+            Messages{"2:1: error: a setting without a value | write it behind the name"});
+}
+
+TEST(Textbook, APrintedLessOrEqualBeforeThePredecessorIsAContextWithAWarning) {
+  const std::string text = "ω: FA(1)\nF <= A(x) : x=1 → F\n";
+  EXPECT_TRUE(contains(cpfgText(text), "F < A(x) : x==1 --> F\n"));
+  EXPECT_EQ(foreignMessages(text), Messages{"2:3: warning: '<=' is read as '<' | contexts are written l < a > r"});
+}
+
+}  // namespace
+}  // namespace espalier::language
