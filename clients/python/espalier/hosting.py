@@ -13,6 +13,7 @@ import sys
 import threading
 import time
 import traceback
+from types import TracebackType
 from typing import Any, Dict, List, Optional, Sequence, Tuple, Type
 
 from . import wire
@@ -272,7 +273,7 @@ class Host:
         try:
             return call()
         except Exception as error:  # any mistake of the subclass must reach the person who runs the simulation
-            traceback.print_exc(file=sys.stderr)
+            traceback.print_exception(type(error), error, _own(error.__traceback__), file=sys.stderr)
             frames = traceback.extract_tb(error.__traceback__)
             place = f"{os.path.basename(frames[-1].filename)}:{frames[-1].lineno}" if frames else "unknown place"
             data: Dict[str, Any] = {"environment": self._class.name(), "retryable": False}
@@ -280,6 +281,14 @@ class Host:
                 data["step"] = step
             raise _Refusal(ENVIRONMENT_FAILED, f"{self._class.name()}: {type(error).__name__} in {what} at {place}: "
                            f"{error}. The environment's standard error has the whole trace.", data) from None
+
+
+def _own(trace: Optional[TracebackType]) -> Optional[TracebackType]:
+    """A traceback without the frames of this package at its beginning; all of it when there are no others."""
+    rest = trace
+    while rest is not None and os.path.dirname(rest.tb_frame.f_code.co_filename) == os.path.dirname(__file__):
+        rest = rest.tb_next
+    return rest or trace
 
 
 def _described(value: Any) -> str:
