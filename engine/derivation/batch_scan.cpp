@@ -25,8 +25,6 @@ constexpr std::uint64_t kTypesAtOnce = 24;
 constexpr std::uint64_t kParametersAtOnce = 16;
 // so many of a block are at hand in one place
 constexpr std::uint64_t kBlockTypes = TypePlan::kInlineTypes;
-// where the parameters begin in a sum of modules and parameters of a chunk
-constexpr unsigned kFixedShift = 36;
 
 /// Copies `count` elements, or `kAtOnce` when that is more: short stretches cost no branch.
 template <std::uint64_t kAtOnce, typename T>
@@ -41,6 +39,16 @@ void copyStretch(T* target, const T* source, std::uint64_t count) {
     }
     std::memcpy(target + done, source + done, (count - done) * sizeof(T));
   }
+}
+
+/// A number of each module type's plan.
+std::vector<std::uint32_t> byType(const ProductionPlan& productions, std::size_t typeCount,
+                                  std::uint32_t (*number)(const TypePlan&)) {
+  std::vector<std::uint32_t> numbers(typeCount);
+  for (std::size_t type = 0; type < typeCount; ++type) {
+    numbers[type] = number(productions[static_cast<ModuleTypeId>(type)]);
+  }
+  return numbers;
 }
 
 /// A sum of differences x - x is 0 only when every x is finite; several sums keep additions from waiting for another.
@@ -68,6 +76,10 @@ BatchScan::BatchScan(const language::Program& program, const ContextRules& rules
       productions_(&productions),
       evaluator_(program, plan.largestSlotCount(), plan.largestColumnCount()),
       finder_(program.arity, plan.siteMarks()),
+      fixedModuleSum_(byType(productions, program.moduleTypeCount(), [](const TypePlan& made) { return made.length; })),
+      fixedParameterSum_(byType(productions, program.moduleTypeCount(),
+                                [](const TypePlan& made) { return std::uint32_t{made.copied}; })),
+      parameterSum_({program.arity.begin(), program.arity.end()}),
       passing_(program.moduleTypeCount(), 0),
       siteModule_(kChunkModules + ModuleFinder::kSlack),
       siteOffset_(kChunkModules + ModuleFinder::kSlack),
@@ -96,7 +108,6 @@ BatchScan::BatchScan(const language::Program& program, const ContextRules& rules
   std::iota(allSites_.begin(), allSites_.end(), 0U);
   for (std::size_t i = 0; i < program.moduleTypeCount(); ++i) {
     const auto type = static_cast<ModuleTypeId>(i);
-    fixedSizes_.push_back(productions[type].length | std::uint64_t{productions[type].copied} << kFixedShift);
     switch (plan.classOf(type)) {
       case BatchPlan::Class::Group:
         groupOf_[type] = plan.indexOf(type);
@@ -166,15 +177,10 @@ BatchScan::Outcome BatchScan::choose(std::uint64_t first, std::uint64_t end, std
 }
 
 BatchScan::Outcome BatchScan::countFixed() {
-  std::uint64_t sizes = 0;
-  std::uint64_t parameters = 0;
-  for (std::uint64_t module = first_; module < end_; ++module) {
-    sizes += fixedSizes_[step_.old.types[module]];
-    parameters += program_->arity[step_.old.types[module]];
-  }
-  fixedModules_ = sizes & ((std::uint64_t{1} << kFixedShift) - 1);
-  fixedParameters_ = sizes >> kFixedShift;
-  endOffset_ = offset_ + parameters;
+  const ModuleTypeId* types = step_.old.types + first_;
+  fixedModules_ = fixedModuleSum_.of(types, end_ - first_);
+  fixedParameters_ = fixedParameterSum_.of(types, end_ - first_);
+  endOffset_ = offset_ + parameterSum_.of(types, end_ - first_);
   return {end_, endOffset_, fixedModules_, fixedParameters_, false};
 }
 

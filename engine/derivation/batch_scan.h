@@ -10,6 +10,7 @@
 #include "engine/derivation/column_evaluator.h"
 #include "engine/derivation/context_matcher.h"
 #include "engine/derivation/module_finder.h"
+#include "engine/derivation/type_sum.h"
 #include "engine/language/program.h"
 
 namespace espalier::derivation {
@@ -22,7 +23,8 @@ namespace espalier::derivation {
 /// caller repeats it in the general way, which does that in the order of the string.
 class BatchScan {
  public:
-  /// The most modules of one chunk.
+  /// The most modules of one chunk, except where every module becomes a fixed block or stays: there a chunk is as long
+  /// as its caller likes.
   static constexpr std::uint64_t kChunkModules = 2048;
 
   /// What all chunks of a step have in common.
@@ -48,8 +50,7 @@ class BatchScan {
             const ProductionPlan& productions);
 
   void begin(const Step& step);
-  /// Decides about the modules [first, end), end - first at most kChunkModules; the parameters of the first begin at
-  /// `offset`.
+  /// Decides about the modules [first, end), no more than a chunk; the parameters of the first begin at `offset`.
   [[nodiscard]] Outcome choose(std::uint64_t first, std::uint64_t end, std::uint64_t offset);
   /// Writes what was chosen last: exactly the modules and parameters of the Outcome. False: a value is unusual; what
   /// was written is of no use when the step fails, and right when it only warns.
@@ -94,8 +95,9 @@ class BatchScan {
   Step step_;
   ColumnEvaluator evaluator_;
   ModuleFinder finder_;
-  std::vector<std::uint64_t>
-      fixedSizes_;                     // by module type: modules, and parameters from a fixed bit on; fixed models only
+  TypeSum fixedModuleSum_;  // what the modules of a stretch become; fixed models only
+  TypeSum fixedParameterSum_;
+  TypeSum parameterSum_;
   std::vector<std::uint8_t> passing_;  // by module type: what a search from the left or right does there
 
   // the chunk

@@ -42,6 +42,7 @@ Derivation::Implementation::Implementation(const language::Program& program, Der
       keptCut_(program.findType("%", 2)),
       threadCount_(options_.threads == 0 ? std::min(std::max(std::thread::hardware_concurrency(), 1U), kMostThreads)
                                          : std::min(options_.threads, kMostThreads)),
+      parameterSum_({program.arity.begin(), program.arity.end()}),
       index_(program),
       frame_(program.maximumSlots + std::size_t{1}, 0.0) {
   ESPALIER_CHECK(!program.systems.empty());

@@ -13,6 +13,7 @@
 #include "engine/derivation/rewriter.h"
 #include "engine/derivation/string_index.h"
 #include "engine/derivation/system_tables.h"
+#include "engine/derivation/type_sum.h"
 #include "engine/derivation/worker_team.h"
 
 namespace espalier::derivation {
@@ -152,6 +153,8 @@ class Derivation::Implementation {
   std::uint64_t generalModules_ = 1;             // how many modules the general way does before batches are tried again
   unsigned threadCount_ = 1;                     // DerivationOptions::threads, or as many as the machine has
   std::unique_ptr<WorkerTeam> team_;             // made when a string is long enough for several threads
+  TypeSum parameterSum_;                         // of a stretch of the string
+  std::uint64_t chunkModules_ = 0;               // of a chunk of the string that several threads read
   std::vector<std::uint64_t> chunkOffsets_;      // by chunk: its first parameter in the string that is read; one more
   std::vector<StringIndex::OpenEnds> openEnds_;  // by part of the string that is read
   std::vector<std::uint64_t> unusualChunks_;     // of the last round of threads

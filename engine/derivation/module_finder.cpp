@@ -3,86 +3,30 @@
 #include <algorithm>
 #include <utility>
 
-#if defined(__x86_64__)
-#include <immintrin.h>
-#endif
-
 namespace espalier::derivation {
 namespace {
 
 constexpr std::uint16_t kLargestVectorArity = 15;  // the parameters of 16 modules are counted in a byte
 constexpr std::uint8_t kAllBits = 0xFF;
 
-bool hasVectors() {
-#if defined(__x86_64__)
-  return __builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("bmi") != 0 &&
-         __builtin_cpu_supports("popcnt") != 0;
-#else
-  return false;
-#endif
-}
-
 }  // namespace
 
 #if defined(__x86_64__)
-
-// both on every function below: what is inlined must know the same instructions
-#define ESPALIER_VECTOR [[gnu::target("avx2,bmi,popcnt"), gnu::always_inline]] static inline
 
 /// The vector loop of ModuleFinder::find.
 struct VectorFinder {
   static constexpr std::uint32_t kAtOnce = 16;
 
-  /// A table of 16 * kBlocks bytes in registers.
-  template <std::uint32_t kBlocks>
-  struct Table {
-    __m128i blocks[kBlocks];
-  };
-
-  template <std::uint32_t kBlocks>
-  ESPALIER_VECTOR Table<kBlocks> load(const std::uint8_t* bytes) {
-    Table<kBlocks> table;
-    for (std::uint32_t i = 0; i < kBlocks; ++i) {
-      table.blocks[i] = _mm_loadu_si128(reinterpret_cast<const __m128i*>(bytes + std::size_t{16} * i));
-    }
-    return table;
-  }
-
-  /// The bytes of 16 types, each less than 16 * kBlocks.
-  template <std::uint32_t kBlocks>
-  ESPALIER_VECTOR __m128i lookUp(const Table<kBlocks>& table, __m128i types) {
-    if constexpr (kBlocks == 1) {
-      return _mm_shuffle_epi8(table.blocks[0], types);
-    } else {
-      // a blend is decided by the top bit of each byte
-      const __m128i bit4 = _mm_slli_epi16(types, 3);
-      const __m128i low =
-          _mm_blendv_epi8(_mm_shuffle_epi8(table.blocks[0], types), _mm_shuffle_epi8(table.blocks[1], types), bit4);
-      if constexpr (kBlocks == 2) {
-        return low;
-      } else {
-        const __m128i high =
-            _mm_blendv_epi8(_mm_shuffle_epi8(table.blocks[2], types), _mm_shuffle_epi8(table.blocks[3], types), bit4);
-        return _mm_blendv_epi8(low, high, _mm_slli_epi16(types, 2));
-      }
-    }
-  }
-
-  ESPALIER_VECTOR __m128i loadTypes(const core::ModuleTypeId* types) {
-    return _mm_packus_epi16(_mm_loadu_si128(reinterpret_cast<const __m128i*>(types)),
-                            _mm_loadu_si128(reinterpret_cast<const __m128i*>(types + 8)));
-  }
-
   /// From module `begin` to the last whole sixteen before `end`; returns where it stopped.
   template <std::uint32_t kBlocks, bool kLooksAround>
-  [[gnu::target("avx2,bmi,popcnt")]] static std::uint32_t run(const ModuleFinder::ByteTables& tables,
-                                                              const core::ModuleTypeId* types, std::uint32_t begin,
-                                                              std::uint32_t end, const ModuleFinder::Target& target,
-                                                              ModuleFinder::Count& count) {
-    const Table<kBlocks> own = load<kBlocks>(tables.own.data());
-    const Table<kBlocks> before = load<kBlocks>(tables.before.data());
-    const Table<kBlocks> behind = load<kBlocks>(tables.behind.data());
-    const Table<kBlocks> arity = load<kBlocks>(tables.arity.data());
+  [[ESPALIER_VECTOR_TARGET]] static std::uint32_t run(const ModuleFinder::ByteTables& tables,
+                                                      const core::ModuleTypeId* types, std::uint32_t begin,
+                                                      std::uint32_t end, const ModuleFinder::Target& target,
+                                                      ModuleFinder::Count& count) {
+    const ByteRegisters<kBlocks> own = loadTable<kBlocks>(tables.own);
+    const ByteRegisters<kBlocks> before = loadTable<kBlocks>(tables.before);
+    const ByteRegisters<kBlocks> behind = loadTable<kBlocks>(tables.behind);
+    const ByteRegisters<kBlocks> arity = loadTable<kBlocks>(tables.arity);
     const __m128i zero = _mm_setzero_si128();
     std::uint32_t* modules = target.modules + count.found;
     std::uint32_t* offsets = target.offsets + count.found;
@@ -147,18 +91,17 @@ struct VectorFinder {
   }
 };
 
-#undef ESPALIER_VECTOR
-
 #endif
 
 ModuleFinder::ModuleFinder(std::span<const std::uint16_t> arity, Marks marks)
     : arity_(arity), marks_(std::move(marks)), looksAround_(!marks_.before.empty()) {
-  if (arity.size() > kMostTypes ||
-      std::any_of(arity.begin(), arity.end(), [](std::uint16_t count) { return count > kLargestVectorArity; }) ||
-      !hasVectors()) {
+  if (std::any_of(arity.begin(), arity.end(), [](std::uint16_t count) { return count > kLargestVectorArity; })) {
     return;
   }
-  blockCount_ = arity.size() <= 16 ? 1 : (arity.size() <= 32 ? 2 : 4);
+  blockCount_ = byteTableBlocks(arity.size());
+  if (blockCount_ == 0) {
+    return;
+  }
   for (std::size_t type = 0; type < arity.size(); ++type) {
     tables_.own[type] = marks_.own[type];
     tables_.before[type] = looksAround_ ? marks_.before[type] : kAllBits;

@@ -1,12 +1,12 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "engine/core/identifiers.h"
+#include "engine/derivation/byte_tables.h"
 
 namespace espalier::derivation {
 
@@ -46,14 +46,12 @@ class ModuleFinder {
                                  const Target& target) const;
 
  private:
-  static constexpr std::size_t kMostTypes = 64;
-
-  /// What the vector loop looks up: a byte for each module type.
+  /// What the vector loop looks up.
   struct ByteTables {
-    std::array<std::uint8_t, kMostTypes> own{};
-    std::array<std::uint8_t, kMostTypes> before{};
-    std::array<std::uint8_t, kMostTypes> behind{};
-    std::array<std::uint8_t, kMostTypes> arity{};
+    ByteTable own{};
+    ByteTable before{};
+    ByteTable behind{};
+    ByteTable arity{};
   };
   friend struct VectorFinder;
 

@@ -14,9 +14,10 @@
 namespace espalier::derivation {
 namespace {
 
-constexpr std::uint64_t kChunkModules = BatchScan::kChunkModules;
 // chunks whose parameters are counted, and brackets linked, by one thread at a time
 constexpr std::uint64_t kPartChunks = 16;
+// of a chunk that is only counted and written: long enough that threads seldom meet in one page
+constexpr std::uint64_t kFixedChunkModules = 32 * BatchScan::kChunkModules;
 // turns a waiting thread looks again before it lets others run
 constexpr int kSpins = 200;
 
@@ -60,7 +61,8 @@ bool Derivation::Implementation::canScanInParallel(const ModuleString& old) {
 
 void Derivation::Implementation::findChunkOffsets(const ModuleString& old) {
   const std::uint64_t size = old.size();
-  const std::uint64_t chunkCount = (size + kChunkModules - 1) / kChunkModules;
+  chunkModules_ = tables_.front().batches.isFixedOnly() ? kFixedChunkModules : BatchScan::kChunkModules;
+  const std::uint64_t chunkCount = (size + chunkModules_ - 1) / chunkModules_;
   const std::uint64_t partCount = (chunkCount + kPartChunks - 1) / kPartChunks;
   const bool needsLinks = needsIndex(program_->systems.front());
   chunkOffsets_.assign(chunkCount + 1, 0);
@@ -75,19 +77,15 @@ void Derivation::Implementation::findChunkOffsets(const ModuleString& old) {
   std::atomic<std::uint64_t> next{0};
   team_->run([&](unsigned) {
     const core::ModuleTypeId* types = old.types().data();
-    const std::uint16_t* arity = program_->arity.data();
     for (std::uint64_t part = next++; part < partCount; part = next++) {
       const std::uint64_t firstChunk = part * kPartChunks;
       const std::uint64_t endChunk = std::min(firstChunk + kPartChunks, chunkCount);
       for (std::uint64_t chunk = firstChunk; chunk < endChunk; ++chunk) {
-        std::uint64_t count = 0;
-        for (std::uint64_t i = chunk * kChunkModules; i < std::min((chunk + 1) * kChunkModules, size); ++i) {
-          count += arity[types[i]];
-        }
-        chunkOffsets_[chunk + 1] = count;
+        const std::uint64_t first = chunk * chunkModules_;
+        chunkOffsets_[chunk + 1] = parameterSum_.of(types + first, std::min(chunkModules_, size - first));
       }
       if (needsLinks) {
-        index_.linkPart(types, firstChunk * kChunkModules, std::min(endChunk * kChunkModules, size), openEnds_[part]);
+        index_.linkPart(types, firstChunk * chunkModules_, std::min(endChunk * chunkModules_, size), openEnds_[part]);
       }
     }
   });
@@ -127,9 +125,9 @@ std::uint64_t Derivation::Implementation::scanRound(const BatchScan::Step& step,
         if (chunk >= round.chunkCount || chunk >= round.stop.load()) {
           return;
         }
-        const std::uint64_t first = chunk * kChunkModules;
+        const std::uint64_t first = chunk * chunkModules_;
         const BatchScan::Outcome outcome =
-            batch.choose(first, std::min(first + kChunkModules, size), chunkOffsets_[chunk]);
+            batch.choose(first, std::min(first + chunkModules_, size), chunkOffsets_[chunk]);
         if (!round.awaitTurn(chunk)) {
           return;
         }
@@ -182,8 +180,8 @@ void Derivation::Implementation::scanInParallel(const PlantState& state) {
   const std::uint64_t chunkCount = chunkOffsets_.size() - 1;
   const auto scanChunk = [&](std::uint64_t chunk) {
     evaluator_.clearModule();
-    ScanPlace place{chunk * kChunkModules, chunkOffsets_[chunk]};
-    scanUpTo(state, std::min(place.module + kChunkModules, old.size()), place);
+    ScanPlace place{chunk * chunkModules_, chunkOffsets_[chunk]};
+    scanUpTo(state, std::min(place.module + chunkModules_, old.size()), place);
   };
   for (std::uint64_t chunk = 0; chunk < chunkCount;) {
     chunk = scanRound(step, chunk);
