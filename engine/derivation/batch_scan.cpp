@@ -133,6 +133,10 @@ BatchScan::BatchScan(const language::Program& program, const ContextRules& rules
 
 void BatchScan::begin(const Step& step) {
   step_ = step;
+  if (step_.old.shortcuts == nullptr) {
+    shortcuts_.clear();
+    step_.old.shortcuts = &shortcuts_;
+  }
   evaluator_.begin(static_cast<double>(step.number), step.length, step.hasWarned);
 }
 
@@ -404,10 +408,12 @@ void BatchScan::findLeft(std::span<const std::uint32_t> sites) {
   std::uint64_t* const leftOffset = leftOffset_.data();
   const std::uint64_t first = first_;
   const std::uint64_t firstOffset = offset_;
+  const ModuleTypeId openBranch = program_->openBranch;
   for (const std::uint32_t site : sites) {
     std::uint64_t module = first + siteModule[site];
     std::uint64_t offset = firstOffset + siteOffset[site];
     ModuleTypeId found = core::kNoModuleType;
+    std::uint32_t passed = 0;
     while (module > 0) {
       --module;
       const ModuleTypeId type = old.types[module];
@@ -423,6 +429,13 @@ void BatchScan::findLeft(std::span<const std::uint32_t> sites) {
         }
         module = link.partner;
         offset -= link.parameterCount;
+      }
+      // a long way over branches is walked once for all
+      if (++passed > LeftShortcuts::kNearModules && old.types[module] == openBranch) [[unlikely]] {
+        const LeftShortcuts::Place end = old.shortcuts->follow(*program_, *rules_, old, {module, offset});
+        module = end.module;
+        offset = end.offset;
+        passed = 0;
       }
     }
     leftType[site] = found;

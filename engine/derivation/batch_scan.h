@@ -29,7 +29,7 @@ class BatchScan {
 
   /// What all chunks of a step have in common.
   struct Step {
-    ContextString old;  // the string that is read
+    ContextString old;  // the string that is read; its shortcuts are used by this object alone until the next begin
     std::uint32_t number = 0;
     double length = 0.0;                      // Z
     core::CounterRandom selection;            // Espalier's own mode
@@ -94,6 +94,7 @@ class BatchScan {
   const ProductionPlan* productions_;
   Step step_;
   ColumnEvaluator evaluator_;
+  LeftShortcuts shortcuts_;  // in use unless the Step has some
   ModuleFinder finder_;
   TypeSum fixedModuleSum_;  // what the modules of a stretch become; fixed models only
   TypeSum fixedParameterSum_;

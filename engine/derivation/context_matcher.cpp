@@ -47,7 +47,15 @@ bool matchesLeft(const language::Program& program, const ContextRules& rules, co
     }
     // in a ring whose modules are all ignored the search would never end
     std::uint64_t remaining = string.size + 1;
+    std::uint32_t passed = 0;
     while (true) {
+      if (++passed > LeftShortcuts::kNearModules && string.shortcuts != nullptr && module < string.size &&
+          string.types[module] == program.openBranch) {
+        const LeftShortcuts::Place end = string.shortcuts->follow(program, rules, string, {module, offset});
+        module = end.module;
+        offset = end.offset;
+        passed = 0;
+      }
       if (module == 0) {
         if (!rules.isRing() || !string.canWrap) {
           return look(looks, ContextLook::Result::StringEnd, program, string, 0, 0);

@@ -218,6 +218,7 @@ void Derivation::Implementation::buildIndex(const ModuleString& string) {
 
 void Derivation::Implementation::beginInterpretation(PlantState& state) {
   attach(state, state.step, state.step + 1);
+  shortcuts_.clear();
   if (!hasHomomorphism_) {
     return;
   }
@@ -275,8 +276,9 @@ std::uint64_t Derivation::Implementation::expand(PlantState& state, std::uint32_
 
   // contexts follow the rules of the main L-system
   const ModuleString& string = state.string;
-  rewriter_.setStrings(
-      {string.types().data(), string.parameters().data(), string.size(), string.parameterCount(), &index_}, nullptr);
+  rewriter_.setStrings({string.types().data(), string.parameters().data(), string.size(), string.parameterCount(),
+                        &index_, true, &shortcuts_},
+                       nullptr);
   const ContextRules& rules = tables_.front().rules;
   const PredecessorPlace place{string.types().data(), string.parameters().data(), string.size(), module,
                                parameterOffset};

@@ -159,9 +159,10 @@ class Derivation::Implementation {
   std::vector<StringIndex::OpenEnds> openEnds_;  // by part of the string that is read
   std::vector<std::uint64_t> unusualChunks_;     // of the last round of threads
 
-  ModuleString working_;   // the string being produced; swapped with the old one at the end of a step
-  ProducedPieces pieces_;  // the same while it is produced from right to left
-  StringIndex index_;      // of the string that is being read
+  ModuleString working_;     // the string being produced; swapped with the old one at the end of a step
+  ProducedPieces pieces_;    // the same while it is produced from right to left
+  StringIndex index_;        // of the string that is being read
+  LeftShortcuts shortcuts_;  // in it, by the rules of the main L-system
   Backup backup_;
   std::vector<double> frame_;    // formal parameters of the scan's shortcuts (Program::maximumSlots)
   std::vector<double> weights_;  // of the scan's shortcuts

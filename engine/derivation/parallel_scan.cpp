@@ -176,7 +176,9 @@ void Derivation::Implementation::scanInParallel(const PlantState& state) {
     batches_.push_back(std::make_unique<BatchScan>(*program_, tables.rules, tables.batches, tables.plan));
   }
   findChunkOffsets(old);
-  const BatchScan::Step step = batchStep(state);
+  BatchScan::Step step = batchStep(state);
+  // each thread has its own
+  step.old.shortcuts = nullptr;
   const std::uint64_t chunkCount = chunkOffsets_.size() - 1;
   const auto scanChunk = [&](std::uint64_t chunk) {
     evaluator_.clearModule();

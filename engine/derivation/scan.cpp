@@ -54,8 +54,12 @@ void Derivation::Implementation::scan(PlantState& state) {
     buildIndex(old);
   }
   const bool isBackwards = tables_.front().isProducedBackwards && !program_->hasSubSystems;
-  rewriter_.setStrings({old.types().data(), old.parameters().data(), old.size(), old.parameterCount(), &index_},
-                       isBackwards ? nullptr : &working_, isBackwards ? &pieces_ : nullptr);
+  shortcuts_.clear();
+  // every sub-L-system has rules of its own
+  LeftShortcuts* const shortcuts = program_->hasSubSystems ? nullptr : &shortcuts_;
+  rewriter_.setStrings(
+      {old.types().data(), old.parameters().data(), old.size(), old.parameterCount(), &index_, true, shortcuts},
+      isBackwards ? nullptr : &working_, isBackwards ? &pieces_ : nullptr);
   reserveEstimate(old);
   if (program_->hasSubSystems) {
     scanWithCalls(state);

@@ -274,6 +274,56 @@ TEST(LongScan, AgreesWithThePlainDerivationOnManyRandomModels) {
   EXPECT_GT(compareModels(27300, 5000, 20000, 4).changedCount, 10000U);
 }
 
+/// The strings of both derivations after each of some steps.
+void expectPlainSteps(const std::string& text, unsigned threads, std::uint64_t stepCount) {
+  derivation::DerivationOptions options;
+  options.threads = threads;
+  options.threadedModules = 64;
+  DerivedModel model(text, options);
+  const PlainDerivation plain(model.program(), options.seed);
+  test::PlainString string = plain.axiom();
+  for (std::uint64_t step = 1; step <= stepCount; ++step) {
+    string = plain.derive(string, step);
+    model.steps(1);
+    std::vector<core::ModuleTypeId> types;
+    std::vector<double> parameters;
+    for (const test::PlainModule& module : string) {
+      types.push_back(module.type);
+      parameters.insert(parameters.end(), module.parameters.begin(), module.parameters.end());
+    }
+    const auto madeTypes = model.state().string.types();
+    const auto madeParameters = model.state().string.parameters();
+    ASSERT_EQ(types, std::vector<core::ModuleTypeId>(madeTypes.begin(), madeTypes.end())) << "step " << step;
+    ASSERT_EQ(parameters, std::vector<double>(madeParameters.begin(), madeParameters.end())) << "step " << step;
+  }
+}
+
+TEST(Scan, LongWaysOverBranchesEndAtTheSameNeighbour) {
+  // 1,500 branches at a node, some with branches of their own, between them ignored symbols or one that counts
+  std::string fan = "J(1)";
+  for (int i = 0; i < 1500; ++i) {
+    fan += i % 7 == 3 ? "[+[B(0)]+(2)[C]B(0)]" : (i % 400 == 399 ? "J(2)[B(0)]" : "+(3)[B(0)]");
+  }
+  // 300 branches inside each other, and modules behind each of them
+  std::string nest = "J(3)";
+  for (int i = 0; i < 300; ++i) {
+    nest += "[+(1)";
+  }
+  for (int i = 0; i < 300; ++i) {
+    nest += "B(0)]C";
+  }
+  for (const unsigned threads : {1U, 2U, 4U}) {
+    for (const std::string& axiom : {fan, nest, fan + nest, "]" + fan, "[[" + nest}) {
+      // nearest neighbours, and searched ones
+      expectPlainSteps(
+          test::modelText("ignore: +\n", axiom, "J(a) < B(x) --> B(x+a)\nB(a) < C --> B(a)\nB(a) < B(x) --> C\n"),
+          threads, 3);
+      expectPlainSteps(test::modelText("ignore: +\n", axiom, "J(b)J(a) < B(x) --> B(x+a+b)\nJ(a)B(y) < C --> B(y)\n"),
+                       threads, 3);
+    }
+  }
+}
+
 TEST(Scan, LongSuccessorsAreWrittenWhole) {
   std::string successor;
   for (int i = 0; i < 40; ++i) {
