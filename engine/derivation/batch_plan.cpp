@@ -38,9 +38,12 @@ bool isBatchProduction(const language::Program& program, const language::LSystem
     return false;
   }
   const auto isColumn = [&](const language::Expression& expression) { return isColumnExpression(program, expression); };
+  const auto isValue = [&](const language::Expression& expression) {
+    return isDrawingColumnExpression(program, expression);
+  };
   if ((production.condition && !isColumn(*production.condition)) ||
       (system.isStochastic && production.probability && !isColumn(*production.probability)) ||
-      !std::all_of(production.expressions.begin(), production.expressions.end(), isColumn)) {
+      !std::all_of(production.expressions.begin(), production.expressions.end(), isValue)) {
     return false;
   }
   return std::none_of(
@@ -202,16 +205,20 @@ void BatchPlan::addRule(const language::Program& program, const Production& prod
     addColumns(rule.weight);
   }
   std::vector<core::ModuleTypeId> types;
+  std::uint32_t drawCount = 0;
   for (const language::SuccessorModule& module : production.successor) {
     types.push_back(module.type);
     for (std::uint32_t i = 0; i < program.arity[module.type]; ++i) {
-      rule.values.push_back(makeColumnExpression(program, production.expressions[module.firstExpression + i]));
+      rule.values.push_back(
+          makeColumnExpression(program, production.expressions[module.firstExpression + i], drawCount));
+      drawCount += rule.values.back().drawCount;
       addColumns(rule.values.back());
     }
   }
   rule.block = static_cast<std::uint32_t>(blocks_.size());
   addBlock(types, static_cast<std::uint32_t>(rule.values.size()), arity);
   rule.changesParts = !blocks_.back().isResizing && types[0] != type;
+  rule.drawsRandom = drawCount > 0;
   rule.needsLanes = !rule.values.empty() || rule.changesParts;
   rules_.push_back(std::move(rule));
 }

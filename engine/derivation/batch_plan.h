@@ -45,6 +45,7 @@ struct BatchRule {
   std::uint32_t block = 0;    // in BatchPlan::blocks
   bool changesParts = false;  // the block is one module and does not resize, but has another type
   bool needsLanes = false;    // it has values, or changes parts
+  bool drawsRandom = false;   // a value calls ran
 };
 
 /// The productions of one module type.

@@ -103,6 +103,7 @@ BatchScan::BatchScan(const language::Program& program, const ContextRules& rules
       leftOffset_(kChunkModules),
       rightOffset_(kChunkModules),
       own_(ColumnEvaluator::kLanes),
+      modules_(ColumnEvaluator::kLanes),
       words_(kChunkModules + 8),
       positions_(kChunkModules) {
   std::iota(allSites_.begin(), allSites_.end(), 0U);
@@ -137,7 +138,7 @@ void BatchScan::begin(const Step& step) {
     shortcuts_.clear();
     step_.old.shortcuts = &shortcuts_;
   }
-  evaluator_.begin(static_cast<double>(step.number), step.length, step.hasWarned);
+  evaluator_.begin(static_cast<double>(step.number), step.length, step.hasWarned, step.draws);
 }
 
 BatchScan::Outcome BatchScan::choose(std::uint64_t first, std::uint64_t end, std::uint64_t offset) {
@@ -506,8 +507,13 @@ void BatchScan::setLanes(const BatchRule& rule, std::size_t begin, std::size_t c
   for (std::size_t i = 0; i < count; ++i) {
     own[i] = siteOffset[site[i]];
   }
+  if (rule.drawsRandom) {
+    for (std::size_t i = 0; i < count; ++i) {
+      modules_[i] = first_ + siteModule_[site[i]];
+    }
+  }
   evaluator_.setLanes({count, rule.slots.data(), step_.old.parameters + offset_, step_.old.parameters, rows_.data(),
-                       own_.data(), laneLeft_.data() + begin, laneRight_.data() + begin});
+                       own_.data(), laneLeft_.data() + begin, laneRight_.data() + begin, modules_.data()});
 }
 
 std::size_t BatchScan::keepWhereTrue(const BatchRule& rule, std::size_t count) {

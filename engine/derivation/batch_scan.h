@@ -33,6 +33,7 @@ class BatchScan {
     std::uint32_t number = 0;
     double length = 0.0;                      // Z
     core::CounterRandom selection;            // Espalier's own mode
+    core::CounterRandom draws;                // of ran in Espalier's own mode
     bool storesFloats = false;                // parameters are rounded to 32-bit floats and may be anything
     const std::uint8_t* hasWarned = nullptr;  // by instruction, as in the Evaluator; unchanged during the step
   };
@@ -144,7 +145,8 @@ class BatchScan {
   std::vector<std::uint64_t> rightOffset_;
   std::vector<double> rows_;  // frames that context searches filled
   std::vector<RuleLanes> ruleLanes_;
-  std::vector<std::uint32_t> own_;  // offsets of the lanes that are evaluated
+  std::vector<std::uint32_t> own_;      // offsets of the lanes that are evaluated
+  std::vector<std::uint64_t> modules_;  // their places in the string, when something is drawn for them
 
   std::vector<std::uint32_t> words_;  // draws of the chunk's modules, from a multiple of 4 on
   std::vector<double> weights_;       // by rule of a group and lane

@@ -19,8 +19,13 @@ bool Derivation::Implementation::isWithinLimits(std::uint64_t moduleCount, std::
 }
 
 BatchScan::Step Derivation::Implementation::batchStep(const PlantState& state) const {
-  return {rewriter_.around(),        static_cast<std::uint32_t>(step_), static_cast<double>(state.derivationLength),
-          random_.selectionSource(), rewriter_.storesFloats(),          evaluator_.hasWarned()};
+  return {rewriter_.around(),
+          static_cast<std::uint32_t>(step_),
+          static_cast<double>(state.derivationLength),
+          random_.selectionSource(),
+          random_.mainSource(),
+          rewriter_.storesFloats(),
+          evaluator_.hasWarned()};
 }
 
 bool Derivation::Implementation::appendBatch(const BatchScan::Outcome& outcome) {

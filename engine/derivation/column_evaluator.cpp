@@ -48,7 +48,9 @@ ColumnEvaluator::ColumnEvaluator(const language::Program& program, std::size_t s
       frame_(slotCount + 1),
       stack_(program.maximumStack + std::size_t{8}) {}
 
-void ColumnEvaluator::begin(double step, double length, const std::uint8_t* hasWarned) {
+void ColumnEvaluator::begin(double step, double length, const std::uint8_t* hasWarned,
+                            const core::CounterRandom& draws) {
+  draws_ = draws;
   step_ = step;
   length_ = length;
   hasWarned_ = hasWarned;
@@ -189,7 +191,12 @@ void ColumnEvaluator::run(const ColumnInstruction& instruction) {
   }
   // what no loop without branches computes: the same function as everywhere, lane by lane
   bool dividesByZero = false;
-  if (instruction.operation == Operation::Call) {
+  if (instruction.operation == Operation::Call && static_cast<Function>(instruction.function) == Function::Ran) {
+    const auto step = static_cast<std::uint32_t>(step_);
+    for (std::size_t i = 0; i < count; ++i) {
+      target[i] = at(a, i) * draws_.uniform(core::DrawDomain::Production, step, lanes_.modules[i], instruction.draw);
+    }
+  } else if (instruction.operation == Operation::Call) {
     const ColumnValue c = instruction.count > 2 ? operand(instruction.operands[2]) : ColumnValue{};
     std::array<double, 3> arguments{};
     for (std::size_t i = 0; i < count; ++i) {

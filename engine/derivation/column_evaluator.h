@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "engine/core/random.h"
 #include "engine/derivation/column_plan.h"
 #include "engine/language/program.h"
 
@@ -24,13 +25,14 @@ struct SlotSource {
 /// The modules that a batch works on, up to ColumnEvaluator::kLanes of them. A view.
 struct Lanes {
   std::size_t count = 0;
-  const SlotSource* slots = nullptr;      // by formal parameter
-  const double* ownParameters = nullptr;  // what `own` counts from
-  const double* parameters = nullptr;     // of the whole string
-  const double* rows = nullptr;           // what context searches filled
-  const std::uint32_t* own = nullptr;     // (count) offset of the module's parameters
-  const std::uint64_t* left = nullptr;    // (count) offset of the left neighbour's parameters, or of the row
-  const std::uint64_t* right = nullptr;   // (count)
+  const SlotSource* slots = nullptr;       // by formal parameter
+  const double* ownParameters = nullptr;   // what `own` counts from
+  const double* parameters = nullptr;      // of the whole string
+  const double* rows = nullptr;            // what context searches filled
+  const std::uint32_t* own = nullptr;      // (count) offset of the module's parameters
+  const std::uint64_t* left = nullptr;     // (count) offset of the left neighbour's parameters, or of the row
+  const std::uint64_t* right = nullptr;    // (count)
+  const std::uint64_t* modules = nullptr;  // (count) positions in the string; for expressions that draw
 };
 
 /// One value for each lane, or the same for all.
@@ -50,7 +52,8 @@ class ColumnEvaluator {
   ColumnEvaluator(const language::Program& program, std::size_t slotCount, std::size_t columnCount);
 
   /// Q and Z, and the places that have warned already (by instruction; of the caller, until the next begin).
-  void begin(double step, double length, const std::uint8_t* hasWarned);
+  /// `draws` is what ran draws from.
+  void begin(double step, double length, const std::uint8_t* hasWarned, const core::CounterRandom& draws = {});
   /// The lanes of the following expressions.
   void setLanes(const Lanes& lanes);
   [[nodiscard]] ColumnValue value(const ColumnExpression& expression);
@@ -71,6 +74,7 @@ class ColumnEvaluator {
   double step_ = 0.0;
   double length_ = 0.0;
   const std::uint8_t* hasWarned_ = nullptr;
+  core::CounterRandom draws_;
   bool isUnusual_ = false;
   std::vector<double> slots_;            // gathered parameters, kLanes for each slot
   std::vector<std::uint64_t> gathered_;  // by slot: the lanes_ it was gathered for, as a count of setLanes

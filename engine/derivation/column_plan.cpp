@@ -33,6 +33,10 @@ std::uint16_t operandCount(const Instruction& instruction) {
   }
 }
 
+bool isRan(const Instruction& instruction) {
+  return instruction.operation == Operation::Call && static_cast<Function>(instruction.operand) == Function::Ran;
+}
+
 bool isColumnInstruction(const Instruction& instruction) {
   switch (instruction.operation) {
     case Operation::Constant:
@@ -73,7 +77,25 @@ bool isColumnExpression(const language::Program& program, const Expression& expr
   return true;
 }
 
-ColumnExpression makeColumnExpression(const language::Program& program, const Expression& expression) {
+bool isDrawingColumnExpression(const language::Program& program, const Expression& expression) {
+  if (isColumnExpression(program, expression)) {
+    return true;
+  }
+  if (program.compatibility != core::Compatibility::Espalier) {
+    return false;
+  }
+  for (std::uint32_t at = expression.code.begin; at < expression.code.end; ++at) {
+    const Instruction& instruction = program.code[at];
+    // behind a jump it would depend on the parameters how many draws are made
+    if (isJump(instruction.operation) || !(isColumnInstruction(instruction) || isRan(instruction))) {
+      return false;
+    }
+  }
+  return true;
+}
+
+ColumnExpression makeColumnExpression(const language::Program& program, const Expression& expression,
+                                      std::uint32_t firstDraw) {
   ColumnExpression result;
   result.expression = &expression;
   const auto reads = [&result](std::uint32_t slot) {
@@ -124,6 +146,10 @@ ColumnExpression makeColumnExpression(const language::Program& program, const Ex
         made.function = instruction.operand;
         made.count = operandCount(instruction);
         made.instruction = at;
+        if (isRan(instruction)) {
+          made.draw = firstDraw + result.drawCount;
+          ++result.drawCount;
+        }
         std::copy(stack.end() - made.count, stack.end(), made.operands.begin());
         stack.resize(stack.size() - made.count);
         made.target = static_cast<std::uint32_t>(stack.size());

@@ -29,6 +29,7 @@ struct ColumnInstruction {
   std::uint16_t count = 0;        // operands
   std::uint32_t target = 0;       // intermediate result that is made
   std::uint32_t instruction = 0;  // in Program::code, for warnings
+  std::uint32_t draw = 0;         // ran: which draw of its module it makes
   std::array<ColumnOperand, 3> operands;
 };
 
@@ -39,14 +40,21 @@ struct ColumnExpression {
   std::vector<ColumnInstruction> instructions;
   ColumnOperand result;
   std::vector<std::uint32_t> slots;  // formal parameters that are read, each once
+  std::uint32_t drawCount = 0;       // calls of ran
 };
 
 /// Whether a batch can evaluate the expression: it depends on formal parameters, constants, Q and Z alone and calls
 /// arithmetic functions only.
 [[nodiscard]] bool isColumnExpression(const language::Program& program, const language::Expression& expression);
 
-/// The form for a batch of an expression for which isColumnExpression holds.
+/// The same for the parameters of a successor, which may also call ran where every evaluation reaches it: in Espalier's
+/// own mode a draw is named by its module and its number, so the order in which modules are rewritten does not matter.
+[[nodiscard]] bool isDrawingColumnExpression(const language::Program& program, const language::Expression& expression);
+
+/// The form for a batch of an expression for which one of the two above holds; its first call of ran makes draw
+/// number `firstDraw` of the module.
 [[nodiscard]] ColumnExpression makeColumnExpression(const language::Program& program,
-                                                    const language::Expression& expression);
+                                                    const language::Expression& expression,
+                                                    std::uint32_t firstDraw = 0);
 
 }  // namespace espalier::derivation

@@ -56,6 +56,8 @@ class RandomSource {
   }
   /// What selection() draws from in Espalier's own mode.
   [[nodiscard]] const core::CounterRandom& selectionSource() const { return selection_; }
+  /// What uniform() draws from in Espalier's own mode.
+  [[nodiscard]] const core::CounterRandom& mainSource() const { return main_; }
   [[nodiscard]] bool isSequential() const { return isSequential_; }
 
   /// Creates the stream that a homomorphism's own seed names. Between usePrivateStream(true) and (false) the main

@@ -14,7 +14,8 @@ using language::Operation;
 PlainDerivation::PlainDerivation(const language::Program& program, std::uint64_t seed)
     : program_(&program), seed_(seed) {}
 
-double PlainDerivation::value(const language::Expression& expression, const Frame& frame, double step) const {
+double PlainDerivation::value(const language::Expression& expression, const Frame& frame, double step,
+                              Draws& draws) const {
   if (expression.kind == language::Expression::Kind::Constant) {
     return expression.constant;
   }
@@ -58,6 +59,12 @@ double PlainDerivation::value(const language::Expression& expression, const Fram
         std::vector<double> arguments(instruction.count);
         for (std::size_t i = arguments.size(); i-- > 0;) {
           arguments[i] = pop();
+        }
+        if (static_cast<language::Function>(instruction.operand) == language::Function::Ran) {
+          stack.push_back(arguments[0] * core::CounterRandom(seed_, 0).uniform(core::DrawDomain::Production,
+                                                                               static_cast<std::uint32_t>(step),
+                                                                               draws.module, draws.count++));
+          break;
         }
         stack.push_back(
             language::callPure(static_cast<language::Function>(instruction.operand), arguments, dividedByZero));
@@ -199,11 +206,12 @@ bool PlainDerivation::matchesRight(const PlainString& old, std::size_t behind, c
 
 PlainString PlainDerivation::axiom() const {
   PlainString string;
+  Draws draws;
   for (const language::SuccessorModule& module : program_->systems[0].axiom) {
     PlainModule made{module.type, {}};
     for (std::size_t i = 0; i < program_->arity[module.type]; ++i) {
       made.parameters.push_back(
-          value(program_->systems[0].axiomExpressions.at(module.firstExpression + i), Frame{}, 0.0));
+          value(program_->systems[0].axiomExpressions.at(module.firstExpression + i), Frame{}, 0.0, draws));
     }
     string.push_back(std::move(made));
   }
@@ -223,13 +231,14 @@ PlainString PlainDerivation::derive(const PlainString& old, std::uint64_t step) 
   for (std::size_t at = 0; at < old.size();) {
     // all productions that apply here, in the order of the file
     std::vector<Match> matches;
+    Draws draws{at, 0};
     for (const language::Production& production : system.productions.productions) {
       Frame frame(production.slotCount, 0.0);
       if (matchesPredecessor(old, at, production, frame) &&
           matchesRight(old, at + production.predecessor.size(), production, frame) &&
           matchesLeft(old, at, production, frame) &&
-          (!production.condition || value(*production.condition, frame, q) != 0.0)) {
-        const double weight = production.probability ? value(*production.probability, frame, q) : 1.0;
+          (!production.condition || value(*production.condition, frame, q, draws) != 0.0)) {
+        const double weight = production.probability ? value(*production.probability, frame, q, draws) : 1.0;
         matches.push_back({&production, std::move(frame), weight});
       }
     }
@@ -265,7 +274,8 @@ PlainString PlainDerivation::derive(const PlainString& old, std::uint64_t step) 
     for (const language::SuccessorModule& module : match.production->successor) {
       PlainModule next{module.type, {}};
       for (std::size_t i = 0; i < program_->arity[module.type]; ++i) {
-        next.parameters.push_back(value(match.production->expressions.at(module.firstExpression + i), match.frame, q));
+        next.parameters.push_back(
+            value(match.production->expressions.at(module.firstExpression + i), match.frame, q, draws));
       }
       made.push_back(std::move(next));
     }

@@ -20,8 +20,8 @@ using PlainString = std::vector<PlainModule>;
 
 /// An executable specification of derivation, written for being obviously right, not for speed, and sharing nothing
 /// with engine/derivation but the Program and the random numbers: pure productions with predecessors of any length,
-/// contexts over brackets with ignored symbols, conditions, stochastic choice, the cut symbol. No blocks, variables,
-/// decomposition or sub-L-systems; Espalier's own mode only.
+/// contexts over brackets with ignored symbols, conditions, stochastic choice, ran, the cut symbol. No blocks,
+/// variables, decomposition or sub-L-systems; Espalier's own mode only.
 class PlainDerivation {
  public:
   PlainDerivation(const language::Program& program, std::uint64_t seed);
@@ -32,7 +32,13 @@ class PlainDerivation {
 
  private:
   using Frame = std::vector<double>;
-  [[nodiscard]] double value(const language::Expression& expression, const Frame& frame, double step) const;
+  /// The draws of ran that one module makes.
+  struct Draws {
+    std::uint64_t module = 0;
+    std::uint32_t count = 0;
+  };
+  [[nodiscard]] double value(const language::Expression& expression, const Frame& frame, double step,
+                             Draws& draws) const;
   [[nodiscard]] bool matchesPredecessor(const PlainString& old, std::size_t at, const language::Production& production,
                                         Frame& frame) const;
   [[nodiscard]] bool matchesLeft(const PlainString& old, std::size_t at, const language::Production& production,

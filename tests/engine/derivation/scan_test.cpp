@@ -134,6 +134,22 @@ class ModelMaker {
     return chance(10) ? "!(" + text + ")" : text;
   }
 
+  /// A parameter of a successor, which may draw.
+  std::string value(const std::string& names) {
+    const std::string text = expression(names);
+    // the axiom's draws are of another kind
+    switch (mayDraw_ ? number(0, 9) : 9) {
+      case 0:
+        return text + "+ran(2)*ran(1)";
+      case 1:
+        return "ran(" + text + ")";
+      case 2:
+        return chance(20) && !names.empty() ? oneOf(names) + ">1 ? ran(1) : 2" : text;
+      default:
+        return text;
+    }
+  }
+
   std::string modules(int count, const std::string& names, int depth) {
     std::string text;
     for (int i = 0; i < count; ++i) {
@@ -149,7 +165,7 @@ class ModelMaker {
       text += letter;
       const int arity = arityOf(letter[0]);
       for (int k = 0; k < arity; ++k) {
-        text += (k == 0 ? "(" : ",") + expression(names);
+        text += (k == 0 ? "(" : ",") + value(names);
       }
       text += arity > 0 ? ")" : "";
     }
@@ -173,6 +189,7 @@ class ModelMaker {
 
   std::string production() {
     std::string names;
+    mayDraw_ = true;
     std::string left;
     if (hasContexts_ && chance(40)) {
       left = formal(names) + (chance(25) ? formal(names) : "") + " < ";
@@ -205,6 +222,7 @@ class ModelMaker {
   std::mt19937 random_;
   std::string letters_;
   bool isStochastic_ = false;
+  bool mayDraw_ = false;
   bool hasContexts_ = false;
 };
 
