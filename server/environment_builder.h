@@ -18,7 +18,7 @@ namespace espalier::server {
 class OfferedEnvironments;
 struct Metrics;
 
-/// What building an environment needs of the server.
+/// What a simulation and its environment need of the server.
 struct EnvironmentServices {
   const OfferedEnvironments* offered = nullptr;
   std::function<void(const std::function<void()>&)> runWaiting;  // lets another worker compute
@@ -27,6 +27,7 @@ struct EnvironmentServices {
   Metrics* metrics = nullptr;  // null: nothing is counted
   std::string traceFolder;     // empty: no traces
   FailureSink onFailure;       // hears of environments with a policy that failed
+  unsigned threads = 1;        // of one step
 };
 
 struct BuiltEnvironment {

@@ -91,6 +91,7 @@ std::optional<protocol::Error> HostedSimulation::build(std::shared_ptr<const lan
   options.derivationLength = record_.create.derivationLength;
   options.limits = limits_;
   options.coupling = {record_.create.iterations, record_.create.tolerance};
+  options.threads = services_.threads;
   options.environmentOrigin = std::move(environment.origin);
   auto made = std::make_unique<simulation::Simulation>(
       std::move(program), std::move(placements),

@@ -34,6 +34,7 @@ struct ServerOptions {
   bool isInsecureAllowed = false;           // a non-loopback address without TLS
   bool isSpawnAllowed = false;  // callers from other machines may have commands started (stdio environments)
   unsigned workers = 0;         // 0: as many as cores
+  unsigned threads = 1;         // of one step; the plant is the same for any number
   ServerLimits limits;
   std::string logLevel = "info";   // trace debug info warn error off
   std::string logFormat = "text";  // text or json

@@ -51,6 +51,7 @@ EnvironmentServices ServerCore::environmentServices() {
     services.traceFolder = options_.dataFolder + "/traces";
   }
   services.galleryFolder = options_.galleryFolder;
+  services.threads = options_.threads;
   services.stepTimeout = std::chrono::milliseconds(options_.limits.environmentStepMilliseconds);
   return services;
 }

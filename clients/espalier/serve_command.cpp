@@ -143,6 +143,9 @@ void addServe(CLI::App& program, int& status) {
                     "Let clients on other machines start commands as environments (`stdio`)");
   command->add_option("--workers", options->server.workers, "Simulations that compute at a time; 0: as many as cores")
       ->capture_default_str();
+  command->add_option("--threads", options->server.threads, "Threads of one step, for few big plants")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
   command->add_option("--limit", options->limits, limitHelp());
   command->add_option("--log-level", options->server.logLevel, "trace, debug, info, warn, error or off")
       ->check(CLI::IsMember({"trace", "debug", "info", "warn", "error", "off"}))
