@@ -70,6 +70,9 @@ class BlockWriter {
   void keep(std::string name, std::vector<float> numbers, std::vector<std::uint64_t> shape);
   void keep(std::string name, std::vector<std::uint32_t> numbers, std::vector<std::uint64_t> shape);
 
+  /// Keeps what the numbers of add() belong to.
+  void own(std::shared_ptr<const void> owner) { kept_.push_back(std::move(owner)); }
+
   [[nodiscard]] bool isEmpty() const { return descriptions_.empty(); }
   /// Raw bytes of all blocks with what aligns them.
   [[nodiscard]] std::uint64_t totalBytes() const { return totalBytes_; }
@@ -84,7 +87,7 @@ class BlockWriter {
 
   std::vector<BlockDescription> descriptions_;
   std::vector<const void*> numbers_;               // of each block
-  std::vector<std::shared_ptr<const void>> kept_;  // owners of the numbers made on the way
+  std::vector<std::shared_ptr<const void>> kept_;  // owners of the numbers
   std::uint64_t totalBytes_ = 0;
 };
 

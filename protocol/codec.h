@@ -65,6 +65,12 @@ using Decoded = std::variant<T, Error>;
 [[nodiscard]] Body encodeBlocks(const ReplyColumns& replies);
 [[nodiscard]] std::string encodeSaveResult(std::string_view state);
 void write(JsonWriter& writer, const Statistics& statistics);
+/// The member "queries":[...].
+void writeQueries(JsonWriter& writer, const QueryColumns& queries);
+/// The member "replies":[...].
+void writeReplies(JsonWriter& writer, const ReplyColumns& replies);
+/// The blocks of environment.step. They refer to the columns.
+void addBlocks(BlockWriter& blocks, const QueryColumns& queries);
 void write(JsonWriter& writer, const SavePolicy& policy);
 void write(JsonWriter& writer, const SimulationInformation& information);
 void write(JsonWriter& writer, const TurtleStreamRecord& record, bool hasIndex);

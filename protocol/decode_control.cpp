@@ -12,6 +12,8 @@ namespace {
 constexpr std::int64_t kMostIterations = 10'000;
 
 constexpr std::size_t kLongestNameBytes = 200;
+constexpr double kMinimumHertz = 0.001;
+constexpr double kMaximumHertz = 1000.0;
 
 std::vector<std::string> readTexts(const Field& field) {
   std::vector<std::string> texts;
@@ -382,9 +384,9 @@ Decoded<StreamOpenParams> decodeStreamOpenParams(const Payload& payload) {
     open.simulation = readName(params["simulation"]);
     const Field what = params["what"];
     open.what = what.text();
-    constexpr std::array<std::string_view, 4> kKinds{"turtle", "string", "statistics", "geometry"};
+    constexpr std::array<std::string_view, 5> kKinds{"turtle", "string", "statistics", "geometry", "queries"};
     if (std::find(kKinds.begin(), kKinds.end(), open.what) == kKinds.end()) {
-      what.failExpected("one of turtle, string, statistics, geometry");
+      what.failExpected("one of turtle, string, statistics, geometry, queries");
     }
     if (const Field every = params["every"]; !every.isAbsent()) {
       open.every = static_cast<std::uint64_t>(every.integer(1, kMaximumExactInteger));
@@ -392,6 +394,13 @@ Decoded<StreamOpenParams> decodeStreamOpenParams(const Payload& payload) {
     if (const Field credits = params["credits"]; !credits.isAbsent()) {
       open.credits = static_cast<std::uint64_t>(credits.integer(1, kMaximumExactInteger));
     }
+    if (const Field hertz = params["maxHz"]; !hertz.isAbsent()) {
+      open.maximumHertz = hertz.number();
+      if (open.maximumHertz < kMinimumHertz || open.maximumHertz > kMaximumHertz) {
+        hertz.failExpected("a number of frames a second from 0.001 to 1000");
+      }
+    }
+    open.isDelta = !params["delta"].isAbsent() && params["delta"].boolean();
     open.isInBlocks = !params["bin"].isAbsent() && params["bin"].boolean();
     if (const Field precision = params["precision"]; !precision.isAbsent()) {
       const std::string& name = precision.text();

@@ -108,11 +108,16 @@ std::string encode(const EnvironmentStepParams& params) {
   JsonWriter writer;
   writer.reserve(params.queries.count * kUsualQueryBytes + 200);
   writeStep(writer, params, false);
+  writeQueries(writer, params.queries);
+  return writer.endObject().take();
+}
+
+void writeQueries(JsonWriter& writer, const QueryColumns& queries) {
   writer.key("queries").beginArray();
-  for (std::size_t i = 0; i < params.queries.count; ++i) {
-    writeQuery(writer, params.queries, i);
+  for (std::size_t i = 0; i < queries.count; ++i) {
+    writeQuery(writer, queries, i);
   }
-  return writer.endArray().endObject().take();
+  writer.endArray();
 }
 
 Body encodeBlocks(const EnvironmentStepParams& params) {
@@ -120,7 +125,14 @@ Body encodeBlocks(const EnvironmentStepParams& params) {
   JsonWriter writer;
   writeStep(writer, params, true);
   Body body(writer.key("symbols").texts(queries.symbols).endObject().take());
-  BlockWriter& blocks = body.blocks;
+  addBlocks(body.blocks, queries);
+  if (params.geometry) {
+    addBlocks(body.blocks, *params.geometry);
+  }
+  return body;
+}
+
+void addBlocks(BlockWriter& blocks, const QueryColumns& queries) {
   const std::uint64_t rows = queries.count;
   blocks.add("plant", queries.plant, {rows});
   if (!queries.module.empty()) {
@@ -142,16 +154,17 @@ Body encodeBlocks(const EnvironmentStepParams& params) {
     blocks.add("following", queries.following, {rows});
     addRows(blocks, "followingParameters", "followingOffset", queries.followingParameters, queries.followingOffset);
   }
-  if (params.geometry) {
-    addBlocks(blocks, *params.geometry);
-  }
-  return body;
 }
 
 std::string encode(const ReplyColumns& replies) {
   JsonWriter writer;
   writer.reserve(replies.count * kUsualReplyBytes + 20);
-  writer.beginObject().key("replies").beginArray();
+  writeReplies(writer.beginObject(), replies);
+  return writer.endObject().take();
+}
+
+void writeReplies(JsonWriter& writer, const ReplyColumns& replies) {
+  writer.key("replies").beginArray();
   for (std::size_t i = 0; i < replies.count; ++i) {
     const std::uint64_t id = replies.id.empty() ? i : replies.id[i];
     writer.beginObject().key("id").integer(id).key("parameters").beginArray();
@@ -164,7 +177,7 @@ std::string encode(const ReplyColumns& replies) {
     }
     writer.endArray().endObject();
   }
-  return writer.endArray().endObject().take();
+  writer.endArray();
 }
 
 Body encodeBlocks(const ReplyColumns& replies) {

@@ -121,16 +121,21 @@ JsonWriter& JsonWriter::text(std::string_view value) {
 }
 
 JsonWriter& JsonWriter::number(double value) {
-  if (!std::isfinite(value)) {
+  if (!std::isfinite(value) || (isSinglePrecision_ && !std::isfinite(static_cast<float>(value)))) {
     throw NonFiniteNumber();
   }
   separate();
+  if (isSinglePrecision_) {
+    value = static_cast<double>(static_cast<float>(value));
+  }
   if (value == 0.0 && std::signbit(value)) {
     text_ += "-0.0";
     return *this;
   }
   std::array<char, 32> buffer{};
-  const auto result = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
+  char* const end = buffer.data() + buffer.size();
+  const auto result = isSinglePrecision_ ? std::to_chars(buffer.data(), end, static_cast<float>(value))
+                                         : std::to_chars(buffer.data(), end, value);
   text_.append(buffer.data(), result.ptr);
   return *this;
 }

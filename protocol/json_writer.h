@@ -37,6 +37,8 @@ class JsonWriter {
   JsonWriter& numbers(std::span<const double> values);
   JsonWriter& texts(const std::vector<std::string>& values);
 
+  /// From now on numbers are rounded to single precision: fewer digits, the shortest that read back as the same float.
+  void useSinglePrecision(bool isUsed) { isSinglePrecision_ = isUsed; }
   [[nodiscard]] const std::string& view() const { return text_; }
   [[nodiscard]] std::string take() { return std::move(text_); }
   void reserve(std::size_t bytes) { text_.reserve(bytes); }
@@ -46,6 +48,7 @@ class JsonWriter {
 
   std::string text_;
   bool needsComma_ = false;
+  bool isSinglePrecision_ = false;
 };
 
 /// A number that cannot be written. `what()` is the whole sentence.

@@ -221,17 +221,21 @@ struct NameParams {
 struct StreamSelection {
   std::vector<std::string> symbols;   // empty: all
   std::vector<std::uint32_t> plants;  // empty: all
+
+  bool operator==(const StreamSelection&) const = default;
 };
 
 struct StreamOpenParams {
   std::string simulation;
-  std::string what;  // turtle, string, statistics, geometry
+  std::string what;  // turtle, string, statistics, geometry, queries
   StreamSelection select;
   std::uint64_t every = 1;  // frames at steps that are multiples of it
   std::optional<std::uint64_t>
       credits;                     // frames that may be unacknowledged; nothing: only the connection's speed counts
-  bool isInBlocks = false;         // turtle records as columns behind the message; needs the capability bin
-  bool isSinglePrecision = false;  // those columns as <f4
+  double maximumHertz = 0.0;       // frames a second; 0: any number
+  bool isDelta = false;            // a frame may tell what differs from the one sent before
+  bool isInBlocks = false;         // records as columns behind the message; needs the capability bin
+  bool isSinglePrecision = false;  // turtle records with numbers rounded to floats, in blocks as <f4
 };
 
 struct StreamAckParams {
@@ -254,15 +258,16 @@ struct TurtleStreamRecord {
   std::vector<double> parameters;
 };
 
-/// A frame of a stream. `body` has the member that depends on `what`: "records":[...], "string":"...",
-/// "statistics":{...} or, in blocks, "count":n,"symbols":[...].
+/// A frame of a stream. `body` has the members that depend on `what`: "records":[...], "string":"...",
+/// "statistics":{...}, "queries":[...],"replies":[...] or, in blocks, "count":n,"symbols":[...]; and what differs:
+/// "kept" beside the records, "pieces" instead of the string.
 struct StreamData {
   std::string stream;
   std::string simulation;
   std::uint64_t step = 0;
   std::uint64_t sequence = 0;  // 0, 1, 2, ... of the frames sent
   std::uint64_t missed = 0;    // frames left out since the one before
-  bool isKey = true;           // complete in itself
+  bool isKey = true;           // complete in itself; else it refers to the frame sent before
   bool isFinished = false;     // the simulation will make no further step
   Body body;
 };

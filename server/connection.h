@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <memory>
 #include <string>
@@ -14,6 +15,8 @@ class Connection {
   virtual void send(std::shared_ptr<const std::string> line) = 0;
   /// Closes when everything queued has been sent.
   virtual void closeWhenSent() = 0;
+  /// Has the session look after its streams (Session::onDrained) when that time has passed.
+  virtual void remind(std::chrono::milliseconds delay) = 0;
   /// Bytes queued and not yet given to the system.
   [[nodiscard]] virtual std::size_t outboxBytes() const = 0;
   /// The peer is on this machine.

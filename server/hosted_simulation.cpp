@@ -93,10 +93,10 @@ std::optional<protocol::Error> HostedSimulation::build(std::shared_ptr<const lan
   options.coupling = {record_.create.iterations, record_.create.tolerance};
   options.threads = services_.threads;
   options.environmentOrigin = std::move(environment.origin);
-  auto made = std::make_unique<simulation::Simulation>(
-      std::move(program), std::move(placements),
-      trace_ == nullptr ? std::move(environment.process) : trace_->record(std::move(environment.process)),
-      std::move(options));
+  auto process = trace_ == nullptr ? std::move(environment.process) : trace_->record(std::move(environment.process));
+  auto made =
+      std::make_unique<simulation::Simulation>(std::move(program), std::move(placements),
+                                               QueryRecorder::record(std::move(process), queries_), std::move(options));
   const std::lock_guard lock(cancelMutex_);
   simulation_.swap(made);
   links_ = std::move(environment.links);

@@ -12,6 +12,7 @@
 #include "protocol/messages.h"
 #include "server/environment_builder.h"
 #include "server/interruption.h"
+#include "server/query_recorder.h"
 #include "server/simulation_record.h"
 #include "server/simulation_trace.h"
 #include "server/store.h"
@@ -42,6 +43,10 @@ class HostedSimulation {
   /// The names by which queries address the environments.
   [[nodiscard]] const std::vector<std::string>& processNames() const { return processNames_; }
   [[nodiscard]] bool isSaved() const { return isSaved_; }
+  /// From now on what steps ask the environment is kept, or not.
+  void recordQueries(bool isRecorded) { queries_->want(isRecorded); }
+  /// Of the last step that was made while they were recorded; null: none.
+  [[nodiscard]] std::shared_ptr<const QueryRecord> lastQueries() const { return queries_->last(); }
   /// A failure of this simulation for the wire.
   [[nodiscard]] protocol::Error errorOf(const core::SimulationError& error) const;
 
@@ -107,8 +112,9 @@ class HostedSimulation {
   std::vector<std::string> environmentNames_;
   std::vector<std::string> processNames_;
   std::shared_ptr<SimulationTrace> trace_;  // null: none
-  bool isSaved_ = false;                    // the copy on disk is of the present step
-  bool isSaveDue_ = false;                  // it ought to be, and could not be written
+  std::shared_ptr<QueryRecorder> queries_ = std::make_shared<QueryRecorder>();
+  bool isSaved_ = false;    // the copy on disk is of the present step
+  bool isSaveDue_ = false;  // it ought to be, and could not be written
 };
 
 }  // namespace espalier::server

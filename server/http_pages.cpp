@@ -19,10 +19,17 @@ HttpPage healthPage(const ServerCore& core) {
 }
 
 HttpPage metricsPage(const ServerCore& core) {
-  const Gauges gauges{.sessions = core.sessionCount,
-                      .simulations = core.all().size(),
-                      .workers = core.options().workers,
-                      .residentBytes = residentBytes()};
+  const auto runners = core.all();
+  Gauges gauges{.sessions = core.sessionCount,
+                .simulations = runners.size(),
+                .workers = core.options().workers,
+                .residentBytes = residentBytes(),
+                .outboxBytes = core.outboxBytes(),
+                .storeBytes = core.store().bytes()};
+  for (const auto& runner : runners) {
+    gauges.stringBytes += runner->stringBytes();
+    gauges.streamBytes += runner->streamBytes();
+  }
   return {200, "text/plain; version=0.0.4; charset=utf-8", prometheusText(core.metrics, gauges)};
 }
 

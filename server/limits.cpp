@@ -45,6 +45,7 @@ constexpr std::array kEntries{
     ofServer<&Server::lineBytes>("lineBytes", kSmallestLine, "bytes of one line from a peer"),
     ofServer<&Server::blockBytes>("blockBytes", kSmallestLine, "raw bytes behind one line from a peer"),
     ofServer<&Server::outboxBytes>("outboxBytes", kSmallestOutbox, "bytes that wait for a peer to read them"),
+    ofServer<&Server::streamBytes>("streamBytes", 0, "bytes that a simulation keeps to tell its viewers differences"),
     ofServer<&Server::sessions>("sessions", 1, "connections at a time"),
     ofServer<&Server::simulations>("simulations", 1, "simulations of the server"),
     ofServer<&Server::streamsPerSession>("streamsPerSession", 1, "streams of one connection"),

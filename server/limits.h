@@ -14,8 +14,9 @@ namespace espalier::server {
 /// the error it causes.
 struct ServerLimits {
   std::uint64_t lineBytes = 64'000'000;
-  std::uint64_t blockBytes = 256'000'000;  // raw bytes of one message, for peers that agreed on binary blocks
-  std::uint64_t outboxBytes = 64'000'000;  // per session; a slow viewer is moved to the latest key frame instead
+  std::uint64_t blockBytes = 256'000'000;     // raw bytes of one message, for peers that agreed on binary blocks
+  std::uint64_t outboxBytes = 256'000'000;    // per session; a slow viewer is moved to the latest key frame instead
+  std::uint64_t streamBytes = 1'000'000'000;  // of a simulation, kept to tell its viewers differences
   std::uint32_t sessions = 1'000;
   std::uint32_t simulations = 10'000;
   std::uint32_t streamsPerSession = 100;

@@ -387,10 +387,12 @@ void serverStatus(Session& session, const protocol::Message& message) {
   result.key("uptimeSeconds").integer(static_cast<std::uint64_t>(seconds.count()));
   result.key("damaged").integer(std::uint64_t{core.damaged().size()});
   std::uint64_t stringBytes = 0;
+  std::uint64_t streamBytes = 0;
   for (const auto& runner : runners) {
     stringBytes += runner->stringBytes();
+    streamBytes += runner->streamBytes();
   }
-  result.key("memory").beginObject().key("stringBytes").integer(stringBytes);
+  result.key("memory").beginObject().key("stringBytes").integer(stringBytes).key("streamBytes").integer(streamBytes);
   result.key("outboxBytes").integer(core.outboxBytes()).key("storeBytes").integer(core.store().bytes()).endObject();
   session.respond(message.id, result.endObject().view());
 }

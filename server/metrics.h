@@ -45,6 +45,11 @@ struct Gauges {
   std::uint64_t simulations = 0;
   std::uint64_t workers = 0;
   std::uint64_t residentBytes = 0;
+  // what is held where
+  std::uint64_t stringBytes = 0;
+  std::uint64_t streamBytes = 0;
+  std::uint64_t outboxBytes = 0;
+  std::uint64_t storeBytes = 0;
 };
 
 /// The text that Prometheus reads.

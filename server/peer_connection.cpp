@@ -12,6 +12,7 @@ PeerConnection::PeerConnection(asio::any_io_executor executor, ServerCore& core,
       wake_(executor_),
       handshake_(executor_),
       heartbeat_(executor_),
+      reminder_(executor_),
       core_(&core),
       peerName_(std::move(peerName)),
       isLocal_(isLocal) {
@@ -29,6 +30,25 @@ void PeerConnection::closeWhenSent() {
   asio::post(executor_, [self = shared_from_this()] {
     self->isClosing_ = true;
     self->wake_.cancel();
+  });
+}
+
+void PeerConnection::remind(std::chrono::milliseconds delay) {
+  asio::post(executor_, [self = shared_from_this(), delay] {
+    const auto time = std::chrono::steady_clock::now() + delay;
+    // one timer, for the earliest; those that it comes too early for ask again
+    if (self->isClosed_ || (self->isReminderSet_ && self->reminder_.expiry() <= time)) {
+      return;
+    }
+    self->isReminderSet_ = true;
+    self->reminder_.expires_at(time);
+    self->reminder_.async_wait([self](const error_code& error) {
+      if (error || self->session_ == nullptr) {
+        return;
+      }
+      self->isReminderSet_ = false;
+      self->session_->onDrained();
+    });
   });
 }
 
@@ -79,6 +99,7 @@ void PeerConnection::closeNow() {
   wake_.cancel();
   handshake_.cancel();
   heartbeat_.cancel();
+  reminder_.cancel();
   outbox_.clear();
   if (session_ != nullptr) {
     const auto session = std::move(session_);

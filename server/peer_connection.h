@@ -33,6 +33,7 @@ class PeerConnection : public Connection, public std::enable_shared_from_this<Pe
   // ---- Connection: any thread ----
   void send(std::shared_ptr<const std::string> message) override;
   void closeWhenSent() override;
+  void remind(std::chrono::milliseconds delay) override;
   [[nodiscard]] std::size_t outboxBytes() const override { return outboxBytes_; }
   [[nodiscard]] bool isLocal() const override { return isLocal_; }
   [[nodiscard]] std::string peerName() const override { return peerName_; }
@@ -74,6 +75,8 @@ class PeerConnection : public Connection, public std::enable_shared_from_this<Pe
   asio::steady_timer wake_;  // cancelled when the outbox has something
   asio::steady_timer handshake_;
   asio::steady_timer heartbeat_;
+  asio::steady_timer reminder_;
+  bool isReminderSet_ = false;
   ServerCore* core_;
   std::shared_ptr<Session> session_;  // null: closed
   Batch outbox_;

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "engine/simulation/snapshot.h"
 #include "protocol/codec.h"
 #include "server/translate.h"
 #include "server/translate_environment.h"
@@ -91,7 +92,9 @@ std::optional<turtle::EnvironmentError> RemoteProcess::introduce() {
 
 turtle::EnvironmentDescription RemoteProcess::describe() const {
   auto description = toDescription(description_);
-  if (description.name.empty()) {
+  if (introducedGeneration_ == 0) {
+    description.name = simulation::kUnknownEnvironment;
+  } else if (description.name.empty()) {
     description.name = link_->label();
   }
   return description;

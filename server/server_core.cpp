@@ -148,7 +148,7 @@ std::optional<std::string> ServerCore::reserve() {
 }
 
 void ServerCore::add(const std::string& simulation, std::unique_ptr<HostedSimulation> hosted) {
-  auto runner = std::make_shared<SimulationRunner>(std::move(hosted), pool_, log_, options_.limits.callSeconds);
+  auto runner = std::make_shared<SimulationRunner>(std::move(hosted), pool_, log_, options_.limits);
   const std::lock_guard lock(mutex_);
   simulations_.insert_or_assign(simulation, std::move(runner));
 }

@@ -35,6 +35,7 @@ class ServerCore {
   [[nodiscard]] ModelStore& models() { return models_; }
   [[nodiscard]] OfferedEnvironments& offered() { return offered_; }
   [[nodiscard]] Store& store() { return store_; }
+  [[nodiscard]] const Store& store() const { return store_; }
   [[nodiscard]] EnvironmentServices environmentServices();
 
   /// Loads what the data folder has. An error sentence when the folder cannot be used.

@@ -181,7 +181,7 @@ void Session::onHello(const protocol::Message& message) {
   const protocol::HelloResult result{.protocol = protocol::kProtocolVersion,
                                      .session = id_,
                                      .server = "espalier " + std::string(protocol::kProgramVersion),
-                                     .capabilities = {"bin", "checkpoint", "cancel", "streams", "credits", "offer",
+                                     .capabilities = {"bin", "checkpoint", "cancel", "streams", "credits", "delta", "offer",
                                                       "geometry", "iterate", "heartbeat"},
                                      .limits = std::move(limits)};
   respond(message.id, protocol::encode(result));
@@ -347,9 +347,8 @@ std::shared_ptr<Stream> Session::openStream(protocol::StreamOpenParams params, S
     return nullptr;
   }
   std::string name = "stream-" + id_ + "-" + std::to_string(++streamCount_);
-  // a quarter of the outbox: frames never crowd out answers
-  auto stream = std::make_shared<Stream>(name, std::move(params), weak_from_this(),
-                                         static_cast<std::size_t>(limits.outboxBytes / 4));
+  auto stream =
+      std::make_shared<Stream>(name, std::move(params), weak_from_this(), static_cast<std::size_t>(limits.outboxBytes));
   streams_.emplace(std::move(name), std::pair(stream, runner.weak_from_this()));
   return stream;
 }

@@ -45,6 +45,8 @@ class Session final : public AskedPeer, public std::enable_shared_from_this<Sess
   void respond(const protocol::MessageId& id, std::string_view resultJson);
   void respondError(const protocol::MessageId& id, const protocol::Error& error);
   void notify(std::string_view method, const protocol::Body& params);
+  /// Has onDrained() called when that time has passed.
+  void remind(std::chrono::milliseconds delay) { connection_->remind(delay); }
   [[nodiscard]] std::size_t outboxBytes() const { return connection_->outboxBytes(); }
   [[nodiscard]] std::string ask(std::string_view method, const protocol::Body& params,
                                 std::shared_ptr<PendingCall> call) override;

@@ -217,14 +217,13 @@ std::variant<std::string, protocol::Error> getResult(SimulationRunner& runner, c
     }
     result.key("trace").integer(params.trace).key("content").text(protocol::toBase64(*trace));
   } else if (params.what == "turtle") {
-    std::optional<std::vector<turtle::TurtleRecord>> records;
     protocol::StreamOpenParams all;
     all.what = "turtle";
-    auto body = frameBody(all, simulation, runner.milliseconds(), records);
-    if (const auto* error = std::get_if<core::SimulationError>(&body)) {
+    auto frame = FrameMaker(simulation, 0.0, nullptr).make(all, {});
+    if (const auto* error = std::get_if<core::SimulationError>(&frame)) {
       return hosted.errorOf(*error);
     }
-    result.raw(std::get<protocol::Body>(body).json);
+    result.raw(std::get<StreamFrame>(frame).body.json);
   } else {
     result.key("information");
     write(result, runner.information());

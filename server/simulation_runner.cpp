@@ -1,15 +1,22 @@
 #include "server/simulation_runner.h"
 
+#include <algorithm>
 #include <new>
 
 #include "engine/core/check.h"
+#include "server/limits.h"
 #include "server/log.h"
 
 namespace espalier::server {
 
 SimulationRunner::SimulationRunner(std::unique_ptr<HostedSimulation> hosted, WorkerPool& pool, const Log& log,
-                                   std::uint32_t callSeconds)
-    : id_(hosted->record().id), hosted_(std::move(hosted)), pool_(&pool), log_(&log), callSeconds_(callSeconds) {
+                                   const ServerLimits& limits)
+    : id_(hosted->record().id),
+      hosted_(std::move(hosted)),
+      pool_(&pool),
+      log_(&log),
+      callSeconds_(limits.callSeconds),
+      streamBytesBound_(limits.streamBytes) {
   publishInformation();
 }
 
@@ -198,27 +205,60 @@ void SimulationRunner::publishFrames(bool isDue) {
     std::erase_if(streams_, [](const auto& stream) { return stream->isClosed(); });
     streams = streams_;
   }
-  std::optional<std::vector<turtle::TurtleRecord>> records;
+  // queries are copied only for those who look
+  hosted_->recordQueries(std::any_of(streams.begin(), streams.end(),
+                                     [](const auto& stream) { return stream->params().what == "queries"; }));
+  FrameMaker maker = frameMaker();
   for (const auto& stream : streams) {
     if (isDue ? stream->wantsFrame(hosted_->simulation().completedSteps()) : stream->wantsToCatchUp()) {
-      publishTo(*stream, records);
+      publishTo(*stream, maker);
     }
   }
+  boundBases(streams);
 }
 
 void SimulationRunner::publishFirstFrame(Stream& stream) {
-  std::optional<std::vector<turtle::TurtleRecord>> records;
-  publishTo(stream, records);
+  if (stream.params().what == "queries") {
+    hosted_->recordQueries(true);
+  }
+  FrameMaker maker = frameMaker();
+  publishTo(stream, maker);
 }
 
-void SimulationRunner::publishTo(Stream& stream, std::optional<std::vector<turtle::TurtleRecord>>& records) {
+FrameMaker SimulationRunner::frameMaker() const {
   const simulation::Simulation& simulation = hosted_->simulation();
-  auto body = frameBody(stream.params(), simulation, milliseconds_, records);
-  if (const auto* error = std::get_if<core::SimulationError>(&body)) {
+  // those of the last step, not of one before a reset or of one that failed
+  auto queries = hosted_->lastQueries();
+  const bool isOfLastStep = queries != nullptr && queries->queries.step + 1 == simulation.completedSteps();
+  return {simulation, milliseconds_, isOfLastStep ? std::move(queries) : nullptr};
+}
+
+void SimulationRunner::publishTo(Stream& stream, FrameMaker& maker) {
+  const simulation::Simulation& simulation = hosted_->simulation();
+  auto frame = maker.make(stream.params(), stream.base());
+  if (const auto* error = std::get_if<core::SimulationError>(&frame)) {
     stream.end(error->message);
   } else {
-    stream.send(simulation.completedSteps(), simulation.isFinished(), std::move(std::get<protocol::Body>(body)));
+    stream.send(simulation.completedSteps(), simulation.isFinished(), std::move(std::get<StreamFrame>(frame)));
   }
+}
+
+void SimulationRunner::boundBases(const std::vector<std::shared_ptr<Stream>>& streams) {
+  std::vector<FrameBase> bases;
+  std::uint64_t bytes = 0;
+  for (const auto& stream : streams) {
+    FrameBase base = stream->base();
+    if (base.isEmpty() || std::find(bases.begin(), bases.end(), base) != bases.end()) {
+      continue;
+    }
+    if (bytes + base.bytes() > streamBytesBound_) {
+      stream->forgetBase();
+      continue;
+    }
+    bytes += base.bytes();
+    bases.push_back(std::move(base));
+  }
+  streamBytes_ = bytes;
 }
 
 void SimulationRunner::catchUp() {

@@ -17,6 +17,7 @@
 namespace espalier::server {
 
 class Log;
+struct ServerLimits;
 class SimulationRunner;
 
 /// Something to do with a simulation. `advance` runs on a worker and returns whether it wants another turn: long
@@ -35,9 +36,9 @@ struct Command {
 /// everyone else sees the published information. Lives as long as somebody holds it.
 class SimulationRunner final : public std::enable_shared_from_this<SimulationRunner> {
  public:
-  /// A turn that computes longer than `callSeconds` is given up; 0: never.
+  /// A turn that computes longer than the limit callSeconds is given up.
   SimulationRunner(std::unique_ptr<HostedSimulation> hosted, WorkerPool& pool, const Log& log,
-                   std::uint32_t callSeconds);
+                   const ServerLimits& limits);
 
   // thread-safe
   void submit(std::shared_ptr<Command> command);
@@ -49,6 +50,8 @@ class SimulationRunner final : public std::enable_shared_from_this<SimulationRun
   void closeWith(std::shared_ptr<Command> last, const protocol::Error& reason);
   [[nodiscard]] protocol::SimulationInformation information() const;
   [[nodiscard]] const std::string& id() const { return id_; }
+  /// Bytes of what its streams keep to tell differences from.
+  [[nodiscard]] std::uint64_t streamBytes() const { return streamBytes_; }
   /// Bytes of its strings after its last turn.
   [[nodiscard]] std::uint64_t stringBytes() const { return stringBytes_; }
   void addStream(std::shared_ptr<Stream> stream);
@@ -81,16 +84,21 @@ class SimulationRunner final : public std::enable_shared_from_this<SimulationRun
   void takeTurn();
   void giveUpTurn(std::uint64_t turn);
   void runGuarded(Command& command, bool& wantsMore);
-  void publishTo(Stream& stream, std::optional<std::vector<turtle::TurtleRecord>>& records);
+  void publishTo(Stream& stream, FrameMaker& maker);
+  [[nodiscard]] FrameMaker frameMaker() const;
+  /// Keeps what streams tell differences from within its bound.
+  void boundBases(const std::vector<std::shared_ptr<Stream>>& streams);
 
   const std::string id_;
   std::unique_ptr<HostedSimulation> hosted_;
   WorkerPool* pool_;
   const Log* log_;
   const std::uint32_t callSeconds_;
+  const std::uint64_t streamBytesBound_;
   double milliseconds_ = 0.0;  // of the last step; the owner's
   std::string lastError_;      // the owner's
   std::atomic<std::uint64_t> stringBytes_{0};
+  std::atomic<std::uint64_t> streamBytes_{0};
 
   mutable std::mutex mutex_;
   std::deque<std::shared_ptr<Command>> queue_;

@@ -3,25 +3,44 @@
 #include <algorithm>
 
 #include "protocol/codec.h"
-#include "server/geometry_frame.h"
 #include "server/server_core.h"
 #include "server/session.h"
-#include "server/translate.h"
 
 namespace espalier::server {
+namespace {
+
+// queued on the connection: below it the viewer is ready, if its outbox is not smaller
+constexpr std::size_t kReadyBytes = 16'000'000;
+
+}  // namespace
 
 Stream::Stream(std::string id, protocol::StreamOpenParams params, std::weak_ptr<Session> session,
-               std::size_t readyBytes)
+               std::size_t outboxBytes)
     : id_(std::move(id)),
       params_(std::move(params)),
       session_(std::move(session)),
-      readyBytes_(readyBytes),
+      outboxBytes_(outboxBytes),
       allowedSequence_(params_.credits.value_or(0)) {}
 
 bool Stream::isReady() const {
   const auto session = session_.lock();
-  return session != nullptr && session->outboxBytes() < readyBytes_ &&
+  return session != nullptr && session->outboxBytes() < std::min(outboxBytes_ / 4, kReadyBytes) &&
          (!params_.credits || nextSequence_ < allowedSequence_);
+}
+
+bool Stream::isTimely() {
+  if (params_.maximumHertz == 0.0) {
+    return true;
+  }
+  const Clock::time_point now = Clock::now();
+  if (now >= nextTime_) {
+    return true;
+  }
+  if (const auto session = session_.lock(); session != nullptr && !isReminded_) {
+    isReminded_ = true;
+    session->remind(std::chrono::ceil<std::chrono::milliseconds>(nextTime_ - now));
+  }
+  return false;
 }
 
 bool Stream::wantsFrame(std::uint64_t step) {
@@ -29,11 +48,18 @@ bool Stream::wantsFrame(std::uint64_t step) {
   if (isClosed_ || step % params_.every != 0) {
     return false;
   }
+  // what the viewer does not want so often was not missed
+  if (!isTimely()) {
+    isBehind_ = true;
+    return false;
+  }
   if (isReady()) {
     return true;
   }
+  isBehind_ = true;
   ++missed_;
   lastMissedStep_ = step;
+  base_ = {};
   if (const auto session = session_.lock()) {
     ++session->core().metrics.drops;
   }
@@ -42,18 +68,27 @@ bool Stream::wantsFrame(std::uint64_t step) {
 
 bool Stream::wantsToCatchUp() {
   const std::lock_guard lock(mutex_);
-  return !isClosed_ && missed_ > 0 && isReady();
+  isReminded_ = false;
+  return !isClosed_ && isBehind_ && isTimely() && isReady();
 }
 
-void Stream::send(std::uint64_t step, bool isFinished, protocol::Body body) {
+FrameBase Stream::base() const {
+  const std::lock_guard lock(mutex_);
+  return base_;
+}
+
+void Stream::forgetBase() {
+  const std::lock_guard lock(mutex_);
+  base_ = {};
+}
+
+void Stream::send(std::uint64_t step, bool isFinished, StreamFrame frame) {
   const auto session = session_.lock();
   // what can never be sent would cost the viewer its connection
-  const std::uint64_t bytes = body.json.size() + body.blocks.totalBytes();
-  if (const std::uint64_t bound = 4 * readyBytes_; bytes > bound) {
-    end("a frame has " + std::to_string(bytes) + " bytes, and at most " + std::to_string(bound) +
+  if (const std::uint64_t bytes = frame.body.json.size() + frame.body.blocks.totalBytes(); bytes > outboxBytes_) {
+    end("a frame has " + std::to_string(bytes) + " bytes, and at most " + std::to_string(outboxBytes_) +
         " may be on their way (outboxBytes). Select fewer symbols, take blocks in single precision, or start the "
-        "server "
-        "with a higher --limit outboxBytes=N.");
+        "server with a higher --limit outboxBytes=N.");
     return;
   }
   const std::lock_guard lock(mutex_);
@@ -65,12 +100,19 @@ void Stream::send(std::uint64_t step, bool isFinished, protocol::Body body) {
   data.simulation = params_.simulation;
   data.step = step;
   data.sequence = nextSequence_++;
+  data.isKey = frame.isKey;
   // a step that was left out and is shown now after all was not missed
   data.missed = missed_ - (lastMissedStep_ == step ? 1 : 0);
   data.isFinished = isFinished;
-  data.body = std::move(body);
+  data.body = std::move(frame.body);
   missed_ = 0;
   lastMissedStep_.reset();
+  isBehind_ = false;
+  base_ = std::move(frame.base);
+  if (params_.maximumHertz > 0.0) {
+    nextTime_ = Clock::now() +
+                std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1.0 / params_.maximumHertz));
+  }
   ++session->core().metrics.frames;
   session->notify("stream.data", protocol::encode(std::move(data)));
 }
@@ -82,6 +124,7 @@ void Stream::end(const std::string& reason) {
     return;
   }
   isClosed_ = true;
+  base_ = {};
   protocol::JsonWriter params;
   params.beginObject().key("stream").text(id_).key("reason").text(reason).endObject();
   session->notify("stream.end", params.take());
@@ -102,45 +145,12 @@ void Stream::acknowledge(const protocol::StreamAckParams& ack) {
 void Stream::close() {
   const std::lock_guard lock(mutex_);
   isClosed_ = true;
+  base_ = {};
 }
 
 bool Stream::isClosed() const {
   const std::lock_guard lock(mutex_);
   return isClosed_ || session_.expired();
-}
-
-std::variant<protocol::Body, core::SimulationError> frameBody(
-    const protocol::StreamOpenParams& params, const simulation::Simulation& simulation, double milliseconds,
-    std::optional<std::vector<turtle::TurtleRecord>>& records) {
-  if (params.what == "statistics") {
-    protocol::JsonWriter body;
-    write(body, toStatistics(simulation.statistics(), milliseconds));
-    return protocol::Body(body.take());
-  }
-  if (params.what == "string") {
-    const std::uint32_t plant = params.select.plants.empty() ? 0 : params.select.plants.front();
-    protocol::JsonWriter body;
-    body.key("string").text(plant < simulation.plantCount() ? simulation.stringText(plant) : std::string());
-    return protocol::Body(body.take());
-  }
-  if (params.what == "geometry") {
-    return geometryBody(simulation);
-  }
-  if (!records) {
-    auto made = simulation.turtleRecords();
-    if (auto* error = std::get_if<core::SimulationError>(&made)) {
-      return std::move(*error);
-    }
-    records = std::move(std::get<std::vector<turtle::TurtleRecord>>(made));
-  }
-  try {
-    return params.isInBlocks ? encodeTurtleBlocks(*records, simulation.program(), params)
-                             : protocol::Body(encodeTurtleRecords(*records, simulation.program(), params.select));
-  } catch (const protocol::NonFiniteNumber&) {
-    return core::SimulationError{.code = core::SimulationErrorCode::NonFinite,
-                                 .message = "The turtle went to a position that is NaN or infinite. Correct the model.",
-                                 .step = simulation.completedSteps()};
-  }
 }
 
 }  // namespace espalier::server

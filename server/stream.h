@@ -1,16 +1,14 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
-#include <variant>
-#include <vector>
 
-#include "engine/core/simulation_error.h"
-#include "engine/simulation/simulation.h"
 #include "protocol/messages.h"
+#include "server/stream_frame.h"
 
 namespace espalier::server {
 
@@ -18,10 +16,10 @@ class Session;
 
 /// One viewer's stream of one simulation. A frame is made only when the viewer is ready for it, so a slow one costs the
 /// simulation nothing and the server no memory: steps in between are counted as missed, and the next frame shows the
-/// latest step. Every frame is complete in itself. Thread-safe.
+/// latest step and is complete in itself. Otherwise a frame may tell what differs from the one before. Thread-safe.
 class Stream {
  public:
-  Stream(std::string id, protocol::StreamOpenParams params, std::weak_ptr<Session> session, std::size_t readyBytes);
+  Stream(std::string id, protocol::StreamOpenParams params, std::weak_ptr<Session> session, std::size_t outboxBytes);
 
   [[nodiscard]] const std::string& id() const { return id_; }
   [[nodiscard]] const protocol::StreamOpenParams& params() const { return params_; }
@@ -30,8 +28,12 @@ class Stream {
   [[nodiscard]] bool wantsFrame(std::uint64_t step);
   /// Whether frames were left out and the viewer is ready again.
   [[nodiscard]] bool wantsToCatchUp();
-  /// Sends the frame of a step. `body` as in protocol::StreamData.
-  void send(std::uint64_t step, bool isFinished, protocol::Body body);
+  /// What the next frame may refer to.
+  [[nodiscard]] FrameBase base() const;
+  /// The next frame is complete in itself.
+  void forgetBase();
+  /// Sends the frame of a step.
+  void send(std::uint64_t step, bool isFinished, StreamFrame frame);
   /// Sends the reason for the stream's end, once.
   void end(const std::string& reason);
   void acknowledge(const protocol::StreamAckParams& ack);
@@ -40,23 +42,28 @@ class Stream {
   [[nodiscard]] bool isClosed() const;
 
  private:
-  [[nodiscard]] bool isReady() const;  // with mutex_ held
+  using Clock = std::chrono::steady_clock;
+
+  // with mutex_ held
+  [[nodiscard]] bool isReady() const;
+  /// Not so soon after the last frame that the viewer would get more of them a second than it wants. Sees to it that
+  /// the session asks again when it is time.
+  [[nodiscard]] bool isTimely();
 
   const std::string id_;
   const protocol::StreamOpenParams params_;
   const std::weak_ptr<Session> session_;
-  const std::size_t readyBytes_;  // queued on the connection: below it the viewer is ready
+  const std::size_t outboxBytes_;  // that may be queued on the connection
   mutable std::mutex mutex_;
   std::uint64_t nextSequence_ = 0;
   std::uint64_t allowedSequence_ = 0;  // frames below it may be sent, when there are credits
   std::uint64_t missed_ = 0;           // since the last frame
   std::optional<std::uint64_t> lastMissedStep_;
+  bool isBehind_ = false;         // a frame that was due was not sent, for whatever reason
+  bool isReminded_ = false;       // the session will ask again
+  Clock::time_point nextTime_{};  // no frame before it
+  FrameBase base_;
   bool isClosed_ = false;
 };
-
-/// The body of a frame of the simulation as it is now. Turtle records are made once in `records` for all streams.
-[[nodiscard]] std::variant<protocol::Body, core::SimulationError> frameBody(
-    const protocol::StreamOpenParams& params, const simulation::Simulation& simulation, double milliseconds,
-    std::optional<std::vector<turtle::TurtleRecord>>& records);
 
 }  // namespace espalier::server

@@ -222,42 +222,6 @@ turtle::EnvironmentContext toContext(const protocol::OpenParams& params) {
   return context;
 }
 
-std::string encodeTurtleRecords(const std::vector<turtle::TurtleRecord>& records, const language::Program& program,
-                                const protocol::StreamSelection& select) {
-  const bool isSelective = !select.symbols.empty() || !select.plants.empty();
-  const auto isIn = [](const auto& list, const auto& value) {
-    return list.empty() || std::find(list.begin(), list.end(), value) != list.end();
-  };
-  protocol::JsonWriter writer;
-  writer.reserve(records.size() * 250 + 20);
-  writer.key("records").beginArray();
-  for (std::size_t i = 0; i < records.size(); ++i) {
-    const turtle::TurtleRecord& record = records[i];
-    const std::string& symbol = program.symbols[record.symbol].name;
-    if (!isIn(select.symbols, symbol) || !isIn(select.plants, record.plant)) {
-      continue;
-    }
-    protocol::TurtleStreamRecord out;
-    out.index = i;
-    out.plant = record.plant;
-    out.module = record.module;
-    out.symbol = symbol;
-    out.position = toArray(record.position);
-    out.heading = toArray(record.frame.heading);
-    out.left = toArray(record.frame.left);
-    out.up = toArray(record.frame.up);
-    out.width = record.width;
-    out.colour = record.colour;
-    out.branchOrder = record.branchOrder;
-    if (record.parent != turtle::kNoParent) {
-      out.parent = record.parent;
-    }
-    out.parameters = record.parameters;
-    write(writer, out, isSelective);
-  }
-  return writer.endArray().take();
-}
-
 core::Compatibility toCompatibility(const std::string& name) {
   return name == "cpfg"         ? core::Compatibility::Cpfg
          : name == "cpfg-batch" ? core::Compatibility::CpfgBatch

@@ -41,16 +41,6 @@ namespace espalier::server {
                                                 const std::string& configurationJson);
 [[nodiscard]] turtle::EnvironmentContext toContext(const protocol::OpenParams& params);
 
-/// The member "records":[...] of a frame of the turtle stream. Throws protocol::NonFiniteNumber.
-[[nodiscard]] std::string encodeTurtleRecords(const std::vector<turtle::TurtleRecord>& records,
-                                              const language::Program& program,
-                                              const protocol::StreamSelection& select);
-
-/// The same as columns. Throws protocol::NonFiniteNumber.
-[[nodiscard]] protocol::Body encodeTurtleBlocks(const std::vector<turtle::TurtleRecord>& records,
-                                                const language::Program& program,
-                                                const protocol::StreamOpenParams& params);
-
 /// "cpfg", "cpfg-batch" or empty.
 [[nodiscard]] core::Compatibility toCompatibility(const std::string& name);
 

@@ -3,6 +3,7 @@
 #include "engine/core/hash.h"
 #include "engine/derivation/string_text.h"
 #include "engine/simulation/simulation_implementation.h"
+#include "engine/simulation/snapshot.h"
 
 namespace espalier::simulation {
 
@@ -121,7 +122,8 @@ Simulation::Implementation::Outcome Simulation::Implementation::restore(std::str
     return failed(snapshotError(std::move(problem)));
   }
   const std::string ownName = environment_ ? description_.name : std::string();
-  if (content.environmentName != ownName) {
+  const bool isKnown = ownName != kUnknownEnvironment && content.environmentName != kUnknownEnvironment;
+  if (content.environmentName != ownName && (isKnown || ownName.empty() || content.environmentName.empty())) {
     const auto named = [](const std::string& name) {
       return name.empty() ? std::string("no environment") : "environment '" + name + "'";
     };
@@ -168,6 +170,9 @@ Simulation::Implementation::Outcome Simulation::Implementation::restore(std::str
       }
       return failed(snapshotError("The environment's state in the snapshot cannot be restored: " + error->message));
     }
+  }
+  if (environment_ && description_.name == kUnknownEnvironment) {
+    description_.name = content.environmentName;
   }
   // then the state
   plants_ = std::move(content.plants);

@@ -20,6 +20,10 @@ namespace espalier::simulation {
 inline constexpr std::string_view kSnapshotMagic = "ESPALIER";
 inline constexpr std::uint32_t kSnapshotVersion = 1;
 
+/// The name of an environment that has not yet said what it is, because it is away: any environment's state may be
+/// restored into it, and what is saved with it into any environment.
+inline constexpr std::string_view kUnknownEnvironment = "?";
+
 /// What a snapshot says about itself, enough to compile its model and create a Simulation to restore it into.
 struct SnapshotInfo {
   std::uint32_t version = kSnapshotVersion;

@@ -1,0 +1,147 @@
+#include "server/stream_frame.h"
+
+#include <algorithm>
+
+#include "protocol/codec.h"
+#include "server/geometry_frame.h"
+#include "server/text_difference.h"
+#include "server/translate.h"
+#include "server/translate_stream.h"
+
+namespace espalier::server {
+namespace {
+
+/// Whether two streams are sent the same.
+bool wantTheSame(const protocol::StreamOpenParams& a, const protocol::StreamOpenParams& b) {
+  return a.what == b.what && a.select == b.select && a.isInBlocks == b.isInBlocks &&
+         a.isSinglePrecision == b.isSinglePrecision && a.isDelta == b.isDelta;
+}
+
+}  // namespace
+
+std::uint64_t FrameBase::bytes() const {
+  return (turtle == nullptr ? 0 : turtle->bytes()) + (text == nullptr ? 0 : text->size());
+}
+
+std::variant<StreamFrame, core::SimulationError> FrameMaker::make(const protocol::StreamOpenParams& params,
+                                                                  const FrameBase& base) {
+  const auto found = std::find_if(made_.begin(), made_.end(), [&](const Made& made) {
+    return wantTheSame(made.params, params) && made.base == base;
+  });
+  if (found != made_.end()) {
+    return found->frame;
+  }
+  auto frame = makeNew(params, base);
+  if (const auto* good = std::get_if<StreamFrame>(&frame)) {
+    made_.push_back({params, base, *good});
+  }
+  return frame;
+}
+
+std::variant<StreamFrame, core::SimulationError> FrameMaker::makeNew(const protocol::StreamOpenParams& params,
+                                                                     const FrameBase& base) {
+  if (params.what == "statistics") {
+    protocol::JsonWriter body;
+    write(body, toStatistics(simulation_.statistics(), milliseconds_));
+    return StreamFrame{protocol::Body(body.take()), true, {}};
+  }
+  if (params.what == "string") {
+    return makeText(params, base);
+  }
+  if (params.what == "geometry") {
+    auto body = geometryBody(simulation_);
+    if (auto* error = std::get_if<core::SimulationError>(&body)) {
+      return std::move(*error);
+    }
+    return StreamFrame{std::move(std::get<protocol::Body>(body)), true, {}};
+  }
+  try {
+    if (params.what == "queries") {
+      return StreamFrame{encodeQueries(queries_, simulation_.program(), params), true, {}};
+    }
+    auto made = turtle(params.select);
+    if (auto* error = std::get_if<core::SimulationError>(&made)) {
+      return std::move(*error);
+    }
+    const auto& frame = std::get<std::shared_ptr<const TurtleFrame>>(made);
+    StreamFrame result;
+    if (params.isDelta) {
+      result.base.turtle = frame;
+      if (base.turtle != nullptr && base.turtle->program == frame->program) {
+        const TurtleDifference difference = differenceOf(*base.turtle, *frame);
+        // a difference of most rows would be longer than all of them
+        if (2 * difference.kept.size() + 10 * difference.fresh.size() < 10 * frame->rows()) {
+          result.isKey = false;
+          result.body = encodeTurtle(*base.turtle, frame, difference, params);
+          return result;
+        }
+      }
+    }
+    result.body = encodeTurtle(frame, params);
+    return result;
+  } catch (const protocol::NonFiniteNumber&) {
+    return core::SimulationError{.code = core::SimulationErrorCode::NonFinite,
+                                 .message = "The turtle went to a position that is NaN or infinite. Correct the model.",
+                                 .step = simulation_.completedSteps()};
+  }
+}
+
+std::variant<std::shared_ptr<const TurtleFrame>, core::SimulationError> FrameMaker::turtle(
+    const protocol::StreamSelection& select) {
+  const auto found =
+      std::find_if(turtles_.begin(), turtles_.end(), [&](const Turtle& made) { return made.select == select; });
+  if (found != turtles_.end()) {
+    return found->frame;
+  }
+  if (!records_) {
+    auto made = simulation_.turtleRecords();
+    if (auto* error = std::get_if<core::SimulationError>(&made)) {
+      return std::move(*error);
+    }
+    records_ = std::move(std::get<std::vector<turtle::TurtleRecord>>(made));
+  }
+  auto frame = std::make_shared<const TurtleFrame>(makeTurtleFrame(*records_, simulation_.sharedProgram(), select));
+  turtles_.push_back({select, frame});
+  return frame;
+}
+
+StreamFrame FrameMaker::makeText(const protocol::StreamOpenParams& params, const FrameBase& base) {
+  const std::uint32_t plant = params.select.plants.empty() ? 0 : params.select.plants.front();
+  auto found = std::find_if(texts_.begin(), texts_.end(), [plant](const auto& made) { return made.first == plant; });
+  if (found == texts_.end()) {
+    texts_.emplace_back(plant, std::make_shared<const std::string>(
+                                   plant < simulation_.plantCount() ? simulation_.stringText(plant) : std::string()));
+    found = std::prev(texts_.end());
+  }
+  const std::shared_ptr<const std::string>& text = found->second;
+  StreamFrame frame;
+  protocol::JsonWriter body;
+  if (params.isDelta) {
+    frame.base.text = text;
+    const auto isPlain = [](char c) { return static_cast<unsigned char>(c) < 0x80U; };
+    // where bytes are characters
+    if (base.text != nullptr && std::all_of(text->begin(), text->end(), isPlain) &&
+        std::all_of(base.text->begin(), base.text->end(), isPlain)) {
+      body.key("pieces").beginArray();
+      for (const TextPiece& piece : differenceOf(*base.text, *text)) {
+        if (piece.count > 0) {
+          body.beginArray().integer(std::uint64_t{piece.from}).integer(std::uint64_t{piece.count}).endArray();
+        } else {
+          body.text(piece.own);
+        }
+      }
+      body.endArray();
+      if (body.view().size() < text->size()) {
+        frame.isKey = false;
+        frame.body = protocol::Body(body.take());
+        return frame;
+      }
+      body = {};
+    }
+  }
+  body.key("string").text(*text);
+  frame.body = protocol::Body(body.take());
+  return frame;
+}
+
+}  // namespace espalier::server

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "engine/core/simulation_error.h"
+#include "engine/simulation/simulation.h"
+#include "protocol/messages.h"
+#include "server/query_recorder.h"
+#include "server/turtle_frame.h"
+
+namespace espalier::server {
+
+/// What a viewer was sent last, and from which it can be told differences. Null: nothing.
+struct FrameBase {
+  std::shared_ptr<const TurtleFrame> turtle;
+  std::shared_ptr<const std::string> text;
+
+  [[nodiscard]] bool isEmpty() const { return turtle == nullptr && text == nullptr; }
+  [[nodiscard]] std::uint64_t bytes() const;
+  bool operator==(const FrameBase&) const = default;  // the same ones
+};
+
+/// One frame as it is sent.
+struct StreamFrame {
+  protocol::Body body;  // as in protocol::StreamData
+  bool isKey = true;
+  FrameBase base;  // for the next one; empty for streams without differences
+};
+
+/// Makes the frames of one state of a simulation for all its streams: what several of them need is made once. Refers to
+/// the simulation; to be used before its next step.
+class FrameMaker {
+ public:
+  FrameMaker(const simulation::Simulation& simulation, double milliseconds, std::shared_ptr<const QueryRecord> queries)
+      : simulation_(simulation), milliseconds_(milliseconds), queries_(std::move(queries)) {}
+
+  /// A frame that tells the difference from `base` when the stream wants that and it is shorter, else a complete one.
+  [[nodiscard]] std::variant<StreamFrame, core::SimulationError> make(const protocol::StreamOpenParams& params,
+                                                                      const FrameBase& base);
+
+ private:
+  struct Turtle {
+    protocol::StreamSelection select;
+    std::shared_ptr<const TurtleFrame> frame;
+  };
+  struct Made {
+    protocol::StreamOpenParams params;
+    FrameBase base;
+    StreamFrame frame;
+  };
+
+  [[nodiscard]] std::variant<std::shared_ptr<const TurtleFrame>, core::SimulationError> turtle(
+      const protocol::StreamSelection& select);
+  [[nodiscard]] std::variant<StreamFrame, core::SimulationError> makeNew(const protocol::StreamOpenParams& params,
+                                                                         const FrameBase& base);
+  [[nodiscard]] StreamFrame makeText(const protocol::StreamOpenParams& params, const FrameBase& base);
+
+  const simulation::Simulation& simulation_;
+  double milliseconds_;
+  std::shared_ptr<const QueryRecord> queries_;
+  std::optional<std::vector<turtle::TurtleRecord>> records_;
+  std::vector<Turtle> turtles_;
+  std::vector<std::pair<std::uint32_t, std::shared_ptr<const std::string>>> texts_;  // plant, its string
+  std::vector<Made> made_;
+};
+
+}  // namespace espalier::server
