@@ -72,7 +72,7 @@ std::variant<StreamFrame, core::SimulationError> FrameMaker::makeNew(const proto
         // a difference of most rows would be longer than all of them
         if (2 * difference.kept.size() + 10 * difference.fresh.size() < 10 * frame->rows()) {
           result.isKey = false;
-          result.body = encodeTurtle(*base.turtle, frame, difference, params);
+          result.body = encodeTurtle(frame, difference, params);
           return result;
         }
       }

@@ -29,12 +29,19 @@ void addNumbers(protocol::BlockWriter& blocks, const char* name, const std::vect
   blocks.keep(name, std::move(narrow), std::move(shape));
 }
 
-void addRows(protocol::BlockWriter& blocks, const std::shared_ptr<const TurtleFrame>& frame, bool isSinglePrecision) {
+/// Records of a selection say their index.
+bool hasIndex(const protocol::StreamOpenParams& params) {
+  return !params.select.symbols.empty() || !params.select.plants.empty();
+}
+
+void addRows(protocol::BlockWriter& blocks, const std::shared_ptr<const TurtleFrame>& frame,
+             const protocol::StreamOpenParams& params) {
+  const bool isSinglePrecision = params.isSinglePrecision;
   const std::uint64_t rows = frame->rows();
   const auto addCounts = [&](const char* name, const std::vector<std::uint32_t>& column) {
     blocks.add(name, std::span<const std::uint32_t>(column), {column.size()});
   };
-  if (!frame->index.empty()) {
+  if (hasIndex(params)) {
     addCounts("index", frame->index);
   }
   addCounts("plant", frame->plant);
@@ -79,7 +86,7 @@ void writeRecords(protocol::JsonWriter& writer, const TurtleFrame& frame, const 
     }
     record.parameters.assign(frame.parameters.begin() + frame.parameterOffset[row],
                              frame.parameters.begin() + frame.parameterOffset[row + 1]);
-    write(writer, record, !frame.index.empty());
+    write(writer, record, hasIndex(params));
   }
   writer.useSinglePrecision(false);
   writer.endArray();
@@ -163,14 +170,13 @@ protocol::Body encodeTurtle(const std::shared_ptr<const TurtleFrame>& frame, con
   json.key("count").integer(std::uint64_t{frame->rows()});
   writeSymbols(json, *frame->program);
   protocol::Body body(json.take());
-  addRows(body.blocks, frame, params.isSinglePrecision);
+  addRows(body.blocks, frame, params);
   return body;
 }
 
-protocol::Body encodeTurtle(const TurtleFrame& base, const std::shared_ptr<const TurtleFrame>& frame,
-                            const TurtleDifference& difference, const protocol::StreamOpenParams& params) {
+protocol::Body encodeTurtle(const std::shared_ptr<const TurtleFrame>& frame, const TurtleDifference& difference,
+                            const protocol::StreamOpenParams& params) {
   const auto fresh = std::make_shared<const TurtleFrame>(rowsOf(*frame, difference.fresh));
-  const bool hasIndex = !frame->index.empty() || !base.index.empty();
   protocol::JsonWriter json;
   json.key("count").integer(std::uint64_t{frame->rows()});
   if (!params.isInBlocks) {
@@ -178,7 +184,7 @@ protocol::Body encodeTurtle(const TurtleFrame& base, const std::shared_ptr<const
     for (const KeptRows& run : difference.kept) {
       json.beginArray().integer(run.to).integer(run.from).integer(run.rows).integer(signedOf(run.module));
       json.integer(signedOf(run.parent));
-      if (hasIndex) {
+      if (hasIndex(params)) {
         json.integer(signedOf(run.index));
       }
       json.endArray();
@@ -195,7 +201,7 @@ protocol::Body encodeTurtle(const TurtleFrame& base, const std::shared_ptr<const
     kept.insert(kept.end(), {run.to, run.from, run.rows, run.module, run.parent, run.index});
   }
   body.blocks.keep("kept", std::move(kept), {difference.kept.size(), 6});
-  addRows(body.blocks, fresh, params.isSinglePrecision);
+  addRows(body.blocks, fresh, params);
   return body;
 }
 

@@ -15,8 +15,8 @@ namespace espalier::server {
 [[nodiscard]] protocol::Body encodeTurtle(const std::shared_ptr<const TurtleFrame>& frame,
                                           const protocol::StreamOpenParams& params);
 
-/// What differs from `base`: "count", "kept" and the fresh rows, as records or blocks.
-[[nodiscard]] protocol::Body encodeTurtle(const TurtleFrame& base, const std::shared_ptr<const TurtleFrame>& frame,
+/// What differs from a frame before it: "count", "kept" and the fresh rows, as records or blocks.
+[[nodiscard]] protocol::Body encodeTurtle(const std::shared_ptr<const TurtleFrame>& frame,
                                           const TurtleDifference& difference, const protocol::StreamOpenParams& params);
 
 /// What the last step asked its environment and the answers: "queries" and "replies" as in environment.step, or blocks.

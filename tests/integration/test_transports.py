@@ -163,8 +163,8 @@ class Http(unittest.TestCase):
 class EveryTransport(unittest.TestCase):
     """The same model and seed give the same state hash, however the environment is spoken to."""
 
-    def hash_of(self, client: Client, environment: Dict[str, Any]) -> str:
-        simulation = client.create(MODEL, environment=[environment], seed=7)
+    def hash_of(self, client: Client, environment: Dict[str, Any], source: str = MODEL) -> str:
+        simulation = client.create(source, environment=[environment], seed=7)
         while not simulation.step().finished:
             pass
         return str(simulation.get("state-hash")["stateHash"])
@@ -192,6 +192,31 @@ class EveryTransport(unittest.TestCase):
         with Client("ws://" + server.http) as client:
             hashes["controlled over a WebSocket"] = self.hash_of(client, {"type": "height"})
         self.assertEqual(set(hashes.values()), {hashes["inside"]}, hashes)
+
+    def test_one_hash_with_any_number_of_threads(self) -> None:
+        # chance and queries in a string long enough to be divided among threads
+        source = ("Lsystem: 1\nderivation length: 14\nAxiom: A(1)?E(0)\n"
+                  "A(x) --> A(ran(1))[+(90*x)F(x)?E(x)]A(ran(1))\nendlsystem\n")
+        hashes: Dict[str, str] = {}
+        for threads in ("1", "2", "4"):
+            with tempfile.TemporaryDirectory() as folder:
+                server = Server("--threads", threads, "--data", folder)
+                with Client(server.address) as client:
+                    hashes[f"inside, {threads} threads"] = self.hash_of(client, {"type": "height"}, source)
+                with Client("ws://" + server.http) as client, offered(server.address, Height, "height"):
+                    hashes[f"offered, {threads} threads"] = self.hash_of(client, {"type": "offered", "name": "height"},
+                                                                         source)
+                # killed, and started again with another number
+                server.process.kill()
+                server.stop()
+                again = Server("--threads", "3", "--data", folder)
+                with Client(again.address) as client:
+                    for simulation in client.simulations():
+                        found = client.simulation(str(simulation["simulation"])).get("state-hash")["stateHash"]
+                        hashes[f"{simulation['environment']} killed, {threads} threads"] = str(found)
+                again.stop()
+        self.assertEqual(len(hashes), 12)
+        self.assertEqual(set(hashes.values()), {hashes["inside, 1 threads"]}, hashes)
 
     def test_a_unix_socket(self) -> None:
         with tempfile.TemporaryDirectory() as folder:

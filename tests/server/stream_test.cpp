@@ -144,5 +144,117 @@ TEST(Stream, MoreThanTheSessionMayHaveIsALimit) {
             "streamsPerSession");
 }
 
+/// 3,000 segments that stay, and a branch that grows before them.
+std::string bigModel() {
+  std::string axiom = "Axiom: [A]";
+  for (int i = 0; i < 3000; ++i) {
+    axiom += "F(" + std::to_string(1 + i % 7) + ")+(1)";
+  }
+  return "Lsystem: 1\nderivation length: 20\n" + axiom + "\nA --> F(2)A\nendlsystem\n";
+}
+
+TEST(Stream, ADifferenceCostsWhatChanged) {
+  const RunningServer server;
+  const auto client = connectTo(server);
+  for (const std::string what : {"turtle", "string"}) {
+    const std::string simulation = create(*client, bigModel());
+    resultOf(client->request("stream.open", named(simulation, R"("delta":true,"what":")" + what + "\"")));
+    const std::string first = nextFrame(*client);
+    EXPECT_EQ(member(first, "key"), "true");
+    EXPECT_GT(first.size(), 15'000U);
+    for (int step = 1; step <= 3; ++step) {
+      resultOf(client->request("simulation.step", named(simulation)));
+      const std::string frame = nextFrame(*client);
+      EXPECT_EQ(member(frame, "key"), "false") << frame.substr(0, 300);
+      EXPECT_LT(frame.size(), 800U) << frame;
+    }
+  }
+}
+
+TEST(Stream, AfterMissedFramesComesAKeyFrame) {
+  const RunningServer server;
+  const auto client = connectTo(server);
+  const std::string simulation = create(*client, bigModel());
+  const std::string stream =
+      member(resultOf(client->request("stream.open", named(simulation, R"("delta":true,"what":"turtle","credits":2)"))),
+             "stream");
+  (void)nextFrame(*client);
+  resultOf(client->request("simulation.step", named(simulation)));
+  EXPECT_EQ(member(nextFrame(*client), "key"), "false");
+  // there is no credit left; only the last of the three can come after the credit for it
+  resultOf(client->request("simulation.step", named(simulation, R"("steps":3)")));
+  EXPECT_FALSE(client->notify("stream.ack", "{\"stream\":\"" + stream + "\",\"sequence\":1}").has_value());
+  const std::string latest = nextFrame(*client);
+  EXPECT_EQ(member(latest, "step"), "4");
+  EXPECT_EQ(member(latest, "missed"), "2");
+  EXPECT_EQ(member(latest, "key"), "true");
+}
+
+TEST(Stream, BeyondStreamBytesEveryFrameIsAKeyFrame) {
+  for (const std::uint64_t bound : {std::uint64_t{0}, std::uint64_t{10'000'000}}) {
+    ServerOptions options;
+    options.limits.streamBytes = bound;
+    const RunningServer server(options);
+    const auto client = connectTo(server);
+    const std::string simulation = create(*client, bigModel());
+    resultOf(client->request("stream.open", named(simulation, R"("delta":true,"what":"turtle")")));
+    resultOf(client->request("simulation.step", named(simulation, R"("steps":2)")));
+    (void)nextFrame(*client);
+    (void)nextFrame(*client);
+    EXPECT_EQ(member(nextFrame(*client), "key"), bound == 0 ? "true" : "false");
+    const std::string memory = member(resultOf(client->request("server.status", "{}")), "memory");
+    EXPECT_EQ(member(memory, "streamBytes") == "0", bound == 0) << memory;
+  }
+}
+
+TEST(Stream, MaxHzLeavesStepsOutAndShowsTheLatestInTheEnd) {
+  const RunningServer server;
+  const auto client = connectTo(server);
+  const std::string simulation = create(*client, kChain);
+  resultOf(client->request("stream.open", named(simulation, R"("what":"string","maxHz":5)")));
+  EXPECT_EQ(member(nextFrame(*client), "step"), "0");
+  for (int step = 0; step < 20; ++step) {
+    resultOf(client->request("simulation.step", named(simulation)));
+  }
+  // one for each fifth of a second that this took, and one of the end; nothing counts as missed
+  std::string frame;
+  int count = 0;
+  do {
+    frame = nextFrame(*client);
+    EXPECT_EQ(member(frame, "missed"), "0");
+    ++count;
+  } while (member(frame, "step") != "20");
+  EXPECT_LT(count, 20);
+}
+
+TEST(Stream, SinglePrecisionRoundsTextToo) {
+  const RunningServer server;
+  const auto client = connectTo(server);
+  const std::string simulation = create(*client, "Lsystem: 1\nAxiom: F(0.1)+(30)F(1)\nZ --> Z\nendlsystem\n");
+  for (const std::string precision : {"double", "single"}) {
+    resultOf(client->request("stream.open", named(simulation, R"("what":"turtle","precision":")" + precision + "\"")));
+    const std::string frame = nextFrame(*client);
+    EXPECT_EQ(frame.find("0.8660254037844387") == std::string::npos, precision == "single") << frame;
+    EXPECT_EQ(frame.find("0.8660254,") == std::string::npos, precision == "double") << frame;
+  }
+}
+
+TEST(Stream, WrongParametersNameTheirPath) {
+  const RunningServer server;
+  const auto client = connectTo(server);
+  const std::string simulation = create(*client, kChain);
+  for (const auto& [more, message] : {
+           std::pair(R"("what":"scent")",
+                     "params.what: expected one of turtle, string, statistics, queries, found \"scent\""),
+           std::pair(R"("what":"string","maxHz":0)",
+                     "params.maxHz: expected a number of frames a second from 0.001 to 1000, found 0"),
+           std::pair(R"("what":"string","maxHz":1001)",
+                     "params.maxHz: expected a number of frames a second from 0.001 to 1000, found 1001"),
+           std::pair(R"("what":"string","delta":1)", "params.delta: expected true or false, found 1"),
+       }) {
+    EXPECT_EQ(errorOf(client->request("stream.open", named(simulation, more))).message, message);
+  }
+}
+
 }  // namespace
 }  // namespace espalier::server

@@ -401,13 +401,17 @@ class Simulation:
         return axes
 
     def stream(self, what: str = "turtle", *, every: int = 1, symbols: Optional[Sequence[str]] = None,
-               credits: Optional[int] = 8, arrays: bool = False, single: bool = False) -> "Stream":
-        """Opens a stream of frames: turtle, string, statistics or geometry. The first frame is the state now. At most
-        `credits` frames are under way (None: as many as the connection takes); a reader that is slower misses frames and
-        never slows the simulation.
+               credits: Optional[int] = 8, arrays: bool = False, single: bool = False, delta: bool = True,
+               max_hz: Optional[float] = None) -> "Stream":
+        """Opens a stream of frames: turtle, string, statistics, geometry or queries. The first frame is the state now. At
+        most `credits` frames are under way (None: as many as the connection takes); a reader that is slower misses frames
+        and never slows the simulation.
 
         With `arrays` the turtle's records come as columns (Frame.columns: NumPy arrays when NumPy is there), in single
         precision when `single`. Geometry needs `arrays`: a binary glTF file in columns["glb"], unsigned (bytes / 4).
+
+        With `delta` the server sends only what changed since the frame before; every Frame is
+        complete all the same. At most `max_hz` frames come a second, the last of them always.
 
         >>> algae = client.create(gallery="classic-algae")
         >>> with algae.stream("string") as stream:
@@ -416,7 +420,7 @@ class Simulation:
         ...     now, stream.read().string
         ('a', 'ab')
         """
-        opened = self._do(requests.open_stream(self.identifier, what, every, symbols, credits, arrays, single))
+        opened = self._do(requests.open_stream(self.identifier, what, every, symbols, credits, arrays, single, delta, max_hz))
         return Stream(self._client, opened)
 
 

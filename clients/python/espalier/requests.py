@@ -12,7 +12,8 @@ from typing import Any, Callable, Deque, Dict, Generic, List, Mapping, Optional,
 
 from . import wire
 from .errors import EspalierError, ProtocolError, ServerError
-from .shapes import Frame, Model, StepResult, TurtleRecord, Vector, read_frame, read_model, read_record, read_step
+from .frames import read_next
+from .shapes import Frame, Model, StepResult, TurtleRecord, Vector, read_model, read_record, read_step
 
 Result = TypeVar("Result")
 # one process with its configuration, as in {"type": "honda", "radius": 0.5}
@@ -45,6 +46,7 @@ class Inbox:
 
     def __init__(self) -> None:
         self.frames: Dict[str, Deque[Frame]] = {}
+        self.latest: Dict[str, Frame] = {}  # what the next frame of a stream may refer to
         self.ended: Dict[str, str] = {}  # why, by stream
 
     def open(self, stream: str) -> None:
@@ -52,6 +54,7 @@ class Inbox:
 
     def close(self, stream: str) -> None:
         self.frames.pop(stream, None)
+        self.latest.pop(stream, None)
         self.ended.pop(stream, None)
 
     def take(self, message: wire.Received) -> None:
@@ -63,7 +66,9 @@ class Inbox:
             # frames of a stream that was closed meanwhile are dropped
             frames = self.frames.get(parameters["stream"])
             if frames is not None:
-                frames.append(read_frame(parameters, message.blocks))
+                frame = read_next(self.latest.get(parameters["stream"]), parameters, message.blocks)
+                self.latest[parameters["stream"]] = frame
+                frames.append(frame)
         elif message.get("method") == "stream.end" and isinstance(message.get("params"), dict):
             ended = message["params"]
             self.ended[str(ended.get("stream"))] = str(ended.get("reason", "the server closed it"))
@@ -205,14 +210,17 @@ def delete(simulation: str) -> Request[None]:
 
 
 def open_stream(simulation: str, what: str, every: int, symbols: Optional[Sequence[str]], credits: Optional[int],
-                arrays: bool, single: bool) -> Request[str]:
-    parameters: Dict[str, Any] = {"simulation": simulation, "what": what, "every": every}
+                arrays: bool, single: bool, delta: bool, max_hz: Optional[float]) -> Request[str]:
+    parameters: Dict[str, Any] = {"simulation": simulation, "what": what, "every": every,
+                                  "delta": delta, "precision": "single" if single else "double"}
     if credits is not None:
         parameters["credits"] = credits
+    if max_hz is not None:
+        parameters["maxHz"] = max_hz
     if symbols is not None:
         parameters["select"] = {"symbols": list(symbols)}
     if arrays:
-        parameters.update({"bin": True, "precision": "single" if single else "double"})
+        parameters["bin"] = True
     return Request("stream.open", parameters, lambda result: str(result["stream"]))
 
 

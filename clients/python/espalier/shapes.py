@@ -71,6 +71,10 @@ class Frame:
     # heading, left, up, width, colour, branchOrder, parent (2^32 - 1: none), parameters and parameterOffset (count + 1)
     columns: Blocks = field(default_factory=dict)
     symbols: Tuple[str, ...] = ()
+    # of a stream of queries: what the last step asked its environment, and the answers, in the shapes of environment.step
+    queries: Sequence[Mapping[str, Any]] = ()
+    replies: Sequence[Mapping[str, Any]] = ()
+    key: bool = True  # it came whole; else as a difference, and was put together
 
 
 def _vector(value: Any) -> Vector:
@@ -97,7 +101,8 @@ def read_frame(shape: Mapping[str, Any], blocks: Blocks = MappingProxyType({})) 
             records=[read_record(record, index) for index, record in enumerate(shape.get("records", []))],
             string=str(shape.get("string", "")), statistics=shape.get("statistics", {}),
             count=int(shape.get("count", len(shape.get("records", [])))), symbols=tuple(shape.get("symbols", ())),
-            columns=blocks)
+            columns=blocks, queries=shape.get("queries", ()), replies=shape.get("replies", ()),
+            key=bool(shape.get("key", True)))
     except (KeyError, TypeError, ValueError) as error:
         raise ProtocolError(f"stream.data: a frame without or with a wrong {error}.") from None
 

@@ -1,0 +1,273 @@
+// A server in a process of its own: a step of a small plant there and back beside a bare echo of as many bytes, and
+// what a viewer of a big plant costs beside copying what changed.
+
+#include <benchmark/benchmark.h>
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <boost/asio.hpp>
+#include <chrono>
+#include <cstring>
+#include <stdexcept>
+#include <thread>
+
+#include "clients/cpp/client.h"
+#include "engine/core/streams.h"
+#include "engine/language/compiler.h"
+#include "server/line_channel.h"
+#include "server/stream_frame.h"
+
+namespace espalier::benchmarking {
+namespace {
+
+namespace asio = boost::asio;
+using asio::ip::tcp;
+using Clock = std::chrono::steady_clock;
+
+constexpr std::string_view kSmallPlant =
+    "Lsystem: 1\nderivation length: 1000000\nAxiom: F(1)[+F(1)]?E(0)A(0)\nA(x) --> A(x+1)\nendlsystem\n";
+
+/// Medians and 99th percentiles in microseconds.
+struct Latency {
+  double median = 0.0;
+  double high = 0.0;
+};
+
+Latency latencyOf(std::vector<double>& microseconds) {
+  std::sort(microseconds.begin(), microseconds.end());
+  return {microseconds[microseconds.size() / 2], microseconds[microseconds.size() * 99 / 100]};
+}
+
+/// `espalier serve` on a free port, nothing kept on a disk.
+struct Serving {
+  Serving() {
+    const std::string program = std::string(ESPALIER_BINARY_DIR) + "/bin/espalier";
+    auto result = server::ChildProcess::start("exec '" + program + "' serve --listen 127.0.0.1:0 --log-level off");
+    auto* made = std::get_if<std::unique_ptr<server::ChildProcess::Started>>(&result);
+    if (made == nullptr) {
+      throw std::runtime_error(std::get<std::string>(result));
+    }
+    started = std::move(*made);
+    channel.emplace(std::move(started->input), std::move(started->output), 1'000);
+    std::string line;
+    (void)channel->readLine(line, Clock::now() + std::chrono::seconds(30));
+    address = line.substr(line.rfind(' ') + 1);
+  }
+  ~Serving() { started->process.end(); }
+  Serving(const Serving&) = delete;
+  Serving& operator=(const Serving&) = delete;
+
+  std::unique_ptr<server::ChildProcess::Started> started;
+  std::optional<server::LineChannel> channel;
+  std::string address;
+};
+
+/// Reads up to the end of a line; how many bytes it had.
+std::size_t readLine(tcp::socket& socket, asio::streambuf& buffer) {
+  const std::size_t bytes = asio::read_until(socket, buffer, '\n');
+  buffer.consume(bytes);
+  return bytes;
+}
+
+/// What is asked, how long each answer took, and how long answers are.
+struct RoundTrips {
+  std::vector<double> microseconds;
+  std::size_t answerBytes = 0;
+};
+
+RoundTrips measure(tcp::socket& socket, const std::string& line, std::size_t count) {
+  RoundTrips trips;
+  asio::streambuf buffer;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto begin = Clock::now();
+    asio::write(socket, asio::buffer(line));
+    trips.answerBytes = readLine(socket, buffer);
+    trips.microseconds.push_back(std::chrono::duration<double, std::micro>(Clock::now() - begin).count());
+  }
+  return trips;
+}
+
+/// Answers every line with one of so many bytes, in a process of its own, as the server is.
+class Echo {
+ public:
+  explicit Echo(std::size_t answerBytes) : acceptor_(context_, tcp::endpoint(asio::ip::make_address("127.0.0.1"), 0)) {
+    child_ = fork();
+    if (child_ == 0) {
+      serve(answerBytes);
+      _exit(0);
+    }
+  }
+  ~Echo() {
+    acceptor_.close();
+    (void)waitpid(child_, nullptr, 0);
+  }
+  Echo(const Echo&) = delete;
+  Echo& operator=(const Echo&) = delete;
+  [[nodiscard]] tcp::endpoint endpoint() const { return acceptor_.local_endpoint(); }
+
+ private:
+  void serve(std::size_t answerBytes) {
+    asio::io_context context;
+    tcp::acceptor acceptor(context, tcp::v4(), acceptor_.release());
+    const std::string answer = std::string(answerBytes - 1, 'x') + "\n";
+    const auto answerAll = [&]() -> asio::awaitable<void> {
+      tcp::socket socket = co_await acceptor.async_accept(asio::use_awaitable);
+      socket.set_option(tcp::no_delay(true));
+      std::string received;
+      try {
+        for (;;) {
+          const std::size_t bytes =
+              co_await asio::async_read_until(socket, asio::dynamic_buffer(received), '\n', asio::use_awaitable);
+          received.erase(0, bytes);
+          co_await asio::async_write(socket, asio::buffer(answer), asio::use_awaitable);
+        }
+      } catch (const boost::system::system_error&) {
+        // the other side has closed
+      }
+    };
+    asio::co_spawn(context, answerAll, asio::detached);
+    context.run();
+  }
+
+  asio::io_context context_;
+  tcp::acceptor acceptor_;
+  pid_t child_ = 0;
+};
+
+std::string askOnce(tcp::socket& socket, const std::string& line) {
+  asio::write(socket, asio::buffer(line));
+  std::string answer;
+  (void)asio::read_until(socket, asio::dynamic_buffer(answer), '\n');
+  return answer;
+}
+
+tcp::socket connectTo(asio::io_context& context, const tcp::endpoint& endpoint) {
+  tcp::socket socket(context);
+  socket.connect(endpoint);
+  socket.set_option(tcp::no_delay(true));
+  return socket;
+}
+
+void stepRoundTrip(benchmark::State& state) {
+  const Serving serving;
+  asio::io_context context;
+  const auto port = static_cast<std::uint16_t>(std::stoi(serving.address.substr(serving.address.rfind(':') + 1)));
+  tcp::socket socket = connectTo(context, {asio::ip::make_address("127.0.0.1"), port});
+  (void)askOnce(socket, R"({"jsonrpc":"2.0","id":1,"method":"hello","params":{"protocol":[1]}})"
+                        "\n");
+  protocol::JsonWriter source;
+  source.text(kSmallPlant);
+  const std::string created =
+      askOnce(socket, R"({"jsonrpc":"2.0","id":2,"method":"simulation.create","params":{"seed":1,"save":false,)"
+                      R"("environment":[{"type":"height"}],"model":{"source":)" +
+                          source.view() + "}}}\n");
+  const std::size_t at = created.find("sim-");
+  if (at == std::string::npos) {
+    state.SkipWithError(created.c_str());
+    return;
+  }
+  const std::string line = R"({"jsonrpc":"2.0","id":3,"method":"simulation.step","params":{"simulation":")" +
+                           created.substr(at, created.find('"', at) - at) + "\"}}\n";
+  constexpr std::size_t kCount = 2'000;
+  for (auto _ : state) {
+    (void)measure(socket, line, kCount / 10);
+    RoundTrips step = measure(socket, line, kCount);
+    const Echo echo(step.answerBytes);
+    tcp::socket other = connectTo(context, echo.endpoint());
+    (void)measure(other, line, kCount / 10);
+    RoundTrips bare = measure(other, line, kCount);
+    other.close();
+    const Latency server = latencyOf(step.microseconds);
+    const Latency asio = latencyOf(bare.microseconds);
+    state.SetIterationTime(server.median * 1e-6);
+    state.counters["step median us"] = server.median;
+    state.counters["step p99 us"] = server.high;
+    state.counters["echo median us"] = asio.median;
+    state.counters["echo p99 us"] = asio.high;
+  }
+}
+
+/// A plant of a million segments that grows at one tip before them.
+std::unique_ptr<simulation::Simulation> makeBigPlant() {
+  language::CompileInput input;
+  core::MemoryFileProvider files;
+  files.add("big.l",
+            "Lsystem: 1\nderivation length: 100\nAxiom: [A]S(20)\nA --> F(2)A\n"
+            "S(n) : n > 0 --> S(n-1)+(7)S(n-1)\nS(n) --> F(1)\nendlsystem\n");
+  input.mainFile = "big.l";
+  auto compiled = language::compile(input, files);
+  auto simulation = std::make_unique<simulation::Simulation>(compiled.program, std::vector<turtle::PlantPlacement>(1),
+                                                             nullptr, simulation::SimulationOptions{});
+  (void)simulation->rewind();
+  for (int step = 0; step < 22; ++step) {
+    (void)simulation->step();
+  }
+  return simulation;
+}
+
+void viewBigPlant(benchmark::State& state, bool isDelta) {
+  const auto simulation = makeBigPlant();
+  protocol::StreamOpenParams params;
+  params.what = "turtle";
+  params.isDelta = isDelta;
+  params.isInBlocks = true;
+  server::FrameBase base;
+  const auto makeFrame = [&] {
+    server::FrameMaker maker(*simulation, 0.0, nullptr);
+    return std::get<server::StreamFrame>(maker.make(params, base));
+  };
+  base = makeFrame().base;
+  std::vector<double> making;
+  std::vector<double> sending;
+  std::uint64_t bytes = 0;
+  std::uint64_t rows = 0;
+  for (auto _ : state) {
+    (void)simulation->step();
+    auto begin = Clock::now();
+    server::StreamFrame frame = makeFrame();
+    making.push_back(std::chrono::duration<double, std::micro>(Clock::now() - begin).count());
+    begin = Clock::now();
+    std::string sent;
+    sent.reserve(frame.body.blocks.totalBytes());
+    frame.body.blocks.appendTo(sent);
+    benchmark::DoNotOptimize(sent.data());
+    sending.push_back(std::chrono::duration<double, std::micro>(Clock::now() - begin).count());
+    state.SetIterationTime((making.back() + sending.back()) * 1e-6);
+    bytes = sent.size();
+    base = std::move(frame.base);
+    rows = base.turtle == nullptr ? rows : base.turtle->rows();
+  }
+  state.counters["frame bytes"] = static_cast<double>(bytes);
+  state.counters["rows"] = static_cast<double>(rows);
+  state.counters["making ms"] = latencyOf(making).median * 1e-3;
+  state.counters["sending ms"] = latencyOf(sending).median * 1e-3;
+  // a copy of as many bytes
+  std::vector<double> copying;
+  const std::string from(bytes, 'x');
+  for (int i = 0; i < 20; ++i) {
+    std::string to(bytes, 'y');
+    const auto begin = Clock::now();
+    std::memcpy(to.data(), from.data(), bytes);
+    benchmark::DoNotOptimize(to.data());
+    copying.push_back(std::chrono::duration<double, std::micro>(Clock::now() - begin).count());
+  }
+  state.counters["copy ms"] = latencyOf(copying).median * 1e-3;
+}
+
+const bool kIsRegistered = [] {
+  benchmark::RegisterBenchmark("server/step-round-trip", stepRoundTrip)
+      ->Unit(benchmark::kMillisecond)
+      ->UseManualTime()
+      ->Iterations(3);
+  for (const bool isDelta : {false, true}) {
+    benchmark::RegisterBenchmark(isDelta ? "stream/delta/1000000" : "stream/whole/1000000",
+                                 [isDelta](benchmark::State& state) { viewBigPlant(state, isDelta); })
+        ->Unit(benchmark::kMillisecond)
+        ->UseManualTime()
+        ->Iterations(10);
+  }
+  return true;
+}();
+
+}  // namespace
+}  // namespace espalier::benchmarking
