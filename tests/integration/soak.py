@@ -115,11 +115,12 @@ class Soak:
             if not plants:
                 time.sleep(0.1)
                 return
-            plant = client.simulation(str(plants[0]["simulation"]))
             options: Dict[str, Any] = {"arrays": dice.random() < 0.7, "delta": dice.random() < 0.8, "single": dice.random() < 0.5}
             if dice.random() < 0.3:
                 options["max_hz"] = 20.0
+            # it may be gone at any moment
             try:
+                plant = client.simulation(str(plants[0]["simulation"]))
                 with plant.stream(**options) as stream:
                     for _ in range(dice.randrange(1, 40)):
                         stream.read(SECONDS)
