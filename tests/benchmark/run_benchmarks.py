@@ -24,12 +24,17 @@ TARGETS = (
     ("derive/signal-down/123", "scanned/s", "modules read/s", 230 * MILLION, 23 * MILLION),
     ("derive/stochastic/13", "modules/s", "final modules/s", 480 * MILLION, 48 * MILLION),
     ("open/height/1", "queries/s", "queries/s", 8 * MILLION, 0.4 * MILLION),
+    ("remote/inside", "queries/s", "queries/s", 8 * MILLION, None),
+    ("remote/tcp-binary", "queries/s", "queries/s", 3 * MILLION, 0.4 * MILLION),
+    ("remote/tcp-text", "queries/s", "queries/s", 0.4 * MILLION, 0.4 * MILLION),
     ("scene/d0l/8", "modules/s", "modules drawn/s", 20 * MILLION, None),
     ("scene/parametric/17", "modules/s", "modules drawn/s", 20 * MILLION, None),
 )
 MEMORY_TARGET = 1.1  # resident memory over the two strings' 2 bytes a module and 8 a parameter; pages are not divided
 START_UP_TARGET = 20.0  # milliseconds of the whole process that derives a small model
 THREAD_TARGET = 0.9  # gain of two threads over the gain of two threads that copy
+
+ROUND_TRIP_TARGET = 2.0  # a step of a small plant over a bare echo of as many bytes
 
 OTHER_COLUMNS = (
     ("modules", "modules", "{:,.0f}", 1),
@@ -116,6 +121,26 @@ def thread_rows(entries: dict) -> list[list[str]]:
     return rows
 
 
+def server_rows(entries: dict) -> list[list[str]]:
+    rows = [["a step over TCP", "median us", "99 of 100 us", "echo median us", "echo 99 us", "x echo", "x echo 99", "target", ""]]
+    for name, entry in entries.items():
+        if "echo median us" in entry:
+            shares = [entry[f"step {which} us"] / entry[f"echo {which} us"] for which in ("median", "p99")]
+            rows.append([name, f"{entry['step median us']:.0f}", f"{entry['step p99 us']:.0f}",
+                         f"{entry['echo median us']:.0f}", f"{entry['echo p99 us']:.0f}", f"{shares[0]:.2f}",
+                         f"{shares[1]:.2f}", f"{ROUND_TRIP_TARGET}", verdict(max(shares) <= ROUND_TRIP_TARGET)])
+    return rows
+
+
+def stream_rows(entries: dict) -> list[list[str]]:
+    rows = [["a frame of a big plant", "records", "frame bytes", "making ms", "sending ms", "copying as many bytes ms"]]
+    for name, entry in entries.items():
+        if "frame bytes" in entry:
+            rows.append([name, f"{entry['rows']:,.0f}", f"{entry['frame bytes']:,.0f}", f"{entry['making ms']:.2f}",
+                         f"{entry['sending ms']:.4f}", f"{entry['copy ms']:.4f}"])
+    return rows
+
+
 def cliff_rows(entries: dict, baseline: dict) -> list[list[str]]:
     rows = [["workload", "ms", "modules", "M read/s", "of copying", "bytes/module", "x baseline"]]
     for name, entry in entries.items():
@@ -131,7 +156,7 @@ def other_rows(entries: dict, baseline: dict) -> list[list[str]]:
     rows = [["benchmark", "ms"] + [title for _, title, _, _ in OTHER_COLUMNS] + ["x baseline"]]
     shown = {name for name, *_ in TARGETS}
     for name, entry in entries.items():
-        if name in shown or name.startswith(("cliff/", "threads/")):
+        if name in shown or name.startswith(("cliff/", "threads/", "server/", "stream/")):
             continue
         row = [name, f"{milliseconds(entry):,.2f}"]
         for key, _, form, factor in OTHER_COLUMNS:
@@ -227,6 +252,8 @@ def main() -> int:
         print_table("Start-up, the process from start to end", start_up_rows(options.espalier, options.models))
     print_table("Memory, one core", memory_rows(entries))
     print_table("Two threads over one", thread_rows(entries))
+    print_table("A server in another process", server_rows(entries))
+    print_table("Viewers: what changed, and the whole", stream_rows(entries))
     print_table("No cliff: small strings, many productions and parameters, nesting, contexts",
                 cliff_rows(entries, baseline))
     print_table("Everything else", other_rows(entries, baseline))

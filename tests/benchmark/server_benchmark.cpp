@@ -2,7 +2,8 @@
 // what a viewer of a big plant costs beside copying what changed.
 
 #include <benchmark/benchmark.h>
-#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <boost/asio.hpp>
@@ -11,9 +12,9 @@
 #include <stdexcept>
 #include <thread>
 
-#include "clients/cpp/client.h"
 #include "engine/core/streams.h"
 #include "engine/language/compiler.h"
+#include "protocol/json_writer.h"
 #include "server/line_channel.h"
 #include "server/stream_frame.h"
 
@@ -194,7 +195,7 @@ std::unique_ptr<simulation::Simulation> makeBigPlant() {
   files.add("big.l",
             "Lsystem: 1\nderivation length: 100\nAxiom: [A]S(20)\nA --> F(2)A\n"
             "S(n) : n > 0 --> S(n-1)+(7)S(n-1)\nS(n) --> F(1)\nendlsystem\n");
-  input.mainFile = "big.l";
+  input.modelFile = "big.l";
   auto compiled = language::compile(input, files);
   auto simulation = std::make_unique<simulation::Simulation>(compiled.program, std::vector<turtle::PlantPlacement>(1),
                                                              nullptr, simulation::SimulationOptions{});

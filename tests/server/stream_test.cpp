@@ -245,7 +245,7 @@ TEST(Stream, WrongParametersNameTheirPath) {
   const std::string simulation = create(*client, kChain);
   for (const auto& [more, message] : {
            std::pair(R"("what":"scent")",
-                     "params.what: expected one of turtle, string, statistics, queries, found \"scent\""),
+                     "params.what: expected one of turtle, string, statistics, geometry, queries, found \"scent\""),
            std::pair(R"("what":"string","maxHz":0)",
                      "params.maxHz: expected a number of frames a second from 0.001 to 1000, found 0"),
            std::pair(R"("what":"string","maxHz":1001)",
