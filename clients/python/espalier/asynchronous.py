@@ -357,7 +357,7 @@ class AsyncSimulation:
     @_as(blocking.Simulation.stream)
     async def stream(self, what: str = "turtle", *, every: int = 1, symbols: Optional[Sequence[str]] = None,
                      credits: Optional[int] = 8, arrays: bool = False, single: bool = False, delta: bool = True,
-               max_hz: Optional[float] = None) -> "AsyncStream":
+                     max_hz: Optional[float] = None) -> "AsyncStream":
         # the first frame may come right behind the answer
         opened = await self._client._do(
             requests.open_stream(self.identifier, what, every, symbols, credits, arrays, single, delta, max_hz),
