@@ -655,35 +655,6 @@ TEST(Server, EditPrunesAndBendsBetweenSteps) {
   EXPECT_EQ(stringOf(*client, simulation), "F(1)[+(30)]+(5)F(1)F(1)A");
 }
 
-TEST(Server, ThePlantIsTheSameOnAnyNumberOfThreadsAndFromItsCheckpoint) {
-  std::string expected;
-  for (const unsigned threads : {1U, 2U, 4U}) {
-    const TemporaryFolder folder;
-    ServerOptions options;
-    options.dataFolder = folder.path();
-    options.threads = threads;
-    const RunningServer server(options);
-    const auto client = connectTo(server);
-    const std::string simulation = create(*client,
-                                          "Lsystem: 1\nderivation length: 17\nAxiom: A(1)?E(0.5)\nA(x) --> "
-                                          "A(ran(1))[+(90*x)F(x)?E(x)]A(ran(1))\nendlsystem\n",
-                                          R"([{"type":"honda","radius":0.01}])", R"("seed":7)");
-    resultOf(client->request("simulation.step", named(simulation, R"("steps":7)")));
-    resultOf(client->request("simulation.save", named(simulation, R"("checkpoint":"seven")")));
-    resultOf(client->request("simulation.step", named(simulation, R"("steps":4)")));
-    const std::string hash =
-        member(resultOf(client->request("simulation.get", named(simulation, R"("what":"state-hash")"))), "stateHash");
-    expected = expected.empty() ? hash : expected;
-    EXPECT_EQ(hash, expected) << threads;
-    resultOf(client->request("simulation.restore", named(simulation, R"("checkpoint":"seven")")));
-    resultOf(client->request("simulation.step", named(simulation, R"("steps":4)")));
-    EXPECT_EQ(
-        member(resultOf(client->request("simulation.get", named(simulation, R"("what":"state-hash")"))), "stateHash"),
-        expected)
-        << threads;
-  }
-}
-
 TEST(Server, ACreationCanBeCancelled) {
   ServerOptions options;
   options.limits.simulation.maximumLoopIterations = UINT64_MAX;
