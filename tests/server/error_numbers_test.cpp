@@ -18,6 +18,7 @@ class KeptConnection final : public Connection {
  public:
   void send(std::shared_ptr<const std::string> line) override { lines.push_back(*line); }
   void closeWhenSent() override {}
+  void remind(std::chrono::milliseconds) override {}
   [[nodiscard]] std::size_t outboxBytes() const override { return 0; }
   [[nodiscard]] bool isLocal() const override { return true; }
   [[nodiscard]] std::string peerName() const override { return "test"; }
