@@ -36,6 +36,7 @@ int main(int argumentCount, char** arguments) {
   addGrowth(program, status);
   addConvert(program, status);
   addDisassemble(program, status);
+  addEvolve(program, status);
   addInfer(program, status);
   addField(program, status);
   addReplay(program, status);

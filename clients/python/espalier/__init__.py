@@ -1,6 +1,7 @@
 """Espalier from Python: environments that plants grow against, and a client of the server. Standard library only."""
 
 from .asynchronous import AsyncClient, AsyncSimulation, AsyncStream
+from .breeding import BredPlant, serve_fitness
 from .client import Client, Simulation, Stream
 from .shapes import Frame, Model, StepResult, TurtleRecord
 from .environment import Answer, Columns, Environment, Following, Opening, Query, Variable
@@ -12,8 +13,8 @@ from .viewing import View
 from .version import VERSION as __version__
 
 __all__ = [
-    "Answer", "AsyncClient", "AsyncSimulation", "AsyncStream", "Client", "Columns", "ConnectionLost", "Environment", "EspalierError", "Following", "Frame", "Geometry", "Local",
-    "Model", "Opening",
-    "ProtocolError", "Query", "Server", "ServerError", "ServerFailed", "Simulation", "StepResult", "Stream",
-    "TurtleRecord", "Variable", "View", "__version__", "local",
+    "Answer", "AsyncClient", "AsyncSimulation", "AsyncStream", "BredPlant", "Client", "Columns", "ConnectionLost",
+    "Environment", "EspalierError", "Following", "Frame", "Geometry", "Local", "Model", "Opening", "ProtocolError",
+    "Query", "Server", "ServerError", "ServerFailed", "Simulation", "StepResult", "Stream", "TurtleRecord", "Variable",
+    "View", "__version__", "local", "serve_fitness",
 ]

@@ -1,0 +1,105 @@
+#include "clients/espalier/evolution/fitness_process.h"
+
+#include <chrono>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "server/line_channel.h"
+
+namespace espalier::command {
+namespace {
+
+using nlohmann::json;
+using server::LineChannel;
+
+constexpr std::size_t kLongestReply = 1'000'000;
+
+std::string request(const JudgedPlant& plant) {
+  json parameters = json::object();
+  for (std::size_t i = 0; i < plant.shape.genes.size(); ++i) {
+    parameters[plant.shape.genes[i].name] = plant.genome.values[i];
+  }
+  json productions = json::object();
+  for (std::size_t i = 0; i < plant.shape.predecessors.size(); ++i) {
+    std::string text;
+    for (const std::string& module : plant.genome.successors[i]) {
+      text += module;
+    }
+    productions[plant.shape.predecessors[i]] = std::move(text);
+  }
+  json measures = json::object();
+  for (std::size_t i = 0; i < kMeasureNames.size(); ++i) {
+    measures[std::string(kMeasureNames[i])] = measure(plant.measures, i);
+  }
+  json segments = json::array();
+  for (const turtle::Segment& segment : plant.scene.segments) {
+    const std::int64_t parent = segment.parent == turtle::kNoParent ? -1 : static_cast<std::int64_t>(segment.parent);
+    segments.push_back({segment.start.x, segment.start.y, segment.start.z, segment.end.x, segment.end.y, segment.end.z,
+                        segment.startWidth, segment.endWidth, parent});
+  }
+  return json{{"generation", plant.generation},
+              {"individual", plant.individual},
+              {"modules", plant.modules},
+              {"parameters", std::move(parameters)},
+              {"productions", std::move(productions)},
+              {"measures", std::move(measures)},
+              {"segments", std::move(segments)},
+              {"string", plant.string}}
+             .dump() +
+         "\n";
+}
+
+}  // namespace
+
+struct FitnessProcess::Parts {
+  std::unique_ptr<server::ChildProcess::Started> child;
+  LineChannel channel;
+};
+
+FitnessProcess::FitnessProcess(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+
+FitnessProcess::~FitnessProcess() {
+  parts_->channel.closeOutput();
+}
+
+std::variant<std::unique_ptr<FitnessProcess>, std::string> FitnessProcess::start(const std::string& command) {
+  auto started = server::ChildProcess::start(command);
+  if (std::string* problem = std::get_if<std::string>(&started)) {
+    return std::move(*problem);
+  }
+  auto child = std::move(std::get<std::unique_ptr<server::ChildProcess::Started>>(started));
+  LineChannel channel(std::move(child->input), std::move(child->output), kLongestReply);
+  return std::unique_ptr<FitnessProcess>(
+      new FitnessProcess(std::unique_ptr<Parts>(new Parts{std::move(child), std::move(channel)})));
+}
+
+std::variant<double, std::string> FitnessProcess::judge(const JudgedPlant& plant, double seconds) {
+  const auto deadline =
+      std::chrono::steady_clock::now() +
+      std::chrono::duration_cast<std::chrono::steady_clock::duration>(std::chrono::duration<double>(seconds));
+  std::string line;
+  LineChannel::Status status = parts_->channel.write(request(plant), deadline);
+  if (status == LineChannel::Status::Done) {
+    status = parts_->channel.readLine(line, deadline);
+  }
+  if (status == LineChannel::Status::Timeout) {
+    return "the fitness program did not answer within " + std::to_string(static_cast<int>(seconds)) + " s";
+  }
+  if (status != LineChannel::Status::Done) {
+    const std::string fate = parts_->child->process.fate();
+    return "the fitness program " + (fate.empty() ? std::string("closed its output") : fate) +
+           " instead of answering; what it says itself is above";
+  }
+  const json reply = json::parse(line, nullptr, false);
+  if (reply.is_object() && reply.contains("error") && reply["error"].is_string()) {
+    return "the fitness program says: " + reply["error"].get<std::string>();
+  }
+  if (!reply.is_object() || !reply.contains("fitness") || !reply["fitness"].is_number() ||
+      !std::isfinite(reply["fitness"].get<double>())) {
+    return "the fitness program answered '" + line.substr(0, 100) + "', not {\"fitness\": NUMBER}";
+  }
+  return reply["fitness"].get<double>();
+}
+
+}  // namespace espalier::command

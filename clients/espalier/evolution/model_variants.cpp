@@ -1,0 +1,247 @@
+#include "clients/espalier/evolution/model_variants.h"
+
+#include <algorithm>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "engine/core/diagnostic.h"
+#include "engine/core/number_text.h"
+#include "engine/language/compiler.h"
+
+namespace espalier::command {
+namespace {
+
+using language::Program;
+
+std::string numberText(double value) {
+  std::string text;
+  core::appendNumber(text, value, core::NumberStyle::Shortest);
+  return text;
+}
+
+// a module with constant parameters as text; nothing when a parameter is computed
+std::optional<std::string> constantModule(const Program& program, const language::SuccessorModule& module,
+                                          const std::vector<language::Expression>& expressions) {
+  std::string text(program.nameOf(module.type));
+  const std::uint16_t arity = program.arity[module.type];
+  for (std::uint16_t i = 0; i < arity; ++i) {
+    const language::Expression& expression = expressions[module.firstExpression + i];
+    if (expression.kind != language::Expression::Kind::Constant) {
+      return std::nullopt;
+    }
+    text += (i == 0 ? "(" : ",") + numberText(expression.constant);
+  }
+  return arity > 0 ? text + ")" : text;
+}
+
+std::optional<Successor> constantModules(const Program& program, const std::vector<language::SuccessorModule>& modules,
+                                         const std::vector<language::Expression>& expressions) {
+  Successor result;
+  for (const language::SuccessorModule& module : modules) {
+    const std::optional<std::string> text = constantModule(program, module, expressions);
+    if (!text) {
+      return std::nullopt;
+    }
+    result.push_back(*text);
+  }
+  return result;
+}
+
+// the name of the macro that a line defines; empty: none, or one with arguments
+std::string_view definedName(std::string_view line) {
+  const auto skipBlanks = [&line] { line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size())); };
+  skipBlanks();
+  if (line.empty() || line.front() != '#') {
+    return {};
+  }
+  line.remove_prefix(1);
+  skipBlanks();
+  if (line.substr(0, 6) != "define") {
+    return {};
+  }
+  line.remove_prefix(6);
+  skipBlanks();
+  const std::size_t end = std::min(line.find_first_of(" \t("), line.size());
+  return end < line.size() && line[end] == '(' ? std::string_view() : line.substr(0, end);
+}
+
+std::vector<std::string_view> linesOf(std::string_view text) {
+  std::vector<std::string_view> lines;
+  while (!text.empty()) {
+    const std::size_t end = text.find('\n');
+    lines.push_back(text.substr(0, end));
+    text = end == std::string_view::npos ? std::string_view() : text.substr(end + 1);
+  }
+  return lines;
+}
+
+// why the productions of a model are not those of a bracketed D0L-system with constant parameters; empty: they are
+std::string whyNotD0l(const Program& program) {
+  const language::LSystem& system = program.systems.front();
+  const auto where = [&](const language::Production& production) {
+    const core::SourceLocation place = program.sourceMap.locate(production.range);
+    return place.file + ":" + std::to_string(place.line) + ": '" + production.text + "' ";
+  };
+  constexpr const char* kAdvice =
+      ". Productions vary in bracketed D0L-systems; use --gene to vary the numbers of this model";
+  if (program.systems.size() > 1 || !system.decomposition.productions.empty() ||
+      !system.homomorphism.productions.empty()) {
+    return std::string("the model has sub-L-systems, decomposition or homomorphism") + kAdvice;
+  }
+  std::vector<core::ModuleTypeId> seen;
+  for (const language::Production& production : system.productions.productions) {
+    if (production.predecessor.size() != 1 || program.arity[production.predecessor.front().type] > 0) {
+      return where(production) + "has a predecessor with parameters, or of several modules" + kAdvice;
+    }
+    if (!production.leftContext.empty() || !production.rightContext.empty() || !production.newLeftContext.empty() ||
+        !production.newRightContext.empty() || production.condition || production.probability ||
+        !production.preBlock.empty() || !production.postBlock.empty()) {
+      return where(production) + "has a context, a condition, a block or a probability" + kAdvice;
+    }
+    const core::ModuleTypeId type = production.predecessor.front().type;
+    if (std::find(seen.begin(), seen.end(), type) != seen.end()) {
+      return where(production) + "is the second production of its symbol" + kAdvice;
+    }
+    seen.push_back(type);
+    const auto modules = constantModules(program, production.successor, production.expressions);
+    if (!modules) {
+      return where(production) + "computes a parameter" + kAdvice;
+    }
+    if (!isBalanced(*modules)) {
+      return where(production) + "has a bracket without its partner" + kAdvice;
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+std::variant<ModelVariants, std::string> ModelVariants::make(std::shared_ptr<const Program> program,
+                                                             std::vector<Gene> genes, bool variesProductions,
+                                                             std::size_t longestSuccessor) {
+  ModelVariants variants;
+  variants.base_ = std::move(program);
+  const Program& base = *variants.base_;
+  for (const auto& source : base.sources) {
+    if (source.name == base.modelFile) {
+      variants.source_ = source.text;
+    }
+  }
+  std::vector<std::string_view> macros;
+  for (const std::string_view line : linesOf(variants.source_)) {
+    if (const std::string_view name = definedName(line); !name.empty()) {
+      macros.push_back(name);
+    }
+  }
+  for (const Gene& gene : genes) {
+    if (std::find(macros.begin(), macros.end(), gene.name) == macros.end()) {
+      return "the model has no line '#define " + gene.name + " NUMBER'. " +
+             (macros.empty() ? "It has no #define: name the number that shall vary"
+                             : core::suggestName(gene.name, macros));
+    }
+  }
+  variants.shape_.genes = std::move(genes);
+  variants.shape_.longestSuccessor = longestSuccessor;
+  if (!variesProductions) {
+    return variants;
+  }
+
+  if (std::string problem = whyNotD0l(base); !problem.empty()) {
+    return problem;
+  }
+  const language::LSystem& system = base.systems.front();
+  const std::optional<Successor> axiom = constantModules(base, system.axiom, system.axiomExpressions);
+  if (!axiom) {
+    return "the axiom computes a parameter: productions vary in models whose parameters are constants";
+  }
+  std::vector<std::string>& alphabet = variants.shape_.alphabet;
+  const auto collect = [&alphabet](const Successor& modules) {
+    for (const std::string& module : modules) {
+      if (module != "[" && module != "]" && std::find(alphabet.begin(), alphabet.end(), module) == alphabet.end()) {
+        alphabet.push_back(module);
+      }
+    }
+  };
+  for (const std::string& module : *axiom) {
+    variants.axiom_ += module;
+  }
+  collect(*axiom);
+  for (const language::Production& production : system.productions.productions) {
+    variants.shape_.predecessors.emplace_back(base.nameOf(production.predecessor.front().type));
+    variants.successors_.push_back(*constantModules(base, production.successor, production.expressions));
+    collect(variants.successors_.back());
+  }
+  return variants;
+}
+
+std::string ModelVariants::productionText(const Genome& genome) const {
+  std::string text = "Lsystem: 1\nderivation length: " + std::to_string(base_->derivationLength) +
+                     "\nAxiom: " + (axiom_.empty() ? "*" : axiom_) + "\n";
+  for (std::size_t i = 0; i < shape_.predecessors.size(); ++i) {
+    std::string successor;
+    for (const std::string& module : genome.successors[i]) {
+      successor += module;
+    }
+    text += shape_.predecessors[i] + " --> " + (successor.empty() ? "*" : successor) + "\n";
+  }
+  return text + "endlsystem\n";
+}
+
+std::string ModelVariants::text(const Genome& genome, const std::string& comment) const {
+  std::string result = "/* " + comment + " */\n";
+  if (!shape_.predecessors.empty()) {
+    return result + productionText(genome);
+  }
+  for (const std::string_view line : linesOf(source_)) {
+    const std::string_view name = definedName(line);
+    std::string changed(line);
+    for (std::size_t i = 0; i < shape_.genes.size(); ++i) {
+      if (!name.empty() && name == shape_.genes[i].name) {
+        changed = "#define " + shape_.genes[i].name + " " + numberText(genome.values[i]);
+      }
+    }
+    result += changed + "\n";
+  }
+  return result;
+}
+
+std::variant<std::shared_ptr<const Program>, std::string> ModelVariants::program(const Genome& genome,
+                                                                                 core::FileProvider& files) const {
+  // the model's own file with the genome in it, everything else as it is
+  class WithModel final : public core::FileProvider {
+   public:
+    WithModel(core::FileProvider& others, std::string name, std::optional<std::string> text)
+        : others_(others), name_(std::move(name)), text_(std::move(text)) {}
+    [[nodiscard]] std::optional<std::string> read(const std::string& name) override {
+      return text_ && name == name_ ? text_ : others_.read(name);
+    }
+
+   private:
+    core::FileProvider& others_;
+    std::string name_;
+    std::optional<std::string> text_;
+  };
+  const bool variesProductions = !shape_.predecessors.empty();
+  WithModel all(files, base_->modelFile, variesProductions ? std::optional(productionText(genome)) : std::nullopt);
+  language::CompileInput input;
+  input.modelFile = base_->modelFile;
+  input.viewFile = base_->viewFile;
+  input.compatibility = base_->compatibility;
+  input.defines = base_->defines;
+  for (std::size_t i = 0; i < shape_.genes.size(); ++i) {
+    input.defines.emplace_back(shape_.genes[i].name, numberText(genome.values[i]));
+  }
+  const language::CompileResult compiled = language::compile(input, all);
+  if (compiled.program) {
+    return compiled.program;
+  }
+  for (const core::Diagnostic& diagnostic : compiled.diagnostics.entries()) {
+    if (diagnostic.severity == core::Severity::Error) {
+      return core::formatDiagnostic(diagnostic);
+    }
+  }
+  return std::string("the model does not compile");
+}
+
+}  // namespace espalier::command

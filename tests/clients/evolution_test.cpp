@@ -1,0 +1,222 @@
+// The parts of `espalier evolve`: genes, measures of plants, generations.
+
+#include "clients/espalier/evolution/evolution.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "engine/language/view_settings.h"
+
+namespace espalier::command {
+namespace {
+
+using core::Vec3;
+
+turtle::Segment line(const Vec3& start, const Vec3& end, std::uint32_t parent = turtle::kNoParent) {
+  turtle::Segment segment;
+  segment.start = start;
+  segment.end = end;
+  segment.startWidth = segment.endWidth = 0.01;
+  segment.parent = parent;
+  return segment;
+}
+
+PlantMeasures measured(std::vector<turtle::Segment> segments) {
+  turtle::Scene scene;
+  scene.lineStyle = language::LineStyle::Cylinder;
+  scene.segments = std::move(segments);
+  return measurePlant(std::move(scene), {});
+}
+
+const std::vector<turtle::Segment> kStem{line({0, 0, 0}, {0, 2, 0})};
+
+TEST(PlantMeasures, OfAStemAlone) {
+  const PlantMeasures stem = measured(kStem);
+  EXPECT_DOUBLE_EQ(stem.height, 2.0);
+  EXPECT_DOUBLE_EQ(stem.length, 2.0);
+  EXPECT_DOUBLE_EQ(stem.symmetry, 1.0);
+  EXPECT_DOUBLE_EQ(stem.stability, 1.0);
+  EXPECT_DOUBLE_EQ(stem.branching, 0.0);
+  EXPECT_DOUBLE_EQ(stem.organs, 0.0);
+}
+
+TEST(PlantMeasures, SymmetryIsTheShareOfLengthWithItsMirrorImage) {
+  std::vector<turtle::Segment> plant = kStem;
+  plant.push_back(line({0, 2, 0}, {1, 3, 0}, 0));
+  // the stem is its own image, the branch has none: 2 of 2 + sqrt 2
+  EXPECT_NEAR(measured(plant).symmetry, 2.0 / (2.0 + std::sqrt(2.0)), 0.06);
+  plant.push_back(line({0, 2, 0}, {-1, 3, 0}, 0));
+  EXPECT_NEAR(measured(plant).symmetry, 1.0, 1e-12);
+}
+
+TEST(PlantMeasures, StabilityFallsWithTheDistanceOfTheCentre) {
+  // an L of two lines of length 2: the centre of the upper one is 1 beside the base, that of both 1/2; the height is 2,
+  // its half 1
+  std::vector<turtle::Segment> plant = kStem;
+  plant.push_back(line({0, 2, 0}, {2, 2, 0}, 0));
+  EXPECT_NEAR(measured(plant).stability, 1.0 - 0.5 / 1.0, 1e-12);
+}
+
+TEST(PlantMeasures, BranchingIsTheShareOfForks) {
+  std::vector<turtle::Segment> plant = kStem;
+  plant.push_back(line({0, 2, 0}, {0, 3, 0}, 0));
+  plant.push_back(line({0, 3, 0}, {1, 4, 0}, 1));
+  plant.push_back(line({0, 3, 0}, {-1, 4, 0}, 1));
+  EXPECT_DOUBLE_EQ(measured(plant).branching, 0.5);
+}
+
+TEST(PlantMeasures, LightIsTheGroundInTheShade) {
+  // two level squares of side 1, one above the other with half of it over the other: they shade 1.5; the stem nothing
+  // more
+  turtle::Scene scene;
+  scene.lineStyle = language::LineStyle::Cylinder;
+  scene.segments = kStem;
+  for (const auto& [x, y] : {std::pair{0.0, 1.0}, std::pair{0.5, 2.0}}) {
+    turtle::Polygon square;
+    square.vertices = {{x, y, 0}, {x + 1, y, 0}, {x + 1, y, 1}, {x, y, 1}};
+    scene.polygons.push_back(square);
+  }
+  const PlantMeasures plant = measurePlant(std::move(scene), {});
+  EXPECT_NEAR(plant.light, 1.5, 0.02);
+  EXPECT_DOUBLE_EQ(plant.organs, 2.0);
+}
+
+TEST(FitnessFormula, IsAProductOfPowers) {
+  FitnessFormula formula;
+  ASSERT_EQ(FitnessFormula::read("symmetry=2,light,length=-1", formula), std::nullopt);
+  PlantMeasures plant;
+  plant.symmetry = 0.5;
+  plant.light = 3.0;
+  plant.length = 2.0;
+  EXPECT_DOUBLE_EQ(formula(plant), 0.25 * 3.0 / 2.0);
+  plant.length = 0.0;
+  EXPECT_EQ(formula(plant), 0.0) << "not infinite";
+}
+
+TEST(FitnessFormula, NamesWhatItCannotRead) {
+  FitnessFormula formula;
+  EXPECT_EQ(
+      FitnessFormula::read("ligth", formula).value_or(""),
+      "there is no measure 'ligth'. Did you mean 'light'? Available: height, light, symmetry, stability, branching, "
+      "length, organs.");
+  EXPECT_EQ(FitnessFormula::read("light=much", formula).value_or(""),
+            "'much' is not a number: give an exponent, as in symmetry=2,light=1");
+}
+
+EvolutionSettings settingsOf(bool variesProductions) {
+  EvolutionSettings settings;
+  settings.seed = 5;
+  settings.populationCount = 12;
+  if (variesProductions) {
+    settings.shape.predecessors = {"X", "F"};
+    settings.shape.alphabet = {"X", "F", "+", "-"};
+    settings.shape.longestSuccessor = 12;
+    settings.successors = {{"F", "[", "+", "X", "]", "X"}, {"F", "F"}};
+  } else {
+    settings.shape.genes = {{"A", 10.0, 20.0}, {"B", -1.0, 0.0}};
+  }
+  return settings;
+}
+
+// a generation whose fitness is a number that everybody can compute
+Generation judged(Generation generation) {
+  for (Individual& individual : generation.individuals) {
+    individual.isEvaluated = individual.hasGrown = true;
+    individual.fitness = 0.0;
+    for (const double value : individual.genome.values) {
+      individual.fitness += value;
+    }
+    for (const Successor& successor : individual.genome.successors) {
+      individual.fitness += static_cast<double>(std::count(successor.begin(), successor.end(), "F"));
+    }
+  }
+  return generation;
+}
+
+TEST(Genome, StaysInItsRangesAndBalanced) {
+  for (const bool variesProductions : {false, true}) {
+    const EvolutionSettings settings = settingsOf(variesProductions);
+    Generation generation = judged(firstGeneration(settings));
+    for (int i = 0; i < 200; ++i) {
+      for (const Individual& individual : generation.individuals) {
+        for (std::size_t gene = 0; gene < settings.shape.genes.size(); ++gene) {
+          ASSERT_GE(individual.genome.values[gene], settings.shape.genes[gene].low);
+          ASSERT_LE(individual.genome.values[gene], settings.shape.genes[gene].high);
+        }
+        for (const Successor& successor : individual.genome.successors) {
+          ASSERT_TRUE(isBalanced(successor));
+          ASSERT_FALSE(successor.empty());
+          ASSERT_LE(successor.size(), settings.shape.longestSuccessor);
+        }
+      }
+      generation = judged(nextGeneration(settings, generation));
+    }
+  }
+}
+
+TEST(Evolution, BeginsWithTheModelItself) {
+  const EvolutionSettings settings = settingsOf(true);
+  EXPECT_EQ(firstGeneration(settings).individuals.front().genome.successors, settings.successors);
+}
+
+TEST(Evolution, KeepsTheFittestAndImproves) {
+  for (const bool variesProductions : {false, true}) {
+    const EvolutionSettings settings = settingsOf(variesProductions);
+    Generation generation = judged(firstGeneration(settings));
+    const double first = generation.individuals[fittest(generation)].fitness;
+    double best = first;
+    for (int i = 0; i < 40; ++i) {
+      generation = judged(nextGeneration(settings, generation));
+      const double now = generation.individuals[fittest(generation)].fitness;
+      ASSERT_GE(now, best) << "the elite passes on";
+      best = now;
+    }
+    // the greatest sums: 20 + 0, and 24 times F
+    EXPECT_GT(best, variesProductions ? 18.0 : 19.9);
+    EXPECT_GT(best, first);
+  }
+}
+
+TEST(Evolution, WhatFailedToGrowIsBelowEverything) {
+  Individual failed;
+  Individual poor;
+  poor.hasGrown = true;
+  poor.fitness = -1e300;
+  EXPECT_TRUE(isFitter(poor, failed));
+  EXPECT_FALSE(isFitter(failed, poor));
+}
+
+TEST(EvolutionFile, GivesBackWhatWasWritten) {
+  for (const bool variesProductions : {false, true}) {
+    const EvolutionSettings settings = settingsOf(variesProductions);
+    const Generation generation = judged(nextGeneration(settings, judged(firstGeneration(settings))));
+    const auto read = readEvolution(writeEvolution(settings, generation), settings);
+    ASSERT_TRUE(std::holds_alternative<Generation>(read)) << std::get<std::string>(read);
+    EXPECT_EQ(std::get<Generation>(read).number, 1U);
+    // the next one is made from it as if nothing had happened
+    const Generation next = nextGeneration(settings, generation);
+    const Generation again = nextGeneration(settings, std::get<Generation>(read));
+    for (std::size_t i = 0; i < next.individuals.size(); ++i) {
+      EXPECT_EQ(next.individuals[i].genome, again.individuals[i].genome);
+    }
+  }
+}
+
+TEST(EvolutionFile, SaysWhyItCannotGoOn) {
+  EvolutionSettings settings = settingsOf(false);
+  const std::string file = writeEvolution(settings, judged(firstGeneration(settings)));
+  settings.seed = 6;
+  EXPECT_EQ(std::get<std::string>(readEvolution(file, settings)), "it was made with another seed: 5, now 6");
+  settings.seed = 5;
+  settings.model = "changed";
+  EXPECT_EQ(std::get<std::string>(readEvolution(file, settings)),
+            "the model, its view or its environment has changed since");
+  EXPECT_EQ(std::get<std::string>(readEvolution("{", settings)).rfind("it is damaged: ", 0), 0U);
+}
+
+}  // namespace
+}  // namespace espalier::command
