@@ -44,7 +44,9 @@ class Watch(unittest.TestCase):
             self.lines.put(line)
 
     def write(self, name: str, text: str) -> None:
-        (self.folder / name).write_text(text, encoding="utf-8")
+        # as editors save: never half a file
+        (self.folder / "new").write_text(text, encoding="utf-8")
+        (self.folder / "new").replace(self.folder / name)
 
     def until(self, part: str) -> str:
         """All lines up to the one that has `part`."""
