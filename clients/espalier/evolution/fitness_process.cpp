@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <thread>
 #include <utility>
 
 #include "server/line_channel.h"
@@ -80,14 +81,20 @@ std::variant<double, std::string> FitnessProcess::judge(const JudgedPlant& plant
       std::chrono::duration_cast<std::chrono::steady_clock::duration>(std::chrono::duration<double>(seconds));
   std::string line;
   LineChannel::Status status = parts_->channel.write(request(plant), deadline);
-  if (status == LineChannel::Status::Done) {
+  // what no longer reads may have said something before
+  if (status == LineChannel::Status::Done || status == LineChannel::Status::Closed) {
     status = parts_->channel.readLine(line, deadline);
   }
   if (status == LineChannel::Status::Timeout) {
     return "the fitness program did not answer within " + std::to_string(static_cast<int>(seconds)) + " s";
   }
   if (status != LineChannel::Status::Done) {
-    const std::string fate = parts_->child->process.fate();
+    // its output ends a moment before it does
+    std::string fate = parts_->child->process.fate();
+    for (int i = 0; i < 100 && fate.empty(); ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      fate = parts_->child->process.fate();
+    }
     return "the fitness program " + (fate.empty() ? std::string("closed its output") : fate) +
            " instead of answering; what it says itself is above";
   }
