@@ -181,8 +181,8 @@ void Session::onHello(const protocol::Message& message) {
   const protocol::HelloResult result{.protocol = protocol::kProtocolVersion,
                                      .session = id_,
                                      .server = "espalier " + std::string(protocol::kProgramVersion),
-                                     .capabilities = {"bin", "checkpoint", "cancel", "streams", "credits", "delta", "offer",
-                                                      "geometry", "iterate", "heartbeat"},
+                                     .capabilities = {"bin", "checkpoint", "cancel", "streams", "credits", "delta",
+                                                      "offer", "geometry", "iterate", "heartbeat"},
                                      .limits = std::move(limits)};
   respond(message.id, protocol::encode(result));
 }
