@@ -124,6 +124,24 @@ TEST(CoroutineClient, ACancelledCoroutineCancelsItsRequest) {
   });
 }
 
+TEST(CoroutineClient, AContextMayGoAwayWhileACoroutineWaits) {
+  const ScriptedServer server({kWelcome, ""});
+  asio::io_context context;
+  bool isWaiting = false;
+  asio::co_spawn(
+      context,
+      [&]() -> awaitable<void> {
+        auto connected = co_await CoroutineClient::connect(server.address());
+        const auto client = std::get<std::unique_ptr<CoroutineClient>>(std::move(connected));
+        isWaiting = true;
+        (void)co_await client->nextNotification();
+      },
+      asio::detached);
+  while (!isWaiting) {
+    context.run_one();
+  }
+}
+
 awaitable<void> connectInVain(std::string address, std::string& said) {
   const auto connected = co_await CoroutineClient::connect(std::move(address));
   said = std::get<Error>(connected).message;
