@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engine/simulation/trace.h"
+#include "engine/turtle/geometry.h"
 #include "server/channel_link.h"
 #include "server/remote_process.h"
 
@@ -84,6 +85,35 @@ bool isSame(double a, double b) {
   return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
 }
 
+/// A leaf behind each module that asks, and a stem below it.
+std::shared_ptr<const turtle::Geometry> makeGeometry(const QueryBatch& queries) {
+  auto geometry = std::make_shared<turtle::Geometry>();
+  const auto add = [&queries](turtle::GeometrySources& sources, std::size_t query) {
+    sources.plant.push_back(queries.plant[query]);
+    sources.module.push_back(queries.module[query] + 1);
+    sources.symbol.push_back(1);
+    sources.colour.push_back(2);
+    sources.branchOrder.push_back(0);
+  };
+  for (std::size_t query = 0; query < queries.size(); ++query) {
+    const core::Vec3 base = queries.position.empty() ? core::Vec3{} : queries.position[query];
+    add(geometry->segments, query);
+    geometry->start.push_back(base - core::Vec3{0.0, 1.0, 0.0});
+    geometry->end.push_back(base);
+    geometry->startWidth.push_back(0.02);
+    geometry->endWidth.push_back(0.01);
+    add(geometry->organs, query);
+    geometry->kind.push_back(turtle::GeometryKind::Polygon);
+    const auto first = static_cast<std::uint32_t>(geometry->vertices.size());
+    geometry->vertices.insert(geometry->vertices.end(),
+                              {base, base + core::Vec3{0.1, 0.0, 0.0}, base + core::Vec3{0.0, 0.05, 0.1}});
+    geometry->triangles.push_back({first, first + 1, first + 2});
+    geometry->vertexOffset.push_back(geometry->vertices.size());
+    geometry->triangleOffset.push_back(geometry->triangles.size());
+  }
+  return geometry;
+}
+
 class Checker {
  public:
   Checker(const EnvironmentCheckOptions& options, const std::function<void(const std::string&)>& print)
@@ -119,13 +149,18 @@ class Checker {
   bool connect() {
     constexpr std::string_view kTcp = "tcp://";
     constexpr std::string_view kStdio = "stdio:";
+    constexpr std::string_view kUnix = "unix:";
     const std::string& address = options_.address;
     if (address.starts_with(kTcp)) {
       link_ = ChannelLink::tcp(address.substr(kTcp.size()), {});
+    } else if (address.starts_with(kUnix)) {
+      link_ = ChannelLink::unixSocket(address.substr(kUnix.size()), {});
     } else if (address.starts_with(kStdio)) {
       link_ = ChannelLink::stdio(address.substr(kStdio.size()), {});
     } else {
-      bad("'" + address + "' does not name an environment in another process. Write tcp://HOST:PORT or stdio:COMMAND.");
+      bad("'" + address +
+          "' does not name an environment in another process. Write tcp://HOST:PORT, unix:PATH or "
+          "stdio:COMMAND.");
       return false;
     }
     RemoteProcessOptions options;
@@ -189,9 +224,12 @@ class Checker {
   }
 
   /// The replies to a batch, or nothing with the failure told.
-  std::optional<ReplyBatch> ask(const QueryBatch& queries, const std::string& what) {
+  std::optional<ReplyBatch> ask(QueryBatch queries, const std::string& what) {
     ReplyBatch replies;
     replies.prepare(queries);
+    if (description_.needs.geometry && queries.geometry == nullptr) {
+      queries.geometry = makeGeometry(queries);
+    }
     if (const auto error = process_->step(queries, replies)) {
       bad(what + ": " + error->message);
       return std::nullopt;
@@ -367,7 +405,42 @@ class Checker {
     }
   }
 
+  /// The run is made again, so that its plants can be shown: a trace has the questions and not the geometry.
+  void compareWithReplay() {
+    std::size_t steps = 0;
+    std::size_t queries = 0;
+    bool goesOn = true;
+    simulation::ReplayWitness witness;
+    witness.needsGeometry = true;
+    witness.opened = [this, &goesOn](const turtle::EnvironmentContext& context) {
+      if (const auto error = goesOn ? process_->open(context) : std::nullopt) {
+        bad("trace: " + error->message);
+        goesOn = false;
+      }
+    };
+    witness.asked = [&](const QueryBatch& asked, const ReplyBatch& recorded) {
+      if (goesOn) {
+        ++steps;
+        queries += asked.size();
+        goesOn = repliesAsRecorded(asked, recorded);
+      }
+    };
+    const auto replayed = simulation::replayTrace(options_.trace, 1, witness);
+    if (const auto* problem = std::get_if<std::string>(&replayed)) {
+      bad("trace: " + *problem);
+    } else if (const auto& divergence = std::get<simulation::ReplayResult>(replayed).divergence) {
+      bad("trace: " + divergence->message);
+    } else if (goesOn) {
+      good("trace: the same replies to " + std::to_string(queries) + " queries in " + std::to_string(steps) +
+           " steps as recorded");
+    }
+  }
+
   void compareWithTrace() {
+    if (description_.needs.geometry) {
+      compareWithReplay();
+      return;
+    }
     simulation::TraceReader reader(options_.trace);
     std::size_t steps = 0;
     std::size_t queries = 0;
@@ -396,15 +469,14 @@ class Checker {
       } else if (event->kind == simulation::TraceEventKind::Step) {
         ++steps;
         queries += event->queries.size();
-        if (!repliesAsRecorded(*event)) {
+        if (!repliesAsRecorded(event->queries, event->replies)) {
           return;
         }
       }
     }
   }
 
-  bool repliesAsRecorded(const simulation::TraceEvent& event) {
-    const QueryBatch& asked = event.queries;
+  bool repliesAsRecorded(const QueryBatch& asked, const ReplyBatch& recorded) {
     ReplyBatch replies;
     replies.prepare(asked);
     if (const auto error = process_->step(asked, replies)) {
@@ -413,13 +485,13 @@ class Checker {
     }
     for (std::size_t query = 0; query < asked.size(); ++query) {
       for (std::uint64_t k = asked.parameterOffset[query]; k < asked.parameterOffset[query + 1]; ++k) {
-        if (replies.isSet[k] != event.replies.isSet[k] ||
-            (replies.isSet[k] != 0 && !isSame(replies.values[k], event.replies.values[k]))) {
+        if (replies.isSet[k] != recorded.isSet[k] ||
+            (replies.isSet[k] != 0 && !isSame(replies.values[k], recorded.values[k]))) {
           bad("trace: step " + std::to_string(asked.step) + ", plant " + std::to_string(asked.plant[query]) +
               ", module " + std::to_string(asked.module[query]) + ": value " +
               std::to_string(k - asked.parameterOffset[query] + 1) + " is " +
               (replies.isSet[k] != 0 ? std::to_string(replies.values[k]) : "not set") + ", it was " +
-              (event.replies.isSet[k] != 0 ? std::to_string(event.replies.values[k]) : "not set"));
+              (recorded.isSet[k] != 0 ? std::to_string(recorded.values[k]) : "not set"));
           return false;
         }
       }

@@ -17,6 +17,7 @@
 #include "engine/language/compiler.h"
 #include "protocol/base64.h"
 #include "protocol/json_writer.h"
+#include "server/dial_bridge.h"
 #include "server/disk_files.h"
 #include "server/translate.h"
 
@@ -28,6 +29,7 @@ using client::Outcome;
 
 struct ConnectOptions {
   std::string address;
+  std::string trustedFile;
   std::string token;
   std::string model;
   std::string gallery;
@@ -328,7 +330,18 @@ int runConnect(const ConnectOptions& options) {
   clientOptions.name = "espalier connect";
   clientOptions.token = options.token;
   clientOptions.requestTimeout = std::chrono::hours(24);
-  auto connected = Client::connect(options.address, clientOptions);
+  std::string address = options.address;
+  std::unique_ptr<server::DialBridge> bridge;
+  if (server::DialBridge::isFor(address)) {
+    auto opened = server::DialBridge::open(address, {.trustedFile = options.trustedFile});
+    if (const auto* problem = std::get_if<std::string>(&opened)) {
+      printError(*problem);
+      return kFailure;
+    }
+    bridge = std::move(std::get<std::unique_ptr<server::DialBridge>>(opened));
+    address = bridge->address();
+  }
+  auto connected = Client::connect(address, clientOptions);
   if (const auto* error = std::get_if<protocol::Error>(&connected)) {
     return fail(*error);
   }
@@ -365,7 +378,15 @@ void addConnect(CLI::App& program, int& status) {
       "  espalier connect 127.0.0.1:4321 step $plant 3\n"
       "  espalier connect 127.0.0.1:4321 get $plant string\n"
       "`espalier connect HOST:PORT ACTION --help` explains an action.");
-  command->add_option("HOST:PORT", options->address, "Where the server listens")->required();
+  command
+      ->add_option("HOST:PORT", options->address,
+                   "Where the server listens: HOST:PORT, tls://HOST:PORT, ws://HOST:PORT,\n"
+                   "wss://HOST:PORT or unix:PATH")
+      ->required();
+  command
+      ->add_option("--trust", options->trustedFile,
+                   "Certificates (PEM) trusted besides the system's, for tls:// and wss://")
+      ->type_name("FILE");
   command->add_option("--token", options->token, "The server's token, if it asks for one");
   command->require_subcommand(1);
 

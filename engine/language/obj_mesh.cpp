@@ -76,7 +76,7 @@ std::variant<std::vector<SurfaceTriangle>, std::string> readObjMesh(const std::s
   std::vector<MeshCorner> corners;
   for (const tinyobj::shape_t& shape : reader.GetShapes()) {
     std::size_t first = 0;
-    for (const auto cornerCount : shape.mesh.num_face_vertices) {
+    for (const std::size_t cornerCount : shape.mesh.num_face_vertices) {
       const std::span<const tinyobj::index_t> indices(shape.mesh.indices.data() + first, cornerCount);
       first += cornerCount;
       if (triangles.size() + cornerCount > kMostMeshTriangles) {

@@ -23,8 +23,9 @@ bool isSame(double a, double b) {
 /// The replies of a trace in place of the environment. Compares every question with the recorded one.
 class ReplayProcess final : public turtle::EnvironmentProcess {
  public:
-  ReplayProcess(turtle::EnvironmentDescription description, std::vector<std::string> symbols)
-      : description_(std::move(description)), symbols_(std::move(symbols)) {}
+  ReplayProcess(turtle::EnvironmentDescription description, std::vector<std::string> symbols,
+                const ReplayWitness& witness)
+      : description_(std::move(description)), symbols_(std::move(symbols)), witness_(&witness) {}
 
   /// The events that the next calls must fit, one after the other; null: none.
   void expect(std::vector<TraceEvent>* events) {
@@ -42,6 +43,11 @@ class ReplayProcess final : public turtle::EnvironmentProcess {
   [[nodiscard]] std::optional<turtle::EnvironmentError> step(const turtle::QueryBatch& queries,
                                                              turtle::ReplyBatch& replies) override {
     const TraceEvent* const expected = next();
+    if (queries.size() == 0 && (expected == nullptr || expected->kind == TraceEventKind::Tick)) {
+      // whoever was recorded needed no geometry, the witness does
+      tell(queries, replies);
+      return std::nullopt;
+    }
     if (expected == nullptr || expected->kind != TraceEventKind::Step) {
       return differ({queries.step, queries.plant[0], queries.module[0],
                      placeOf(queries, 0) + ": the run asks its environment, the recorded one did not."});
@@ -59,6 +65,7 @@ class ReplayProcess final : public turtle::EnvironmentProcess {
     replies.values = expected->replies.values;
     replies.isSet = expected->replies.isSet;
     replies.surplusCount = expected->replies.surplusCount;
+    tell(queries, replies);
     return std::nullopt;
   }
   [[nodiscard]] std::optional<turtle::EnvironmentError> tick(std::uint64_t step) override {
@@ -69,6 +76,9 @@ class ReplayProcess final : public turtle::EnvironmentProcess {
       return differ({step, recorded.plant[0], recorded.module[0],
                      placeOf(recorded, 0) + ": the recorded run asked its environment, this one asks nothing."});
     }
+    if (witness_->ticked) {
+      witness_->ticked(step);
+    }
     return std::nullopt;
   }
   // iterated coupling gives it back its state before each iteration
@@ -76,6 +86,12 @@ class ReplayProcess final : public turtle::EnvironmentProcess {
   [[nodiscard]] std::optional<turtle::EnvironmentError> restore(std::string_view) override { return std::nullopt; }
 
  private:
+  void tell(const turtle::QueryBatch& queries, const turtle::ReplyBatch& replies) const {
+    if (witness_->asked) {
+      witness_->asked(queries, replies);
+    }
+  }
+
   [[nodiscard]] const TraceEvent* next() {
     wasAsked_ = true;
     return events_ == nullptr || next_ == events_->size() ? nullptr : &(*events_)[next_++];
@@ -149,6 +165,7 @@ class ReplayProcess final : public turtle::EnvironmentProcess {
 
   turtle::EnvironmentDescription description_;
   std::vector<std::string> symbols_;
+  const ReplayWitness* witness_;
   std::vector<TraceEvent>* events_ = nullptr;
   std::size_t next_ = 0;  // of events_
   std::optional<Divergence> divergence_;
@@ -186,7 +203,8 @@ std::optional<Divergence> differenceOf(const TraceEvent& recorded, const Simulat
 /// The run of a trace, made again event by event.
 class Replay {
  public:
-  Replay(std::string_view trace, unsigned threads) : reader_(trace), threads_(threads) {}
+  Replay(std::string_view trace, unsigned threads, const ReplayWitness& witness)
+      : reader_(trace), threads_(threads), witness_(witness) {}
 
   /// Nothing, or an error sentence.
   [[nodiscard]] std::optional<std::string> run() {
@@ -270,9 +288,9 @@ class Replay {
     options.world = event.context.world;
     std::unique_ptr<ReplayProcess> process;
     if (event.hasEnvironment) {
-      // whoever looked at the geometry is not there
-      event.description.needs.geometry = false;
-      process = std::make_unique<ReplayProcess>(event.description, event.context.symbols);
+      // who looked at the geometry is not there; a witness may
+      event.description.needs.geometry = witness_.needsGeometry;
+      process = std::make_unique<ReplayProcess>(event.description, event.context.symbols, witness_);
     }
     process_ = process.get();
     simulation_ = std::make_unique<Simulation>(compiled.program, std::vector<turtle::PlantPlacement>(info.plantCount),
@@ -281,6 +299,9 @@ class Replay {
       return error->message;
     }
     asked_.clear();
+    if (witness_.opened) {
+      witness_.opened(event.context);
+    }
     return std::nullopt;
   }
 
@@ -309,6 +330,7 @@ class Replay {
 
   TraceReader reader_;
   unsigned threads_;
+  const ReplayWitness& witness_;
   std::unique_ptr<Simulation> simulation_;
   ReplayProcess* process_ = nullptr;  // the simulation's; null: it has none
   std::vector<TraceEvent> asked_;     // the questions of the step under way
@@ -316,8 +338,9 @@ class Replay {
 
 }  // namespace
 
-std::variant<ReplayResult, std::string> replayTrace(std::string_view trace, unsigned threads) {
-  Replay replay(trace, threads);
+std::variant<ReplayResult, std::string> replayTrace(std::string_view trace, unsigned threads,
+                                                    const ReplayWitness& witness) {
+  Replay replay(trace, threads, witness);
   if (auto problem = replay.run()) {
     return std::move(*problem);
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -117,9 +118,19 @@ struct ReplayResult {
   std::optional<Divergence> divergence;
 };
 
+/// Who looks on while a run is made again, as another environment that is put the same questions. Empty functions are
+/// not called.
+struct ReplayWitness {
+  bool needsGeometry = false;  // the questions come with what the plants look like
+  std::function<void(const turtle::EnvironmentContext&)> opened;
+  std::function<void(const turtle::QueryBatch&, const turtle::ReplyBatch& recorded)> asked;
+  std::function<void(std::uint64_t step)> ticked;
+};
+
 /// Makes the recorded run again without its environment: the model comes from the trace, the replies too. Stops at the
 /// first difference in a query, a reply or a string. An error sentence when the trace cannot be read or its model does
 /// not compile. `threads` as in SimulationOptions.
-[[nodiscard]] std::variant<ReplayResult, std::string> replayTrace(std::string_view trace, unsigned threads);
+[[nodiscard]] std::variant<ReplayResult, std::string> replayTrace(std::string_view trace, unsigned threads,
+                                                                  const ReplayWitness& witness = {});
 
 }  // namespace espalier::simulation

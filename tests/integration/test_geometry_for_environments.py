@@ -1,9 +1,11 @@
 """Geometry over the wire: a Python environment that puts differences together sees what one sees that is sent all."""
 
+import tempfile
 import unittest
+from pathlib import Path
 from typing import Any, ClassVar, Dict, List, Sequence
 
-from support import program
+from support import espalier, program, python
 
 from espalier import Answer, Environment, Geometry, Query, blocks, local
 
@@ -58,6 +60,26 @@ class GeometryOverTheWire(unittest.TestCase):
         self.assertEqual([len(one.segment_plant) for one in Whole.seen], [0, 1, 2, 3, 4, 5])
         self.assertEqual([len(one.organ_plant) for one in Whole.seen], [0, 1, 2, 3, 4, 4])
         self.assertEqual(Difference.seen, Whole.seen)
+
+    def test_an_author_can_check_such_an_environment_also_with_a_trace(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            script = Path(folder) / "canopy.py"
+            script.write_text("from espalier import Environment, Variable\n\n\nclass Canopy(Environment):\n"
+                              "    needs = ('parameters', 'geometry')\n    outputs = (Variable('organs'),)\n\n"
+                              "    def answer(self, query):\n"
+                              "        organs = self.geometry.organ_module.tolist()\n"
+                              "        return [1.0 + organs.count(query.module + 1)]\n\n\nCanopy.serve()\n",
+                              encoding="utf-8")
+            address = "stdio:" + " ".join(f"'{word}'" for word in python(script))
+            model = Path(folder) / "leaves.l"
+            model.write_text(MODEL, encoding="utf-8")
+            trace = str(Path(folder) / "leaves.trace")
+            espalier("derive", str(model), "--environment", address, "--trace", trace)
+            self.assertIn("the same as recorded", espalier("replay", trace).stdout)
+            found = espalier("environment", "check", address, "--trace", trace).stdout
+            self.assertIn("needs parameters geometry", found)
+            self.assertIn("trace: the same replies to", found)
+            self.assertIn("all is right", found)
 
 
 if __name__ == "__main__":

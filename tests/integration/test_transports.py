@@ -250,6 +250,13 @@ class EveryTransport(unittest.TestCase):
                 for address in ("tls://" + server.address, "wss://" + server.http):
                     with Client(address, token="secret") as client:
                         self.assertEqual(client.create(MODEL, environment=[{"type": "height"}]).step(2).step, 2)
+            # the command line too, when it trusts the certificate
+            for address in ("tls://" + server.address, "wss://" + server.http):
+                told = espalier("connect", address, "--trust", certificate, "--token", "secret", "list").stdout
+                self.assertIn('"step":2', told)
+                self.assertIn("verify failed", espalier("connect", address, "--token", "secret", "list", status=1).stderr)
+                self.assertIn("The token is missing or wrong", espalier(
+                    "connect", address, "--trust", certificate, "--token", "guess", "list", status=1).stderr)
             # who does not speak TLS gets nothing
             with self.assertRaises(ConnectionLost):
                 Client(server.address, token="secret", timeout=30)
@@ -266,6 +273,26 @@ class EveryTransport(unittest.TestCase):
             refused = espalier("serve", option, "0.0.0.0:0", "--token", "x",
                                *(["--listen", "127.0.0.1:0"] if option == "--http" else []), status=1)
             self.assertIn("give --certificate FILE and --key FILE, add --insecure", refused.stderr)
+
+
+class CommandLine(unittest.TestCase):
+    """`espalier connect` over what is not plain TCP."""
+
+    def test_reaches_a_server_over_a_websocket_and_a_socket_of_the_file_system(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "espalier.socket")
+            server = Server(listen="unix:" + path)
+            self.addCleanup(server.stop)
+            for address in ("unix:" + path, "ws://" + server.http):
+                created = espalier("connect", address, "create", "--gallery", "branch-tiers", "--seed", "7").stdout.strip()
+                self.assertIn(created, espalier("connect", address, "list").stdout)
+                espalier("connect", address, "step", created, "2")
+                self.assertIn("?E", espalier("connect", address, "get", created).stdout)
+
+    def test_says_why_it_cannot(self) -> None:
+        for address in ("ws://127.0.0.1:1", "tls://127.0.0.1:1", "unix:/nonexistent/socket"):
+            self.assertIn(f"Cannot connect to {address}: ", espalier("connect", address, "list", status=1).stderr)
+        self.assertIn("it is not of the form wss://HOST:PORT", espalier("connect", "wss://nowhere", "list", status=1).stderr)
 
 
 class ErrorNumbers(unittest.TestCase):
