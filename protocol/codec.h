@@ -71,6 +71,8 @@ void writeQueries(JsonWriter& writer, const QueryColumns& queries);
 void writeReplies(JsonWriter& writer, const ReplyColumns& replies);
 /// The blocks of environment.step. They refer to the columns.
 void addBlocks(BlockWriter& blocks, const QueryColumns& queries);
+/// The member `bounds`.
+void write(JsonWriter& writer, const BoundsRecord& bounds);
 void write(JsonWriter& writer, const SavePolicy& policy);
 void write(JsonWriter& writer, const SimulationInformation& information);
 void write(JsonWriter& writer, const TurtleStreamRecord& record, bool hasIndex);

@@ -230,6 +230,7 @@ Decoded<CreateParams> decodeCreateParams(const Payload& payload) {
         }
       }
     }
+    create.bounds = readBounds(params);
     create.isTraced = !params["trace"].isAbsent() && params["trace"].boolean();
     if (const Field save = params["save"]; !save.isAbsent()) {
       create.save = readSavePolicy(save);

@@ -215,6 +215,7 @@ Decoded<OpenParams> decodeOpenParams(const Payload& payload) {
       open.resumeStep = resume.count();
     }
     readWorld(params["world"], open.world);
+    open.bounds = readBounds(params);
   });
 }
 

@@ -99,6 +99,10 @@ void write(JsonWriter& writer, const Statistics& statistics) {
   writer.key("milliseconds").number(statistics.milliseconds).endObject();
 }
 
+void write(JsonWriter& writer, const BoundsRecord& bounds) {
+  writer.key("bounds").beginArray().numbers(bounds[0]).numbers(bounds[1]).endArray();
+}
+
 void write(JsonWriter& writer, const SavePolicy& policy) {
   if (!policy.isKept || policy.every == 1) {
     writer.boolean(policy.isKept);
@@ -223,6 +227,9 @@ std::string encode(const OpenParams& params) {
     writer.key("resume").integer(*params.resumeStep);
   }
   writeWorld(writer, params.world);
+  if (params.bounds) {
+    write(writer, *params.bounds);
+  }
   return writer.endObject().take();
 }
 

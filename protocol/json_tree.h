@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -69,6 +70,27 @@ class Field {
   std::size_t index_ = 0;
   bool isElement_ = false;
 };
+
+/// The member `bounds` of `object`, which may be absent: two corners of three numbers, no coordinate of the first
+/// beyond that of the second.
+[[nodiscard]] inline std::optional<std::array<std::array<double, 3>, 2>> readBounds(const Field& object) {
+  const Field bounds = object["bounds"];
+  if (bounds.isAbsent()) {
+    return std::nullopt;
+  }
+  if (bounds.arraySize() != 2 || bounds.element(0).arraySize() != 3 || bounds.element(1).arraySize() != 3) {
+    bounds.failExpected("two corners of three numbers");
+  }
+  std::array<std::array<double, 3>, 2> box{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    box[0][axis] = bounds.element(0).element(axis).number();
+    box[1][axis] = bounds.element(1).element(axis).number();
+    if (box[0][axis] > box[1][axis]) {
+      bounds.fail("the first corner has the smaller coordinates");
+    }
+  }
+  return box;
+}
 
 /// Runs a decoder over a payload and turns a wrong field into an error value.
 template <typename T, typename Decoder>

@@ -84,6 +84,9 @@ struct PlantPosition {
   std::array<double, 3> position{0.0, 0.0, 0.0};
 };
 
+/// A box: its least and its greatest corner, in the world's unit.
+using BoundsRecord = std::array<std::array<double, 3>, 2>;
+
 /// When the state of a simulation is written to the server's disk.
 struct SavePolicy {
   bool isKept = true;
@@ -101,9 +104,10 @@ struct CreateParams {
   std::optional<std::uint64_t> maximumModules;  // lowers the server's limits
   std::optional<std::uint64_t> maximumQueries;
   SavePolicy save;
-  bool isTraced = false;         // the dialogue with its environments is recorded
-  std::uint32_t iterations = 1;  // of the coupling with its environments, at most, in each step
-  double tolerance = 0.0;        // of the answers of two iterations
+  bool isTraced = false;               // the dialogue with its environments is recorded
+  std::uint32_t iterations = 1;        // of the coupling with its environments, at most, in each step
+  double tolerance = 0.0;              // of the answers of two iterations
+  std::optional<BoundsRecord> bounds;  // of the space that the plants may fill: passed on to environments
 };
 
 struct Statistics {
@@ -316,6 +320,7 @@ struct OpenParams {
   std::optional<std::uint64_t>
       resumeStep;  // opened again in the middle of a run: completed steps; nothing: from the start
   WorldRecord world;
+  std::optional<BoundsRecord> bounds;  // of the space that the plants may fill, where it is known
 };
 
 /// One communication module on the wire. Vectors that the environment does not need are absent.

@@ -155,6 +155,7 @@ std::variant<BuiltEnvironment, protocol::Error> buildEnvironment(const std::stri
       options.stepTimeout = std::min(services.stepTimeout, settings.stepTimeout.value_or(services.stepTimeout));
       options.configurationJson = std::move(settings.configurationJson);
       options.isAbsenceTolerated = isAbsenceTolerated;
+      options.bounds = services.bounds;
       options.runWaiting = services.runWaiting;
       auto remote = std::make_unique<RemoteProcess>(link, std::move(options));
       if (auto error = remote->introduce();

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "engine/simulation/simulation.h"
 #include "engine/turtle/environment_process.h"
 #include "protocol/errors.h"
+#include "protocol/messages.h"
 #include "server/environment_link.h"
 #include "server/failure_policy.h"
 
@@ -24,10 +26,11 @@ struct EnvironmentServices {
   std::function<void(const std::function<void()>&)> runWaiting;  // lets another worker compute
   std::chrono::milliseconds stepTimeout{60'000};
   std::string galleryFolder;
-  Metrics* metrics = nullptr;  // null: nothing is counted
-  std::string traceFolder;     // empty: no traces
-  FailureSink onFailure;       // hears of environments with a policy that failed
-  unsigned threads = 1;        // of one step
+  Metrics* metrics = nullptr;                    // null: nothing is counted
+  std::string traceFolder;                       // empty: no traces
+  std::optional<protocol::BoundsRecord> bounds;  // told to environments in other processes
+  FailureSink onFailure;                         // hears of environments with a policy that failed
+  unsigned threads = 1;                          // of one step
 };
 
 struct BuiltEnvironment {

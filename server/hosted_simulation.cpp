@@ -59,6 +59,7 @@ HostedSimulation::HostedSimulation(SimulationRecord record, const core::Limits& 
 std::optional<protocol::Error> HostedSimulation::build(std::shared_ptr<const language::Program> program,
                                                        bool isAbsenceTolerated) {
   EnvironmentServices services = services_;
+  services.bounds = record_.create.bounds;
   if (record_.create.isTraced) {
     if (services_.traceFolder.empty()) {
       return protocol::fieldError("params.trace", "this server keeps nothing; start it with --data to have traces");

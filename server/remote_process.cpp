@@ -103,6 +103,7 @@ turtle::EnvironmentDescription RemoteProcess::describe() const {
 std::optional<turtle::EnvironmentError> RemoteProcess::openPeer(std::uint64_t step) {
   peerGeometry_.reset();
   auto params = toOpenParams(*context_, options_.configurationJson);
+  params.bounds = options_.bounds;
   const bool isInRun = step > 0 || stepCount_ > 0;
   if (isInRun && !canCheckpoint()) {
     params.resumeStep = step;

@@ -17,7 +17,8 @@ struct RemoteProcessOptions {
   /// How long a peer may take to answer environment.describe; one that does not is taken for a minimal environment,
   /// which needs everything and is asked nothing but steps.
   std::chrono::milliseconds introductionTimeout{2'000};
-  std::string configurationJson;  // text of an object for environment.open; empty: none
+  std::string configurationJson;                 // text of an object for environment.open; empty: none
+  std::optional<protocol::BoundsRecord> bounds;  // of the space that the plants may fill, for environment.open
   /// A peer that is away is not an error before the first step (simulations loaded from disk).
   bool isAbsenceTolerated = false;
   /// Runs the waiting part of each call; empty: directly. The server lets another worker compute meanwhile.

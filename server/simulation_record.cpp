@@ -31,6 +31,9 @@ std::string toText(const SimulationRecord& record) {
     params.key("coupling").beginObject().key("iterations").integer(create.iterations);
     params.key("tolerance").number(create.tolerance).endObject();
   }
+  if (create.bounds) {
+    write(params, *create.bounds);
+  }
   params.key("save");
   write(params, create.save);
   params.key("trace").boolean(create.isTraced).endObject();

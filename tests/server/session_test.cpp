@@ -1,6 +1,7 @@
 #include "server/session.h"
 
 #include <fstream>
+#include <future>
 
 #include "engine/simulation/trace.h"
 #include "protocol/base64.h"
@@ -285,6 +286,28 @@ TEST(Session, ATraceIsBegunEndedListedAndSent) {
       errorOf(get(R"("trace","trace":2)")).message,
       "params.trace: there is no trace 2 of this simulation, or it is too large for an answer; ask for its traces, "
       "or download it over HTTP");
+}
+
+TEST(Session, TheSpaceOfThePlantsIsToldToEnvironments) {
+  const RunningServer server;
+  const auto client = connectTo(server);
+  std::promise<std::string> told;
+  const OfferingEnvironment environment(
+      server, "mylight", [&told](client::Client& self, const client::IncomingRequest& request) {
+        if (request.method == "environment.open") {
+          told.set_value(protocol::memberOf(request.params.toText(), "bounds").value_or("(none)"));
+          (void)self.respond(request.id, protocol::Body("{}"));
+          return;
+        }
+        (void)self.respondError(request.id, {protocol::ErrorCode::UnknownMethod, "no", {}});
+      });
+  (void)create(*client, kGrowth, R"([{"type":"offered","name":"mylight"}])", R"("bounds":[[-1,0,-1.5],[1,20,1]])");
+  EXPECT_EQ(told.get_future().get(), "[[-1,0,-1.5],[1,20,1]]");
+  const auto problem = [&](const std::string& bounds) {
+    return errorOf(client->request("simulation.create", createParams(kGrowth, {}, R"("bounds":)" + bounds))).message;
+  };
+  EXPECT_EQ(problem("[[0,0,0]]").rfind("params.bounds: expected two corners of three numbers", 0), 0U);
+  EXPECT_EQ(problem("[[0,5,0],[1,1,1]]"), "params.bounds: the first corner has the smaller coordinates");
 }
 
 TEST(Session, ATraceNeedsADataFolder) {
