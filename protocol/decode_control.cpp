@@ -149,6 +149,20 @@ void readLimits(const Field& field, std::vector<std::pair<std::string, std::uint
   }
 }
 
+void readSelection(const Field& select, StreamSelection& selection) {
+  if (select.isAbsent()) {
+    return;
+  }
+  select.requireObject();
+  selection.symbols = readTexts(select["symbols"]);
+  if (const Field plants = select["plants"]; !plants.isAbsent()) {
+    const std::size_t count = plants.arraySize();
+    for (std::size_t i = 0; i < count; ++i) {
+      selection.plants.push_back(static_cast<std::uint32_t>(plants.element(i).integer(0, 0xFFFFFFFF)));
+    }
+  }
+}
+
 }  // namespace
 
 Decoded<HelloParams> decodeHelloParams(const Payload& payload) {
@@ -243,6 +257,7 @@ Decoded<StepParams> decodeStepParams(const Payload& payload) {
     params.requireObject();
     step.simulation = readName(params["simulation"]);
     readOptionalCount(params["until"], step.until);
+    step.wantsProgress = !params["progress"].isAbsent() && params["progress"].boolean();
     if (const Field steps = params["steps"]; !steps.isAbsent()) {
       if (step.until) {
         steps.fail("give \"steps\" or \"until\", not both");
@@ -322,6 +337,7 @@ Decoded<GetParams> decodeGetParams(const Payload& payload) {
     if (const Field plant = params["plant"]; !plant.isAbsent()) {
       get.plant = static_cast<std::uint32_t>(plant.integer(0, 0xFFFFFFFF));
     }
+    readSelection(params["select"], get.select);
   });
 }
 
@@ -410,16 +426,7 @@ Decoded<StreamOpenParams> decodeStreamOpenParams(const Payload& payload) {
       }
       open.isSinglePrecision = name == "single";
     }
-    if (const Field select = params["select"]; !select.isAbsent()) {
-      select.requireObject();
-      open.select.symbols = readTexts(select["symbols"]);
-      if (const Field plants = select["plants"]; !plants.isAbsent()) {
-        const std::size_t count = plants.arraySize();
-        for (std::size_t i = 0; i < count; ++i) {
-          open.select.plants.push_back(static_cast<std::uint32_t>(plants.element(i).integer(0, 0xFFFFFFFF)));
-        }
-      }
-    }
+    readSelection(params["select"], open.select);
   });
 }
 

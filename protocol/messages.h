@@ -136,6 +136,7 @@ struct StepParams {
   std::string simulation;
   std::uint64_t steps = 1;
   std::optional<std::uint64_t> until;  // completed steps to reach, instead of `steps`
+  bool wantsProgress = false;          // $/progress is sent on the way
 };
 
 struct StepResult {
@@ -170,11 +171,20 @@ struct ForkParams {
   std::string name;  // of the new one, for people; empty: that of the old one
 };
 
+/// Of turtle records.
+struct StreamSelection {
+  std::vector<std::string> symbols;   // empty: all
+  std::vector<std::uint32_t> plants;  // empty: all
+
+  bool operator==(const StreamSelection&) const = default;
+};
+
 struct GetParams {
   std::string simulation;
   std::string what;  // string, statistics, state-hash, turtle, model, information, checkpoints, traces, trace
   std::uint32_t plant = 0;
   std::uint64_t trace = 0;  // number of the trace; 0: not given
+  StreamSelection select;   // of turtle records
 };
 
 struct TraceParams {
@@ -221,13 +231,6 @@ struct NameParams {
 };
 
 // ---- streams ----
-
-struct StreamSelection {
-  std::vector<std::string> symbols;   // empty: all
-  std::vector<std::uint32_t> plants;  // empty: all
-
-  bool operator==(const StreamSelection&) const = default;
-};
 
 struct StreamOpenParams {
   std::string simulation;

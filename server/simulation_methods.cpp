@@ -1,5 +1,7 @@
 #include "server/simulation_methods.h"
 
+#include <chrono>
+
 #include "engine/language/model_queries.h"
 #include "protocol/base64.h"
 #include "protocol/codec.h"
@@ -79,7 +81,27 @@ struct StepProgress {
   std::uint64_t queries = 0;
   std::uint64_t answers = 0;
   double milliseconds = 0.0;
+  std::chrono::steady_clock::time_point told{};  // when the caller last heard how far it is
 };
+
+// how often a caller hears of its progress, and how full its outbox may be for it
+constexpr std::chrono::milliseconds kProgressInterval{100};
+constexpr std::size_t kProgressOutbox = 1'000'000;
+
+/// Says how far a call is, when the caller asked for it.
+void tellProgress(SimulationRunner& runner, Session& session, const protocol::MessageId& id, StepProgress& progress) {
+  const auto now = std::chrono::steady_clock::now();
+  if (!progress.params.wantsProgress || now - progress.told < kProgressInterval ||
+      session.outboxBytes() > kProgressOutbox) {
+    return;
+  }
+  progress.told = now;
+  simulation::Simulation& simulation = runner.hosted().simulation();
+  protocol::JsonWriter params;
+  params.beginObject().key("id").raw(protocol::toText(id)).key("step").integer(simulation.completedSteps());
+  params.key("made").integer(progress.madeSteps).key("modules").integer(simulation.statistics().modules);
+  session.notify("$/progress", params.endObject().take());
+}
 
 protocol::StepResult resultOf(SimulationRunner& runner, const StepProgress& progress, bool isTruncated) {
   simulation::Simulation& simulation = runner.hosted().simulation();
@@ -155,6 +177,7 @@ bool advanceSteps(SimulationRunner& runner, Command& command, Session& session, 
     return false;
   }
   runner.publishFrames(true);
+  tellProgress(runner, session, id, progress);
   return true;
 }
 
@@ -219,6 +242,7 @@ std::variant<std::string, protocol::Error> getResult(SimulationRunner& runner, c
   } else if (params.what == "turtle") {
     protocol::StreamOpenParams all;
     all.what = "turtle";
+    all.select = params.select;
     auto frame = FrameMaker(simulation, 0.0, nullptr).make(all, {});
     if (const auto* error = std::get_if<core::SimulationError>(&frame)) {
       return hosted.errorOf(*error);

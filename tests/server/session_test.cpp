@@ -288,6 +288,38 @@ TEST(Session, ATraceIsBegunEndedListedAndSent) {
       "or download it over HTTP");
 }
 
+TEST(Session, ALongCallSaysHowFarItIsWhenAsked) {
+  const RunningServer server;
+  const auto client = connectTo(server);
+  const std::string simulation = create(*client, kGrowth, R"([{"type":"height"}])");
+  resultOf(client->request("simulation.step", named(simulation)));
+  EXPECT_FALSE(client->nextNotification(std::chrono::milliseconds(0)).has_value());
+  const auto id =
+      std::get<std::int64_t>(client->send("simulation.step", named(simulation, R"("steps":3,"progress":true)")));
+  EXPECT_EQ(member(resultOf(client->waitFor(id, std::chrono::seconds(30))), "step"), "4");
+  const auto told = client->nextNotification(std::chrono::seconds(0));
+  ASSERT_TRUE(told.has_value());
+  EXPECT_EQ(told->method, "$/progress");
+  EXPECT_EQ(member(told->paramsJson, "id"), std::to_string(id));
+  EXPECT_EQ(member(told->paramsJson, "step"), "2");
+  EXPECT_EQ(member(told->paramsJson, "made"), "1");
+}
+
+TEST(Session, TurtleRecordsAreSelected) {
+  const RunningServer server;
+  const auto client = connectTo(server);
+  const std::string simulation = create(*client, kGrowth, R"([{"type":"height"}])");
+  const auto records = [&](const std::string& select) {
+    return member(resultOf(client->request("simulation.get", named(simulation, R"("what":"turtle")" + select))),
+                  "records");
+  };
+  EXPECT_NE(records("").find(R"("symbol":"E")"), std::string::npos);
+  const std::string lines = records(R"(,"select":{"symbols":["F"]})");
+  EXPECT_NE(lines.find(R"("symbol":"F")"), std::string::npos);
+  EXPECT_EQ(lines.find(R"("symbol":"E")"), std::string::npos);
+  EXPECT_EQ(records(R"(,"select":{"plants":[1]})"), "[]");
+}
+
 TEST(Session, TheSpaceOfThePlantsIsToldToEnvironments) {
   const RunningServer server;
   const auto client = connectTo(server);
