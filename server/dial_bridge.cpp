@@ -29,18 +29,15 @@ constexpr std::size_t kPieceBytes = 65'536;
 constexpr std::string_view kPath = "/espalier/1";
 
 /// Bytes as they are.
-template <typename Stream>
-asio::awaitable<void> passOn(tcp::socket& near, Stream& far, bool isTowardsFar) {
+template <typename From, typename To>
+asio::awaitable<void> passOn(From& from, To& to) {
   const auto bytes = std::make_unique_for_overwrite<std::array<char, kPieceBytes>>();
   while (true) {
-    const auto [error, count] = isTowardsFar ? co_await near.async_read_some(asio::buffer(*bytes), kAsTuple)
-                                             : co_await far.async_read_some(asio::buffer(*bytes), kAsTuple);
+    const auto [error, count] = co_await from.async_read_some(asio::buffer(*bytes), kAsTuple);
     if (error) {
       co_return;
     }
-    const auto piece = asio::buffer(bytes->data(), count);
-    const auto [problem, written] = isTowardsFar ? co_await asio::async_write(far, piece, kAsTuple)
-                                                 : co_await asio::async_write(near, piece, kAsTuple);
+    const auto [problem, written] = co_await asio::async_write(to, asio::buffer(bytes->data(), count), kAsTuple);
     if (problem) {
       co_return;
     }
@@ -143,8 +140,12 @@ class DialBridge::Implementation {
     asio::co_spawn(
         context_,
         [&]() -> asio::awaitable<void> {
-          outcome = kind == "unix" ? co_await dialUnixSocket(address.substr(address.find(':') + 1))
-                                   : co_await dial(kind, address.substr(scheme + 3));
+          // not in one expression: g++ 12 makes wrong code of that
+          if (kind == "unix") {
+            outcome = co_await dialUnixSocket(address.substr(address.find(':') + 1));
+          } else {
+            outcome = co_await dial(kind, address.substr(scheme + 3));
+          }
         },
         asio::detached);
     context_.run_for(options_.connectTimeout);
@@ -173,7 +174,9 @@ class DialBridge::Implementation {
     if (error) {
       co_return error.message();
     }
-    pump_ = [this, socket](bool isTowardsFar) { return passOn(near_, *socket, isTowardsFar); };
+    pump_ = [this, socket](bool isTowardsFar) {
+      return isTowardsFar ? passOn(near_, *socket) : passOn(*socket, near_);
+    };
     co_return std::nullopt;
   }
 
@@ -223,7 +226,7 @@ class DialBridge::Implementation {
           std::make_shared<websocket::stream<asio::ssl::stream<tcp::socket>>>(std::move(encrypted)), place, path);
     }
     auto far = std::make_shared<asio::ssl::stream<tcp::socket>>(std::move(encrypted));
-    pump_ = [this, far](bool isTowardsFar) { return passOn(near_, *far, isTowardsFar); };
+    pump_ = [this, far](bool isTowardsFar) { return isTowardsFar ? passOn(near_, *far) : passOn(*far, near_); };
     co_return std::nullopt;
   }
 
