@@ -313,12 +313,9 @@ class Light final : public turtle::EnvironmentProcess {
     std::vector<turtle::Field> fields;
     const auto& plot = configuration_.numbers("plot");
     for (std::size_t band = 0; band < groundLight_.size(); ++band) {
-      turtle::Field field{bands_.size() == 1 ? "groundLight" : "groundLight" + std::to_string(band + 1),
-                          isPhotons_ ? "umol/(m^2 s)" : "W/m^2",
-                          {},
-                          {},
-                          {},
-                          {}};
+      turtle::Field field;
+      field.name = bands_.size() == 1 ? "groundLight" : "groundLight" + std::to_string(band + 1);
+      field.unit = isPhotons_ ? "umol/(m^2 s)" : "W/m^2";
       const double height = configuration_.number("groundHeight");
       const double wide = (plot[1] - plot[0]) / kGroundCells;
       const double deep = (plot[3] - plot[2]) / kGroundCells;

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "engine/turtle/field.h"
 #include "engine/turtle/geometry.h"
 #include "environment/light/sun_position.h"
 #include "query_builder.h"
@@ -151,6 +152,26 @@ TEST(Light, TheGroundOfAStandReflectsLightFromBelow) {
   };
   EXPECT_NEAR(under("0"), 100, 1e-9);
   EXPECT_NEAR(under("1"), 200, 4);
+}
+
+TEST(Light, TheFieldIsTheIrradianceOfTheGround) {
+  const auto process = openProcess("light", R"({"plot":[-2,2,-1,1],"ground":true,"groundHeight":-3,"bounces":0,)"
+                                            R"("diffuseIrradiance":100,"reflectance":[0],"transmittance":[0]})");
+  EXPECT_TRUE(process->fields().empty());
+  // a leaf close above the ground in the corner with the smallest coordinates
+  (void)LeafScene().leaf({-1.99, -2.99, -0.99}, 1).answers(*process);
+  const auto fields = process->fields();
+  ASSERT_EQ(fields.size(), 1U);
+  EXPECT_EQ(fields[0].cells, (std::array<std::size_t, 3>{16, 1, 16}));
+  EXPECT_EQ(fields[0].position, (core::Vec3{-2, -3, -1}));
+  EXPECT_EQ(fields[0].cellSize, (core::Vec3{0.25, 0.125, 0.125}));
+  ASSERT_EQ(fields[0].values.size(), 256U);
+  EXPECT_LT(fields[0].values[0], 20);
+  EXPECT_GT(fields[0].values[255], 95);
+  // x is fastest: the leaf reaches over 1 along x, four cells, and over eight along z
+  EXPECT_LT(fields[0].values[2], 20);
+  EXPECT_GT(fields[0].values[6], 50);
+  EXPECT_LT(fields[0].values[3 * 16], 30);
 }
 
 TEST(Light, WhatCannotBeIsAnError) {

@@ -154,6 +154,24 @@ class GalleryEnvironments(unittest.TestCase):
         self.assertEqual(max(range(3), key=lambda species: counts[90][species]), 2)
         self.assertTrue(all(min(row) > 0 for row in counts))
 
+    def test_a_year_of_a_stand_shades_the_ground_and_draws_the_soil_dry(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            series = Path(folder) / "year.csv"
+            espalier("run", model("stand-year"), "--seed", "1", "--quiet", "-o", str(Path(folder) / "stand.string"),
+                     "--field", str(series))
+            rows = list(csv.DictReader(series.read_text(encoding="utf-8").splitlines()))
+        means = {field: [float(row["mean"]) for row in rows if row["field"] == field]
+                 for field in ("Light.groundLight", "Soil.waterContent")}
+        light, water = means["Light.groundLight"], means["Soil.waterContent"]
+        self.assertEqual([len(light), len(water)], [365, 366], "there is light from the first day on")
+        # 100 days before and after the solstice the sun is the same, but in autumn the leaves are there: a third is gone
+        self.assertLess(sum(light[232:242]), 0.8 * sum(light[102:112]))
+        # the sun of December is weak, and the ground has it all
+        self.assertLess(max(light[:20]), min(light[150:170]))
+        # roots draw the soil dry in summer, rain fills it again
+        self.assertLess(min(water[200:281]), 0.9 * min(water[60:100]))
+        self.assertGreater(water[365], 1.1 * min(water[200:281]))
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -1,0 +1,157 @@
+// Light by rays beside a bare loop of Embree over the same rays of the same scene, and voxel light.
+
+#include <benchmark/benchmark.h>
+#include <embree3/rtcore.h>
+
+#include <cmath>
+#include <random>
+#include <thread>
+#include <vector>
+
+#include "environment/light/leaf_light.h"
+#include "environment/light/voxel_field.h"
+
+namespace espalier::benchmarking {
+namespace {
+
+using benchmark::Counter;
+using core::Vec3;
+
+constexpr int kDirections = 64;
+
+// a canopy of leaves, each of two triangles, in a cube of side 1 with a leaf area index of 3
+environment::LightSurfaces canopy(int triangleCount) {
+  std::mt19937_64 random(1);
+  std::uniform_real_distribution<double> place(0.0, 1.0);
+  std::normal_distribution<double> component;
+  const double side = std::sqrt(3.0 / (triangleCount / 2.0));
+  environment::LightSurfaces surfaces;
+  for (int leaf = 0; leaf < triangleCount / 2; ++leaf) {
+    const Vec3 u = core::normalised({component(random), component(random), component(random)});
+    const Vec3 w = core::normalised({component(random), component(random), component(random)});
+    const Vec3 v = core::normalised(w - u * core::dot(u, w));
+    const Vec3 corner{place(random), place(random), place(random)};
+    const auto base = static_cast<std::uint32_t>(surfaces.vertices.size());
+    surfaces.vertices.insert(surfaces.vertices.end(),
+                             {corner, corner + u * side, corner + (u + v) * side, corner + v * side});
+    surfaces.triangles.push_back({base, base + 1, base + 2});
+    surfaces.triangles.push_back({base, base + 2, base + 3});
+    surfaces.material.insert(surfaces.material.end(), 2, 0U);
+  }
+  return surfaces;
+}
+
+void light(benchmark::State& state, unsigned threads) {
+  const auto surfaces = canopy(static_cast<int>(state.range(0)));
+  std::uint64_t rays = 0;
+  for (auto _ : state) {
+    const environment::LeafLight traced(surfaces, {}, {}, {.directions = kDirections, .threads = threads});
+    rays = traced.rayCount();
+    benchmark::DoNotOptimize(traced.areaOf(0));
+  }
+  state.counters["rays/s"] = Counter(static_cast<double>(rays), Counter::kIsIterationInvariantRate);
+}
+
+// one bounce in one band, of rays that have been traced
+void bounce(benchmark::State& state) {
+  const auto surfaces = canopy(static_cast<int>(state.range(0)));
+  const environment::LeafLight traced(surfaces, {}, {}, {.directions = kDirections});
+  const std::vector<double> sky(kDirections, 1.0);
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(traced.irradiances(0, sky, {{0.1, 0.1}}, {}, 1));
+  }
+  state.counters["rays/s"] = Counter(2.0 * static_cast<double>(traced.rayCount()), Counter::kIsIterationInvariantRate);
+}
+
+// the same scene and as many rays, with nothing around: building the tree and rtcIntersect1 from triangles' corners
+void embree(benchmark::State& state, unsigned threads) {
+  const auto surfaces = canopy(static_cast<int>(state.range(0)));
+  const auto directions = environment::LeafLight::directionsOf(kDirections);
+  std::vector<std::uint32_t> hits(surfaces.triangles.size() * kDirections);
+  for (auto _ : state) {
+    RTCDevice device = rtcNewDevice(threads == 1 ? "threads=1" : "threads=2");
+    RTCScene scene = rtcNewScene(device);
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    auto* position = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                                                 3 * sizeof(float), surfaces.vertices.size()));
+    for (const Vec3& vertex : surfaces.vertices) {
+      *position++ = static_cast<float>(vertex.x);
+      *position++ = static_cast<float>(vertex.y);
+      *position++ = static_cast<float>(vertex.z);
+    }
+    auto* index = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
+        geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), surfaces.triangles.size()));
+    for (const auto& corners : surfaces.triangles) {
+      index = std::copy(corners.begin(), corners.end(), index);
+    }
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(scene, geometry);
+    rtcReleaseGeometry(geometry);
+    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+    rtcCommitScene(scene);
+    const auto part = [&](std::size_t from, std::size_t to) {
+      for (std::size_t triangle = from; triangle < to; ++triangle) {
+        const Vec3& corner = surfaces.vertices[surfaces.triangles[triangle][0]];
+        for (std::size_t i = 0; i < kDirections; ++i) {
+          RTCRayHit ray{};
+          ray.ray.org_x = static_cast<float>(corner.x);
+          ray.ray.org_y = static_cast<float>(corner.y);
+          ray.ray.org_z = static_cast<float>(corner.z);
+          ray.ray.dir_x = static_cast<float>(directions[i].x);
+          ray.ray.dir_y = static_cast<float>(directions[i].y);
+          ray.ray.dir_z = static_cast<float>(directions[i].z);
+          ray.ray.tnear = 1e-5F;
+          ray.ray.tfar = INFINITY;
+          ray.ray.mask = 0xFFFFFFFFU;
+          ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+          RTCIntersectContext context;
+          rtcInitIntersectContext(&context);
+          rtcIntersect1(scene, &context, &ray);
+          hits[triangle * kDirections + i] = ray.hit.primID;
+        }
+      }
+    };
+    const std::size_t half = threads == 1 ? 0 : surfaces.triangles.size() / 2;
+    std::jthread second(part, 0, half);
+    part(half, surfaces.triangles.size());
+    second.join();
+    rtcReleaseScene(scene);
+    rtcReleaseDevice(device);
+  }
+  benchmark::DoNotOptimize(hits.data());
+  state.counters["rays/s"] =
+      Counter(static_cast<double>(surfaces.triangles.size() * kDirections), Counter::kIsIterationInvariantRate);
+}
+
+// sums over the rectangles of all layers of a field of range(0)³ voxels
+void voxels(benchmark::State& state) {
+  const std::int64_t side = state.range(0);
+  environment::VoxelField field({{0, 0, 0}, {side, side, side}, 1.0, false}, environment::GridAxes{});
+  field.values()[0] = 1.0;
+  for (auto _ : state) {
+    field.sumLayers();
+    benchmark::DoNotOptimize(field.boxSum({side / 2, side / 2, side / 2}, 8));
+  }
+  // each pass reads a number and writes one
+  state.counters["bytes/s"] =
+      Counter(static_cast<double>(side * side * side) * 2.0 * sizeof(double), Counter::kIsIterationInvariantRate);
+}
+
+const bool kIsRegistered = [] {
+  for (const unsigned threads : {1U, 2U}) {
+    for (const auto& [name, run] : {std::pair("rays/light", &light), std::pair("rays/embree", &embree)}) {
+      benchmark::RegisterBenchmark((std::string(name) + "/" + std::to_string(threads)).c_str(),
+                                   [run = run, threads](benchmark::State& state) { run(state, threads); })
+          ->Unit(benchmark::kMillisecond)
+          ->UseRealTime()
+          ->Arg(100'000)
+          ->Arg(1'000'000);
+    }
+  }
+  benchmark::RegisterBenchmark("bounce/light", bounce)->Unit(benchmark::kMillisecond)->UseRealTime()->Arg(100'000);
+  benchmark::RegisterBenchmark("voxels/light-voxels", voxels)->Unit(benchmark::kMillisecond)->UseRealTime()->Arg(256);
+  return true;
+}();
+
+}  // namespace
+}  // namespace espalier::benchmarking
