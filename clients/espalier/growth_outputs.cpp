@@ -14,11 +14,18 @@ struct GrowthOutputs::File {
       : content(name),
         target{.fileName = std::filesystem::path(name).filename().string(),
                .sink = content,
-               .openCompanion = {},
+               .openCompanion = [this](const std::string& companion) -> core::ByteSink& { return open(companion); },
                .progress = {}},
         growth(format.beginGrowth(target, range)) {}
 
+  core::ByteSink& open(const std::string& companion) {
+    companions.push_back(std::make_unique<server::AtomicFile>(
+        std::filesystem::path(content.name()).replace_filename(companion).string()));
+    return *companions.back();
+  }
+
   server::AtomicFile content;
+  std::vector<std::unique_ptr<server::AtomicFile>> companions;  // pictures that its meshes wear
   turtle::ExportTarget target;
   std::unique_ptr<turtle::GrowthExport> growth;
 };
@@ -52,7 +59,8 @@ bool GrowthOutputs::addFrame(const simulation::Simulation& simulation) {
   const turtle::ExportInput input{.scene = std::get<turtle::Scene>(drawn),
                                   .view = simulation.program().view,
                                   .palette = &simulation.options().palette,
-                                  .detail = options_.detail};
+                                  .detail = options_.detail,
+                                  .threads = options_.picture.threads};
   for (const auto& file : files_) {
     if (const auto problem = file->growth->addFrame(input, simulation.completedSteps())) {
       printError("cannot write '" + file->content.name() + "': " + *problem);
@@ -66,7 +74,12 @@ bool GrowthOutputs::addFrame(const simulation::Simulation& simulation) {
 bool GrowthOutputs::finish(bool isQuiet) {
   for (const auto& file : files_) {
     file->growth->finish();
-    if (const auto problem = file->content.commit()) {
+    std::optional<std::string> problem;
+    for (const auto& companion : file->companions) {
+      problem = problem ? problem : companion->commit();
+    }
+    problem = problem ? problem : file->content.commit();
+    if (problem) {
       printError(*problem);
       return false;
     }

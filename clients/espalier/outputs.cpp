@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <charconv>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <system_error>
@@ -12,6 +13,7 @@
 #include "clients/espalier/drawing_order.h"
 #include "clients/espalier/messages.h"
 #include "clients/espalier/number_option.h"
+#include "clients/espalier/progress_bar.h"
 #include "server/disk_files.h"
 
 namespace espalier::command {
@@ -65,6 +67,50 @@ std::string readSize(const std::string& text, turtle::PictureOptions& picture) {
                       std::to_string(turtle::kMaximumPicturePixels) + ", as 800x600";
 }
 
+// writes a file and its companions, all or none, with a bar while it takes long, and says so
+bool writeFile(const std::string& file, bool isQuiet,
+               const std::function<std::optional<std::string>(const turtle::ExportTarget&)>& write,
+               const std::string& what) {
+  server::AtomicFile content(file);
+  std::map<std::string, std::unique_ptr<server::AtomicFile>> companions;
+  ProgressBar bar(!isQuiet);
+  turtle::ExportTarget target{
+      .fileName = fs::path(file).filename().string(),
+      .sink = content,
+      .openCompanion = {},
+      .progress = [&](std::uint64_t done, std::uint64_t total) { bar.showWriting(file, done, total); }};
+  if (content.isRenamed()) {
+    target.openCompanion = [&](const std::string& name) -> core::ByteSink& {
+      auto& companion = companions[name];
+      companion = std::make_unique<server::AtomicFile>(fs::path(file).replace_filename(name).string());
+      return *companion;
+    };
+  }
+  std::optional<std::string> problem = write(target);
+  bar.clear();
+  if (problem) {
+    printError("cannot write '" + file + "': " + *problem);
+    return false;
+  }
+  // companions first: a file never refers to what is not there
+  problem = content.finish();
+  for (auto& [name, companion] : companions) {
+    problem = problem ? problem : companion->finish();
+  }
+  for (auto& [name, companion] : companions) {
+    problem = problem ? problem : companion->commit();
+  }
+  problem = problem ? problem : content.commit();
+  if (problem) {
+    printError(*problem);
+    return false;
+  }
+  if (!isQuiet) {
+    printNote("wrote " + file + " (" + what + ")");
+  }
+  return true;
+}
+
 }  // namespace
 
 const turtle::ExportFormat* formatOf(const OutputOptions& options, const std::string& file) {
@@ -112,6 +158,8 @@ void addOutputOptions(CLI::App& command, OutputOptions& options, bool isOutputRe
   addWholeNumber(command, "--colours", "At most so many colours in a PNG, for a small file", 2, 256,
                  [&options](std::uint64_t count) { options.picture.maximumColours = static_cast<int>(count); })
       ->type_name("N");
+  command.add_flag("--instancing", options.usesInstancing,
+                   "In a .glb of many plants, equal ones are one node (EXT_mesh_gpu_instancing)");
   command
       .add_option("--detail", options.detail,
                   "Level of detail: factor of the sides of tubes and the subdivisions of surfaces (1)")
@@ -138,6 +186,21 @@ int checkOutputs(const OutputOptions& options) {
     }
   }
   return kSuccess;
+}
+
+int checkPlacedOutputs(const OutputOptions& options) {
+  std::string formats;
+  for (const turtle::ExportFormat& format : turtle::exportFormats()) {
+    formats += format.writePlaced == nullptr ? "" : (formats.empty() ? "" : ", ") + std::string(format.suffix);
+  }
+  for (const std::string& file : options.files) {
+    const turtle::ExportFormat* const format = formatOf(options, file);
+    if (isSnapshot(options, file) || (format != nullptr && format->writePlaced == nullptr)) {
+      printError("'" + file + "' cannot hold several plants side by side: give one of " + formats);
+      return kUsage;
+    }
+  }
+  return checkOutputs(options);
 }
 
 std::string numberedName(const std::string& file, std::uint64_t number, int digits) {
@@ -191,29 +254,19 @@ bool OutputWriter::write(const simulation::Simulation& simulation, std::optional
     }
   }
   for (const std::string& file : options_.files) {
-    if (!writeFile(simulation, drawn, number ? numberedName(file, *number, digits) : file, file)) {
+    if (!writeOne(simulation, drawn, number ? numberedName(file, *number, digits) : file, file)) {
       return false;
     }
   }
   return true;
 }
 
-bool OutputWriter::writeFile(const simulation::Simulation& simulation, const Drawn& drawn, const std::string& file,
-                             const std::string& formatFrom) const {
-  server::AtomicFile content(file);
-  std::map<std::string, std::unique_ptr<server::AtomicFile>> companions;
-  std::optional<std::string> problem;
-  if (isSnapshot(options_, formatFrom)) {
-    simulation.save(content);
-  } else {
-    turtle::ExportTarget target{
-        .fileName = fs::path(file).filename().string(), .sink = content, .openCompanion = {}, .progress = {}};
-    if (content.isRenamed()) {
-      target.openCompanion = [&](const std::string& name) -> core::ByteSink& {
-        auto& companion = companions[name];
-        companion = std::make_unique<server::AtomicFile>(fs::path(file).replace_filename(name).string());
-        return *companion;
-      };
+bool OutputWriter::writeOne(const simulation::Simulation& simulation, const Drawn& drawn, const std::string& file,
+                            const std::string& formatFrom) const {
+  const auto write = [&](const turtle::ExportTarget& target) -> std::optional<std::string> {
+    if (isSnapshot(options_, formatFrom)) {
+      simulation.save(target.sink);
+      return std::nullopt;
     }
     std::vector<const derivation::ModuleString*> strings;
     for (std::size_t plant = 0; plant < simulation.plantCount(); ++plant) {
@@ -235,28 +288,28 @@ bool OutputWriter::writeFile(const simulation::Simulation& simulation, const Dra
                                     .program = &simulation.program(),
                                     .strings = strings,
                                     .visitModules = visitModules};
-    problem = formatOf(options_, formatFrom)->write(input, target);
+    return formatOf(options_, formatFrom)->write(input, target);
+  };
+  return writeFile(file, isQuiet_, write,
+                   "step " + std::to_string(simulation.completedSteps()) + ", " +
+                       std::to_string(simulation.statistics().modules) + " modules");
+}
+
+bool writePlacedFiles(const OutputOptions& options, std::span<turtle::ExportInput> scenes,
+                      std::span<const turtle::ScenePlacement> placements, const std::string& what, bool isQuiet) {
+  for (turtle::ExportInput& scene : scenes) {
+    scene.detail = options.detail;
+    scene.threads = options.picture.threads;
+    scene.picture = &options.picture;
+    scene.usesInstancing = options.usesInstancing;
   }
-  if (problem) {
-    printError("cannot write '" + file + "': " + *problem);
-    return false;
-  }
-  // all or none, companions first: a file never refers to what is not there
-  problem = content.finish();
-  for (auto& [name, companion] : companions) {
-    problem = problem ? problem : companion->finish();
-  }
-  for (auto& [name, companion] : companions) {
-    problem = problem ? problem : companion->commit();
-  }
-  problem = problem ? problem : content.commit();
-  if (problem) {
-    printError(*problem);
-    return false;
-  }
-  if (!isQuiet_) {
-    printNote("wrote " + file + " (step " + std::to_string(simulation.completedSteps()) + ", " +
-              std::to_string(simulation.statistics().modules) + " modules)");
+  for (const std::string& file : options.files) {
+    const auto write = [&](const turtle::ExportTarget& target) {
+      return formatOf(options, file)->writePlaced({scenes, placements}, target);
+    };
+    if (!writeFile(file, isQuiet, write, what)) {
+      return false;
+    }
   }
   return true;
 }

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,7 @@ struct OutputOptions {
   std::string format;  // of all files; empty: by their suffixes
   double detail = 1.0;
   bool isColouredByOrder = false;  // lines in the colours of the order in which they are drawn
+  bool usesInstancing = false;  // glb: copies of a scene are one node
   turtle::PictureOptions picture;
 };
 
@@ -31,6 +33,16 @@ void addOutputOptions(CLI::App& command, OutputOptions& options, bool isOutputRe
 /// Whether every file can be written at all, before a long run rather than after it: known format, existing folder. The
 /// exit status, with an error written when it is not success.
 [[nodiscard]] int checkOutputs(const OutputOptions& options);
+
+/// The same, and that every format holds copies of scenes.
+[[nodiscard]] int checkPlacedOutputs(const OutputOptions& options);
+
+/// Writes copies of scenes to all files, each complete or not at all; `what` is what they show, for the note on
+/// standard error: "20 plants". Detail, picture options, threads and instancing are those of the options. False, with
+/// an error written, when one cannot be written.
+[[nodiscard]] bool writePlacedFiles(const OutputOptions& options, std::span<turtle::ExportInput> scenes,
+                                    std::span<const turtle::ScenePlacement> placements, const std::string& what,
+                                    bool isQuiet);
 
 /// The format of a file by --format or its suffix; null: a snapshot, or none of that name.
 [[nodiscard]] const turtle::ExportFormat* formatOf(const OutputOptions& options, const std::string& file);
@@ -51,8 +63,8 @@ class OutputWriter {
 
  private:
   struct Drawn;
-  [[nodiscard]] bool writeFile(const simulation::Simulation& simulation, const Drawn& drawn, const std::string& file,
-                               const std::string& formatFrom) const;
+  [[nodiscard]] bool writeOne(const simulation::Simulation& simulation, const Drawn& drawn, const std::string& file,
+                              const std::string& formatFrom) const;
 
   const OutputOptions& options_;
   bool isQuiet_;

@@ -26,20 +26,25 @@ std::optional<std::string> exportSvg(const ExportInput& input, const ExportTarge
     options.widthPixels = input.picture->widthPixels;
     options.heightPixels = input.picture->heightPixels;
     options.hasBackground = input.picture->background == PictureBackground::Model;
+    options.frame = input.picture->frame;
   }
   writeSvg(input.scene, input.view, options, target.sink);
   return std::nullopt;
 }
 
 std::optional<std::string> exportPostScript(const ExportInput& input, const ExportTarget& target) {
-  writePostScript(input.scene, input.view, {.palette = input.palette}, target.sink);
+  PostScriptOptions options{.palette = input.palette};
+  if (input.picture != nullptr) {
+    options.frame = input.picture->frame;
+  }
+  writePostScript(input.scene, input.view, options, target.sink);
   return std::nullopt;
 }
 
 std::optional<std::string> exportPng(const PlacedScenes& placed, const ExportTarget& target) {
   const ExportInput& first = placed.scenes[0];
   const PictureOptions options = first.picture != nullptr ? *first.picture : PictureOptions{};
-  return writePng(renderPlaced(placed, options), target.sink, options.maximumColours);
+  return writePng(renderPlaced(placed, options, target.progress), target.sink, options.maximumColours);
 }
 
 // the entry of a format that holds copies of scenes

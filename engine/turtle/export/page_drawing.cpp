@@ -26,10 +26,14 @@ Colour lit(const Colour& colour, double factor) {
 }  // namespace
 
 PageDrawing::PageDrawing(const Scene& scene, const language::ViewSettings& view, const Palette& palette, double width,
-                         double height, double marginFraction)
+                         double height, double marginFraction, const std::optional<PictureFrame>& frame)
     : scene_(scene), view_(view), palette_(palette), projection_(view) {
   light_ = core::normalised(-0.45 * projection_.right() + 0.75 * projection_.up() + 0.6 * projection_.towardViewer());
-  chooseProjection();
+  if (!frame) {
+    chooseProjection();
+  } else if (frame->isParallel) {
+    projection_.useParallel();
+  }
   for (const Segment& segment : scene.segments) {
     const ProjectedPoint a = projection_.project(segment.start);
     const ProjectedPoint b = projection_.project(segment.end);
@@ -37,6 +41,7 @@ PageDrawing::PageDrawing(const Scene& scene, const language::ViewSettings& view,
     bounds_.include(b, hasPixelLines() ? 0.0 : segment.endWidth * b.magnification / 2.0);
   }
   addShapes();
+  bounds_ = frame ? frame->bounds : bounds_;
   fit(width, height, marginFraction);
   addLines();
 }

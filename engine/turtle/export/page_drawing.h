@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -9,8 +10,8 @@
 #include "engine/language/view_settings.h"
 #include "engine/turtle/export/mesh.h"
 #include "engine/turtle/export/palette.h"
+#include "engine/turtle/export/picture_bounds.h"
 #include "engine/turtle/export/projection.h"
-#include "engine/turtle/export/raster_camera.h"
 #include "engine/turtle/scene.h"
 
 namespace espalier::turtle {
@@ -48,9 +49,9 @@ struct PageShape {
 class PageDrawing {
  public:
   /// `scene` and `palette` must outlive the object. The page is at most `width` by `height` and as small as the drawing
-  /// with a margin of `marginFraction` of the larger side allows.
+  /// with a margin of `marginFraction` of the larger side allows; with a `frame` that is what there is room for.
   PageDrawing(const Scene& scene, const language::ViewSettings& view, const Palette& palette, double width,
-              double height, double marginFraction);
+              double height, double marginFraction, const std::optional<PictureFrame>& frame = {});
 
   [[nodiscard]] double width() const { return width_; }
   [[nodiscard]] double height() const { return height_; }

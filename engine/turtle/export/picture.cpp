@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <deque>
+#include <functional>
 #include <optional>
 #include <span>
 
@@ -113,7 +114,8 @@ PictureBounds boundsOf(const PlacedGeometry& geometry, const Projection& project
 }
 
 // draws all parts into some rows of the picture, round by round: triangles are made, sorted into tiles, drawn
-void drawParts(const PlacedGeometry& geometry, const RasterCamera& camera, RasterTarget& target, WorkerTeam& team) {
+void drawParts(const PlacedGeometry& geometry, const RasterCamera& camera, RasterTarget& target, WorkerTeam& team,
+               const std::function<void(std::size_t)>& report) {
   struct Reference {
     std::uint32_t task = 0;
     std::uint32_t triangle = 0;
@@ -150,6 +152,7 @@ void drawParts(const PlacedGeometry& geometry, const RasterCamera& camera, Raste
                     static_cast<int>(tile / columns));
       }
     });
+    report(first + parts);
   }
 }
 
@@ -165,15 +168,27 @@ PictureImage renderPicture(const Scene& scene, const language::ViewSettings& vie
   return renderPlaced({{&input, 1}, {&here, 1}}, options);
 }
 
-PictureImage renderPlaced(const PlacedScenes& placed, const PictureOptions& options) {
+PictureFrame pictureFrame(const PlacedScenes& placed, const PictureOptions& options) {
+  WorkerTeam team(std::max(1U, options.threads));
+  const PlacedGeometry geometry(placed);
+  const language::ViewSettings& view = placed.scenes[0].view;
+  const Projection projection = chosenProjection(geometry, view, options, team);
+  return {boundsOf(geometry, projection, team), Projection(view).isPerspective() && !projection.isPerspective()};
+}
+
+PictureImage renderPlaced(const PlacedScenes& placed, const PictureOptions& options, const ExportProgress& progress) {
   ESPALIER_CHECK(options.widthPixels > 0 && options.widthPixels <= kMaximumPicturePixels);
   ESPALIER_CHECK(options.heightPixels > 0 && options.heightPixels <= kMaximumPicturePixels);
   WorkerTeam team(std::max(1U, options.threads));
   PlacedGeometry geometry(placed);
   const language::ViewSettings& view = placed.scenes[0].view;
   const Colour background = backgroundOf(geometry.scenes()[0].palette, options.background);
-  const Projection projection = chosenProjection(geometry, view, options, team);
-  const PictureBounds bounds = boundsOf(geometry, projection, team);
+  const bool isFramed = options.frame && options.framing == PictureFraming::Fitted;
+  Projection projection = isFramed ? Projection(view) : chosenProjection(geometry, view, options, team);
+  if (isFramed && options.frame->isParallel) {
+    projection.useParallel();
+  }
+  const PictureBounds bounds = isFramed ? options.frame->bounds : boundsOf(geometry, projection, team);
   const RasterCamera camera(projection, view, bounds, options);
   for (PlacedGeometry::SceneParts& scene : geometry.scenes()) {
     scene.shading.emplace(view, projection, scene.palette, scene.textures, bounds, background);
@@ -188,7 +203,14 @@ PictureImage renderPlaced(const PlacedScenes& placed, const PictureOptions& opti
   for (int first = 0; first < image.height; first += rowsAtOnce) {
     const int rows = std::min(rowsAtOnce, image.height - first);
     RasterTarget target(image.width, first, rows);
-    drawParts(geometry, camera, target, team);
+    const std::size_t stripCount =
+        (static_cast<std::size_t>(image.height + rowsAtOnce) - 1) / static_cast<std::size_t>(rowsAtOnce);
+    const std::size_t strip = static_cast<std::size_t>(first / rowsAtOnce);
+    drawParts(geometry, camera, target, team, [&](std::size_t done) {
+      if (progress) {
+        progress(strip * geometry.partCount() + done, stripCount * geometry.partCount());
+      }
+    });
     team.run(static_cast<std::size_t>(rows), [&](std::size_t row) {
       const std::size_t at = (static_cast<std::size_t>(first) + row) * width * 4;
       target.resolve(static_cast<int>(row), background, options.background == PictureBackground::Transparent,

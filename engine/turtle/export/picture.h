@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "engine/core/streams.h"
@@ -9,6 +10,7 @@
 #include "engine/language/view_settings.h"
 #include "engine/turtle/export/exporters.h"
 #include "engine/turtle/export/palette.h"
+#include "engine/turtle/export/picture_bounds.h"
 #include "engine/turtle/scene.h"
 
 namespace espalier::turtle {
@@ -29,6 +31,7 @@ struct PictureOptions {
   double marginFraction = 0.05;  // of a fitted picture, at each edge
   PictureBackground background = PictureBackground::Model;
   PictureFraming framing = PictureFraming::Fitted;
+  std::optional<PictureFrame> frame = {};      // what a fitted picture shows; nothing: all that is drawn in it
   std::uint64_t sampleBytes = 320'000'000;     // memory for samples; a larger picture is made in strips, with more time
   unsigned threads = 1;                        // the picture does not depend on them
   int maximumColours = 0;                      // 2 to 256: of the file; 0: as many as there are
@@ -48,6 +51,10 @@ using PictureImage = language::Image;
                                          const PictureOptions& options);
 
 /// The same for copies of scenes. Colours are those of each scene's own palette, not of the options.
-[[nodiscard]] PictureImage renderPlaced(const PlacedScenes& placed, const PictureOptions& options);
+[[nodiscard]] PictureImage renderPlaced(const PlacedScenes& placed, const PictureOptions& options,
+                                        const ExportProgress& progress = {});
+
+/// What a fitted picture of these scenes would show.
+[[nodiscard]] PictureFrame pictureFrame(const PlacedScenes& placed, const PictureOptions& options);
 
 }  // namespace espalier::turtle

@@ -146,7 +146,7 @@ void writePostScript(const Scene& scene, const language::ViewSettings& view, con
                      core::ByteSink& sink) {
   constexpr double kMargin = 0.03;
   const Palette palette(scene, options.palette);
-  const PageDrawing page(scene, view, palette, options.widthPoints, options.heightPoints, kMargin);
+  const PageDrawing page(scene, view, palette, options.widthPoints, options.heightPoints, kMargin, options.frame);
   TextOutput out(sink);
   PostScriptWriter writer(scene, page, out);
   writer.writeHead(view.postScriptLineCap);

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <optional>
+
 #include "engine/core/streams.h"
 #include "engine/language/colour_files.h"
 #include "engine/language/view_settings.h"
+#include "engine/turtle/export/picture_bounds.h"
 #include "engine/turtle/scene.h"
 
 namespace espalier::turtle {
@@ -11,6 +14,7 @@ struct PostScriptOptions {
   double widthPoints = 540.0;  // of the box that the drawing is fitted into; a point is 1/72 inch
   double heightPoints = 720.0;
   const language::Palette* palette = nullptr;  // a model folder's colours; null or empty: Espalier's own
+  std::optional<PictureFrame> frame = {};      // what the drawing has room for; nothing: what is drawn
 };
 
 /// Writes a drawing as Encapsulated PostScript, level 2, one page: lines by branch order, then organs from far to near,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace espalier::turtle {
@@ -23,24 +24,6 @@ PictureBounds boundsOfBox(const language::Box& box, const Projection& projection
 }
 
 }  // namespace
-
-void PictureBounds::include(const ProjectedPoint& point, double radius) {
-  left = std::min(left, point.x - radius);
-  right = std::max(right, point.x + radius);
-  bottom = std::min(bottom, point.y - radius);
-  top = std::max(top, point.y + radius);
-  nearest = std::min(nearest, point.depth);
-  farthest = std::max(farthest, point.depth);
-}
-
-void PictureBounds::include(const PictureBounds& other) {
-  left = std::min(left, other.left);
-  right = std::max(right, other.right);
-  bottom = std::min(bottom, other.bottom);
-  top = std::max(top, other.top);
-  nearest = std::min(nearest, other.nearest);
-  farthest = std::max(farthest, other.farthest);
-}
 
 RasterCamera::RasterCamera(const Projection& projection, const language::ViewSettings& view, const PictureBounds& drawn,
                            const PictureOptions& options)

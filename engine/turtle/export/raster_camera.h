@@ -1,27 +1,12 @@
 #pragma once
 
-#include <limits>
-
 #include "engine/core/vec3.h"
 #include "engine/language/view_settings.h"
 #include "engine/turtle/export/picture.h"
+#include "engine/turtle/export/picture_bounds.h"
 #include "engine/turtle/export/projection.h"
 
 namespace espalier::turtle {
-
-/// A rectangle of the picture plane and the depths that lie in it.
-struct PictureBounds {
-  double left = std::numeric_limits<double>::infinity();
-  double right = -std::numeric_limits<double>::infinity();
-  double bottom = std::numeric_limits<double>::infinity();
-  double top = -std::numeric_limits<double>::infinity();
-  double nearest = std::numeric_limits<double>::infinity();
-  double farthest = -std::numeric_limits<double>::infinity();
-
-  [[nodiscard]] bool empty() const { return !(left <= right); }
-  void include(const ProjectedPoint& point, double radius);
-  void include(const PictureBounds& other);
-};
 
 /// Where a point of the world is on the page.
 struct PagePoint {

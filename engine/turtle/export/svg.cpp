@@ -218,7 +218,8 @@ void SvgWriter::writeShape(const PageShape& shape) {
 
 void writeSvg(const Scene& scene, const language::ViewSettings& view, const SvgOptions& options, core::ByteSink& sink) {
   const Palette palette(scene, options.palette);
-  const PageDrawing page(scene, view, palette, options.widthPixels, options.heightPixels, options.marginFraction);
+  const PageDrawing page(scene, view, palette, options.widthPixels, options.heightPixels, options.marginFraction,
+                         options.frame);
   TextOutput out(sink);
   SvgWriter writer(scene, page, out);
   const Colour background = palette.background();

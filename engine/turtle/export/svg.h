@@ -1,8 +1,11 @@
 #pragma once
 
+#include <optional>
+
 #include "engine/core/streams.h"
 #include "engine/language/colour_files.h"
 #include "engine/language/view_settings.h"
+#include "engine/turtle/export/picture_bounds.h"
 #include "engine/turtle/scene.h"
 
 namespace espalier::turtle {
@@ -14,6 +17,7 @@ struct SvgOptions {
   bool hasBackground = true;
   const language::Palette* palette =
       nullptr;  // a model folder's colours, its background too; null or empty: Espalier's own
+  std::optional<PictureFrame> frame = {};  // what the drawing has room for; nothing: what is drawn
 };
 
 /// Writes a drawing of the scene as SVG 1.1 in the view file's projection: one path for each branch order (and colour),
