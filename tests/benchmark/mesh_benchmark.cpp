@@ -1,4 +1,4 @@
-// Meshing and mesh files of a grown tree of 40 thousand and of 5 million modules.
+// Meshing, pictures and mesh files of a grown tree of 40 thousand and of 5 million modules.
 
 #include <benchmark/benchmark.h>
 
@@ -7,7 +7,8 @@
 #include <string>
 
 #include "engine/turtle/export/exporters.h"
-#include "engine/turtle/export/scene_meshes.h"
+#include "engine/turtle/export/picture.h"
+#include "engine/turtle/export/placed_meshes.h"
 #include "tests/benchmark/workload.h"
 
 namespace espalier::benchmarking {
@@ -70,23 +71,41 @@ void count(benchmark::State& state, const GrownTree& tree, std::uint64_t triangl
   }
 }
 
-// all meshes of a scene, one after the other
-void meshing(benchmark::State& state, const Workload& workload) {
+// all meshes of a scene, by so many threads, handed over in order
+void meshing(benchmark::State& state, const Workload& workload, unsigned threads) {
   const GrownTree tree = grow(workload);
   std::uint64_t triangles = 0;
+  const double before = beginMeasuringMemory();
   for (auto _ : state) {
     triangles = 0;
-    const turtle::ExportInput input{.scene = tree.scene, .view = tree.program->view};
-    turtle::MaterialTable materials;
-    const turtle::SceneMeshes meshes(input, materials);
-    turtle::Mesh mesh;
-    for (const turtle::MeshPart& part : meshes.parts()) {
-      meshes.make(part, mesh);
-      triangles += mesh.triangleCount();
+    const turtle::ExportInput input{.scene = tree.scene, .view = tree.program->view, .threads = threads};
+    const turtle::ScenePlacement here;
+    turtle::PlacedMeshes meshes({{&input, 1}, {&here, 1}});
+    const auto problem = meshes.forEach(
+        [&triangles](const turtle::PlacedMeshes::Item&, const turtle::Mesh& mesh) -> std::optional<std::string> {
+          triangles += mesh.triangleCount();
+          return std::nullopt;
+        });
+    if (problem) {
+      state.SkipWithError(problem->c_str());
+      return;
     }
-    benchmark::DoNotOptimize(triangles);
   }
   count(state, tree, triangles);
+  state.counters["more memory"] = benchmark::Counter(statusBytes("VmHWM:") - before);
+}
+
+// a picture of points of 1600 by 1200, without its compression
+void drawing(benchmark::State& state, const Workload& workload, unsigned threads) {
+  GrownTree tree = grow(workload);
+  tree.scene.lineStyle = language::LineStyle::Cylinder;
+  const turtle::PictureOptions options{.widthPixels = 1600, .heightPixels = 1200, .threads = threads};
+  const double before = beginMeasuringMemory();
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(turtle::renderPicture(tree.scene, tree.program->view, options));
+  }
+  count(state, tree, 0);
+  state.counters["more memory"] = benchmark::Counter(statusBytes("VmHWM:") - before);
 }
 
 // a file of them; `scene` is the memory of its segments, `more memory` what writing needed beside
@@ -119,10 +138,17 @@ void writing(benchmark::State& state, const Workload& workload, const turtle::Ex
 const bool kIsRegistered = [] {
   for (const char* steps : {"12", "19"}) {
     const Workload workload{"parametric", steps, ""};
-    benchmark::RegisterBenchmark(("mesh/" + workload.name()).c_str(),
-                                 [workload](benchmark::State& state) { meshing(state, workload); })
-        ->Unit(benchmark::kMillisecond)
-        ->UseRealTime();
+    for (const unsigned threads : {1U, 2U}) {
+      const std::string behind = workload.name() + "/threads:" + std::to_string(threads);
+      benchmark::RegisterBenchmark(("mesh/" + behind).c_str(),
+                                   [workload, threads](benchmark::State& state) { meshing(state, workload, threads); })
+          ->Unit(benchmark::kMillisecond)
+          ->UseRealTime();
+      benchmark::RegisterBenchmark(("draw/" + behind).c_str(),
+                                   [workload, threads](benchmark::State& state) { drawing(state, workload, threads); })
+          ->Unit(benchmark::kMillisecond)
+          ->UseRealTime();
+    }
     for (const char* name : {"glb", "obj", "ply", "stl", "usda"}) {
       const turtle::ExportFormat& format = *turtle::findExportFormat(name);
       benchmark::RegisterBenchmark((std::string("write/") + name + "/" + workload.name()).c_str(),

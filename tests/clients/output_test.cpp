@@ -8,7 +8,10 @@
 #include <filesystem>
 #include <set>
 #include <string>
+#include <variant>
+#include <vector>
 
+#include "engine/language/image_file.h"
 #include "tests/clients/program_run.h"
 #include "tests/support/places.h"
 
@@ -147,6 +150,77 @@ TEST_F(Output, VariantsAreRunsOfConsecutiveSeeds) {
   const ProgramRun equal = run("run tree.l --variants 2 -o t.string");
   EXPECT_TRUE(contains(equal.errors, "the model draws no random numbers: all variants are equal")) << equal.errors;
   EXPECT_EQ(run("run bush.l --variants 2 --every -o v.svg").status, 2);
+}
+
+TEST_F(Output, VariantsInRowsAreOneFileAndEqualOnesShareTheirMesh) {
+  ASSERT_EQ(run("run tree.l --variants 5 --in-rows 0 -o row.glb -o row.png --size 80x60").status, 0);
+  const ProgramRun far = run("run tree.l --variants 5 --in-rows 100 -o far.glb");
+  ASSERT_EQ(far.status, 0) << far.errors;
+  EXPECT_TRUE(contains(far.errors, "wrote far.glb (5 plants, 1 different)")) << far.errors;
+  // rows of three and two
+  EXPECT_TRUE(contains(folder_.read("far.glb"), "\"name\":\"plant_4\",\"translation\":[100,0,-100]"));
+  const std::size_t one = [&] {
+    EXPECT_EQ(run("run tree.l -o one.glb").status, 0);
+    return folder_.read("one.glb").size();
+  }();
+  EXPECT_LT(folder_.read("row.glb").size(), one + 5 * 160);
+  // plants that differ have each their own
+  const ProgramRun bush = run("run bush.l --variants 3 --in-rows 2.5 -o bush.glb");
+  EXPECT_TRUE(contains(bush.errors, "wrote bush.glb (3 plants, 3 different)")) << bush.errors;
+  ASSERT_EQ(run("run tree.l --variants 5 --in-rows 0 -o node.glb --instancing").status, 0);
+  EXPECT_TRUE(contains(folder_.read("node.glb"), "EXT_mesh_gpu_instancing"));
+  const ProgramRun wrong = run("run bush.l --variants 3 --in-rows 1 -o bush.svg");
+  EXPECT_EQ(wrong.status, 2);
+  EXPECT_EQ(
+      wrong.errors,
+      "error: 'bush.svg' cannot hold several plants side by side: give one of .png, .glb, .obj, .ply, .stl, .usda\n");
+  EXPECT_EQ(run("run bush.l --in-rows 1 -o bush.glb").status, 2) << "without --variants";
+}
+
+TEST_F(Output, FramesOfAnAnimationShareOneScaleUnlessEachIsToFill) {
+  folder_.write("line.l", "Lsystem: 1\nderivation length: 3\nAxiom: F\nF --> FF\nendlsystem\n");
+  // the height of each drawing
+  const auto heights = [&](const std::string& options) {
+    EXPECT_EQ(run("run line.l --every -o f.svg " + options).status, 0);
+    std::vector<std::string> found;
+    for (int step = 0; step <= 3; ++step) {
+      const std::string text = folder_.read("f-000" + std::to_string(step) + ".svg");
+      const std::size_t at = text.find("viewBox=\"");
+      found.push_back(text.substr(at, text.find('"', at + 9) - at));
+    }
+    return found;
+  };
+  // a line of length 1, 2, 4, 8: with one scale all pages are the last one's, and the first line an eighth of it
+  const std::vector<std::string> shared = heights("");
+  EXPECT_EQ(std::set<std::string>(shared.begin(), shared.end()).size(), 1U);
+  const auto inkOf = [&](const std::string& options, int step) {
+    EXPECT_EQ(run("run line.l --every -o p.png --size 40x160 --background transparent " + options).status, 0);
+    const std::string bytes = folder_.read("p-000" + std::to_string(step) + ".png");
+    auto image = language::readPngImage(bytes);
+    const auto& pixels = std::get<language::Image>(image).pixels;
+    double ink = 0.0;
+    for (std::size_t at = 3; at < pixels.size(); at += 4) {
+      ink += pixels[at] / 255.0;
+    }
+    return ink;
+  };
+  EXPECT_NEAR(inkOf("", 0) * 8.0, inkOf("", 3), 0.15 * inkOf("", 3));
+  EXPECT_NEAR(inkOf("--frames own", 0), inkOf("--frames own", 3), 0.15 * inkOf("--frames own", 3));
+  EXPECT_EQ(run("run line.l --frames own -o p.png").status, 2) << "without --every";
+}
+
+TEST_F(Output, WhatAModelPrintsIsPrintedOnceAlsoWhenFramesAreMeasured) {
+  folder_.write(
+      "print.l",
+      "Lsystem: 1\nderivation length: 2\nStartEach: {printf(\"step\\n\");}\nAxiom: F\nF --> FF\nendlsystem\n");
+  const ProgramRun result = run("run print.l --every -o f.png --size 20x20");
+  ASSERT_EQ(result.status, 0) << result.errors;
+  std::size_t count = 0;
+  for (std::size_t at = result.errors.find("step\n"); at != std::string::npos;
+       at = result.errors.find("step\n", at + 1)) {
+    ++count;
+  }
+  EXPECT_EQ(count, 2U) << result.errors;
 }
 
 TEST_F(Output, ExportDrawsASnapshotWithoutDerivingOrItsEnvironment) {

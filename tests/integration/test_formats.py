@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import csv
+import os
+import pty
 import struct
+import subprocess
 import tempfile
 import unittest
 import xml.etree.ElementTree as ElementTree
 import zlib
 from pathlib import Path
 
-from support import espalier
+from support import espalier, program
 
 MODEL = """Lsystem: 1
 derivation length: 5
@@ -151,6 +154,34 @@ class Formats(unittest.TestCase):
         left, right = min(x for x, _ in drawn), max(x for x, _ in drawn)
         self.assertAlmostEqual(left, width - 1 - right, delta=4)
         self.assertGreater(len(drawn), 2000)
+
+    def test_a_terminal_sees_a_bar_while_a_large_file_is_written(self) -> None:
+        (self.folder / "wide.l").write_text(
+            "Lsystem: 1\nderivation length: 12\nAxiom: A\nA --> F[+A][-A]\nendlsystem\n", encoding="utf-8")
+        leader, follower = pty.openpty()
+        try:
+            done = subprocess.run(
+                [program(), "run", str(self.folder / "wide.l"), "-o", str(self.folder / "wide.obj")],
+                stderr=follower, stdout=subprocess.DEVNULL, timeout=60, check=False)
+            os.close(follower)
+            follower = -1
+            seen = b""
+            while True:
+                try:
+                    piece = os.read(leader, 65536)
+                except OSError:  # the end, once nobody holds the other side
+                    break
+                if not piece:
+                    break
+                seen += piece
+        finally:
+            os.close(leader)
+            if follower >= 0:
+                os.close(follower)
+        self.assertEqual(done.returncode, 0)
+        self.assertRegex(seen, rb"\r\[#+ *\] writing [^ ]*wide\.obj, 100 %")
+        # the bar is gone when the note is written
+        self.assertRegex(seen, rb"\r\x1b\[Kwrote [^ ]*wide\.obj")
 
 
 if __name__ == "__main__":

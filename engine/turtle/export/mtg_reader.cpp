@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <limits>
@@ -93,7 +94,8 @@ class MtgReader {
   std::vector<std::string> features_;      // by column from featureColumn_
   std::size_t featureColumn_ = kNone;
   std::vector<Vertex> vertices_;
-  std::vector<std::size_t> lastOfColumn_;  // vertex of the last code in each column
+  int coarsest_ = std::numeric_limits<int>::max();  // scale above 0 so far
+  std::vector<std::size_t> lastOfColumn_;           // vertex of the last code in each column
 };
 
 std::string unescaped(std::string_view text) {
@@ -143,6 +145,11 @@ std::string MtgReader::readLabel(std::string_view& code, Vertex& vertex) const {
   if (letters == 0) {
     return problem("expected the class of an entity, found '" + std::string(code.substr(0, 20)) + "'");
   }
+  // some programs put the whole scene, which has the scale of `$`, above the plants without declaring it
+  if (scale == scales_.end() && vertex.entityClass == "Scene" && vertices_.empty()) {
+    code.remove_prefix(end);
+    return {};
+  }
   if (scale == scales_.end()) {
     return problem("the class '" + vertex.entityClass + "' is not in the section CLASSES");
   }
@@ -156,7 +163,11 @@ std::string MtgReader::join(Vertex& vertex, std::size_t base, std::size_t& fineB
   if (vertex.edge == '/') {
     if (base != kNone) {
       const bool isPart = vertices_[base].scale < vertex.scale;
-      vertex.complex = isPart ? base : ancestorAt(base, vertex.scale - 1);
+      // scales may be left out
+      vertex.complex = base;
+      while (vertex.complex != kNone && vertices_[vertex.complex].scale >= vertex.scale) {
+        vertex.complex = vertices_[vertex.complex].complex;
+      }
       // the first part of a branch grows where its complex does
       if (fineBase != kNone && isPart && vertices_[fineBase].scale == vertex.scale) {
         vertex.parent = fineBase;
@@ -201,9 +212,16 @@ std::string MtgReader::readCode(std::string_view code, std::size_t column) {
     if (std::string what = readLabel(code, vertex); !what.empty()) {
       return what;
     }
+    // in the first column only plants begin without `^`: anything finer goes on with the column, as older files have it
+    const bool goesOn = base == kNone && column == 0 && !lastOfColumn_.empty() && lastOfColumn_[0] != kNone;
+    if (goesOn && vertex.scale > coarsest_) {
+      base = lastOfColumn_[0];
+    }
     if (std::string what = join(vertex, base, fineBase); !what.empty()) {
       return what;
     }
+    coarsest_ = vertex.scale > 0 ? std::min(coarsest_, vertex.scale) : coarsest_;
+    vertex.text = vertex.entityClass;
     base = vertices_.size();
     if (vertex.parent != kNone) {
       vertices_[vertex.parent].children.push_back(base);
@@ -347,16 +365,14 @@ void MtgReader::appendTree(std::string& text, std::size_t root) const {
 
 std::vector<std::string> MtgReader::strings() const {
   int finest = 0;
-  int coarsest = std::numeric_limits<int>::max();
   for (const Vertex& vertex : vertices_) {
     finest = std::max(finest, vertex.scale);
-    coarsest = std::min(coarsest, vertex.scale);
   }
   std::map<std::size_t, std::string> byPlant;
   for (std::size_t i = 0; i < vertices_.size(); ++i) {
     const Vertex& vertex = vertices_[i];
     if (vertex.scale == finest && vertex.parent == kNone) {
-      const std::size_t plant = coarsest == finest ? 0 : ancestorAt(i, coarsest);
+      const std::size_t plant = coarsest_ >= finest ? 0 : ancestorAt(i, coarsest_);
       appendTree(byPlant[plant], i);
     }
   }

@@ -30,20 +30,9 @@ Vec3 directionOf(const Segment& segment) {
 }  // namespace
 
 RasterGeometry::RasterGeometry(const Scene& scene, const language::ViewSettings& view, const Palette& palette)
-    : scene_(scene), view_(view), palette_(palette), continuation_(scene.segments.size(), kNoParent) {
-  for (std::uint32_t i = 0; i < scene.segments.size(); ++i) {
-    const Segment& segment = scene.segments[i];
-    hasTubes_ = hasTubes_ || (segment.texture > 0 && scene.lineStyle == language::LineStyle::Cylinder);
-    const std::uint32_t parent = segment.parent;
-    if (parent >= i || continuation_[parent] != kNoParent) {
-      continue;
-    }
-    const Segment& before = scene.segments[parent];
-    if (before.end == segment.start && before.branchOrder == segment.branchOrder && before.plant == segment.plant &&
-        core::dot(directionOf(before), directionOf(segment)) > kSharpestJoint) {
-      continuation_[parent] = i;
-    }
-  }
+    : scene_(scene), view_(view), palette_(palette), continuation_(continuationsOf(scene, kSharpestJoint)) {
+  hasTubes_ = scene.lineStyle == language::LineStyle::Cylinder &&
+              std::ranges::any_of(scene.segments, [](const Segment& segment) { return segment.texture > 0; });
   if (hasTubes_) {
     chains_ = chainsOf(scene, palette);
     std::ranges::copy_if(chains_.heads, std::back_inserter(tubes_),
@@ -228,8 +217,28 @@ void RasterGeometry::appendSegment(std::uint32_t index, const ScenePlacement& pl
     case language::LineStyle::Polygon:
       return pen.strip(start, end);
     case language::LineStyle::Cylinder:
-      return pen.roundLine(start, end);
+      return appendRoundLine(index, start, end, pen);
   }
+}
+
+// a limb that goes on with the tube of a fork takes its own width over a short way
+void RasterGeometry::appendRoundLine(std::uint32_t index, LineEnd start, const LineEnd& end, RasterPen& pen) const {
+  const Segment& segment = scene_.segments[index];
+  const bool isLimb = joins(index) && scene_.segments[segment.parent].branchOrder != segment.branchOrder;
+  const double radius = isLimb ? start.radius * scene_.segments[segment.parent].endWidth / segment.startWidth : 0.0;
+  const double length = core::length(end.place - start.place);
+  if (!isLimb || radius == start.radius || !(length > 0.0) || !std::isfinite(radius)) {
+    return pen.roundLine(start, end);
+  }
+  const double share = std::min(0.5, kCollarRadii * std::max(radius, start.radius) / length);
+  LineEnd collar = end;
+  collar.place = start.place + share * (end.place - start.place);
+  collar.tangent = core::normalised(end.place - start.place);
+  collar.radius = start.radius + share * (end.radius - start.radius);
+  collar.shape = LineEnd::Shape::Joint;
+  start.radius = radius;
+  pen.roundLine(start, collar);
+  pen.roundLine(collar, end);
 }
 
 void RasterGeometry::append(std::size_t number, const ScenePlacement& placement, const RasterCamera& camera,

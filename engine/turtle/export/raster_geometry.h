@@ -56,6 +56,7 @@ class RasterGeometry {
   void forMeshes(const Part& part, const ScenePlacement& placement,
                  const std::function<void(const Mesh&, const Wear&)>& use) const;
   void appendSegment(std::uint32_t index, const ScenePlacement& placement, RasterPen& pen) const;
+  void appendRoundLine(std::uint32_t index, LineEnd start, const LineEnd& end, RasterPen& pen) const;
   [[nodiscard]] const Mesh& localSurface(const SurfaceInstance& instance) const;
   [[nodiscard]] bool joins(std::uint32_t segment) const;
   [[nodiscard]] bool isPartOfTube(const Segment& segment) const { return hasTubes_ && segment.texture > 0; }

@@ -15,7 +15,6 @@ namespace {
 constexpr double kSharpestMitre = 0.5;      // cosine of the bend up to which one oblique ring serves
 constexpr double kSharpestJoint = -0.94;    // cosine of the bend from which a segment turns back and begins a new tube
 constexpr double kElbowStepRadians = 0.53;  // between the rings of an elbow, at most
-constexpr double kCollarRadii = 2.0;        // length of a collar, in the larger of its radii
 
 Vec3 directionOf(const Segment& segment) {
   const Vec3 d = segment.end - segment.start;
@@ -225,7 +224,7 @@ bool looksAlike(const Palette& palette, const Segment& a, const Segment& b) {
 }
 
 // of the limbs of a fork without a continuing axis the thickest, of equal ones the straightest, goes on with the tube
-void continueForks(const std::vector<Segment>& segments, std::vector<std::uint32_t>& next) {
+void continueForks(const std::vector<Segment>& segments, double sharpestJoint, std::vector<std::uint32_t>& next) {
   for (std::uint32_t i = 0; i < segments.size(); ++i) {
     const Segment& limb = segments[i];
     if (limb.parent >= i) {
@@ -234,7 +233,7 @@ void continueForks(const std::vector<Segment>& segments, std::vector<std::uint32
     const Segment& before = segments[limb.parent];
     const double cosine = core::dot(directionOf(before), directionOf(limb));
     if (before.branchOrder >= limb.branchOrder || !(before.end == limb.start) || before.plant != limb.plant ||
-        cosine <= kSharpestJoint) {
+        cosine <= sharpestJoint) {
       continue;
     }
     std::uint32_t& chosen = next[limb.parent];
@@ -253,22 +252,28 @@ void continueForks(const std::vector<Segment>& segments, std::vector<std::uint32
 
 }  // namespace
 
+std::vector<std::uint32_t> continuationsOf(const Scene& scene, double sharpestJoint) {
+  const std::vector<Segment>& segments = scene.segments;
+  std::vector<std::uint32_t> next(segments.size(), kNoParent);
+  for (std::uint32_t i = 0; i < segments.size(); ++i) {
+    const Segment& segment = segments[i];
+    if (segment.parent >= i || next[segment.parent] != kNoParent) {
+      continue;
+    }
+    const Segment& before = segments[segment.parent];
+    if (before.end == segment.start && before.branchOrder == segment.branchOrder && before.plant == segment.plant &&
+        core::dot(directionOf(before), directionOf(segment)) > sharpestJoint) {
+      next[segment.parent] = i;
+    }
+  }
+  continueForks(segments, sharpestJoint, next);
+  return next;
+}
+
 SegmentChains chainsOf(const Scene& scene, const Palette& palette) {
   SegmentChains chains;
   const std::vector<Segment>& segments = scene.segments;
-  chains.next.assign(segments.size(), kNoParent);
-  const auto continues = [&](std::uint32_t parent, const Segment& segment) {
-    const Segment& before = segments[parent];
-    return chains.next[parent] == kNoParent && before.end == segment.start &&
-           before.branchOrder == segment.branchOrder && before.plant == segment.plant &&
-           core::dot(directionOf(before), directionOf(segment)) > kSharpestJoint;
-  };
-  for (std::uint32_t i = 0; i < segments.size(); ++i) {
-    if (segments[i].parent < i && continues(segments[i].parent, segments[i])) {
-      chains.next[segments[i].parent] = i;
-    }
-  }
-  continueForks(segments, chains.next);
+  chains.next = continuationsOf(scene, kSharpestJoint);
   bool hasSeveralLooks = false;
   for (std::uint32_t i = 0; i < segments.size(); ++i) {
     const std::uint32_t parent = segments[i].parent;

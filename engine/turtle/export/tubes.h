@@ -25,10 +25,17 @@ struct SegmentChains {
   std::unordered_map<std::uint32_t, Continuation> continuations;  // by head
 };
 
-/// Splits the lines of a scene into chains: a segment continues its parent when it begins where the parent ends, has
-/// the same branch order, does not turn back, and no earlier segment has continued there. Where nothing does, the
-/// thickest of the side branches that begin there goes on with the tube, of equal ones the one that bends least, so
-/// that a fork has no flat end. O(segments).
+/// The segment that goes on with the tube of each segment (segmentCount); kNoParent: none. It begins where the other
+/// ends, has the same branch order, bends by less than the angle with cosine `sharpestJoint`, and no earlier one does.
+/// Where there is none, it is the thickest of the side branches that begin there, of equal ones the one that bends
+/// least, so that a fork has no flat end. O(segments).
+[[nodiscard]] std::vector<std::uint32_t> continuationsOf(const Scene& scene, double sharpestJoint);
+
+/// The length over which the tube of a fork takes the width of the limb that goes on with it, in the larger of the two
+/// radii; at most half the limb.
+inline constexpr double kCollarRadii = 2.0;
+
+/// Splits the lines of a scene into chains along continuationsOf, whatever the bend but back. O(segments).
 [[nodiscard]] SegmentChains chainsOf(const Scene& scene, const Palette& palette);
 
 /// The rings of the tube of the chain that begins with segment `head`, turned with the least twist from ring to ring

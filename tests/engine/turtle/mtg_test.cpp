@@ -138,6 +138,27 @@ TEST(Mtg, OneScaleWithoutPlantsIsOneString) {
       std::vector<std::string>{"EE[E][E]E"});
 }
 
+// after the files that other programs write: what each is known for, in words of our own
+TEST(Mtg, EntitiesInOneCodeAreAllThereAndFeaturesBelongToTheLast) {
+  EXPECT_EQ(
+      read(std::string(kHead) + "Length\tREAL\nMTG:\nTOPO\t\t\tLength\n/P1/A1/U1<U2<U3\t\t\t5\n\t+A2/U1<U2\t\t7\n"),
+      std::vector<std::string>{"UUU(5)[UU(7)]"});
+}
+
+TEST(Mtg, OlderFilesGoOnWithTheFirstColumnWithoutASign) {
+  EXPECT_EQ(read(std::string(kHead) + "MTG:\nTOPO\n/P1/A1/U1\n<U2<U3\n\t+A2/U1\n<U4\n/P2/A1/U1\n"),
+            (std::vector<std::string>{"UUU[U]U", "U"}));
+}
+
+TEST(Mtg, AnUndeclaredSceneIsAboveThePlantsAndScalesMayBeLeftOut) {
+  EXPECT_EQ(read("CODE:\tFORM-A\nCLASSES:\nSYMBOL\tSCALE\n$\t0\nIndividual\t1\nAxis\t2\nInternode\t3\nLeaf\t3\n"
+                 "DESCRIPTION:\nLEFT\tRIGHT\tRELTYPE\tMAX\nFEATURES:\nNAME\tTYPE\nWidth\tREAL\nMTG:\n"
+                 "ENTITY-CODE\t\tWidth\n/Scene0\n^/Individual0\n^/Axis0\n^/"
+                 "Internode0\n\t+Leaf0\t6.0\n^<Internode1\n\t+Leaf0\t7.0\n"),
+            std::vector<std::string>{"Internode[Leaf(6)]Internode[Leaf(7)]"});
+  EXPECT_EQ(read(std::string(kHead) + "MTG:\nENTITY-CODE\n/P1/U1\n^<U2\n"), std::vector<std::string>{"UU"});
+}
+
 TEST(Mtg, MistakesAreNamedWithTheirLine) {
   EXPECT_EQ(read(""),
             std::vector<std::string>{"0: the file has no entities: it is no MTG, or ends before its section MTG"});
