@@ -62,7 +62,7 @@ std::optional<std::string> writeModuleTable(const ExportInput& input, const Expo
   std::vector<std::uint64_t> axes{kNone};  // the last module of each open axis
   std::uint32_t plant = 0;
   std::string line;
-  return walkStrings(input, [&](const VisitedModule& module) {
+  return walkStrings(input, target.progress, [&](const VisitedModule& module) {
     if (module.plant != plant) {
       plant = module.plant;
       axes.assign(1, kNone);

@@ -243,7 +243,8 @@ std::optional<std::string> writeMtg(const ExportInput& input, const ExportTarget
   }
   MtgWriter writer(input, known, target.sink);
   writer.writeHead();
-  const auto problem = walkStrings(input, [&writer](const VisitedModule& module) { writer.add(module); });
+  const auto problem =
+      walkStrings(input, target.progress, [&writer](const VisitedModule& module) { writer.add(module); });
   writer.finishPlant();
   return problem;
 }

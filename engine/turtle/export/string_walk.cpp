@@ -10,8 +10,12 @@ namespace {
 /// Hands on the modules of one plant after the other, up to the ones that a state is known for.
 class Walk {
  public:
-  Walk(const ExportInput& input, const std::function<void(const VisitedModule&)>& visit)
-      : input_(input), visit_(visit) {}
+  Walk(const ExportInput& input, const ExportProgress& progress, const std::function<void(const VisitedModule&)>& visit)
+      : input_(input), progress_(progress), visit_(visit) {
+    for (const derivation::ModuleString* string : input.strings) {
+      total_ += string->size();
+    }
+  }
 
   // all modules of the plants before, then those of `plant` before `end`
   void advance(std::uint32_t plant, std::uint64_t end, const TurtleRecord* state) {
@@ -34,22 +38,26 @@ class Walk {
       const std::size_t arity = input_.program->arity[type];
       visit_({plant_, module_, input_.program->nameOf(type), string.parameters().subspan(offset_, arity), state});
       offset_ += arity;
+      reportProgress(progress_, ++done_, total_);
     }
   }
 
   const ExportInput& input_;
+  const ExportProgress& progress_;
   const std::function<void(const VisitedModule&)>& visit_;
   std::uint32_t plant_ = 0;
   std::uint64_t module_ = 0;  // the next
   std::uint64_t offset_ = 0;  // of its parameters
+  std::uint64_t done_ = 0;    // modules of all plants
+  std::uint64_t total_ = 0;
 };
 
 }  // namespace
 
-std::optional<std::string> walkStrings(const ExportInput& input,
+std::optional<std::string> walkStrings(const ExportInput& input, const ExportProgress& progress,
                                        const std::function<void(const VisitedModule&)>& visit) {
   ESPALIER_CHECK(input.program != nullptr && input.visitModules);
-  Walk walk(input, visit);
+  Walk walk(input, progress, visit);
   const auto problem = input.visitModules([&walk](const TurtleRecord& state, std::uint64_t first) {
     // what was cut off comes before
     walk.advance(state.plant, first, nullptr);

@@ -21,8 +21,8 @@ struct VisitedModule {
 };
 
 /// Calls `visit` for every module of every plant in order, interpreting the strings once more. An error sentence when
-/// that fails. O(modules).
-[[nodiscard]] std::optional<std::string> walkStrings(const ExportInput& input,
+/// that fails. `progress` may be empty. O(modules).
+[[nodiscard]] std::optional<std::string> walkStrings(const ExportInput& input, const ExportProgress& progress,
                                                      const std::function<void(const VisitedModule&)>& visit);
 
 /// Appends the text form of a module: its symbol, its parameters in parentheses.

@@ -9,7 +9,7 @@ namespace espalier::turtle {
 namespace {
 
 // what a writer of modules makes of a string
-std::string written(TurtleRun& run, std::string_view format) {
+std::string written(TurtleRun& run, std::string_view format, const ExportProgress& progress = {}) {
   const std::vector<const derivation::ModuleString*> strings{&run.state.string};
   const auto visit = [&run](const ModuleVisitor& visitor) -> std::optional<std::string> {
     InterpretationOutput output;
@@ -21,7 +21,7 @@ std::string written(TurtleRun& run, std::string_view format) {
   const ExportInput input{
       .scene = run.scene, .view = run.program.view, .program = &run.program, .strings = strings, .visitModules = visit};
   core::StringSink sink;
-  const ExportTarget target{.fileName = "a", .sink = sink, .openCompanion = {}, .progress = {}};
+  const ExportTarget target{.fileName = "a", .sink = sink, .openCompanion = {}, .progress = progress};
   const auto problem = findExportFormat(format)->write(input, target);
   return problem ? "problem: " + *problem : sink.take();
 }
@@ -173,6 +173,20 @@ TEST(Mtg, MistakesAreNamedWithTheirLine) {
   EXPECT_EQ(problem("+P1\n"), "16: '+P' joins nothing");
   EXPECT_EQ(problem("/P1\n\t+U1\n"), "17: '+U' joins nothing of its scale");
   EXPECT_EQ(read("CLASSES:\nSYMBOL\tSCALE\nP\tone\n").front(), "3: the scale of class 'P' is not a whole number");
+}
+
+TEST(ModuleTable, FormatsOfModulesSayHowFarTheyAre) {
+  for (const char* format : {"csv", "mtg"}) {
+    TurtleRun run("F[+F]F");
+    std::uint64_t lastDone = 0;
+    std::uint64_t lastTotal = 0;
+    static_cast<void>(written(run, format, [&](std::uint64_t done, std::uint64_t total) {
+      lastDone = done;
+      lastTotal = total;
+    }));
+    EXPECT_EQ(lastDone, 6U) << format;
+    EXPECT_EQ(lastTotal, 6U) << format;
+  }
 }
 
 TEST(ModuleTable, EveryModuleHasARowWithItsState) {
