@@ -6,7 +6,7 @@
 
 #include "engine/core/check.h"
 #include "engine/turtle/field.h"
-#include "environment/query_batches.h"
+#include "engine/turtle/query_batches.h"
 #include "environment/state_bytes.h"
 
 namespace espalier::environment {

@@ -20,6 +20,11 @@ using Decoded = std::variant<T, Error>;
 [[nodiscard]] Decoded<HelloParams> decodeHelloParams(const Payload& payload);
 [[nodiscard]] Decoded<ModelParams> decodeModelParams(const Payload& payload);
 [[nodiscard]] Decoded<CreateParams> decodeCreateParams(const Payload& payload);
+/// Of a forest file: keys that are not known are errors.
+[[nodiscard]] Decoded<ForestParams> decodeForestParams(const Payload& payload);
+// Members of an object that is open.
+void writePlants(JsonWriter& writer, const std::vector<PlantParams>& plants);
+void writeSeeds(JsonWriter& writer, const SeedParams& seeds);
 [[nodiscard]] Decoded<StepParams> decodeStepParams(const Payload& payload);
 [[nodiscard]] Decoded<EditParams> decodeEditParams(const Payload& payload);
 [[nodiscard]] Decoded<SetParams> decodeSetParams(const Payload& payload);

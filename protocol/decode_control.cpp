@@ -3,6 +3,7 @@
 
 #include "protocol/base64.h"
 #include "protocol/codec.h"
+#include "protocol/forest_fields.h"
 #include "protocol/json_tree.h"
 
 namespace espalier::protocol {
@@ -11,7 +12,6 @@ namespace {
 // of iterated coupling: more do not settle what so many have not
 constexpr std::int64_t kMostIterations = 10'000;
 
-constexpr std::size_t kLongestNameBytes = 200;
 constexpr double kMinimumHertz = 0.001;
 constexpr double kMaximumHertz = 1000.0;
 
@@ -31,27 +31,11 @@ std::string readOptionalText(const Field& field) {
   return field.isAbsent() ? std::string() : field.text();
 }
 
-std::string readName(const Field& field) {
-  const std::string& name = field.text();
-  if (name.empty() || name.size() > kLongestNameBytes) {
-    field.fail("expected a name of 1 to " + std::to_string(kLongestNameBytes) + " bytes, found " +
-               std::to_string(name.size()) + " bytes");
-  }
-  return name;
-}
-
 template <typename T>
 void readOptionalCount(const Field& field, std::optional<T>& value) {
   if (!field.isAbsent()) {
     value = field.count();
   }
-}
-
-std::array<double, 3> readVector(const Field& field) {
-  if (field.arraySize() != 3) {
-    field.failExpected("three numbers");
-  }
-  return {field.element(0).number(), field.element(1).number(), field.element(2).number()};
 }
 
 void readModelReference(const Field& field, ModelReference& model) {
@@ -216,19 +200,20 @@ SavePolicy readSavePolicy(const Field& save) {
 Decoded<CreateParams> decodeCreateParams(const Payload& payload) {
   return decodePayload<CreateParams>(payload, [](const Field& params, CreateParams& create) {
     params.requireObject();
-    readModelParams(params, create.model);
+    if (params["models"].isAbsent()) {
+      readModelParams(params, create.model);
+    } else {
+      if (!params["model"].isAbsent()) {
+        params["models"].fail("give \"model\" or \"models\", not both");
+      }
+      readModels(params, readModelParams, create.models);
+    }
     create.name = readOptionalText(params["name"]);
     readOptionalCount(params["seed"], create.seed);
     readEnvironment(params["environment"], create);
     readOptionalCount(params["derivationLength"], create.derivationLength);
-    if (const Field plants = params["plants"]; !plants.isAbsent()) {
-      const std::size_t count = plants.arraySize();
-      for (std::size_t i = 0; i < count; ++i) {
-        const Field plant = plants.element(i);
-        plant.requireObject();
-        create.plants.push_back({readVector(plant["position"])});
-      }
-    }
+    readPlants(params["plants"], create.models, create.plants);
+    readSeeds(params["seeds"], create.seeds);
     if (const Field limits = params["limits"]; !limits.isAbsent()) {
       limits.requireObject();
       readOptionalCount(limits["modules"], create.maximumModules);

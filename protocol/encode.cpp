@@ -96,6 +96,11 @@ void write(JsonWriter& writer, const Statistics& statistics) {
   if (statistics.iterations > 1) {
     writer.key("iterations").integer(statistics.iterations);
   }
+  // a simulation whose plants come and go says so
+  if (statistics.births + statistics.deaths > 0 || statistics.plants > 1) {
+    writer.key("plants").integer(statistics.plants).key("births").integer(statistics.births);
+    writer.key("deaths").integer(statistics.deaths);
+  }
   writer.key("milliseconds").number(statistics.milliseconds).endObject();
 }
 

@@ -80,8 +80,40 @@ struct ModelResult {
 
 // ---- simulations ----
 
-struct PlantPosition {
+/// One of several models of a simulation.
+struct NamedModel {
+  std::string name;         // by which plants choose it
+  ModelParams model;        // of requests
+  std::string file;         // of forest files: instead of `model`, a .l file or a model folder
+  std::int64_t colour = 0;  // added to the colours of its plants
+};
+
+struct PlantParams {
   std::array<double, 3> position{0.0, 0.0, 0.0};
+  std::string model;                             // name of a NamedModel; empty: the first
+  std::optional<std::array<double, 3>> heading;  // nothing: as the turtle starts
+  double turnDegrees = 0.0;                      // about the heading
+  std::string name;
+  std::int64_t colour = 0;  // added to its colours
+};
+
+/// Where seeds take root.
+struct SeedParams {
+  std::optional<std::uint64_t> maximumPlants;
+  double spacing = 0.0;
+  double ground = 0.0;
+  std::optional<std::array<std::array<double, 3>, 2>> area;  // two corners
+};
+
+/// What a forest file says (client/espalier): the models and plants of a simulation with their environment.
+struct ForestParams {
+  std::vector<NamedModel> models;
+  std::vector<PlantParams> plants;
+  SeedParams seeds;
+  std::string environmentJson;  // text of an array; empty: none, or a file
+  std::string environmentFile;  // a field file or configuration; empty: none, or in `environmentJson`
+  std::optional<std::uint64_t> derivationLength;
+  std::optional<std::uint64_t> seed;
 };
 
 /// A box: its least and its greatest corner, in the world's unit.
@@ -95,12 +127,14 @@ struct SavePolicy {
 
 struct CreateParams {
   ModelParams model;
+  std::vector<NamedModel> models;             // instead of `model`; empty: that one
   std::string name;                           // for people; empty: the model's
   std::optional<std::uint64_t> seed;          // nothing: the server draws one and says which
   std::string environmentJson;                // text of an array; empty: no environment
   std::vector<std::string> environmentTypes;  // `type` of each entry
   std::optional<std::uint64_t> derivationLength;
-  std::vector<PlantPosition> plants;            // empty: one at the origin
+  std::vector<PlantParams> plants;  // empty: one at the origin
+  SeedParams seeds;
   std::optional<std::uint64_t> maximumModules;  // lowers the server's limits
   std::optional<std::uint64_t> maximumQueries;
   SavePolicy save;
@@ -117,6 +151,9 @@ struct Statistics {
   std::uint64_t queries = 0;
   std::uint64_t answers = 0;
   std::uint64_t bytes = 0;
+  std::uint64_t plants = 0;  // that live
+  std::uint64_t births = 0;  // in the step
+  std::uint64_t deaths = 0;
   double milliseconds = 0.0;     // wall time of the step, environment included
   std::uint32_t iterations = 0;  // exchanges with the environment; 0 and 1 are not sent
 };

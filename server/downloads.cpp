@@ -96,17 +96,20 @@ HttpPage exportPage(const simulation::Simulation& simulation, const std::string&
     scene = std::move(std::get<turtle::Scene>(drawn));
   }
   std::vector<const derivation::ModuleString*> strings;
+  std::vector<const language::Program*> programs;
   for (std::size_t plant = 0; plant < simulation.plantCount(); ++plant) {
     strings.push_back(&simulation.string(plant));
+    programs.push_back(&simulation.program(plant));
   }
   const auto visitModules = [&simulation](const turtle::ModuleVisitor& visit) -> std::optional<std::string> {
     const auto failure = simulation.visitModules(visit);
     return failure ? std::optional(failure->message) : std::nullopt;
   };
   const turtle::ExportInput input{.scene = scene,
-                                  .view = simulation.program().view,
+                                  .view = simulation.view(),
                                   .palette = &simulation.options().palette,
                                   .program = &simulation.program(),
+                                  .programs = programs,
                                   .strings = strings,
                                   .visitModules = visitModules};
   if (auto problem = format->write(input, {.fileName = name, .sink = sink, .openCompanion = {}, .progress = {}})) {

@@ -14,7 +14,7 @@ std::variant<protocol::Body, core::SimulationError> geometryBody(const simulatio
     return *error;
   }
   const turtle::ExportInput input{.scene = std::get<turtle::Scene>(drawn),
-                                  .view = simulation.program().view,
+                                  .view = simulation.view(),
                                   .palette = &simulation.options().palette,
                                   .program = &simulation.program()};
   core::StringSink file;

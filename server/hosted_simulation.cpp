@@ -43,6 +43,29 @@ bool isDefined(const language::Program& program, std::string_view name) {
   });
 }
 
+/// The model with other values of the names that it defines.
+language::CompileResult withDefines(const language::Program& program,
+                                    const std::vector<std::pair<std::string, std::string>>& defines,
+                                    const core::Limits& limits) {
+  language::CompileInput input;
+  input.modelFile = program.modelFile;
+  input.viewFile = program.viewFile;
+  input.compatibility = program.compatibility;
+  input.defines = program.defines;
+  input.limits = limits;
+  core::MemoryFileProvider files;
+  for (const auto& file : program.sources) {
+    files.add(file.name, file.text);
+  }
+  for (const auto& define : defines) {
+    if (isDefined(program, define.first)) {
+      std::erase_if(input.defines, [&define](const auto& old) { return old.first == define.first; });
+      input.defines.push_back(define);
+    }
+  }
+  return language::compile(input, files);
+}
+
 }  // namespace
 
 HostedSimulation::HostedSimulation(SimulationRecord record, const core::Limits& limits,
@@ -56,8 +79,7 @@ HostedSimulation::HostedSimulation(SimulationRecord record, const core::Limits& 
   }
 }
 
-std::optional<protocol::Error> HostedSimulation::build(std::shared_ptr<const language::Program> program,
-                                                       bool isAbsenceTolerated) {
+std::optional<protocol::Error> HostedSimulation::build(simulation::Programs programs, bool isAbsenceTolerated) {
   EnvironmentServices services = services_;
   services.bounds = record_.create.bounds;
   if (record_.create.isTraced) {
@@ -73,17 +95,15 @@ std::optional<protocol::Error> HostedSimulation::build(std::shared_ptr<const lan
       trace->note(step, message);
     };
   }
-  auto built = buildEnvironment(record_.create.environmentJson, program->compatibility, isAbsenceTolerated, services);
+  auto built =
+      buildEnvironment(record_.create.environmentJson, programs.front()->compatibility, isAbsenceTolerated, services);
   if (auto* error = std::get_if<protocol::Error>(&built)) {
     return std::move(*error);
   }
   auto& environment = std::get<BuiltEnvironment>(built);
-  std::vector<turtle::PlantPlacement> placements;
-  for (const protocol::PlantPosition& plant : record_.create.plants) {
-    placements.push_back({{plant.position[0], plant.position[1], plant.position[2]}, {}});
-  }
-  if (placements.empty()) {
-    placements.emplace_back();
+  std::vector<simulation::PlantOrigin> plants = plantOrigins(record_.create.models, record_.create.plants);
+  if (plants.empty()) {
+    plants.emplace_back();
   }
   simulation::SimulationOptions options;
   options.name = record_.id;
@@ -93,11 +113,11 @@ std::optional<protocol::Error> HostedSimulation::build(std::shared_ptr<const lan
   options.limits = limits_;
   options.coupling = {record_.create.iterations, record_.create.tolerance};
   options.threads = services_.threads;
+  options.seeds = seedRules(record_.create.seeds);
   options.environmentOrigin = std::move(environment.origin);
   auto process = trace_ == nullptr ? std::move(environment.process) : trace_->record(std::move(environment.process));
-  auto made =
-      std::make_unique<simulation::Simulation>(std::move(program), std::move(placements),
-                                               QueryRecorder::record(std::move(process), queries_), std::move(options));
+  auto made = std::make_unique<simulation::Simulation>(
+      std::move(programs), std::move(plants), QueryRecorder::record(std::move(process), queries_), std::move(options));
   const std::lock_guard lock(cancelMutex_);
   simulation_.swap(made);
   links_ = std::move(environment.links);
@@ -107,10 +127,10 @@ std::optional<protocol::Error> HostedSimulation::build(std::shared_ptr<const lan
 }
 
 std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> HostedSimulation::create(
-    SimulationRecord record, std::shared_ptr<const language::Program> program, const core::Limits& limits,
+    SimulationRecord record, simulation::Programs programs, const core::Limits& limits,
     const EnvironmentServices& services, Store& store, Interruption& interruption) {
   std::unique_ptr<HostedSimulation> hosted(new HostedSimulation(std::move(record), limits, services, store));
-  if (auto error = hosted->build(std::move(program), false)) {
+  if (auto error = hosted->build(std::move(programs), false)) {
     return std::move(*error);
   }
   {
@@ -131,7 +151,7 @@ std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> HostedSimulatio
     SimulationRecord record, const HostedSimulation& original, const core::Limits& limits,
     const EnvironmentServices& services, Store& store) {
   std::unique_ptr<HostedSimulation> hosted(new HostedSimulation(std::move(record), limits, services, store));
-  if (auto error = hosted->build(original.simulation_->sharedProgram(), false)) {
+  if (auto error = hosted->build(original.simulation_->programs(), false)) {
     return std::move(*error);
   }
   if (auto error = hosted->simulation_->restore(original.snapshot())) {
@@ -151,13 +171,12 @@ std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> HostedSimulatio
     return toError(*error, 0, limits);
   }
   auto& info = std::get<simulation::SnapshotInfo>(read);
-  info.compileInput.limits = limits;
-  auto compiled = language::compile(info.compileInput, info.files);
-  if (compiled.program == nullptr) {
-    return toError(compiled.diagnostics.entries());
+  auto compiled = simulation::compileModels(info, limits);
+  if (const auto* diagnostics = std::get_if<core::DiagnosticList>(&compiled)) {
+    return toError(diagnostics->entries());
   }
   std::unique_ptr<HostedSimulation> hosted(new HostedSimulation(std::move(record), limits, services, store));
-  if (auto error = hosted->build(std::move(compiled.program), true)) {
+  if (auto error = hosted->build(std::move(std::get<simulation::Programs>(compiled)), true)) {
     return std::move(*error);
   }
   if (auto error = hosted->simulation_->restore(snapshot)) {
@@ -252,7 +271,7 @@ std::optional<protocol::Error> HostedSimulation::reset(std::optional<std::uint64
   record.seed = *seed;
   record.hasSeed = true;
   HostedSimulation fresh(std::move(record), limits_, services_, *store_);
-  if (auto error = fresh.build(simulation_->sharedProgram(), false)) {
+  if (auto error = fresh.build(simulation_->programs(), false)) {
     return error;
   }
   if (const auto failure = fresh.simulation_->rewind()) {
@@ -291,12 +310,17 @@ std::optional<protocol::Error> HostedSimulation::edit(const protocol::EditParams
 }
 
 std::optional<protocol::Error> HostedSimulation::set(const std::vector<std::pair<std::string, std::string>>& values) {
-  const language::Program& program = simulation_->program();
+  const simulation::Programs& programs = simulation_->programs();
+  const auto isVariable = [&programs](const std::string& name) {
+    return std::any_of(programs.begin(), programs.end(), [&name](const auto& program) {
+      const auto& names = program->systems.front().variables;
+      return std::find(names.begin(), names.end(), name) != names.end();
+    });
+  };
   std::vector<std::pair<std::string, double>> variables;
   std::vector<std::pair<std::string, std::string>> defines;
   for (const auto& [name, text] : values) {
-    const auto& names = program.systems.front().variables;
-    if (std::find(names.begin(), names.end(), name) == names.end()) {
+    if (!isVariable(name)) {
       defines.emplace_back(name, text);
       continue;
     }
@@ -315,7 +339,7 @@ std::optional<protocol::Error> HostedSimulation::set(const std::vector<std::pair
     }
     return define(defines);
   }
-  const auto edited = simulation::setVariables(snapshot(), program, variables);
+  const auto edited = simulation::setVariables(snapshot(), programs, variables);
   if (const auto* error = std::get_if<core::SimulationError>(&edited)) {
     return errorOf(*error);
   }
@@ -324,35 +348,27 @@ std::optional<protocol::Error> HostedSimulation::set(const std::vector<std::pair
 
 std::optional<protocol::Error> HostedSimulation::define(
     const std::vector<std::pair<std::string, std::string>>& defines) {
-  const language::Program& program = simulation_->program();
-  language::CompileInput input;
-  input.modelFile = program.modelFile;
-  input.viewFile = program.viewFile;
-  input.compatibility = program.compatibility;
-  input.defines = program.defines;
-  input.limits = limits_;
-  core::MemoryFileProvider files;
-  for (const auto& file : program.sources) {
-    files.add(file.name, file.text);
-  }
   for (const auto& [name, value] : defines) {
-    if (!isDefined(program, name)) {
+    const auto hasName = [&name](const auto& program) { return isDefined(*program, name); };
+    if (std::none_of(simulation_->programs().begin(), simulation_->programs().end(), hasName)) {
       return protocol::fieldError("params.parameters." + name,
                                   "the model has neither a variable nor a #define of that name");
     }
-    const auto same = [&name](const auto& define) { return define.first == name; };
-    std::erase_if(input.defines, same);
-    input.defines.emplace_back(name, value);
   }
-  auto compiled = language::compile(input, files);
-  if (compiled.program == nullptr) {
-    return toError(compiled.diagnostics.entries());
+  // each model that defines a name takes the new value
+  simulation::Programs programs;
+  for (const auto& program : simulation_->programs()) {
+    auto compiled = withDefines(*program, defines, limits_);
+    if (compiled.program == nullptr) {
+      return toError(compiled.diagnostics.entries());
+    }
+    programs.push_back(std::move(compiled.program));
   }
   HostedSimulation fresh(record_, limits_, services_, *store_);
-  if (auto error = fresh.build(compiled.program, false)) {
+  if (auto error = fresh.build(programs, false)) {
     return error;
   }
-  const auto edited = simulation::withProgram(snapshot(), *compiled.program);
+  const auto edited = simulation::withPrograms(snapshot(), programs);
   if (const auto* error = std::get_if<core::SimulationError>(&edited)) {
     return errorOf(*error);
   }
@@ -401,7 +417,7 @@ std::optional<protocol::Error> HostedSimulation::setTraced(bool isTraced) {
   SimulationRecord record = record_;
   record.create.isTraced = isTraced;
   HostedSimulation fresh(std::move(record), limits_, services_, *store_);
-  if (auto error = fresh.build(simulation_->sharedProgram(), false)) {
+  if (auto error = fresh.build(simulation_->programs(), false)) {
     return error;
   }
   if (const auto error = fresh.simulation_->restore(snapshot())) {

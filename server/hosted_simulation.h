@@ -26,7 +26,7 @@ class HostedSimulation {
   /// Builds the environment, goes to step 0 and saves. `limits` are the server's; the record can lower them.
   /// `interruption` ends it, as long as nothing is saved.
   [[nodiscard]] static std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> create(
-      SimulationRecord record, std::shared_ptr<const language::Program> program, const core::Limits& limits,
+      SimulationRecord record, simulation::Programs programs, const core::Limits& limits,
       const EnvironmentServices& services, Store& store, Interruption& interruption);
   /// Another simulation, by `record`, in the state of `original`, and saves it.
   [[nodiscard]] static std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> fork(
@@ -89,8 +89,7 @@ class HostedSimulation {
  private:
   HostedSimulation(SimulationRecord record, const core::Limits& limits, const EnvironmentServices& services,
                    Store& store);
-  [[nodiscard]] std::optional<protocol::Error> build(std::shared_ptr<const language::Program> program,
-                                                     bool isAbsenceTolerated);
+  [[nodiscard]] std::optional<protocol::Error> build(simulation::Programs programs, bool isAbsenceTolerated);
   void beginTrace();
   /// After a change that was asked for: saves unless only requests do.
   [[nodiscard]] std::optional<protocol::Error> saveChange();

@@ -66,12 +66,55 @@ protocol::Error callSecondsError(std::uint64_t bound, const std::string& outcome
 }
 
 /// The seed that a run uses: the caller's, else the model's, else one drawn now.
-std::uint64_t effectiveSeed(const protocol::CreateParams& params, const language::Program& program) {
+std::uint64_t effectiveSeed(const protocol::CreateParams& params, const simulation::Programs& programs) {
   if (params.seed) {
     return *params.seed;
   }
-  const auto& model = program.systems.empty() ? std::optional<std::int64_t>() : program.systems.front().seed;
-  return model && *model >= 0 ? static_cast<std::uint64_t>(*model) : drawSeed();
+  for (const auto& program : programs) {
+    const auto& model = program->systems.empty() ? std::optional<std::int64_t>() : program->systems.front().seed;
+    if (model && *model >= 0) {
+      return static_cast<std::uint64_t>(*model);
+    }
+  }
+  return drawSeed();
+}
+
+/// The models of a simulation, compiled.
+struct CompiledModels {
+  simulation::Programs programs;
+  std::vector<core::Diagnostic> diagnostics;
+  std::string environmentJson;  // that a gallery model brings; empty: none
+};
+
+std::variant<CompiledModels, protocol::Error> compileModels(ServerCore& core, const protocol::CreateParams& params) {
+  std::vector<protocol::ModelParams> models;
+  for (const protocol::NamedModel& model : params.models) {
+    models.push_back(model.model);
+  }
+  if (models.empty()) {
+    models.push_back(params.model);
+  }
+  CompiledModels result;
+  for (const protocol::ModelParams& model : models) {
+    auto compiled = core.models().compile(model, core.options().limits.simulation);
+    if (auto* error = std::get_if<protocol::Error>(&compiled)) {
+      return std::move(*error);
+    }
+    auto& made = std::get<CompiledModel>(compiled);
+    const auto& entries = made.result.diagnostics.entries();
+    if (made.result.program == nullptr) {
+      return toError(entries);
+    }
+    if (!result.programs.empty() && made.result.program->compatibility != result.programs.front()->compatibility) {
+      return protocol::fieldError("params.models", "all models must have the same \"compatibility\"");
+    }
+    result.programs.push_back(made.result.program);
+    result.diagnostics.insert(result.diagnostics.end(), entries.begin(), entries.end());
+    if (result.environmentJson.empty()) {
+      result.environmentJson = std::move(made.environmentJson);
+    }
+  }
+  return result;
 }
 
 /// A step command's state between turns.
@@ -336,16 +379,12 @@ std::variant<std::string, protocol::Error> changed(SimulationRunner& runner, std
 void createSimulation(Session& session, const protocol::MessageId& id, protocol::CreateParams params,
                       Interruption& interruption) {
   ServerCore& core = session.core();
-  auto compiled = core.models().compile(params.model, core.options().limits.simulation);
+  auto compiled = compileModels(core, params);
   if (const auto* error = std::get_if<protocol::Error>(&compiled)) {
     session.respondError(id, *error);
     return;
   }
-  const auto& model = std::get<CompiledModel>(compiled);
-  if (model.result.program == nullptr) {
-    session.respondError(id, toError(model.result.diagnostics.entries()));
-    return;
-  }
+  const auto& models = std::get<CompiledModels>(compiled);
   const auto name = core.reserve();
   if (!name) {
     session.respondError(id, simulationsError(core));
@@ -355,19 +394,22 @@ void createSimulation(Session& session, const protocol::MessageId& id, protocol:
   // the record is what makes the simulation again after a restart
   SimulationRecord record;
   record.id = *name;
-  record.seed = effectiveSeed(params, *model.result.program);
+  record.seed = effectiveSeed(params, models.programs);
   record.hasSeed = params.seed.has_value();
   record.create = std::move(params);
   if (record.create.name.empty()) {
-    record.create.name = record.create.model.model.gallery.value_or(model.result.program->modelFile);
+    record.create.name = record.create.model.model.gallery.value_or(models.programs.front()->modelFile);
   }
   record.create.model = {};
+  for (protocol::NamedModel& model : record.create.models) {
+    model.model = {};
+  }
   if (record.create.environmentTypes.empty()) {
-    record.create.environmentJson = model.environmentJson;
+    record.create.environmentJson = models.environmentJson;
   }
   std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> made = protocol::Error{};
   try {
-    made = HostedSimulation::create(std::move(record), model.result.program, core.options().limits.simulation,
+    made = HostedSimulation::create(std::move(record), models.programs, core.options().limits.simulation,
                                     core.environmentServices(), core.store(), interruption);
   } catch (...) {
     core.remove(*name);
@@ -390,9 +432,11 @@ void createSimulation(Session& session, const protocol::MessageId& id, protocol:
   }
   auto& hosted = std::get<std::unique_ptr<HostedSimulation>>(made);
   protocol::CreateResult result = createResultOf(*hosted);
-  result.diagnostics = toRecords(model.result.diagnostics.entries());
-  for (protocol::DiagnosticRecord& warning : toRecords(warningsOfRun(*model.result.program, *hosted))) {
-    result.diagnostics.push_back(std::move(warning));
+  result.diagnostics = toRecords(models.diagnostics);
+  for (const auto& program : models.programs) {
+    for (protocol::DiagnosticRecord& warning : toRecords(warningsOfRun(*program, *hosted))) {
+      result.diagnostics.push_back(std::move(warning));
+    }
   }
   core.add(*name, std::move(hosted));
   core.log().info("created", {.session = session.id(), .simulation = *name});

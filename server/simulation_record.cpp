@@ -7,7 +7,17 @@ namespace espalier::server {
 std::string toText(const SimulationRecord& record) {
   const protocol::CreateParams& create = record.create;
   protocol::JsonWriter params;
-  params.beginObject().key("model").beginObject().key("loaded").text("snapshot").endObject();
+  params.beginObject();
+  if (create.models.empty()) {
+    params.key("model").beginObject().key("loaded").text("snapshot").endObject();
+  } else {
+    params.key("models").beginArray();
+    for (const protocol::NamedModel& model : create.models) {
+      params.beginObject().key("name").text(model.name).key("colour").integer(model.colour);
+      params.key("model").beginObject().key("loaded").text("snapshot").endObject().endObject();
+    }
+    params.endArray();
+  }
   params.key("name").text(create.name).key("seed").integer(record.seed).key("seedGiven").boolean(record.hasSeed);
   if (!create.environmentJson.empty()) {
     params.key("environment").raw(create.environmentJson);
@@ -15,11 +25,9 @@ std::string toText(const SimulationRecord& record) {
   if (create.derivationLength) {
     params.key("derivationLength").integer(*create.derivationLength);
   }
-  params.key("plants").beginArray();
-  for (const protocol::PlantPosition& plant : create.plants) {
-    params.beginObject().key("position").numbers(plant.position).endObject();
-  }
-  params.endArray().key("limits").beginObject();
+  writePlants(params, create.plants);
+  writeSeeds(params, create.seeds);
+  params.key("limits").beginObject();
   if (create.maximumModules) {
     params.key("modules").integer(*create.maximumModules);
   }

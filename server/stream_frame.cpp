@@ -57,7 +57,7 @@ std::variant<StreamFrame, core::SimulationError> FrameMaker::makeNew(const proto
   }
   try {
     if (params.what == "queries") {
-      return StreamFrame{encodeQueries(queries_, simulation_.program(), params), true, {}};
+      return StreamFrame{encodeQueries(queries_, simulation_.symbolNames(), params), true, {}};
     }
     auto made = turtle(params.select);
     if (auto* error = std::get_if<core::SimulationError>(&made)) {
@@ -67,7 +67,7 @@ std::variant<StreamFrame, core::SimulationError> FrameMaker::makeNew(const proto
     StreamFrame result;
     if (params.isDelta) {
       result.base.turtle = frame;
-      if (base.turtle != nullptr && base.turtle->program == frame->program) {
+      if (base.turtle != nullptr && *base.turtle->symbols == *frame->symbols) {
         const TurtleDifference difference = differenceOf(*base.turtle, *frame);
         // a difference of most rows would be longer than all of them
         if (2 * difference.kept.size() + 10 * difference.fresh.size() < 10 * frame->rows()) {
@@ -100,7 +100,8 @@ std::variant<std::shared_ptr<const TurtleFrame>, core::SimulationError> FrameMak
     }
     records_ = std::move(std::get<std::vector<turtle::TurtleRecord>>(made));
   }
-  auto frame = std::make_shared<const TurtleFrame>(makeTurtleFrame(*records_, simulation_.sharedProgram(), select));
+  auto frame = std::make_shared<const TurtleFrame>(
+      makeTurtleFrame(*records_, std::make_shared<const std::vector<std::string>>(simulation_.symbolNames()), select));
   turtles_.push_back({select, frame});
   return frame;
 }

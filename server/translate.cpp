@@ -143,6 +143,9 @@ protocol::Statistics toStatistics(const simulation::StepStatistics& statistics, 
           .queries = statistics.queries,
           .answers = statistics.answers,
           .bytes = statistics.bytes,
+          .plants = statistics.plants,
+          .births = statistics.births,
+          .deaths = statistics.deaths,
           .milliseconds = milliseconds,
           .iterations = statistics.iterations};
 }

@@ -72,7 +72,7 @@ void writeRecords(protocol::JsonWriter& writer, const TurtleFrame& frame, const 
     record.index = frame.index.empty() ? row : frame.index[row];
     record.plant = frame.plant[row];
     record.module = frame.module[row];
-    record.symbol = frame.program->symbols[frame.symbol[row]].name;
+    record.symbol = (*frame.symbols)[frame.symbol[row]];
     record.position = vectorOf(frame.position, row);
     record.heading = vectorOf(frame.heading, row);
     record.left = vectorOf(frame.left, row);
@@ -92,10 +92,10 @@ void writeRecords(protocol::JsonWriter& writer, const TurtleFrame& frame, const 
   writer.endArray();
 }
 
-void writeSymbols(protocol::JsonWriter& writer, const language::Program& program) {
+void writeSymbols(protocol::JsonWriter& writer, const std::vector<std::string>& symbols) {
   writer.key("symbols").beginArray();
-  for (const language::Symbol& symbol : program.symbols) {
-    writer.text(symbol.name);
+  for (const std::string& symbol : symbols) {
+    writer.text(symbol);
   }
   writer.endArray();
 }
@@ -112,7 +112,7 @@ turtle::QueryBatch emptyBatch() {
 }
 
 /// The queries that a selection takes, with their replies.
-QueryRecord selected(const QueryRecord& record, const language::Program& program,
+QueryRecord selected(const QueryRecord& record, const std::vector<std::string>& symbols,
                      const protocol::StreamSelection& select) {
   const auto isIn = [](const auto& list, const auto& value) {
     return list.empty() || std::find(list.begin(), list.end(), value) != list.end();
@@ -128,7 +128,7 @@ QueryRecord selected(const QueryRecord& record, const language::Program& program
     }
   };
   for (std::size_t row = 0; row < all.size(); ++row) {
-    if (!isIn(select.plants, all.plant[row]) || !isIn(select.symbols, program.symbols[all.symbol[row]].name)) {
+    if (!isIn(select.plants, all.plant[row]) || !isIn(select.symbols, symbols[all.symbol[row]])) {
       continue;
     }
     some.plant.push_back(all.plant[row]);
@@ -168,7 +168,7 @@ protocol::Body encodeTurtle(const std::shared_ptr<const TurtleFrame>& frame, con
     return protocol::Body(json.take());
   }
   json.key("count").integer(std::uint64_t{frame->rows()});
-  writeSymbols(json, *frame->program);
+  writeSymbols(json, *frame->symbols);
   protocol::Body body(json.take());
   addRows(body.blocks, frame, params);
   return body;
@@ -193,7 +193,7 @@ protocol::Body encodeTurtle(const std::shared_ptr<const TurtleFrame>& frame, con
     writeRecords(json, *fresh, params);
     return protocol::Body(json.take());
   }
-  writeSymbols(json, *frame->program);
+  writeSymbols(json, *frame->symbols);
   protocol::Body body(json.take());
   std::vector<std::uint32_t> kept;
   kept.reserve(6 * difference.kept.size());
@@ -205,14 +205,10 @@ protocol::Body encodeTurtle(const std::shared_ptr<const TurtleFrame>& frame, con
   return body;
 }
 
-protocol::Body encodeQueries(const std::shared_ptr<const QueryRecord>& record, const language::Program& program,
+protocol::Body encodeQueries(const std::shared_ptr<const QueryRecord>& record, const std::vector<std::string>& symbols,
                              const protocol::StreamOpenParams& params) {
   auto shown = std::make_shared<const QueryRecord>(record == nullptr ? QueryRecord{emptyBatch(), {}}
-                                                                     : selected(*record, program, params.select));
-  std::vector<std::string> symbols;
-  for (const language::Symbol& symbol : program.symbols) {
-    symbols.push_back(symbol.name);
-  }
+                                                                     : selected(*record, symbols, params.select));
   // whatever the environment needed is there
   const protocol::NeedsRecord all{.position = true,
                                   .heading = true,

@@ -22,6 +22,7 @@ namespace espalier::server {
 /// What the last step asked its environment and the answers: "queries" and "replies" as in environment.step, or blocks.
 /// Null: nothing was asked.
 [[nodiscard]] protocol::Body encodeQueries(const std::shared_ptr<const QueryRecord>& record,
-                                           const language::Program& program, const protocol::StreamOpenParams& params);
+                                           const std::vector<std::string>& symbols,
+                                           const protocol::StreamOpenParams& params);
 
 }  // namespace espalier::server

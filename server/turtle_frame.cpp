@@ -177,10 +177,11 @@ std::uint64_t TurtleFrame::bytes() const {
 }
 
 TurtleFrame makeTurtleFrame(const std::vector<turtle::TurtleRecord>& records,
-                            std::shared_ptr<const language::Program> program, const protocol::StreamSelection& select) {
+                            std::shared_ptr<const std::vector<std::string>> symbols,
+                            const protocol::StreamSelection& select) {
   const bool isSelective = !select.symbols.empty() || !select.plants.empty();
   TurtleFrame frame;
-  frame.program = std::move(program);
+  frame.symbols = std::move(symbols);
   if (!isSelective) {
     for (auto* column :
          {&frame.plant, &frame.module, &frame.symbol, &frame.colour, &frame.branchOrder, &frame.parent}) {
@@ -195,7 +196,7 @@ TurtleFrame makeTurtleFrame(const std::vector<turtle::TurtleRecord>& records,
   for (std::size_t i = 0; i < records.size(); ++i) {
     const turtle::TurtleRecord& record = records[i];
     if (isSelective) {
-      if (!isIn(select.symbols, frame.program->symbols[record.symbol].name) || !isIn(select.plants, record.plant)) {
+      if (!isIn(select.symbols, (*frame.symbols)[record.symbol]) || !isIn(select.plants, record.plant)) {
         continue;
       }
       frame.index.push_back(static_cast<std::uint32_t>(i));
@@ -258,7 +259,7 @@ TurtleDifference differenceOf(const TurtleFrame& base, const TurtleFrame& frame)
 
 TurtleFrame rowsOf(const TurtleFrame& frame, const std::vector<std::uint32_t>& rows) {
   TurtleFrame result;
-  result.program = frame.program;
+  result.symbols = frame.symbols;
   if (!frame.index.empty()) {
     appendRows(result.index, frame.index, rows, 1);
   }

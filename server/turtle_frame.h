@@ -2,9 +2,9 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
-#include "engine/language/program.h"
 #include "engine/turtle/scene.h"
 #include "protocol/messages.h"
 
@@ -13,8 +13,8 @@ namespace espalier::server {
 /// The turtle records of one state as columns, one row a record. Never changes; shared by the streams that show it and
 /// kept by those of differences until their next frame.
 struct TurtleFrame {
-  std::shared_ptr<const language::Program> program;  // what `symbol` refers to
-  std::vector<std::uint32_t> index;                  // among all records of the state (rows); empty: the row itself
+  std::shared_ptr<const std::vector<std::string>> symbols;  // what `symbol` refers to: Simulation::symbolNames
+  std::vector<std::uint32_t> index;  // among all records of the state (rows); empty: the row itself
   std::vector<std::uint32_t> plant, module, symbol, colour, branchOrder;  // (rows) each
   std::vector<std::uint32_t> parent;                                      // index of a record, kNoParent: none (rows)
   std::vector<std::uint32_t> parameterOffset{0};                          // (rows + 1)
@@ -31,7 +31,7 @@ struct TurtleFrame {
 
 /// The records that a selection takes. Throws protocol::NonFiniteNumber.
 [[nodiscard]] TurtleFrame makeTurtleFrame(const std::vector<turtle::TurtleRecord>& records,
-                                          std::shared_ptr<const language::Program> program,
+                                          std::shared_ptr<const std::vector<std::string>> symbols,
                                           const protocol::StreamSelection& select);
 
 /// Rows that a frame has in common with one before it, up to numbers that count records or modules: those of the
@@ -52,7 +52,7 @@ struct TurtleDifference {
   std::vector<std::uint32_t> fresh;  // rows of the later frame
 };
 
-/// O(rows) with one pass over both frames when most rows are kept. Both must be of the same program.
+/// O(rows) with one pass over both frames when most rows are kept. Both must have the same symbols.
 [[nodiscard]] TurtleDifference differenceOf(const TurtleFrame& base, const TurtleFrame& frame);
 
 /// The rows of a frame, in that order, as a frame.

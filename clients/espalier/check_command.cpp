@@ -5,6 +5,7 @@
 
 #include "clients/espalier/commands.h"
 #include "clients/espalier/environment_loading.h"
+#include "clients/espalier/forest_file.h"
 #include "clients/espalier/messages.h"
 #include "clients/espalier/model_loading.h"
 #include "server/disk_files.h"
@@ -14,6 +15,13 @@ namespace {
 
 int check(ModelOptions& options) {
   server::DiskFileProvider files;
+  if (const auto forest = forestFileOf(options.model)) {
+    if (!loadForest(*forest, options, files)) {
+      return kFailure;
+    }
+    std::printf("%s: no errors\n", forest->c_str());
+    return kSuccess;
+  }
   FolderSettings folder;
   const std::shared_ptr<const language::Program> program = loadProgram(options, files, &folder);
   if (!program) {

@@ -2,6 +2,7 @@
 #include <chrono>
 #include <cstdio>
 #include <memory>
+#include <string>
 #include <utility>
 
 #include "clients/espalier/commands.h"
@@ -41,9 +42,19 @@ Outcome timed(double& milliseconds, const Part& part) {
   return outcome;
 }
 
+// one line; of a forest one for each living plant, after the plant's number and a TAB
+void printStrings(const simulation::Simulation& simulation, const std::string& before) {
+  const bool isForest = simulation.plantCount() > 1;
+  for (std::size_t plant = 0; plant < simulation.plantCount(); ++plant) {
+    if (simulation.plant(plant).isAlive()) {
+      std::printf("%s%s", before.c_str(), isForest ? (std::to_string(plant) + "\t").c_str() : "");
+      printString(simulation.program(plant), simulation.string(plant));
+    }
+  }
+}
+
 void printStep(const simulation::Simulation& simulation) {
-  std::printf("%llu\t", static_cast<unsigned long long>(simulation.completedSteps()));
-  printString(simulation.program(), simulation.string());
+  printStrings(simulation, std::to_string(simulation.completedSteps()) + "\t");
 }
 
 // steps until the end, or to step `last`, printing what was asked for; the strings after the queries' answers belong to
@@ -85,21 +96,22 @@ Outcome runAllSteps(simulation::Simulation& simulation, DeriveOptions& options, 
     printStep(simulation);
   }
   if (!options.printsEveryStep) {
-    printString(simulation.program(), simulation.string());
+    printStrings(simulation, "");
   }
   return std::nullopt;
 }
 
 void printStatistics(const simulation::Simulation& simulation, const RunFigures& figures) {
-  const derivation::ModuleString& string = simulation.string();
+  const simulation::StepStatistics& statistics = simulation.statistics();
   std::fflush(stdout);
   std::fprintf(stderr,
                "{\"steps\":%llu,\"modules\":%llu,\"parameters\":%llu,\"queries\":%llu,\"derivationMilliseconds\":%.3f,"
                "\"environmentMilliseconds\":%.3f,\"bytes\":%llu}\n",
                static_cast<unsigned long long>(simulation.completedSteps()),
-               static_cast<unsigned long long>(string.size()), static_cast<unsigned long long>(string.parameterCount()),
-               static_cast<unsigned long long>(figures.queries), figures.derivationMilliseconds,
-               figures.environmentMilliseconds, static_cast<unsigned long long>(string.bytes()));
+               static_cast<unsigned long long>(statistics.modules),
+               static_cast<unsigned long long>(statistics.parameters), static_cast<unsigned long long>(figures.queries),
+               figures.derivationMilliseconds, figures.environmentMilliseconds,
+               static_cast<unsigned long long>(statistics.bytes));
 }
 
 int derive(DeriveOptions& options) {
@@ -108,7 +120,7 @@ int derive(DeriveOptions& options) {
   if (!loaded || !options.trace.open(loaded->environment)) {
     return kFailure;
   }
-  simulation::Simulation simulation(loaded->program, {turtle::PlantPlacement{}}, std::move(loaded->environment.process),
+  simulation::Simulation simulation(loaded->programs, loaded->plants, std::move(loaded->environment.process),
                                     std::move(loaded->simulationOptions));
   const TimeLimit time(simulation, options.model.seconds());
   RunFigures figures;
@@ -128,6 +140,7 @@ void addDerive(CLI::App& program, int& status) {
   CLI::App* command = program.add_subcommand("derive", "Derive a model and print its string of modules");
   command->footer(
       "Prints the string of the last step, or with --every one line for each step: its number, a TAB, the string.\n"
+      "Of a forest it prints a line for each living plant: its number, a TAB, its string.\n"
       "Examples:\n"
       "  espalier derive tree.l --every\n"
       "  espalier derive tiers.l --environment honda.json --steps 12\n"

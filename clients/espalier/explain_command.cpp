@@ -43,8 +43,11 @@ int explain(ExplainOptions& options) {
     return kFailure;
   }
   loaded->simulationOptions.fileWriter = std::make_shared<DiscardingWriter>();
-  const std::vector<turtle::PlantPlacement> placements(options.plant + std::size_t{1});
-  simulation::Simulation simulation(loaded->program, placements, std::move(loaded->environment.process),
+  // of one model as many plants are grown as it takes; a forest has those it has
+  if (!loaded->isForest) {
+    loaded->plants.resize(options.plant + std::size_t{1});
+  }
+  simulation::Simulation simulation(loaded->programs, loaded->plants, std::move(loaded->environment.process),
                                     std::move(loaded->simulationOptions));
   // to the string that the step reads, with the environment's answers in it
   std::optional<core::SimulationError> failure = simulation.rewind();
@@ -68,8 +71,15 @@ int explain(ExplainOptions& options) {
     printError(formatSimulationError(*failure));
     return kFailure;
   }
-  const auto explained = derivation::explain(simulation.program(), simulation.derivationOptions(options.plant),
-                                             simulation.plantState(options.plant), options.module);
+  if (options.plant >= simulation.plantCount() || !simulation.plant(options.plant).isAlive()) {
+    printError("there is no plant " + std::to_string(options.plant) + " at step " +
+               std::to_string(simulation.completedSteps()) +
+               ": `espalier derive` prints the numbers of those that live");
+    return kFailure;
+  }
+  const auto explained =
+      derivation::explain(simulation.program(options.plant), simulation.derivationOptions(options.plant),
+                          simulation.plantState(options.plant), options.module);
   if (const auto* error = std::get_if<core::SimulationError>(&explained)) {
     printError(formatSimulationError(*error));
     return kFailure;

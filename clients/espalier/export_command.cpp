@@ -58,9 +58,9 @@ int exportSnapshot(const ExportOptions& options) {
     return kFailure;
   }
   simulation::SnapshotInfo& info = read->info;
-  language::CompileResult compiled = language::compile(info.compileInput, info.files);
-  printDiagnostics(compiled.diagnostics.entries(), true);
-  if (!compiled.program) {
+  auto compiled = simulation::compileModels(info, core::Limits{});
+  if (const auto* diagnostics = std::get_if<core::DiagnosticList>(&compiled)) {
+    printDiagnostics(diagnostics->entries(), true);
     return kFailure;
   }
   std::unique_ptr<turtle::EnvironmentProcess> environment;
@@ -70,8 +70,9 @@ int exportSnapshot(const ExportOptions& options) {
   simulation::SimulationOptions simulationOptions;
   simulationOptions.environmentOrigin = info.environmentOrigin;
   simulationOptions.messages = standardErrorMessages(options.isQuiet);
-  simulation::Simulation simulation(compiled.program, std::vector<turtle::PlantPlacement>(info.plantCount),
-                                    std::move(environment), std::move(simulationOptions));
+  simulation::Simulation simulation(std::move(std::get<simulation::Programs>(compiled)),
+                                    std::vector<simulation::PlantOrigin>(info.plantCount), std::move(environment),
+                                    std::move(simulationOptions));
   if (const auto failure = simulation.restore(read->bytes)) {
     printError("'" + options.snapshot + "': " + formatSimulationError(*failure));
     return kFailure;

@@ -57,7 +57,7 @@ bool GrowthOutputs::addFrame(const simulation::Simulation& simulation) {
     return false;
   }
   const turtle::ExportInput input{.scene = std::get<turtle::Scene>(drawn),
-                                  .view = simulation.program().view,
+                                  .view = simulation.view(),
                                   .palette = &simulation.options().palette,
                                   .detail = options_.detail,
                                   .threads = options_.picture.threads};

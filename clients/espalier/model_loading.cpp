@@ -10,6 +10,7 @@
 #include <variant>
 
 #include "clients/espalier/folder_writer.h"
+#include "clients/espalier/forest_file.h"
 #include "clients/espalier/messages.h"
 #include "clients/espalier/model_files.h"
 #include "clients/espalier/number_option.h"
@@ -137,9 +138,9 @@ std::vector<std::string> dialectChoices() {
 }  // namespace
 
 void addReadingOptions(CLI::App& command, ModelOptions& options, bool isModelRequired) {
-  CLI::Option* model = command.add_option(
-      "model", options.model,
-      "The L-system file (.l or of another dialect; FILE:ENTRY where a file holds several), or a model\nfolder");
+  CLI::Option* model = command.add_option("model", options.model,
+                                          "The L-system file (.l or of another dialect; FILE:ENTRY where a file holds "
+                                          "several), a model\nfolder, or a forest (.json)");
   model->type_name("MODEL");
   model->required(isModelRequired);
   command.add_option("--dialect", options.dialect, "How the model is written; without it found by its content")
@@ -317,11 +318,16 @@ simulation::SimulationOptions simulationOptionsFor(const ModelOptions& options, 
 }
 
 std::optional<LoadedModel> loadModel(ModelOptions& options, core::FileProvider& files) {
+  if (const auto forest = forestFileOf(options.model)) {
+    return loadForest(*forest, options, files);
+  }
   LoadedModel loaded;
   loaded.program = loadProgram(options, files, &loaded.folder);
   if (!loaded.program) {
     return std::nullopt;
   }
+  loaded.programs = {loaded.program};
+  loaded.plants.resize(1);
   if (!options.environment.empty()) {
     std::optional<LoadedEnvironment> environment =
         loadEnvironment(options.environment, options.mode(), options.isQuiet, files, options.remote);

@@ -23,7 +23,7 @@ namespace espalier::command {
 
 /// What derive, run and check are told about a model on the command line.
 struct ModelOptions {
-  std::string model;        // a `.l` file or a model folder
+  std::string model;        // a `.l` file, a model folder or a forest file
   std::string dialect;      // of the model's file; empty: found by its content
   std::string object;       // which command of the folder; empty: the first
   std::string view;         // empty: the folder's, or the one beside the model
@@ -72,13 +72,17 @@ void addRunningOptions(CLI::App& command, ModelOptions& options);
 
 /// A model ready to run. The environment's process is null when there is none.
 struct LoadedModel {
-  std::shared_ptr<const language::Program> program;
+  std::shared_ptr<const language::Program> program;  // the first
+  simulation::Programs programs;                     // of a forest several
+  std::vector<simulation::PlantOrigin> plants;
+  bool isForest = false;  // from a forest file
   FolderSettings folder;
   LoadedEnvironment environment;
   simulation::SimulationOptions simulationOptions;
 };
 
-/// loadProgram, then its environment, then the options of the simulation; draws a seed and says so when one is needed.
+/// A forest (forest_file.h), or loadProgram, then its environment, then the options of the simulation; draws a seed and
+/// says so when one is needed.
 [[nodiscard]] std::optional<LoadedModel> loadModel(ModelOptions& options, core::FileProvider& files);
 
 /// The simulation options that `options` asks for, with a seed drawn and said on standard error when one is needed.

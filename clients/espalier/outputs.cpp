@@ -269,8 +269,10 @@ bool OutputWriter::writeOne(const simulation::Simulation& simulation, const Draw
       return std::nullopt;
     }
     std::vector<const derivation::ModuleString*> strings;
+    std::vector<const language::Program*> programs;
     for (std::size_t plant = 0; plant < simulation.plantCount(); ++plant) {
       strings.push_back(&simulation.string(plant));
+      programs.push_back(&simulation.program(plant));
     }
     const auto visitModules = [&simulation](const turtle::ModuleVisitor& visit) -> std::optional<std::string> {
       if (const auto failure = simulation.visitModules(visit)) {
@@ -279,13 +281,14 @@ bool OutputWriter::writeOne(const simulation::Simulation& simulation, const Draw
       return std::nullopt;
     };
     const turtle::ExportInput input{.scene = drawn.scene,
-                                    .view = simulation.program().view,
+                                    .view = simulation.view(),
                                     .palette = &drawn.palette,
                                     .detail = options_.detail,
                                     .threads = options_.picture.threads,
                                     .picture = &options_.picture,
                                     .step = simulation.completedSteps(),
                                     .program = &simulation.program(),
+                                    .programs = programs,
                                     .strings = strings,
                                     .visitModules = visitModules};
     return formatOf(options_, formatFrom)->write(input, target);

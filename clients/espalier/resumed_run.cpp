@@ -5,21 +5,30 @@
 #include <variant>
 
 #include "clients/espalier/environment_loading.h"
+#include "clients/espalier/forest_file.h"
 #include "clients/espalier/messages.h"
-#include "engine/language/compiler.h"
 
 namespace espalier::command {
 namespace {
 
 // the model given on the command line, or the one that the snapshot carries
-std::shared_ptr<const language::Program> resumedProgram(ModelOptions& options, simulation::SnapshotInfo& info,
-                                                        FolderSettings& folder, core::FileProvider& files) {
-  if (!options.model.empty()) {
-    return loadProgram(options, files, &folder);
+simulation::Programs resumedPrograms(ModelOptions& options, simulation::SnapshotInfo& info, FolderSettings& folder,
+                                     core::FileProvider& files) {
+  if (const auto forest = forestFileOf(options.model)) {
+    std::optional<LoadedModel> loaded = loadForest(*forest, options, files);
+    folder = loaded ? std::move(loaded->folder) : FolderSettings{};
+    return loaded ? std::move(loaded->programs) : simulation::Programs{};
   }
-  language::CompileResult compiled = language::compile(info.compileInput, info.files);
-  printDiagnostics(compiled.diagnostics.entries(), true);
-  return compiled.program;
+  if (!options.model.empty()) {
+    auto program = loadProgram(options, files, &folder);
+    return program == nullptr ? simulation::Programs{} : simulation::Programs{std::move(program)};
+  }
+  auto compiled = simulation::compileModels(info, core::Limits{});
+  if (const auto* diagnostics = std::get_if<core::DiagnosticList>(&compiled)) {
+    printDiagnostics(diagnostics->entries(), true);
+    return {};
+  }
+  return std::move(std::get<simulation::Programs>(compiled));
 }
 
 // the environment given on the command line, or made again as the snapshot says
@@ -68,10 +77,12 @@ std::optional<LoadedModel> loadResumed(ModelOptions& options, simulation::Snapsh
     options.seed = info.seed;
   }
   LoadedModel loaded;
-  loaded.program = resumedProgram(options, info, loaded.folder, files);
-  if (!loaded.program) {
+  loaded.programs = resumedPrograms(options, info, loaded.folder, files);
+  if (loaded.programs.empty()) {
     return std::nullopt;
   }
+  loaded.program = loaded.programs.front();
+  loaded.plants.resize(info.plantCount);
   std::optional<LoadedEnvironment> environment =
       resumedEnvironment(options, info, loaded.program->compatibility, files);
   if (!environment) {

@@ -122,10 +122,9 @@ bool runToEnd(simulation::Simulation& simulation, std::optional<std::uint64_t> l
 }
 
 // the simulation of a loaded model, at no step yet
-std::unique_ptr<simulation::Simulation> begin(LoadedModel& loaded, const std::optional<ResumedRun>& resumed) {
-  return std::make_unique<simulation::Simulation>(
-      loaded.program, std::vector<turtle::PlantPlacement>(resumed ? resumed->info.plantCount : 1),
-      std::move(loaded.environment.process), std::move(loaded.simulationOptions));
+std::unique_ptr<simulation::Simulation> begin(LoadedModel& loaded) {
+  return std::make_unique<simulation::Simulation>(loaded.programs, loaded.plants, std::move(loaded.environment.process),
+                                                  std::move(loaded.simulationOptions));
 }
 
 // what all frames of a run show together: the run is made once before it is drawn, with the same seed and without files
@@ -145,7 +144,7 @@ std::optional<turtle::PictureFrame> frameOfAll(const RunOptions& options, ModelO
   loaded->simulationOptions.messages = {};
   loaded->simulationOptions.fileWriter = std::make_shared<ForgetfulWriter>();
   const FolderSettings folder = loaded->folder;
-  const std::unique_ptr<simulation::Simulation> simulation = begin(*loaded, resumed);
+  const std::unique_ptr<simulation::Simulation> simulation = begin(*loaded);
   std::optional<core::SimulationError> failure = resumed ? simulation->restore(resumed->bytes) : simulation->rewind();
   const std::optional<std::uint64_t> last = failure ? std::nullopt : lastStepOf(folder, model.steps, *simulation);
   ProgressBar bar(!options.model.isQuiet);
@@ -156,7 +155,7 @@ std::optional<turtle::PictureFrame> frameOfAll(const RunOptions& options, ModelO
       failure = *problem;
       break;
     }
-    const turtle::ExportInput input{.scene = std::get<turtle::Scene>(scene), .view = simulation->program().view};
+    const turtle::ExportInput input{.scene = std::get<turtle::Scene>(scene), .view = simulation->view()};
     const turtle::ScenePlacement here;
     frame.include(turtle::pictureFrame({{&input, 1}, {&here, 1}}, options.outputs.picture));
     if (isOver(*simulation, last)) {
@@ -184,7 +183,10 @@ int runOnce(RunOptions& options, ModelOptions model, std::optional<std::uint64_t
   if (!loaded || !options.trace.open(loaded->environment)) {
     return kFailure;
   }
-  if (variant == 1 && !drawsRandomNumbers(*loaded->program) && !model.isQuiet) {
+  if (variant == 1 &&
+      std::none_of(loaded->programs.begin(), loaded->programs.end(),
+                   [](const auto& program) { return drawsRandomNumbers(*program); }) &&
+      !model.isQuiet) {
     printNote("the model draws no random numbers: all variants are equal");
   }
   // with --every a format that can hold all steps has one file, which OutputWriter does not see
@@ -199,7 +201,7 @@ int runOnce(RunOptions& options, ModelOptions model, std::optional<std::uint64_t
       return kFailure;
     }
   }
-  const std::unique_ptr<simulation::Simulation> begun = begin(*loaded, resumed);
+  const std::unique_ptr<simulation::Simulation> begun = begin(*loaded);
   simulation::Simulation& simulation = *begun;
   const TimeLimit time(simulation, model.seconds());
   if (const auto failure = resumed ? simulation.restore(resumed->bytes) : simulation.rewind()) {
@@ -260,6 +262,7 @@ void addRun(CLI::App& program, int& status) {
       "  espalier run lilac -o lilac.png --size 1920x1080\n"
       "  espalier run tree.l -o tree.glb -o tree.png -o tree.mtg\n"
       "  espalier run tree.l --every -o frame.png            frame-0000.png, frame-0001.png, ...\n"
+      "  espalier run forest.json -o stand.png               several plants, of several models, in one environment\n"
       "  espalier run bush.l --variants 20 -o bush-%02d.glb --detail 0.5\n"
       "  espalier run bush.l --variants 20 --in-rows 0 -o nursery.glb -o nursery.png\n"
       "  espalier run tiers.l --environment honda.json --steps 5 -o tiers.snapshot\n"

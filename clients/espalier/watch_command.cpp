@@ -79,7 +79,7 @@ void draw(const WatchOptions& options, WatchedFiles& files) {
   if (!loaded) {
     return;
   }
-  simulation::Simulation simulation(loaded->program, {turtle::PlantPlacement{}}, std::move(loaded->environment.process),
+  simulation::Simulation simulation(loaded->programs, loaded->plants, std::move(loaded->environment.process),
                                     std::move(loaded->simulationOptions));
   std::optional<core::SimulationError> failure = simulation.rewind();
   const std::optional<std::uint64_t> last =

@@ -49,7 +49,8 @@ std::vector<core::Diagnostic> unansweredQueries(const Program& program, const st
   std::vector<core::Diagnostic> warnings;
   const std::vector<std::string_view> names(processNames.begin(), processNames.end());
   for (const ModelQuery& query : queriesOf(program)) {
-    const bool isAnswered = (query.name == "E" && !names.empty()) ||
+    const bool isAnswered = query.name == kSeedName || query.name == kDeathName ||
+                            (query.name == "E" && !names.empty()) ||
                             std::any_of(names.begin(), names.end(),
                                         [&](std::string_view name) { return equalIgnoringCase(name, query.name); });
     if (isAnswered) {

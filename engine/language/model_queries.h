@@ -1,12 +1,18 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "engine/core/diagnostic.h"
 #include "engine/language/program.h"
 
 namespace espalier::language {
+
+/// The declared communication modules that the simulation itself answers: `?Seed(asks)` or `?Seed(asks, model)` asks
+/// for a new plant, `?Death` or `?Death(asks)` ends the plant it is in. Their queries do not reach the environment.
+inline constexpr std::string_view kSeedName = "Seed";
+inline constexpr std::string_view kDeathName = "Death";
 
 /// A communication module that a model makes: `E` of ?E(...), or the name of a declared ?Name(...).
 struct ModelQuery {

@@ -22,30 +22,44 @@ void Simulation::Implementation::answerPass() {
   statistics_.answers = 0;
   statistics_.iterations = 0;
   queries_.clear();
-  if (program_->hasQueries) {
+  forgetLife();
+  if (models_.hasQueries()) {
     interpretForQueries();
   }
   if (environment_) {
     consultEnvironment();
   }
+  writeLifeReplies();
   isAnswered_ = true;
 }
 
 void Simulation::Implementation::interpretForQueries() {
   queryOffsets_.clear();
+  forgetLife();
+  turtle::EnvironmentNeeds needs = description_.needs;
+  needs.position = needs.position || models_.hasLifeQueries();
   for (std::size_t plant = 0; plant < plants_.size(); ++plant) {
+    const PlantOrigin& origin = members_[plant].origin;
+    if (!members_[plant].isAlive() || !programOf(plant).hasQueries) {
+      continue;
+    }
     StepUndo& undo = undo_[plant];
     undo.variables.copyFrom(plants_[plant]);
     undo.hasVariables = true;
     turtle::InterpretationOutput output;
     output.queries = &queries_;
-    output.needs = description_.needs;
+    output.needs = needs;
     output.queryParameterOffsets = &queryOffsets_;
     output.changes = &undo.changes;
-    interpreter_.interpret(derivations_[plant], plants_[plant], static_cast<std::uint32_t>(plant), placements_[plant],
-                           output);
+    const std::size_t firstQuery = queries_.size();
+    models_.interpreter(origin.model)
+        .interpret(*derivations_[plant], plants_[plant], static_cast<std::uint32_t>(plant), origin.placement, output);
+    models_.toCommonSymbols(origin.model, firstQuery, queries_);
   }
   statistics_.queries = queries_.size();
+  if (models_.hasLifeQueries()) {
+    takeLifeQueries();
+  }
 }
 
 void Simulation::Implementation::measureGeometry() {
@@ -57,9 +71,10 @@ void Simulation::Implementation::measureGeometry() {
   }
   auto geometry = std::make_shared<turtle::Geometry>();
   const auto symbolOf = [this](std::uint32_t plant, std::uint64_t module) {
-    return program_->symbolOf[plants_[plant].string.types()[module]];
+    return models_.commonSymbol(members_[plant].origin.model,
+                                programOf(plant).symbolOf[plants_[plant].string.types()[module]]);
   };
-  turtle::appendGeometry(std::move(scene), program_->view, symbolOf, *geometry);
+  turtle::appendGeometry(std::move(scene), models_.view(), symbolOf, *geometry);
   queries_.geometry = std::move(geometry);
 }
 
@@ -211,7 +226,7 @@ void Simulation::Implementation::requireFiniteReplies() const {
       error.plant = queries_.plant[query];
       error.module = queries_.module[query];
       error.message = "step " + std::to_string(error.step) + ", plant " + std::to_string(error.plant) + ", module " +
-                      std::to_string(*error.module) + " ('" + program_->symbols[queries_.symbol[query]].name +
+                      std::to_string(*error.module) + " ('" + models_.symbolNames()[queries_.symbol[query]] +
                       "'): environment '" + description_.name + "' answered ";
       core::appendNumber(error.message, replies.values[k], core::NumberStyle::Shortest);
       error.message += " for parameter " + std::to_string(k - queries_.parameterOffset[query] + 1) + " of query " +
@@ -226,7 +241,6 @@ void Simulation::Implementation::writeReplies(const turtle::ReplyBatch& replies)
     const std::uint64_t begin = queries_.parameterOffset[query];
     const std::uint64_t end = queries_.parameterOffset[query + 1];
     const std::uint32_t plant = queries_.plant[query];
-    const auto parameters = plants_[plant].string.mutableParameters();
     bool isAnswer = false;
     for (std::uint64_t k = begin; k < end; ++k) {
       if (replies.isSet[k] == 0) {
@@ -236,10 +250,7 @@ void Simulation::Implementation::writeReplies(const turtle::ReplyBatch& replies)
       if (queryOffsets_[query] == turtle::kTransientQuery) {
         continue;
       }
-      const std::uint64_t offset = queryOffsets_[query] + (k - begin);
-      undo_[plant].changes.push_back({offset, parameters[offset]});
-      parameters[offset] =
-          isCompatible() ? static_cast<double>(static_cast<float>(replies.values[k])) : replies.values[k];
+      writeReply(plant, queryOffsets_[query] + (k - begin), replies.values[k]);
     }
     statistics_.answers += isAnswer ? 1U : 0U;
   }
@@ -248,6 +259,12 @@ void Simulation::Implementation::writeReplies(const turtle::ReplyBatch& replies)
                       "environment '" + description_.name + "' gave " + std::to_string(replies.surplusCount) +
                           " more values than the communication modules have parameters; they are dropped");
   }
+}
+
+void Simulation::Implementation::writeReply(std::uint32_t plant, std::uint64_t offset, double value) {
+  double& parameter = plants_[plant].string.mutableParameters()[offset];
+  undo_[plant].changes.push_back({offset, parameter});
+  parameter = isCompatible() ? static_cast<double>(static_cast<float>(value)) : value;
 }
 
 core::SimulationError Simulation::Implementation::environmentFailure(const turtle::EnvironmentError& error) const {

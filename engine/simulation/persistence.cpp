@@ -46,16 +46,45 @@ void hashPlant(core::Hasher& hasher, const language::Program& program, const der
   }
 }
 
+SnapshotModel snapshotModelOf(const language::Program& program) {
+  SnapshotModel model;
+  model.modelFile = program.modelFile;
+  model.viewFile = program.viewFile;
+  model.defines = program.defines;
+  for (const language::SourceMap::File& file : program.sources) {
+    model.sources.emplace_back(file.name, file.text);
+  }
+  model.programHash = program.hash;
+  for (const language::ModuleType& type : program.types) {
+    model.types.emplace_back(program.symbols[type.symbol].name, type.arity);
+  }
+  return model;
+}
+
 }  // namespace
+
+void Simulation::Implementation::hashPlants(core::Hasher& hasher) const {
+  for (std::size_t plant = 0; plant < plants_.size(); ++plant) {
+    const Plant& member = members_[plant];
+    if (member.birthStep != 0 || !member.isAlive()) {
+      hasher.integer(member.birthStep);
+      hasher.integer(member.deathStep);
+      hasher.number(member.origin.placement.position.x);
+      hasher.number(member.origin.placement.position.y);
+      hasher.number(member.origin.placement.position.z);
+    }
+    hashPlant(hasher, programOf(plant), plants_[plant]);
+  }
+}
 
 std::uint64_t Simulation::Implementation::stateHash() const {
   core::Hasher hasher;
-  hasher.integer(program_->hash);
+  for (const auto& program : models_.programs()) {
+    hasher.integer(program->hash);
+  }
   hasher.integer(completedSteps_);
   hasher.integer(isAnswered_ ? 1 : 0);
-  for (const derivation::PlantState& plant : plants_) {
-    hashPlant(hasher, *program_, plant);
-  }
+  hashPlants(hasher);
   if (environment_ && isStarted_) {
     hasher.bytes(environment_->save());
   }
@@ -64,33 +93,26 @@ std::uint64_t Simulation::Implementation::stateHash() const {
 
 std::uint64_t Simulation::Implementation::plantsHash() const {
   core::Hasher hasher;
-  for (const derivation::PlantState& plant : plants_) {
-    hashPlant(hasher, *program_, plant);
-  }
+  hashPlants(hasher);
   return hasher.value();
 }
 
 void Simulation::Implementation::save(core::ByteSink& sink) {
   SnapshotContent content;
-  content.modelFile = program_->modelFile;
-  content.viewFile = program_->viewFile;
-  content.compatibility = program_->compatibility;
-  content.defines = program_->defines;
-  for (const language::SourceMap::File& file : program_->sources) {
-    content.sources.emplace_back(file.name, file.text);
+  content.compatibility = models_.compatibility();
+  content.models.clear();
+  for (const auto& program : models_.programs()) {
+    content.models.push_back(snapshotModelOf(*program));
   }
-  content.programHash = program_->hash;
   content.name = options_.name;
   content.seed = options_.seed;
   content.hasSeed = options_.hasSeed;
   content.derivationLength = derivationLength();
   content.completedSteps = completedSteps_;
-  content.placements = placements_;
+  content.members = members_;
+  content.seeds = options_.seeds;
   content.palette = options_.palette;
   content.coupling = options_.coupling;
-  for (const language::ModuleType& type : program_->types) {
-    content.types.emplace_back(program_->symbols[type.symbol].name, type.arity);
-  }
   // a snapshot holds the state before the answers; replies go with it and are written again when it is restored
   for (std::size_t plant = 0; plant < plants_.size(); ++plant) {
     content.plants.push_back(plants_[plant]);
@@ -118,7 +140,7 @@ Simulation::Implementation::Outcome Simulation::Implementation::restore(std::str
     return failed(std::move(*error));
   }
   SnapshotContent& content = std::get<SnapshotContent>(read);
-  if (std::string problem = adoptProgram(content, *program_); !problem.empty()) {
+  if (std::string problem = adoptPrograms(content, models_.programs()); !problem.empty()) {
     return failed(snapshotError(std::move(problem)));
   }
   const std::string ownName = environment_ ? description_.name : std::string();
@@ -132,38 +154,40 @@ Simulation::Implementation::Outcome Simulation::Implementation::restore(std::str
   }
   // the environment next: it can refuse
   const SimulationOptions oldOptions = options_;
-  const std::vector<turtle::PlantPlacement> oldPlacements = placements_;
-  const auto adopt = [this](const SimulationOptions& options, std::vector<turtle::PlantPlacement> placements) {
+  const std::vector<Plant> oldMembers = members_;
+  const auto adopt = [this](const SimulationOptions& options, std::vector<Plant> members) {
     undo_.clear();
     options_.name = options.name;
     options_.seed = options.seed;
     options_.hasSeed = options.hasSeed;
     options_.palette = options.palette;
     options_.coupling = options.coupling;
-    placements_ = std::move(placements);
+    options_.seeds = options.seeds;
+    members_ = std::move(members);
     makeDerivations();
   };
   SimulationOptions newOptions = options_;
   newOptions.seed = content.seed;
   newOptions.hasSeed = content.hasSeed;
   newOptions.coupling = content.coupling;
+  newOptions.seeds = content.seeds;
   if (newOptions.palette.empty()) {
     newOptions.palette = std::move(content.palette);
   }
   const std::vector<StepUndo> oldUndo = undo_;
   const bool wasStarted = isStarted_;
-  adopt(newOptions, std::move(content.placements));
+  adopt(newOptions, std::move(content.members));
   if (environment_) {
     const std::string oldState = wasStarted ? environment_->save() : std::string();
     std::optional<turtle::EnvironmentError> error;
-    if (!wasStarted || placements_.size() != oldPlacements.size()) {
+    if (!wasStarted || members_.size() != oldMembers.size()) {
       error = environment_->open(environmentContext());
     }
     if (!error) {
       error = environment_->restore(content.environmentState);
     }
     if (error) {
-      adopt(oldOptions, oldPlacements);
+      adopt(oldOptions, oldMembers);
       undo_ = oldUndo;
       if (wasStarted) {
         static_cast<void>(environment_->restore(oldState));
@@ -175,17 +199,14 @@ Simulation::Implementation::Outcome Simulation::Implementation::restore(std::str
     description_.name = content.environmentName;
   }
   // then the state
+  forgetLife();
   plants_ = std::move(content.plants);
   completedSteps_ = content.completedSteps;
   pending_ = Pending{content.hasReplies, content.hasTicked, std::move(content.replies)};
   isStarted_ = true;
   isAnswered_ = false;
-  statistics_ = StepStatistics{.step = completedSteps_};
-  for (const derivation::PlantState& plant : plants_) {
-    statistics_.modules += plant.string.size();
-    statistics_.parameters += plant.string.parameterCount();
-    statistics_.bytes += plant.string.bytes();
-  }
+  statistics_ = StepStatistics{};
+  countStrings();
   return content.isAnswered ? answer() : std::nullopt;
 }
 

@@ -181,7 +181,7 @@ std::optional<Divergence> differenceOf(const TraceEvent& recorded, const Simulat
   divergence.step = simulation.completedSteps();
   const std::string after = "after step " + std::to_string(divergence.step);
   for (std::size_t plant = 0; plant < simulation.plantCount() && plant < recorded.pieceHashes.size(); ++plant) {
-    const auto now = pieceHashesOf(simulation.program(), simulation.string(plant));
+    const auto now = pieceHashesOf(simulation.program(plant), simulation.string(plant));
     const auto& before = recorded.pieceHashes[plant];
     std::size_t piece = 0;
     while (piece < now.size() && piece < before.size() && now[piece] == before[piece]) {
@@ -273,11 +273,11 @@ class Replay {
       return error->message;
     }
     auto& info = std::get<SnapshotInfo>(read);
-    const language::CompileResult compiled = language::compile(info.compileInput, info.files);
-    if (compiled.program == nullptr) {
+    auto compiled = compileModels(info, core::Limits{});
+    if (const auto* diagnostics = std::get_if<core::DiagnosticList>(&compiled)) {
       return "the model in the trace does not compile with this program: " +
-             (compiled.diagnostics.entries().empty() ? std::string("no reason was given")
-                                                     : compiled.diagnostics.entries().front().message) +
+             (diagnostics->entries().empty() ? std::string("no reason was given")
+                                             : diagnostics->entries().front().message) +
              ".";
     }
     SimulationOptions options;
@@ -293,8 +293,9 @@ class Replay {
       process = std::make_unique<ReplayProcess>(event.description, event.context.symbols, witness_);
     }
     process_ = process.get();
-    simulation_ = std::make_unique<Simulation>(compiled.program, std::vector<turtle::PlantPlacement>(info.plantCount),
-                                               std::move(process), std::move(options));
+    simulation_ =
+        std::make_unique<Simulation>(std::move(std::get<Programs>(compiled)), std::vector<PlantOrigin>(info.plantCount),
+                                     std::move(process), std::move(options));
     if (const auto error = simulation_->restore(event.snapshot)) {
       return error->message;
     }

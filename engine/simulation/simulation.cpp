@@ -1,7 +1,9 @@
 #include "engine/simulation/simulation.h"
 
 #include <algorithm>
+#include <array>
 #include <new>
+#include <tuple>
 #include <utility>
 
 #include "engine/core/check.h"
@@ -14,15 +16,14 @@ namespace espalier::simulation {
 
 using Outcome = std::optional<core::SimulationError>;
 
-Simulation::Implementation::Implementation(std::shared_ptr<const language::Program> program,
-                                           std::vector<turtle::PlantPlacement> placements,
+Simulation::Implementation::Implementation(Programs programs, std::vector<PlantOrigin> plants,
                                            std::unique_ptr<turtle::EnvironmentProcess> environment,
                                            SimulationOptions options)
-    : program_(std::move(program)),
-      placements_(std::move(placements)),
-      environment_(std::move(environment)),
-      options_(std::move(options)),
-      interpreter_(*program_) {
+    : models_(std::move(programs)), environment_(std::move(environment)), options_(std::move(options)) {
+  for (PlantOrigin& origin : plants) {
+    ESPALIER_CHECK(origin.model < models_.size());
+    members_.push_back({.origin = std::move(origin)});
+  }
   if (environment_) {
     description_ = environment_->describe();
   }
@@ -30,21 +31,17 @@ Simulation::Implementation::Implementation(std::shared_ptr<const language::Progr
 }
 
 std::uint64_t Simulation::Implementation::effectiveSeed() const {
-  // the first L-system with a `seed:` item names the model's
-  for (const language::LSystem& system : program_->systems) {
-    if (!options_.hasSeed && system.seed) {
-      return static_cast<std::uint64_t>(*system.seed);
-    }
-  }
-  return options_.seed;
+  return options_.hasSeed ? options_.seed : models_.modelSeed().value_or(options_.seed);
 }
 
-derivation::DerivationOptions Simulation::Implementation::derivationOptions(std::uint32_t plant) const {
+derivation::DerivationOptions Simulation::Implementation::derivationOptions(std::uint32_t plant,
+                                                                            const Plant& member) const {
   derivation::DerivationOptions options;
   options.seed = seed_;
-  options.hasSeed = options_.hasSeed;
+  // of several models one names the seed of all
+  options.hasSeed = options_.hasSeed || models_.size() > 1;
   options.plant = plant;
-  options.derivationLength = options_.derivationLength;
+  options.derivationLength = derivationLengthOf(member);
   options.threads = options_.threads;
   options.limits = options_.limits;
   options.cancelled = &isCancelled_;
@@ -57,26 +54,27 @@ void Simulation::Implementation::makeDerivations() {
   seed_ = effectiveSeed();
   derivations_.clear();
   displayDerivations_.clear();
-  for (std::uint32_t plant = 0; plant < placements_.size(); ++plant) {
-    derivations_.emplace_back(*program_, derivationOptions(plant));
+  for (std::uint32_t plant = 0; plant < members_.size(); ++plant) {
+    derivations_.push_back(members_[plant].isAlive() ? std::make_unique<derivation::Derivation>(
+                                                           programOf(plant), derivationOptions(plant, members_[plant]))
+                                                     : nullptr);
   }
-  undo_.resize(placements_.size());
+  undo_.resize(members_.size());
 }
 
 turtle::EnvironmentContext Simulation::Implementation::environmentContext() const {
   turtle::EnvironmentContext context;
   context.simulation = options_.name;
-  context.plantCount = static_cast<std::uint32_t>(placements_.size());
-  for (const language::Symbol& symbol : program_->symbols) {
-    context.symbols.push_back(symbol.name);
-  }
+  context.plantCount = static_cast<std::uint32_t>(members_.size());
+  context.symbols = models_.symbolNames();
   context.seed = seed_;
   context.world = options_.world;
   return context;
 }
 
-void Simulation::Implementation::startFromString(derivation::PlantState& plant) const {
-  auto read = derivation::parseText(*program_, options_.startString);
+void Simulation::Implementation::startFromString(const language::Program& program,
+                                                 derivation::PlantState& plant) const {
+  auto read = derivation::parseText(program, options_.startString);
   if (const std::string* problem = std::get_if<std::string>(&read)) {
     core::SimulationError error;
     error.code = core::SimulationErrorCode::Model;
@@ -89,41 +87,59 @@ void Simulation::Implementation::startFromString(derivation::PlantState& plant) 
 Outcome Simulation::Implementation::rewind() {
   return guarded([this] {
     undoStep();
-    // the plants first: a failing Start changes nothing
-    std::vector<derivation::PlantState> plants(placements_.size());
-    for (std::size_t plant = 0; plant < plants.size(); ++plant) {
-      derivations_[plant].rewind(plants[plant]);
-      if (!options_.startString.empty()) {
-        startFromString(plants[plant]);
+    // those that came during a run are not there yet, those that went are there again
+    std::vector<Plant> members = founders();
+    const bool isOther = members.size() != members_.size() || livingPlantCount() != members_.size();
+    members_.swap(members);
+    try {
+      if (isOther) {
+        makeDerivations();
       }
-    }
-    if (environment_) {
-      if (const auto error = environment_->open(environmentContext())) {
-        isStarted_ = false;
-        throw core::SimulationFailure(environmentFailure(*error));
+      begin();
+    } catch (...) {
+      members_.swap(members);
+      if (isOther) {
+        makeDerivations();
       }
-      description_ = environment_->describe();
-    }
-    deliverFiles(plants);
-    plants_ = std::move(plants);
-    completedSteps_ = 0;
-    pending_ = Pending{};
-    isAnswered_ = false;
-    isStarted_ = true;
-    statistics_ = StepStatistics{};
-    for (const derivation::PlantState& plant : plants_) {
-      statistics_.modules += plant.string.size();
-      statistics_.parameters += plant.string.parameterCount();
-      statistics_.bytes += plant.string.bytes();
+      throw;
     }
   });
+}
+
+void Simulation::Implementation::begin() {
+  // the plants first: a failing Start changes nothing
+  std::vector<derivation::PlantState> plants(members_.size());
+  for (std::size_t plant = 0; plant < plants.size(); ++plant) {
+    derivations_[plant]->rewind(plants[plant]);
+    if (!options_.startString.empty()) {
+      startFromString(programOf(plant), plants[plant]);
+    }
+  }
+  if (environment_) {
+    if (const auto error = environment_->open(environmentContext())) {
+      isStarted_ = false;
+      throw core::SimulationFailure(environmentFailure(*error));
+    }
+    description_ = environment_->describe();
+  }
+  for (std::size_t plant = 0; plant < plants.size(); ++plant) {
+    deliverFiles(plant, programOf(plant), plants[plant]);
+  }
+  plants_ = std::move(plants);
+  completedSteps_ = 0;
+  pending_ = Pending{};
+  isAnswered_ = false;
+  isStarted_ = true;
+  statistics_ = StepStatistics{};
+  countStrings();
 }
 
 Outcome Simulation::Implementation::step() {
   return guarded([this] {
     answerPass();
     derivePass();
-    deliverFiles(plants_);
+    growSeedlings();
+    deliverAllFiles();
     completeStep();
   });
 }
@@ -142,14 +158,17 @@ bool hasStoppedItself(const derivation::PlantState& plant) {
 }  // namespace
 
 void Simulation::Implementation::measureViewVolume() {
-  if (!program_->usesViewVolume || program_->view.box) {
+  // a model with a box of its own has it from the start
+  const auto& programs = models_.programs();
+  if (std::none_of(programs.begin(), programs.end(),
+                   [](const auto& program) { return program->usesViewVolume && !program->view.box; })) {
     return;
   }
   turtle::Scene scene;
   if (auto error = draw({.scene = &scene})) {
     throw core::SimulationFailure(std::move(*error));
   }
-  const language::Box volume = turtle::boundsOf(scene, program_->view).value_or(language::Box{});
+  const language::Box volume = turtle::boundsOf(scene, models_.view()).value_or(language::Box{});
   for (derivation::PlantState& plant : plants_) {
     plant.viewVolume = volume;
   }
@@ -157,12 +176,12 @@ void Simulation::Implementation::measureViewVolume() {
 
 void Simulation::Implementation::derivePass() {
   // a file that cannot be written takes the derivation back as well
-  const bool writesFiles = options_.fileWriter != nullptr && !program_->files.empty();
-  const bool isKept = plants_.size() > 1 || writesFiles;
+  const bool writesFiles = options_.fileWriter != nullptr && models_.writesFiles();
+  const bool isKept = plants_.size() > 1 || writesFiles || !seeds_.empty();
   measureViewVolume();
-  bool hasDerived = false;
+  bool hasDerived = !dying_.empty();
   for (std::size_t plant = 0; plant < plants_.size(); ++plant) {
-    if (hasStoppedItself(plants_[plant])) {
+    if (!isGrowing(plant) || hasStoppedItself(plants_[plant])) {
       continue;
     }
     // a plant's failed derivation changes nothing of it; those before it are kept to be taken back
@@ -170,7 +189,7 @@ void Simulation::Implementation::derivePass() {
       undo_[plant].underived = plants_[plant];
       undo_[plant].hasUnderived = true;
     }
-    derivations_[plant].derive(plants_[plant]);
+    derivations_[plant]->derive(plants_[plant]);
     hasDerived = true;
   }
   if (!hasDerived) {
@@ -178,26 +197,48 @@ void Simulation::Implementation::derivePass() {
     error.code = core::SimulationErrorCode::Model;
     error.step = completedSteps_ + 1;
     error.message = "step " + std::to_string(error.step) +
-                    ": the model has stopped itself, there is no further step. "
-                    "Rewind the simulation to run it again.";
+                    (livingPlantCount() == 0 ? ": no plant is alive" : ": the model has stopped itself") +
+                    ", there is no further step. Rewind the simulation to run it again.";
     throw core::SimulationFailure(std::move(error));
   }
 }
 
-void Simulation::Implementation::deliverFiles(std::vector<derivation::PlantState>& plants) {
-  for (std::size_t plant = 0; plant < plants.size(); ++plant) {
-    for (const derivation::FileOutput& output : derivation::takeOutput(plants[plant].files)) {
-      const auto number = static_cast<std::uint32_t>(plant);
-      const std::string name = derivation::fileNameOfPlant(program_->files[output.file].name, number);
-      if (auto problem = options_.fileWriter->write(name, output.replaces, output.bytes)) {
-        core::SimulationError error;
-        error.code = core::SimulationErrorCode::Model;
-        error.step = plants[plant].step;
-        error.plant = number;
-        error.message = "step " + std::to_string(error.step) + ", plant " + std::to_string(number) + ": " + *problem;
-        throw core::SimulationFailure(std::move(error));
-      }
+void Simulation::Implementation::deliverFiles(std::size_t plant, const language::Program& program,
+                                              derivation::PlantState& state) {
+  for (const derivation::FileOutput& output : derivation::takeOutput(state.files)) {
+    const auto number = static_cast<std::uint32_t>(plant);
+    const std::string name = derivation::fileNameOfPlant(program.files[output.file].name, number);
+    if (auto problem = options_.fileWriter->write(name, output.replaces, output.bytes)) {
+      core::SimulationError error;
+      error.code = core::SimulationErrorCode::Model;
+      error.step = state.step;
+      error.plant = number;
+      error.message = "step " + std::to_string(error.step) + ", plant " + std::to_string(number) + ": " + *problem;
+      throw core::SimulationFailure(std::move(error));
     }
+  }
+}
+
+void Simulation::Implementation::deliverAllFiles() {
+  for (std::size_t plant = 0; plant < plants_.size(); ++plant) {
+    deliverFiles(plant, programOf(plant), plants_[plant]);
+  }
+  for (std::size_t i = 0; i < seedlings_.size(); ++i) {
+    Seedling& seedling = seedlings_[i];
+    deliverFiles(plants_.size() + i, *models_.programs()[seedling.member.origin.model], seedling.state);
+  }
+}
+
+void Simulation::Implementation::countStrings() {
+  statistics_.step = completedSteps_;
+  statistics_.modules = 0;
+  statistics_.parameters = 0;
+  statistics_.bytes = 0;
+  statistics_.plants = livingPlantCount();
+  for (const derivation::PlantState& plant : plants_) {
+    statistics_.modules += plant.string.size();
+    statistics_.parameters += plant.string.parameterCount();
+    statistics_.bytes += plant.string.bytes();
   }
 }
 
@@ -205,22 +246,18 @@ void Simulation::Implementation::completeStep() {
   ++completedSteps_;
   isAnswered_ = false;
   pending_ = Pending{.replies = std::move(pending_.replies)};
-  statistics_.step = completedSteps_;
-  statistics_.modules = 0;
-  statistics_.parameters = 0;
-  statistics_.bytes = 0;
-  for (std::size_t plant = 0; plant < plants_.size(); ++plant) {
-    statistics_.modules += plants_[plant].string.size();
-    statistics_.parameters += plants_[plant].string.parameterCount();
-    statistics_.bytes += plants_[plant].string.bytes();
-    undo_[plant].clear();
+  for (StepUndo& undo : undo_) {
+    undo.clear();
   }
+  endAndBegin();
+  countStrings();
 }
 
 void Simulation::Implementation::undoStep() {
   for (std::size_t plant = 0; plant < plants_.size(); ++plant) {
     undo_[plant].apply(plants_[plant]);
   }
+  forgetLife();
   isAnswered_ = false;
 }
 
@@ -233,60 +270,73 @@ core::SimulationError Simulation::Implementation::failed(core::SimulationError e
   return error;
 }
 
-std::uint64_t Simulation::Implementation::derivationLength() const {
-  if (!plants_.empty()) {
-    std::uint64_t length = 0;
-    for (const derivation::PlantState& plant : plants_) {
-      length = std::max(length, plant.derivationLength);
-    }
-    return length;
+std::uint64_t Simulation::Implementation::runLength() const {
+  return options_.derivationLength.value_or(models_.longestDerivation());
+}
+
+std::optional<std::uint64_t> Simulation::Implementation::derivationLengthOf(const Plant& member) const {
+  // alone a model knows its own length; in company all end with the run
+  if (models_.size() == 1 && member.birthStep == 0) {
+    return options_.derivationLength;
   }
-  return options_.derivationLength.value_or(program_->derivationLength);
+  return std::max(runLength(), member.birthStep) - member.birthStep;
+}
+
+std::uint64_t Simulation::Implementation::derivationLength() const {
+  if (plants_.empty()) {
+    return runLength();
+  }
+  std::uint64_t length = 0;
+  for (std::size_t plant = 0; plant < plants_.size(); ++plant) {
+    length = std::max(length, members_[plant].birthStep + plants_[plant].derivationLength);
+  }
+  return length;
 }
 
 bool Simulation::Implementation::isFinished() const {
-  return std::all_of(plants_.begin(), plants_.end(), [this](const derivation::PlantState& plant) {
-    return plant.isStopped || completedSteps_ >= plant.derivationLength;
-  });
+  for (std::size_t plant = 0; plant < plants_.size(); ++plant) {
+    const derivation::PlantState& state = plants_[plant];
+    if (members_[plant].isAlive() && !state.isStopped &&
+        completedSteps_ < members_[plant].birthStep + state.derivationLength) {
+      return false;
+    }
+  }
+  return true;
 }
 
-Outcome Simulation::Implementation::draw(turtle::InterpretationOutput output) {
-  output.fillsQueries = false;
-  // its own derivations: a picture prints nothing and cannot be cancelled with a step
-  while (displayDerivations_.size() < plants_.size()) {
-    derivation::DerivationOptions options = derivationOptions(static_cast<std::uint32_t>(displayDerivations_.size()));
-    options.cancelled = nullptr;
-    if (options_.messages) {
-      options.messages = [messages = options_.messages](core::MessageKind kind, std::string_view text) {
-        if (kind == core::MessageKind::Warning) {
-          messages(kind, text);
-        }
-      };
-    }
-    displayDerivations_.emplace_back(*program_, std::move(options));
+namespace {
+
+std::vector<PlantOrigin> ofOneModel(std::vector<turtle::PlantPlacement> placements) {
+  std::vector<PlantOrigin> origins;
+  for (const turtle::PlantPlacement& placement : placements) {
+    origins.emplace_back().placement = placement;
   }
-  for (std::size_t plant = 0; plant < plants_.size(); ++plant) {
-    PlantVariables before;
-    before.copyFrom(plants_[plant]);
-    Outcome outcome;
-    try {
-      interpreter_.interpret(displayDerivations_[plant], plants_[plant], static_cast<std::uint32_t>(plant),
-                             placements_[plant], output);
-    } catch (const core::SimulationFailure& failure) {
-      outcome = failed(failure.error());
-    }
-    // whatever the homomorphism's blocks did is taken back
-    before.copyTo(plants_[plant]);
-    if (outcome) {
-      return outcome;
-    }
-  }
-  return std::nullopt;
+  return origins;
 }
+
+// the order in which plants are numbered
+std::vector<PlantOrigin> inOrder(std::vector<PlantOrigin> origins) {
+  const auto rank = [](const PlantOrigin& origin) {
+    const auto [position, frame] = origin.placement;
+    const auto part = [](const core::Vec3& v) { return std::array{v.x, v.y, v.z}; };
+    return std::tuple(part(position), part(frame.heading), part(frame.left), part(frame.up), origin.model,
+                      origin.colourShift, origin.name);
+  };
+  std::sort(origins.begin(), origins.end(), [&](const auto& a, const auto& b) { return rank(a) < rank(b); });
+  return origins;
+}
+
+}  // namespace
 
 Simulation::Simulation(std::shared_ptr<const language::Program> program, std::vector<turtle::PlantPlacement> placements,
                        std::unique_ptr<turtle::EnvironmentProcess> environment, SimulationOptions options)
-    : implementation_(std::make_unique<Implementation>(std::move(program), std::move(placements),
+    : implementation_(std::make_unique<Implementation>(std::vector{std::move(program)},
+                                                       ofOneModel(std::move(placements)), std::move(environment),
+                                                       std::move(options))) {}
+
+Simulation::Simulation(Programs programs, std::vector<PlantOrigin> plants,
+                       std::unique_ptr<turtle::EnvironmentProcess> environment, SimulationOptions options)
+    : implementation_(std::make_unique<Implementation>(std::move(programs), inOrder(std::move(plants)),
                                                        std::move(environment), std::move(options))) {}
 
 Simulation::~Simulation() = default;
@@ -324,7 +374,16 @@ std::uint64_t Simulation::derivationLength() const {
 }
 
 std::size_t Simulation::plantCount() const {
-  return implementation_->placements_.size();
+  return implementation_->members_.size();
+}
+
+std::uint64_t Simulation::livingPlantCount() const {
+  return implementation_->livingPlantCount();
+}
+
+const Plant& Simulation::plant(std::size_t plant) const {
+  ESPALIER_CHECK(plant < implementation_->members_.size());
+  return implementation_->members_[plant];
 }
 
 const derivation::ModuleString& Simulation::string(std::size_t plant) const {
@@ -338,23 +397,37 @@ const derivation::PlantState& Simulation::plantState(std::size_t plant) const {
 }
 
 derivation::DerivationOptions Simulation::derivationOptions(std::size_t plant) const {
-  return implementation_->derivationOptions(static_cast<std::uint32_t>(plant));
+  ESPALIER_CHECK(plant < implementation_->members_.size());
+  return implementation_->derivationOptions(static_cast<std::uint32_t>(plant), implementation_->members_[plant]);
 }
 
 std::string Simulation::stringText(std::size_t plant) const {
-  return derivation::toText(program(), string(plant), derivation::numberStyle(program().compatibility));
+  const language::Program& own = program(plant);
+  return derivation::toText(own, string(plant), derivation::numberStyle(own.compatibility));
 }
 
 const StepStatistics& Simulation::statistics() const {
   return implementation_->statistics_;
 }
 
-const language::Program& Simulation::program() const {
-  return *implementation_->program_;
+const language::Program& Simulation::program(std::size_t plant) const {
+  if (implementation_->members_.empty()) {
+    return implementation_->models_.first();
+  }
+  ESPALIER_CHECK(plant < implementation_->members_.size());
+  return implementation_->programOf(plant);
 }
 
-std::shared_ptr<const language::Program> Simulation::sharedProgram() const {
-  return implementation_->program_;
+const Programs& Simulation::programs() const {
+  return implementation_->models_.programs();
+}
+
+const std::vector<std::string>& Simulation::symbolNames() const {
+  return implementation_->models_.symbolNames();
+}
+
+const language::ViewSettings& Simulation::view() const {
+  return implementation_->models_.view();
 }
 
 const SimulationOptions& Simulation::options() const {

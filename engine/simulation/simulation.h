@@ -18,6 +18,7 @@
 #include "engine/derivation/plant_state.h"
 #include "engine/language/colour_files.h"
 #include "engine/language/program.h"
+#include "engine/simulation/forest.h"
 #include "engine/turtle/environment_process.h"
 #include "engine/turtle/interpreter.h"
 #include "engine/turtle/scene.h"
@@ -59,6 +60,7 @@ struct SimulationOptions {
   Coupling coupling;  // of a new run; a restored snapshot brings its own
   EnvironmentPolicy environmentPolicy = EnvironmentPolicy::Fail;
   EnvironmentOrigin environmentOrigin;
+  SeedRules seeds;            // where the seeds that plants drop take root
   language::Palette palette;  // colours of the model folder: for pictures only, snapshots carry them
   std::string startString;    // takes the axiom's place in every plant, as its text; empty: the axiom
   core::MessageSink messages;
@@ -74,9 +76,17 @@ struct StepStatistics {
   std::uint64_t answers = 0;     // queries with a reply that set something
   std::uint64_t bytes = 0;       // of the strings
   std::uint32_t iterations = 0;  // exchanges with the environment in the last step
+  std::uint64_t plants = 0;      // that live
+  std::uint64_t births = 0;      // seeds that took root in the step
+  std::uint64_t deaths = 0;      // plants that ended in the step
 };
 
-/// One plant or several of one Program, with an environment, advanced together. Not thread-safe: one worker at a time.
+/// One plant or several, of one Program or several, with an environment, advanced together. Not thread-safe: one worker
+/// at a time.
+///
+/// Plants come and go during a run: a seed that a plant drops becomes a plant of its own at the end of the step, a
+/// plant that asks for its death is gone at the end of the step (forest.h). A plant keeps its number for life; one that
+/// is gone has an empty string.
 ///
 /// A step: queries of all plants -> environment -> write back -> derive each plant. A step that fails leaves everything
 /// as after the last completed step and can be tried again; replies that had arrived for it are kept and not asked for
@@ -84,6 +94,12 @@ struct StepStatistics {
 class Simulation {
  public:
   Simulation(std::shared_ptr<const language::Program> program, std::vector<turtle::PlantPlacement> placements,
+             std::unique_ptr<turtle::EnvironmentProcess> environment, SimulationOptions options);
+  /// A forest: plants of several Programs, which must have one compatibility mode. Plants are numbered by where they
+  /// stand (x, then y, then z, then how they are turned, then model), whatever the order of `plants`: neither random
+  /// numbers nor anything else depends on that order. `programs` must not be empty. With several Programs the
+  /// derivation length is the longest of them unless the options say otherwise.
+  Simulation(Programs programs, std::vector<PlantOrigin> plants,
              std::unique_ptr<turtle::EnvironmentProcess> environment, SimulationOptions options);
   ~Simulation();
   Simulation(const Simulation&) = delete;
@@ -109,7 +125,9 @@ class Simulation {
   [[nodiscard]] std::uint64_t seed() const;
   [[nodiscard]] std::uint64_t completedSteps() const;
   [[nodiscard]] std::uint64_t derivationLength() const;
-  [[nodiscard]] std::size_t plantCount() const;
+  [[nodiscard]] std::size_t plantCount() const;  // living and dead
+  [[nodiscard]] std::uint64_t livingPlantCount() const;
+  [[nodiscard]] const Plant& plant(std::size_t plant) const;
   [[nodiscard]] const derivation::ModuleString& string(std::size_t plant = 0) const;
   /// Everything that the next derivation of a plant starts from.
   [[nodiscard]] const derivation::PlantState& plantState(std::size_t plant = 0) const;
@@ -117,15 +135,22 @@ class Simulation {
   [[nodiscard]] derivation::DerivationOptions derivationOptions(std::size_t plant = 0) const;
   [[nodiscard]] std::string stringText(std::size_t plant = 0) const;
   [[nodiscard]] const StepStatistics& statistics() const;
-  [[nodiscard]] const language::Program& program() const;
-  [[nodiscard]] std::shared_ptr<const language::Program> sharedProgram() const;
+  /// The Program of a plant; of a simulation without plants the first.
+  [[nodiscard]] const language::Program& program(std::size_t plant = 0) const;
+  [[nodiscard]] const Programs& programs() const;
+  /// Names of the symbols by the numbers of turtleRecords() and of the queries to the environment.
+  [[nodiscard]] const std::vector<std::string>& symbolNames() const;
+  /// What the surfaces, contours and line styles of scene() refer to: the first Program's view settings, with the
+  /// surfaces and contours of all. Valid as long as the simulation.
+  [[nodiscard]] const language::ViewSettings& view() const;
   [[nodiscard]] const SimulationOptions& options() const;
   [[nodiscard]] turtle::EnvironmentProcess* environment();  // null: none
   void setCancelled(bool isCancelled);                      // from any thread
 
   /// Draws all plants. Does not change the simulation (homomorphism side effects happen on a copy of the variables).
   [[nodiscard]] std::variant<turtle::Scene, core::SimulationError> scene() const;
-  /// The turtle stream's records of the current strings, all plants. Does not change the simulation.
+  /// The turtle stream's records of the current strings, all plants; symbols are places in symbolNames(). Does not
+  /// change the simulation.
   [[nodiscard]] std::variant<std::vector<turtle::TurtleRecord>, core::SimulationError> turtleRecords() const;
   /// Calls `visit` after each module of all plants, in order, with the turtle's state then (InterpretationOutput::
   /// onModule). Does not change the simulation.

@@ -6,17 +6,21 @@
 #include <string>
 #include <vector>
 
+#include "engine/core/hash.h"
+#include "engine/simulation/model_set.h"
+#include "engine/simulation/seed_bed.h"
 #include "engine/simulation/simulation.h"
 #include "engine/simulation/snapshot_content.h"
 #include "engine/simulation/step_undo.h"
 
 namespace espalier::simulation {
 
-/// The state and the parts of a step behind Simulation. simulation.cpp: starting, stepping, looking; answering.cpp: the
-/// pass that answers queries; persistence.cpp: hash, save, restore.
+/// The state and the parts of a step behind Simulation. simulation.cpp: starting and stepping; answering.cpp: the pass
+/// that answers queries; births_and_deaths.cpp: seeds and the end of plants; drawing.cpp: looking; persistence.cpp:
+/// hash, save, restore.
 class Simulation::Implementation {
  public:
-  Implementation(std::shared_ptr<const language::Program> program, std::vector<turtle::PlantPlacement> placements,
+  Implementation(Programs programs, std::vector<PlantOrigin> plants,
                  std::unique_ptr<turtle::EnvironmentProcess> environment, SimulationOptions options);
 
   using Outcome = std::optional<core::SimulationError>;
@@ -26,19 +30,23 @@ class Simulation::Implementation {
   [[nodiscard]] Outcome answer();
   [[nodiscard]] bool isFinished() const;
   [[nodiscard]] std::uint64_t derivationLength() const;
-  [[nodiscard]] derivation::DerivationOptions derivationOptions(std::uint32_t plant) const;
+  [[nodiscard]] std::uint64_t livingPlantCount() const;
+  [[nodiscard]] derivation::DerivationOptions derivationOptions(std::uint32_t plant, const Plant& member) const;
   [[nodiscard]] Outcome draw(turtle::InterpretationOutput output);
   [[nodiscard]] std::uint64_t stateHash() const;
   [[nodiscard]] std::uint64_t plantsHash() const;
+  [[nodiscard]] const language::Program& programOf(std::size_t plant) const {
+    return *models_.programs()[members_[plant].origin.model];
+  }
   void save(core::ByteSink& sink);
   [[nodiscard]] Outcome restore(std::string_view snapshot);
 
-  std::shared_ptr<const language::Program> program_;
-  std::vector<turtle::PlantPlacement> placements_;
+  ModelSet models_;
+  std::vector<Plant> members_;  // by plant number
   std::unique_ptr<turtle::EnvironmentProcess> environment_;
   SimulationOptions options_;
   turtle::EnvironmentDescription description_;
-  std::vector<derivation::PlantState> plants_;
+  std::vector<derivation::PlantState> plants_;  // by plant number; of the dead: empty
   std::uint64_t completedSteps_ = 0;
   std::uint64_t seed_ = 0;
   StepStatistics statistics_;
@@ -54,16 +62,32 @@ class Simulation::Implementation {
     turtle::ReplyBatch replies;
   };
 
-  [[nodiscard]] bool isCompatible() const { return program_->compatibility != core::Compatibility::Espalier; }
+  /// A seed that took root, until the step is complete.
+  struct Seedling {
+    Plant member;
+    derivation::PlantState state;
+    std::unique_ptr<derivation::Derivation> derivation;
+  };
+
+  [[nodiscard]] bool isCompatible() const { return models_.compatibility() != core::Compatibility::Espalier; }
+  /// Living plants that the step derives: not those that end in it.
+  [[nodiscard]] bool isGrowing(std::size_t plant) const;
+  [[nodiscard]] std::uint64_t runLength() const;
+  [[nodiscard]] std::optional<std::uint64_t> derivationLengthOf(const Plant& member) const;
   [[nodiscard]] std::uint64_t effectiveSeed() const;
+  void hashPlants(core::Hasher& hasher) const;
   void makeDerivations();
-  void startFromString(derivation::PlantState& plant) const;
+  void startFromString(const language::Program& program, derivation::PlantState& plant) const;
   [[nodiscard]] turtle::EnvironmentContext environmentContext() const;
 
   // the parts of a step: they throw SimulationFailure and are undone by undoStep
   void answerPass();
   void interpretForQueries();
   void measureGeometry();
+  void takeLifeQueries();
+  [[nodiscard]] std::uint32_t modelOfSeed(std::size_t query) const;
+  void writeLifeReplies();
+  void writeReply(std::uint32_t plant, std::uint64_t offset, double value);
   void consultEnvironment();
   void tickEnvironment();
   void exchange();
@@ -74,21 +98,32 @@ class Simulation::Implementation {
   void writeReplies(const turtle::ReplyBatch& replies);
   void measureViewVolume();
   void derivePass();
-  void deliverFiles(std::vector<derivation::PlantState>& plants);
+  void growSeedlings();
+  void countStrings();
+  void begin();
+  void deliverAllFiles();
+  void deliverFiles(std::size_t plant, const language::Program& program, derivation::PlantState& state);
+  void drawPlant(std::size_t plant, const turtle::InterpretationOutput& output);
   void completeStep();
+  void endAndBegin();
+  void forgetLife();
+  [[nodiscard]] std::vector<Plant> founders() const;
   void undoStep();
   [[nodiscard]] core::SimulationError failed(core::SimulationError error) const;
   [[nodiscard]] core::SimulationError environmentFailure(const turtle::EnvironmentError& error) const;
   template <typename Part>
   [[nodiscard]] Outcome guarded(Part&& part);
 
-  turtle::Interpreter interpreter_;
-  std::vector<derivation::Derivation> derivations_;         // by plant
-  std::vector<derivation::Derivation> displayDerivations_;  // by plant, for drawing: no printf
-  std::vector<StepUndo> undo_;                              // by plant
+  // working memory by plant number; null: of a dead plant, and of the second also of one that was not drawn yet
+  std::vector<std::unique_ptr<derivation::Derivation>> derivations_;
+  std::vector<std::unique_ptr<derivation::Derivation>> displayDerivations_;  // for drawing: no printf
+  std::vector<StepUndo> undo_;                                               // by plant
   turtle::QueryBatch queries_;
   std::vector<std::uint64_t> queryOffsets_;  // of each query's parameters in its plant's string (queryCount)
   Pending pending_;
+  std::vector<Seed> seeds_;           // of the step under way
+  std::vector<std::uint32_t> dying_;  // plants that end in it, by number
+  std::vector<Seedling> seedlings_;   // made in it
 };
 
 /// Runs a part of a step; on a failure of any kind the simulation is as after the last completed step.

@@ -25,7 +25,8 @@ enum class Section : std::uint32_t {
   End = 7,
   Files = 8,
   Colours = 9,
-  Coupling = 10
+  Coupling = 10,
+  Forest = 11
 };
 
 void writeVector(ByteWriter& writer, const Vec3& v) {
@@ -59,24 +60,22 @@ std::vector<std::pair<std::string, std::string>> readPairs(ByteReader& reader) {
   return pairs;
 }
 
-ByteWriter modelSection(const SnapshotContent& content) {
-  ByteWriter writer;
-  writer.text(content.modelFile);
-  writer.text(content.viewFile);
-  writer.byte(static_cast<std::uint8_t>(content.compatibility));
-  writePairs(writer, content.defines);
-  writePairs(writer, content.sources);
-  writer.number64(content.programHash);
-  return writer;
+void writeModel(ByteWriter& writer, const SnapshotModel& model, core::Compatibility compatibility) {
+  writer.text(model.modelFile);
+  writer.text(model.viewFile);
+  writer.byte(static_cast<std::uint8_t>(compatibility));
+  writePairs(writer, model.defines);
+  writePairs(writer, model.sources);
+  writer.number64(model.programHash);
 }
 
-void readModel(ByteReader& reader, SnapshotContent& content) {
-  content.modelFile = reader.text();
-  content.viewFile = reader.text();
-  content.compatibility = static_cast<core::Compatibility>(reader.byte() % 3);
-  content.defines = readPairs(reader);
-  content.sources = readPairs(reader);
-  content.programHash = reader.number64();
+void readModel(ByteReader& reader, SnapshotModel& model, core::Compatibility& compatibility) {
+  model.modelFile = reader.text();
+  model.viewFile = reader.text();
+  compatibility = static_cast<core::Compatibility>(reader.byte() % 3);
+  model.defines = readPairs(reader);
+  model.sources = readPairs(reader);
+  model.programHash = reader.number64();
 }
 
 ByteWriter runSection(const SnapshotContent& content) {
@@ -89,8 +88,9 @@ ByteWriter runSection(const SnapshotContent& content) {
   writer.text(content.environmentName);
   writer.text(content.environmentOrigin.name);
   writePairs(writer, content.environmentOrigin.files);
-  writer.number64(content.placements.size());
-  for (const turtle::PlantPlacement& placement : content.placements) {
+  writer.number64(content.members.size());
+  for (const Plant& member : content.members) {
+    const turtle::PlantPlacement& placement = member.origin.placement;
     writeVector(writer, placement.position);
     writeVector(writer, placement.frame.heading);
     writeVector(writer, placement.frame.left);
@@ -108,8 +108,9 @@ void readRun(ByteReader& reader, SnapshotContent& content) {
   content.environmentName = reader.text();
   content.environmentOrigin.name = reader.text();
   content.environmentOrigin.files = readPairs(reader);
-  content.placements.resize(reader.count(96));
-  for (turtle::PlantPlacement& placement : content.placements) {
+  content.members.resize(reader.count(96));
+  for (Plant& member : content.members) {
+    turtle::PlantPlacement& placement = member.origin.placement;
     placement.position = readVector(reader);
     placement.frame.heading = readVector(reader);
     placement.frame.left = readVector(reader);
@@ -186,22 +187,86 @@ void readColours(ByteReader& reader, language::Palette& palette) {
   }
 }
 
-ByteWriter typesSection(const SnapshotContent& content) {
-  ByteWriter writer;
-  writer.number64(content.types.size());
-  for (const auto& [name, arity] : content.types) {
+void writeTypes(ByteWriter& writer, const SnapshotModel& model) {
+  writer.number64(model.types.size());
+  for (const auto& [name, arity] : model.types) {
     writer.text(name);
     writer.number16(arity);
+  }
+}
+
+void readTypes(ByteReader& reader, SnapshotModel& model) {
+  model.types.resize(reader.count(10));
+  for (auto& [name, arity] : model.types) {
+    name = reader.text();
+    arity = reader.number16();
+  }
+}
+
+/// Whether there is more to say than models and placements: what version 1 has no place for.
+bool isForest(const SnapshotContent& content) {
+  return content.models.size() > 1 || content.seeds != SeedRules() ||
+         std::any_of(content.members.begin(), content.members.end(), [](const Plant& member) {
+           return member.birthStep != 0 || !member.isAlive() || !member.origin.name.empty() ||
+                  member.origin.colourShift != 0;
+         });
+}
+
+ByteWriter forestSection(const SnapshotContent& content) {
+  ByteWriter writer;
+  writer.number64(content.models.size() - 1);
+  for (std::size_t i = 1; i < content.models.size(); ++i) {
+    writeModel(writer, content.models[i], content.compatibility);
+    writeTypes(writer, content.models[i]);
+  }
+  writer.number64(content.members.size());
+  for (const Plant& member : content.members) {
+    writer.number32(member.origin.model);
+    writer.text(member.origin.name);
+    writer.number32(static_cast<std::uint32_t>(member.origin.colourShift));
+    writer.number64(member.birthStep);
+    writer.number64(member.deathStep);
+  }
+  writer.number64(content.seeds.maximumPlants);
+  writer.real(content.seeds.spacing);
+  writer.real(content.seeds.ground);
+  writer.flag(content.seeds.area.has_value());
+  for (const Vec3& corner : content.seeds.area.value_or(std::array<Vec3, 2>{})) {
+    writeVector(writer, corner);
   }
   return writer;
 }
 
-void readTypes(ByteReader& reader, SnapshotContent& content) {
-  content.types.resize(reader.count(10));
-  for (auto& [name, arity] : content.types) {
-    name = reader.text();
-    arity = reader.number16();
+/// Whether the section fits the plants and models.
+bool readForest(ByteReader& reader, SnapshotContent& content) {
+  content.models.resize(1 + reader.count(48));
+  for (std::size_t i = 1; i < content.models.size(); ++i) {
+    core::Compatibility compatibility = content.compatibility;
+    readModel(reader, content.models[i], compatibility);
+    readTypes(reader, content.models[i]);
   }
+  if (reader.count(32) != content.members.size()) {
+    return false;
+  }
+  for (Plant& member : content.members) {
+    member.origin.model = reader.number32();
+    member.origin.name = reader.text();
+    member.origin.colourShift = static_cast<std::int32_t>(reader.number32());
+    member.birthStep = reader.number64();
+    member.deathStep = reader.number64();
+    if (member.origin.model >= content.models.size()) {
+      return false;
+    }
+  }
+  content.seeds.maximumPlants = reader.number64();
+  content.seeds.spacing = reader.real();
+  content.seeds.ground = reader.real();
+  const bool hasArea = reader.flag();
+  std::array<Vec3, 2> area;
+  area[0] = readVector(reader);
+  area[1] = readVector(reader);
+  content.seeds.area = hasArea ? std::optional(area) : std::nullopt;
+  return true;
 }
 
 ByteWriter plantSection(const derivation::PlantState& plant) {
@@ -370,11 +435,19 @@ void writeSnapshot(const SnapshotContent& content, core::ByteSink& sink) {
   HashingSink hashing(sink);
   ByteWriter head;
   head.raw(kSnapshotMagic);
-  head.number32(kSnapshotVersion);
+  // without a forest an older program can read it
+  head.number32(isForest(content) ? kSnapshotVersion : 1);
   hashing.write(head.bytes());
-  hashing.writeSection(Section::Model, modelSection(content));
+  ByteWriter model;
+  writeModel(model, content.models.front(), content.compatibility);
+  hashing.writeSection(Section::Model, model);
   hashing.writeSection(Section::Run, runSection(content));
-  hashing.writeSection(Section::Types, typesSection(content));
+  ByteWriter types;
+  writeTypes(types, content.models.front());
+  hashing.writeSection(Section::Types, types);
+  if (isForest(content)) {
+    hashing.writeSection(Section::Forest, forestSection(content));
+  }
   for (const derivation::PlantState& plant : content.plants) {
     hashing.writeSection(Section::Plant, plantSection(plant));
     if (hasFiles(plant)) {
@@ -431,7 +504,7 @@ std::variant<SnapshotContent, core::SimulationError> readSnapshot(std::string_vi
     }
     switch (static_cast<Section>(tag)) {
       case Section::Model:
-        readModel(section, content);
+        readModel(section, content.models.front(), content.compatibility);
         isPresent[0] = true;
         break;
       case Section::Run:
@@ -439,7 +512,7 @@ std::variant<SnapshotContent, core::SimulationError> readSnapshot(std::string_vi
         isPresent[1] = true;
         break;
       case Section::Types:
-        readTypes(section, content);
+        readTypes(section, content.models.front());
         isPresent[2] = true;
         break;
       case Section::Plant:
@@ -471,6 +544,11 @@ std::variant<SnapshotContent, core::SimulationError> readSnapshot(std::string_vi
         content.coupling.iterations = section.number32();
         content.coupling.tolerance = section.real();
         break;
+      case Section::Forest:
+        if (!isPresent[1] || !readForest(section, content)) {
+          return damaged();
+        }
+        break;
       case Section::End:
         hasEnded = true;
         break;
@@ -489,17 +567,53 @@ std::variant<SnapshotContent, core::SimulationError> readSnapshot(std::string_vi
   core::Hasher hasher;
   hasher.bytes(snapshot.substr(0, hashedBytes));
   const bool isWhole = isPresent[0] && isPresent[1] && isPresent[2] && isPresent[3];
-  const bool hasPlants = headOnly || content.plants.size() == content.placements.size();
+  const bool hasPlants = headOnly || content.plants.size() == content.members.size();
   if (hasher.value() != checksum || reader.remaining() != 0 || !isWhole || !hasPlants) {
     return damaged();
   }
   return content;
 }
 
-std::string adoptProgram(SnapshotContent& content, const language::Program& program) {
-  if (content.programHash != program.hash || content.compatibility != program.compatibility) {
-    return "The snapshot was made with another model, other definitions or in another mode than '" + program.modelFile +
-           "'. Resume it without naming a model, or with the files it was made with.";
+namespace {
+
+/// Turns the types of a plant into the Program's; whether everything fits.
+bool adopt(derivation::PlantState& plant, const std::vector<core::ModuleTypeId>& typeOf,
+           const language::Program& program) {
+  std::uint64_t parameterCount = 0;
+  for (core::ModuleTypeId& type : plant.string.typeBuffer().span()) {
+    if (type >= typeOf.size() || typeOf[type] == core::kNoModuleType) {
+      return false;
+    }
+    type = typeOf[type];
+    parameterCount += program.arity[type];
+  }
+  if (parameterCount != plant.string.parameterCount() || plant.statics.size() != program.staticCount ||
+      plant.instances.empty()) {
+    return false;
+  }
+  const derivation::FileState& files = plant.files;
+  const auto isForeign = [&](const auto& file) { return file.file >= program.files.size(); };
+  if (std::any_of(files.open.begin(), files.open.end(), isForeign) ||
+      std::any_of(files.kept.begin(), files.kept.end(), isForeign)) {
+    return false;
+  }
+  return std::all_of(plant.instances.begin(), plant.instances.end(), [&](const derivation::InstanceState& instance) {
+    if (instance.system >= program.systems.size()) {
+      return false;
+    }
+    const language::LSystem& system = program.systems[instance.system];
+    const bool isEmpty = instance.variables.empty() && instance.elements.empty();
+    return isEmpty || (instance.variables.size() == system.variables.size() &&
+                       instance.elements.size() == system.arrayElementCount);
+  });
+}
+
+}  // namespace
+
+std::string adoptPrograms(SnapshotContent& content, const Programs& programs) {
+  if (content.models.size() != programs.size()) {
+    return "The snapshot has " + std::to_string(content.models.size()) + " models and the simulation " +
+           std::to_string(programs.size()) + ". Resume it without naming a model, or with the files it was made with.";
   }
   constexpr const char* kForeign =
       "The snapshot does not fit the model although their sources agree. It was made by another build of Espalier.";
@@ -507,39 +621,22 @@ std::string adoptProgram(SnapshotContent& content, const language::Program& prog
     return kForeign;
   }
   // module types by name and arity: another build may number them otherwise
-  std::vector<core::ModuleTypeId> typeOf(content.types.size(), core::kNoModuleType);
-  for (std::size_t i = 0; i < typeOf.size(); ++i) {
-    typeOf[i] = program.findType(content.types[i].first, content.types[i].second);
+  std::vector<std::vector<core::ModuleTypeId>> typesOf;
+  for (std::size_t model = 0; model < programs.size(); ++model) {
+    const language::Program& program = *programs[model];
+    if (content.models[model].programHash != program.hash || content.compatibility != program.compatibility) {
+      return "The snapshot was made with another model, other definitions or in another mode than '" +
+             program.modelFile + "'. Resume it without naming a model, or with the files it was made with.";
+    }
+    std::vector<core::ModuleTypeId>& types = typesOf.emplace_back();
+    for (const auto& [name, arity] : content.models[model].types) {
+      types.push_back(program.findType(name, arity));
+    }
   }
-  for (derivation::PlantState& plant : content.plants) {
-    std::uint64_t parameterCount = 0;
-    for (core::ModuleTypeId& type : plant.string.typeBuffer().span()) {
-      if (type >= typeOf.size() || typeOf[type] == core::kNoModuleType) {
-        return kForeign;
-      }
-      type = typeOf[type];
-      parameterCount += program.arity[type];
-    }
-    if (parameterCount != plant.string.parameterCount() || plant.statics.size() != program.staticCount ||
-        plant.instances.empty()) {
+  for (std::size_t i = 0; i < content.plants.size(); ++i) {
+    const Plant& member = content.members[i];
+    if (member.isAlive() && !adopt(content.plants[i], typesOf[member.origin.model], *programs[member.origin.model])) {
       return kForeign;
-    }
-    const derivation::FileState& files = plant.files;
-    const auto isForeign = [&](const auto& file) { return file.file >= program.files.size(); };
-    if (std::any_of(files.open.begin(), files.open.end(), isForeign) ||
-        std::any_of(files.kept.begin(), files.kept.end(), isForeign)) {
-      return kForeign;
-    }
-    for (const derivation::InstanceState& instance : plant.instances) {
-      if (instance.system >= program.systems.size()) {
-        return kForeign;
-      }
-      const language::LSystem& system = program.systems[instance.system];
-      const bool isEmpty = instance.variables.empty() && instance.elements.empty();
-      if (!isEmpty && (instance.variables.size() != system.variables.size() ||
-                       instance.elements.size() != system.arrayElementCount)) {
-        return kForeign;
-      }
     }
   }
   return {};

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -18,26 +19,30 @@
 
 namespace espalier::simulation {
 
-/// Everything in a snapshot, as plain data. The layout of the bytes is in README.md.
-struct SnapshotContent {
-  // the model
+/// One of the models of a snapshot.
+struct SnapshotModel {
   std::string modelFile;
   std::string viewFile;
-  core::Compatibility compatibility = core::Compatibility::Espalier;
   std::vector<std::pair<std::string, std::string>> defines;
   std::vector<std::pair<std::string, std::string>> sources;  // name, text
   std::uint64_t programHash = 0;
+  std::vector<std::pair<std::string, std::uint16_t>> types;  // module types of the strings: name and arity
+};
+
+/// Everything in a snapshot, as plain data. The layout of the bytes is in README.md.
+struct SnapshotContent {
+  std::vector<SnapshotModel> models{1};
+  core::Compatibility compatibility = core::Compatibility::Espalier;  // of all
   // the run
   std::string name;
   std::uint64_t seed = 0;
   bool hasSeed = false;
   std::uint64_t derivationLength = 0;
   std::uint64_t completedSteps = 0;
-  std::vector<turtle::PlantPlacement> placements;
+  std::vector<Plant> members;
+  SeedRules seeds;
   language::Palette palette;  // of pictures
   Coupling coupling;
-  // module types of the strings: name and arity
-  std::vector<std::pair<std::string, std::uint16_t>> types;
   // the state after the last completed step
   std::vector<derivation::PlantState> plants;
   // the environment
@@ -60,9 +65,9 @@ void writeSnapshot(const SnapshotContent& content, core::ByteSink& sink);
 [[nodiscard]] std::variant<SnapshotContent, core::SimulationError> readSnapshot(std::string_view snapshot,
                                                                                 bool headOnly);
 
-/// Checks a content against the Program it is to run with and turns its types into the Program's. An error sentence, or
-/// an empty string.
-[[nodiscard]] std::string adoptProgram(SnapshotContent& content, const language::Program& program);
+/// Checks a content against the Programs it is to run with and turns its types into the Programs'. An error sentence,
+/// or an empty string.
+[[nodiscard]] std::string adoptPrograms(SnapshotContent& content, const Programs& programs);
 
 /// A SimulationError of code Snapshot.
 [[nodiscard]] core::SimulationError snapshotError(std::string message);

@@ -25,15 +25,15 @@ std::string bytesOf(const SnapshotContent& content) {
 /// Finds module types by name and arity as the snapshot numbers them.
 class Types {
  public:
-  explicit Types(const SnapshotContent& content) : content_(&content) {}
+  explicit Types(const SnapshotModel& model) : model_(&model) {}
 
-  [[nodiscard]] std::uint16_t arity(core::ModuleTypeId type) const { return content_->types[type].second; }
+  [[nodiscard]] std::uint16_t arity(core::ModuleTypeId type) const { return model_->types[type].second; }
   [[nodiscard]] bool isOpening(core::ModuleTypeId type) const { return isNamed(type, "["); }
   [[nodiscard]] bool isClosing(core::ModuleTypeId type) const { return isNamed(type, "]"); }
-  [[nodiscard]] std::size_t count() const { return content_->types.size(); }
+  [[nodiscard]] std::size_t count() const { return model_->types.size(); }
   [[nodiscard]] core::ModuleTypeId find(const EditedModule& module) const {
-    for (std::size_t i = 0; i < content_->types.size(); ++i) {
-      if (content_->types[i].first == module.symbol && content_->types[i].second == module.parameters.size()) {
+    for (std::size_t i = 0; i < model_->types.size(); ++i) {
+      if (model_->types[i].first == module.symbol && model_->types[i].second == module.parameters.size()) {
         return static_cast<core::ModuleTypeId>(i);
       }
     }
@@ -42,7 +42,7 @@ class Types {
   /// All types as people write them.
   [[nodiscard]] std::string list() const {
     std::string text;
-    for (const auto& [name, arity] : content_->types) {
+    for (const auto& [name, arity] : model_->types) {
       text += (text.empty() ? "" : ", ") + name;
       text += arity == 0 ? "" : " with " + std::to_string(arity) + (arity == 1 ? " parameter" : " parameters");
     }
@@ -51,10 +51,10 @@ class Types {
 
  private:
   [[nodiscard]] bool isNamed(core::ModuleTypeId type, std::string_view name) const {
-    return content_->types[type].first == name && content_->types[type].second == 0;
+    return model_->types[type].first == name && model_->types[type].second == 0;
   }
 
-  const SnapshotContent* content_;
+  const SnapshotModel* model_;
 };
 
 /// The first module behind what is pruned at `begin`.
@@ -119,11 +119,16 @@ EditedSnapshot editString(std::string_view snapshot, const StringEdit& edit) {
     return std::move(*error);
   }
   SnapshotContent& content = std::get<SnapshotContent>(read);
-  const Types types(content);
   if (edit.plant >= content.plants.size()) {
     return modelError("There is no plant " + std::to_string(edit.plant) + "; there are " +
                       std::to_string(content.plants.size()) + ", numbered from 0.");
   }
+  const Plant& member = content.members[edit.plant];
+  if (!member.isAlive()) {
+    return modelError("Plant " + std::to_string(edit.plant) + " is dead since step " +
+                      std::to_string(member.deathStep) + ".");
+  }
+  const Types types(content.models[member.origin.model]);
   derivation::PlantState& plant = content.plants[edit.plant];
   if (plant.instances.size() > 1) {
     return modelError("A model with sub-L-systems cannot be edited: their variables are counted along the string.");
@@ -174,42 +179,57 @@ EditedSnapshot editString(std::string_view snapshot, const StringEdit& edit) {
   return bytesOf(content);
 }
 
-EditedSnapshot setVariables(std::string_view snapshot, const language::Program& program,
+EditedSnapshot setVariables(std::string_view snapshot, const Programs& programs,
                             const std::vector<std::pair<std::string, double>>& values) {
   auto read = readForEditing(snapshot);
   if (auto* error = std::get_if<core::SimulationError>(&read)) {
     return std::move(*error);
   }
   SnapshotContent& content = std::get<SnapshotContent>(read);
-  const std::vector<std::string>& names = program.systems.front().variables;
+  // a variable of several models is changed in the plants of all of them
   for (const auto& [name, value] : values) {
-    const auto found = std::find(names.begin(), names.end(), name);
-    if (found == names.end()) {
-      const std::vector<std::string_view> views(names.begin(), names.end());
-      return modelError("The model has no variable '" + name + "'. " + core::suggestName(name, views));
-    }
     if (!std::isfinite(value)) {
       return modelError("The value of '" + name + "' is NaN or infinite. Give a finite number.");
     }
-    const auto slot = static_cast<std::size_t>(found - names.begin());
-    for (derivation::PlantState& plant : content.plants) {
-      if (plant.instances.empty() || slot >= plant.instances.front().variables.size()) {
-        return snapshotError("The snapshot does not fit the model: it has other variables.");
+    std::vector<std::string_view> known;
+    bool isFound = false;
+    for (std::size_t model = 0; model < programs.size() && model < content.models.size(); ++model) {
+      const std::vector<std::string>& names = programs[model]->systems.front().variables;
+      known.insert(known.end(), names.begin(), names.end());
+      const auto found = std::find(names.begin(), names.end(), name);
+      if (found == names.end()) {
+        continue;
       }
-      plant.instances.front().variables[slot] = value;
+      isFound = true;
+      const auto slot = static_cast<std::size_t>(found - names.begin());
+      for (std::size_t i = 0; i < content.plants.size(); ++i) {
+        if (content.members[i].origin.model != model || !content.members[i].isAlive()) {
+          continue;
+        }
+        derivation::PlantState& plant = content.plants[i];
+        if (plant.instances.empty() || slot >= plant.instances.front().variables.size()) {
+          return snapshotError("The snapshot does not fit the model: it has other variables.");
+        }
+        plant.instances.front().variables[slot] = value;
+      }
+    }
+    if (!isFound) {
+      return modelError("The model has no variable '" + name + "'. " + core::suggestName(name, known));
     }
   }
   return bytesOf(content);
 }
 
-EditedSnapshot withProgram(std::string_view snapshot, const language::Program& program) {
+EditedSnapshot withPrograms(std::string_view snapshot, const Programs& programs) {
   auto read = readForEditing(snapshot);
   if (auto* error = std::get_if<core::SimulationError>(&read)) {
     return std::move(*error);
   }
   SnapshotContent& content = std::get<SnapshotContent>(read);
-  content.programHash = program.hash;
-  content.defines = program.defines;
+  for (std::size_t model = 0; model < programs.size() && model < content.models.size(); ++model) {
+    content.models[model].programHash = programs[model]->hash;
+    content.models[model].defines = programs[model]->defines;
+  }
   return bytesOf(content);
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -8,7 +9,7 @@
 #include <vector>
 
 #include "engine/core/simulation_error.h"
-#include "engine/language/program.h"
+#include "engine/simulation/forest.h"
 
 namespace espalier::simulation {
 
@@ -38,12 +39,12 @@ using EditedSnapshot = std::variant<std::string, core::SimulationError>;
 /// replies of a step that failed are kept. O(snapshot).
 [[nodiscard]] EditedSnapshot editString(std::string_view snapshot, const StringEdit& edit);
 
-/// The snapshot with other values of the main L-system's variables in all plants; names are `program`'s.
-[[nodiscard]] EditedSnapshot setVariables(std::string_view snapshot, const language::Program& program,
+/// The snapshot with other values of the main L-system's variables in all plants; names are the Programs'.
+[[nodiscard]] EditedSnapshot setVariables(std::string_view snapshot, const Programs& programs,
                                           const std::vector<std::pair<std::string, double>>& values);
 
-/// The snapshot as one of `program`, which has the same sources with other definitions. What does not fit is found when
-/// it is restored.
-[[nodiscard]] EditedSnapshot withProgram(std::string_view snapshot, const language::Program& program);
+/// The snapshot as one of `programs`, which have the same sources with other definitions. What does not fit is found
+/// when it is restored.
+[[nodiscard]] EditedSnapshot withPrograms(std::string_view snapshot, const Programs& programs);
 
 }  // namespace espalier::simulation

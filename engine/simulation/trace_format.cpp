@@ -269,7 +269,7 @@ std::string encodeComplete(const Simulation& simulation) {
   writer.number64(simulation.plantsHash());
   writer.number64(simulation.plantCount());
   for (std::size_t plant = 0; plant < simulation.plantCount(); ++plant) {
-    writeIntegers(writer, pieceHashesOf(simulation.program(), simulation.string(plant)));
+    writeIntegers(writer, pieceHashesOf(simulation.program(plant), simulation.string(plant)));
   }
   return writer.bytes();
 }

@@ -13,7 +13,7 @@ TEST(SimulationRecord, ReadsWhatItWrote) {
   record.create.name = "bush \"1\"";
   record.create.environmentJson = R"([{"type":"honda","radius":0.5}])";
   record.create.derivationLength = 12;
-  record.create.plants = {{{1.0, 2.0, 3.0}}};
+  record.create.plants.emplace_back().position = {1.0, 2.0, 3.0};
   record.create.maximumModules = 1000;
   for (const protocol::SavePolicy save :
        {protocol::SavePolicy{true, 1}, protocol::SavePolicy{true, 10}, protocol::SavePolicy{true, 0}}) {

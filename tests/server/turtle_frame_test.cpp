@@ -9,16 +9,8 @@
 namespace espalier::server {
 namespace {
 
-std::shared_ptr<const language::Program> makeProgram() {
-  language::Program program;
-  program.symbols.resize(3);
-  program.symbols[0].name = "F";
-  program.symbols[1].name = "E";
-  program.symbols[2].name = "A";
-  return std::make_shared<const language::Program>(std::move(program));
-}
-
-const std::shared_ptr<const language::Program> kProgram = makeProgram();
+const std::shared_ptr<const std::vector<std::string>> kSymbols =
+    std::make_shared<const std::vector<std::string>>(std::vector<std::string>{"F", "E", "A"});
 
 /// A record whose place tells it from others.
 turtle::TurtleRecord recordAt(double place, std::uint64_t module, std::uint32_t parent) {
@@ -41,14 +33,14 @@ std::vector<turtle::TurtleRecord> chain(std::size_t count) {
 }
 
 TurtleFrame frameOf(const std::vector<turtle::TurtleRecord>& records, const protocol::StreamSelection& select = {}) {
-  return makeTurtleFrame(records, kProgram, select);
+  return makeTurtleFrame(records, kSymbols, select);
 }
 
 /// What a viewer holds who had `base` and is told the difference.
 TurtleFrame applied(const TurtleFrame& base, const TurtleFrame& fresh, const TurtleDifference& difference,
                     std::size_t rows) {
   TurtleFrame result;
-  result.program = kProgram;
+  result.symbols = kSymbols;
   std::size_t used = 0;
   const auto add = [&](const TurtleFrame& from, std::size_t row, const KeptRows& run) {
     const TurtleFrame one = rowsOf(from, {static_cast<std::uint32_t>(row)});

@@ -212,6 +212,15 @@ class AsyncClient:
             seed=seed, name=name, derivationLength=derivation_length, parameters=parameters, limits=limits))
         return AsyncSimulation(self, str(created["simulation"]), created)
 
+    @_as(blocking.Client.create_forest)
+    async def create_forest(self, models: Sequence[Mapping[str, Any]], plants: Sequence[Mapping[str, Any]], *,
+                            seeds: Optional[Mapping[str, Any]] = None, environment: Optional[Sequence[Process]] = None,
+                            seed: Optional[int] = None, name: Optional[str] = None,
+                            derivation_length: Optional[int] = None) -> "AsyncSimulation":
+        created = await self._do(requests.create_forest(models, plants, seeds=seeds, environment=environment, seed=seed,
+                                                        name=name, derivationLength=derivation_length))
+        return AsyncSimulation(self, str(created["simulation"]), created)
+
     @_as(blocking.Client.simulation)
     async def simulation(self, identifier: str) -> "AsyncSimulation":
         return AsyncSimulation(self, identifier, await self._do(requests.information(identifier)))

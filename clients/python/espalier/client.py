@@ -163,6 +163,23 @@ class Client:
             seed=seed, name=name, derivationLength=derivation_length, parameters=parameters, limits=limits))
         return Simulation(self, str(created["simulation"]), created)
 
+    def create_forest(self, models: Sequence[Mapping[str, Any]], plants: Sequence[Mapping[str, Any]], *,
+                      seeds: Optional[Mapping[str, Any]] = None, environment: Optional[Sequence[Process]] = None,
+                      seed: Optional[int] = None, name: Optional[str] = None,
+                      derivation_length: Optional[int] = None) -> "Simulation":
+        """Creates a simulation of plants of several models in one environment. A model has a `name` and a `source`,
+        `gallery` or `files` with `main`; a plant a `position`, and a `model` by name (the first), `heading`, `turn`.
+        `seeds` says where the seeds that plants drop take root: `maximumPlants`, `spacing`, `ground`, `area`.
+
+        >>> stand = client.create_forest([{"name": "algae", "gallery": "classic-algae"}],
+        ...                              [{"position": [0, 0, 0]}, {"position": [1, 0, 0]}])
+        >>> stand.step(3).statistics["plants"]
+        2
+        """
+        created = self._do(requests.create_forest(models, plants, seeds=seeds, environment=environment, seed=seed, name=name,
+                                                  derivationLength=derivation_length))
+        return Simulation(self, str(created["simulation"]), created)
+
     def simulation(self, identifier: str) -> "Simulation":
         """A simulation that is on the server already; ServerError with the code 1011 when there is none."""
         return Simulation(self, identifier, self._do(requests.information(identifier)))

@@ -113,6 +113,13 @@ def create(source: Optional[str], *, gallery: Optional[str], loaded: Optional[st
     return Request("simulation.create", parameters, _created)
 
 
+def create_forest(models: Sequence[Mapping[str, Any]], plants: Sequence[Mapping[str, Any]],
+                  **optional: Any) -> Request[Mapping[str, Any]]:
+    parameters: Dict[str, Any] = {"models": [dict(model) for model in models], "plants": [dict(plant) for plant in plants]}
+    parameters.update({key: value for key, value in optional.items() if value is not None})
+    return Request("simulation.create", parameters, _created)
+
+
 def information(simulation: str) -> Request[Mapping[str, Any]]:
     return Request("simulation.get", {"simulation": simulation, "what": "information"}, _information)
 

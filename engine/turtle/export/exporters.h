@@ -35,9 +35,14 @@ struct ExportInput {
   const PictureOptions* picture = nullptr;     // for pictures; null: the defaults. Its palette is not looked at
   std::optional<std::uint64_t> step = {};      // of the strings, for messages
   const language::Program* program = nullptr;  // of the strings
+  std::span<const language::Program* const> programs = {};        // of each string; empty: all are of `program`
   std::span<const derivation::ModuleString* const> strings = {};  // of the plants, for formats of modules
   /// Interprets the strings once more and visits their modules; an error sentence when that fails.
   std::function<std::optional<std::string>(const ModuleVisitor&)> visitModules = {};
+
+  [[nodiscard]] const language::Program& programOf(std::size_t plant) const {
+    return programs.empty() ? *program : *programs[plant];
+  }
 };
 
 /// Where a copy of a scene stands: its point p comes to position + scale · (p turned about the y axis).

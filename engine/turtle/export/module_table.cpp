@@ -99,13 +99,14 @@ std::optional<std::string> writeStrings(const ExportInput& input, const ExportTa
   ESPALIER_CHECK(input.program != nullptr);
   TextOutput out(target.sink);
   std::string text;
-  for (const derivation::ModuleString* string : input.strings) {
+  for (std::size_t plant = 0; plant < input.strings.size(); ++plant) {
+    const derivation::ModuleString* string = input.strings[plant];
+    const language::Program& program = input.programOf(plant);
     std::size_t offset = 0;
     for (const core::ModuleTypeId type : string->types()) {
-      const std::size_t arity = input.program->arity[type];
+      const std::size_t arity = program.arity[type];
       text.clear();
-      appendModule(text, input.program->nameOf(type), string->parameters().subspan(offset, arity),
-                   input.program->compatibility);
+      appendModule(text, program.nameOf(type), string->parameters().subspan(offset, arity), program.compatibility);
       out << text;
       offset += arity;
     }

@@ -57,20 +57,21 @@ std::string freeClass(const MtgPlan& plan, std::string_view wanted) {
 std::optional<std::string> plan(const ExportInput& input, MtgPlan& result) {
   for (std::size_t plant = 0; plant < input.strings.size(); ++plant) {
     std::vector<std::size_t> open;
+    const language::Program& program = input.programOf(plant);
     const auto types = input.strings[plant]->types();
     for (std::size_t i = 0; i < types.size(); ++i) {
-      if (types[i] == input.program->openBranch) {
+      if (types[i] == program.openBranch) {
         open.push_back(i);
         result.deepest = std::max(result.deepest, open.size());
-      } else if (types[i] == input.program->closeBranch) {
+      } else if (types[i] == program.closeBranch) {
         if (open.empty()) {
           return "module " + std::to_string(i) + " of plant " + std::to_string(plant) +
                  " closes a branch that none opened; an MTG has whole branches only";
         }
         open.pop_back();
-      } else if (const std::string_view symbol = input.program->nameOf(types[i]); isEntity(symbol)) {
+      } else if (const std::string_view symbol = program.nameOf(types[i]); isEntity(symbol)) {
         result.classes.insert(classOf(symbol));
-        result.parameterCount = std::max<std::size_t>(result.parameterCount, input.program->arity[types[i]]);
+        result.parameterCount = std::max<std::size_t>(result.parameterCount, program.arity[types[i]]);
       }
     }
     if (!open.empty()) {

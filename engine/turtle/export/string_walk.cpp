@@ -33,10 +33,11 @@ class Walk {
  private:
   void pass(std::uint64_t end, const TurtleRecord* state) {
     const derivation::ModuleString& string = *input_.strings[plant_];
+    const language::Program& program = input_.programOf(plant_);
     for (; module_ < end; ++module_) {
       const core::ModuleTypeId type = string.types()[module_];
-      const std::size_t arity = input_.program->arity[type];
-      visit_({plant_, module_, input_.program->nameOf(type), string.parameters().subspan(offset_, arity), state});
+      const std::size_t arity = program.arity[type];
+      visit_({plant_, module_, program.nameOf(type), string.parameters().subspan(offset_, arity), state});
       offset_ += arity;
       reportProgress(progress_, ++done_, total_);
     }

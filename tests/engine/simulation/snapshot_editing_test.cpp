@@ -64,12 +64,12 @@ TEST(SnapshotEditing, VariablesHaveTheirNewValuesInTheNextStep) {
   const auto program = compileText(kTree);
   Simulation simulation(program, {{}}, nullptr, {});
   expectSuccess(simulation.rewind());
-  const EditedSnapshot changed = setVariables(snapshotOf(simulation), *program, {{"rate", 10.0}});
+  const EditedSnapshot changed = setVariables(snapshotOf(simulation), {program}, {{"rate", 10.0}});
   ASSERT_TRUE(std::holds_alternative<std::string>(changed));
   expectSuccess(simulation.restore(std::get<std::string>(changed)));
   expectSuccess(simulation.step());
   EXPECT_EQ(simulation.stringText(), "F(1)[+(30)F(2)F(11)A]F(3)F(21)A");
-  const auto unknown = setVariables(snapshotOf(simulation), *program, {{"rat", 10.0}});
+  const auto unknown = setVariables(snapshotOf(simulation), {program}, {{"rat", 10.0}});
   EXPECT_EQ(std::get<core::SimulationError>(unknown).message.substr(0, 59),
             "The model has no variable 'rat'. Did you mean 'rate'? Avail");
 }

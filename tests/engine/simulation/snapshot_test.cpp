@@ -95,12 +95,14 @@ TEST(Snapshot, IsEnoughToCompileItsModelAnywhere) {
   EXPECT_TRUE(info.hasSeed);
   EXPECT_EQ(info.derivationLength, 8U);
   EXPECT_EQ(info.plantCount, 2U);
-  EXPECT_EQ(info.placements[1].position, (core::Vec3{4, 0, 0}));
+  EXPECT_EQ(info.plants[1].origin.placement.position, (core::Vec3{4, 0, 0}));
   EXPECT_EQ(info.environmentName, "fake");
-  const language::CompileResult compiled = language::compile(info.compileInput, info.files);
-  ASSERT_NE(compiled.program, nullptr);
-  EXPECT_EQ(compiled.program->hash, info.programHash);
-  EXPECT_EQ(compiled.program->view.angleIncrementDegrees, 30.0);
+  const auto compiled = compileModels(info, core::Limits{});
+  ASSERT_TRUE(std::holds_alternative<Programs>(compiled));
+  ASSERT_EQ(std::get<Programs>(compiled).size(), 1U);
+  const language::Program& again = *std::get<Programs>(compiled).front();
+  EXPECT_EQ(again.hash, info.models.front().programHash);
+  EXPECT_EQ(again.view.angleIncrementDegrees, 30.0);
 }
 
 TEST(Snapshot, OfAnotherModelIsRefused) {
@@ -145,7 +147,7 @@ TEST(Snapshot, OfANewerVersionIsRefused) {
   snapshot[kSnapshotMagic.size()] = 9;
   EXPECT_EQ(
       messageOf(readSnapshotInfo(snapshot)),
-      "The snapshot has version 9; this Espalier reads versions 1 to 1. Use the Espalier that made it, or a newer "
+      "The snapshot has version 9; this Espalier reads versions 1 to 2. Use the Espalier that made it, or a newer "
       "one.");
 }
 

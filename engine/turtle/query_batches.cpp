@@ -1,8 +1,8 @@
-#include "environment/query_batches.h"
+#include "engine/turtle/query_batches.h"
 
 #include <algorithm>
 
-namespace espalier::environment {
+namespace espalier::turtle {
 
 namespace {
 
@@ -20,8 +20,8 @@ void selectItems(const std::vector<T>& whole, std::span<const std::size_t> chose
 
 }  // namespace
 
-void selectQueries(const turtle::QueryBatch& whole, std::span<const std::size_t> chosen, std::size_t firstParameter,
-                   turtle::QueryBatch& part) {
+void selectQueries(const QueryBatch& whole, std::span<const std::size_t> chosen, std::size_t firstParameter,
+                   QueryBatch& part) {
   part.step = whole.step;
   part.iteration = whole.iteration;
   part.timeDays = whole.timeDays;
@@ -62,9 +62,8 @@ void selectQueries(const turtle::QueryBatch& whole, std::span<const std::size_t>
   }
 }
 
-void mergeReplies(const turtle::QueryBatch& whole, std::span<const std::size_t> chosen, std::size_t firstParameter,
-                  const turtle::QueryBatch& part, const turtle::ReplyBatch& partReplies,
-                  turtle::ReplyBatch& wholeReplies) {
+void mergeReplies(const QueryBatch& whole, std::span<const std::size_t> chosen, std::size_t firstParameter,
+                  const QueryBatch& part, const ReplyBatch& partReplies, ReplyBatch& wholeReplies) {
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     const std::uint64_t target = whole.parameterOffset[chosen[i]] + firstParameter;
     const std::uint64_t begin = part.parameterOffset[i];
@@ -77,4 +76,4 @@ void mergeReplies(const turtle::QueryBatch& whole, std::span<const std::size_t> 
   wholeReplies.surplusCount += partReplies.surplusCount;
 }
 
-}  // namespace espalier::environment
+}  // namespace espalier::turtle

@@ -1,0 +1,213 @@
+#include "clients/espalier/forest_file.h"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <random>
+#include <system_error>
+#include <utility>
+#include <variant>
+
+#include "clients/espalier/messages.h"
+#include "engine/turtle/export/palette.h"
+#include "protocol/codec.h"
+#include "server/translate.h"
+
+namespace espalier::command {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kForestFile = "forest.json";
+
+// the environment that a forest file holds, under the forest file's own name
+class WithEnvironment final : public core::FileProvider {
+ public:
+  WithEnvironment(std::string name, std::string text, core::FileProvider& others)
+      : name_(std::move(name)), text_(std::move(text)), others_(&others) {}
+  [[nodiscard]] std::optional<std::string> read(const std::string& name) override {
+    return name == name_ ? text_ : others_->read(name);
+  }
+
+ private:
+  std::string name_;
+  std::string text_;
+  core::FileProvider* others_;
+};
+
+std::string besideForest(const std::string& forest, const std::string& file) {
+  return (fs::path(forest).parent_path() / file).string();
+}
+
+std::optional<protocol::ForestParams> readForest(const std::string& file, core::FileProvider& files) {
+  const std::optional<std::string> text = files.read(file);
+  if (!text) {
+    printError("there is no forest file '" + file + "': check the name and the working folder");
+    return std::nullopt;
+  }
+  if (const auto problem = protocol::jsonProblem(*text)) {
+    printError(file + ": " + *problem);
+    return std::nullopt;
+  }
+  const auto complain = [&file](std::string message) {
+    constexpr std::string_view kRoot = "params";
+    if (message.starts_with(kRoot)) {
+      message.erase(0, kRoot.size() + (message.substr(kRoot.size(), 1) == "." ? 1 : 2));
+    }
+    printError(file + ": " + message);
+    return std::nullopt;
+  };
+  const auto message = protocol::decodeMessage("{\"jsonrpc\":\"2.0\",\"method\":\"forest\",\"params\":" + *text + "}");
+  if (const auto* bad = std::get_if<protocol::BadMessage>(&message)) {
+    return complain(bad->error.message);
+  }
+  auto decoded = protocol::decodeForestParams(std::get<protocol::Message>(message).payload);
+  if (const auto* error = std::get_if<protocol::Error>(&decoded)) {
+    return complain(error->message);
+  }
+  return std::move(std::get<protocol::ForestParams>(decoded));
+}
+
+// every model has blocks of its own; where some have colours, the others have Espalier's own in theirs
+language::Palette joined(const std::vector<language::Palette>& palettes) {
+  language::Palette whole;
+  if (std::all_of(palettes.begin(), palettes.end(), [](const auto& palette) { return palette.empty(); })) {
+    return whole;
+  }
+  whole.usesMaterials =
+      std::any_of(palettes.begin(), palettes.end(), [](const auto& palette) { return palette.usesMaterials; });
+  const auto diffuse = [](double red, double green, double blue) {
+    language::Material material;
+    material.diffuse = {red / 255.0, green / 255.0, blue / 255.0};
+    return material;
+  };
+  for (std::size_t model = 0; model < palettes.size(); ++model) {
+    const language::Palette& own = palettes[model];
+    const int shift = simulation::kBlocksPerModel * static_cast<int>(model) + whole.base - own.base;
+    for (const auto& [block, map] : own.maps) {
+      whole.maps[block + shift] = map;
+      if (whole.usesMaterials && !own.usesMaterials) {
+        for (std::size_t i = 0; i < map.size(); ++i) {
+          whole.materials[block + shift][i] = diffuse(map[i].red, map[i].green, map[i].blue);
+        }
+      }
+    }
+    if (own.usesMaterials) {
+      for (const auto& [block, materials] : own.materials) {
+        whole.materials[block + shift] = materials;
+      }
+    }
+    if (own.empty()) {
+      for (int i = 0; i < language::Palette::kBlockSize; ++i) {
+        const turtle::Colour colour = turtle::defaultColour(i);
+        const auto entry = static_cast<std::size_t>(i);
+        whole.maps[own.base + shift][entry] = {colour.red, colour.green, colour.blue};
+        whole.materials[own.base + shift][entry] = diffuse(colour.red, colour.green, colour.blue);
+      }
+    }
+  }
+  return whole;
+}
+
+bool loadModels(const protocol::ForestParams& forest, const std::string& file, const ModelOptions& options,
+                core::FileProvider& files, LoadedModel& loaded) {
+  std::vector<language::Palette> palettes;
+  for (const protocol::NamedModel& model : forest.models) {
+    ModelOptions own = options;
+    own.model = besideForest(file, model.file);
+    own.object.clear();
+    own.view.clear();
+    own.environment.clear();
+    FolderSettings folder;
+    auto program = loadProgram(own, files, &folder);
+    if (!program) {
+      return false;
+    }
+    loaded.programs.push_back(std::move(program));
+    palettes.push_back(std::move(folder.palette));
+  }
+  loaded.folder.palette = joined(palettes);
+  return true;
+}
+
+bool loadEnvironmentOf(const protocol::ForestParams& forest, const std::string& file, const ModelOptions& options,
+                       core::FileProvider& files, LoadedModel& loaded) {
+  std::optional<LoadedEnvironment> environment = LoadedEnvironment{};
+  if (!options.environment.empty()) {
+    environment = loadEnvironment(options.environment, options.mode(), options.isQuiet, files);
+  } else if (!forest.environmentJson.empty()) {
+    WithEnvironment both(file, forest.environmentJson, files);
+    environment = loadEnvironment(file, options.mode(), options.isQuiet, both);
+  } else if (!forest.environmentFile.empty()) {
+    environment = loadEnvironment(besideForest(file, forest.environmentFile), options.mode(), options.isQuiet, files);
+  }
+  if (!environment) {
+    return false;
+  }
+  loaded.environment = std::move(*environment);
+  for (const auto& program : loaded.programs) {
+    warnAboutUnansweredQueries(*program, loaded.environment.process ? &loaded.environment : nullptr, options.isQuiet);
+  }
+  return true;
+}
+
+}  // namespace
+
+std::optional<std::string> forestFileOf(const std::string& model) {
+  std::error_code error;
+  if (fs::path(model).extension() == ".json") {
+    return model;
+  }
+  const fs::path inside = fs::path(model) / kForestFile;
+  if (fs::is_directory(model, error) && fs::is_regular_file(inside, error) &&
+      !fs::exists(fs::path(model) / "specifications", error)) {
+    return inside.string();
+  }
+  return std::nullopt;
+}
+
+std::optional<LoadedModel> loadForest(const std::string& file, ModelOptions& options, core::FileProvider& files) {
+  for (const auto& [value, name] :
+       {std::pair{&options.object, "--object"}, {&options.view, "--view"}, {&options.startFile, "--from"}}) {
+    if (!value->empty()) {
+      printError(std::string(name) + " is of one model: '" + file + "' lists several");
+      return std::nullopt;
+    }
+  }
+  const std::optional<protocol::ForestParams> forest = readForest(file, files);
+  LoadedModel loaded;
+  if (!forest || !loadModels(*forest, file, options, files, loaded)) {
+    return std::nullopt;
+  }
+  if (!loadEnvironmentOf(*forest, file, options, files, loaded)) {
+    return std::nullopt;
+  }
+  // the run: what the command line says, what the file says, what the models say
+  if (!options.steps) {
+    options.steps = forest->derivationLength;
+  }
+  if (!options.seed) {
+    options.seed = forest->seed;
+  }
+  loaded.program = loaded.programs.front();
+  for (const auto& program : loaded.programs) {
+    if (!options.seed && needsDrawnSeed(*program)) {
+      options.seed = std::random_device{}();
+      if (!options.isQuiet) {
+        printNote("seed " + std::to_string(*options.seed));
+      }
+    }
+  }
+  loaded.simulationOptions = simulationOptionsFor(options, *loaded.program);
+  const fs::path path(file);
+  loaded.simulationOptions.name =
+      path.filename() == kForestFile ? path.parent_path().filename().string() : path.stem().string();
+  loaded.simulationOptions.environmentOrigin = loaded.environment.origin;
+  loaded.simulationOptions.palette = loaded.folder.palette;
+  loaded.simulationOptions.seeds = server::seedRules(forest->seeds);
+  loaded.plants = server::plantOrigins(forest->models, forest->plants);
+  loaded.isForest = true;
+  return loaded;
+}
+
+}  // namespace espalier::command

@@ -1,0 +1,91 @@
+#include "protocol/forest_fields.h"
+
+#include <gtest/gtest.h>
+
+#include "protocol/codec.h"
+
+namespace espalier::protocol {
+namespace {
+
+Payload params(const std::string& json) {
+  return std::get<Message>(decodeMessage(R"({"jsonrpc":"2.0","id":1,"method":"m","params":)" + json + "}")).payload;
+}
+
+template <typename T>
+std::string problem(const Decoded<T>& decoded) {
+  const auto* error = std::get_if<Error>(&decoded);
+  return error == nullptr ? "(accepted)" : error->message;
+}
+
+TEST(ForestFields, ACreateHasModelsByNameAndPlantsThatChoose) {
+  const auto create = std::get<CreateParams>(decodeCreateParams(params(
+      R"({"models":[{"name":"oak","source":"x"},{"name":"ash","gallery":"lilac","colour":-9}],
+          "plants":[{"position":[1,2,3],"model":"ash","heading":[0,0,2],"turn":90,"name":"n","colour":4}],
+          "seeds":{"maximumPlants":7,"spacing":0.5,"ground":-1,"area":[[0,0,0],[1,2,3]]}})")));
+  ASSERT_EQ(create.models.size(), 2U);
+  EXPECT_EQ(create.models[0].model.model.source, "x");
+  EXPECT_EQ(create.models[1].model.model.gallery, "lilac");
+  EXPECT_EQ(create.models[1].colour, -9);
+  EXPECT_EQ(create.plants.at(0).model, "ash");
+  EXPECT_EQ(create.plants[0].turnDegrees, 90.0);
+  EXPECT_EQ((*create.plants[0].heading)[2], 2.0);
+  EXPECT_EQ(create.seeds.maximumPlants, 7U);
+  EXPECT_EQ((*create.seeds.area)[1][2], 3.0);
+}
+
+TEST(ForestFields, NameWhatIsWrong) {
+  const auto created = [](const std::string& json) { return problem(decodeCreateParams(params(json))); };
+  EXPECT_EQ(created(R"({"model":"a","models":[{"name":"b","source":"x"}]})"),
+            "params.models: give \"model\" or \"models\", not both");
+  EXPECT_EQ(created(R"({"models":[]})"), "params.models: expected at least one model");
+  EXPECT_EQ(created(R"({"models":[{"name":"b","source":"x"},{"name":"b","source":"x"}]})"),
+            "params.models[1].name: there are two models 'b'; give each a name of its own");
+  EXPECT_EQ(created(R"({"models":[{"name":"b","source":"x"}],"plants":[{"position":[0,0,0],"model":"c"}]})"),
+            "params.plants[0].model: there is no model 'c'. There are b");
+  EXPECT_EQ(created(R"({"model":"a","plants":[{"position":[0,0,0],"model":"c"}]})"),
+            "params.plants[0].model: the simulation has one model without a name; leave this out, or give \"models\"");
+  EXPECT_EQ(created(R"({"model":"a","plants":[{"position":[0,0,0],"heading":[0,0,0]}]})"),
+            "params.plants[0].heading: a heading of length 0 has no direction");
+  EXPECT_EQ(created(R"({"model":"a","seeds":{"spacing":-1}})"),
+            "params.seeds.spacing: expected a length of at least 0, found -1");
+  EXPECT_EQ(created(R"({"model":"a","seeds":{"area":[[0,0,0]]}})"),
+            "params.seeds.area: expected two corners of three numbers, found an array");
+}
+
+TEST(ForestFields, AForestFileHasNoKeysThatAreNotKnown) {
+  const auto read = [](const std::string& json) { return problem(decodeForestParams(params(json))); };
+  EXPECT_EQ(read(R"({"models":[{"name":"b","file":"x.l"}],"plants":[{"position":[0,0,0]}],"environment":"a.e"})"),
+            "(accepted)");
+  EXPECT_EQ(
+      read(R"({"model":"x.l"})"),
+      "params.model: this key is not known; there are models, plants, seeds, environment, derivationLength, seed");
+  EXPECT_EQ(read(R"({"models":[{"name":"b"}],"plants":[{"position":[0,0,0]}]})"),
+            "params.models[0].file: expected the name of a .l file or of a model folder");
+  EXPECT_EQ(read(R"({"models":[{"name":"b","file":"x.l"}]})"),
+            "params.plants: expected at least one plant, such as {\"position\": [0, 0, 0]}");
+  EXPECT_EQ(
+      read(R"({"models":[{"name":"b","file":"x.l"}],"plants":[{"position":[0,0,0]}],"environment":3})"),
+      "params.environment: expected the name of a file, or an environment such as {\"type\": \"honda\"}, or a list "
+      "of them, found 3");
+}
+
+TEST(ForestFields, WhatIsWrittenIsReadAgain) {
+  const auto create = std::get<CreateParams>(decodeCreateParams(params(
+      R"({"models":[{"name":"ash","source":"x"}],
+          "plants":[{"position":[1,2,3],"model":"ash","heading":[0,0,2],"turn":90,"name":"n","colour":-4}],
+          "seeds":{"maximumPlants":7,"spacing":0.5,"ground":-1,"area":[[0,0,0],[1,2,3]]}})")));
+  JsonWriter writer;
+  writer.beginObject().key("models").raw(R"([{"name":"ash","source":"x"}])");
+  writePlants(writer, create.plants);
+  writeSeeds(writer, create.seeds);
+  const auto again = std::get<CreateParams>(decodeCreateParams(params(writer.endObject().take())));
+  EXPECT_EQ(again.plants.at(0).model, "ash");
+  EXPECT_EQ(again.plants[0].colour, -4);
+  EXPECT_EQ(again.plants[0].name, "n");
+  EXPECT_EQ(again.plants[0].heading, create.plants[0].heading);
+  EXPECT_EQ(again.seeds.area, create.seeds.area);
+  EXPECT_EQ(again.seeds.maximumPlants, 7U);
+}
+
+}  // namespace
+}  // namespace espalier::protocol
