@@ -22,6 +22,7 @@ void addExplain(CLI::App& program, int& status);
 void addServe(CLI::App& program, int& status);
 void addEnvironment(CLI::App& program, int& status);
 void addEvolve(CLI::App& program, int& status);
+void addForest(CLI::App& program, int& status);
 void addInfer(CLI::App& program, int& status);
 void addField(CLI::App& program, int& status);
 void addReplay(CLI::App& program, int& status);

@@ -37,6 +37,7 @@ int main(int argumentCount, char** arguments) {
   addConvert(program, status);
   addDisassemble(program, status);
   addEvolve(program, status);
+  addForest(program, status);
   addInfer(program, status);
   addField(program, status);
   addReplay(program, status);

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "engine/core/vec3.h"
+#include "engine/turtle/scene.h"
+
+namespace espalier::command {
+
+/// A point of a tree of lines.
+struct TreePoint {
+  core::Vec3 position;
+  std::uint32_t hopsToLeaf = 0;  // lines on the longest way on to a leaf; 0: nothing grows from here
+  std::uint32_t branches = 0;    // branches that open on the way from the root
+};
+
+/// A tree as the text files of Rodrigues, Coelho & Alencar ("Geração de vegetação com L-system", 2018) have it: points
+/// 2i and 2i + 1 are the start and the end of line i. The report names the five numbers of a line of text but not what
+/// belongs together; that successive pairs of points are lines is read from its "retas" between points.
+struct TreePoints {
+  std::vector<TreePoint> points;  // an even number
+
+  /// Of the highest point above the lowest; 0 without points.
+  [[nodiscard]] double height() const;
+  /// The greatest distance of a point from the y axis.
+  [[nodiscard]] double radius() const;
+};
+
+/// The lines of a scene. Hops are those of a breadth-first search from the leaves. O(segments).
+[[nodiscard]] TreePoints treePointsOf(const turtle::Scene& scene);
+
+/// One point a line: x y z, hops to the farthest leaf, branches to the root, separated by blanks.
+[[nodiscard]] std::string writeTreePoints(const TreePoints& tree);
+/// Reads it back; blanks, commas and semicolons separate. An error sentence with the line's number otherwise.
+[[nodiscard]] std::variant<TreePoints, std::string> readTreePoints(std::string_view text);
+
+}  // namespace espalier::command

@@ -1,0 +1,169 @@
+// The parts of `espalier forest`: trees as points, their colours, and where they stand.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "clients/espalier/forest/layout.h"
+#include "clients/espalier/forest/tree_painting.h"
+#include "clients/espalier/forest/tree_points.h"
+
+namespace espalier::command {
+namespace {
+
+turtle::Segment line(const core::Vec3& start, const core::Vec3& end, std::uint32_t order, std::uint32_t parent) {
+  turtle::Segment segment;
+  segment.start = start;
+  segment.end = end;
+  segment.branchOrder = order;
+  segment.parent = parent;
+  return segment;
+}
+
+// F[+F]FF
+turtle::Scene forkedTree() {
+  turtle::Scene scene;
+  scene.segments = {line({0, 0, 0}, {0, 1, 0}, 0, turtle::kNoParent), line({0, 1, 0}, {1, 1.5, 0}, 1, 0),
+                    line({0, 1, 0}, {0, 2, 0}, 0, 0), line({0, 2, 0}, {0, 3, 0}, 0, 2)};
+  return scene;
+}
+
+TEST(TreePoints, CountLinesToTheFarthestLeafAndBranchesFromTheRoot) {
+  const TreePoints tree = treePointsOf(forkedTree());
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> counts;
+  for (const TreePoint& point : tree.points) {
+    counts.emplace_back(point.hopsToLeaf, point.branches);
+  }
+  // trunk 3 lines to its tip, 2 from its end; the branch is a leaf; the last line of the trunk too
+  EXPECT_EQ(counts, (std::vector<std::pair<std::uint32_t, std::uint32_t>>{
+                        {3, 0}, {2, 0}, {1, 1}, {0, 1}, {2, 0}, {1, 0}, {1, 0}, {0, 0}}));
+  EXPECT_DOUBLE_EQ(tree.height(), 3.0);
+  EXPECT_DOUBLE_EQ(tree.radius(), 1.0);
+}
+
+TEST(TreePoints, AreWrittenAndReadBack) {
+  const TreePoints tree = treePointsOf(forkedTree());
+  const std::string text = writeTreePoints(tree);
+  EXPECT_EQ(text.substr(0, 20), "0 0 0 3 0\n0 1 0 2 0\n");
+  const auto read = readTreePoints(text);
+  ASSERT_TRUE(std::holds_alternative<TreePoints>(read));
+  EXPECT_EQ(writeTreePoints(std::get<TreePoints>(read)), text);
+  // as other programs may separate
+  EXPECT_TRUE(std::holds_alternative<TreePoints>(readTreePoints("0,0,0,1,0\r\n\n0;1;0.5;0;0\r\n")));
+}
+
+TEST(TreePoints, SayWhichLineIsWrong) {
+  const auto problem = [](const char* text) { return std::get<std::string>(readTreePoints(text)); };
+  EXPECT_EQ(problem("0 0 0 1 0\n0 1 x 0 0\n"), "line 2: 'x' is not a number");
+  EXPECT_EQ(problem("0 0 0\n"),
+            "line 1: a point is five numbers: x y z, greatest distance to a leaf, branches to the root; found 3");
+  EXPECT_EQ(problem("0 0 0 1.5 0\n"),
+            "line 1: the distance to a leaf and the branches to the root are whole numbers from 0");
+  EXPECT_EQ(problem("0 0 0 1 0\n"), "it holds 1 points; each two are the ends of a line");
+  EXPECT_EQ(problem("\n"), "it holds no points");
+}
+
+TEST(TreePainting, ColoursComeFromTheReportsRanges) {
+  const ForestColours colours(3);
+  const auto expectWithin = [&](std::int32_t colour, int redLow, int redHigh, int greenLow, int greenHigh, int blueLow,
+                                int blueHigh) {
+    const language::PaletteColour found = colours.palette().colour(colour);
+    EXPECT_TRUE(found.red >= redLow && found.red <= redHigh && found.green >= greenLow && found.green <= greenHigh &&
+                found.blue >= blueLow && found.blue <= blueHigh)
+        << colour;
+  };
+  for (int i = 0; i < ForestColours::kTrunkShades; ++i) {
+    expectWithin(ForestColours::trunk(i), 51, 153, 25, 76, 0, 0);
+  }
+  for (int i = 0; i < ForestColours::kBranchShades; ++i) {
+    expectWithin(ForestColours::branch(i), 204, 255, 102, 204, 0, 51);
+  }
+  for (int i = 0; i < ForestColours::kLeafShades; ++i) {
+    expectWithin(ForestColours::leaf(i), 0, 178, 51, 255, 0, 178);
+  }
+  for (int i = 0; i < ForestColours::kFlowerShades; ++i) {
+    expectWithin(ForestColours::flower(0, 0, i), 102, 255, 0, 204, 0, 153);
+    expectWithin(ForestColours::flower(0, 1, i), 0, 153, 0, 255, 102, 255);
+    expectWithin(ForestColours::flower(1, 1, i), 51, 255, 0, 153, 51, 255);
+    expectWithin(ForestColours::flower(3, 0, i), 102, 255, 102, 255, 0, 153);
+  }
+}
+
+TEST(TreePainting, AFifthOfTheLeavesAreFlowersOfOneGroup) {
+  // a comb: 4000 leaves on a trunk
+  TreePoints tree;
+  for (int i = 0; i < 4000; ++i) {
+    const double y = i;
+    tree.points.push_back({{0, y, 0}, 4000U - static_cast<std::uint32_t>(i), 0});
+    tree.points.push_back({{0, y + 1, 0}, 3999U - static_cast<std::uint32_t>(i) + 1U, 0});
+    tree.points.push_back({{0, y, 0}, 1, 1});
+    tree.points.push_back({{1, y, 0}, 0, 1});
+  }
+  const turtle::Scene scene = paintTree(tree, 1, 0);
+  std::set<int> groups;
+  int flowers = 0;
+  for (const turtle::Segment& segment : scene.segments) {
+    const int beyondLeaves = segment.colour - ForestColours::leaf(ForestColours::kLeafShades);
+    if (beyondLeaves >= 0) {
+      ++flowers;
+      groups.insert(beyondLeaves / (2 * ForestColours::kFlowerShades));
+    }
+  }
+  // 4000 draws of probability 0.2: 800, standard deviation 25.3; four of them
+  EXPECT_NEAR(flowers, 800, 102);
+  EXPECT_EQ(groups.size(), 1U);
+  // the trunk of a high tree is thick, a leaf is not
+  EXPECT_DOUBLE_EQ(scene.segments[0].startWidth, 4000.0 / 36.0);
+  EXPECT_LT(scene.segments[1].startWidth, scene.segments[0].startWidth);
+}
+
+TEST(ForestLayout, NoTwoTreesStandInOnePlace) {
+  for (const Spacing spacing : {Spacing::Grid, Spacing::Poisson, Spacing::Competition}) {
+    const std::vector<TreePlace> places = layoutForest(spacing, 300, 2.0, 5);
+    ASSERT_EQ(places.size(), 300U);
+    std::set<std::pair<double, double>> roots;
+    for (const TreePlace& place : places) {
+      EXPECT_EQ(place.position.y, 0.0);
+      roots.emplace(place.position.x, place.position.z);
+    }
+    EXPECT_EQ(roots.size(), 300U);
+    // the same again, and another forest for another seed
+    EXPECT_EQ(layoutForest(spacing, 300, 2.0, 5)[17].position, places[17].position);
+    EXPECT_NE(layoutForest(spacing, 300, 2.0, 6)[17].position, places[17].position);
+  }
+}
+
+double leastDistance(const std::vector<TreePlace>& places) {
+  double least = INFINITY;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      least = std::min(least, core::length(places[i].position - places[j].position));
+    }
+  }
+  return least;
+}
+
+TEST(ForestLayout, KeepsTheDistance) {
+  EXPECT_GE(leastDistance(layoutForest(Spacing::Poisson, 500, 3.0, 1)), 3.0);
+  EXPECT_NEAR(leastDistance(layoutForest(Spacing::Grid, 500, 3.0, 1)), 3.0, 1e-12);
+}
+
+TEST(ForestLayout, InCompetitionNeighboursHoldEachOtherOff) {
+  // 200 trees on 200 squared distances; at random the least distance would be about 1 / (2 * sqrt(200) * ...), far
+  // below a tenth: discs that touched would have ended the smaller tree
+  const std::vector<TreePlace> places = layoutForest(Spacing::Competition, 200, 1.0, 2);
+  EXPECT_GT(leastDistance(places), 0.25);
+  const auto [least, most] = std::minmax_element(
+      places.begin(), places.end(), [](const TreePlace& a, const TreePlace& b) { return a.size < b.size; });
+  EXPECT_DOUBLE_EQ(most->size, 1.0);
+  EXPECT_GT(least->size, 0.5);  // seedlings grow at 0.7 to 1.3
+  EXPECT_LT(least->size, 0.75);
+}
+
+}  // namespace
+}  // namespace espalier::command
