@@ -41,6 +41,11 @@ namespace espalier::server {
                                                 const std::string& configurationJson);
 [[nodiscard]] turtle::EnvironmentContext toContext(const protocol::OpenParams& params);
 
+/// What plants are made from; they choose among `models` by name. Without plants: none.
+[[nodiscard]] std::vector<simulation::PlantOrigin> plantOrigins(const std::vector<protocol::NamedModel>& models,
+                                                                const std::vector<protocol::PlantParams>& plants);
+[[nodiscard]] simulation::SeedRules seedRules(const protocol::SeedParams& seeds);
+
 /// "cpfg", "cpfg-batch" or empty.
 [[nodiscard]] core::Compatibility toCompatibility(const std::string& name);
 
