@@ -25,15 +25,15 @@ Result compiled(const std::string& view, const std::string& productions, const s
   input.viewFile = "m.v";
   input.compatibility = mode;
   const CompileResult result = compile(input, files);
-  Result brief_;
+  Result found;
   for (const core::Diagnostic& diagnostic : result.diagnostics.entries()) {
     if (diagnostic.severity == core::Severity::Error) {
-      brief_.errors.push_back(diagnostic.location.file + ":" + brief(diagnostic));
+      found.errors.push_back(diagnostic.location.file + ":" + brief(diagnostic));
     }
   }
-  brief_.warningCount = result.diagnostics.warningCount();
-  brief_.isCompiled = result.program != nullptr;
-  return brief_;
+  found.warningCount = result.diagnostics.warningCount();
+  found.isCompiled = result.program != nullptr;
+  return found;
 }
 
 TEST(NeededFiles, ASurfaceThatIsDrawnAndCannotBeReadIsAnErrorWithBothLines) {
