@@ -1,5 +1,7 @@
 #include "protocol/envelope.h"
 
+#include <set>
+
 #include "protocol/bulk_text.h"
 #include "protocol/json_tree.h"
 #include "protocol/json_writer.h"
@@ -41,6 +43,30 @@ std::string parserMessage(const nlohmann::json::exception& exception) {
   return bracket == std::string::npos ? text : text.substr(bracket + 2);
 }
 
+/// A name that an object has twice: readers would disagree about which value counts.
+struct RepeatedName {
+  std::string name;
+};
+
+/// Refuses objects that have a name twice, while they are parsed.
+class NameCheck {
+ public:
+  bool operator()(int, nlohmann::json::parse_event_t event, const nlohmann::json& value) {
+    using Event = nlohmann::json::parse_event_t;
+    if (event == Event::object_start) {
+      names_.emplace_back();
+    } else if (event == Event::object_end) {
+      names_.pop_back();
+    } else if (event == Event::key && !names_.back().insert(value.get_ref<const std::string&>()).second) {
+      throw RepeatedName{value.get_ref<const std::string&>()};
+    }
+    return true;
+  }
+
+ private:
+  std::vector<std::set<std::string>> names_;  // of the objects around, outermost first
+};
+
 std::variant<nlohmann::json, Error> parse(std::string_view text) {
   if (nestingOf(text) > kDeepestNesting) {
     return Error{ErrorCode::Parse,
@@ -48,7 +74,13 @@ std::variant<nlohmann::json, Error> parse(std::string_view text) {
                  {}};
   }
   try {
-    return nlohmann::json::parse(text);
+    NameCheck check;
+    return nlohmann::json::parse(text, [&check](int depth, nlohmann::json::parse_event_t event,
+                                                const nlohmann::json& value) { return check(depth, event, value); });
+  } catch (const RepeatedName& repeated) {
+    return Error{ErrorCode::InvalidRequest,
+                 "An object of the message has '" + repeated.name + "' twice. Send each name once.",
+                 {}};
   } catch (const nlohmann::json::exception& exception) {
     return Error{ErrorCode::Parse,
                  "The line is not JSON: " + parserMessage(exception) +

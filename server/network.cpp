@@ -20,6 +20,8 @@ namespace {
 using asio::ip::tcp;
 
 constexpr std::string_view kUnix = "unix:";
+// peers at a time that are told that there is no room; more are closed without a word
+constexpr std::uint64_t kMostRefused = 1'000;
 
 }  // namespace
 
@@ -287,18 +289,25 @@ class Network::Implementation {
   void admit(std::shared_ptr<PeerConnection> connection) {
     const std::uint32_t bound = core_->options().limits.sessions;
     const std::string id = std::to_string(++sessionCount_);
+    // those that are only told that there is no room take none
+    const bool isRefused = connections_.size() - refusedCount_ >= bound;
     connections_.insert(connection);
-    ++core_->sessionCount;
+    std::uint64_t& count = isRefused ? refusedCount_ : admittedCount_;
+    ++count;
+    core_->sessionCount = static_cast<std::uint32_t>(admittedCount_);
     ++core_->metrics.sessions;
-    connection->onClosed = [this, weak = std::weak_ptr(connection)] {
+    connection->onClosed = [this, &count, weak = std::weak_ptr(connection)] {
       connections_.erase(weak.lock());
-      --core_->sessionCount;
+      --count;
+      core_->sessionCount = static_cast<std::uint32_t>(admittedCount_);
       endWhenEmpty();
     };
     connection->start(std::make_shared<Session>(id, *core_, connection));
-    if (connections_.size() > bound) {
+    if (isRefused && refusedCount_ > kMostRefused) {
+      connection->closeNow();
+    } else if (isRefused) {
       connection->send(std::make_shared<const std::string>(protocol::encodeError(
-          {}, protocol::limitError("sessions", connections_.size(), bound, "Close one, or try again later."))));
+          {}, protocol::limitError("sessions", bound + 1, bound, "Close one, or try again later."))));
       connection->closeWhenSent();
     }
   }
@@ -315,7 +324,9 @@ class Network::Implementation {
   asio::steady_timer patience_;
   std::set<std::shared_ptr<PeerConnection>> connections_;
   std::function<void()> onStop_;
-  std::uint64_t sessionCount_ = 0;
+  std::uint64_t sessionCount_ = 0;   // that there have been
+  std::uint64_t admittedCount_ = 0;  // of connections_
+  std::uint64_t refusedCount_ = 0;   // of connections_, which are being closed because there are too many
   bool isClosing_ = false;
 };
 

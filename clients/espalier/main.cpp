@@ -45,6 +45,7 @@ int main(int argumentCount, char** arguments) {
   addEnvironment(program, status);
   addConnect(program, status);
   addStatus(program, status);
+  addLoad(program, status);
 
   // a mistyped command, before the options that belong to none
   if (argumentCount > 1 && arguments[1][0] != '-') {

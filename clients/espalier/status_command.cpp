@@ -52,6 +52,7 @@ int runStatus(const StatusOptions& options) {
       Line{"saved on disk", "", "saving"},
       Line{"offered environments", "", "offered"},
       Line{"bytes of strings", "memory", "stringBytes"},
+      Line{"bytes kept for viewers", "memory", "streamBytes"},
       Line{"bytes not read by peers", "memory", "outboxBytes"},
       Line{"bytes of the data folder", "memory", "storeBytes"},
   };

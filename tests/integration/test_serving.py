@@ -87,6 +87,17 @@ class Serving(unittest.TestCase):
         serve.stop()
         self.assertNotEqual(espalier("status", serve.address, status=1).stderr, "")
 
+    def test_load_says_how_fast_a_server_answers(self) -> None:
+        serve = Process([program(), "serve", "--listen", "127.0.0.1:0", "--log-level", "off"])
+        self.addCleanup(serve.stop)
+        text = espalier("load", serve.address, "--sessions", "3", "--viewers", "4", "--idle", "10", "--seconds", "0.5").stdout
+        for figure in ("steps/s", "queries/s", r"step, median \(us\)", r"step, 99 of 100 \(us\)", "frames/s", "bytes a frame"):
+            self.assertRegex(text, rf"(?m)^{figure} +[1-9][0-9]*$")
+        with Client(serve.address, timeout=SECONDS) as client:
+            self.assertEqual(client.status()["simulations"], 0)
+        serve.stop()
+        self.assertIn("cannot be reached", espalier("load", serve.address, status=1).stderr)
+
     def test_sigterm_finishes_saves_and_ends(self) -> None:
         data = str(self.folder / "data")
         serve = Process([program(), "serve", "--listen", "127.0.0.1:0", "--data", data, "--log-level", "off"])

@@ -73,6 +73,15 @@ TEST(Envelope, RefusesDeepNestingWithoutRecursion) {
   EXPECT_EQ(good(R"({"jsonrpc":"2.0","method":"m","params":{"a":")" + std::string(100, '[') + R"("}})").method, "m");
 }
 
+TEST(Envelope, RefusesNamesThatComeTwiceInAnObject) {
+  const BadMessage twice = bad(R"({"jsonrpc":"2.0","id":1,"method":"m","params":{"a":[{"b":1,"c":2,"b":1}]}})");
+  EXPECT_EQ(twice.error.code, ErrorCode::InvalidRequest);
+  EXPECT_EQ(twice.error.message, "An object of the message has 'b' twice. Send each name once.");
+  EXPECT_EQ(bad(R"({"jsonrpc":"2.0","id":1,"id":2,"method":"m"})").error.code, ErrorCode::InvalidRequest);
+  // the same name in objects of their own is none
+  EXPECT_EQ(good(R"({"jsonrpc":"2.0","method":"m","params":{"a":{"a":1},"b":[{"a":1},{"a":2}]}})").method, "m");
+}
+
 TEST(Envelope, WritesOneLineEach) {
   EXPECT_EQ(encodeRequest(MessageId::of(std::string("s1")), "m", "{}"),
             "{\"jsonrpc\":\"2.0\",\"id\":\"s1\",\"method\":\"m\",\"params\":{}}\n");
