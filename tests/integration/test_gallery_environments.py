@@ -172,6 +172,44 @@ class GalleryEnvironments(unittest.TestCase):
         self.assertLess(min(water[200:281]), 0.9 * min(water[60:100]))
         self.assertGreater(water[365], 1.1 * min(water[200:281]))
 
+    def test_insects_find_the_plant_and_feed(self) -> None:
+        self.check_table("insect-on-a-plant", "FLI")
+        insects = re.findall(r"@M\(([^,]*),[^)]*\)\?E\([^)]*\)I\(([^)]*)\)", answered("insect-on-a-plant"))
+        self.assertEqual(len(insects), 4)
+        for place, eaten in insects:
+            self.assertLess(abs(float(place)), 2.4)  # all started further from the stalk
+            self.assertGreater(float(eaten), 0.1)
+
+    def test_trees_that_face_each_other_grow_less_on_that_side(self) -> None:
+        folder = GALLERY / "two-trees"
+        rows = [line.split("\t") for line in (folder / "golden.tsv").read_text(encoding="utf-8").splitlines()]
+        self.assertEqual(rows[0], ["step", "plant", "F", "B"])
+        for step, plant, segments, buds in rows[1:]:
+            lines = espalier("derive", str(folder), "--steps", step, "--quiet").stdout.splitlines()
+            string = lines[int(plant)].split("\t")[1]
+            self.assertEqual([string.count("F"), string.count("B")], [int(segments), int(buds)], f"step {step}")
+
+        def sides(forest: str) -> Dict[Tuple[int, bool], int]:
+            """Segments of each plant on the side of larger x, and on the other."""
+            with tempfile.TemporaryDirectory() as place:
+                table = f"{place}/modules.csv"
+                espalier("run", str(folder / forest), "-o", table, "--quiet")
+                with open(table, encoding="utf-8") as text:
+                    drawn = [row for row in csv.DictReader(text) if row["symbol"] == "F" and row["x"]]
+            counts: Dict[Tuple[int, bool], int] = {}
+            for row in drawn:
+                plant = int(row["plant"])
+                aside = float(row["x"]) - (-2.0 if plant == 0 else 2.0)
+                if abs(aside) > 0.05:
+                    counts[plant, aside > 0] = counts.get((plant, aside > 0), 0) + 1
+            return counts
+
+        alone, together = sides("alone.json"), sides("forest.json")
+        for plant, faces in ((0, True), (1, False)):
+            near = alone[0, faces] - together[plant, faces]
+            far = alone[0, not faces] - together[plant, not faces]
+            self.assertGreater(near, 3 * max(far, 1))
+
 
 if __name__ == "__main__":
     unittest.main()

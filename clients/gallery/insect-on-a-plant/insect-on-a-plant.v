@@ -1,0 +1,3 @@
+line style: polygon
+initial line width: 0.08 s
+initial color: 40
