@@ -96,7 +96,7 @@ class Serving(unittest.TestCase):
         with Client(serve.address, timeout=SECONDS) as client:
             self.assertEqual(client.status()["simulations"], 0)
         serve.stop()
-        self.assertIn("cannot be reached", espalier("load", serve.address, status=1).stderr)
+        self.assertIn("Cannot connect", espalier("load", serve.address, status=1).stderr)
 
     def test_sigterm_finishes_saves_and_ends(self) -> None:
         data = str(self.folder / "data")
