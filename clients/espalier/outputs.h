@@ -23,7 +23,7 @@ struct OutputOptions {
   std::string format;  // of all files; empty: by their suffixes
   double detail = 1.0;
   bool isColouredByOrder = false;  // lines in the colours of the order in which they are drawn
-  bool usesInstancing = false;  // glb: copies of a scene are one node
+  bool usesInstancing = false;     // glb: copies of a scene are one node
   turtle::PictureOptions picture;
 };
 

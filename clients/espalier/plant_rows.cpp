@@ -39,7 +39,7 @@ std::uint64_t hashOf(const simulation::Simulation& simulation) {
 }  // namespace
 
 bool PlantRows::add(const simulation::Simulation& simulation) {
-  std::shared_ptr<const language::Program> program = simulation.sharedProgram();
+  std::shared_ptr<const language::Program> program = simulation.programs().front();
   const std::uint64_t hash = hashOf(simulation);
   const auto known = std::ranges::find_if(
       grown_, [&](const auto& plant) { return plant->hash == hash && plant->program->hash == program->hash; });
@@ -49,8 +49,8 @@ bool PlantRows::add(const simulation::Simulation& simulation) {
       printError(formatSimulationError(*failure));
       return false;
     }
-    grown_.push_back(std::make_unique<Grown>(
-        Grown{std::move(program), simulation.options().palette, std::move(std::get<turtle::Scene>(scene)), hash}));
+    grown_.push_back(std::make_unique<Grown>(Grown{std::move(program), simulation.view(), simulation.options().palette,
+                                                   std::move(std::get<turtle::Scene>(scene)), hash}));
     kinds_.push_back(static_cast<std::uint32_t>(grown_.size() - 1));
     return true;
   }
@@ -61,7 +61,7 @@ bool PlantRows::add(const simulation::Simulation& simulation) {
 double PlantRows::ownSpacing() const {
   double largest = 0.0;
   for (const auto& plant : grown_) {
-    const std::optional<language::Box> box = turtle::boundsOf(plant->scene, plant->program->view);
+    const std::optional<language::Box> box = turtle::boundsOf(plant->scene, plant->view);
     if (box) {
       largest = std::max({largest, box->maximum.x - box->minimum.x, box->maximum.z - box->minimum.z});
     }
@@ -72,10 +72,8 @@ double PlantRows::ownSpacing() const {
 bool PlantRows::write(const OutputOptions& options, double spacing, bool isQuiet) const {
   std::vector<turtle::ExportInput> scenes;
   for (const auto& plant : grown_) {
-    scenes.push_back({.scene = plant->scene,
-                      .view = plant->program->view,
-                      .palette = &plant->palette,
-                      .program = plant->program.get()});
+    scenes.push_back(
+        {.scene = plant->scene, .view = plant->view, .palette = &plant->palette, .program = plant->program.get()});
   }
   const double apart = spacing > 0.0 ? spacing : ownSpacing();
   const auto columns = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(kinds_.size()))));

@@ -31,6 +31,7 @@ class PlantRows {
  private:
   struct Grown {
     std::shared_ptr<const language::Program> program;
+    language::ViewSettings view;  // of all its models
     language::Palette palette;
     turtle::Scene scene;
     std::uint64_t hash = 0;  // of its strings
