@@ -17,6 +17,7 @@
 #include "protocol/json_writer.h"
 #include "server/line_channel.h"
 #include "server/stream_frame.h"
+#include "tests/support/places.h"
 
 namespace espalier::benchmarking {
 namespace {
@@ -42,7 +43,7 @@ Latency latencyOf(std::vector<double>& microseconds) {
 /// `espalier serve` on a free port, nothing kept on a disk.
 struct Serving {
   Serving() {
-    const std::string program = std::string(ESPALIER_BINARY_DIR) + "/bin/espalier";
+    const std::string program = buildFolder() + "/bin/espalier";
     auto result = server::ChildProcess::start("exec '" + program + "' serve --listen 127.0.0.1:0 --log-level off");
     auto* made = std::get_if<std::unique_ptr<server::ChildProcess::Started>>(&result);
     if (made == nullptr) {
