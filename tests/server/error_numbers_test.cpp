@@ -67,7 +67,7 @@ TEST(ErrorNumbers, ABugInACommandIsInternalAndClosesThatSimulationOnly) {
     input.modelFile = "model.l";
     Interruption interruption;
     auto made =
-        HostedSimulation::create(record, language::compile(input, files).program, core.options().limits.simulation,
+        HostedSimulation::create(record, {language::compile(input, files).program}, core.options().limits.simulation,
                                  core.environmentServices(), core.store(), interruption);
     core.add(record.id, std::move(std::get<std::unique_ptr<HostedSimulation>>(made)));
     return core.find(record.id);
