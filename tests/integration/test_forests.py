@@ -11,11 +11,11 @@ from support import espalier, program
 from espalier import Server, ServerError
 
 OAK = """Lsystem: 1
-Module: ?Seed(asks), ?Death(asks)
+Module: ?Seed(asks, model), ?Death(asks)
 seed: 5
 derivation length: 14
 Axiom: A(1)?E(0.4)
-A(t) > ?E(x) : t == 4 --> F(1)[+(90)f(1+ran(2))?Seed(1)][-(90)f(1+ran(2))?Seed(1,2)]/(137)A(t+1)
+A(t) > ?E(x) : t == 4 --> F(1)[+(90)f(1+ran(2))?Seed(1,0)][-(90)f(1+ran(2))?Seed(1,2)]/(137)A(t+1)
 A(t) > ?E(x) : t == 8 --> ?Death(1)
 A(t) > ?E(x) : t != 4 && t != 8 --> F(0.3+ran(0.2))[+(40)F(0.4)]/(137)A(t+1)
 endlsystem
@@ -84,10 +84,11 @@ class Forests(unittest.TestCase):
         models = [{"name": "oak", "source": OAK}, {"name": "shrub", "source": SHRUB}]
         data = str(self.folder / "data")
         server = Server(program(), arguments=["--data", data, "--log-level", "off"])
+        self.addCleanup(server.stop)
         with server.connect(timeout=60) as client:
             forest = client.create_forest(models, FOREST["plants"], seeds=FOREST["seeds"],
                                           environment=FOREST["environment"])
-            self.assertEqual(forest.step(6).statistics["plants"], 5)
+            self.assertEqual(forest.step(6).statistics["plants"], 7)
             identifier = forest.identifier
         server.stop()
         server = Server(program(), arguments=["--data", data, "--log-level", "off"])
@@ -96,7 +97,8 @@ class Forests(unittest.TestCase):
             forest = client.simulation(identifier)
             made = forest.step(8)
             self.assertTrue(made.finished)
-            strings = [forest.get("string", plant=plant)["string"] for plant in range(12)]
+            count = forest.get("information")["information"]["plants"]
+            strings = [forest.get("string", plant=plant)["string"] for plant in range(count)]
             self.assertEqual([line.split("\t")[1] for line in lines(self.forest)],
                              [string for string in strings if string])
             # back to the beginning, with who was there then
@@ -109,7 +111,7 @@ class Forests(unittest.TestCase):
 
     def test_what_is_wrong_is_named_with_its_place(self) -> None:
         for change, message in [
-            ({"models": [{"name": "oak", "file": "oak.x"}]}, "there is no file '"),
+            ({"models": [{"name": "oak", "file": "oak.x"}, {"name": "shrub", "file": "shrub.l"}]}, "there is no file '"),
             ({"plants": [{"position": [0, 0]}]}, "plants[0].position: expected three numbers"),
             ({"plants": [{"position": [0, 0, 0], "turm": 3}]},
              "plants[0].turm: this key is not known; there are model, position, heading, turn, name, colour"),
