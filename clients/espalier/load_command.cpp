@@ -86,12 +86,6 @@ std::optional<std::string> ask(client::Client& client, std::string_view method, 
   return std::get<std::string>(answer);
 }
 
-/// The member of a result that names something, without its quotes.
-std::string nameIn(const std::string& result, std::string_view member) {
-  const std::string quoted = protocol::memberOf(result, member).value_or("\"\"");
-  return quoted.size() > 2 ? quoted.substr(1, quoted.size() - 2) : std::string();
-}
-
 std::string named(const std::string& simulation, const std::string& more = {}) {
   protocol::JsonWriter params;
   params.beginObject().key("simulation").text(simulation);
@@ -160,7 +154,7 @@ int runLoad(const LoadOptions& options) {
     controllers.push_back(connect(options, figures));
     if (controllers.back() != nullptr) {
       const auto created = ask(*controllers.back(), "simulation.create", createParams(options.queries), figures);
-      simulations.push_back(created ? nameIn(*created, "simulation") : std::string());
+      simulations.push_back(created ? protocol::memberOf(*created, "simulation").value_or("") : std::string());
     }
   }
   const auto begin = Clock::now();
