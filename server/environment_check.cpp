@@ -223,13 +223,18 @@ class Checker {
     return true;
   }
 
+  /// What an environment that asks for it is shown with its queries.
+  void addGeometry(QueryBatch& queries) const {
+    if (description_.needs.geometry && queries.geometry == nullptr) {
+      queries.geometry = makeGeometry(queries);
+    }
+  }
+
   /// The replies to a batch, or nothing with the failure told.
   std::optional<ReplyBatch> ask(QueryBatch queries, const std::string& what) {
     ReplyBatch replies;
     replies.prepare(queries);
-    if (description_.needs.geometry && queries.geometry == nullptr) {
-      queries.geometry = makeGeometry(queries);
-    }
+    addGeometry(queries);
     if (const auto error = process_->step(queries, replies)) {
       bad(what + ": " + error->message);
       return std::nullopt;
@@ -338,6 +343,7 @@ class Checker {
       bad("not finite: after it, it cannot be opened again");
       return;
     }
+    addGeometry(huge);
     const auto error = process_->step(huge, replies);
     const bool isFinite =
         std::all_of(replies.values.begin(), replies.values.end(), [](double value) { return std::isfinite(value); });
@@ -385,7 +391,8 @@ class Checker {
         return;
       }
       for (std::size_t i = 0; i < repetitions; ++i) {
-        const QueryBatch queries = makeQueries(count, parameterCount(), i);
+        QueryBatch queries = makeQueries(count, parameterCount(), i);
+        addGeometry(queries);
         ReplyBatch replies;
         replies.prepare(queries);
         const auto start = std::chrono::steady_clock::now();
