@@ -64,11 +64,13 @@ class GeometryOverTheWire(unittest.TestCase):
     def test_an_author_can_check_such_an_environment_also_with_a_trace(self) -> None:
         with tempfile.TemporaryDirectory() as folder:
             script = Path(folder) / "canopy.py"
-            script.write_text("from espalier import Environment, Variable\n\n\nclass Canopy(Environment):\n"
+            script.write_text("from collections import Counter\n\nfrom espalier import Environment, Variable\n\n\nclass Canopy(Environment):\n"
                               "    needs = ('parameters', 'geometry')\n    outputs = (Variable('organs'),)\n\n"
-                              "    def answer(self, query):\n"
-                              "        organs = self.geometry.organ_module.tolist()\n"
-                              "        return [1.0 + organs.count(query.module + 1)]\n\n\nCanopy.serve()\n",
+                              "    seen = None\n\n    def answer(self, query):\n"
+                              "        if self.seen is not self.geometry:\n"
+                              "            self.seen = self.geometry\n"
+                              "            self.organs = Counter(self.geometry.organ_module.tolist())\n"
+                              "        return [1.0 + self.organs[query.module + 1]]\n\n\nCanopy.serve()\n",
                               encoding="utf-8")
             address = "stdio:" + " ".join(f"'{word}'" for word in python(script))
             model = Path(folder) / "leaves.l"
