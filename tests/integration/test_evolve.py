@@ -96,7 +96,8 @@ class Evolving(unittest.TestCase):
         self.assertEqual(made.returncode, 1)
         self.assertIn("Traceback", made.stderr)
         self.assertIn("error: generation 0: the fitness program says: ZeroDivisionError: division by zero", made.stderr)
-        (self.folder / "fitness.py").write_text("print('hello')\n")
+        (self.folder / "fitness.py").write_text(
+            "import sys\nsys.stdin.readline()\nprint('hello', flush=True)\nsys.stdin.read()\n")
         self.assertIn("answered 'hello', not {\"fitness\": NUMBER}", self.evolve(*common).stderr)
         (self.folder / "fitness.py").write_text("import sys; sys.exit(3)\n")
         self.assertIn("the fitness program ended with status 3 instead of answering", self.evolve(*common).stderr)
