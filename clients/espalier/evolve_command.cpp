@@ -249,8 +249,12 @@ class Evolution {
                             .scene = drawn,
                             .string = simulation.stringText()};
     const std::scoped_lock lock(judging_);
+    if (hasJudgeFailed_) {
+      return std::nullopt;  // it may never answer again; the run ends with the first failure
+    }
     const auto judged = process_->judge(plant, options_.judgeSeconds);
     if (const std::string* problem = std::get_if<std::string>(&judged)) {
+      hasJudgeFailed_ = true;
       return *problem;
     }
     individual.fitness = std::get<double>(judged);
@@ -407,7 +411,8 @@ class Evolution {
   FitnessFormula formula_;
   std::optional<ModelVariants> variants_;
   std::unique_ptr<FitnessProcess> process_;
-  std::mutex judging_;  // of process_ and firstFailure_
+  std::mutex judging_;  // of process_, hasJudgeFailed_ and firstFailure_
+  bool hasJudgeFailed_ = false;
   std::string firstFailure_;
   std::string history_;
   bool isReported_ = false;  // the generation was read from a file and is complete
