@@ -4,12 +4,14 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numbers>
 #include <vector>
 
 #include "environment/kernel_tree.h"
 #include "environment/plane.h"
 #include "environment/replies.h"
+#include "environment/tip_field.h"
 
 namespace espalier::environment {
 
@@ -100,6 +102,7 @@ class Density final : public turtle::EnvironmentProcess {
                                                              turtle::ReplyBatch& replies) override {
     std::vector<WeightedPoint> tips;
     std::vector<WeightedPoint> sources;
+    std::vector<std::size_t> asking;
     for (std::size_t query = 0; query < queries.size(); ++query) {
       const auto parameters = queries.parametersOf(query);
       WeightedPoint point = placeOf(queries.position[query]);
@@ -109,13 +112,19 @@ class Density final : public turtle::EnvironmentProcess {
       } else {
         tips.push_back(point);
       }
+      if (parameters.size() == 3) {
+        asking.push_back(query);
+      }
     }
-    const KernelTree tipTree(std::move(tips), isExact_ || queries.size() <= kSmallCount);
-    const KernelTree sourceTree(std::move(sources), isExact_ || queries.size() <= kSmallCount);
-    for (std::size_t query = 0; query < queries.size(); ++query) {
-      if (queries.parametersOf(query).size() == 3) {
+    const bool sumsAllPairs = isExact_ || queries.size() <= kSmallCount;
+    const KernelTree sourceTree(std::move(sources), sumsAllPairs);
+    if (sumsAllPairs) {
+      const KernelTree tipTree(std::move(tips), true);
+      for (const std::size_t query : asking) {
         setAnswer(queries, query, answerAt(placeOf(queries.position[query]), tipTree, sourceTree), replies);
       }
+    } else {
+      answerByField(queries, asking, tips, sourceTree, replies);
     }
     countAnswers(queries, replies);
     return std::nullopt;
@@ -159,6 +168,51 @@ class Density final : public turtle::EnvironmentProcess {
       }
     }
     return {answer.density, answer.x / squares, answer.y / squares};
+  }
+
+  /// The same with the tips summed for all who ask together.
+  void answerByField(const turtle::QueryBatch& queries, const std::vector<std::size_t>& asking,
+                     const std::vector<WeightedPoint>& tips, const KernelTree& sources,
+                     turtle::ReplyBatch& replies) const {
+    std::vector<PlanePoint> points;
+    for (const WeightedPoint& tip : tips) {
+      points.push_back({tip.x, tip.y});
+    }
+    std::vector<PlanePoint> centres;
+    for (const std::size_t query : asking) {
+      const WeightedPoint place = placeOf(queries.position[query]);
+      centres.push_back({place.x, place.y});
+    }
+    std::vector<double> offsets;
+    const int count = isOnePoint_ ? 3 : kSamples;
+    for (int i = 0; i < count; ++i) {
+      offsets.push_back(kReach * (2.0 * i / (count - 1) - 1.0));
+    }
+    double squares = 0.0;
+    for (const double offset : offsets) {
+      squares += isOnePoint_ ? 0.0 : static_cast<double>(count) * offset * offset;
+    }
+    std::vector<Answer> answers(asking.size(), Answer{std::numeric_limits<double>::infinity(), 0.0, 0.0});
+    TipField(std::move(points))
+        .sumAround(centres, offsets, [&](std::uint32_t centre, std::size_t i, std::size_t j, double sum) {
+          // of the middle row and column only, when one point counts
+          if (isOnePoint_ && i != 1 && j != 1) {
+            return;
+          }
+          const double x = offsets[i];
+          const double y = offsets[j];
+          const double density =
+              sum - ofTip(x * x + y * y) + sources.sum(centres[centre].x + x, centres[centre].y + y, ofSource);
+          Answer& answer = answers[centre];
+          if (!isOnePoint_ || (i == 1 && j == 1)) {
+            answer.density = std::min(answer.density, density);
+          }
+          answer.x -= isOnePoint_ ? 2.0 * x * density : x * density / squares;
+          answer.y -= isOnePoint_ ? 2.0 * y * density : y * density / squares;
+        });
+    for (std::size_t k = 0; k < asking.size(); ++k) {
+      setAnswer(queries, asking[k], answers[k], replies);
+    }
   }
 
   void setAnswer(const turtle::QueryBatch& queries, std::size_t query, const Answer& answer,

@@ -4,14 +4,13 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <numeric>
 #include <optional>
 #include <vector>
 
+#include "environment/point_tree.h"
 #include "environment/raster.h"
 #include "environment/replies.h"
-#include "environment/spatial_cells.h"
 
 namespace espalier::environment {
 
@@ -90,13 +89,9 @@ class Meadow final : public turtle::EnvironmentProcess {
     for (const std::size_t query : insects) {
       places.push_back(flattened(plane_, queries.position[query]));
     }
-    const SpatialCells cells(places, radius_);
-    CellSweep sweep(cells, {1, 1, 1});
-    for (std::size_t number = 0; number < cells.cellCount(); ++number) {
-      sweep.moveTo(number);
-      for (const std::uint32_t insect : cells.pointsIn(number)) {
-        answer(queries, insects[insect], insect, nearestOf(insect, places, cells, number, sweep), places, replies);
-      }
+    const PointTree tree(places);
+    for (const std::uint32_t insect : tree.order()) {
+      answer(queries, insects[insect], insect, tree.nearestOther(insect, radius_ * radius_), places, replies);
     }
     countAnswers(queries, replies);
     return std::nullopt;
@@ -153,29 +148,9 @@ class Meadow final : public turtle::EnvironmentProcess {
     return {across, along, 0.0};
   }
 
-  /// The nearest other insect within the radius; of equally near ones the first. The own number: there is none.
-  [[nodiscard]] std::uint32_t nearestOf(std::uint32_t insect, const std::vector<Vec3>& places,
-                                        const SpatialCells& cells, std::size_t cell, const CellSweep& sweep) const {
-    std::uint32_t nearest = insect;
-    double least = radius_ * radius_;
-    const auto lookInto = [&](std::size_t number) {
-      for (const std::uint32_t other : cells.pointsIn(number)) {
-        const Vec3 way = places[other] - places[insect];
-        const double squared = core::dot(way, way);
-        if (other != insect && (squared < least || (squared == least && (nearest == insect || other < nearest)))) {
-          least = squared;
-          nearest = other;
-        }
-      }
-      return false;
-    };
-    lookInto(cell);
-    static_cast<void>(sweep.anyNeighbour(lookInto));
-    return nearest;
-  }
-
-  void answer(const turtle::QueryBatch& queries, std::size_t query, std::uint32_t insect, std::uint32_t nearest,
-              const std::vector<Vec3>& places, turtle::ReplyBatch& replies) const {
+  void answer(const turtle::QueryBatch& queries, std::size_t query, std::uint32_t insect,
+              std::optional<std::uint32_t> nearest, const std::vector<Vec3>& places,
+              turtle::ReplyBatch& replies) const {
     // sums of rows and columns, added up in the same order so that a flat density has no gradient
     std::array<double, 3> rows{};
     std::array<double, 3> columns{};
@@ -194,12 +169,11 @@ class Meadow final : public turtle::EnvironmentProcess {
     replies.set(queries, query, 0, sum / 9.0);
     replies.set(queries, query, 1, length > 0.0 ? across / length : 0.0);
     replies.set(queries, query, 2, length > 0.0 ? along / length : 0.0);
-    const bool isAlone = nearest == insect;
-    replies.set(queries, query, 3, isAlone ? -1.0 : static_cast<double>(nearest));
-    if (isAlone && isCompatible_) {
+    replies.set(queries, query, 3, nearest ? static_cast<double>(*nearest) : -1.0);
+    if (!nearest && isCompatible_) {
       return;
     }
-    const Vec3 way = places[nearest] - places[insect];
+    const Vec3 way = places[nearest.value_or(insect)] - places[insect];
     replies.set(queries, query, 4, plane_ == Plane::Yz ? way.y : way.x);
     replies.set(queries, query, 5, plane_ == Plane::Xy ? way.y : way.z);
   }

@@ -12,7 +12,7 @@ namespace espalier::environment {
 /// this step.
 ///
 /// `compatible`: only queries before a module I with three parameters are insects, and without a neighbour p5 and p6
-/// stay as sent, where the published program leaves garbage. O(n log n + pairs of insects within the radius).
+/// stay as sent, where the published program leaves garbage. O(n log n), however insects crowd.
 extern const ProcessEntry kMeadowProcess;
 
 }  // namespace espalier::environment
