@@ -185,41 +185,65 @@ class Chiba final : public turtle::EnvironmentProcess {
  private:
   /// The part of the light for one sphere that another lets pass along a ray.
   [[nodiscard]] double passing(const Sphere& own, const Sphere& other, const Vec3& direction) const {
+    if (!estimatesArea_) {
+      const double chord = chordOf(own, other, direction);
+      return chord > 0.0 ? std::pow(transmittance_, chord) : 1.0;
+    }
+    const Vec3 between = other.centre - own.centre;
+    const double ahead = core::dot(between, direction);
+    if (!(ahead > 0.0)) {
+      return 1.0;
+    }
+    const double squared = std::max(core::dot(between, between) - ahead * ahead, 0.0);
+    const double area = commonArea(own.radius, other.radius, std::sqrt(squared));
+    const double whole = std::numbers::pi * own.radius * own.radius;
+    return whole > 0.0 ? 1.0 - (1.0 - transmittance_) * area / whole : 1.0;
+  }
+
+  /// How far a ray from the middle of one sphere goes through another, in diameters of that.
+  [[nodiscard]] double chordOf(const Sphere& own, const Sphere& other, const Vec3& direction) const {
     const Vec3 between = other.centre - own.centre;
     const double ahead = core::dot(between, direction);
     const double squared = std::max(core::dot(between, between) - ahead * ahead, 0.0);
-    if (estimatesArea_) {
-      if (!(ahead > 0.0)) {
-        return 1.0;
-      }
-      const double area = commonArea(own.radius, other.radius, std::sqrt(squared));
-      const double whole = std::numbers::pi * own.radius * own.radius;
-      return whole > 0.0 ? 1.0 - (1.0 - transmittance_) * area / whole : 1.0;
-    }
     const double radius = other.radius + beamRadius_ * own.radius;
-    const double half = std::sqrt(std::max(radius * radius - squared, 0.0));
-    // the chord, as far as it is ahead of the ray's origin
+    if (!(squared < radius * radius)) {
+      return 0.0;
+    }
+    const double half = std::sqrt(radius * radius - squared);
     const double chord = ahead + half - std::max(ahead - half, 0.0);
-    return chord > 0.0 && half > 0.0 ? std::pow(transmittance_, chord / (2.0 * radius)) : 1.0;
+    return chord > 0.0 && half > 0.0 ? chord / (2.0 * radius) : 0.0;
   }
 
   [[nodiscard]] std::vector<Answer> answersOf(const DistinctSpheres& distinct) const {
     const SphereTree tree(distinct.spheres);
+    // behind so many diameters it is dark
+    const double longest = std::log(kDarkness) / std::log(transmittance_);
     std::vector<Answer> answers(distinct.spheres.size());
     for (const std::uint32_t index : tree.order()) {
       const Sphere& own = distinct.spheres[index];
       const double margin = estimatesArea_ ? own.radius : beamRadius_ * own.radius;
       answers[index] = answerFrom([&](const Vec3& direction) {
+        const Ray ray{own.centre, direction, std::numeric_limits<double>::infinity()};
+        const auto timesOf = [&](std::uint32_t other) { return distinct.count[other] - (other == index ? 1U : 0U); };
         double light = 1.0;
-        tree.visitRay({own.centre, direction, std::numeric_limits<double>::infinity()}, margin,
-                      [&](std::uint32_t other) {
-                        const std::uint32_t times = distinct.count[other] - (other == index ? 1U : 0U);
-                        const double factor = times == 0 ? 1.0 : passing(own, distinct.spheres[other], direction);
-                        for (std::uint32_t k = 0; k < times; ++k) {
-                          light *= factor;
-                        }
-                        return light > kDarkness;
-                      });
+        if (!estimatesArea_) {
+          // one power of all chords together
+          double chords = 0.0;
+          tree.visitRay(ray, margin, [&](std::uint32_t other, const Sphere& sphere) {
+            chords += timesOf(other) * chordOf(own, sphere, direction);
+            return chords <= longest;
+          });
+          light = chords > 0.0 ? std::pow(transmittance_, chords) : 1.0;
+        } else {
+          tree.visitRay(ray, margin, [&](std::uint32_t other, const Sphere& sphere) {
+            const std::uint32_t times = timesOf(other);
+            const double factor = times == 0 ? 1.0 : passing(own, sphere, direction);
+            for (std::uint32_t k = 0; k < times; ++k) {
+              light *= factor;
+            }
+            return light > kDarkness;
+          });
+        }
         return light > kDarkness ? light : 0.0;
       });
     }

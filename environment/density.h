@@ -14,9 +14,9 @@ namespace espalier::environment {
 /// `onePointValue` ρ is sampled at 6 x 6 points over ±0.5: p1 is the smallest value and ∇ρ the slope of the plane that
 /// fits the samples best; with it p1 is ρ at the tip and ∇ρ central differences over ±0.5.
 ///
-/// The sums are those of a quadtree: clusters far from a tip act through their Chebyshev interpolation, so a step costs
-/// O(n log n) with an error below 1e-6 of the density; up to 1024 tips, and with `exact`, all pairs are summed. The
-/// result does not depend on the order of queries.
+/// The tips act by the fast multipole method (tip_field.h), the sources by a quadtree (kernel_tree.h): a step costs
+/// O(n log n) with an error below 1e-6 of the largest density; up to 1024 queries, and with `exact`, all pairs are
+/// summed. The result does not depend on the order of queries.
 extern const ProcessEntry kDensityProcess;
 
 }  // namespace espalier::environment

@@ -103,7 +103,7 @@ class Emission final : public turtle::EnvironmentProcess {
     }
     diffusion_.stepCount = static_cast<int>(steps);
     diffusion_.relaxation = steps > 0.0 ? moved / steps : 0.0;
-    staying_ = std::exp(-decayRate_ * days);
+    diffusion_.staying = std::exp(-decayRate_ * days);
     lengthUnit_ = context.world.lengthUnit;
     field_.reset();
     return std::nullopt;
@@ -140,12 +140,12 @@ class Emission final : public turtle::EnvironmentProcess {
       begin = end;
     }
     countAnswers(queries, replies);
-    passTime();
+    field_.spread(diffusion_);
     return std::nullopt;
   }
 
   [[nodiscard]] std::optional<turtle::EnvironmentError> tick(std::uint64_t) override {
-    passTime();
+    field_.spread(diffusion_);
     return std::nullopt;
   }
 
@@ -158,21 +158,11 @@ class Emission final : public turtle::EnvironmentProcess {
   }
 
  private:
-  void passTime() {
-    field_.spread(diffusion_);
-    if (decayRate_ > 0.0) {
-      for (double& concentration : field_.cells()) {
-        concentration *= staying_;
-      }
-    }
-  }
-
   SoilField field_;
   double cellSize_;
   double diffusivity_;
   double decayRate_;
   Diffusion diffusion_;
-  double staying_ = 1.0;  // part that does not decay in a step
   std::string lengthUnit_ = "m";
 };
 

@@ -13,6 +13,35 @@ std::array<double, 3> componentsOf(const core::Vec3& v) {
   return {v.x, v.y, v.z};
 }
 
+/// Cells of a run: the old concentrations from `from`, the new ones to `to`.
+struct RunOfCells {
+  const double* __restrict from;
+  double* __restrict to;
+  std::size_t count;
+  std::size_t row;    // to the neighbour above
+  std::size_t slice;  // to the one before; 0: a plane
+};
+
+void relaxRun(const RunOfCells& run, double own, double others, double staying) {
+  const double* __restrict c = run.from;
+  double* __restrict n = run.to;
+  const double* __restrict below = c - run.row;
+  const double* __restrict above = c + run.row;
+  if (run.slice == 0) {
+    for (std::size_t x = 0; x < run.count; ++x) {
+      const double sum = *(c + x - 1) + c[x + 1] + below[x] + above[x];
+      n[x] = (own * c[x] + others * sum) * staying;
+    }
+    return;
+  }
+  const double* __restrict behind = c - run.slice;
+  const double* __restrict before = c + run.slice;
+  for (std::size_t x = 0; x < run.count; ++x) {
+    const double sum = *(c + x - 1) + c[x + 1] + below[x] + above[x] + behind[x] + before[x];
+    n[x] = (own * c[x] + others * sum) * staying;
+  }
+}
+
 }  // namespace
 
 SoilField::SoilField(const Shape& shape, std::vector<double> initial, std::vector<std::uint8_t> isObstacle,
@@ -116,84 +145,103 @@ void SoilField::spread(const Diffusion& diffusion) {
       cells_[cell] = initial_[cell];
     }
   }
-  // factors of the own concentration and of the sum of the neighbours', by number of free neighbours
-  std::array<double, 7> own{};
-  std::array<double, 7> others{};
+  Factors factors;
   const double faces = isInSpace() ? 6.0 : 4.0;
   for (std::size_t count = 0; count <= 6; ++count) {
     const auto n = static_cast<double>(count);
     if (diffusion.isAveraging) {
-      own[count] = count == 0 ? 1.0 : 1.0 - diffusion.relaxation;
-      others[count] = count == 0 ? 0.0 : diffusion.relaxation / n;
+      factors.own[count] = count == 0 ? 1.0 : 1.0 - diffusion.relaxation;
+      factors.others[count] = count == 0 ? 0.0 : diffusion.relaxation / n;
     } else {
-      own[count] = 1.0 - diffusion.relaxation * (diffusion.isOpen ? 1.0 : n / faces);
-      others[count] = diffusion.relaxation / faces;
+      factors.own[count] = 1.0 - diffusion.relaxation * (diffusion.isOpen ? 1.0 : n / faces);
+      factors.others[count] = diffusion.relaxation / faces;
     }
   }
+  // what decays does so while the last step is written, unless any step may be the last
+  bool isDecayed = diffusion.staying == 1.0;
   for (int step = 0; step < diffusion.stepCount; ++step) {
-    if (relax(own, others) < diffusion.tolerance) {
-      return;
+    const bool isLast = !(diffusion.tolerance > 0.0) && step + 1 == diffusion.stepCount;
+    relax(factors, isLast ? diffusion.staying : 1.0);
+    isDecayed = isDecayed || isLast;
+    if (diffusion.tolerance > 0.0 && largestChange() < diffusion.tolerance) {
+      break;
+    }
+  }
+  if (!isDecayed) {
+    for (double& concentration : cells_) {
+      concentration *= diffusion.staying;
     }
   }
 }
 
-double SoilField::relax(const std::array<double, 7>& own, const std::array<double, 7>& others) {
-  next_.resize(cells_.size());
+std::array<std::ptrdiff_t, 6> SoilField::neighbourOffsets() const {
+  const auto row = static_cast<std::ptrdiff_t>(shape_.cells[0]);
+  const auto slice = static_cast<std::ptrdiff_t>(shape_.cells[0] * shape_.cells[1]);
+  return {-1, 1, -row, row, -slice, slice};
+}
+
+void SoilField::sortCells() {
   const auto [nx, ny, nz] = shape_.cells;
-  const std::size_t rows = nx;
-  const std::size_t slices = nx * ny;
-  double change = 0.0;
-  const auto relaxCell = [&](std::size_t cell, bool hasLeft, bool hasRight, bool hasBelow, bool hasAbove, bool hasBack,
-                             bool hasFront) {
-    double sum = 0.0;
-    std::size_t count = 0;
-    const auto add = [&](bool exists, std::size_t neighbour) {
-      if (exists && isFree(neighbour)) {
-        sum += cells_[neighbour];
-        ++count;
-      }
-    };
-    add(hasLeft, cell - 1);
-    add(hasRight, cell + 1);
-    add(hasBelow, cell - rows);
-    add(hasAbove, cell + rows);
-    add(hasBack, cell - slices);
-    add(hasFront, cell + slices);
-    next_[cell] = isFree(cell) ? own[count] * cells_[cell] + others[count] * sum : cells_[cell];
-    change = std::max(change, std::abs(next_[cell] - cells_[cell]));
-  };
-  for (std::size_t z = 0; z < nz; ++z) {
-    for (std::size_t y = 0; y < ny; ++y) {
-      const std::size_t begin = index(0, y, z);
-      const bool isInner = y > 0 && y + 1 < ny && (nz == 1 || (z > 0 && z + 1 < nz)) && isObstacle_.empty() && nx > 2;
-      const auto border = [&](std::size_t x) {
-        relaxCell(begin + x, x > 0, x + 1 < nx, y > 0, y + 1 < ny, z > 0, z + 1 < nz);
-      };
-      if (!isInner) {
-        for (std::size_t x = 0; x < nx; ++x) {
-          border(x);
-        }
-        continue;
-      }
-      // all neighbours are there: the loop that the time goes into, the same additions in the same order
-      border(0);
-      const std::size_t count = nz == 1 ? 4 : 6;
-      const double a = own[count];
-      const double b = others[count];
-      const double* c = cells_.data() + begin;
-      double* n = next_.data() + begin;
-      for (std::size_t x = 1; x + 1 < nx; ++x) {
-        double sum = c[x - 1] + c[x + 1] + *(c + x - rows) + c[x + rows];
-        if (nz > 1) {
-          sum = sum + *(c + x - slices) + c[x + slices];
-        }
-        n[x] = a * c[x] + b * sum;
-        change = std::max(change, std::abs(n[x] - c[x]));
-      }
-      border(nx - 1);
+  const std::uint8_t all = isInSpace() ? 0b111111 : 0b001111;
+  const auto offsets = neighbourOffsets();
+  for (std::size_t cell = 0; cell < cells_.size(); ++cell) {
+    if (!isFree(cell)) {
+      borders_.push_back({cell, 0, false});
+      continue;
+    }
+    const std::size_t x = cell % nx;
+    const std::size_t y = cell / nx % ny;
+    const std::size_t z = cell / (nx * ny);
+    const std::array isThere{x > 0, x + 1 < nx, y > 0, y + 1 < ny, z > 0, z + 1 < nz};
+    unsigned neighbours = 0;
+    for (std::size_t k = 0; k < 6; ++k) {
+      const bool isFreeThere =
+          isThere[k] && isFree(static_cast<std::size_t>(static_cast<std::ptrdiff_t>(cell) + offsets[k]));
+      neighbours |= isFreeThere ? 1U << k : 0U;
+    }
+    if (neighbours != all) {
+      borders_.push_back({cell, static_cast<std::uint8_t>(neighbours), true});
+    } else if (!runs_.empty() && runs_.back().end == cell) {
+      ++runs_.back().end;
+    } else {
+      runs_.push_back({cell, cell + 1});
     }
   }
+}
+
+void SoilField::relax(const Factors& factors, double staying) {
+  if (next_.empty()) {
+    next_.resize(cells_.size());
+    sortCells();
+  }
+  const auto offsets = neighbourOffsets();
+  for (const auto& [cell, neighbours, isFreeCell] : borders_) {
+    double sum = 0.0;
+    std::size_t count = 0;
+    for (std::size_t k = 0; k < 6; ++k) {
+      if ((neighbours >> k & 1U) != 0) {
+        sum += cells_[static_cast<std::size_t>(static_cast<std::ptrdiff_t>(cell) + offsets[k])];
+        ++count;
+      }
+    }
+    const double spread = factors.own[count] * cells_[cell] + factors.others[count] * sum;
+    next_[cell] = (isFreeCell ? spread : cells_[cell]) * staying;
+  }
+  const std::size_t row = shape_.cells[0];
+  const std::size_t slice = row * shape_.cells[1];
+  const std::size_t count = isInSpace() ? 6 : 4;
+  for (const Run& run : runs_) {
+    relaxRun({cells_.data() + run.begin, next_.data() + run.begin, run.end - run.begin, row, isInSpace() ? slice : 0},
+             factors.own[count], factors.others[count], staying);
+  }
   cells_.swap(next_);
+}
+
+double SoilField::largestChange() const {
+  double change = 0.0;
+  for (std::size_t cell = 0; cell < cells_.size(); ++cell) {
+    change = std::max(change, std::abs(cells_[cell] - next_[cell]));
+  }
   return change;
 }
 

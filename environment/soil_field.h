@@ -18,6 +18,7 @@ struct Diffusion {
   double relaxation = 0.5;   // 0 … 1
   bool isAveraging = false;  // the published scheme, which loses or makes matter at borders
   bool isOpen = false;       // beyond the sides of the box there is nothing, and what gets there is gone
+  double staying = 1.0;      // part of everything that is left in the end: what decays meanwhile
 };
 
 /// Concentrations in the cells of a box, with impermeable obstacles and sources of constant concentration.
@@ -53,7 +54,8 @@ class SoilField {
 
   /// Sources get their concentration back, then everything spreads. By default every face of two free cells lets pass
   /// relaxation/(number of faces of a cell) of the difference, so that matter is conserved; the published scheme moves
-  /// each cell by `relaxation` towards the mean of its free neighbours. Both read the old field only. O(cells · steps).
+  /// each cell by `relaxation` towards the mean of its free neighbours. Both read the old field only. O(cells · steps),
+  /// at the speed of memory where obstacles are few.
   void spread(const Diffusion& diffusion);
 
  private:
@@ -61,12 +63,33 @@ class SoilField {
     return (z * shape_.cells[1] + y) * shape_.cells[0] + x;
   }
   [[nodiscard]] bool isFree(std::size_t cell) const { return isObstacle_.empty() || isObstacle_[cell] == 0; }
-  double relax(const std::array<double, 7>& own, const std::array<double, 7>& others);
+  /// Factors of the own concentration and of the sum of the neighbours', by number of free neighbours.
+  struct Factors {
+    std::array<double, 7> own{};
+    std::array<double, 7> others{};
+  };
+  /// A cell that lacks a free neighbour, or is an obstacle.
+  struct BorderCell {
+    std::size_t cell = 0;
+    std::uint8_t neighbours = 0;  // bits of those that are free: left, right, below, above, behind, before
+    bool isFree = true;
+  };
+  /// Neighbouring cells of a row, all of whose neighbours are free: the loop that the time goes into.
+  struct Run {
+    std::size_t begin = 0;
+    std::size_t end = 0;
+  };
+  void sortCells();
+  [[nodiscard]] std::array<std::ptrdiff_t, 6> neighbourOffsets() const;
+  void relax(const Factors& factors, double staying);
+  [[nodiscard]] double largestChange() const;
 
   Shape shape_;
   std::vector<double> initial_;
   std::vector<double> cells_;
-  std::vector<double> next_;              // of a relaxation
+  std::vector<double> next_;  // of a relaxation; empty before the first one
+  std::vector<Run> runs_;     // these two hold every cell once; empty before the first relaxation
+  std::vector<BorderCell> borders_;
   std::vector<std::uint8_t> isObstacle_;  // by cell; empty: none is
   std::vector<std::uint8_t> isSource_;    // by cell; empty: none is
 };

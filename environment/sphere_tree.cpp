@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 #include <tuple>
+#include <utility>
 
 namespace espalier::environment {
 
@@ -42,6 +43,12 @@ SphereTree::SphereTree(std::vector<Sphere> spheres) : spheres_(std::move(spheres
   root.end = static_cast<std::uint32_t>(spheres_.size());
   nodes_.push_back(root);
   build(0);
+  std::vector<Sphere> grouped;
+  grouped.reserve(spheres_.size());
+  for (const std::uint32_t sphere : order_) {
+    grouped.push_back(spheres_[sphere]);
+  }
+  spheres_ = std::move(grouped);
 }
 
 void SphereTree::build(std::uint32_t index) {

@@ -42,8 +42,8 @@ class SphereTree {
   /// Indices of the spheres, neighbours near each other.
   [[nodiscard]] const std::vector<std::uint32_t>& order() const { return order_; }
 
-  /// Calls `visit(index)` for every sphere whose box, enlarged by `margin` to all sides, the ray meets, until it
-  /// returns false.
+  /// Calls `visit(index, sphere)` for every sphere whose box, enlarged by `margin` to all sides, the ray meets, until
+  /// it returns false.
   template <typename Visit>
   void visitRay(const Ray& ray, double margin, const Visit& visit) const {
     if (nodes_.empty()) {
@@ -64,7 +64,7 @@ class SphereTree {
       }
       if (node.children == 0) {
         for (std::uint32_t k = node.begin; k < node.end; ++k) {
-          if (!visit(order_[k])) {
+          if (!visit(order_[k], spheres_[k])) {
             return;
           }
         }
@@ -103,7 +103,7 @@ class SphereTree {
 
   static constexpr std::uint32_t kLeafSize = 4;
 
-  std::vector<Sphere> spheres_;
+  std::vector<Sphere> spheres_;       // as order_, once built
   std::vector<std::uint32_t> order_;  // sphere indices grouped by leaf
   std::vector<Node> nodes_;           // the root first
 };

@@ -189,9 +189,9 @@ class Takenaka final : public turtle::EnvironmentProcess {
       const Sphere& own = distinct.spheres[index];
       light[index] = arrivingLight(own, [&](const Ray& ray) {
         double left = 1.0;
-        tree.visitRay(ray, beamRadius_ * own.radius, [&](std::uint32_t other) {
+        tree.visitRay(ray, beamRadius_ * own.radius, [&](std::uint32_t other, const Sphere& ball) {
           const std::uint32_t times = distinct.count[other] - (other == index ? 1U : 0U);
-          if (times > 0 && isMet(ray, own, distinct.spheres[other])) {
+          if (times > 0 && isMet(ray, own, ball)) {
             for (std::uint32_t k = 0; k < times; ++k) {
               left *= passing_;
             }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstring>
 
 #include "tests/benchmark/workload.h"
 
@@ -83,7 +84,8 @@ turtle::QueryBatch makeQueries(std::size_t count, Parameters parametersOf) {
       const double x = static_cast<double>(i + 1) / std::pow(kGolden, power);
       return side * (x - std::floor(x));
     };
-    batch.plant.push_back(0);
+    // four plants that grow through each other
+    batch.plant.push_back(static_cast<std::uint32_t>(4 * i / count));
     batch.module.push_back(i);
     batch.symbol.push_back(0);
     batch.isTransient.push_back(0);
@@ -105,7 +107,7 @@ turtle::QueryBatch makeQueries(std::size_t count, Parameters parametersOf) {
 // a process with parameters of the kind it is used with: sizes of about half the distance between neighbours
 struct Candidate {
   const char* name;
-  const char* configuration;
+  std::string configuration;
   Parameters parameters;
 };
 
@@ -116,8 +118,25 @@ std::vector<double> leaves(std::size_t i) {
   return i % 2 == 0 ? std::vector<double>{1.0, 0.1} : std::vector<double>{0.0};
 }
 
+std::vector<double> directions(std::size_t) {
+  return {0.0, 0.0, 0.0, 0.0};
+}
+
+// a thousand solid spheres in the box that a million queries fill
+std::string sphereLattice(const std::string& keys) {
+  std::string rows;
+  for (int i = 0; i < 1000; ++i) {
+    rows += (rows.empty() ? "[" : ",[") + std::to_string(i % 10 * 10 + 5) + "," + std::to_string(i / 10 % 10 * 10 + 5) +
+            "," + std::to_string(i / 100 * 10 + 5) + ",3]";
+  }
+  return R"({"spheres":[)" + rows + "]," + keys + "}";
+}
+
 const std::vector<Candidate>& candidates() {
   static const std::vector<Candidate> kCandidates{
+      {"arvo", sphereLattice(R"("maxSurfaceDistance":3)"),
+       [](std::size_t) { return std::vector<double>{0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0}; }},
+      {"attractors", R"({"points":[[10,20,30,4],[90,80,70,-2],[50,50,50,1],[0,100,0,3]]})", directions},
       {"chiba", R"({"sources":[[0,1,0,4],[0.6,0.8,0,3],[-0.6,0.8,0,3]]})",
        [](std::size_t i) { return std::vector<double>{0.1 + 0.05 * static_cast<double>(i % 7)}; }},
       {"clover", R"({"range":[100,100],"position":[0,0],"gridSize":[2000,2000]})", leaves},
@@ -133,9 +152,22 @@ const std::vector<Candidate>& candidates() {
        [](std::size_t i) {
          return std::vector<double>{0.1 * static_cast<double>(i % 7 + 1), 0.0};
        }},
+      {"emission", R"({"gridSize":[50,50,50],"cellSize":2,"diffusivity":1})",
+       [](std::size_t) {
+         return std::vector<double>{0.1, 0.0, 0.0, 0.0};
+       }},
+      {"gravity", "", directions},
       {"height", "", few},
       {"honda", R"({"radius":0.5,"threeDimensional":true})", few},
       {"light-voxels", R"({"gridSize":[50,50,50],"voxelSize":2,"position":[0,0,0]})", few},
+      {"meadow", R"({"gridSize":[500,500],"range":[100,100],"position":[0,0],"lightMap":[[0,255],[100,30]]})",
+       [](std::size_t i) { return std::vector<double>(i % 4 == 0 ? 1 : 6, 0.5); }},
+      {"multiple", R"({"fields":[{"type":"honda","radius":0.5,"threeDimensional":true},{"type":"height"}]})",
+       [](std::size_t i) {
+         return std::vector<double>{static_cast<double>(i % 2 + 1), static_cast<double>(i % 7)};
+       }},
+      {"obstacles", sphereLattice(R"("plants":"remembered","reach":10)"),
+       [](std::size_t) { return std::vector<double>{0.3, 0.05, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0}; }},
       {"ornament", R"({"range":[100,100],"position":[0,0],"gridSize":[2000,2000]})",
        [](std::size_t) {
          return std::vector<double>{0.0, 0.2};
@@ -154,6 +186,7 @@ const std::vector<Candidate>& candidates() {
        [](std::size_t) {
          return std::vector<double>{0.2, 0.0};
        }},
+      {"wind", R"({"profile":"logarithmic"})", directions},
   };
   return kCandidates;
 }
@@ -181,24 +214,109 @@ void process(benchmark::State& state, const Candidate& candidate) {
   state.counters["queries/s"] = Counter(static_cast<double>(queries.size()), Counter::kIsIterationInvariantRate);
 }
 
-// diffusion alone: how fast a field of range(0)^2 cells is read and written
-void diffusion(benchmark::State& state) {
+// bytes that a plain copy of `bytes` reads and writes in a second, from one block to another and back, as a field that
+// is relaxed goes to and fro; the best of several
+double copiedBytesPerSecond(std::size_t bytes) {
+  std::vector<char> from(bytes, 1);
+  std::vector<char> to(bytes, 2);
+  double best = 1e30;
+  for (int k = 0; k < 6; ++k) {
+    const auto start = Clock::now();
+    std::memcpy(to.data(), from.data(), bytes);
+    benchmark::DoNotOptimize(to.data());
+    benchmark::ClobberMemory();
+    best = std::min(best, std::chrono::duration<double>(Clock::now() - start).count());
+    from.swap(to);
+  }
+  return 2.0 * static_cast<double>(bytes) / best;
+}
+
+// a field that is swept whole: what a tick reads and writes
+struct Sweep {
+  const char* name;
+  const char* process;
+  int dimensions;  // of range(0) cells each
+  const char* keys;
+  double sweeps;  // of the whole field in a tick
+};
+
+const std::vector<Sweep>& sweeps() {
+  static const std::vector<Sweep> kSweeps{
+      {"soil", "soil", 2, R"("diffusionSteps":10)", 10.0},
+      {"soil-space", "soil", 3, R"("diffusionSteps":10)", 10.0},
+      // 6 · D · 1 day/1² = 3.6: four steps of at most 0.9; the decay is in the last of them
+      {"emission", "emission", 3, R"("diffusivity":0.6,"decayRate":0.1)", 4.0},
+  };
+  return kSweeps;
+}
+
+void sweepField(benchmark::State& state, const Sweep& sweep) {
   const std::string side = std::to_string(state.range(0));
-  constexpr int kSteps = 10;
-  const Process soil = makeProcess("soil", R"({"gridSize":[)" + side + "," + side + R"(,1],"diffusionSteps":10})");
-  if (const auto error = soil->open({})) {
+  const Process process =
+      makeProcess(sweep.process, R"({"gridSize":[)" + side + "," + side + "," + (sweep.dimensions == 3 ? side : "1") +
+                                     "]," + sweep.keys + "}");
+  if (const auto error = process->open({})) {
     state.SkipWithError(error->message.c_str());
     return;
   }
+  double best = 1e30;
   for (auto _ : state) {
-    if (const auto error = soil->tick(0)) {
+    const auto start = Clock::now();
+    if (const auto error = process->tick(0)) {
       state.SkipWithError(error->message.c_str());
       return;
     }
+    best = std::min(best, std::chrono::duration<double>(Clock::now() - start).count());
   }
-  // each step reads one buffer and writes the other
-  const double bytes = static_cast<double>(state.range(0) * state.range(0)) * kSteps * 2.0 * sizeof(double);
-  state.counters["bytes/s"] = Counter(bytes, Counter::kIsIterationInvariantRate);
+  // each sweep reads one buffer and writes the other
+  const double bytes = std::pow(static_cast<double>(state.range(0)), sweep.dimensions) * sizeof(double);
+  state.counters["bytes/s"] = Counter(2.0 * bytes * sweep.sweeps / best);
+  state.counters["copied bytes/s"] = Counter(copiedBytesPerSecond(static_cast<std::size_t>(bytes)));
+}
+
+// a field that queries write and read: voxels that a query touches, 8 bytes each. The plain copy beside it has as many
+// bytes as the whole field
+struct Touch {
+  const char* process;
+  const char* configuration;
+  double voxelsPerQuery;
+  double voxelCount;
+  Parameters parameters;
+};
+
+const std::vector<Touch>& touches() {
+  static const std::vector<Touch> kTouches{
+      // written once, read once
+      {"density3d", R"({"range":[100,100,100],"gridSize":[100,100,100]})", 2.0, 1e6, few},
+      // a pyramid of 1 + 9 + 25 + 49 + 81 + 121 voxels is read and written, and 8 are read for the light
+      {"shadow", "", 2.0 * 286.0 + 8.0, 201.0 * 101.0 * 201.0, few},
+  };
+  return kTouches;
+}
+
+void touchField(benchmark::State& state, const Touch& touch) {
+  const Process process = makeProcess(touch.process, touch.configuration);
+  const turtle::QueryBatch queries = makeQueries(static_cast<std::size_t>(state.range(0)), touch.parameters);
+  turtle::ReplyBatch replies;
+  double best = 1e30;
+  for (auto _ : state) {
+    // opened again it has nothing left of the step before
+    if (const auto error = process->open({})) {
+      state.SkipWithError(error->message.c_str());
+      return;
+    }
+    replies.prepare(queries);
+    const auto start = Clock::now();
+    if (const auto error = process->step(queries, replies)) {
+      state.SkipWithError(error->message.c_str());
+      return;
+    }
+    best = std::min(best, std::chrono::duration<double>(Clock::now() - start).count());
+  }
+  const double touched = static_cast<double>(queries.size()) * touch.voxelsPerQuery * sizeof(double);
+  state.counters["bytes/s"] = Counter(touched / best);
+  state.counters["copied bytes/s"] =
+      Counter(copiedBytesPerSecond(static_cast<std::size_t>(touch.voxelCount * sizeof(double))));
 }
 
 const bool kIsRegistered = [] {
@@ -227,11 +345,21 @@ const bool kIsRegistered = [] {
         ->RangeMultiplier(10)
         ->Range(100, 1'000'000);
   }
-  benchmark::RegisterBenchmark("diffusion/soil", diffusion)
-      ->Unit(benchmark::kMillisecond)
-      ->UseRealTime()
-      ->Arg(256)
-      ->Arg(2048);
+  for (const Sweep& sweep : sweeps()) {
+    benchmark::RegisterBenchmark((std::string("field/") + sweep.name).c_str(),
+                                 [&sweep](benchmark::State& state) { sweepField(state, sweep); })
+        ->Unit(benchmark::kMillisecond)
+        ->UseRealTime()
+        ->Arg(sweep.dimensions == 2 ? 256 : 40)
+        ->Arg(sweep.dimensions == 2 ? 2048 : 160);
+  }
+  for (const Touch& touch : touches()) {
+    benchmark::RegisterBenchmark((std::string("field/") + touch.process).c_str(),
+                                 [&touch](benchmark::State& state) { touchField(state, touch); })
+        ->Unit(benchmark::kMillisecond)
+        ->UseRealTime()
+        ->Arg(100'000);
+  }
   return true;
 }();
 

@@ -132,6 +132,16 @@ def server_rows(entries: dict) -> list[list[str]]:
     return rows
 
 
+def field_rows(entries: dict) -> list[list[str]]:
+    rows = [["field", "ms", "GB/s touched", "GB/s of a plain copy", "of copying"]]
+    for name, entry in entries.items():
+        if name.startswith("field/"):
+            touched, copied = entry["bytes/s"], entry["copied bytes/s"]
+            rows.append([name, f"{milliseconds(entry):,.2f}", f"{touched / 1e9:.2f}", f"{copied / 1e9:.2f}",
+                         f"{touched / copied:.2f}"])
+    return rows
+
+
 def stream_rows(entries: dict) -> list[list[str]]:
     rows = [["a frame of a big plant", "records", "frame bytes", "making ms", "sending ms", "copying as many bytes ms"]]
     for name, entry in entries.items():
@@ -156,7 +166,7 @@ def other_rows(entries: dict, baseline: dict) -> list[list[str]]:
     rows = [["benchmark", "ms"] + [title for _, title, _, _ in OTHER_COLUMNS] + ["x baseline"]]
     shown = {name for name, *_ in TARGETS}
     for name, entry in entries.items():
-        if name in shown or name.startswith(("cliff/", "threads/", "server/", "stream/")):
+        if name in shown or name.startswith(("cliff/", "threads/", "server/", "stream/", "field/")):
             continue
         row = [name, f"{milliseconds(entry):,.2f}"]
         for key, _, form, factor in OTHER_COLUMNS:
@@ -169,7 +179,7 @@ def growth_rows(entries: dict) -> list[list[str]]:
     """The exponent e of time ~ queries^e of every process, fitted to its sizes of 1000 queries and more."""
     points: dict = {}
     for name, entry in entries.items():
-        match = re.fullmatch(r"(process/\w+)/(\d+)", name)
+        match = re.fullmatch(r"(process/[\w-]+)/(\d+)", name)
         if match and not entry.get("error_occurred") and int(match.group(2)) >= 1000:
             points.setdefault(match.group(1), []).append((math.log(int(match.group(2))), math.log(milliseconds(entry))))
     rows = [["process", "time grows as queries^"]]
@@ -256,6 +266,7 @@ def main() -> int:
     print_table("Viewers: what changed, and the whole", stream_rows(entries))
     print_table("No cliff: small strings, many productions and parameters, nesting, contexts",
                 cliff_rows(entries, baseline))
+    print_table("Fields, beside plain copies of as many bytes", field_rows(entries))
     print_table("Everything else", other_rows(entries, baseline))
     print_table("Growth with the number of queries", growth_rows(entries))
     for name, entry in failed.items():
