@@ -7,6 +7,7 @@
 #include <optional>
 #include <unordered_map>
 #include <utility>
+#include <vector>
 
 #include "environment/replies.h"
 #include "environment/state_bytes.h"
@@ -71,9 +72,60 @@ struct Box {
   std::array<std::uint64_t, 3> voxelCount;
 };
 
+/// Whole numbers by voxel: an array where all voxels fit into 128 MB, otherwise a table of those that are not 0.
+class VoxelCounts {
+ public:
+  explicit VoxelCounts(const std::array<std::uint64_t, 3>& voxelCount) {
+    constexpr std::uint64_t kMostVoxels = std::uint64_t{1} << 24;
+    const auto [nx, ny, nz] = voxelCount;
+    if (nx <= kMostVoxels && ny <= kMostVoxels / nx && nz <= kMostVoxels / (nx * ny)) {
+      arraySize_ = nx * ny * nz;
+    }
+  }
+
+  void clear() {
+    array_.clear();
+    table_.clear();
+  }
+  /// Adds modulo 2^64: the same sum in any order.
+  void add(std::uint64_t voxel, std::int64_t amount) {
+    if (array_.empty() && arraySize_ > 0) {
+      array_.resize(arraySize_);
+    }
+    std::int64_t& count = arraySize_ > 0 ? array_[voxel] : table_[voxel];
+    count = static_cast<std::int64_t>(static_cast<std::uint64_t>(count) + static_cast<std::uint64_t>(amount));
+  }
+  [[nodiscard]] std::int64_t at(std::uint64_t voxel) const {
+    if (arraySize_ > 0) {
+      return array_.empty() ? 0 : array_[voxel];
+    }
+    const auto found = table_.find(voxel);
+    return found == table_.end() ? 0 : found->second;
+  }
+  [[nodiscard]] bool contains(std::uint64_t voxel) const { return arraySize_ == 0 || voxel < arraySize_; }
+  /// What is not 0, in ascending order of voxels.
+  [[nodiscard]] std::vector<std::pair<std::uint64_t, std::int64_t>> sorted() const {
+    std::vector<std::pair<std::uint64_t, std::int64_t>> counts(table_.begin(), table_.end());
+    for (std::uint64_t voxel = 0; voxel < array_.size(); ++voxel) {
+      if (array_[voxel] != 0) {
+        counts.emplace_back(voxel, array_[voxel]);
+      }
+    }
+    std::erase_if(counts, [](const auto& entry) { return entry.second == 0; });
+    std::sort(counts.begin(), counts.end());
+    return counts;
+  }
+
+ private:
+  std::uint64_t arraySize_ = 0;      // 0: the table is used
+  std::vector<std::int64_t> array_;  // by voxel; empty until something is added
+  std::unordered_map<std::uint64_t, std::int64_t> table_;
+};
+
 class Density3d final : public turtle::EnvironmentProcess {
  public:
-  Density3d(const Box& box, bool isPublishedOrder) : box_(box), isPublishedOrder_(isPublishedOrder) {}
+  Density3d(const Box& box, bool isPublishedOrder)
+      : box_(box), isPublishedOrder_(isPublishedOrder), counts_(box.voxelCount) {}
 
   [[nodiscard]] turtle::EnvironmentDescription describe() const override {
     return {.name = "density3d",
@@ -109,8 +161,7 @@ class Density3d final : public turtle::EnvironmentProcess {
   }
 
   [[nodiscard]] std::string save() const override {
-    std::vector<std::pair<std::uint64_t, std::int64_t>> sorted(counts_.begin(), counts_.end());
-    std::sort(sorted.begin(), sorted.end());
+    const auto sorted = counts_.sorted();
     StateWriter writer;
     writer.integer(sorted.size());
     for (const auto& [voxel, count] : sorted) {
@@ -122,13 +173,18 @@ class Density3d final : public turtle::EnvironmentProcess {
 
   [[nodiscard]] std::optional<turtle::EnvironmentError> restore(std::string_view state) override {
     StateReader reader(state);
-    std::unordered_map<std::uint64_t, std::int64_t> counts;
+    VoxelCounts counts(box_.voxelCount);
+    bool isInBox = true;
     const std::uint64_t voxelCount = reader.integer();
     for (std::uint64_t i = 0; i < voxelCount && reader.isIntact(); ++i) {
       const std::uint64_t voxel = reader.integer();
-      counts[voxel] = static_cast<std::int64_t>(reader.integer());
+      const auto amount = static_cast<std::int64_t>(reader.integer());
+      isInBox = isInBox && counts.contains(voxel);
+      if (isInBox && reader.isIntact()) {
+        counts.add(voxel, amount);
+      }
     }
-    if (!reader.isComplete()) {
+    if (!reader.isComplete() || !isInBox) {
       return turtle::EnvironmentError{
           "The saved state of environment 'density3d' is damaged. Use a snapshot that is complete.", false};
     }
@@ -162,21 +218,18 @@ class Density3d final : public turtle::EnvironmentProcess {
     constexpr double kLargest = 1099511627776.0;  // 2^40
     const auto amount = static_cast<std::int64_t>(std::clamp(parameters[0], -kLargest, kLargest));
     if (amount != 0) {
-      // whole numbers add up to the same sum in any order
-      std::int64_t& count = counts_[*voxel];
-      count = static_cast<std::int64_t>(static_cast<std::uint64_t>(count) + static_cast<std::uint64_t>(amount));
+      counts_.add(*voxel, amount);
     }
   }
 
   [[nodiscard]] std::int64_t countAt(const core::Vec3& point) const {
     const auto voxel = voxelOf(point);
-    const auto found = voxel ? counts_.find(*voxel) : counts_.end();
-    return found == counts_.end() ? 0 : found->second;
+    return voxel ? counts_.at(*voxel) : 0;
   }
 
   Box box_;
   bool isPublishedOrder_;
-  std::unordered_map<std::uint64_t, std::int64_t> counts_;  // by voxel; what is not there is 0
+  VoxelCounts counts_;
 };
 
 core::Vec3 vectorOf(const std::vector<double>& numbers) {

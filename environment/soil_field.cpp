@@ -13,6 +13,8 @@ std::array<double, 3> componentsOf(const core::Vec3& v) {
   return {v.x, v.y, v.z};
 }
 
+constexpr std::size_t kCacheBytes = std::size_t{5} << 19;  // that the layers of several steps may fill
+
 /// Cells of a run: the old concentrations from `from`, the new ones to `to`.
 struct RunOfCells {
   const double* __restrict from;
@@ -22,7 +24,7 @@ struct RunOfCells {
   std::size_t slice;  // to the one before; 0: a plane
 };
 
-void relaxRun(const RunOfCells& run, double own, double others, double staying) {
+[[gnu::always_inline]] inline void relaxCells(const RunOfCells& run, double own, double others, double staying) {
   const double* __restrict c = run.from;
   double* __restrict n = run.to;
   const double* __restrict below = c - run.row;
@@ -40,6 +42,14 @@ void relaxRun(const RunOfCells& run, double own, double others, double staying) 
     const double sum = *(c + x - 1) + c[x + 1] + below[x] + above[x] + behind[x] + before[x];
     n[x] = (own * c[x] + others * sum) * staying;
   }
+}
+
+// the same operations by four numbers and by two: the same bits
+[[gnu::target("avx2")]] void relaxByFour(const RunOfCells& run, double own, double others, double staying) {
+  relaxCells(run, own, others, staying);
+}
+void relaxByTwo(const RunOfCells& run, double own, double others, double staying) {
+  relaxCells(run, own, others, staying);
 }
 
 }  // namespace
@@ -157,17 +167,19 @@ void SoilField::spread(const Diffusion& diffusion) {
       factors.others[count] = diffusion.relaxation / faces;
     }
   }
-  // what decays does so while the last step is written, unless any step may be the last
-  bool isDecayed = diffusion.staying == 1.0;
-  for (int step = 0; step < diffusion.stepCount; ++step) {
-    const bool isLast = !(diffusion.tolerance > 0.0) && step + 1 == diffusion.stepCount;
-    relax(factors, isLast ? diffusion.staying : 1.0);
-    isDecayed = isDecayed || isLast;
-    if (diffusion.tolerance > 0.0 && largestChange() < diffusion.tolerance) {
-      break;
+  if (diffusion.tolerance > 0.0) {
+    for (int step = 0; step < diffusion.stepCount; ++step) {
+      relax(1, factors, 1.0);
+      if (largestChange() < diffusion.tolerance) {
+        break;
+      }
     }
+  } else if (diffusion.stepCount > 0) {
+    // what decays does so while the last step is written
+    relax(diffusion.stepCount, factors, diffusion.staying);
+    return;
   }
-  if (!isDecayed) {
+  if (diffusion.staying != 1.0) {
     for (double& concentration : cells_) {
       concentration *= diffusion.staying;
     }
@@ -184,7 +196,12 @@ void SoilField::sortCells() {
   const auto [nx, ny, nz] = shape_.cells;
   const std::uint8_t all = isInSpace() ? 0b111111 : 0b001111;
   const auto offsets = neighbourOffsets();
+  const std::size_t layerSize = isInSpace() ? nx * ny : nx;
   for (std::size_t cell = 0; cell < cells_.size(); ++cell) {
+    if (cell % layerSize == 0) {
+      firstRunOf_.push_back(runs_.size());
+      firstBorderOf_.push_back(borders_.size());
+    }
     if (!isFree(cell)) {
       borders_.push_back({cell, 0, false});
       continue;
@@ -207,20 +224,19 @@ void SoilField::sortCells() {
       runs_.push_back({cell, cell + 1});
     }
   }
+  firstRunOf_.push_back(runs_.size());
+  firstBorderOf_.push_back(borders_.size());
 }
 
-void SoilField::relax(const Factors& factors, double staying) {
-  if (next_.empty()) {
-    next_.resize(cells_.size());
-    sortCells();
-  }
+void SoilField::relaxLayer(std::size_t layer, const Factors& factors, double staying) {
   const auto offsets = neighbourOffsets();
-  for (const auto& [cell, neighbours, isFreeCell] : borders_) {
+  for (std::size_t k = firstBorderOf_[layer]; k < firstBorderOf_[layer + 1]; ++k) {
+    const auto& [cell, neighbours, isFreeCell] = borders_[k];
     double sum = 0.0;
     std::size_t count = 0;
-    for (std::size_t k = 0; k < 6; ++k) {
-      if ((neighbours >> k & 1U) != 0) {
-        sum += cells_[static_cast<std::size_t>(static_cast<std::ptrdiff_t>(cell) + offsets[k])];
+    for (std::size_t side = 0; side < 6; ++side) {
+      if ((neighbours >> side & 1U) != 0) {
+        sum += cells_[static_cast<std::size_t>(static_cast<std::ptrdiff_t>(cell) + offsets[side])];
         ++count;
       }
     }
@@ -228,13 +244,45 @@ void SoilField::relax(const Factors& factors, double staying) {
     next_[cell] = (isFreeCell ? spread : cells_[cell]) * staying;
   }
   const std::size_t row = shape_.cells[0];
-  const std::size_t slice = row * shape_.cells[1];
+  const std::size_t slice = isInSpace() ? row * shape_.cells[1] : 0;
   const std::size_t count = isInSpace() ? 6 : 4;
-  for (const Run& run : runs_) {
-    relaxRun({cells_.data() + run.begin, next_.data() + run.begin, run.end - run.begin, row, isInSpace() ? slice : 0},
-             factors.own[count], factors.others[count], staying);
+  const auto relaxRun = __builtin_cpu_supports("avx2") != 0 ? relaxByFour : relaxByTwo;
+  for (std::size_t k = firstRunOf_[layer]; k < firstRunOf_[layer + 1]; ++k) {
+    const auto [begin, end] = runs_[k];
+    relaxRun({cells_.data() + begin, next_.data() + begin, end - begin, row, slice}, factors.own[count],
+             factors.others[count], staying);
   }
-  cells_.swap(next_);
+}
+
+void SoilField::relax(int stepCount, const Factors& factors, double staying) {
+  if (next_.empty()) {
+    next_.resize(cells_.size());
+    sortCells();
+  }
+  // several steps go through the layers together, each one layer behind the one before it: what one step has written is
+  // still in the cache when the next reads it, and the layer that it overwrites has been read by then
+  const auto layers = static_cast<std::ptrdiff_t>(layerCount());
+  const std::size_t layerBytes = cells_.size() / layerCount() * sizeof(double);
+  const auto together = static_cast<int>(std::clamp<std::size_t>(kCacheBytes / (2 * layerBytes), 4, 12)) - 3;
+  for (int done = 0; done < stepCount;) {
+    const int count = std::min(together, stepCount - done);
+    for (std::ptrdiff_t front = 0; front < layers + count - 1; ++front) {
+      for (int step = 0; step < count; ++step) {
+        if (front >= step && front - step < layers) {
+          const bool isLast = done + step + 1 == stepCount;
+          relaxLayer(static_cast<std::size_t>(front - step), factors, isLast ? staying : 1.0);
+        }
+        cells_.swap(next_);
+      }
+      if (count % 2 == 1) {
+        cells_.swap(next_);
+      }
+    }
+    if (count % 2 == 1) {
+      cells_.swap(next_);
+    }
+    done += count;
+  }
 }
 
 double SoilField::largestChange() const {

@@ -81,7 +81,9 @@ class SoilField {
   };
   void sortCells();
   [[nodiscard]] std::array<std::ptrdiff_t, 6> neighbourOffsets() const;
-  void relax(const Factors& factors, double staying);
+  [[nodiscard]] std::size_t layerCount() const { return isInSpace() ? shape_.cells[2] : shape_.cells[1]; }
+  void relaxLayer(std::size_t layer, const Factors& factors, double staying);
+  void relax(int stepCount, const Factors& factors, double staying);
   [[nodiscard]] double largestChange() const;
 
   Shape shape_;
@@ -90,6 +92,8 @@ class SoilField {
   std::vector<double> next_;  // of a relaxation; empty before the first one
   std::vector<Run> runs_;     // these two hold every cell once; empty before the first relaxation
   std::vector<BorderCell> borders_;
+  std::vector<std::size_t> firstRunOf_;  // by layer, a slice or in a plane a row (layerCount() + 1)
+  std::vector<std::size_t> firstBorderOf_;
   std::vector<std::uint8_t> isObstacle_;  // by cell; empty: none is
   std::vector<std::uint8_t> isSource_;    // by cell; empty: none is
 };

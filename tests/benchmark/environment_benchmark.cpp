@@ -351,7 +351,7 @@ const bool kIsRegistered = [] {
         ->Unit(benchmark::kMillisecond)
         ->UseRealTime()
         ->Arg(sweep.dimensions == 2 ? 256 : 40)
-        ->Arg(sweep.dimensions == 2 ? 2048 : 160);
+        ->Arg(sweep.dimensions == 2 ? 2048 : 150);
   }
   for (const Touch& touch : touches()) {
     benchmark::RegisterBenchmark((std::string("field/") + touch.process).c_str(),

@@ -83,5 +83,34 @@ TEST(Density3d, ARestoredStateContinuesAndADamagedOneChangesNothing) {
   EXPECT_EQ(answersOf(*other, builder.batch()), answersOf(*process, builder.batch()));
 }
 
+TEST(Density3d, AFineBoxCountsAsACoarseOne) {
+  // 2^60 voxels are kept in a table, 2^9 in an array: with all amounts in the middle of a coarse voxel the sums agree
+  const auto fine = openProcess("density3d", R"({"octreeLevel":20})");
+  const auto coarse = openProcess("density3d", R"({"octreeLevel":3})");
+  for (int step = 0; step < 3; ++step) {
+    QueryBuilder builder;
+    for (int i = 0; i < 500; ++i) {
+      const auto place = [](int k) { return (k % 8 + 0.5) / 8.0; };
+      builder.add({place(i), place(i / 3), place(i / 7)}, {static_cast<double>(i % 5 - 2)});
+    }
+    ASSERT_EQ(answersOf(*fine, builder.batch()), answersOf(*coarse, builder.batch()));
+  }
+  // sums that are 0 again leave no trace
+  const std::string empty = openProcess("density3d", R"({"octreeLevel":3})")->save();
+  const auto process = openProcess("density3d", R"({"octreeLevel":3})");
+  answersOf(*process, QueryBuilder().add({0.5, 0.5, 0.5}, {3}).batch());
+  EXPECT_NE(process->save(), empty);
+  answersOf(*process, QueryBuilder().add({0.5, 0.5, 0.5}, {-3}).batch());
+  EXPECT_EQ(process->save(), empty);
+}
+
+TEST(Density3d, AStateOfAnotherBoxIsRefused) {
+  const auto large = openProcess("density3d", R"({"octreeLevel":4})");
+  answersOf(*large, QueryBuilder().add({0.9, 0.9, 0.9}, {3}).batch());
+  const auto error = openProcess("density3d", R"({"octreeLevel":1})")->restore(large->save());
+  ASSERT_TRUE(error.has_value());
+  EXPECT_NE(error->message.find("saved state"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace espalier::environment
