@@ -1,7 +1,7 @@
 #include "environment/plugin_process.h"
 
+#include <algorithm>
 #include <array>
-#include <cmath>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -117,19 +117,12 @@ class PluginProcess final : public turtle::EnvironmentProcess {
             failureOf(plugin_->step(instance_, &asked, &answers, message.data(), message.size()), message, "step")) {
       return error;
     }
-    // what was answered: counted, and finite
     for (std::size_t query = 0; query < queries.size(); ++query) {
-      bool isAnswered = false;
-      for (std::uint64_t k = queries.parameterOffset[query]; k < queries.parameterOffset[query + 1]; ++k) {
-        isAnswered = isAnswered || replies.isSet[k] != 0;
-        if (replies.isSet[k] != 0 && !std::isfinite(replies.values[k])) {
-          return EnvironmentError{"environment plug-in '" + name_ + "' answered query " + std::to_string(query) +
-                                      " with a value that is not finite (parameter " +
-                                      std::to_string(k - queries.parameterOffset[query] + 1) + ").",
-                                  false};
-        }
-      }
-      replies.answeredCount += isAnswered ? 1 : 0;
+      const auto isSet = [&](std::uint64_t from, std::uint64_t to) {
+        return std::any_of(replies.isSet.begin() + static_cast<std::ptrdiff_t>(from),
+                           replies.isSet.begin() + static_cast<std::ptrdiff_t>(to), [](auto set) { return set != 0; });
+      };
+      replies.answeredCount += isSet(queries.parameterOffset[query], queries.parameterOffset[query + 1]) ? 1 : 0;
     }
     return std::nullopt;
   }

@@ -6,6 +6,7 @@
 
 #include "engine/core/check.h"
 #include "engine/turtle/field.h"
+#include "engine/turtle/guarded_call.h"
 #include "engine/turtle/query_batches.h"
 #include "environment/state_bytes.h"
 
@@ -170,14 +171,15 @@ std::optional<EnvironmentError> ProcessGroup::advanceAll(
   std::vector<std::pair<std::size_t, std::string>> before;
   for (const std::size_t index : order) {
     auto error = std::optional<EnvironmentError>();
+    const auto guarded = [&] { return turtle::guardedCall(members_[index].name, [&] { return advance(index); }); };
     if (members_[index].isStateful && index != order.back()) {
       before.emplace_back(index, members_[index].process->save());
-      error = advance(index);
+      error = guarded();
       if (error) {
         before.pop_back();  // a process that fails is as it was
       }
     } else {
-      error = advance(index);
+      error = guarded();
     }
     if (error) {
       for (const auto& [done, state] : before) {

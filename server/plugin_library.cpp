@@ -2,12 +2,18 @@
 
 #include <dlfcn.h>
 
+#include <utility>
+
 #include "environment/plugin_process.h"
+#include "server/supervised_process.h"
 
 namespace espalier::server {
+namespace {
 
-std::variant<std::unique_ptr<turtle::EnvironmentProcess>, std::string> loadPluginProcess(
-    const std::string& library, std::string_view configurationJson) {
+using Process = std::unique_ptr<turtle::EnvironmentProcess>;
+
+/// One instance of a plug-in, which may do anything.
+std::variant<Process, std::string> loadInstance(const std::string& library, std::string_view configurationJson) {
   // a name without a folder is meant as it is, not as one of the system's libraries
   const std::string path = library.find('/') == std::string::npos ? "./" + library : library;
   void* const handle = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
@@ -29,6 +35,22 @@ std::variant<std::unique_ptr<turtle::EnvironmentProcess>, std::string> loadPlugi
     return "the plug-in '" + library + "' cannot be used: " + *problem + ".";
   }
   return made;
+}
+
+}  // namespace
+
+std::variant<Process, std::string> loadPluginProcess(const std::string& library, std::string_view configurationJson,
+                                                     std::chrono::milliseconds stepTimeout) {
+  auto loaded = loadInstance(library, configurationJson);
+  if (std::holds_alternative<std::string>(loaded)) {
+    return loaded;
+  }
+  const auto again = [library, configuration = std::string(configurationJson)]() -> Process {
+    auto fresh = loadInstance(library, configuration);
+    auto* const process = std::get_if<Process>(&fresh);
+    return process == nullptr ? nullptr : std::move(*process);
+  };
+  return supervised(std::move(std::get<Process>(loaded)), {.stepTimeout = stepTimeout, .again = again});
 }
 
 }  // namespace espalier::server

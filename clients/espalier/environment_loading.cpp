@@ -18,6 +18,7 @@
 #include "server/plugin_library.h"
 #include "server/remote_environment.h"
 #include "server/remote_settings.h"
+#include "server/supervised_process.h"
 
 namespace espalier::command {
 namespace {
@@ -49,6 +50,14 @@ struct Making {
   std::shared_ptr<server::FailureSink> onFailure;
 };
 
+// how long a step may take: what the entry says, else the command line, else `otherwise`
+std::chrono::milliseconds timeOfStep(const Making& making, std::optional<std::chrono::milliseconds> ofEntry,
+                                     std::chrono::milliseconds otherwise) {
+  const double seconds = making.remote.timeoutSeconds;
+  const auto asked = std::chrono::milliseconds(static_cast<std::int64_t>(seconds * 1e3));
+  return ofEntry.value_or(seconds > 0.0 ? asked : otherwise);
+}
+
 // `entryJson` has the settings of an entry; `what` says in errors whose they are
 Process connectRemote(const std::string& address, const std::string& entryJson, const std::string& what,
                       const Making& making) {
@@ -61,10 +70,7 @@ Process connectRemote(const std::string& address, const std::string& entryJson, 
   server::RemoteEnvironmentOptions options;
   options.configurationJson = std::move(settings.configurationJson);
   options.isAbsenceTolerated = settings.policy.isTolerant;
-  if (making.remote.timeoutSeconds > 0.0) {
-    options.stepTimeout = std::chrono::milliseconds(static_cast<std::int64_t>(making.remote.timeoutSeconds * 1e3));
-  }
-  options.stepTimeout = settings.stepTimeout.value_or(options.stepTimeout);
+  options.stepTimeout = timeOfStep(making, settings.stepTimeout, options.stepTimeout);
   auto connected = server::connectRemoteEnvironment(address, options);
   if (const std::string* problem = std::get_if<std::string>(&connected)) {
     printError(*problem);
@@ -75,13 +81,40 @@ Process connectRemote(const std::string& address, const std::string& entryJson, 
       [sink = making.onFailure](std::uint64_t step, const std::string& message) { (*sink)(step, message); });
 }
 
-Process loadPlugin(const std::string& library, const std::string& configurationJson) {
-  auto loaded = server::loadPluginProcess(library, configurationJson);
+// `entryJson` has the settings of an entry; `what` says in errors whose they are
+Process loadPlugin(const std::string& library, const std::string& entryJson, const std::string& what,
+                   const Making& making) {
+  auto read = server::readRemoteSettings(entryJson, making.remote.policy);
+  if (const auto* problem = std::get_if<server::RemoteSettingProblem>(&read)) {
+    printError(what + problem->key + ": " + problem->message);
+    return nullptr;
+  }
+  auto& settings = std::get<server::RemoteSettings>(read);
+  auto loaded =
+      server::loadPluginProcess(library, entryJson, timeOfStep(making, settings.stepTimeout, std::chrono::seconds(60)));
   if (const auto* problem = std::get_if<std::string>(&loaded)) {
     printError(*problem);
     return nullptr;
   }
-  return std::move(std::get<Process>(loaded));
+  return settings.policy.around(
+      std::move(std::get<Process>(loaded)),
+      [sink = making.onFailure](std::uint64_t step, const std::string& message) { (*sink)(step, message); });
+}
+
+// a built-in process; it comes back by itself, but may be given less time for a step than it takes
+Process makeBuiltIn(const std::string& name, const std::string& configurationJson, const std::string& file,
+                    const Making& making) {
+  Process made = orPrintErrors(environment::makeProcess(name, configurationJson), file);
+  if (!made || making.remote.timeoutSeconds == 0.0) {
+    return made;
+  }
+  const auto again = [name, configurationJson]() -> Process {
+    auto fresh = environment::makeProcess(name, configurationJson);
+    auto* const process = std::get_if<Process>(&fresh);
+    return process == nullptr ? nullptr : std::move(*process);
+  };
+  return server::supervised(
+      std::move(made), {.stepTimeout = timeOfStep(making, std::nullopt, std::chrono::seconds(60)), .again = again});
 }
 
 // one entry of a configuration: `tcp` with an `address` and `stdio` with a `command` are other processes
@@ -98,10 +131,10 @@ Process makeEntry(const environment::EnvironmentEntry& entry, const std::string&
       printError(file + ": the environment '" + entry.name + "' needs a 'library': the file of the plug-in");
       return nullptr;
     }
-    return loadPlugin(*library, entry.configuration);
+    return loadPlugin(*library, entry.configuration, file + ": the environment '" + entry.name + "': ", making);
   }
   if (entry.type != "tcp" && entry.type != "stdio") {
-    return orPrintErrors(environment::makeProcess(entry.type, entry.configuration), file);
+    return makeBuiltIn(entry.type, entry.configuration, file, making);
   }
   const bool isTcp = entry.type == "tcp";
   const std::string key = isTcp ? "address" : "command";
@@ -198,7 +231,7 @@ Process makeEnvironment(const std::string& name, core::Compatibility compatibili
     return loadConfiguration(name, files, names, making);
   }
   if (suffix == ".so") {
-    return loadPlugin(name, "");
+    return loadPlugin(name, "{}", "--environment-", making);
   }
   if (suffix == ".e") {
     return loadFieldFile(name, compatibility, isQuiet, files);
@@ -207,7 +240,7 @@ Process makeEnvironment(const std::string& name, core::Compatibility compatibili
   if (name.find_first_of("./") != std::string::npos && files.read(name)) {
     return loadFieldFile(name, compatibility, isQuiet, files);
   }
-  return orPrintErrors(environment::makeProcess(name, ""), "");
+  return makeBuiltIn(name, "", "", making);
 }
 
 }  // namespace

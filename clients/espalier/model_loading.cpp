@@ -185,10 +185,10 @@ void addRunningOptions(CLI::App& command, ModelOptions& options) {
   command.add_flag("-a,--animate", options.isAnimated,
                    "The folder's animation file decides which step is the last, as with its switch -a");
   command
-      .add_option(
-          "--environment-policy", options.remote.policy,
-          "When an environment in another process fails: fail (the step fails), keep (the\nmodules keep what they "
-          "sent) or fallback:NAME (a built-in answers)")
+      .add_option("--environment-policy", options.remote.policy,
+                  "When an environment in another process or a plug-in fails: fail (the step fails), keep "
+                  "(the\nmodules keep what they "
+                  "sent) or fallback:NAME (a built-in answers)")
       ->type_name("POLICY")
       ->check([](const std::string& words) {
         const auto read = server::readRemotePolicy(words);
@@ -196,8 +196,9 @@ void addRunningOptions(CLI::App& command, ModelOptions& options) {
         return problem == nullptr ? std::string{} : *problem;
       });
   command
-      .add_option("--environment-timeout", options.remote.timeoutSeconds,
-                  "How long an environment in another process may take for a step (60)")
+      .add_option(
+          "--environment-timeout", options.remote.timeoutSeconds,
+          "How long an environment may take for a step; in another process and in a plug-in 60,\nunless set here")
       ->type_name("SECONDS")
       ->check(CLI::Range(0.001, 86'400.0));
   addWholeNumber(

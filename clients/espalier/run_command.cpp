@@ -169,6 +169,25 @@ std::optional<turtle::PictureFrame> frameOfAll(const RunOptions& options, ModelO
   return frame;
 }
 
+// what a run leaves that failed behind its first step: the snapshots among its files, of the last complete step
+void writeRest(const simulation::Simulation& simulation, const OutputOptions& outputs,
+               std::optional<std::uint64_t> variant, bool isQuiet) {
+  if (simulation.completedSteps() == 0) {
+    return;
+  }
+  OutputOptions rest = outputs;
+  std::erase_if(rest.files, [&](const std::string& file) { return formatOf(outputs, file) != nullptr; });
+  if (rest.files.empty()) {
+    if (!isQuiet) {
+      printNote("with -o FILE.snapshot a run that fails leaves its last complete step, to go on from with --resume");
+    }
+    return;
+  }
+  if (OutputWriter(rest, isQuiet).write(simulation, variant, 3) && !isQuiet) {
+    printNote("that is step " + std::to_string(simulation.completedSteps()) + ": go on from it with --resume");
+  }
+}
+
 // one run, written with a number when it is one of several variants
 int runOnce(RunOptions& options, ModelOptions model, std::optional<std::uint64_t> variant, PlantRows* rows = nullptr) {
   server::DiskFileProvider files;
@@ -214,6 +233,9 @@ int runOnce(RunOptions& options, ModelOptions model, std::optional<std::uint64_t
   }
   const OutputWriter writer(separate, model.isQuiet);
   const bool isComplete = runToEnd(simulation, last, options, writer, time);
+  if (!isComplete && !options.writesEveryStep && rows == nullptr) {
+    writeRest(simulation, options.outputs, variant, model.isQuiet);
+  }
   if (!options.trace.close() || !isComplete) {
     return kFailure;
   }

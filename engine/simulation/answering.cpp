@@ -5,6 +5,7 @@
 #include "engine/core/number_text.h"
 #include "engine/simulation/simulation_implementation.h"
 #include "engine/turtle/geometry.h"
+#include "engine/turtle/guarded_call.h"
 
 namespace espalier::simulation {
 
@@ -104,7 +105,8 @@ void Simulation::Implementation::exchangeOnce(std::uint32_t iteration) {
   if (description_.needs.geometry) {
     measureGeometry();
   }
-  if (const auto error = environment_->step(queries_, pending_.replies)) {
+  const auto ask = [&] { return environment_->step(queries_, pending_.replies); };
+  if (const auto error = turtle::guardedCall(description_.name, ask)) {
     if (options_.environmentPolicy == EnvironmentPolicy::Fail) {
       throw core::SimulationFailure(environmentFailure(*error));
     }
@@ -205,7 +207,8 @@ void Simulation::Implementation::tickEnvironment() {
   if (isCompatible() || pending_.hasTicked) {
     return;
   }
-  if (const auto error = environment_->tick(completedSteps_)) {
+  const auto tick = [&] { return environment_->tick(completedSteps_); };
+  if (const auto error = turtle::guardedCall(description_.name, tick)) {
     if (options_.environmentPolicy == EnvironmentPolicy::Fail) {
       throw core::SimulationFailure(environmentFailure(*error));
     }

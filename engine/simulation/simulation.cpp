@@ -10,6 +10,7 @@
 #include "engine/derivation/model_files.h"
 #include "engine/derivation/string_text.h"
 #include "engine/simulation/simulation_implementation.h"
+#include "engine/turtle/guarded_call.h"
 #include "engine/turtle/scene_bounds.h"
 
 namespace espalier::simulation {
@@ -116,7 +117,8 @@ void Simulation::Implementation::begin() {
     }
   }
   if (environment_) {
-    if (const auto error = environment_->open(environmentContext())) {
+    const auto open = [&] { return environment_->open(environmentContext()); };
+    if (const auto error = turtle::guardedCall(environment_->describe().name, open)) {
       isStarted_ = false;
       throw core::SimulationFailure(environmentFailure(*error));
     }

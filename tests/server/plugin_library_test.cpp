@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <limits>
-
 #include "environment/plugin_process.h"
 #include "tests/support/places.h"
 
@@ -134,25 +132,14 @@ TEST(PluginProcess, RefusesTablesThatItCannotUse) {
   EXPECT_EQ(problem(table), "its table lacks create, destroy and step");
   table.create = [](const char*, char*, std::size_t) -> void* { return nullptr; };
   table.destroy = [](void*) {};
-  table.step = [](void*, const espalier_queries* queries, espalier_replies* replies, char*, std::size_t) {
-    replies->values[queries->parameter_offset[0]] = std::numeric_limits<double>::infinity();
-    replies->is_set[queries->parameter_offset[0]] = 1;
-    return 0;
-  };
+  table.step = [](void*, const espalier_queries*, espalier_replies*, char*, std::size_t) { return 0; };
   table.is_stateful = 1;
   EXPECT_EQ(problem(table), "its table lacks save and restore, since it says that it has a state");
   table.is_stateful = 0;
   EXPECT_EQ(problem(table), "'x' refuses its configuration: it did not say why");
   static int instance = 0;
   table.create = [](const char*, char*, std::size_t) -> void* { return &instance; };
-  auto made = environment::makePluginProcess(table, nullptr, "");
-  ASSERT_EQ(made.index(), 0U);
-  const turtle::QueryBatch queries = queriesAt(0);
-  turtle::ReplyBatch replies;
-  replies.prepare(queries);
-  const auto error = std::get<Process>(made)->step(queries, replies);
-  ASSERT_TRUE(error.has_value());
-  EXPECT_EQ(error->message, "environment plug-in 'x' answered query 0 with a value that is not finite (parameter 1).");
+  EXPECT_EQ(problem(table), "made");
 }
 
 }  // namespace

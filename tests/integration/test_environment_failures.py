@@ -1,0 +1,119 @@
+"""An environment that throws, hangs, answers rubbish or dies: the step fails, the environment is named, nothing is lost.
+
+Every kind of environment times every kind of misbehaviour, from the command line: a plug-in in the program, a program on
+standard input and output, a program that is dialled, a built-in process. The run fails in step 3, leaves a snapshot of
+step 2, and goes on from it to the string of an undisturbed run once the environment is mended."""
+
+import tempfile
+import unittest
+from pathlib import Path
+from typing import Dict
+
+from support import Process, espalier, program, python, stdio
+
+MODEL = ("Lsystem: 1\nderivation length: 5\nAxiom: A?E(0)\n"
+         "A > ?E(x) --> F(x)A\nendlsystem\n")
+GROWN = "F(1)F(2)F(3)F(4)F(5)A?E(5)"
+
+# counts its steps, which is its state, and misbehaves in step 3 as long as the file is there
+MISBEHAVING = """import os, sys, threading
+from espalier import Environment
+
+class Misbehaving(Environment):
+    steps = 0
+
+    def save(self):
+        return self.steps
+
+    def restore(self, state):
+        self.steps = state
+
+    def step(self, queries):
+        bad = self.completed_steps == 2 and os.path.exists({file!r})
+        if bad and {does!r} == "throw":
+            raise RuntimeError("the well is dry")
+        if bad and {does!r} == "hang":
+            threading.Event().wait()
+        if bad and {does!r} == "die":
+            os._exit(9)
+        self.steps = self.completed_steps + 1
+        return [[float("nan") if bad else self.steps] for query in queries]
+
+Misbehaving.serve()
+"""
+
+THREW, HUNG, NO_NUMBER = "the well is dry", "1000 ms", "nan"
+
+
+class Failures(unittest.TestCase):
+    def setUp(self) -> None:
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+        (self.folder / "model.l").write_text(MODEL, encoding="utf-8")
+        self.switch = self.folder / "misbehaves"
+
+    def goes_wrong_and_on(self, environment: str, *said: str) -> None:
+        """Fails in step 3, saying so; goes on from the snapshot of step 2 after the environment was mended."""
+        model, rest = str(self.folder / "model.l"), str(self.folder / "rest.snapshot")
+        self.switch.touch()
+        failed = espalier("run", model, "--environment", environment, "--environment-timeout", "1", "-o", rest, status=1)
+        for words in ("step 3", "The simulation stays at step 2.", "that is step 2: go on from it with --resume", *said):
+            self.assertIn(words, failed.stderr)
+        self.switch.unlink()
+        espalier("run", "--resume", rest, "--environment", environment, "-o", str(self.folder / "end.string"))
+        self.assertEqual((self.folder / "end.string").read_text(encoding="utf-8").strip(), GROWN)
+
+    def test_a_plugin(self) -> None:
+        library = Path(program()).parents[1] / "lib" / "misbehaving.so"
+        for does, words in {"throw": THREW, "hang": HUNG, "nan": NO_NUMBER, "fail": "it is not my day"}.items():
+            with self.subTest(does):
+                entry = self.folder / "plugin.json"
+                entry.write_text('{"type":"plugin","library":"%s","does":"%s","in":3,"while":"%s"}'
+                                 % (library, does, self.switch), encoding="utf-8")
+                self.goes_wrong_and_on(str(entry), "'misbehaving'", words)
+
+    def scripts(self) -> Dict[str, str]:
+        """What each kind of misbehaviour is known by."""
+        return {"throw": THREW, "hang": HUNG, "nan": NO_NUMBER, "die": "ended"}
+
+    def script(self, does: str) -> Path:
+        path = self.folder / f"{does}.py"
+        path.write_text(MISBEHAVING.format(file=str(self.switch), does=does), encoding="utf-8")
+        return path
+
+    def test_a_program_on_standard_input_and_output(self) -> None:
+        for does, words in self.scripts().items():
+            with self.subTest(does):
+                self.goes_wrong_and_on(stdio(python(self.script(does))), words, f"{does}.py")
+
+    def test_a_program_that_is_dialled(self) -> None:
+        for does, words in self.scripts().items():
+            if does == "die":
+                continue  # its address is gone with it; see test_environments
+            with self.subTest(does):
+                served = Process(python(self.script(does), "--listen", "127.0.0.1:0"))
+                self.addCleanup(served.stop)
+                self.goes_wrong_and_on(f"tcp://{served.address}", words, served.address)
+
+    def test_a_built_in_process_that_takes_too_long(self) -> None:
+        # 32768 rays from each of 300 leaves past each other take longer than a tenth of a second
+        (self.folder / "slow.l").write_text("Lsystem: 1\nderivation length: 2\nAxiom: A(0)\n"
+                                            "A(n) : n < 300 --> f(1)?E(1,0,0,0)A(n+1)\nendlsystem\n", encoding="utf-8")
+        slow = self.folder / "slow.json"
+        slow.write_text('{"type":"chiba","radius":50,"sampleCount":30000}', encoding="utf-8")
+        failed = espalier("derive", str(self.folder / "slow.l"), "--steps", "300", "--environment", str(slow),
+                          "--environment-timeout", "0.1", status=1)
+        self.assertIn("environment 'chiba' did not finish step", failed.stderr)
+        self.assertIn("within 100 ms", failed.stderr)
+
+    def test_a_run_without_a_snapshot_is_told_of_it(self) -> None:
+        self.switch.touch()
+        failed = espalier("run", str(self.folder / "model.l"), "--environment", stdio(python(self.script("throw"))),
+                          "-o", str(self.folder / "plant.string"), status=1)
+        self.assertIn("with -o FILE.snapshot a run that fails leaves its last complete step", failed.stderr)
+        self.assertFalse((self.folder / "plant.string").exists())
+
+
+if __name__ == "__main__":
+    unittest.main()
