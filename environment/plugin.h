@@ -2,9 +2,10 @@
  *
  * A library exports one function, espalier_plugin_entry, that returns a table of functions. Espalier makes one instance
  * for every simulation and calls it from one thread at a time, which is not the program's first; instances of different
- * simulations are called at the same time. An instance that takes too long, throws (in C++) or answers with a number that
- * is not finite is given up: a new one gets the same configuration, is opened and gets the state that was saved before the
- * step, while the old one may still be in its call. Nothing of Espalier needs to be linked; C11 or C++ both read this header.
+ * simulations are called at the same time. An instance that takes too long, throws (in C++) or answers with a number
+ * that is not finite is given up: a new one gets the same configuration, is opened and gets the state that was saved
+ * before the step, while the old one may still be in its call. Nothing of Espalier needs to be linked; C11 or C++ both
+ * read this header.
  *
  *     espalier derive MODEL.l --environment ./libceiling.so
  *
