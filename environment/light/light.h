@@ -16,7 +16,8 @@ namespace espalier::environment {
 /// The sun stands still (`sunDirection`), or moves by the world's latitude, longitude and start (universal time)
 /// through the step; light is the mean over the step. Its strength is then 1361 W/m² at the mean distance, times τ^m
 /// through air of the optical mass m = 1/sin(elevation); the sky has 0.3 (1 − τ^m) of what the sun would give a
-/// horizontal plane (Liu & Jordan 1960; Campbell & Norman 1998). Nothing outlasts a step.
+/// horizontal plane (Liu & Jordan 1960; Campbell & Norman 1998). Nothing outlasts a step but the rays that no change of
+/// the plants can have touched, which are not traced again; what comes back is the same, bit by bit.
 extern const ProcessEntry kLightProcess;
 
 }  // namespace espalier::environment

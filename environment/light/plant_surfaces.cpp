@@ -1,6 +1,7 @@
 #include "environment/light/plant_surfaces.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -12,6 +13,27 @@ namespace espalier::environment {
 using core::Vec3;
 
 namespace {
+
+/// A number that goes with a place, the same on machines that round differently: places are told apart to 1/65536, and
+/// the border between two such cells is where no model puts anything on purpose.
+std::uint32_t seedAt(const Vec3& place) {
+  std::uint64_t hash = 0;
+  for (const double along : {place.x, place.y, place.z}) {
+    const double cell = std::floor(std::clamp(along, -1e12, 1e12) * 65536.0 + 0.377);
+    hash = (hash ^ static_cast<std::uint64_t>(static_cast<std::int64_t>(cell))) * 0x9E3779B97F4A7C15ULL;
+    hash ^= hash >> 32U;
+  }
+  return static_cast<std::uint32_t>(hash & 0xFFFFFFU);
+}
+
+/// Adds the seeds and the thinning of an organ of so many triangles: together they have the rays of one.
+void addRays(const Vec3& place, std::size_t count, LightSurfaces& surfaces) {
+  const std::uint32_t seed = seedAt(place);
+  for (std::size_t i = 0; i < count; ++i) {
+    surfaces.seed.push_back(seed + static_cast<std::uint32_t>(i));
+  }
+  surfaces.thinning.insert(surfaces.thinning.end(), count, static_cast<std::uint8_t>(std::bit_width(count) - 1));
+}
 
 void addSegment(const turtle::Geometry& geometry, std::size_t segment, int sides, PlantSurfaces& plants) {
   const Vec3& start = geometry.start[segment];
@@ -31,6 +53,7 @@ void addSegment(const turtle::Geometry& geometry, std::size_t segment, int sides
     surfaces.vertices.push_back(start + out * geometry.startWidth[segment]);
     surfaces.vertices.push_back(end + out * geometry.endWidth[segment]);
   }
+  addRays(start, 2 * static_cast<std::size_t>(sides), surfaces);
   for (int k = 0; k < sides; ++k) {
     const std::uint32_t here = base + 2 * static_cast<std::uint32_t>(k);
     const std::uint32_t next = base + 2 * static_cast<std::uint32_t>((k + 1) % sides);
@@ -61,6 +84,9 @@ PlantSurfaces surfacesOf(const turtle::Geometry& geometry, int sides) {
   for (std::size_t organ = 0; organ < geometry.organs.size(); ++organ) {
     const std::uint64_t count = geometry.triangleOffset[organ + 1] - geometry.triangleOffset[organ];
     plants.surfaces.material.insert(plants.surfaces.material.end(), count, geometry.organs.colour[organ]);
+    if (count > 0) {
+      addRays(geometry.vertices[geometry.triangles[geometry.triangleOffset[organ]][0]], count, plants.surfaces);
+    }
     plants.sources.insert(plants.sources.end(), count,
                           std::pair(geometry.organs.plant[organ], geometry.organs.module[organ]));
   }

@@ -22,7 +22,8 @@ struct PlantSurfaces {
 };
 
 /// Organs are taken as they are; segments become open prisms of `sides` sides with the segment's area of a cone, and
-/// are left out when their widths are pixels or 0. O(n log n).
+/// are left out when their widths are pixels or 0. The rays of an organ go with its place: thinned by the number of its
+/// triangles, each looking elsewhere. O(n log n).
 [[nodiscard]] PlantSurfaces surfacesOf(const turtle::Geometry& geometry, int sides);
 
 }  // namespace espalier::environment

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <type_traits>
 
 #include "engine/core/check.h"
 
@@ -30,6 +31,33 @@ RTCRay rayOf(const Vec3& origin, const Vec3& direction, double from, double to) 
   ray.tfar = static_cast<float>(to);
   ray.mask = 0xFFFFFFFFU;
   return ray;
+}
+
+/// What a ray has met so far, behind Embree's part of it.
+struct HitContext {
+  RTCIntersectContext embree;
+  const std::uint32_t* originalOf = nullptr;  // of the scene's triangles; nullptr: the same
+  float nearest = HUGE_VALF;
+  std::uint32_t triangle = RayCaster::kMiss;
+};
+static_assert(std::is_standard_layout_v<HitContext>);
+
+/// Of triangles that a ray meets at the same distance the one with the smallest number counts.
+void takeSmallestNumber(const RTCFilterFunctionNArguments* arguments) {
+  if (arguments->valid[0] == 0) {
+    return;
+  }
+  // rays are cast one by one, so these are a context, a ray and a hit
+  auto* context = reinterpret_cast<HitContext*>(arguments->context);
+  const float distance = reinterpret_cast<const RTCRay*>(arguments->ray)->tfar;
+  const std::uint32_t number = reinterpret_cast<const RTCHit*>(arguments->hit)->primID;
+  const std::uint32_t triangle = context->originalOf == nullptr ? number : context->originalOf[number];
+  if (distance < context->nearest || (distance == context->nearest && triangle < context->triangle)) {
+    context->nearest = distance;
+    context->triangle = triangle;
+  } else {
+    arguments->valid[0] = 0;
+  }
 }
 
 }  // namespace
@@ -111,7 +139,7 @@ RayCaster::RayCaster(std::span<const Vec3> vertices, std::span<const std::array<
     tree.lowest = std::min(tree.lowest, componentsOf(place)[upright]);
     tree.highest = std::max(tree.highest, componentsOf(place)[upright]);
   }
-  tree.margin = 2e-6 * largest;
+  tree.margin = std::exp2(std::ceil(std::log2(2e-6 * largest)));
   if (corners.empty()) {
     return;
   }
@@ -131,6 +159,7 @@ RayCaster::RayCaster(std::span<const Vec3> vertices, std::span<const std::array<
   for (const auto& corner : corners) {
     index = std::copy(corner.begin(), corner.end(), index);
   }
+  rtcSetGeometryIntersectFilterFunction(geometry, takeSmallestNumber);
   rtcCommitGeometry(geometry);
   rtcAttachGeometry(tree.scene, geometry);
   rtcReleaseGeometry(geometry);
@@ -147,7 +176,7 @@ double RayCaster::margin() const {
 }
 
 template <typename Cast>
-std::uint32_t RayCaster::alongPlots(const Vec3& origin, const Vec3& direction, const Cast& cast) const {
+RayCaster::Hit RayCaster::alongPlots(const Vec3& origin, const Vec3& direction, const Cast& cast) const {
   const Repetition& repetition = *tree_->repetition;
   auto place = componentsOf(origin);
   const auto way = componentsOf(direction);
@@ -179,8 +208,8 @@ std::uint32_t RayCaster::alongPlots(const Vec3& origin, const Vec3& direction, c
       }
     }
     const double length = std::min(nearest, end - passed + 2.0 * tree_->margin);
-    const std::uint32_t hit = cast(Vec3{place[0], place[1], place[2]}, from, length);
-    if (hit != kMiss || nearest == HUGE_VAL) {
+    const Hit hit = cast(Vec3{place[0], place[1], place[2]}, from, length);
+    if (hit.triangle != kMiss || nearest == HUGE_VAL) {
       return hit;
     }
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -191,27 +220,28 @@ std::uint32_t RayCaster::alongPlots(const Vec3& origin, const Vec3& direction, c
     passed += nearest;
     from = 0.0;
   }
-  return kMiss;
+  return {};
 }
 
-std::uint32_t RayCaster::firstHit(const Vec3& origin, const Vec3& direction) const {
+RayCaster::Hit RayCaster::firstHit(const Vec3& origin, const Vec3& direction) const {
   if (tree_->scene == nullptr) {
-    return kMiss;
+    return {};
   }
   const auto cast = [&](const Vec3& start, double from, double to) {
-    RTCRayHit ray{};
+    RTCRayHit ray;
     ray.ray = rayOf(start, direction, from, to);
     ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    rtcIntersect1(tree_->scene, &context, &ray);
-    return ray.hit.geomID == RTC_INVALID_GEOMETRY_ID ? kMiss : ray.hit.primID;
+    HitContext context;
+    rtcInitIntersectContext(&context.embree);
+    context.originalOf = tree_->originalOf.empty() ? nullptr : tree_->originalOf.data();
+    rtcIntersect1(tree_->scene, &context.embree, &ray);
+    // the normal that comes back is cross(b − a, c − a)
+    return ray.hit.geomID == RTC_INVALID_GEOMETRY_ID
+               ? Hit{}
+               : Hit{context.triangle,
+                     ray.hit.Ng_x * ray.ray.dir_x + ray.hit.Ng_y * ray.ray.dir_y + ray.hit.Ng_z * ray.ray.dir_z < 0.0F};
   };
-  if (!tree_->repetition) {
-    return cast(origin, tree_->margin, HUGE_VAL);
-  }
-  const std::uint32_t hit = alongPlots(origin, direction, cast);
-  return hit == kMiss ? kMiss : tree_->originalOf[hit];
+  return tree_->repetition ? alongPlots(origin, direction, cast) : cast(origin, tree_->margin, HUGE_VAL);
 }
 
 bool RayCaster::isFree(const Vec3& origin, const Vec3& direction) const {
@@ -223,9 +253,10 @@ bool RayCaster::isFree(const Vec3& origin, const Vec3& direction) const {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     rtcOccluded1(tree_->scene, &context, &ray);
-    return ray.tfar < 0.0F ? 0U : kMiss;
+    return ray.tfar < 0.0F ? Hit{0, false} : Hit{};
   };
-  return (tree_->repetition ? alongPlots(origin, direction, cast) : cast(origin, tree_->margin, HUGE_VAL)) == kMiss;
+  return (tree_->repetition ? alongPlots(origin, direction, cast) : cast(origin, tree_->margin, HUGE_VAL)).triangle ==
+         kMiss;
 }
 
 }  // namespace espalier::environment

@@ -31,18 +31,25 @@ class RayCaster {
   RayCaster(RayCaster&&) noexcept;
   RayCaster& operator=(RayCaster&&) noexcept;
 
-  /// The first triangle on a ray; kMiss: there is none. `direction` is a unit vector, not horizontal when the plot
-  /// repeats itself. Hits nearer than margin() are left out. May be called by several threads.
-  [[nodiscard]] std::uint32_t firstHit(const core::Vec3& origin, const core::Vec3& direction) const;
+  /// A triangle and whether the ray meets its front, the side from which the corners run counterclockwise.
+  struct Hit {
+    std::uint32_t triangle = kMiss;  // kMiss: there is none
+    bool isFront = false;
+  };
+  /// The first triangle on a ray, of equally near ones that with the smallest number, so that a hit does not depend on
+  /// how the tree was built. `direction` is a unit vector, not horizontal when the plot repeats itself. Hits nearer
+  /// than margin() are left out. May be called by several threads.
+  [[nodiscard]] Hit firstHit(const core::Vec3& origin, const core::Vec3& direction) const;
   /// Whether there is none. Faster.
   [[nodiscard]] bool isFree(const core::Vec3& origin, const core::Vec3& direction) const;
-  /// A length that single precision resolves everywhere in the scene: by this rays start off a surface.
+  /// A length that single precision resolves everywhere in the scene: by this rays start off a surface. It is a power
+  /// of two, which stays the same while a scene grows little.
   [[nodiscard]] double margin() const;
 
  private:
   struct Tree;
   template <typename Cast>
-  [[nodiscard]] std::uint32_t alongPlots(const core::Vec3& origin, const core::Vec3& direction, const Cast& cast) const;
+  [[nodiscard]] Hit alongPlots(const core::Vec3& origin, const core::Vec3& direction, const Cast& cast) const;
 
   std::unique_ptr<Tree> tree_;
 };

@@ -1,15 +1,20 @@
-// Light by rays beside a bare loop of Embree over the same rays of the same scene, and voxel light.
+// Light by rays beside a bare loop of Embree over as many rays of the same scene, and voxel light.
 
 #include <benchmark/benchmark.h>
 #include <embree3/rtcore.h>
 
+#include <chrono>
 #include <cmath>
+#include <functional>
 #include <random>
 #include <thread>
 #include <vector>
 
+#include "engine/turtle/geometry.h"
 #include "environment/light/leaf_light.h"
+#include "environment/light/plant_surfaces.h"
 #include "environment/light/voxel_field.h"
+#include "tests/benchmark/workload.h"
 
 namespace espalier::benchmarking {
 namespace {
@@ -56,17 +61,19 @@ void light(benchmark::State& state, unsigned threads) {
 void bounce(benchmark::State& state) {
   const auto surfaces = canopy(static_cast<int>(state.range(0)));
   const environment::LeafLight traced(surfaces, {}, {}, {.directions = kDirections});
-  const std::vector<double> sky(kDirections, 1.0);
+  const std::vector<double> sky(traced.directions().all().size(), 1.0);
   for (auto _ : state) {
     benchmark::DoNotOptimize(traced.irradiances(0, sky, {{0.1, 0.1}}, {}, 1));
   }
   state.counters["rays/s"] = Counter(2.0 * static_cast<double>(traced.rayCount()), Counter::kIsIterationInvariantRate);
 }
 
-// the same scene and as many rays, with nothing around: building the tree and rtcIntersect1 from triangles' corners
+// the same scene and as many rays, with nothing around: building the tree and rtcIntersect1 from the middles of
+// triangles
 void embree(benchmark::State& state, unsigned threads) {
   const auto surfaces = canopy(static_cast<int>(state.range(0)));
-  const auto directions = environment::LeafLight::directionsOf(kDirections);
+  const environment::RayDirections lattice(kDirections);
+  const std::vector<Vec3>& directions = lattice.all();
   std::vector<std::uint32_t> hits(surfaces.triangles.size() * kDirections);
   for (auto _ : state) {
     RTCDevice device = rtcNewDevice(threads == 1 ? "threads=1" : "threads=2");
@@ -91,12 +98,15 @@ void embree(benchmark::State& state, unsigned threads) {
     rtcCommitScene(scene);
     const auto part = [&](std::size_t from, std::size_t to) {
       for (std::size_t triangle = from; triangle < to; ++triangle) {
-        const Vec3& corner = surfaces.vertices[surfaces.triangles[triangle][0]];
+        const auto& corners = surfaces.triangles[triangle];
+        const Vec3 middle =
+            (surfaces.vertices[corners[0]] + surfaces.vertices[corners[1]] + surfaces.vertices[corners[2]]) *
+            (1.0 / 3.0);
         for (std::size_t i = 0; i < kDirections; ++i) {
           RTCRayHit ray{};
-          ray.ray.org_x = static_cast<float>(corner.x);
-          ray.ray.org_y = static_cast<float>(corner.y);
-          ray.ray.org_z = static_cast<float>(corner.z);
+          ray.ray.org_x = static_cast<float>(middle.x);
+          ray.ray.org_y = static_cast<float>(middle.y);
+          ray.ray.org_z = static_cast<float>(middle.z);
           ray.ray.dir_x = static_cast<float>(directions[i].x);
           ray.ray.dir_y = static_cast<float>(directions[i].y);
           ray.ray.dir_z = static_cast<float>(directions[i].z);
@@ -121,6 +131,108 @@ void embree(benchmark::State& state, unsigned threads) {
   benchmark::DoNotOptimize(hits.data());
   state.counters["rays/s"] =
       Counter(static_cast<double>(surfaces.triangles.size() * kDirections), Counter::kIsIterationInvariantRate);
+}
+
+// a canopy of leaves, each a disc of ten triangles behind a query, in a cube with a leaf area index of 3
+turtle::QueryBatch leavesBehindQueries(std::size_t count) {
+  std::mt19937_64 random(1);
+  std::uniform_real_distribution<double> place(0.0, 1.0);
+  std::normal_distribution<double> component;
+  const double radius = std::sqrt(3.0 / (3.14159 * static_cast<double>(count)));
+  auto geometry = std::make_shared<turtle::Geometry>();
+  turtle::QueryBatch queries;
+  queries.parameterOffset.push_back(0);
+  for (std::size_t leaf = 0; leaf < count; ++leaf) {
+    const Vec3 u = core::normalised({component(random), component(random), component(random)});
+    const Vec3 w = core::normalised({component(random), component(random), component(random)});
+    const Vec3 v = core::normalised(w - u * core::dot(u, w));
+    const Vec3 middle{place(random), place(random), place(random)};
+    const auto base = static_cast<std::uint32_t>(geometry->vertices.size());
+    geometry->vertices.push_back(middle);
+    for (std::uint32_t k = 0; k < 10; ++k) {
+      const double angle = 0.6283185307 * k;
+      geometry->vertices.push_back(middle + u * (radius * std::cos(angle)) + v * (radius * std::sin(angle)));
+      geometry->triangles.push_back({base, base + 1 + k, base + 1 + (k + 1) % 10});
+    }
+    geometry->vertexOffset.push_back(geometry->vertices.size());
+    geometry->triangleOffset.push_back(geometry->triangles.size());
+    geometry->kind.push_back(turtle::GeometryKind::Polygon);
+    geometry->organs.plant.push_back(0);
+    geometry->organs.module.push_back(2 * leaf + 1);
+    geometry->organs.symbol.push_back(1);
+    geometry->organs.colour.push_back(0);
+    geometry->organs.branchOrder.push_back(0);
+    queries.plant.push_back(0);
+    queries.module.push_back(2 * leaf);
+    queries.symbol.push_back(0);
+    queries.isTransient.push_back(0);
+    queries.position.push_back(middle);
+    queries.parameters.insert(queries.parameters.end(), 4, 0.0);
+    queries.parameterOffset.push_back(queries.parameters.size());
+  }
+  queries.geometry = std::move(geometry);
+  return queries;
+}
+
+// the same with every thousandth leaf a little higher
+turtle::QueryBatch withSomeHigher(const turtle::QueryBatch& queries) {
+  auto moved = std::make_shared<turtle::Geometry>(*queries.geometry);
+  for (std::size_t leaf = 0; leaf < moved->kind.size(); leaf += 1000) {
+    for (std::uint64_t vertex = moved->vertexOffset[leaf]; vertex < moved->vertexOffset[leaf + 1]; ++vertex) {
+      moved->vertices[vertex].y += 0.01;
+    }
+  }
+  turtle::QueryBatch next = queries;
+  next.geometry = std::move(moved);
+  return next;
+}
+
+double millisecondsOf(const std::function<void()>& work) {
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+// one step of the process `light` by two threads with range(0) queries before leaves of ten triangles: two bounces,
+// overcast sky, sun in one direction. Its parts are timed apart, beside a step in which nothing, or little, changed
+void lightStep(benchmark::State& state) {
+  const turtle::QueryBatch queries = leavesBehindQueries(static_cast<std::size_t>(state.range(0)));
+  const turtle::QueryBatch moved = withSomeHigher(queries);
+  const auto process = makeProcess("light", R"({"sun":"direction","threads":2})");
+  turtle::ReplyBatch replies;
+  const auto step = [&](const turtle::QueryBatch& batch) {
+    replies.prepare(batch);
+    if (const auto error = process->step(batch, replies)) {
+      state.SkipWithError(error->message.c_str());
+    }
+  };
+  for (auto _ : state) {
+    state.PauseTiming();
+    if (const auto error = process->open({})) {
+      state.SkipWithError(error->message.c_str());
+      return;
+    }
+    state.ResumeTiming();
+    step(queries);
+  }
+  state.counters["unchanged ms"] = Counter(millisecondsOf([&] { step(queries); }));
+  state.counters["1/1000 moved ms"] = Counter(millisecondsOf([&] { step(moved); }));
+  environment::PlantSurfaces plants;
+  state.counters["surfaces ms"] =
+      Counter(millisecondsOf([&] { plants = environment::surfacesOf(*queries.geometry, 5); }));
+  const environment::LightSurfaces& surfaces = plants.surfaces;
+  const double tree = millisecondsOf(
+      [&] { benchmark::DoNotOptimize(environment::RayCaster(surfaces.vertices, surfaces.triangles, {}, 2).margin()); });
+  state.counters["tree ms"] = Counter(tree);
+  environment::LeafLight light({.threads = 2});
+  const double traced = millisecondsOf([&] { light.setScene(surfaces, {}, {{{0, 1, 0}, {800.0}}}); });
+  state.counters["rays ms"] = Counter(traced - tree);
+  const std::vector<double> sky(light.directions().all().size(), 1.0);
+  const std::vector<environment::LightMaterial> materials(256, environment::LightMaterial{0.08, 0.05});
+  state.counters["bounces ms"] =
+      Counter(millisecondsOf([&] { benchmark::DoNotOptimize(light.irradiances(0, sky, materials, {}, 2)); }));
+  state.counters["rays"] = Counter(static_cast<double>(light.rayCount()));
+  state.counters["queries/s"] = Counter(static_cast<double>(queries.size()), Counter::kIsIterationInvariantRate);
 }
 
 // sums over the rectangles of all layers of a field of range(0)³ voxels
@@ -148,6 +260,11 @@ const bool kIsRegistered = [] {
           ->Arg(1'000'000);
     }
   }
+  benchmark::RegisterBenchmark("process/light", lightStep)
+      ->Unit(benchmark::kMillisecond)
+      ->UseRealTime()
+      ->RangeMultiplier(10)
+      ->Range(100, 100'000);
   benchmark::RegisterBenchmark("bounce/light", bounce)->Unit(benchmark::kMillisecond)->UseRealTime()->Arg(100'000);
   benchmark::RegisterBenchmark("voxels/light-voxels", voxels)->Unit(benchmark::kMillisecond)->UseRealTime()->Arg(256);
   return true;

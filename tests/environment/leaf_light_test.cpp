@@ -18,6 +18,10 @@ void addTriangle(LightSurfaces& surfaces, const core::Vec3& a, const core::Vec3&
   surfaces.material.push_back(0);
 }
 
+std::vector<double> skyOf(const LeafLight& light, double radiance) {
+  return std::vector<double>(light.directions().all().size(), radiance);
+}
+
 /// A cube of side 2 around the origin; the front sides look in.
 LightSurfaces closedBox() {
   LightSurfaces box;
@@ -42,7 +46,7 @@ TEST(LeafLight, AClosedBoxKeepsItsEnergy) {
   // M (1 + ρ + … + ρⁿ) on every side, and nothing of the sky outside comes in
   const LightSurfaces box = closedBox();
   const LeafLight light(box, {}, {}, {.directions = 256});
-  const std::vector<double> sky(256, 1000.0);
+  const std::vector<double> sky = skyOf(light, 1000.0);
   std::vector<double> emitted(2 * box.triangles.size(), 0.0);
   for (std::size_t triangle = 0; triangle < box.triangles.size(); ++triangle) {
     emitted[2 * triangle] = 7.0;
@@ -62,7 +66,7 @@ TEST(LeafLight, AWhiteBoxConservesWhatIsScattered) {
   const LightSurfaces box = closedBox();
   const LeafLight light(box, {}, {}, {.directions = 100});
   const std::vector<double> emitted(2 * box.triangles.size(), 1.0);
-  const auto found = light.irradiances(0, std::vector<double>(100, 0.0), {{1.0, 0.0}}, emitted, 9);
+  const auto found = light.irradiances(0, skyOf(light, 0.0), {{1.0, 0.0}}, emitted, 9);
   for (std::size_t triangle = 0; triangle < box.triangles.size(); ++triangle) {
     EXPECT_NEAR(found[2 * triangle], 10.0, 1e-11);
   }
@@ -72,7 +76,7 @@ TEST(LeafLight, ALeafAloneUnderAUniformSkyGetsPiTimesItsRadiance) {
   LightSurfaces leaf;
   addTriangle(leaf, {0, 0, 0}, {1, 0.3, 0}, {0.2, 0.5, 1});
   const LeafLight light(leaf, {}, {}, {.directions = 64});
-  const auto found = light.irradiances(0, std::vector<double>(64, 3.0), {{0, 0}}, {}, 2);
+  const auto found = light.irradiances(0, skyOf(light, 3.0), {{0, 0}}, {}, 2);
   EXPECT_NEAR(found[0], 3 * pi, 1e-12);
   EXPECT_NEAR(found[1], 3 * pi, 1e-12);
 }
@@ -83,7 +87,7 @@ TEST(LeafLight, TheSunShinesByTheCosineOnTheSideThatFacesIt) {
   addTriangle(leaves, {-9, -1, -9}, {-9, -1, 20}, {20, -1, -9});
   const core::Vec3 towards{0.6, 0.8, 0};
   const LeafLight light(leaves, {}, {{towards, {500}}}, {.directions = 32});
-  const auto found = light.irradiances(0, std::vector<double>(32, 0.0), {{0.1, 0}}, {}, 0);
+  const auto found = light.irradiances(0, skyOf(light, 0.0), {{0.1, 0}}, {}, 0);
   EXPECT_NEAR(found[0], 400, 1e-12);
   EXPECT_EQ(found[1], 0.0);
 }
@@ -115,7 +119,7 @@ TEST(LeafLight, ParallelDiscsSeeEachOtherByTheirFormFactor) {
     for (std::size_t triangle = 0; triangle < 256; ++triangle) {
       emitted[2 * triangle] = 1.0;
     }
-    const auto found = light.irradiances(0, std::vector<double>(2000, 0.0), {{0, 0}}, emitted, 0);
+    const auto found = light.irradiances(0, skyOf(light, 0.0), {{0, 0}}, emitted, 0);
     double mean = 0;
     double area = 0;
     for (std::size_t triangle = 256; triangle < 512; ++triangle) {
@@ -156,7 +160,7 @@ TEST(LeafLight, AStandThatRepeatsItselfFollowsTheLawOfBeerAndLambert) {
   LeafLight::Options options{.directions = 8, .keepsHits = false};
   options.repetition = RayCaster::Repetition{{0, 2}, {0, 0}, {1, 1}};
   const LeafLight light(leaves, {}, {{{0.48, 0.8, 0.36}, {1}}}, options);
-  const auto found = light.irradiances(0, std::vector<double>(8, 0.0), {{0, 0}}, {}, 0);
+  const auto found = light.irradiances(0, skyOf(light, 0.0), {{0, 0}}, {}, 0);
   double lit = 0;
   for (std::size_t triangle = 0; triangle < 20000; ++triangle) {
     lit += found[2 * triangle] + found[2 * triangle + 1] > 0 ? 1.0 : 0.0;
@@ -167,7 +171,7 @@ TEST(LeafLight, AStandThatRepeatsItselfFollowsTheLawOfBeerAndLambert) {
 
 TEST(LeafLight, TheLightIsTheSameForAnyNumberOfThreadsAndForTheTrianglesThatAreWanted) {
   const LightSurfaces leaves = canopy(3, 1000, 2);
-  const std::vector<double> sky(64, 1.0);
+  const std::vector<double> sky(RayDirections(64).all().size(), 1.0);
   const auto one =
       LeafLight(leaves, {}, {{{0, 1, 0}, {4}}}, {.directions = 64}).irradiances(0, sky, {{0.3, 0.2}}, {}, 3);
   const auto four = LeafLight(leaves, {}, {{{0, 1, 0}, {4}}}, {.directions = 64, .threads = 4})
@@ -186,16 +190,140 @@ TEST(LeafLight, TheLightIsTheSameForAnyNumberOfThreadsAndForTheTrianglesThatAreW
 TEST(LeafLight, BouncesBringLightIntoTheShade) {
   // a leaf right below a wide one that lets half of the light through
   LightSurfaces leaves;
-  addTriangle(leaves, {-100, 0.1, -100}, {-100, 0.1, 200}, {200, 0.1, -100});
+  addTriangle(leaves, {-1000, 0.1, -1000}, {-1000, 0.1, 2000}, {2000, 0.1, -1000});
   addTriangle(leaves, {0, 0, 0}, {0, 0, 0.1}, {0.1, 0, 0});
-  std::vector<double> sky(500, 0.0);
-  const auto directions = LeafLight::directionsOf(500);
-  for (std::size_t i = 0; i < 500; ++i) {
-    sky[i] = directions[i].y > 0 ? 1 / pi : 0.0;
-  }
   const LeafLight light(leaves, {}, {}, {.directions = 500});
+  std::vector<double> sky = skyOf(light, 0.0);
+  for (std::size_t i = 0; i < sky.size(); ++i) {
+    sky[i] = light.directions().all()[i].y > 0 ? 1 / pi : 0.0;
+  }
   EXPECT_NEAR(light.irradiances(0, sky, {{0, 0.5}}, {}, 0)[2], 0.0, 1e-12);
   EXPECT_NEAR(light.irradiances(0, sky, {{0, 0.5}}, {}, 1)[2], 0.5, 0.01);
+}
+
+TEST(LeafLight, TrianglesOfOneLeafWithFewRaysEachSeeTogetherWhatOneSeesWithMany) {
+  // a leaf of 16 triangles below a shade that hides part of the sky: 16 rays from each, all in other directions,
+  // against one triangle with 4096
+  LightSurfaces one;
+  addTriangle(one, {-100, 1, 0.3}, {-100, 1, 100}, {100, 1, 0.3});
+  LightSurfaces many = one;
+  addTriangle(one, {0, 0, 0}, {0, 0, 0.4}, {0.4, 0, 0});
+  for (int i = 0; i < 4; ++i) {
+    for (int k = 0; k < 4 - i; ++k) {
+      const core::Vec3 corner{0.1 * i, 0, 0.1 * k};
+      addTriangle(many, corner, corner + core::Vec3{0, 0, 0.1}, corner + core::Vec3{0.1, 0, 0});
+      if (k < 3 - i) {
+        addTriangle(many, corner + core::Vec3{0.1, 0, 0}, corner + core::Vec3{0, 0, 0.1},
+                    corner + core::Vec3{0.1, 0, 0.1});
+      }
+    }
+  }
+  many.seed = {0};
+  many.thinning = {0};
+  for (std::uint32_t i = 0; i < 16; ++i) {
+    many.seed.push_back(40 + i);
+    many.thinning.push_back(4);
+  }
+  const LeafLight coarse(one, {}, {}, {.directions = 4096});
+  const LeafLight fine(many, {}, {}, {.directions = 256});
+  const double expected = coarse.irradiances(0, skyOf(coarse, 1.0), {{0, 0}}, {}, 0)[2];
+  const auto found = fine.irradiances(0, skyOf(fine, 1.0), {{0, 0}}, {}, 0);
+  double mean = 0.0;
+  for (std::size_t triangle = 1; triangle < 17; ++triangle) {
+    mean += found[2 * triangle] / 16;
+  }
+  EXPECT_GT(expected, 0.2);
+  EXPECT_LT(expected, 0.8 * pi);
+  // 256 rays of which half are on this side: a count of 128 with a share near a half has a deviation of 9 %, a spread
+  // lattice much less
+  EXPECT_NEAR(mean / expected, 1.0, 0.05);
+}
+
+/// The next of a sequence of scenes: leaves that come, go and move, some lying in each other.
+LightSurfaces nextScene(const LightSurfaces& before, std::mt19937_64& random) {
+  std::uniform_real_distribution<double> chance(0.0, 1.0);
+  LightSurfaces next;
+  const LightSurfaces more = canopy(0.2, 10, static_cast<unsigned>(random()));
+  const auto addOf = [&](const LightSurfaces& from, std::size_t triangle, double lift, std::uint32_t seed) {
+    const auto& corners = from.triangles[triangle];
+    const core::Vec3 up{0, lift, 0};
+    addTriangle(next, from.vertices[corners[0]] + up, from.vertices[corners[1]] + up, from.vertices[corners[2]] + up);
+    next.seed.push_back(seed);
+    next.thinning.push_back(static_cast<std::uint8_t>(seed % 3));
+  };
+  for (std::size_t i = 0; i < before.triangles.size(); ++i) {
+    const double what = chance(random);
+    if (what < 0.01) {
+      continue;
+    }
+    addOf(before, i, what < 0.02 ? 0.001 : 0.0, before.seedOf(static_cast<std::uint32_t>(i)));
+    if (what > 0.98) {
+      // the same place twice
+      addOf(before, i, 0.0, static_cast<std::uint32_t>(random() % 1000));
+    } else if (what > 0.97) {
+      addOf(more, random() % 10, 0.0, static_cast<std::uint32_t>(random() % 1000));
+    }
+  }
+  return next;
+}
+
+TEST(LeafLight, ASceneThatFollowsAnotherHasTheLightOfANewOneBitByBit) {
+  for (const bool repeats : {false, true}) {
+    for (const int bounces : {0, 2}) {
+      LeafLight::Options options{.directions = 64, .keepsHits = bounces > 0, .threads = 2};
+      if (repeats) {
+        options.repetition = RayCaster::Repetition{{0, 2}, {0, 0}, {1, 1}};
+      }
+      std::mt19937_64 random(7);
+      LeafLight following(options);
+      LightSurfaces scene = canopy(2, 500, 3);
+      std::uint64_t kept = 0;
+      for (int step = 0; step < 8; ++step) {
+        scene = step == 3 ? scene : nextScene(scene, random);
+        // the sun of one direction stands still, the other moves
+        const std::vector<LeafLight::Sun> suns{{{0.48, 0.8, 0.36}, {100}},
+                                               {core::normalised({0.1 * step, 1, 0}), {50}}};
+        std::vector<std::uint32_t> wanted;
+        for (std::uint32_t i = 0; bounces == 0 && i < scene.triangles.size(); i += i % 5 == 0 ? 1 : 2) {
+          wanted.push_back(i);
+        }
+        following.setScene(scene, wanted, suns);
+        const LeafLight fresh(scene, wanted, suns, options);
+        EXPECT_EQ(fresh.keptCount(), 0U);
+        const std::vector<double> sky = skyOf(fresh, 1.0);
+        EXPECT_EQ(following.irradiances(0, sky, {{0.3, 0.2}}, {}, bounces),
+                  fresh.irradiances(0, sky, {{0.3, 0.2}}, {}, bounces))
+            << "step " << step << " bounces " << bounces << " repeats " << repeats;
+        EXPECT_EQ(following.rayCount(), fresh.rayCount());
+        kept += following.keptCount();
+        if (step == 3) {
+          // nothing changed but one sun
+          EXPECT_GE(following.keptCount() + fresh.rayCount() / 20, fresh.rayCount());
+        }
+      }
+      EXPECT_GT(kept, following.rayCount()) << "of eight scenes";
+    }
+  }
+}
+
+TEST(LeafLight, OfTrianglesThatLieInEachOtherTheFirstIsMet) {
+  // whatever else there is: the tree over the triangles is another one with every number of leaves around
+  for (const int others : {0, 3, 50, 400}) {
+    LightSurfaces leaves = canopy(0.01, std::max(others, 1), 5);
+    for (core::Vec3& vertex : leaves.vertices) {
+      vertex = vertex + core::Vec3{3, 0, 3};
+    }
+    for (int k = 0; k < 5; ++k) {
+      addTriangle(leaves, {0, 1, 0}, {0, 1, 1}, {1, 1, 0});
+    }
+    const RayCaster caster(leaves.vertices, leaves.triangles, std::nullopt, 1);
+    const RayCaster::Hit below = caster.firstHit({0.2, 0, 0.2}, {0, 1, 0});
+    const RayCaster::Hit above = caster.firstHit({0.2, 2, 0.2}, {0, -1, 0});
+    EXPECT_EQ(below.triangle, leaves.triangles.size() - 5);
+    EXPECT_FALSE(below.isFront);
+    EXPECT_EQ(above.triangle, leaves.triangles.size() - 5);
+    EXPECT_TRUE(above.isFront);
+  }
 }
 
 }  // namespace
