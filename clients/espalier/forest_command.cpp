@@ -37,6 +37,10 @@ namespace fs = std::filesystem;
 
 constexpr std::uint32_t kMixDraws = 4;
 constexpr std::uint32_t kShowDraws = 5;
+constexpr int kPaintedSides = 5;  // of a painted tree's branches in a mesh
+// where the viewer stands and where the ground that is drawn begins, in radii of the forest
+constexpr core::Vec3 kViewer{0.0, 0.26, 1.45};
+constexpr double kNearGround = 1.36;
 
 struct ForestOptions {
   std::vector<std::string> models;  // FILE, FILE:ENTRY or a folder, with =WEIGHT
@@ -44,10 +48,11 @@ struct ForestOptions {
   std::uint64_t number = 0;         // trees; 0: not said
   std::uint64_t distinct = 200;
   std::uint64_t seed = 1;
-  Spacing spacing = Spacing::Grid;
+  Spacing spacing = Spacing::Jittered;
   double distance = 0.0;  // 0: by the trees' width
   std::string trees;      // folder for text files; empty: none
   std::uint64_t turntable = 0;
+  std::optional<double> turnDegrees;  // where a branch opens, in place of what a species file says
   bool isPainted = false;
   bool hasGround = true;
   ModelOptions model;  // threads, quiet, limits
@@ -74,14 +79,7 @@ class Forest {
   explicit Forest(ForestOptions& options) : options_(options), colours_(options.seed) {}
 
   int run() {
-    for (const std::string& file : options_.outputs.files) {
-      const turtle::ExportFormat* const format = formatOf(options_.outputs, file);
-      if (format == nullptr || format->writePlaced == nullptr) {
-        printError("a forest cannot be written as '" + file + "': use .png, .glb, .obj, .ply, .stl or .usda");
-        return kUsage;
-      }
-    }
-    if (const int status = checkOutputs(options_.outputs); status != kSuccess) {
+    if (const int status = checkPlacedOutputs(options_.outputs); status != kSuccess) {
       return status;
     }
     const bool hasTrees = options_.from.empty() ? growTrees() : readTrees();
@@ -118,6 +116,11 @@ class Forest {
       sum += species.weight;
       ModelOptions model = options_.model;
       model.model = species.model;
+      if (options_.turnDegrees) {
+        std::string turn;
+        core::appendNumber(turn, *options_.turnDegrees, core::NumberStyle::Shortest);
+        model.defines.push_back("GIRO=" + turn);
+      }
       server::DiskFileProvider files;
       species.program = loadProgram(model, files, &species.folder);
       if (!species.program) {
@@ -295,66 +298,120 @@ class Forest {
                              .position = places[i].position,
                              .turnRadians = places[i].turnRadians,
                              .scale = 0.35 + 0.65 * places[i].size});
-      extent_ = std::max({extent_, std::abs(places[i].position.x), std::abs(places[i].position.z)});
+      extent_ = std::max(extent_, std::hypot(places[i].position.x, places[i].position.z));
+      height_ = std::max(height_, placements_.back().scale * trees_[placements_.back().scene].points.height());
     }
-    extent_ += distance;
+    extent_ = std::max(extent_ + distance, 0.8 * height_);
   }
 
-  void addGround(std::vector<turtle::ExportInput>& inputs, std::vector<turtle::ScenePlacement>& placements,
-                 turtle::Scene& ground, const language::ViewSettings& view) const {
-    turtle::Polygon square;
-    const double e = extent_;
-    square.vertices = {{-e, 0, -e}, {-e, 0, e}, {e, 0, e}, {e, 0, -e}};
-    square.colour = ForestColours::kGround;
-    ground.polygons.push_back(std::move(square));
-    placements.insert(placements.begin(), {.scene = static_cast<std::uint32_t>(inputs.size())});
-    inputs.push_back({.scene = ground, .view = view, .palette = &colours_.palette()});
+  // a disc, or for pictures what the viewer sees up to the horizon
+  [[nodiscard]] turtle::Scene groundOf(bool isPicture) const {
+    turtle::Polygon ground;
+    ground.colour = ForestColours::kGround;
+    if (isPicture) {
+      // from in front of the viewer's feet
+      const double far = 25.0 * extent_;
+      const double near = kNearGround * extent_;
+      ground.vertices = {{-2.0 * far, 0.0, -far}, {-far, 0.0, near}, {far, 0.0, near}, {2.0 * far, 0.0, -far}};
+    } else {
+      constexpr int kCorners = 72;
+      for (int i = 0; i < kCorners; ++i) {
+        const double angle = 2.0 * std::numbers::pi * i / kCorners;
+        ground.vertices.push_back({extent_ * std::sin(angle), 0.0, extent_ * std::cos(angle)});
+      }
+    }
+    turtle::Scene scene;
+    scene.polygons.push_back(std::move(ground));
+    return scene;
+  }
+
+  // from a little above the crowns
+  [[nodiscard]] language::ViewSettings camera() const {
+    language::ViewSettings view;
+    view.viewReferencePoint = {0.0, 0.3 * height_, 0.0};
+    view.viewpoint = view.viewReferencePoint + extent_ * kViewer;
+    view.isPerspective = true;
+    return view;
   }
 
   bool writeAll() {
-    // the first scene's camera is the picture's: a little from above
-    language::ViewSettings camera;
-    camera.viewpoint = {0.0, 0.42, 1.0};
-    camera.isPerspective = false;
+    // the first scene's camera is the picture's
+    const language::ViewSettings common = camera();
     std::deque<language::ViewSettings> views;
     std::vector<turtle::ExportInput> inputs;
-    turtle::PictureOptions picture = options_.outputs.picture;
     for (const GrownTree& tree : trees_) {
       const bool isOwn = !options_.isPainted;
-      language::ViewSettings& view = views.emplace_back(isOwn ? species_[tree.species].program->view : camera);
-      view.viewpoint = camera.viewpoint;
-      view.viewReferencePoint = camera.viewReferencePoint;
-      view.isPerspective = false;
+      language::ViewSettings& view = views.emplace_back(isOwn ? species_[tree.species].program->view : common);
+      view.viewpoint = common.viewpoint;
+      view.viewReferencePoint = common.viewReferencePoint;
+      view.isPerspective = common.isPerspective;
       view.box.reset();
+      if (!isOwn) {
+        view.contourSides = kPaintedSides;
+      }
       inputs.push_back({.scene = tree.scene,
                         .view = view,
-                        .palette = isOwn ? &species_[tree.species].folder.palette : &colours_.palette(),
-                        .detail = options_.outputs.detail,
-                        .threads = options_.model.threadCount(),
-                        .picture = &picture});
+                        .palette = isOwn ? &species_[tree.species].folder.palette : &colours_.palette()});
     }
-    std::vector<turtle::ScenePlacement> placements = placements_;
-    turtle::Scene ground;
-    if (options_.hasGround) {
-      addGround(inputs, placements, ground, views.front());
+    OutputOptions pictures = options_.outputs;
+    OutputOptions meshes = options_.outputs;
+    const auto isPicture = [&](const std::string& file) { return formatOf(options_.outputs, file)->name == "png"; };
+    std::erase_if(pictures.files, [&](const std::string& file) { return !isPicture(file); });
+    std::erase_if(meshes.files, isPicture);
+    return writeMeshes(meshes, inputs) && (pictures.files.empty() || writePictures(pictures, inputs));
+  }
+
+  bool writeMeshes(const OutputOptions& outputs, std::vector<turtle::ExportInput> inputs) const {
+    const turtle::Scene ground = groundOf(false);
+    addGround(inputs, ground);
+    return writePlacedFiles(outputs, inputs, onGround(turned(0.0)), whatIsShown(), options_.model.isQuiet);
+  }
+
+  // one, or the frames of a turn, of one scale
+  bool writePictures(OutputOptions outputs, std::vector<turtle::ExportInput> inputs) const {
+    const std::uint64_t frames = std::max<std::uint64_t>(1, options_.turntable);
+    const auto angleOf = [frames](std::uint64_t frame) {
+      return 2.0 * std::numbers::pi * static_cast<double>(frame) / static_cast<double>(frames);
+    };
+    // trees fill the picture, the ground goes on beyond its edges
+    turtle::PictureFrame shown;
+    for (std::uint64_t frame = 0; frame < frames; ++frame) {
+      shown.include(turtle::pictureFrame({inputs, turned(angleOf(frame))}, outputs.picture));
     }
-    for (const std::string& file : options_.outputs.files) {
-      const bool isPicture = formatOf(options_.outputs, file)->name == "png";
-      const std::uint64_t frames = isPicture && options_.turntable > 0 ? options_.turntable : 1;
-      for (std::uint64_t frame = 0; frame < frames; ++frame) {
-        const double angle = 2.0 * std::numbers::pi * static_cast<double>(frame) / static_cast<double>(frames);
-        const std::string name = frames > 1 ? numberedName(file, frame, 4) : file;
-        if (!write(name, file, inputs, turned(placements, angle))) {
-          return false;
-        }
+    outputs.picture.frame = shown;
+    const turtle::Scene ground = groundOf(true);
+    addGround(inputs, ground);
+    for (std::uint64_t frame = 0; frame < frames; ++frame) {
+      OutputOptions one = outputs;
+      for (std::string& file : one.files) {
+        file = options_.turntable > 0 ? numberedName(file, frame, 4) : file;
+      }
+      if (!writePlacedFiles(one, inputs, onGround(turned(angleOf(frame))), whatIsShown(), options_.model.isQuiet)) {
+        return false;
       }
     }
     return true;
   }
 
+  // the last of the scenes
+  void addGround(std::vector<turtle::ExportInput>& inputs, const turtle::Scene& ground) const {
+    inputs.push_back({.scene = ground, .view = inputs[0].view, .palette = &colours_.palette()});
+  }
+
+  [[nodiscard]] std::vector<turtle::ScenePlacement> onGround(std::vector<turtle::ScenePlacement> placements) const {
+    if (options_.hasGround) {
+      placements.insert(placements.begin(), {.scene = static_cast<std::uint32_t>(trees_.size())});
+    }
+    return placements;
+  }
+
+  [[nodiscard]] std::string whatIsShown() const {
+    return std::to_string(count_) + " trees, " + std::to_string(std::min(trees_.size(), count_)) + " of them distinct";
+  }
+
   // the whole forest turned about the y axis, far ones first
-  [[nodiscard]] static std::vector<turtle::ScenePlacement> turned(std::vector<turtle::ScenePlacement> placements,
-                                                                  double angle) {
+  [[nodiscard]] std::vector<turtle::ScenePlacement> turned(double angle) const {
+    std::vector<turtle::ScenePlacement> placements = placements_;
     const double c = std::cos(angle);
     const double s = std::sin(angle);
     for (turtle::ScenePlacement& placement : placements) {
@@ -368,42 +425,14 @@ class Forest {
     return placements;
   }
 
-  bool write(const std::string& file, const std::string& formatFrom, std::span<const turtle::ExportInput> inputs,
-             const std::vector<turtle::ScenePlacement>& placements) {
-    server::AtomicFile content(file);
-    std::deque<server::AtomicFile> companions;
-    turtle::ExportTarget target{
-        .fileName = fs::path(file).filename().string(), .sink = content, .openCompanion = {}, .progress = {}};
-    target.openCompanion = [&](const std::string& name) -> core::ByteSink& {
-      return companions.emplace_back(fs::path(file).replace_filename(name).string());
-    };
-    auto problem = formatOf(options_.outputs, formatFrom)->writePlaced({inputs, placements}, target);
-    if (problem) {
-      printError("cannot write '" + file + "': " + *problem);
-      return false;
-    }
-    for (server::AtomicFile& companion : companions) {
-      problem = problem ? problem : companion.commit();
-    }
-    problem = problem ? problem : content.commit();
-    if (problem) {
-      printError(*problem);
-      return false;
-    }
-    if (!options_.model.isQuiet) {
-      printNote("wrote " + file + " (" + std::to_string(placements_.size()) + " trees, " +
-                std::to_string(std::min(trees_.size(), placements_.size())) + " of them distinct)");
-    }
-    return true;
-  }
-
   ForestOptions& options_;
   ForestColours colours_;
   std::vector<Species> species_;
   std::vector<GrownTree> trees_;
   std::size_t count_ = 0;
   std::vector<turtle::ScenePlacement> placements_;
-  double extent_ = 0.0;
+  double extent_ = 0.0;  // radius of the ground
+  double height_ = 0.0;  // of the highest tree
 };
 
 }  // namespace
@@ -420,6 +449,7 @@ void addForest(CLI::App& program, int& status) {
       "Examples:\n"
       "  espalier forest --number 1000 --seed 7 -o forest.png -o forest.glb\n"
       "  espalier forest --model pine.l=3 --model birch.l --spacing competition -o stand.glb\n"
+      "  espalier forest --number 1000 --flat -o flat.png\n"
       "  espalier forest --number 1000 --trees trees -o all.png\n"
       "  espalier forest --from trees --show 100 --seed 2 --turntable 36 -o turn.png");
   auto options = std::make_shared<ForestOptions>();
@@ -436,20 +466,29 @@ void addForest(CLI::App& program, int& status) {
                  [options](std::uint64_t count) { options->distinct = count; });
   addWholeNumber(*command, "--seed", "Of everything that is drawn (1)", 0, 1'000'000'000'000,
                  [options](std::uint64_t seed) { options->seed = seed; });
-  const std::map<std::string, Spacing> spacings{
-      {"grid", Spacing::Grid}, {"poisson", Spacing::Poisson}, {"competition", Spacing::Competition}};
+  const std::map<std::string, Spacing> spacings{{"jittered", Spacing::Jittered},
+                                                {"grid", Spacing::Grid},
+                                                {"poisson", Spacing::Poisson},
+                                                {"competition", Spacing::Competition}};
   command
       ->add_option("--spacing", options->spacing,
-                   "grid (points of a grid, each taken once), poisson (none nearer than the distance) or competition\n"
-                   "(seedlings grow until they shade each other out)")
+                   "jittered (near points of a grid, each taken once), grid (on them), poisson (none nearer than the\n"
+                   "distance) or competition (seedlings grow until they shade each other out)")
       ->transform(CLI::CheckedTransformer(spacings))
-      ->option_text("grid|poisson|competition");
+      ->option_text("jittered|grid|poisson|competition");
   command->add_option("--distance", options->distance, "Between trees (their mean crown's radius)")
       ->check(CLI::PositiveNumber);
   command->add_option("--trees", options->trees, "Also write every grown tree as text into a folder")
       ->type_name("FOLDER");
   addWholeNumber(*command, "--turntable", "So many PNG frames of the forest turning once about", 2, 100'000,
                  [options](std::uint64_t count) { options->turntable = count; });
+  command
+      ->add_option_function<double>(
+          "--turn", [options](const double& degrees) { options->turnDegrees = degrees; },
+          "Degrees of the turn about its own axis where a branch opens, in species files (what they say: 30)")
+      ->check(CLI::Range(-360.0, 360.0));
+  command->add_flag_callback(
+      "--flat", [options] { options->turnDegrees = 0.0; }, "Trees of the plane: the same as --turn 0");
   command->add_flag("--painted", options->isPainted,
                     "Draw the lines of --model's trees with thickness, leaves and flowers of the report");
   command->add_flag("!--no-ground", options->hasGround, "Without the ground");

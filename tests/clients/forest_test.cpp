@@ -105,10 +105,11 @@ TEST(TreePainting, AFifthOfTheLeavesAreFlowersOfOneGroup) {
     tree.points.push_back({{1, y, 0}, 0, 1});
   }
   const turtle::Scene scene = paintTree(tree, 1, 0);
+  ASSERT_EQ(scene.polygons.size(), 4000U);
   std::set<int> groups;
   int flowers = 0;
-  for (const turtle::Segment& segment : scene.segments) {
-    const int beyondLeaves = segment.colour - ForestColours::leaf(ForestColours::kLeafShades);
+  for (const turtle::Polygon& leaf : scene.polygons) {
+    const int beyondLeaves = leaf.colour - ForestColours::leaf(ForestColours::kLeafShades);
     if (beyondLeaves >= 0) {
       ++flowers;
       groups.insert(beyondLeaves / (2 * ForestColours::kFlowerShades));
@@ -117,13 +118,52 @@ TEST(TreePainting, AFifthOfTheLeavesAreFlowersOfOneGroup) {
   // 4000 draws of probability 0.2: 800, standard deviation 25.3; four of them
   EXPECT_NEAR(flowers, 800, 102);
   EXPECT_EQ(groups.size(), 1U);
-  // the trunk of a high tree is thick, a leaf is not
-  EXPECT_DOUBLE_EQ(scene.segments[0].startWidth, 4000.0 / 36.0);
-  EXPECT_LT(scene.segments[1].startWidth, scene.segments[0].startWidth);
+}
+
+TEST(TreePainting, WhatGoesOnStraightIsOneLineThatGetsThinner) {
+  // a trunk of four lines with a branch of two at half its height, each ending in a leaf
+  TreePoints tree;
+  const auto add = [&](const core::Vec3& start, const core::Vec3& end, std::uint32_t hops, std::uint32_t branches) {
+    tree.points.push_back({start, hops, branches});
+    tree.points.push_back({end, hops - 1, branches});
+  };
+  add({0, 0, 0}, {0, 1, 0}, 5, 0);
+  add({0, 1, 0}, {0, 2, 0}, 4, 0);
+  add({0, 2, 0}, {1, 2, 0}, 2, 1);
+  add({1, 2, 0}, {2, 2, 0}, 1, 1);
+  add({0, 2, 0}, {0, 3, 0}, 3, 0);
+  add({0, 3, 0}, {0, 4, 0}, 2, 0);
+  add({0, 4, 0}, {0, 5, 0}, 1, 0);
+  const turtle::Scene scene = paintTree(tree, 1, 0);
+  ASSERT_EQ(scene.segments.size(), 2U);
+  const turtle::Segment& trunk = scene.segments[0];
+  const turtle::Segment& branch = scene.segments[1];
+  EXPECT_EQ(trunk.end, (core::Vec3{0, 4, 0}));
+  EXPECT_EQ(branch.parent, 0U);
+  EXPECT_EQ(branch.end, (core::Vec3{1, 2, 0}));
+  EXPECT_NE(trunk.colour, branch.colour);
+  // by level and height; along the axis of five down to a quarter at its tip, four fifths on 1 - 0.75 * 0.8
+  EXPECT_DOUBLE_EQ(branch.startWidth, 0.5 * trunk.startWidth);
+  EXPECT_DOUBLE_EQ(trunk.endWidth, 0.4 * trunk.startWidth);
+  TreePoints twice = tree;
+  for (TreePoint& point : twice.points) {
+    point.position = 2.0 * point.position;
+  }
+  EXPECT_DOUBLE_EQ(paintTree(twice, 1, 0).segments[0].startWidth, 2.0 * trunk.startWidth);
+  // leaves begin where their line does and go its way
+  ASSERT_EQ(scene.polygons.size(), 2U);
+  EXPECT_EQ(scene.polygons[0].vertices.front(), (core::Vec3{1, 2, 0}));
+  EXPECT_EQ(scene.polygons[0].vertices[2], (core::Vec3{2, 2, 0}));
+  EXPECT_EQ(scene.polygons[0].parent, 1U);
+  // a bend begins a line
+  for (const std::size_t point : {3U, 4U, 8U}) {
+    tree.points[point].position = {0.5, 2, 0};
+  }
+  EXPECT_EQ(paintTree(tree, 1, 0).segments.size(), 5U);
 }
 
 TEST(ForestLayout, NoTwoTreesStandInOnePlace) {
-  for (const Spacing spacing : {Spacing::Grid, Spacing::Poisson, Spacing::Competition}) {
+  for (const Spacing spacing : {Spacing::Grid, Spacing::Jittered, Spacing::Poisson, Spacing::Competition}) {
     const std::vector<TreePlace> places = layoutForest(spacing, 300, 2.0, 5);
     ASSERT_EQ(places.size(), 300U);
     std::set<std::pair<double, double>> roots;
@@ -151,6 +191,32 @@ double leastDistance(const std::vector<TreePlace>& places) {
 TEST(ForestLayout, KeepsTheDistance) {
   EXPECT_GE(leastDistance(layoutForest(Spacing::Poisson, 500, 3.0, 1)), 3.0);
   EXPECT_NEAR(leastDistance(layoutForest(Spacing::Grid, 500, 3.0, 1)), 3.0, 1e-12);
+  // at most 0.4 cells off: a fifth of a cell stays between
+  EXPECT_GE(leastDistance(layoutForest(Spacing::Jittered, 500, 3.0, 1)), 0.6);
+}
+
+TEST(ForestLayout, JitterHidesTheRows) {
+  const auto columns = [](Spacing spacing) {
+    std::set<double> found;
+    for (const TreePlace& place : layoutForest(spacing, 400, 1.0, 3)) {
+      found.insert(place.position.x);
+    }
+    return found.size();
+  };
+  // a disc of 600 points is about 28 columns wide
+  EXPECT_LT(columns(Spacing::Grid), 32U);
+  EXPECT_EQ(columns(Spacing::Jittered), 400U);
+}
+
+TEST(ForestLayout, AForestIsADisc) {
+  for (const Spacing spacing : {Spacing::Grid, Spacing::Jittered, Spacing::Poisson, Spacing::Competition}) {
+    int far = 0;
+    for (const TreePlace& place : layoutForest(spacing, 400, 1.0, 3)) {
+      // a square of the area of the least dense one, 2.2 a tree, would have corners at 21
+      far += core::length(place.position) > 18.0 ? 1 : 0;
+    }
+    EXPECT_EQ(far, 0) << static_cast<int>(spacing);
+  }
 }
 
 TEST(ForestLayout, InCompetitionNeighboursHoldEachOtherOff) {

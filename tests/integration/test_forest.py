@@ -5,10 +5,11 @@ import re
 import struct
 import subprocess
 import tempfile
+import time
 import unittest
 from pathlib import Path
 
-from support import program
+from support import GALLERY, program
 
 
 class Forest(unittest.TestCase):
@@ -62,6 +63,38 @@ class Forest(unittest.TestCase):
         frames = [(self.folder / f"turn-000{i}.png").read_bytes() for i in range(3)]
         self.assertEqual(len(set(frames)), 3)
 
+    def trees(self, *arguments: str) -> "list[list[list[float]]]":
+        made = self.forest("--number", "21", "--distinct", "21", "--trees", "t", "--quiet", *arguments)
+        self.assertEqual(made.returncode, 0, made.stderr)
+        return [[[float(word) for word in line.split()] for line in file.read_text().splitlines()]
+                for file in sorted((self.folder / "t").iterdir())]
+
+    def test_the_turn_at_each_branch_makes_trees_of_space(self) -> None:
+        for arguments, is_flat in (((), False), (("--flat",), True), (("--turn", "0"), True), (("--turn", "45"), False)):
+            with self.subTest(arguments):
+                for tree in self.trees(*arguments):
+                    depth = max(abs(point[2]) for point in tree)
+                    self.assertEqual(depth < 1e-9, is_flat, depth)
+        # 30 degrees are what the species say
+        self.assertEqual(self.trees("--turn", "30"), self.trees())
+        self.assertNotEqual(self.trees("--turn", "45"), self.trees())
+
+    def test_the_number_of_generations_is_drawn_for_each_tree(self) -> None:
+        species = str(GALLERY / "chapter-forest" / "species.txt")
+        for name, sizes in (("0", {5 ** 4, 5 ** 5}), ("6", {3 ** 5, 3 ** 6})):
+            lines = {len(tree) // 2 for tree in self.trees("--model", f"{species}:{name}")}
+            self.assertEqual(lines, sizes)
+
+    def test_a_forest_of_a_thousand_is_a_small_file_soon(self) -> None:
+        begin = time.monotonic()
+        made = self.forest("--number", "1000", "--seed", "7", "-o", "a.glb", "-o", "a.png")
+        self.assertEqual(made.returncode, 0, made.stderr)
+        self.assertIn("1000 trees, 200 of them distinct", made.stderr)
+        # about two seconds; busy machines have more time
+        self.assertLess(time.monotonic() - begin, 60.0)
+        self.assertLess((self.folder / "a.glb").stat().st_size, 90_000_000)
+        self.assertEqual(len(self.gltf("a.glb")["meshes"]), 201)
+
     def test_own_models_have_their_shares(self) -> None:
         (self.folder / "a.l").write_text("Lsystem: 1\nderivation length: 1\nAxiom: F(1)\nA --> A\nendlsystem\n")
         (self.folder / "b.l").write_text("Lsystem: 1\nderivation length: 1\nAxiom: F(1)F(1)\nA --> A\nendlsystem\n")
@@ -82,7 +115,7 @@ class Forest(unittest.TestCase):
             ("--model", "a.l=-1", "-o", "a.png"): "the share of a species is a number from 0",
             ("--from", "nothing", "-o", "a.png"): "there are no trees (*.txt) in the folder 'nothing'",
             ("--from", "bad", "-o", "a.png"): "x.txt: line 1: a point is five numbers",
-            ("-o", "a.svg"): "a forest cannot be written as 'a.svg'",
+            ("-o", "a.svg"): "'a.svg' cannot hold several plants side by side",
             ("--number", "3"): "-o FILE or --trees FOLDER",
         }
         for arguments, message in cases.items():

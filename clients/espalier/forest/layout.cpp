@@ -4,7 +4,6 @@
 #include <cmath>
 #include <memory>
 #include <numbers>
-#include <numeric>
 #include <unordered_map>
 #include <variant>
 
@@ -16,6 +15,7 @@ namespace espalier::command {
 namespace {
 
 constexpr std::uint32_t kLayoutDraws = 3;
+constexpr double kJitter = 0.4;  // of a cell: a fifth of it stays between two trees
 
 class Draws {
  public:
@@ -32,18 +32,36 @@ TreePlace placeAt(double x, double z, Draws& draws) {
   return {.position = {x, 0.0, z}, .turnRadians = 2.0 * std::numbers::pi * draws.uniform(), .size = 1.0};
 }
 
-// a half more points than trees, so that the grid has glades
-std::vector<TreePlace> onGrid(std::size_t count, double distance, Draws& draws) {
-  const auto side = static_cast<std::size_t>(std::ceil(std::sqrt(1.5 * static_cast<double>(count))));
-  std::vector<std::size_t> points(side * side);
-  std::iota(points.begin(), points.end(), std::size_t{0});
-  std::vector<TreePlace> places;
+// anywhere in the disc that has the area of a square of that side
+TreePlace somewhere(double side, Draws& draws) {
+  const double radius = side * std::sqrt(draws.uniform() / std::numbers::pi);
+  const double angle = 2.0 * std::numbers::pi * draws.uniform();
+  return placeAt(radius * std::cos(angle), radius * std::sin(angle), draws);
+}
+
+// a half more points than trees, so that the grid has glades, the nearest to the middle; each tree up to `jitter` cells
+// off its point
+std::vector<TreePlace> onGrid(std::size_t count, double distance, double jitter, Draws& draws) {
+  const auto most = static_cast<std::size_t>(std::ceil(1.5 * static_cast<double>(count)));
+  const auto side =
+      static_cast<std::size_t>(std::ceil(2.0 * std::sqrt(static_cast<double>(most) / std::numbers::pi))) + 2;
   const double middle = static_cast<double>(side - 1) / 2.0;
+  std::vector<core::Vec3> points;
+  for (std::size_t i = 0; i < side * side; ++i) {
+    points.push_back({static_cast<double>(i % side) - middle, 0.0, static_cast<double>(i / side) - middle});
+  }
+  std::ranges::stable_sort(points, {}, [](const core::Vec3& point) { return core::length(point); });
+  points.resize(most);
+  std::vector<TreePlace> places;
   for (std::size_t i = 0; i < count; ++i) {
     // Fisher and Yates' shuffle, as far as it is needed
     std::swap(points[i], points[i + draws.below(points.size() - i)]);
-    places.push_back(placeAt((static_cast<double>(points[i] % side) - middle) * distance,
-                             (static_cast<double>(points[i] / side) - middle) * distance, draws));
+    places.push_back(placeAt(points[i].x * distance, points[i].z * distance, draws));
+    if (jitter > 0.0) {
+      core::Vec3& position = places.back().position;
+      position.x += (2.0 * draws.uniform() - 1.0) * jitter * distance;
+      position.z += (2.0 * draws.uniform() - 1.0) * jitter * distance;
+    }
   }
   return places;
 }
@@ -57,7 +75,7 @@ std::vector<TreePlace> asPoissonDisc(std::size_t count, double distance, Draws& 
   const auto key = [](std::int64_t i, std::int64_t j) { return i * 2'000'003 + j; };
   std::vector<TreePlace> places;
   while (places.size() < count) {
-    const TreePlace dart = placeAt((draws.uniform() - 0.5) * side, (draws.uniform() - 0.5) * side, draws);
+    const TreePlace dart = somewhere(side, draws);
     const auto i = static_cast<std::int64_t>(std::floor(dart.position.x / cell));
     const auto j = static_cast<std::int64_t>(std::floor(dart.position.z / cell));
     bool isFree = true;
@@ -122,7 +140,7 @@ std::vector<TreePlace> byCompetition(std::size_t count, double distance, Draws& 
   const double side = distance * std::sqrt(static_cast<double>(count));
   std::vector<Seedling> alive;
   for (std::size_t i = 0; i < 4 * count; ++i) {
-    const TreePlace place = placeAt((draws.uniform() - 0.5) * side, (draws.uniform() - 0.5) * side, draws);
+    const TreePlace place = somewhere(side, draws);
     alive.push_back({place, 0.7 + 0.6 * draws.uniform(), 0.0});
   }
   for (std::uint64_t step = 0; alive.size() > count; ++step) {
@@ -161,7 +179,9 @@ std::vector<TreePlace> layoutForest(Spacing spacing, std::size_t count, double d
   Draws draws(seed);
   switch (spacing) {
     case Spacing::Grid:
-      return onGrid(count, distance, draws);
+      return onGrid(count, distance, 0.0, draws);
+    case Spacing::Jittered:
+      return onGrid(count, distance, kJitter, draws);
     case Spacing::Poisson:
       return asPoissonDisc(count, distance, draws);
     case Spacing::Competition:

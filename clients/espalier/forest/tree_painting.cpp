@@ -4,7 +4,10 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <tuple>
+#include <utility>
+#include <vector>
 
 #include "engine/core/frame.h"
 
@@ -34,11 +37,17 @@ constexpr std::array<std::array<ColourRange, 2>, ForestColours::kFlowerGroups> k
 constexpr language::PaletteColour kGroundColour{122, 132, 84};
 constexpr language::PaletteColour kSky{226, 234, 240};
 
-// thickness of the trunk over the tree's height, of a branch over what it grows from, of a leaf over the height
-constexpr double kTrunkThickness = 1.0 / 36.0;
-constexpr double kBranchThickness = 0.62;
-constexpr double kLeafThickness = 1.0 / 140.0;
+// thickness of the trunk over the tree's height, of a branch over what it grows from, of an axis' tip over its base
+constexpr double kTrunkThickness = 1.0 / 38.0;
+constexpr double kBranchThickness = 0.5;
 constexpr double kLeastThickness = 1.0 / 400.0;
+constexpr double kTipThickness = 0.25;
+// leaves over the height; where along it a leaf is widest
+constexpr double kLeafThickness = 1.0 / 70.0;
+constexpr double kLeafLength = 1.0 / 28.0;
+constexpr double kLeafWidest = 0.55;
+// cosine of the bend from which two lines are one
+constexpr double kStraight = 1.0 - 1e-9;
 
 class Draws {
  public:
@@ -94,49 +103,136 @@ ForestColours::ForestColours(std::uint64_t seed) {
   }
 }
 
+namespace {
+
+// what a line of a tree is part of: the axis from its base to its tip
+struct TreeLine {
+  core::Vec3 direction;
+  std::uint32_t parent = turtle::kNoParent;  // line that it grows from
+  std::uint32_t axis = 0;                    // number of its axis' first line
+  double along = 0.0;                        // length of the axis before it
+  double length = 0.0;
+};
+
+struct TreeLines {
+  std::vector<TreeLine> lines;
+  std::vector<double> axisLength;  // by the axis' first line (lineCount)
+};
+
+// a line grows from the one that ends where it starts, and goes on with its axis when no branch opens between them
+TreeLines linesOf(const TreePoints& tree) {
+  TreeLines result;
+  const std::size_t count = tree.points.size() / 2;
+  result.lines.resize(count);
+  result.axisLength.assign(count, 0.0);
+  std::vector<bool> isContinued(count, false);
+  std::map<std::tuple<double, double, double>, std::uint32_t> ends;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const TreePoint& start = tree.points[2 * i];
+    const TreePoint& end = tree.points[2 * i + 1];
+    TreeLine& line = result.lines[i];
+    const core::Vec3 along = end.position - start.position;
+    line.length = core::length(along);
+    line.direction = line.length > 0.0 ? along * (1.0 / line.length) : core::Vec3{0, 1, 0};
+    line.axis = i;
+    const auto parent = ends.find({start.position.x, start.position.y, start.position.z});
+    if (parent != ends.end()) {
+      line.parent = parent->second;
+      const TreeLine& before = result.lines[line.parent];
+      if (tree.points[2 * line.parent + 1].branches == end.branches && !isContinued[line.parent]) {
+        isContinued[line.parent] = true;
+        line.axis = before.axis;
+        line.along = before.along + before.length;
+      }
+    }
+    result.axisLength[line.axis] = std::max(result.axisLength[line.axis], line.along + line.length);
+    ends[{end.position.x, end.position.y, end.position.z}] = i;
+  }
+  return result;
+}
+
+// a blade along the line that ends the axis: a kite, widest past its middle
+turtle::Polygon leafAlong(const core::Vec3& start, const core::Vec3& direction, double length, double width,
+                          double turn) {
+  const core::Vec3 other = std::abs(direction.y) < 0.9 ? core::Vec3{0, 1, 0} : core::Vec3{1, 0, 0};
+  const core::Vec3 a = core::normalised(core::cross(direction, other));
+  const core::Vec3 b = core::cross(direction, a);
+  const core::Vec3 side = 0.5 * width * (std::cos(turn) * a + std::sin(turn) * b);
+  const core::Vec3 middle = start + kLeafWidest * length * direction;
+  turtle::Polygon leaf;
+  leaf.vertices = {start, middle + side, start + length * direction, middle - side};
+  return leaf;
+}
+
+// frames a line by its direction
+void setFrame(turtle::Segment& segment, const core::Vec3& direction) {
+  segment.frame.heading = direction;
+  const core::Vec3 other = std::abs(direction.y) < 0.9 ? core::Vec3{0, 1, 0} : core::Vec3{1, 0, 0};
+  segment.frame.up = core::normalised(core::cross(direction, other));
+  segment.frame.left = core::cross(direction, segment.frame.up);
+}
+
+}  // namespace
+
 turtle::Scene paintTree(const TreePoints& tree, std::uint64_t seed, std::uint32_t index) {
   Draws draws(seed, kTreeDraws, index);
   const std::int32_t trunk = ForestColours::trunk(draws.below(ForestColours::kTrunkShades));
   const std::int32_t branch = ForestColours::branch(draws.below(ForestColours::kBranchShades));
   const int group = draws.below(ForestColours::kFlowerGroups);
   const double height = tree.height();
+  const TreeLines axes = linesOf(tree);
 
   turtle::Scene scene;
   scene.lineStyle = language::LineStyle::Cylinder;
-  scene.segments.reserve(tree.points.size() / 2);
-  // a line goes on from the one that ends where it starts
-  std::map<std::tuple<double, double, double>, std::uint32_t> ends;
-  for (std::size_t i = 0; i + 1 < tree.points.size(); i += 2) {
-    const TreePoint& start = tree.points[i];
-    const TreePoint& end = tree.points[i + 1];
+  // the drawn line that each line became part of
+  std::vector<std::uint32_t> drawnAs(axes.lines.size(), turtle::kNoParent);
+  for (std::size_t i = 0; i < axes.lines.size(); ++i) {
+    const TreeLine& line = axes.lines[i];
+    const TreePoint& start = tree.points[2 * i];
+    const TreePoint& end = tree.points[2 * i + 1];
+    const std::uint32_t parent = line.parent == turtle::kNoParent ? turtle::kNoParent : drawnAs[line.parent];
+    if (end.hopsToLeaf == 0) {
+      const int kind = draws.below(10);
+      const double length = std::max(line.length, height * kLeafLength);
+      turtle::Polygon leaf = leafAlong(start.position, line.direction, length, height * kLeafThickness,
+                                       2.0 * std::numbers::pi * draws.uniform());
+      leaf.colour = kind < 2 ? ForestColours::flower(group, kind, draws.below(ForestColours::kFlowerShades))
+                             : ForestColours::leaf(draws.below(ForestColours::kLeafShades));
+      leaf.branchOrder = end.branches;
+      leaf.module = i;
+      leaf.parent = parent;
+      scene.polygons.push_back(std::move(leaf));
+      continue;
+    }
+    // thinner from the base of the axis to its tip
+    const double base = height * std::max(kTrunkThickness * std::pow(kBranchThickness, end.branches), kLeastThickness);
+    const auto widthAt = [&](double along) {
+      return base * (1.0 - (1.0 - kTipThickness) * along / axes.axisLength[line.axis]);
+    };
+    const double endWidth = widthAt(line.along + line.length);
+    if (parent != turtle::kNoParent) {
+      // a line that goes on straight is drawn with the one before it
+      turtle::Segment& before = scene.segments[parent];
+      const bool goesOn = axes.lines[line.parent].axis == line.axis && before.end == start.position &&
+                          core::dot(before.frame.heading, line.direction) > kStraight;
+      if (goesOn) {
+        before.end = end.position;
+        before.endWidth = endWidth;
+        drawnAs[i] = parent;
+        continue;
+      }
+    }
     turtle::Segment segment;
     segment.start = start.position;
     segment.end = end.position;
+    segment.startWidth = widthAt(line.along);
+    segment.endWidth = endWidth;
     segment.branchOrder = end.branches;
-    segment.module = i / 2;
-    const bool isLeaf = end.hopsToLeaf == 0;
-    double width = height * kTrunkThickness * std::pow(kBranchThickness, end.branches);
-    width = std::max(width, height * kLeastThickness);
-    if (isLeaf) {
-      width = height * kLeafThickness;
-      const int kind = draws.below(10);
-      segment.colour = kind < 2 ? ForestColours::flower(group, kind, draws.below(ForestColours::kFlowerShades))
-                                : ForestColours::leaf(draws.below(ForestColours::kLeafShades));
-    } else {
-      segment.colour = end.branches == 0 ? trunk : branch;
-    }
-    segment.startWidth = segment.endWidth = width;
-    const core::Vec3 along = end.position - start.position;
-    const double length = core::length(along);
-    if (length > 0.0) {
-      segment.frame.heading = along * (1.0 / length);
-      const core::Vec3 other = std::abs(segment.frame.heading.y) < 0.9 ? core::Vec3{0, 1, 0} : core::Vec3{1, 0, 0};
-      segment.frame.up = core::normalised(core::cross(segment.frame.heading, other));
-      segment.frame.left = core::cross(segment.frame.heading, segment.frame.up);
-    }
-    const auto parent = ends.find({start.position.x, start.position.y, start.position.z});
-    segment.parent = parent == ends.end() ? turtle::kNoParent : parent->second;
-    ends[{end.position.x, end.position.y, end.position.z}] = static_cast<std::uint32_t>(scene.segments.size());
+    segment.module = i;
+    segment.colour = end.branches == 0 ? trunk : branch;
+    segment.parent = parent;
+    setFrame(segment, line.direction);
+    drawnAs[i] = static_cast<std::uint32_t>(scene.segments.size());
     scene.segments.push_back(segment);
   }
   return scene;

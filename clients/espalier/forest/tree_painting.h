@@ -39,8 +39,9 @@ class ForestColours {
 
 /// A tree as the report draws it: lines to leaves (hops 0 at their end) are leaves of one thickness, of which a tenth
 /// is the first and a tenth the second flower of the group drawn for the tree; the rest is as thick as its number of
-/// branches and the tree's height say, trunk and branches in colours of their own. `index` tells trees of one forest
-/// apart.
+/// branches and the tree's height say, trunk and branches in colours of their own. Ours: an axis gets thinner to its
+/// tip, a leaf is a flat blade along its line (polygons, 4 corners), and what goes on straight is one line, so that a
+/// forest is a small file. `index` tells trees of one forest apart. O(lines · log(lines)).
 [[nodiscard]] turtle::Scene paintTree(const TreePoints& tree, std::uint64_t seed, std::uint32_t index);
 
 }  // namespace espalier::command

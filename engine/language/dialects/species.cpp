@@ -314,7 +314,7 @@ class SpeciesReader {
                               offset_);
     addRules();
     if (generations_.least < generations_.most) {
-      model_.items.emplace_back("EndEach: { if (Q >= generations) { stop(1); } }", offset_);
+      model_.items.emplace_back("EndEach: { if (Q >= generations) { stop(2); } }", offset_);
     }
     for (const char variable : variables_) {
       if (used_.count(variable) == 0) {
@@ -327,7 +327,9 @@ class SpeciesReader {
     draw("+ --> -(angle)");
     draw("- --> +(angle)");
     if (turn_ != 0.0) {
-      draw("[ --> [/(" + cpfgNumber(turn_) + ")");
+      // a macro, so that who runs the species can leave the turn out
+      model_.items.emplace_back("#define GIRO " + cpfgNumber(turn_), offset_);
+      draw("[ --> [/(GIRO)");
     }
     silence(used_, "F+-", model_);
     model_.turnsByAngle = false;

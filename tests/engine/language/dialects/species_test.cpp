@@ -32,11 +32,13 @@ TEST(Species, RangesAreDrawnForEachTree) {
   const std::string text = cpfgText(species("Passo: 4..8\nÂngulo: 20..30\nGerações: 4..6\n"));
   EXPECT_TRUE(contains(text, "derivation length: 6\n"));
   EXPECT_TRUE(contains(text, "Start: { step = 4 + ran(4); angle = 20 + ran(10); generations = 4 + floor(ran(3)); }\n"));
-  EXPECT_TRUE(contains(text, "EndEach: { if (Q >= generations) { stop(1); } }\n"));
+  EXPECT_TRUE(contains(text, "EndEach: { if (Q >= generations) { stop(2); } }\n"));
 }
 
 TEST(Species, ATurnAboutTheAxisMayComeWithEachBranch) {
-  EXPECT_TRUE(contains(cpfgText(species("Giro: 30\n")), "[ --> [/(30)\n"));
+  // by a macro, that --define overrides
+  EXPECT_TRUE(contains(cpfgText(species("Giro: 30\n")), "\n#define GIRO 30\n"));
+  EXPECT_TRUE(contains(cpfgText(species("Giro: 30\n")), "[ --> [/(GIRO)\n"));
   EXPECT_FALSE(contains(cpfgText(species("Giro: 0\n")), "[ -->"));
 }
 
