@@ -82,6 +82,9 @@ BatchPlan::BatchPlan(const language::Program& program, const language::LSystem& 
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
     blocks_[i].allTypes = blockTypes_[i].data();
   }
+  if (isFixedOnly()) {
+    fixedBlocks_ = FixedBlocks(program, plan);
+  }
   makePairs(program, rules);
   makeSiteMarks(program, rules);
 }

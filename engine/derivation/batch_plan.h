@@ -10,6 +10,7 @@
 #include "engine/derivation/column_evaluator.h"
 #include "engine/derivation/column_plan.h"
 #include "engine/derivation/context_matcher.h"
+#include "engine/derivation/fixed_blocks.h"
 #include "engine/derivation/module_finder.h"
 #include "engine/derivation/production_plan.h"
 #include "engine/language/program.h"
@@ -82,6 +83,8 @@ class BatchPlan {
   [[nodiscard]] bool isComplete() const { return isComplete_; }
   /// Whether every module becomes a fixed block or stays.
   [[nodiscard]] bool isFixedOnly() const { return isComplete_ && groups_.empty(); }
+  /// Has a table in some models where isFixedOnly.
+  [[nodiscard]] const FixedBlocks& fixedBlocks() const { return fixedBlocks_; }
 
   [[nodiscard]] Class classOf(core::ModuleTypeId type) const { return classes_[type]; }
   /// Group: in groups; Fixed: the block.
@@ -129,6 +132,7 @@ class BatchPlan {
   std::vector<BatchRule> rules_;
   std::vector<BatchBlock> blocks_;
   std::vector<std::vector<core::ModuleTypeId>> blockTypes_;  // by block
+  FixedBlocks fixedBlocks_;
   bool isComplete_ = true;
   bool hasOneKindOnly_ = false;  // one group and nothing Fixed or General: every site belongs to the group
   std::vector<std::uint8_t> candidateBits_;

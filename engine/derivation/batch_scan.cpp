@@ -154,9 +154,13 @@ BatchScan::Outcome BatchScan::countFixed() {
 }
 
 void BatchScan::writeFixed(ModuleTypeId* types, double* parameters) const {
+  ModuleTypeId* const end = types + fixedModules_;
+  if (plan_->fixedBlocks().hasTable()) {
+    plan_->fixedBlocks().write(step_.old.types + first_, end_ - first_, types, end);
+    return;
+  }
   const TypePlan* plans = productions_->plans();
   const double* oldParameters = step_.old.parameters + offset_;
-  ModuleTypeId* const end = types + fixedModules_;
   for (std::uint64_t module = first_; module < end_; ++module) {
     const TypePlan& plan = plans[step_.old.types[module]];
     // written whole while there is room, however many modules count

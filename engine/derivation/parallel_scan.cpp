@@ -17,7 +17,7 @@ namespace {
 // chunks whose parameters are counted, and brackets linked, by one thread at a time
 constexpr std::uint64_t kPartChunks = 16;
 // of a chunk that is only counted and written: long enough that threads seldom meet in one page
-constexpr std::uint64_t kFixedChunkModules = 32 * BatchScan::kChunkModules;
+constexpr std::uint64_t kFixedChunkModules = 16 * BatchScan::kChunkModules;
 // turns a waiting thread looks again before it lets others run
 constexpr int kSpins = 200;
 

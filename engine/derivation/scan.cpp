@@ -103,6 +103,7 @@ void Derivation::Implementation::scanPlain(const PlantState& state, std::uint64_
   const QuickRule* rules = tables.plan.rules();
   const QuickValue* values = tables.plan.values();
   const core::ModuleTypeId* successors = tables.plan.types();
+  const FixedBlocks& blocks = tables.batches.fixedBlocks();
   const ModuleString& old = state.string;
   const core::ModuleTypeId* types = old.types().data();
   const double* parameters = old.parameters().data();
@@ -138,6 +139,13 @@ void Derivation::Implementation::scanPlain(const PlantState& state, std::uint64_
     rewriter_.checkSize(working_.size(), working_.parameterCount());
     const std::uint64_t chunkEnd = std::min(end, module + chunk);
     startWriting(chunkEnd - module);
+    if constexpr (!kDrawsEachPosition && !kHasParameters) {
+      if (blocks.hasTable()) {
+        nextType = blocks.write(types + module, chunkEnd - module, nextType,
+                                working_.typeBuffer().data() + working_.typeBuffer().capacity());
+        module = chunkEnd;
+      }
+    }
     while (module < chunkEnd) {
       const TypePlan& plan = plans[types[module]];
       double draw = 0.0;
