@@ -34,7 +34,7 @@ std::optional<std::string> whyUnreadable(const std::string& file, const char* op
 }
 
 // the string of a file, from an MTG too
-std::optional<std::string> readStartString(const std::string& file, core::FileProvider& files) {
+std::optional<std::string> readStartString(const std::string& file, core::FileProvider& files, bool isQuiet) {
   std::optional<std::string> text = files.read(file);
   if (!text) {
     printError("there is no file '" + file + "' (--from): check the name and the working folder");
@@ -46,12 +46,15 @@ std::optional<std::string> readStartString(const std::string& file, core::FilePr
       printError(file + ":" + *problem);
       return std::nullopt;
     }
-    const auto& strings = std::get<std::vector<std::string>>(read);
+    const auto& [strings, modules] = std::get<turtle::MtgStrings>(read);
     if (strings.size() != 1) {
       printError("'" + file + "' has " + std::to_string(strings.size()) + " plants; a run starts from one");
       return std::nullopt;
     }
     text = strings.front();
+    if (!modules.empty() && !isQuiet) {
+      printNote("'" + file + "' (--from) has the modules " + modules);
+    }
   }
   if (text->find_first_not_of(" \t\r\n") == std::string::npos) {
     printError("'" + file + "' (--from) has no modules");
@@ -344,7 +347,7 @@ std::optional<LoadedModel> loadModel(ModelOptions& options, core::FileProvider& 
   loaded.simulationOptions.palette =
       loaded.folder.palette.empty() ? loaded.program->view.palette : loaded.folder.palette;
   if (!options.startFile.empty()) {
-    std::optional<std::string> start = readStartString(options.startFile, files);
+    std::optional<std::string> start = readStartString(options.startFile, files, options.isQuiet);
     if (!start) {
       return std::nullopt;
     }

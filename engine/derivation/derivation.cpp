@@ -133,7 +133,7 @@ void Derivation::Implementation::failArity(core::ModuleTypeId type) const {
                           std::to_string(options_.limits.maximumArity) + " (limit maximumArity)");
 }
 
-void Derivation::Implementation::rewind(PlantState& state) {
+void Derivation::Implementation::rewind(PlantState& state, const ModuleString* start) {
   // everything is made in a fresh state, so that a failure leaves the old one as it is
   PlantState fresh;
   fresh.derivationLength = options_.derivationLength.value_or(program_->derivationLength);
@@ -149,7 +149,11 @@ void Derivation::Implementation::rewind(PlantState& state) {
   const language::LSystem& system = program_->systems.front();
   runBlock(system.start, Block::Start, 0);
   fresh.instances.front().hasStarted = true;
-  appendAxiom(fresh.string);
+  if (start != nullptr) {
+    fresh.string = *start;
+  } else {
+    appendAxiom(fresh.string);
+  }
   rewriter_.checkSize(fresh.string.size(), fresh.string.parameterCount());
   addCallsOf(fresh.string, fresh.instances);
   state = std::move(fresh);
@@ -320,8 +324,8 @@ Derivation::~Derivation() = default;
 Derivation::Derivation(Derivation&&) noexcept = default;
 Derivation& Derivation::operator=(Derivation&&) noexcept = default;
 
-void Derivation::rewind(PlantState& state) {
-  implementation_->rewind(state);
+void Derivation::rewind(PlantState& state, const ModuleString* start) {
+  implementation_->rewind(state, start);
 }
 void Derivation::derive(PlantState& state) {
   implementation_->derive(state);

@@ -37,8 +37,9 @@ class Derivation {
   Derivation(Derivation&&) noexcept;
   Derivation& operator=(Derivation&&) noexcept;
 
-  /// Define blocks, Start, the axiom: sets `state` to step 0.
-  void rewind(PlantState& state);
+  /// Define blocks, Start, the axiom: sets `state` to step 0. `start` takes the axiom's place; its types are the
+  /// program's.
+  void rewind(PlantState& state, const ModuleString* start = nullptr);
 
   /// One DerivationStep after the interpretation pass (LANGUAGE §1.5, 2 to 6): counter, StartEach, the scan with
   /// decomposition, EndEach, and End when it is the last step. On failure `state` is as before the call, except for

@@ -24,7 +24,7 @@ class Derivation::Implementation {
  public:
   Implementation(const language::Program& program, DerivationOptions options);
 
-  void rewind(PlantState& state);
+  void rewind(PlantState& state, const ModuleString* start);
   void derive(PlantState& state);
   [[nodiscard]] bool hasHomomorphism() const { return hasHomomorphism_; }
   void beginInterpretation(PlantState& state);

@@ -1,6 +1,7 @@
 #include <cmath>
 #include <string>
 
+#include "engine/core/check.h"
 #include "engine/core/number_text.h"
 #include "engine/derivation/implementation.h"
 
@@ -106,6 +107,7 @@ void Derivation::Implementation::scanWithCalls(PlantState& state) {
         break;
       case Fate::Copied:
         if (isOldCall) {
+          ESPALIER_CHECK(instance < state.instances.size());
           callOrigins_.push_back({false, instance});
           enterCall(state, instance);
         }

@@ -73,16 +73,19 @@ turtle::EnvironmentContext Simulation::Implementation::environmentContext() cons
   return context;
 }
 
-void Simulation::Implementation::startFromString(const language::Program& program,
-                                                 derivation::PlantState& plant) const {
-  auto read = derivation::parseText(program, options_.startString);
+void Simulation::Implementation::startPlant(std::size_t plant, derivation::PlantState& state) const {
+  if (options_.startString.empty()) {
+    derivations_[plant]->rewind(state);
+    return;
+  }
+  auto read = derivation::parseText(programOf(plant), options_.startString);
   if (const std::string* problem = std::get_if<std::string>(&read)) {
     core::SimulationError error;
     error.code = core::SimulationErrorCode::Model;
     error.message = "the string to start from, " + *problem + ".";
     throw core::SimulationFailure(std::move(error));
   }
-  plant.string = std::move(std::get<derivation::ModuleString>(read));
+  derivations_[plant]->rewind(state, &std::get<derivation::ModuleString>(read));
 }
 
 Outcome Simulation::Implementation::rewind() {
@@ -111,10 +114,7 @@ void Simulation::Implementation::begin() {
   // the plants first: a failing Start changes nothing
   std::vector<derivation::PlantState> plants(members_.size());
   for (std::size_t plant = 0; plant < plants.size(); ++plant) {
-    derivations_[plant]->rewind(plants[plant]);
-    if (!options_.startString.empty()) {
-      startFromString(programOf(plant), plants[plant]);
-    }
+    startPlant(plant, plants[plant]);
   }
   if (environment_) {
     const auto open = [&] { return environment_->open(environmentContext()); };

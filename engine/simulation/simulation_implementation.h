@@ -77,7 +77,7 @@ class Simulation::Implementation {
   [[nodiscard]] std::uint64_t effectiveSeed() const;
   void hashPlants(core::Hasher& hasher) const;
   void makeDerivations();
-  void startFromString(const language::Program& program, derivation::PlantState& plant) const;
+  void startPlant(std::size_t plant, derivation::PlantState& state) const;
   [[nodiscard]] turtle::EnvironmentContext environmentContext() const;
 
   // the parts of a step: they throw SimulationFailure and are undone by undoStep

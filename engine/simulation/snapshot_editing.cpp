@@ -86,6 +86,9 @@ std::string problemOf(const std::vector<EditedModule>& modules, const Types& typ
       return "The model has no module '" + module.symbol + "' with " + std::to_string(module.parameters.size()) +
              " parameters. It has " + types.list() + ".";
     }
+    if (module.symbol == "?" && !module.parameters.empty()) {
+      return "A call of a sub-L-system cannot be put in: its variables would be missing.";
+    }
     if (std::any_of(module.parameters.begin(), module.parameters.end(), [](double x) { return !std::isfinite(x); })) {
       return "A parameter of '" + module.symbol + "' is NaN or infinite. Give finite numbers.";
     }

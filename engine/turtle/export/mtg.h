@@ -19,9 +19,18 @@ namespace espalier::turtle {
 /// belong to no module with a letter. An error sentence when brackets do not match.
 [[nodiscard]] std::optional<std::string> writeMtg(const ExportInput& input, const ExportTarget& target);
 
-/// Reads an MTG in FORM-A back into strings, one for each entity of the coarsest scale: entities of the finest scale
-/// become modules, in brackets what is joined by `+`. An entity with a feature `Text` is that text; another is its
-/// class with its numeric features as parameters. An error is "LINE: what is wrong".
-[[nodiscard]] std::variant<std::vector<std::string>, std::string> readMtg(std::string_view text);
+/// What an MTG says as strings.
+struct MtgStrings {
+  std::vector<std::string> strings;  // one for each entity of the coarsest scale
+  std::string modules;               // of entities without `Text`: the classes with the features that are their
+                                     // parameters, as `Internode(length,width), Leaf`; else empty
+};
+
+/// Reads an MTG in FORM-A back into strings: entities of the finest scale become modules, in brackets what is joined
+/// by `+`. An entity with a feature `Text` is that text. Another is its class with numbers as parameters: those of the
+/// numeric features that any entity of its class has, 0 where it has none itself, so that all modules of a class have
+/// the same parameters. `E1<<E5` is a series of entities; of an entity that was observed several times (lines of `*`)
+/// the last numbers count. An error is "LINE: what is wrong".
+[[nodiscard]] std::variant<MtgStrings, std::string> readMtg(std::string_view text);
 
 }  // namespace espalier::turtle

@@ -1,8 +1,11 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <map>
+#include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -14,6 +17,8 @@ namespace espalier::turtle {
 namespace {
 
 constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+constexpr std::uint64_t kLongestSeries = 1'000'000;
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 bool isLetter(char c) {
   return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z');
@@ -61,14 +66,18 @@ struct Vertex {
   char edge = '/';              // to the parent: < or +; / for the first of its complex
   std::size_t parent = kNone;   // at the same scale
   std::size_t complex = kNone;  // the entity of the next coarser scale that it is a part of
-  std::string text;
+  std::size_t origin = kNone;   // the entity of a finer scale that it grows on, where the file says
+  std::size_t firstPart = kNone;
+  std::uint64_t index = 0;  // behind the class; 0: none
+  std::optional<std::string> text;
+  std::vector<double> numbers;  // of the numeric features in the order of the columns, kUnknown where there is none
   std::vector<std::size_t> children;
 };
 
 class MtgReader {
  public:
   explicit MtgReader(std::string_view text) : text_(text) {}
-  std::variant<std::vector<std::string>, std::string> read();
+  std::variant<MtgStrings, std::string> read();
 
  private:
   enum class Section : unsigned char { None, Classes, Description, Features, Graph };
@@ -78,11 +87,16 @@ class MtgReader {
   std::string readGraphLine(std::string_view line);
   std::string readCode(std::string_view code, std::size_t column);
   std::string readLabel(std::string_view& code, Vertex& vertex) const;
-  std::string join(Vertex& vertex, std::size_t base, std::size_t& fineBase);
-  void readFeatures(const std::vector<std::string_view>& columns);
+  std::string join(Vertex& vertex, std::size_t base) const;
+  void joinPart(Vertex& vertex, std::size_t base) const;
+  std::string addSeries(const Vertex& last, std::size_t& base);
+  void add(Vertex vertex);
+  void readFeatures(const std::vector<std::string_view>& columns, Vertex& vertex);
   [[nodiscard]] std::size_t ancestorAt(std::size_t vertex, int scale) const;
-  [[nodiscard]] std::size_t lastPartAt(std::size_t vertex, int scale) const;
-  [[nodiscard]] std::vector<std::string> strings() const;
+  [[nodiscard]] std::size_t endOf(std::size_t vertex, int scale) const;
+  void chooseParameters();
+  void appendModule(std::string& text, const Vertex& vertex) const;
+  [[nodiscard]] MtgStrings strings() const;
   void appendTree(std::string& text, std::size_t root) const;
 
   std::string_view text_;
@@ -94,8 +108,9 @@ class MtgReader {
   std::vector<std::string> features_;      // by column from featureColumn_
   std::size_t featureColumn_ = kNone;
   std::vector<Vertex> vertices_;
-  int coarsest_ = std::numeric_limits<int>::max();  // scale above 0 so far
-  std::vector<std::size_t> lastOfColumn_;           // vertex of the last code in each column
+  std::map<std::string, std::vector<std::size_t>> parameters_;  // by class: which numbers of a vertex
+  int coarsest_ = std::numeric_limits<int>::max();              // scale above 0 so far
+  std::vector<std::size_t> lastOfColumn_;                       // vertex of the last code in each column
 };
 
 std::string unescaped(std::string_view text) {
@@ -121,13 +136,25 @@ std::size_t MtgReader::ancestorAt(std::size_t vertex, int scale) const {
   return vertex != kNone && vertices_[vertex].scale == scale ? vertex : kNone;
 }
 
-std::size_t MtgReader::lastPartAt(std::size_t vertex, int scale) const {
-  for (std::size_t i = vertices_.size(); i-- > 0;) {
-    if (vertices_[i].scale == scale && ancestorAt(i, vertices_[vertex].scale) == vertex) {
-      return i;
+// where the axis of a vertex's parts of a finer scale ends
+std::size_t MtgReader::endOf(std::size_t vertex, int scale) const {
+  std::size_t at = vertex;
+  while (at != kNone && vertices_[at].scale < scale) {
+    at = vertices_[at].firstPart;
+  }
+  if (at == kNone || vertices_[at].scale != scale) {
+    return kNone;
+  }
+  for (std::size_t next = at; next != kNone;) {
+    at = next;
+    next = kNone;
+    for (const std::size_t child : vertices_[at].children) {
+      if (vertices_[child].edge == '<' && ancestorAt(child, vertices_[vertex].scale) == vertex) {
+        next = child;
+      }
     }
   }
-  return kNone;
+  return at;
 }
 
 // a class of letters and an index of digits
@@ -145,6 +172,9 @@ std::string MtgReader::readLabel(std::string_view& code, Vertex& vertex) const {
   if (letters == 0) {
     return problem("expected the class of an entity, found '" + std::string(code.substr(0, 20)) + "'");
   }
+  if (std::from_chars(code.data() + letters, code.data() + end, vertex.index).ec == std::errc::result_out_of_range) {
+    return problem("the number of '" + std::string(code.substr(0, end)) + "' is too large");
+  }
   // some programs put the whole scene, which has the scale of `$`, above the plants without declaring it
   if (scale == scales_.end() && vertex.entityClass == "Scene" && vertices_.empty()) {
     code.remove_prefix(end);
@@ -158,38 +188,80 @@ std::string MtgReader::readLabel(std::string_view& code, Vertex& vertex) const {
   return {};
 }
 
-// `fineBase` is the entity of the finest scale that a branch of a coarser scale began at
-std::string MtgReader::join(Vertex& vertex, std::size_t base, std::size_t& fineBase) {
+// a part of what its base belongs to; the first part of a branch grows where its complex does
+void MtgReader::joinPart(Vertex& vertex, std::size_t base) const {
+  // scales may be left out
+  vertex.complex = base;
+  while (vertex.complex != kNone && vertices_[vertex.complex].scale >= vertex.scale) {
+    vertex.complex = vertices_[vertex.complex].complex;
+  }
+  if (vertex.complex == kNone || vertices_[vertex.complex].firstPart != kNone) {
+    return;
+  }
+  const Vertex& complex = vertices_[vertex.complex];
+  if (complex.origin != kNone && vertices_[complex.origin].scale >= vertex.scale) {
+    vertex.parent = ancestorAt(complex.origin, vertex.scale);
+    vertex.origin = vertices_[complex.origin].scale > vertex.scale ? complex.origin : kNone;
+  } else if (complex.parent != kNone) {
+    vertex.parent = endOf(complex.parent, vertex.scale);
+  }
+  vertex.edge = vertex.parent != kNone ? complex.edge : vertex.edge;
+}
+
+std::string MtgReader::join(Vertex& vertex, std::size_t base) const {
   if (vertex.edge == '/') {
-    if (base != kNone) {
-      const bool isPart = vertices_[base].scale < vertex.scale;
-      // scales may be left out
-      vertex.complex = base;
-      while (vertex.complex != kNone && vertices_[vertex.complex].scale >= vertex.scale) {
-        vertex.complex = vertices_[vertex.complex].complex;
-      }
-      // the first part of a branch grows where its complex does
-      if (fineBase != kNone && isPart && vertices_[fineBase].scale == vertex.scale) {
-        vertex.parent = fineBase;
-        vertex.edge = vertices_[base].edge;
-        fineBase = kNone;
-      }
-    }
+    joinPart(vertex, base);
     return {};
   }
   if (base == kNone) {
     return problem(std::string("'") + vertex.edge + vertex.entityClass + "' joins nothing");
   }
   const int baseScale = vertices_[base].scale;
-  vertex.parent = baseScale >= vertex.scale ? ancestorAt(base, vertex.scale) : lastPartAt(base, vertex.scale);
+  vertex.parent = baseScale >= vertex.scale ? ancestorAt(base, vertex.scale) : endOf(base, vertex.scale);
+  // some programs write the first part of an entity as if it grew on it
+  if (vertex.parent == kNone && baseScale < vertex.scale) {
+    vertex.edge = '/';
+    joinPart(vertex, base);
+    return {};
+  }
   if (vertex.parent == kNone) {
     return problem(std::string("'") + vertex.edge + vertex.entityClass + "' joins nothing of its scale");
   }
-  if (baseScale > vertex.scale) {
-    fineBase = base;
-  }
+  vertex.origin = baseScale > vertex.scale ? base : kNone;
   vertex.complex = vertices_[vertex.parent].complex;
   return {};
+}
+
+// the entities between the one before and `last`, and `last`: each joined to the one before it as `last` is
+std::string MtgReader::addSeries(const Vertex& last, std::size_t& base) {
+  const std::string name = last.entityClass + std::to_string(last.index);
+  const std::string signs(2, last.edge);
+  if (base == kNone || vertices_[base].entityClass != last.entityClass || vertices_[base].index >= last.index) {
+    return problem("'" + signs + name + "' continues no entity of its class with a smaller number");
+  }
+  if (last.index - vertices_[base].index > kLongestSeries) {
+    return problem("'" + signs + name + "' has more than " + std::to_string(kLongestSeries) + " entities");
+  }
+  for (std::uint64_t index = vertices_[base].index + 1; index <= last.index; ++index) {
+    Vertex vertex = last;
+    vertex.index = index;
+    vertex.parent = base;
+    vertex.complex = vertices_[base].complex;
+    base = vertices_.size();
+    add(std::move(vertex));
+  }
+  return {};
+}
+
+void MtgReader::add(Vertex vertex) {
+  coarsest_ = vertex.scale > 0 ? std::min(coarsest_, vertex.scale) : coarsest_;
+  if (vertex.parent != kNone) {
+    vertices_[vertex.parent].children.push_back(vertices_.size());
+  }
+  if (vertex.complex != kNone && vertices_[vertex.complex].firstPart == kNone) {
+    vertices_[vertex.complex].firstPart = vertices_.size();
+  }
+  vertices_.push_back(std::move(vertex));
 }
 
 std::string MtgReader::readCode(std::string_view code, std::size_t column) {
@@ -201,7 +273,6 @@ std::string MtgReader::readCode(std::string_view code, std::size_t column) {
     }
     code.remove_prefix(1);
   }
-  std::size_t fineBase = kNone;
   while (!code.empty()) {
     Vertex vertex;
     vertex.edge = code.front();
@@ -209,51 +280,47 @@ std::string MtgReader::readCode(std::string_view code, std::size_t column) {
       return problem("expected '/', '<' or '+' before an entity, found '" + std::string(code.substr(0, 20)) + "'");
     }
     code.remove_prefix(1);
+    const bool isSeries = vertex.edge != '/' && code.starts_with(vertex.edge);
+    code.remove_prefix(isSeries ? 1 : 0);
     if (std::string what = readLabel(code, vertex); !what.empty()) {
       return what;
+    }
+    if (isSeries) {
+      if (std::string what = addSeries(vertex, base); !what.empty()) {
+        return what;
+      }
+      continue;
     }
     // in the first column only plants begin without `^`: anything finer goes on with the column, as older files have it
     const bool goesOn = base == kNone && column == 0 && !lastOfColumn_.empty() && lastOfColumn_[0] != kNone;
     if (goesOn && vertex.scale > coarsest_) {
       base = lastOfColumn_[0];
     }
-    if (std::string what = join(vertex, base, fineBase); !what.empty()) {
+    if (std::string what = join(vertex, base); !what.empty()) {
       return what;
     }
-    coarsest_ = vertex.scale > 0 ? std::min(coarsest_, vertex.scale) : coarsest_;
-    vertex.text = vertex.entityClass;
     base = vertices_.size();
-    if (vertex.parent != kNone) {
-      vertices_[vertex.parent].children.push_back(base);
-    }
-    vertices_.push_back(std::move(vertex));
+    add(std::move(vertex));
   }
   lastOfColumn_.resize(column + 1, kNone);
   lastOfColumn_[column] = base;
   return {};
 }
 
-void MtgReader::readFeatures(const std::vector<std::string_view>& columns) {
-  Vertex& vertex = vertices_.back();
-  std::string parameters;
-  bool hasText = false;
+void MtgReader::readFeatures(const std::vector<std::string_view>& columns, Vertex& vertex) {
+  vertex.numbers.resize(features_.size(), kUnknown);
   for (std::size_t i = 0; i < features_.size(); ++i) {
     const std::size_t column = featureColumn_ + i;
     const std::string_view value = column < columns.size() ? columns[column] : std::string_view();
     if (features_[i] == "Text") {
       vertex.text = unescaped(value);
-      hasText = true;
     } else if (isNumeric_[features_[i]] && !value.empty()) {
       double number = 0.0;
       const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
       if (error == std::errc() && end == value.data() + value.size() && std::isfinite(number)) {
-        parameters += parameters.empty() ? "(" : ",";
-        core::appendNumber(parameters, number, core::NumberStyle::Shortest);
+        vertex.numbers[i] = number;
       }
     }
-  }
-  if (!hasText) {
-    vertex.text = vertex.entityClass + (parameters.empty() ? "" : parameters + ")");
   }
 }
 
@@ -279,10 +346,21 @@ std::string MtgReader::readGraphLine(std::string_view line) {
   if (column >= columns.size() || column >= featureColumn_) {
     return problem("there is no entity on this line");
   }
+  // the last entity of its column, observed once more
+  if (columns[column] == "*") {
+    if (column >= lastOfColumn_.size() || lastOfColumn_[column] == kNone) {
+      return problem("'*' follows no entity of its column");
+    }
+    readFeatures(columns, vertices_[lastOfColumn_[column]]);
+    return {};
+  }
+  const std::size_t before = vertices_.size();
   if (std::string what = readCode(columns[column], column); !what.empty()) {
     return what;
   }
-  readFeatures(columns);
+  if (vertices_.size() > before) {
+    readFeatures(columns, vertices_.back());
+  }
   return {};
 }
 
@@ -328,6 +406,37 @@ std::string MtgReader::readLine(std::string_view line) {
   return {};
 }
 
+// which numbers are the parameters of each class of the finest scale
+void MtgReader::chooseParameters() {
+  for (const Vertex& vertex : vertices_) {
+    std::vector<std::size_t>& chosen = parameters_[vertex.entityClass];
+    for (std::size_t i = 0; i < vertex.numbers.size(); ++i) {
+      if (!std::isnan(vertex.numbers[i]) && std::ranges::find(chosen, i) == chosen.end()) {
+        chosen.push_back(i);
+      }
+    }
+  }
+  for (auto& [name, chosen] : parameters_) {
+    std::ranges::sort(chosen);
+  }
+}
+
+void MtgReader::appendModule(std::string& text, const Vertex& vertex) const {
+  text += vertex.text.value_or(vertex.entityClass);
+  const std::vector<std::size_t>& chosen = parameters_.at(vertex.entityClass);
+  if (vertex.text || chosen.empty()) {
+    return;
+  }
+  char separator = '(';
+  for (const std::size_t i : chosen) {
+    text += separator;
+    separator = ',';
+    const double number = i < vertex.numbers.size() ? vertex.numbers[i] : kUnknown;
+    core::appendNumber(text, std::isnan(number) ? 0.0 : number, core::NumberStyle::Shortest);
+  }
+  text += ')';
+}
+
 // a branch that ends, or an entity with what grows on it
 void MtgReader::appendTree(std::string& text, std::size_t root) const {
   constexpr std::size_t kClose = kNone;
@@ -343,7 +452,7 @@ void MtgReader::appendTree(std::string& text, std::size_t root) const {
     if (vertex.edge == '+') {
       text += '[';
     }
-    text += vertex.text;
+    appendModule(text, vertex);
     // branches first, then what goes on with the axis: the stack takes them in the opposite order
     std::vector<std::size_t> order;
     for (const char edge : {'+', '<'}) {
@@ -363,27 +472,40 @@ void MtgReader::appendTree(std::string& text, std::size_t root) const {
   }
 }
 
-std::vector<std::string> MtgReader::strings() const {
+MtgStrings MtgReader::strings() const {
   int finest = 0;
   for (const Vertex& vertex : vertices_) {
     finest = std::max(finest, vertex.scale);
   }
   std::map<std::size_t, std::string> byPlant;
+  std::set<std::string> classes;
   for (std::size_t i = 0; i < vertices_.size(); ++i) {
     const Vertex& vertex = vertices_[i];
     if (vertex.scale == finest && vertex.parent == kNone) {
       const std::size_t plant = coarsest_ >= finest ? 0 : ancestorAt(i, coarsest_);
       appendTree(byPlant[plant], i);
     }
+    if (vertex.scale == finest && !vertex.text) {
+      classes.insert(vertex.entityClass);
+    }
   }
-  std::vector<std::string> result;
+  MtgStrings result;
   for (auto& [plant, text] : byPlant) {
-    result.push_back(std::move(text));
+    result.strings.push_back(std::move(text));
+  }
+  for (const std::string& name : classes) {
+    result.modules += (result.modules.empty() ? "" : ", ") + name;
+    char separator = '(';
+    for (const std::size_t i : parameters_.at(name)) {
+      result.modules += separator + features_[i];
+      separator = ',';
+    }
+    result.modules += separator == ',' ? ")" : "";
   }
   return result;
 }
 
-std::variant<std::vector<std::string>, std::string> MtgReader::read() {
+std::variant<MtgStrings, std::string> MtgReader::read() {
   while (!text_.empty()) {
     const std::size_t end = text_.find('\n');
     std::string_view line = text_.substr(0, end);
@@ -400,12 +522,13 @@ std::variant<std::vector<std::string>, std::string> MtgReader::read() {
   if (vertices_.empty()) {
     return problem("the file has no entities: it is no MTG, or ends before its section MTG");
   }
+  chooseParameters();
   return strings();
 }
 
 }  // namespace
 
-std::variant<std::vector<std::string>, std::string> readMtg(std::string_view text) {
+std::variant<MtgStrings, std::string> readMtg(std::string_view text) {
   return MtgReader(text).read();
 }
 

@@ -91,6 +91,19 @@ TEST(MeshFile, NormalsAreMadeUnit) {
   EXPECT_LT(measure(triangles).largestNormalError, 1e-6);
 }
 
+TEST(MeshFile, ABandOfAnotherProgramIsReadAsItStandsWithoutItsBones) {
+  // four squares of 1 by 0.5 above each other, each of two triangles; the file has no normals
+  const std::vector<SurfaceTriangle> triangles = trianglesOf("simple_skin.gltf");
+  const Measures measures = measure(triangles);
+  EXPECT_EQ(triangles.size(), 8U);
+  EXPECT_NEAR(measures.area, 2.0, 1e-6);
+  EXPECT_EQ(measures.low, (Vec3{0, 0, 0}));
+  EXPECT_EQ(measures.high, (Vec3{1, 2, 0}));
+  for (const SurfaceTriangle& t : triangles) {
+    EXPECT_EQ(t.normals[1], (Vec3{0, 0, 1}));
+  }
+}
+
 TEST(MeshFile, ConcaveFacesAreCutIntoTrianglesOfTheirArea) {
   // it lies in a plane x = constant
   const std::vector<SurfaceTriangle> triangles = trianglesOf("concave_polygon.obj");

@@ -60,6 +60,19 @@ TEST(SnapshotEditing, WhatDoesNotFitIsRefused) {
             "A parameter of 'F' is NaN or infinite. Give finite numbers.");
 }
 
+TEST(SnapshotEditing, CallsOfSubLSystemsAreNotPutIn) {
+  // the string has no call yet, the model has
+  const auto program = compileText(
+      "Lsystem: 1\nderivation length: 4\nAxiom: B\nB --> ?(5)L$B\nendlsystem\nLsystem: 5\nAxiom: X\nL --> "
+      "l+L\nendlsystem\n");
+  Simulation simulation(program, {{}}, nullptr, {});
+  expectSuccess(simulation.rewind());
+  const auto refused = editString(snapshotOf(simulation), {Kind::Insert, 0, 0, {{"?", {5.0}}, {"L", {}}, {"$", {}}}});
+  ASSERT_TRUE(std::holds_alternative<core::SimulationError>(refused));
+  EXPECT_EQ(std::get<core::SimulationError>(refused).message,
+            "A call of a sub-L-system cannot be put in: its variables would be missing.");
+}
+
 TEST(SnapshotEditing, VariablesHaveTheirNewValuesInTheNextStep) {
   const auto program = compileText(kTree);
   Simulation simulation(program, {{}}, nullptr, {});

@@ -1,9 +1,12 @@
 #include "engine/turtle/export/mtg.h"
 
+#include <fstream>
+#include <iterator>
 #include <random>
 
 #include "engine/turtle/export/module_table.h"
 #include "tests/engine/turtle/turtle_fixture.h"
+#include "tests/support/places.h"
 
 namespace espalier::turtle {
 namespace {
@@ -29,7 +32,7 @@ std::string written(TurtleRun& run, std::string_view format, const ExportProgres
 std::vector<std::string> read(std::string_view mtg) {
   auto result = readMtg(mtg);
   return std::holds_alternative<std::string>(result) ? std::vector{std::get<std::string>(result)}
-                                                     : std::get<std::vector<std::string>>(std::move(result));
+                                                     : std::get<MtgStrings>(std::move(result)).strings;
 }
 
 std::vector<std::string> linesOf(const std::string& text) {
@@ -114,7 +117,7 @@ TEST(Mtg, AFileOfThreeScalesIsReadAtTheFinest) {
                           "\t^<U2\t\t8\n"
                           "/P2/A1/U1\t\t\t4\n"
                           "^<U2\n";
-  EXPECT_EQ(read(mtg), (std::vector<std::string>{"U(10)[U(2.5)U(3)]U(8)", "U(4)U"}));
+  EXPECT_EQ(read(mtg), (std::vector<std::string>{"U(10)[U(2.5)U(3)]U(8)", "U(4)U(0)"}));
 }
 
 TEST(Mtg, BlanksAroundColonsAndWindowsLineEndsAreRead) {
@@ -142,7 +145,7 @@ TEST(Mtg, OneScaleWithoutPlantsIsOneString) {
 TEST(Mtg, EntitiesInOneCodeAreAllThereAndFeaturesBelongToTheLast) {
   EXPECT_EQ(
       read(std::string(kHead) + "Length\tREAL\nMTG:\nTOPO\t\t\tLength\n/P1/A1/U1<U2<U3\t\t\t5\n\t+A2/U1<U2\t\t7\n"),
-      std::vector<std::string>{"UUU(5)[UU(7)]"});
+      std::vector<std::string>{"U(0)U(0)U(5)[U(0)U(7)]"});
 }
 
 TEST(Mtg, OlderFilesGoOnWithTheFirstColumnWithoutASign) {
@@ -159,6 +162,57 @@ TEST(Mtg, AnUndeclaredSceneIsAboveThePlantsAndScalesMayBeLeftOut) {
   EXPECT_EQ(read(std::string(kHead) + "MTG:\nENTITY-CODE\n/P1/U1\n^<U2\n"), std::vector<std::string>{"UU"});
 }
 
+TEST(Mtg, ASeriesOfEntitiesIsWrittenByItsEnds) {
+  EXPECT_EQ(read(std::string(kHead) +
+                 "Length\tREAL\nMTG:\nTOPO\t\t\tLength\n/P1/A1/U1<<U4\t\t\t5\n^<U5<<U6\n\t+A2/U1<U2++U4\n"),
+            std::vector<std::string>{"U(0)U(0)U(0)U(5)U(0)U(0)[U(0)U(0)[U(0)[U(0)]]]"});
+}
+
+TEST(Mtg, OfAnEntityThatIsObservedAgainTheLastNumbersCount) {
+  EXPECT_EQ(read(std::string(kHead) + "Length\tREAL\nWidth\tREAL\nMTG:\nENTITY-CODE\t\t\tLength\tWidth\n"
+                                      "/P1/A1\n^/U1\t\t\t93.5\t3\n*\t\t\t152\n^<U2\t\t\t7\t1\n"),
+            std::vector<std::string>{"U(152,3)U(7,1)"});
+}
+
+TEST(Mtg, AllModulesOfAClassHaveTheParametersThatAnyOfThemHas) {
+  const std::string mtg =
+      "CODE: FORM-A\nCLASSES:\nSYMBOL\tSCALE\n$\t0\nP\t1\nInternode\t2\nLeaf\t2\nFEATURES:\nNAME\tTYPE\nLength\tREAL\n"
+      "Width\tREAL\nAngle\tREAL\nMTG:\nENTITY-CODE\t\tLength\tWidth\tAngle\n/P1\n^/"
+      "Internode1\t\t12\tNA\n\t+Leaf1\t\t\t40\n"
+      "^<Internode2\t\t\t0.5\n";
+  const auto result = std::get<MtgStrings>(readMtg(mtg));
+  EXPECT_EQ(result.strings, std::vector<std::string>{"Internode(12,0)[Leaf(40)]Internode(0,0.5)"});
+  EXPECT_EQ(result.modules, "Internode(Length,Width), Leaf(Angle)");
+}
+
+MtgStrings readFile(const std::string& name) {
+  std::ifstream file(sourceFolder() + "/tests/engine/turtle/mtg/" + name, std::ios::binary);
+  EXPECT_TRUE(file.good()) << name;
+  auto result = readMtg(std::string(std::istreambuf_iterator<char>(file), {}));
+  if (const auto* problem = std::get_if<std::string>(&result)) {
+    ADD_FAILURE() << name << ":" << *problem;
+    return {};
+  }
+  return std::get<MtgStrings>(std::move(result));
+}
+
+TEST(Mtg, FilesOfOtherProgramsAreRead) {
+  // what each draws, from its text by hand
+  const MtgStrings simple = readFile("simple_plant.mtg");
+  EXPECT_EQ(simple.strings, std::vector<std::string>{"Internode(0)[Leaf]Internode(170)[Leaf]"});
+  EXPECT_EQ(simple.modules, "Internode(XEuler), Leaf");
+  EXPECT_EQ(readFile("simple_plant-P1U1.mtg").strings,
+            std::vector<std::string>{"Internode(1)[Leaf]Internode(180)[Leaf]"});
+  // the first leaf's numbers stand two columns too far to the left there; those of the others are features of text
+  EXPECT_EQ(readFile("simple_plant_3.mtg").strings,
+            std::vector<std::string>{"Internode[Leaf(10,6)][Internode[Leaf(0,0)]]Internode[Internode[Leaf(0,0)]]"});
+  const MtgStrings palm = readFile("palm.mtg");
+  EXPECT_EQ(palm.strings, std::vector<std::string>{"Internode[Leaf]"});
+  EXPECT_EQ(palm.modules, "Internode, Leaf");
+  // ten nodes on the trunk; branches of eight and of seven nodes on its third and fourth
+  EXPECT_EQ(readFile("simple_plant-follow.mtg").strings, std::vector<std::string>{"NNN[NNNNNNNN]N[NNNNNNN]NNNNNN"});
+}
+
 TEST(Mtg, MistakesAreNamedWithTheirLine) {
   EXPECT_EQ(read(""),
             std::vector<std::string>{"0: the file has no entities: it is no MTG, or ends before its section MTG"});
@@ -171,7 +225,12 @@ TEST(Mtg, MistakesAreNamedWithTheirLine) {
   EXPECT_EQ(problem("/P1\n\tU1\n"), "17: expected '/', '<' or '+' before an entity, found 'U1'");
   EXPECT_EQ(problem("/P1\n\t/7\n"), "17: expected the class of an entity, found '7'");
   EXPECT_EQ(problem("+P1\n"), "16: '+P' joins nothing");
-  EXPECT_EQ(problem("/P1\n\t+U1\n"), "17: '+U' joins nothing of its scale");
+  EXPECT_EQ(problem("/P1/A1\n^+P2/U1\n\t<A3\n"), "18: '<A' joins nothing of its scale");
+  EXPECT_EQ(problem("*\n"), "16: '*' follows no entity of its column");
+  EXPECT_EQ(problem("/P1/U3<<U3\n"), "16: '<<U3' continues no entity of its class with a smaller number");
+  EXPECT_EQ(problem("/P1++U3\n"), "16: '++U3' continues no entity of its class with a smaller number");
+  EXPECT_EQ(problem("/P1/U3<<U1000004\n"), "16: '<<U1000004' has more than 1000000 entities");
+  EXPECT_EQ(problem("/P1/U99999999999999999999\n"), "16: the number of 'U99999999999999999999' is too large");
   EXPECT_EQ(read("CLASSES:\nSYMBOL\tSCALE\nP\tone\n").front(), "3: the scale of class 'P' is not a whole number");
 }
 
