@@ -172,6 +172,18 @@ INSTANTIATE_TEST_SUITE_P(Models, GalleryPicture, testing::ValuesIn(models()), []
   return name;
 });
 
+TEST(GalleryPictures, EveryPictureOfAFolderIsListedAndOnThePage) {
+  const std::map<std::string, std::string> listed = pictures();
+  const std::string page = readFile(sourceFolder() + "/clients/gallery/README.md").value_or("");
+  for (const fs::directory_entry& entry : fs::directory_iterator(sourceFolder() + "/clients/gallery")) {
+    const std::string name = entry.path().filename().string();
+    if (fs::exists(galleryFile(name))) {
+      EXPECT_TRUE(listed.contains(name)) << "pictures.txt does not say how " << name << ".png is made";
+      EXPECT_NE(page.find("src=\"" + name + "/" + name + ".png\""), std::string::npos) << name;
+    }
+  }
+}
+
 TEST(GalleryPictures, ADifferenceThatCanBeSeenIsFound) {
   const PictureImage weed = readPicture(galleryFile("classic-weed"));
   EXPECT_TRUE(looksAlike(weed, weed));

@@ -1,4 +1,4 @@
 angle increment: 60
 line style: cylinder
-initial line width: 0.2 s
-initial color: 160
+initial line width: 0.3 s
+initial color: 136
