@@ -11,6 +11,7 @@
 
 #include "environment/light_directions.h"
 #include "environment/published_voxels.h"
+#include "environment/ray_sums.h"
 #include "environment/replies.h"
 #include "environment/sphere_tree.h"
 
@@ -122,6 +123,11 @@ class Chiba final : public turtle::EnvironmentProcess {
       sources_.push_back({{row[0], row[1], row[2]}, row[3]});
     }
     normaliseLight(sources_);
+    // the finest unit with which the chords that make darkness can still be added up
+    const double longest = transmittance_ < 1.0 ? std::log(kDarkness) / std::log(transmittance_) : 1.0;
+    diameter_ = std::exp2(std::clamp(61.0 - std::ceil(std::log2(std::max(longest, 1.0))), 40.0, 56.0));
+    limit_ =
+        transmittance_ < 1.0 ? static_cast<std::int64_t>(std::min(longest * diameter_, 0x1p62)) : RaySums::kMostLimit;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       gridSize_[axis] = static_cast<std::size_t>(configuration.numbers("gridSize")[axis]);
     }
@@ -143,6 +149,7 @@ class Chiba final : public turtle::EnvironmentProcess {
           false};
     }
     lengthUnit_ = context.world.lengthUnit;
+    chords_.clear();
     directions_ = sources_.empty() ? sampleSky(sky_, core::normalised(context.world.up)) : sources_;
     return std::nullopt;
   }
@@ -173,7 +180,7 @@ class Chiba final : public turtle::EnvironmentProcess {
       }
     } else {
       const DistinctSpheres distinct = distinctSpheres(spheres);
-      const std::vector<Answer> answers = answersOf(distinct);
+      const std::vector<Answer> answers = estimatesArea_ ? answersByAreas(distinct) : answersByChords(distinct);
       for (std::size_t sphere = 0; sphere < spheres.size(); ++sphere) {
         setAnswer(queries, queryOf[sphere], answers[distinct.indexOf[sphere]], replies);
       }
@@ -214,36 +221,48 @@ class Chiba final : public turtle::EnvironmentProcess {
     return chord > 0.0 && half > 0.0 ? chord / (2.0 * radius) : 0.0;
   }
 
-  [[nodiscard]] std::vector<Answer> answersOf(const DistinctSpheres& distinct) const {
+  /// The light of every sphere, by chords that are kept from step to step.
+  [[nodiscard]] std::vector<Answer> answersByChords(const DistinctSpheres& distinct) {
+    constexpr double kEndless = std::numeric_limits<double>::infinity();
+    std::vector<Answer> answers(distinct.spheres.size());
+    chords_.update(distinct,
+                   RaySums::Rays{directions_.size(), limit_,
+                                 [&](const Sphere& own, std::size_t k) {
+                                   return Ray{own.centre, directions_[k].direction, kEndless};
+                                 },
+                                 [&](const Sphere& own) { return beamRadius_ * own.radius; },
+                                 [&](const Sphere& own, const Sphere& other, const Ray& ray) {
+                                   return static_cast<std::int64_t>(chordOf(own, other, ray.direction) * diameter_);
+                                 }},
+                   [&](std::uint32_t index, std::span<const std::int64_t> sums) {
+                     std::size_t k = 0;
+                     answers[index] = answerFrom([&](const Vec3&) {
+                       const std::int64_t sum = sums[k++];
+                       const double light =
+                           sum == 0 ? 1.0 : std::pow(transmittance_, static_cast<double>(sum) / diameter_);
+                       return sum != RaySums::kBeyond && light > kDarkness ? light : 0.0;
+                     });
+                   });
+    return answers;
+  }
+
+  /// The same by the areas in common: a product of factors of any size, computed anew in every step.
+  [[nodiscard]] std::vector<Answer> answersByAreas(const DistinctSpheres& distinct) const {
     const SphereTree tree(distinct.spheres);
-    // behind so many diameters it is dark
-    const double longest = std::log(kDarkness) / std::log(transmittance_);
     std::vector<Answer> answers(distinct.spheres.size());
     for (const std::uint32_t index : tree.order()) {
       const Sphere& own = distinct.spheres[index];
-      const double margin = estimatesArea_ ? own.radius : beamRadius_ * own.radius;
       answers[index] = answerFrom([&](const Vec3& direction) {
-        const Ray ray{own.centre, direction, std::numeric_limits<double>::infinity()};
-        const auto timesOf = [&](std::uint32_t other) { return distinct.count[other] - (other == index ? 1U : 0U); };
         double light = 1.0;
-        if (!estimatesArea_) {
-          // one power of all chords together
-          double chords = 0.0;
-          tree.visitRay(ray, margin, [&](std::uint32_t other, const Sphere& sphere) {
-            chords += timesOf(other) * chordOf(own, sphere, direction);
-            return chords <= longest;
-          });
-          light = chords > 0.0 ? std::pow(transmittance_, chords) : 1.0;
-        } else {
-          tree.visitRay(ray, margin, [&](std::uint32_t other, const Sphere& sphere) {
-            const std::uint32_t times = timesOf(other);
-            const double factor = times == 0 ? 1.0 : passing(own, sphere, direction);
-            for (std::uint32_t k = 0; k < times; ++k) {
-              light *= factor;
-            }
-            return light > kDarkness;
-          });
-        }
+        tree.visitRay({own.centre, direction, std::numeric_limits<double>::infinity()}, own.radius,
+                      [&](std::uint32_t other, const Sphere& sphere) {
+                        const std::uint32_t times = distinct.count[other] - (other == index ? 1U : 0U);
+                        const double factor = times == 0 ? 1.0 : passing(own, sphere, direction);
+                        for (std::uint32_t k = 0; k < times; ++k) {
+                          light *= factor;
+                        }
+                        return light > kDarkness;
+                      });
         return light > kDarkness ? light : 0.0;
       });
     }
@@ -279,6 +298,9 @@ class Chiba final : public turtle::EnvironmentProcess {
   bool estimatesArea_;
   bool isCompatible_;
   std::array<std::size_t, 3> gridSize_{};
+  double diameter_ = 1.0;   // units of the sums of chords in a sphere's diameter, a power of 2
+  std::int64_t limit_ = 0;  // of a sum of chords, behind which it is dark
+  RaySums chords_;
   std::vector<LightDirection> directions_;
   std::string lengthUnit_ = "m";
 };

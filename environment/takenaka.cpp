@@ -11,6 +11,7 @@
 
 #include "environment/light_directions.h"
 #include "environment/published_voxels.h"
+#include "environment/ray_sums.h"
 #include "environment/replies.h"
 #include "environment/sphere_tree.h"
 
@@ -23,6 +24,7 @@ using core::Vec3;
 constexpr std::string_view kSummary = "Photosynthesis of balls of leaves that shade each other.";
 constexpr std::array kTwenties{20.0, 20.0, 20.0};
 constexpr double kDarkness = 1e-12;
+constexpr std::int64_t kManyBalls = 100'000;
 constexpr double kYearlyLight = 1000e-6 * 12 * 3600 * 200;  // mol m^-2 a year
 constexpr double kPublishedLight = 8.64;                    // of the published program, for a unit of area
 
@@ -93,6 +95,13 @@ class Takenaka final : public turtle::EnvironmentProcess {
         isCompatible_(configuration.flag("compatible")) {
     const double gap = 1.0 - (1.0 - configuration.number("transmittance")) / (s_ * s_);
     passing_ = gap * gap;
+    // the most balls behind which it is not dark; as many as one likes where that is many
+    double left = 1.0;
+    while (left > kDarkness && limit_ < kManyBalls) {
+      left *= passing_;
+      limit_ += left > kDarkness ? 1 : 0;
+    }
+    limit_ = limit_ == kManyBalls ? RaySums::kMostLimit : limit_;
     for (const auto& row : configuration.rows("sources")) {
       // the place of a source, not yet a direction
       sources_.push_back({{row[0], row[1], row[2]}, row[3]});
@@ -128,6 +137,7 @@ class Takenaka final : public turtle::EnvironmentProcess {
           false};
     }
     lengthUnit_ = context.world.lengthUnit;
+    hits_.clear();
     light_ = isCompatible_ ? kPublishedLight : kYearlyLight * *metres * *metres;
     up_ = core::normalised(context.world.up);
     return std::nullopt;
@@ -148,7 +158,7 @@ class Takenaka final : public turtle::EnvironmentProcess {
     if (isCompatible_) {
       PublishedVoxels voxels(balls, gridSize_);
       for (std::size_t ball = 0; ball < balls.size(); ++ball) {
-        const double light = arrivingLight(balls[ball], [&](const Ray& ray) {
+        const double light = arrivingLight(balls[ball], [&](const Ray& ray, std::size_t) {
           double left = 1.0;
           voxels.visitRay(ray, [&](std::uint32_t other) {
             left *= other != ball && isMet(ray, balls[ball], balls[other]) ? passing_ : 1.0;
@@ -182,41 +192,56 @@ class Takenaka final : public turtle::EnvironmentProcess {
     return ahead + half > 0.0 && ahead - half < ray.reach;
   }
 
-  [[nodiscard]] std::vector<double> lightOf(const DistinctSpheres& distinct) const {
-    const SphereTree tree(distinct.spheres);
+  /// The light of every ball, by the numbers of balls on its rays, which are kept from step to step.
+  [[nodiscard]] std::vector<double> lightOf(const DistinctSpheres& distinct) {
     std::vector<double> light(distinct.spheres.size());
-    for (const std::uint32_t index : tree.order()) {
-      const Sphere& own = distinct.spheres[index];
-      light[index] = arrivingLight(own, [&](const Ray& ray) {
-        double left = 1.0;
-        tree.visitRay(ray, beamRadius_ * own.radius, [&](std::uint32_t other, const Sphere& ball) {
-          const std::uint32_t times = distinct.count[other] - (other == index ? 1U : 0U);
-          if (times > 0 && isMet(ray, own, ball)) {
-            for (std::uint32_t k = 0; k < times; ++k) {
-              left *= passing_;
-            }
-          }
-          return left > kDarkness;
-        });
-        return left > kDarkness ? left : 0.0;
-      });
-    }
+    hits_.update(distinct,
+                 RaySums::Rays{std::max<std::size_t>(sources_.size(), 1), limit_,
+                               [&](const Sphere& own, std::size_t k) { return rayOf(own, k); },
+                               [&](const Sphere& own) { return beamRadius_ * own.radius; },
+                               [&](const Sphere& own, const Sphere& other, const Ray& ray) {
+                                 return static_cast<std::int64_t>(isMet(ray, own, other));
+                               }},
+                 [&](std::uint32_t index, std::span<const std::int64_t> hits) {
+                   light[index] = arrivingLight(distinct.spheres[index], [&](const Ray&, std::size_t source) {
+                     return lightAfter(hits[source]);
+                   });
+                 });
     return light;
   }
 
-  /// The part of all light that reaches a ball; `lightAlong` gives what is left along a ray.
-  template <typename LightAlong>
-  [[nodiscard]] double arrivingLight(const Sphere& ball, const LightAlong& lightAlong) const {
+  /// What is left behind so many balls.
+  [[nodiscard]] double lightAfter(std::int64_t hits) const {
+    if (hits == RaySums::kBeyond) {
+      return 0.0;
+    }
+    double left = 1.0;
+    for (std::int64_t k = 0; k < hits; ++k) {
+      left *= passing_;
+    }
+    return left;
+  }
+
+  /// From a ball to a source; without sources straight up.
+  [[nodiscard]] Ray rayOf(const Sphere& ball, std::size_t source) const {
     constexpr double kFar = std::numeric_limits<double>::infinity();
     if (sources_.empty()) {
-      return lightAlong({ball.centre, up_, kFar});
+      return {ball.centre, up_, kFar};
+    }
+    const Vec3 way = sources_[source].direction - ball.centre;
+    return {ball.centre, core::normalised(way), isCompatible_ ? kFar : core::length(way)};
+  }
+
+  /// The part of all light that reaches a ball; `lightAlong` gives what is left along a ray to a source.
+  template <typename LightAlong>
+  [[nodiscard]] double arrivingLight(const Sphere& ball, const LightAlong& lightAlong) const {
+    if (sources_.empty()) {
+      return lightAlong(rayOf(ball, 0), 0);
     }
     double arriving = 0.0;
-    for (const LightDirection& source : sources_) {
-      const Vec3 way = source.direction - ball.centre;
-      const double distance = core::length(way);
-      const Ray ray{ball.centre, core::normalised(way), isCompatible_ ? kFar : distance};
-      arriving += distance > 0.0 ? source.weight * lightAlong(ray) : source.weight;
+    for (std::size_t k = 0; k < sources_.size(); ++k) {
+      const LightDirection& source = sources_[k];
+      arriving += source.direction == ball.centre ? source.weight : source.weight * lightAlong(rayOf(ball, k), k);
     }
     return weight_ != 0.0 ? arriving / weight_ : arriving;
   }
@@ -234,7 +259,9 @@ class Takenaka final : public turtle::EnvironmentProcess {
   double efficiency_;
   double beamRadius_;
   bool isCompatible_;
-  double passing_ = 0.0;                 // part of the light that a ball lets pass
+  double passing_ = 0.0;    // part of the light that a ball lets pass
+  std::int64_t limit_ = 0;  // of the number of balls on a ray
+  RaySums hits_;
   std::vector<LightDirection> sources_;  // places and weights
   double weight_ = 0.0;                  // of all sources
   std::array<std::size_t, 3> gridSize_{};

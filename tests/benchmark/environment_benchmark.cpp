@@ -3,9 +3,11 @@
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstring>
+#include <stdexcept>
 
 #include "tests/benchmark/workload.h"
 
@@ -109,6 +111,7 @@ struct Candidate {
   const char* name;
   std::string configuration;
   Parameters parameters;
+  bool remembersSteps = false;  // what did not change is not computed again
 };
 
 std::vector<double> few(std::size_t i) {
@@ -138,7 +141,7 @@ const std::vector<Candidate>& candidates() {
        [](std::size_t) { return std::vector<double>{0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0}; }},
       {"attractors", R"({"points":[[10,20,30,4],[90,80,70,-2],[50,50,50,1],[0,100,0,3]]})", directions},
       {"chiba", R"({"sources":[[0,1,0,4],[0.6,0.8,0,3],[-0.6,0.8,0,3]]})",
-       [](std::size_t i) { return std::vector<double>{0.1 + 0.05 * static_cast<double>(i % 7)}; }},
+       [](std::size_t i) { return std::vector<double>{0.1 + 0.05 * static_cast<double>(i % 7)}; }, true},
       {"clover", R"({"range":[100,100],"position":[0,0],"gridSize":[2000,2000]})", leaves},
       {"colonization", R"({"markerCount":1000000,"markerBox":[0,0,0,100,100,100],"occupancyRadius":0.5})",
        [](std::size_t i) { return std::vector<double>(5, i % 2 == 0 ? 1.0 : 0.0); }},
@@ -185,7 +188,8 @@ const std::vector<Candidate>& candidates() {
       {"takenaka", R"({"sources":[[0,1000,0,4],[500,800,0,3]]})",
        [](std::size_t) {
          return std::vector<double>{0.2, 0.0};
-       }},
+       },
+       true},
       {"wind", R"({"profile":"logarithmic"})", directions},
   };
   return kCandidates;
@@ -212,6 +216,45 @@ void process(benchmark::State& state, const Candidate& candidate) {
   }
   state.counters["queries"] = Counter(static_cast<double>(queries.size()));
   state.counters["queries/s"] = Counter(static_cast<double>(queries.size()), Counter::kIsIterationInvariantRate);
+}
+
+// a step in which one of a hundred organs is elsewhere, by a process that saw the step before, and beside it by a new
+// one
+void changeOfStep(benchmark::State& state, const Candidate& candidate) {
+  const auto count = static_cast<std::size_t>(state.range(0));
+  std::array<turtle::QueryBatch, 2> steps{makeQueries(count, candidate.parameters),
+                                          makeQueries(count, candidate.parameters)};
+  const double side = std::cbrt(static_cast<double>(count));
+  for (std::size_t i = 0; i < count; i += 100) {
+    core::Vec3& position = steps[1].position[i];
+    position.x += position.x < side / 2.0 ? side / 2.0 : -side / 2.0;
+  }
+  turtle::ReplyBatch replies;
+  const auto secondsOf = [&](turtle::EnvironmentProcess& environment, const turtle::QueryBatch& queries) {
+    replies.prepare(queries);
+    const auto start = Clock::now();
+    const auto error = environment.step(queries, replies);
+    const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
+    if (error) {
+      throw std::runtime_error(error->message);
+    }
+    return seconds;
+  };
+  turtle::EnvironmentContext context;
+  context.symbols = {"E"};
+  double kept = 1e30;
+  double anew = 1e30;
+  const Process environment = makeProcess(candidate.name, candidate.configuration);
+  for (auto _ : state) {
+    static_cast<void>(environment->open(context));
+    anew = std::min(anew, secondsOf(*environment, steps[0]));
+    const double seconds = secondsOf(*environment, steps[1]);
+    state.SetIterationTime(seconds);
+    kept = std::min(kept, seconds);
+  }
+  state.counters["anew ms"] = Counter(anew * 1e3);
+  state.counters["gain"] = Counter(anew / kept);
+  state.counters["queries/s"] = Counter(static_cast<double>(count) / kept);
 }
 
 // bytes that a plain copy of `bytes` reads and writes in a second, from one block to another and back, as a field that
@@ -344,6 +387,14 @@ const bool kIsRegistered = [] {
         ->UseRealTime()
         ->RangeMultiplier(10)
         ->Range(100, 1'000'000);
+    if (candidate.remembersSteps) {
+      benchmark::RegisterBenchmark((std::string("change/") + candidate.name).c_str(),
+                                   [&candidate](benchmark::State& state) { changeOfStep(state, candidate); })
+          ->Unit(benchmark::kMillisecond)
+          ->UseManualTime()
+          ->Arg(10'000)
+          ->Arg(100'000);
+    }
   }
   for (const Sweep& sweep : sweeps()) {
     benchmark::RegisterBenchmark((std::string("field/") + sweep.name).c_str(),
