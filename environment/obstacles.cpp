@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <optional>
-#include <tuple>
 #include <utility>
 #include <vector>
 
-#include "environment/box_tree.h"
+#include "engine/turtle/geometry.h"
 #include "environment/obstacle_scene.h"
 #include "environment/replies.h"
+#include "environment/segment_trees.h"
 #include "environment/state_bytes.h"
 
 namespace espalier::environment {
@@ -19,7 +19,7 @@ namespace {
 using core::Vec3;
 
 constexpr std::string_view kSummary = "Whether a segment may grow past obstacles and other plants, and what is near.";
-constexpr std::array<std::string_view, 3> kPlants{"ignored", "proposed", "remembered"};
+constexpr std::array<std::string_view, 4> kPlants{"ignored", "proposed", "remembered", "drawn"};
 constexpr std::array kKeys{
     kPlanesKey,
     kBoxesKey,
@@ -39,15 +39,10 @@ constexpr std::array kKeys{
                      .defaultNumber = 1000.0},
     ConfigurationKey{.name = "plants",
                      .kind = KeyKind::Choice,
-                     .description = "which segments of other plants block: none, those of the same step, or also all "
-                                    "that have grown",
+                     .description = "which segments of other plants block: none, those of the same step, also all that "
+                                    "have grown here, or also all that the plants draw",
                      .defaultText = "ignored",
                      .choices = kPlants},
-};
-
-struct Grown {
-  std::uint32_t plant = 0;
-  Capsule capsule;
 };
 
 class Obstacles final : public turtle::EnvironmentProcess {
@@ -56,12 +51,13 @@ class Obstacles final : public turtle::EnvironmentProcess {
       : scene_(std::move(scene)),
         reach_(configuration.number("reach")),
         minds_(configuration.text("plants") != "ignored"),
-        remembers_(configuration.text("plants") == "remembered") {}
+        remembers_(configuration.text("plants") == "remembered"),
+        looks_(configuration.text("plants") == "drawn") {}
 
   [[nodiscard]] turtle::EnvironmentDescription describe() const override {
     return {.name = "obstacles",
             .summary = std::string(kSummary),
-            .needs = {.position = true, .heading = true, .parameters = true},
+            .needs = {.position = true, .heading = true, .parameters = true, .geometry = looks_},
             .inputs = {{"length", lengthUnit_, ""}, {"radius", lengthUnit_, ""}},
             .outputs = {{"mayGrow", "1", ""},
                         {"distance", lengthUnit_, ""},
@@ -71,7 +67,8 @@ class Obstacles final : public turtle::EnvironmentProcess {
                         {"normalX", "1", ""},
                         {"normalY", "1", ""},
                         {"normalZ", "1", ""},
-                        {"freeLength", lengthUnit_, ""}},
+                        {"freeLength", lengthUnit_, ""},
+                        {"longestSegment", lengthUnit_, ""}},
             .isStateful = remembers_};
   }
 
@@ -83,46 +80,58 @@ class Obstacles final : public turtle::EnvironmentProcess {
 
   [[nodiscard]] std::optional<turtle::EnvironmentError> step(const turtle::QueryBatch& queries,
                                                              turtle::ReplyBatch& replies) override {
-    // what grew before, then what wants to grow now
-    std::vector<Grown> segments = grown_;
-    std::vector<std::size_t> queryOf(segments.size(), queries.size());
+    if (looks_ && queries.geometry == nullptr) {
+      return turtle::EnvironmentError{
+          "Environment 'obstacles' looks at what the plants draw, and no geometry came with the queries. Set 'plants' "
+          "to "
+          "\"remembered\" instead of \"drawn\" where it cannot be sent.",
+          false};
+    }
+    // what wants to grow now, and what there is
+    std::vector<PlantSegment> others;
     if (minds_) {
       for (std::size_t query = 0; query < queries.size(); ++query) {
         const auto parameters = queries.parametersOf(query);
         if (!parameters.empty() && parameters[0] > 0.0) {
-          segments.push_back({queries.plant[query], segmentOf(queries, query)});
-          queryOf.push_back(query);
+          others.push_back({queries.plant[query], segmentOf(queries, query)});
         }
       }
     }
-    std::vector<Bounds> boxes;
-    for (const Grown& segment : segments) {
-      boxes.push_back(boundsOf(segment.capsule));
+    if (looks_) {
+      appendDrawn(*queries.geometry, others);
     }
-    const BoxTree tree(boxes);
+    SegmentTrees present;
+    present.add(others);
+    const auto isClear = [&](std::uint32_t plant, const Capsule& segment) {
+      return scene_.isClear(segment.a, segment.b, segment.radius) && present.isClear(plant, segment) &&
+             grown_.isClear(plant, segment);
+    };
     std::vector<std::size_t> free;
     for (std::size_t query = 0; query < queries.size(); ++query) {
       const std::size_t count = queries.parametersOf(query).size();
       if (count == 0) {
         continue;
       }
-      const Capsule segment = segmentOf(queries, query);
-      const bool mayGrow = scene_.isClear(segment.a, segment.b, segment.radius) &&
-                           isClearOfPlants(tree, segments, queries.plant[query], segment);
+      const bool mayGrow = isClear(queries.plant[query], segmentOf(queries, query));
       replies.set(queries, query, 0, mayGrow ? 1.0 : 0.0);
       if (mayGrow && queries.parametersOf(query)[0] > 0.0 && queries.isTransient[query] == 0) {
         free.push_back(query);
       }
       setSurroundings(queries, query, count, replies);
+      if (count > 9) {
+        replies.set(queries, query, 9, longestSegment(queries, query, isClear));
+      }
     }
     if (remembers_) {
       // in the order of plants and modules, whatever that of the queries
       std::sort(free.begin(), free.end(), [&](std::size_t a, std::size_t b) {
         return std::pair(queries.plant[a], queries.module[a]) < std::pair(queries.plant[b], queries.module[b]);
       });
+      std::vector<PlantSegment> grown;
       for (const std::size_t query : free) {
-        grown_.push_back({queries.plant[query], segmentOf(queries, query)});
+        grown.push_back({queries.plant[query], segmentOf(queries, query)});
       }
+      grown_.add(grown);
     }
     countAnswers(queries, replies);
     return std::nullopt;
@@ -133,8 +142,8 @@ class Obstacles final : public turtle::EnvironmentProcess {
       return {};
     }
     StateWriter writer;
-    writer.integer(grown_.size());
-    for (const auto& [plant, capsule] : grown_) {
+    writer.integer(grown_.segments().size());
+    for (const auto& [plant, capsule] : grown_.segments()) {
       writer.integer(plant);
       for (const double number :
            {capsule.a.x, capsule.a.y, capsule.a.z, capsule.b.x, capsule.b.y, capsule.b.z, capsule.radius}) {
@@ -149,10 +158,10 @@ class Obstacles final : public turtle::EnvironmentProcess {
       return std::nullopt;
     }
     StateReader reader(state);
-    std::vector<Grown> grown;
+    std::vector<PlantSegment> grown;
     const std::uint64_t count = reader.integer();
     for (std::uint64_t i = 0; i < count && reader.isIntact(); ++i) {
-      Grown one;
+      PlantSegment one;
       one.plant = static_cast<std::uint32_t>(reader.integer());
       for (double* number : {&one.capsule.a.x, &one.capsule.a.y, &one.capsule.a.z, &one.capsule.b.x, &one.capsule.b.y,
                              &one.capsule.b.z, &one.capsule.radius}) {
@@ -164,7 +173,8 @@ class Obstacles final : public turtle::EnvironmentProcess {
       return turtle::EnvironmentError{
           "The saved state of environment 'obstacles' is damaged. Use a snapshot that is complete.", false};
     }
-    grown_ = std::move(grown);
+    grown_.clear();
+    grown_.add(grown);
     return std::nullopt;
   }
 
@@ -177,17 +187,41 @@ class Obstacles final : public turtle::EnvironmentProcess {
     return {from, from + queries.heading[query] * length, radius};
   }
 
-  static bool isClearOfPlants(const BoxTree& tree, const std::vector<Grown>& segments, std::uint32_t plant,
-                              const Capsule& segment) {
-    bool isClear = true;
-    const double around = core::length(segment.b - segment.a) * 0.5 + segment.radius;
-    tree.visitNear((segment.a + segment.b) * 0.5, around, [&](std::size_t index) {
-      const auto& [otherPlant, other] = segments[index];
-      isClear = isClear && (otherPlant == plant ||
-                            segmentDistance(segment.a, segment.b, other.a, other.b) > segment.radius + other.radius);
-      return isClear ? around : 0.0;
-    });
-    return isClear;
+  /// The segments that plants draw: as thick as at their thicker end, lines of so many pixels without thickness.
+  static void appendDrawn(const turtle::Geometry& geometry, std::vector<PlantSegment>& segments) {
+    for (std::size_t k = 0; k < geometry.start.size(); ++k) {
+      const double width = geometry.areWidthsPixels ? 0.0 : std::max(geometry.startWidth[k], geometry.endWidth[k]);
+      segments.push_back({geometry.segments.plant[k], {geometry.start[k], geometry.end[k], width / 2.0}});
+    }
+  }
+
+  /// How long a segment of the query's radius along its heading may be, at most `reach_`; 0 when not even its beginning
+  /// is clear. Doubled until it is not clear, then halved to the last bit.
+  template <typename IsClear>
+  [[nodiscard]] double longestSegment(const turtle::QueryBatch& queries, std::size_t query,
+                                      const IsClear& isClear) const {
+    const Capsule asked = segmentOf(queries, query);
+    const Vec3 heading = core::normalised(queries.heading[query]);
+    const auto isClearUpTo = [&](double clear, double length) {
+      return isClear(queries.plant[query], {asked.a + heading * clear, asked.a + heading * length, asked.radius});
+    };
+    if (!isClearUpTo(0.0, 0.0)) {
+      return 0.0;
+    }
+    double clear = 0.0;
+    double blocked = std::min(std::max(core::length(asked.b - asked.a), reach_ / 1024.0), reach_);
+    while (isClearUpTo(clear, blocked)) {
+      if (blocked == reach_) {
+        return reach_;
+      }
+      clear = blocked;
+      blocked = std::min(2.0 * blocked, reach_);
+    }
+    for (double middle = (clear + blocked) / 2.0; middle > clear && middle < blocked;
+         middle = (clear + blocked) / 2.0) {
+      (isClearUpTo(clear, middle) ? clear : blocked) = middle;
+    }
+    return clear;
   }
 
   void setSurroundings(const turtle::QueryBatch& queries, std::size_t query, std::size_t count,
@@ -213,7 +247,8 @@ class Obstacles final : public turtle::EnvironmentProcess {
   double reach_;
   bool minds_;
   bool remembers_;
-  std::vector<Grown> grown_;  // in the order of growth
+  bool looks_;
+  SegmentTrees grown_;  // in the order of growth
   std::string lengthUnit_ = "m";
 };
 

@@ -257,6 +257,44 @@ void changeOfStep(benchmark::State& state, const Candidate& candidate) {
   state.counters["queries/s"] = Counter(static_cast<double>(count) / kept);
 }
 
+// a thousand segments more among those that have grown, and beside it the same with all of these brought anew
+void growthAmongSegments(benchmark::State& state) {
+  const auto makeObstacles = [] { return makeProcess("obstacles", R"({"plants":"remembered"})"); };
+  const auto parameters = [](std::size_t) { return std::vector<double>{0.3, 0.05}; };
+  const turtle::QueryBatch grown = makeQueries(static_cast<std::size_t>(state.range(0)), parameters);
+  turtle::QueryBatch more = makeQueries(1000, parameters);
+  const double scale = std::cbrt(static_cast<double>(state.range(0)) / 1000.0);
+  for (core::Vec3& position : more.position) {
+    position = position * scale;
+  }
+  turtle::ReplyBatch replies;
+  const auto stepOf = [&](turtle::EnvironmentProcess& obstacles, const turtle::QueryBatch& queries) {
+    replies.prepare(queries);
+    static_cast<void>(obstacles.step(queries, replies));
+  };
+  const Process first = makeObstacles();
+  static_cast<void>(first->open({}));
+  stepOf(*first, grown);
+  const std::string saved = first->save();
+  double kept = 1e30;
+  double anew = 1e30;
+  for (auto _ : state) {
+    const Process obstacles = makeObstacles();
+    static_cast<void>(obstacles->open({}));
+    const auto begin = Clock::now();
+    static_cast<void>(obstacles->restore(saved));
+    const auto start = Clock::now();
+    stepOf(*obstacles, more);
+    const auto end = Clock::now();
+    state.SetIterationTime(std::chrono::duration<double>(end - start).count());
+    kept = std::min(kept, std::chrono::duration<double>(end - start).count());
+    anew = std::min(anew, std::chrono::duration<double>(end - begin).count());
+  }
+  state.counters["anew ms"] = Counter(anew * 1e3);
+  state.counters["gain"] = Counter(anew / kept);
+  state.counters["queries/s"] = Counter(1000.0 / kept);
+}
+
 // bytes that a plain copy of `bytes` reads and writes in a second, from one block to another and back, as a field that
 // is relaxed goes to and fro; the best of several
 double copiedBytesPerSecond(std::size_t bytes) {
@@ -396,6 +434,11 @@ const bool kIsRegistered = [] {
           ->Arg(100'000);
     }
   }
+  benchmark::RegisterBenchmark("change/obstacles", growthAmongSegments)
+      ->Unit(benchmark::kMillisecond)
+      ->UseManualTime()
+      ->Arg(10'000)
+      ->Arg(100'000);
   for (const Sweep& sweep : sweeps()) {
     benchmark::RegisterBenchmark((std::string("field/") + sweep.name).c_str(),
                                  [&sweep](benchmark::State& state) { sweepField(state, sweep); })

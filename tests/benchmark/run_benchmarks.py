@@ -142,6 +142,14 @@ def field_rows(entries: dict) -> list[list[str]]:
     return rows
 
 
+def change_rows(entries: dict) -> list[list[str]]:
+    rows = [["one organ in a hundred changed", "ms", "ms of a new beginning", "gain"]]
+    for name, entry in entries.items():
+        if name.startswith("change/"):
+            rows.append([name, f"{milliseconds(entry):,.2f}", f"{entry['anew ms']:,.2f}", f"{entry['gain']:.1f}"])
+    return rows
+
+
 def stream_rows(entries: dict) -> list[list[str]]:
     rows = [["a frame of a big plant", "records", "frame bytes", "making ms", "sending ms", "copying as many bytes ms"]]
     for name, entry in entries.items():
@@ -166,7 +174,7 @@ def other_rows(entries: dict, baseline: dict) -> list[list[str]]:
     rows = [["benchmark", "ms"] + [title for _, title, _, _ in OTHER_COLUMNS] + ["x baseline"]]
     shown = {name for name, *_ in TARGETS}
     for name, entry in entries.items():
-        if name in shown or name.startswith(("cliff/", "threads/", "server/", "stream/", "field/")):
+        if name in shown or name.startswith(("cliff/", "threads/", "server/", "stream/", "field/", "change/")):
             continue
         row = [name, f"{milliseconds(entry):,.2f}"]
         for key, _, form, factor in OTHER_COLUMNS:
@@ -267,6 +275,7 @@ def main() -> int:
     print_table("No cliff: small strings, many productions and parameters, nesting, contexts",
                 cliff_rows(entries, baseline))
     print_table("Fields, beside plain copies of as many bytes", field_rows(entries))
+    print_table("Work proportional to what changed", change_rows(entries))
     print_table("Everything else", other_rows(entries, baseline))
     print_table("Growth with the number of queries", growth_rows(entries))
     for name, entry in failed.items():

@@ -1,9 +1,14 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <memory>
+#include <random>
 
 #include "engine/core/streams.h"
+#include "engine/turtle/geometry.h"
 #include "environment/mesh_embedding.h"
+#include "environment/shapes.h"
 #include "query_builder.h"
 
 namespace espalier::environment {
@@ -69,6 +74,99 @@ TEST(Obstacles, WhatHasGrownIsRemembered) {
             (std::vector<double>{0, 0}));
   EXPECT_EQ(firstValues(answersOf(*remembering, asking({{-9, 0, 0.5}}, {1.0, 0.3}, {0, 1, 0}, {0}))),
             std::vector<double>{1});
+}
+
+TEST(Obstacles, TheLongestSegmentEndsBeforeObstaclesAndOtherPlants) {
+  // the wall begins at x = 2; a segment of radius 0.25 touches it when it is 1.75 long
+  const std::vector<double> ten{1.0, 0.25, 0, 0, 0, 0, 0, 0, 0, 0};
+  const auto process = openProcess("obstacles", wall(R"("plants":"proposed")"));
+  EXPECT_NEAR(*answersOf(*process, asking({{0, 1, 0}}, ten, {1, 0, 0}))[0][9], 1.75, 1e-14);
+  EXPECT_EQ(answersOf(*process, asking({{1.9, 1, 0}}, ten, {1, 0, 0}))[0][9], 0.0);
+  EXPECT_EQ(answersOf(*process, asking({{0, 1, 0}}, ten, {-1, 0, 0}))[0][9], 50.0);
+  // an upright segment of plant 1 through (-10, y, 0), radius 0.25: plant 0 may go 10 - 0.5 along -x, plant 1 past it
+  QueryBuilder builder;
+  builder.add({0, 1, 0}, ten).add({-10, 0.5, 0}, ten).add({0, 1, 0}, ten);
+  builder.batch().heading = {{-1, 0, 0}, {0, 1, 0}, {-1, 0, 0}};
+  builder.batch().plant = {0, 1, 1};
+  const auto table = answersOf(*process, builder.batch());
+  // not even the beginning is clear where the segments of both plants start
+  EXPECT_EQ(table[0][9], 0.0);
+  builder.batch().position[2] = {0, 1, 9};
+  const auto apart = answersOf(*process, builder.batch());
+  EXPECT_NEAR(*apart[0][9], 9.5, 1e-14);
+  EXPECT_EQ(apart[2][9], 50.0);
+}
+
+TEST(Obstacles, WhatOtherPlantsDrawBlocks) {
+  // plant 1 draws a cone along y at x = 1, 0.4 thick at its thicker end
+  auto geometry = std::make_shared<turtle::Geometry>();
+  geometry->segments.plant = {1};
+  geometry->start = {{1, 0, 0}};
+  geometry->end = {{1, 5, 0}};
+  geometry->startWidth = {0.4};
+  geometry->endWidth = {0.1};
+  const auto process = openProcess("obstacles", wall(R"("plants":"drawn")"));
+  EXPECT_TRUE(process->describe().needs.geometry);
+  const auto mayGrow = [&](double length, std::uint32_t plant) {
+    auto queries = asking({{0, 1, 0}}, {length, 0.1}, {1, 0, 0}, {plant});
+    queries.geometry = geometry;
+    return *answersOf(*process, queries)[0][0];
+  };
+  EXPECT_EQ(mayGrow(0.69, 0), 1.0);
+  EXPECT_EQ(mayGrow(0.71, 0), 0.0);
+  EXPECT_EQ(mayGrow(0.71, 1), 1.0);
+  geometry->areWidthsPixels = true;
+  EXPECT_EQ(mayGrow(0.89, 0), 1.0);
+  EXPECT_EQ(mayGrow(0.91, 0), 0.0);
+  // without geometry it does not pretend that there are no plants
+  const auto queries = asking({{0, 1, 0}}, {1.0, 0.1}, {1, 0, 0});
+  turtle::ReplyBatch replies;
+  replies.prepare(queries);
+  const auto error = process->step(queries, replies);
+  ASSERT_TRUE(error.has_value());
+  EXPECT_EQ(
+      error->message,
+      "Environment 'obstacles' looks at what the plants draw, and no geometry came with the queries. Set 'plants' "
+      "to \"remembered\" instead of \"drawn\" where it cannot be sent.");
+}
+
+TEST(Obstacles, RememberedSegmentsBlockAsIfAllWereTriedAgain) {
+  // of random segments grown in 40 steps by five plants each new one is compared with all before it, one by one
+  std::mt19937_64 random(4);
+  std::uniform_real_distribution<double> place(-1.5, 1.5);
+  const auto process = openProcess("obstacles", R"({"plants":"remembered"})");
+  std::vector<std::pair<std::uint32_t, Capsule>> grown;
+  std::size_t blockedCount = 0;
+  for (int step = 0; step < 40; ++step) {
+    QueryBuilder builder;
+    for (std::uint32_t plant = 0; plant < 5; ++plant) {
+      builder.add({place(random), place(random), place(random)}, {0.5, 0.05});
+      builder.batch().plant.back() = plant;
+    }
+    const auto capsuleOf = [&](std::size_t k) {
+      const core::Vec3 from = builder.batch().position[k];
+      return Capsule{from, from + builder.batch().heading[k] * 0.5, 0.05};
+    };
+    const auto answers = firstValues(answersOf(*process, builder.batch()));
+    auto next = grown;
+    for (std::uint32_t k = 0; k < 5; ++k) {
+      auto others = grown;
+      for (std::uint32_t other = 0; other < 5; ++other) {
+        others.emplace_back(other, capsuleOf(other));
+      }
+      const Capsule own = capsuleOf(k);
+      const bool isClear = std::none_of(others.begin(), others.end(), [&](const auto& other) {
+        return other.first != k && segmentDistance(own.a, own.b, other.second.a, other.second.b) <= 0.1;
+      });
+      ASSERT_EQ(answers[k], isClear ? 1.0 : 0.0) << "step " << step << ", plant " << k;
+      blockedCount += isClear ? 0 : 1;
+      if (isClear) {
+        next.emplace_back(k, own);
+      }
+    }
+    grown = std::move(next);
+  }
+  EXPECT_GT(blockedCount, 5U);
 }
 
 TEST(Obstacles, WrongShapesAreErrors) {
