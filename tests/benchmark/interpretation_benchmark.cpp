@@ -17,9 +17,12 @@ void interpret(benchmark::State& state, const Workload& workload, Product produc
   while (!simulation.isFinished()) {
     require(simulation.step());
   }
+  std::size_t segments = 0;
   for (auto _ : state) {
     if (product == Product::Scene) {
-      benchmark::DoNotOptimize(simulation.scene());
+      auto drawn = simulation.scene();
+      segments = std::get<turtle::Scene>(drawn).segments.size();
+      benchmark::DoNotOptimize(drawn);
     } else {
       benchmark::DoNotOptimize(simulation.turtleRecords());
     }
@@ -27,6 +30,10 @@ void interpret(benchmark::State& state, const Workload& workload, Product produc
   const auto modules = static_cast<double>(simulation.string().size());
   state.counters["modules"] = Counter(modules);
   state.counters["modules/s"] = Counter(modules, Counter::kIsIterationInvariantRate);
+  if (segments > 0) {
+    state.counters["segments/s"] = Counter(static_cast<double>(segments), Counter::kIsIterationInvariantRate);
+    state.counters["scene"] = Counter(static_cast<double>(segments * sizeof(turtle::Segment)));
+  }
 }
 
 void add(const std::string& name, const Workload& workload, Product product) {
@@ -40,6 +47,9 @@ const bool kIsRegistered = [] {
   // lines in a plane, lines in space with widths, images of a homomorphism
   add("scene/", {"d0l", "8", ""}, Product::Scene);
   add("scene/", {"parametric", "17", ""}, Product::Scene);
+  // nearly five million modules in a plane, more than five million in space
+  add("scene/", {"d0l", "9", ""}, Product::Scene);
+  add("scene/", {"parametric", "19", ""}, Product::Scene);
   add("scene/", {"homomorphism", "16", ""}, Product::Scene);
   add("records/", {"parametric", "17", ""}, Product::Records);
   return true;

@@ -136,6 +136,13 @@ void writing(benchmark::State& state, const Workload& workload, const turtle::Ex
 }
 
 const bool kIsRegistered = [] {
+  // a picture file of about a million triangles
+  const Workload million{"parametric", "15", ""};
+  benchmark::RegisterBenchmark(
+      ("write/png/" + million.name()).c_str(),
+      [million](benchmark::State& state) { writing(state, million, *turtle::findExportFormat("png")); })
+      ->Unit(benchmark::kMillisecond)
+      ->UseRealTime();
   for (const char* steps : {"12", "19"}) {
     const Workload workload{"parametric", steps, ""};
     for (const unsigned threads : {1U, 2U}) {

@@ -28,7 +28,9 @@ TARGETS = (
     ("remote/tcp-binary", "queries/s", "queries/s", 3 * MILLION, 0.4 * MILLION),
     ("remote/tcp-text", "queries/s", "queries/s", 0.4 * MILLION, 0.4 * MILLION),
     ("scene/d0l/8", "modules/s", "modules drawn/s", 20 * MILLION, None),
+    ("scene/d0l/9", "modules/s", "modules drawn/s", 20 * MILLION, None),
     ("scene/parametric/17", "modules/s", "modules drawn/s", 20 * MILLION, None),
+    ("scene/parametric/19", "modules/s", "modules drawn/s", 20 * MILLION, None),
 )
 MEMORY_TARGET = 1.1  # resident memory over the two strings' 2 bytes a module and 8 a parameter; pages are not divided
 START_UP_TARGET = 20.0  # milliseconds of the whole process that derives a small model
