@@ -23,11 +23,31 @@ Colour lit(const Colour& colour, double factor) {
   return factor <= 1.0 ? mixed(kShade, colour, factor) : mixed(colour, kShine, factor - 1.0);
 }
 
+/// The mean of a part of a texture over a colour, and how opaque it is.
+struct Worn {
+  Colour colour;
+  double opacity = 1.0;
+};
+
+// the part around a place, of an area in texture coordinates; 1: all of the texture
+Worn wornBy(const Colour& below, const RasterTexture* texture, const std::array<double, 2>& place, double area) {
+  if (texture == nullptr) {
+    return {below, 1.0};
+  }
+  const std::array<float, 4> sample = texture->at(place[0], place[1], texture->levelOf(area, 1.0));
+  const auto component = [&](unsigned char own, float mean) {
+    const double base = texture->hidesColour() ? 255.0 : own;
+    return static_cast<unsigned char>(std::clamp(base * static_cast<double>(mean) + 0.5, 0.0, 255.0));
+  };
+  return {{component(below.red, sample[0]), component(below.green, sample[1]), component(below.blue, sample[2])},
+          static_cast<double>(sample[3])};
+}
+
 }  // namespace
 
 PageDrawing::PageDrawing(const Scene& scene, const language::ViewSettings& view, const Palette& palette, double width,
                          double height, double marginFraction, const std::optional<PictureFrame>& frame)
-    : scene_(scene), view_(view), palette_(palette), projection_(view) {
+    : scene_(scene), view_(view), palette_(palette), projection_(view), textures_(view) {
   light_ = core::normalised(-0.45 * projection_.right() + 0.75 * projection_.up() + 0.6 * projection_.towardViewer());
   if (!frame) {
     chooseProjection();
@@ -57,6 +77,10 @@ void PageDrawing::chooseProjection() {
 }
 
 void PageDrawing::addFace(std::span<const Vec3> corners, const Vec3& normal, std::int32_t colour) {
+  addFace(corners, normal, palette_.ofIndex(colour), palette_.opacityOfIndex(colour));
+}
+
+void PageDrawing::addFace(std::span<const Vec3> corners, const Vec3& normal, const Colour& colour, double opacity) {
   PageShape shape;
   shape.firstPoint = static_cast<std::uint32_t>(points_.size());
   shape.pointCount = static_cast<std::uint32_t>(corners.size());
@@ -66,23 +90,39 @@ void PageDrawing::addFace(std::span<const Vec3> corners, const Vec3& normal, std
     points_.push_back({p.x, p.y});
     shape.depth += p.depth / static_cast<double>(corners.size());
   }
-  shape.opacity = palette_.opacityOfIndex(colour);
-  shape.colour = lit(palette_.ofIndex(colour), 0.68 + 0.36 * std::abs(core::dot(normal, light_)));
+  shape.opacity = opacity;
+  shape.colour = lit(colour, 0.68 + 0.36 * std::abs(core::dot(normal, light_)));
   shapes_.push_back(shape);
 }
 
-void PageDrawing::addMesh(const Mesh& mesh, std::int32_t colour) {
+void PageDrawing::addMesh(const Mesh& mesh, std::int32_t colour, std::int32_t texture) {
+  const Colour own = palette_.ofIndex(colour);
+  const RasterTexture* const picture = textures_.find(texture, own);
   std::vector<Vec3> corners;
+  std::vector<std::array<double, 2>> places;  // of the corners in the texture
   for (const auto& face : mesh.faces) {
     corners.clear();
+    places.clear();
     Vec3 normal;
     for (const std::uint32_t vertex : face) {
       if (vertex != Mesh::kNoVertex) {
         corners.push_back(mesh.positions[vertex]);
+        places.push_back(mesh.coordinates[vertex]);
         normal = normal + mesh.normals[vertex];
       }
     }
-    addFace(corners, core::normalised(normal), colour);
+    std::array<double, 2> middle{};
+    double area = 0.0;
+    for (std::size_t k = 0; k < places.size(); ++k) {
+      const auto& next = places[(k + 1) % places.size()];
+      area += 0.5 * (places[k][0] * next[1] - places[k][1] * next[0]);
+      middle[0] += places[k][0] / static_cast<double>(places.size());
+      middle[1] += places[k][1] / static_cast<double>(places.size());
+    }
+    const Worn worn = wornBy(own, picture, middle, std::abs(area));
+    if (worn.opacity >= 0.5) {
+      addFace(corners, core::normalised(normal), worn.colour, palette_.opacityOfIndex(colour));
+    }
   }
 }
 
@@ -114,18 +154,18 @@ void PageDrawing::addShapes() {
   for (const SurfaceInstance& surface : scene_.surfaces) {
     mesh.clear();
     appendSurface(mesh, surface, view_);
-    addMesh(mesh, surface.colour);
+    addMesh(mesh, surface.colour, surface.texture);
   }
   for (const Patch& patch : scene_.patches) {
     mesh.clear();
     appendPatch(mesh, patch.points, patch.subdivisionS, patch.subdivisionT);
-    addMesh(mesh, patch.colour);
+    addMesh(mesh, patch.colour, patch.texture);
   }
   for (const GeneralizedCylinder& cylinder : scene_.cylinders) {
     for (const CylinderRun& run : runsOf(cylinder)) {
       mesh.clear();
       appendCylinder(mesh, cylinder, run, view_);
-      addMesh(mesh, run.colour);
+      addMesh(mesh, run.colour, cylinder.texture);
     }
   }
   for (std::size_t i = 0; i < scene_.labels.size(); ++i) {
@@ -170,7 +210,8 @@ void PageDrawing::addLines() {
   std::map<Key, std::size_t> groups;
   for (std::uint32_t i = 0; i < scene_.segments.size(); ++i) {
     const Segment& segment = scene_.segments[i];
-    const Colour colour = palette_.ofSegment(segment);
+    const Colour plain = palette_.ofSegment(segment);
+    const Colour colour = wornBy(plain, textures_.find(segment.texture, plain), {0.5, 0.5}, 1.0).colour;
     const double opacity = palette_.opacityOfIndex(segment.colour);
     const std::uint32_t packed =
         static_cast<std::uint32_t>(colour.red) << 16U | static_cast<std::uint32_t>(colour.green) << 8U | colour.blue;

@@ -12,6 +12,7 @@
 #include "engine/turtle/export/palette.h"
 #include "engine/turtle/export/picture_bounds.h"
 #include "engine/turtle/export/projection.h"
+#include "engine/turtle/export/raster_shading.h"
 #include "engine/turtle/scene.h"
 
 namespace espalier::turtle {
@@ -45,7 +46,9 @@ struct PageShape {
 };
 
 /// A scene as drawn on paper, for the formats of lines and areas: the view file's projection, fitted to a page; all
-/// lines by branch order, then organs from far to near, then text. Holds 4 bytes for a line and the corners of organs.
+/// lines by branch order, then organs from far to near, then text. What wears a texture has its mean colour: a line of
+/// all of it, a face of an organ of its own part, and a face mostly over a hole is left out. Holds 4 bytes for a line
+/// and the corners of organs.
 class PageDrawing {
  public:
   /// `scene` and `palette` must outlive the object. The page is at most `width` by `height` and as small as the drawing
@@ -66,7 +69,8 @@ class PageDrawing {
  private:
   void chooseProjection();
   void addFace(std::span<const core::Vec3> corners, const core::Vec3& normal, std::int32_t colour);
-  void addMesh(const Mesh& mesh, std::int32_t colour);
+  void addFace(std::span<const core::Vec3> corners, const core::Vec3& normal, const Colour& colour, double opacity);
+  void addMesh(const Mesh& mesh, std::int32_t colour, std::int32_t texture);
   void addShapes();
   void addLines();
   void fit(double width, double height, double marginFraction);
@@ -76,6 +80,7 @@ class PageDrawing {
   const language::ViewSettings& view_;
   const Palette& palette_;
   Projection projection_;
+  RasterTextures textures_;
   core::Vec3 light_;  // toward the light
   PictureBounds bounds_;
   std::vector<std::array<double, 2>> points_;  // picture units

@@ -1,9 +1,11 @@
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "engine/turtle/export/page_drawing.h"
 #include "engine/turtle/export/picture.h"
 #include "engine/turtle/export/placed_meshes.h"
 #include "engine/turtle/export/projection.h"
@@ -154,6 +156,49 @@ TEST(Textures, BesideObjAndUsdaThePictureIsAFileThatTheyName) {
         std::string::npos)
         << named;
   }
+}
+
+TEST(Textures, DrawingsHaveTheMeanColourOfEachFace) {
+  // the square seen from its front, cut into one face, which has the mean of red, green, blue and white; into four
+  language::ViewSettings view = texturedView();
+  view.textures[0].use = Use::Decal;
+  const auto colours = [&view](std::string_view text, std::int32_t subdivision) {
+    view.surfaces[0].subdivisionS = subdivision;
+    view.surfaces[0].subdivisionT = subdivision;
+    TurtleRun run(text, view);
+    run.draw();
+    const Palette palette(run.scene);
+    const PageDrawing drawing(run.scene, run.program.view, palette, 100, 100, 0.0);
+    std::vector<std::array<int, 3>> found;
+    for (const PageShape& shape : drawing.shapes()) {
+      found.push_back({shape.colour.red, shape.colour.green, shape.colour.blue});
+    }
+    for (const PageLines& lines : drawing.lines()) {
+      found.push_back({lines.colour.red, lines.colour.green, lines.colour.blue});
+    }
+    return found;
+  };
+  // lines are not lit: the mean is (255 + 0 + 0 + 255) / 4 for each component
+  const auto line = colours("@Tx(1)F", 1);
+  ASSERT_EQ(line.size(), 1U);
+  for (const int component : line[0]) {
+    EXPECT_NEAR(component, 128, 1);
+  }
+  const auto whole = colours("@Tx(1)~p", 1);
+  ASSERT_EQ(whole.size(), 1U);
+  EXPECT_NEAR(whole[0][0], whole[0][2], 8) << "grey but for the shade";
+  const auto quarters = colours("@Tx(1)~p", 2);
+  ASSERT_EQ(quarters.size(), 4U);
+  EXPECT_EQ(std::ranges::count_if(quarters, [](const auto& c) { return c[0] > 2 * c[1] && c[0] > 2 * c[2]; }), 1);
+  EXPECT_EQ(std::ranges::count_if(quarters, [](const auto& c) { return c[1] > 2 * c[0] && c[1] > 2 * c[2]; }), 1);
+  EXPECT_EQ(std::ranges::count_if(quarters, [](const auto& c) { return c[2] > 2 * c[0] && c[2] > 2 * c[1]; }), 1);
+  // a picture with a hole in its lower half
+  auto holed = std::make_shared<language::Image>(*view.textures[0].image);
+  holed->pixels[11] = 0;
+  holed->pixels[15] = 0;
+  view.textures[0].image = holed;
+  view.textures[0].use = Use::Modulate;
+  EXPECT_EQ(colours("@Tx(1)~p", 2).size(), 2U);
 }
 
 TEST(Textures, APictureOfTheSurfaceShowsThePicture) {
