@@ -17,6 +17,7 @@
 #include "clients/espalier/commands.h"
 #include "clients/espalier/environment_loading.h"
 #include "clients/espalier/evolution/evolution.h"
+#include "clients/espalier/evolution/fitness.h"
 #include "clients/espalier/evolution/fitness_process.h"
 #include "clients/espalier/evolution/model_variants.h"
 #include "clients/espalier/messages.h"
@@ -38,7 +39,7 @@ struct EvolveOptions {
   std::vector<std::string> genes;
   bool variesProductions = false;
   std::uint64_t longestSuccessor = 40;
-  std::string fitness = "light";
+  std::string fitness{kUsualFitness};
   double judgeSeconds = 60.0;
   std::uint64_t populationCount = 40;
   std::uint64_t generationCount = 30;
@@ -426,11 +427,15 @@ void addEvolve(CLI::App& program, int& status) {
       "Varies numbers of a model, or the productions of a bracketed D0L-system, and lets the fitter plants have more\n"
       "offspring. FOLDER receives best.l, a table of the generations, a picture of the best of each, and the state\n"
       "that --resume goes on from. The result depends on the seed, not on the number of threads.\n"
-      "Measures: height, light (ground shaded from above), symmetry (bilateral, 0 to 1), stability (0 to 1),\n"
-      "branching (0 to 1), length (of all lines), organs (number); a product of powers: symmetry=2,light=1.\n"
+      "Measures: height, light (ground shaded from above), sky (the same from the whole sky), symmetry (bilateral,\n"
+      "0 to 1), stability (0 to 1), branching (0 to 1), length (of all lines), extent (greatest span), organs "
+      "(number);\n"
+      "a product of powers. That of the default is the same for a plant twice as large: symmetry, light and height of "
+      "a\n"
+      "plant of extent 1, by the root of the length of its lines.\n"
       "Examples:\n"
       "  espalier evolve tree.l --gene ANGLE=10:80 --gene RATIO=0.5:0.95 --fitness light=1,length=-0.5 -o bred\n"
-      "  espalier evolve weed.l --productions --fitness symmetry=2,light --generations 50 -o bred\n"
+      "  espalier evolve weed.l --productions --generations 50 -o bred\n"
       "  espalier evolve tree.l --gene ANGLE=10:80 --fitness 'stdio:python3 fitness.py' -o bred");
   auto options = std::make_shared<EvolveOptions>();
   addReadingOptions(*command, options->model, true);

@@ -85,6 +85,39 @@ TEST(PlantMeasures, LightIsTheGroundInTheShade) {
   EXPECT_DOUBLE_EQ(plant.organs, 2.0);
 }
 
+TEST(PlantMeasures, SkyIsTheMeanOfFiveSides) {
+  const auto skyOf = [](std::vector<core::Vec3> corners) {
+    turtle::Scene scene;
+    turtle::Polygon square;
+    square.vertices = std::move(corners);
+    scene.polygons.push_back(square);
+    return measurePlant(std::move(scene), {}).sky;
+  };
+  // a level square is whole from above and cos 45 degrees of it from four sides
+  EXPECT_NEAR(skyOf({{0, 1, 0}, {1, 1, 0}, {1, 1, 1}, {0, 1, 1}}), (1.0 + 4.0 * std::sqrt(0.5)) / 5.0, 0.02);
+  // one that stands across z has nothing to see but from before and behind
+  EXPECT_NEAR(skyOf({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}), 2.0 * std::sqrt(0.5) / 5.0, 0.02);
+}
+
+TEST(FitnessFormula, TheUsualOneDoesNotGrowWithThePlant) {
+  FitnessFormula formula;
+  ASSERT_EQ(FitnessFormula::read(kUsualFitness, formula), std::nullopt);
+  const auto fitnessOf = [&](double scale, bool isMirrored) {
+    std::vector<turtle::Segment> plant{line({0, 0, 0}, {0, 2 * scale, 0}),
+                                       line({0, 2 * scale, 0}, {scale, 3 * scale, 0}, 0)};
+    if (isMirrored) {
+      plant.push_back(line({0, 2 * scale, 0}, {-scale, 3 * scale, 0}, 0));
+    }
+    for (turtle::Segment& segment : plant) {
+      segment.startWidth = segment.endWidth = 0.01 * scale;
+    }
+    return formula(measured(std::move(plant)));
+  };
+  EXPECT_GT(fitnessOf(1.0, false), 0.0);
+  EXPECT_NEAR(fitnessOf(8.0, false), fitnessOf(1.0, false), 1e-9);
+  EXPECT_GT(fitnessOf(1.0, true), 1.3 * fitnessOf(1.0, false));
+}
+
 TEST(FitnessFormula, IsAProductOfPowers) {
   FitnessFormula formula;
   ASSERT_EQ(FitnessFormula::read("symmetry=2,light,length=-1", formula), std::nullopt);
@@ -99,10 +132,9 @@ TEST(FitnessFormula, IsAProductOfPowers) {
 
 TEST(FitnessFormula, NamesWhatItCannotRead) {
   FitnessFormula formula;
-  EXPECT_EQ(
-      FitnessFormula::read("ligth", formula).value_or(""),
-      "there is no measure 'ligth'. Did you mean 'light'? Available: height, light, symmetry, stability, branching, "
-      "length, organs.");
+  EXPECT_EQ(FitnessFormula::read("ligth", formula).value_or(""),
+            "there is no measure 'ligth'. Did you mean 'light'? Available: height, light, sky, symmetry, stability, "
+            "branching, length, extent, organs.");
   EXPECT_EQ(FitnessFormula::read("light=much", formula).value_or(""),
             "'much' is not a number: give an exponent, as in symmetry=2,light=1");
 }

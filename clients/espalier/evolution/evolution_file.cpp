@@ -57,10 +57,12 @@ Individual toIndividual(const json& item, const GenomeShape& shape) {
   const auto number = [&](const char* name) { return measures.at(name).get<double>(); };
   individual.measures = {.height = number("height"),
                          .light = number("light"),
+                         .sky = number("sky"),
                          .symmetry = number("symmetry"),
                          .stability = number("stability"),
                          .branching = number("branching"),
                          .length = number("length"),
+                         .extent = number("extent"),
                          .organs = number("organs")};
   return individual;
 }

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 #include <tuple>
 
 #include "engine/core/diagnostic.h"
@@ -13,6 +14,9 @@ namespace espalier::command {
 namespace {
 
 using core::Vec3;
+
+// the width of lines that counts as green, in parts of the extent
+constexpr double kTwigsInExtent = 128.0;
 
 // a picture of the ground from above, in cells
 class GroundShade {
@@ -92,6 +96,39 @@ struct Bounds {
   [[nodiscard]] double extent() const { return std::max({high.x - low.x, high.y - low.y, high.z - low.z}); }
 };
 
+// area of the shade on the ground of light that goes `alongX` and `alongZ` to the side for each unit
+// downward; lines count as `widest` at most
+double shadeOf(const turtle::Geometry& geometry, double alongX, double alongZ, double widest) {
+  const auto fallen = [&](const Vec3& p) { return Vec3{p.x + alongX * p.y, 0.0, p.z + alongZ * p.y}; };
+  Bounds bounds;
+  bounds.add({});
+  for (std::size_t i = 0; i < geometry.start.size(); ++i) {
+    bounds.add(fallen(geometry.start[i]));
+    bounds.add(fallen(geometry.end[i]));
+  }
+  for (const Vec3& vertex : geometry.vertices) {
+    bounds.add(fallen(vertex));
+  }
+  // a plant of vertical lines shades a point
+  double height = 0.0;
+  for (const Vec3& end : geometry.end) {
+    height = std::max(height, end.y);
+  }
+  const double extent = std::max(bounds.extent(), height);
+  if (!(extent > 0.0)) {
+    return 0.0;
+  }
+  GroundShade shade(bounds.low.x, bounds.low.z, extent);
+  for (std::size_t i = 0; i < geometry.start.size(); ++i) {
+    const double width = geometry.areWidthsPixels ? 0.0 : std::max(geometry.startWidth[i], geometry.endWidth[i]);
+    shade.addLine(fallen(geometry.start[i]), fallen(geometry.end[i]), std::min(width, widest));
+  }
+  for (const auto& [a, b, c] : geometry.triangles) {
+    shade.addTriangle(fallen(geometry.vertices[a]), fallen(geometry.vertices[b]), fallen(geometry.vertices[c]));
+  }
+  return shade.area();
+}
+
 double branchingOf(const std::vector<turtle::Segment>& segments) {
   std::vector<std::uint32_t> children(segments.size());
   for (const turtle::Segment& segment : segments) {
@@ -145,9 +182,9 @@ double symmetryOf(const turtle::Geometry& geometry, double extent) {
 }  // namespace
 
 double measure(const PlantMeasures& measures, std::size_t index) {
-  const std::array<double, kMeasureNames.size()> values{measures.height,    measures.light,     measures.symmetry,
-                                                        measures.stability, measures.branching, measures.length,
-                                                        measures.organs};
+  const std::array<double, kMeasureNames.size()> values{measures.height,   measures.light,     measures.sky,
+                                                        measures.symmetry, measures.stability, measures.branching,
+                                                        measures.length,   measures.extent,    measures.organs};
   return values.at(index);
 }
 
@@ -182,15 +219,13 @@ PlantMeasures measurePlant(turtle::Scene&& scene, const language::ViewSettings& 
     measures.stability = measures.height > 0.0 ? 1.0 - std::min(1.0, beside / (measures.height / 2.0)) : 0.0;
     measures.symmetry = symmetryOf(geometry, bounds.extent());
   }
-  GroundShade shade(bounds.low.x, bounds.low.z, bounds.extent());
-  for (std::size_t i = 0; i < geometry.start.size(); ++i) {
-    const double width = geometry.areWidthsPixels ? 0.0 : std::max(geometry.startWidth[i], geometry.endWidth[i]);
-    shade.addLine(geometry.start[i], geometry.end[i], width);
-  }
-  for (const auto& [a, b, c] : geometry.triangles) {
-    shade.addTriangle(geometry.vertices[a], geometry.vertices[b], geometry.vertices[c]);
-  }
-  measures.light = shade.area();
+  measures.extent = bounds.extent();
+  measures.light = shadeOf(geometry, 0.0, 0.0, INFINITY);
+  // a beam 45 degrees high is as much narrower than its shade on the ground
+  const double twig = measures.extent / kTwigsInExtent;
+  const double oblique = shadeOf(geometry, 1.0, 0.0, twig) + shadeOf(geometry, -1.0, 0.0, twig) +
+                         shadeOf(geometry, 0.0, 1.0, twig) + shadeOf(geometry, 0.0, -1.0, twig);
+  measures.sky = (shadeOf(geometry, 0.0, 0.0, twig) + oblique / std::numbers::sqrt2) / 5.0;
   return measures;
 }
 
