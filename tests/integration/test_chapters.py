@@ -1,5 +1,6 @@
 """The chapters of the gallery: what the documents that the project began with print is what their models derive."""
 
+import html
 import math
 import re
 import tempfile
@@ -310,6 +311,22 @@ class TurtlePainter(unittest.TestCase):
             self.assertEqual((left + right, upper + lower), (100, 100))
             self.assertTrue(0 <= min(left, right, upper, lower) + 30)
 
+    def test_branches_of_opposite_quadrants_are_in_balance(self) -> None:
+        for seed in range(1, 21):
+            text = derived("turtle-painter/balanced.txt", "--seed", str(seed))[-1]
+            # of each axis the branches in the quadrants 0 to 90, 90 to 180, ... degrees about it
+            axes = [[0, 0, 0, 0]]
+            for bracket, angle in re.findall(r"(\[|\])(?:/\(([^)]+)\))?", text):
+                if bracket == "]":
+                    counts = axes.pop()
+                    self.assertLessEqual(abs(counts[0] - counts[2]), 2)
+                    self.assertLessEqual(abs(counts[1] - counts[3]), 2)
+                else:
+                    axes[-1][int(float(angle) // 90)] += 1
+                    axes.append([0, 0, 0, 0])
+            self.assertEqual(len(axes), 1)
+            self.assertGreater(sum(axes[0]), 1)
+
     def test_the_constant_vector_moves_what_is_drawn(self) -> None:
         with tempfile.TemporaryDirectory() as folder:
             Path(folder, "m.txt").write_text("// Turtle Painter\nω = FFFF\nn = 0\nvector: 0.5, -0.25, 0\n",
@@ -395,6 +412,22 @@ class Conversion(unittest.TestCase):
             self.assertEqual(len(points[0]), len(points[1]))
             self.assertLess(max(math.dist(p, q) for p, q in zip(*points)), 1e-3)
 
+    def test_a_converted_model_derives_the_same_string(self) -> None:
+        models = ["lsystem-viewer/koch-curve.lsv", "lsystem-viewer/plant-4.lsv", "fractint/curves.l:Dragon",
+                  "graphical-models/koch-island.txt", "graphical-models/tree-2.txt", "graphical-models/stochastic.txt",
+                  "turtle-painter/plant.txt", "turtle-painter/parametric.txt", "turtle-painter/balanced.txt",
+                  "open-l-systems/algae.txt", "open-l-systems/flower.txt", "open-l-systems/context.txt",
+                  "open-l-systems/stochastic-parametric.txt", "forest/species.txt:5", "forest/species.txt:6"]
+        for model in models:
+            with self.subTest(model), tempfile.TemporaryDirectory() as folder:
+                text = espalier("convert", chapter(model), "--to", "cpfg", "--quiet").stdout
+                Path(folder, "m.l").write_text(text, encoding="utf-8")
+                converted = espalier("derive", f"{folder}/m.l", "--quiet", "--seed", "5").stdout.strip()
+                original = espalier("derive", chapter(model), "--quiet", "--seed", "5").stdout.strip()
+                # the start of the turtle stands before the axiom
+                self.assertTrue(converted.endswith(original), converted[:200] + "\n" + original[:200])
+                self.assertLess(len(converted) - len(original), 40)
+
     def test_what_cpfg_cannot_say_is_explained(self) -> None:
         done = espalier("convert", chapter("graphical-models/context.txt"), "--to", "cpfg", status=1)
         self.assertIn("cannot be written for cpfg, which has no symbols of more than one character: F_a, F_b", done.stderr)
@@ -423,6 +456,35 @@ class Conversion(unittest.TestCase):
 
 
 class Chapters(unittest.TestCase):
+    def test_pages_show_the_description_beside_the_picture(self) -> None:
+        pictures = (GALLERY / "pictures.txt").read_text(encoding="utf-8").splitlines()
+        for name in (line.split(" ")[0] for line in pictures):
+            if not name.startswith("chapter-") or "." not in name:
+                continue
+            file, _, entry = name.partition(":")
+            picture = Path(file).stem + (f"-{entry}" if entry else "") + ".png"
+            page = (GALLERY / file).parent.joinpath("README.md").read_text(encoding="utf-8")
+            row = next((row for row in page.split("<tr>") if f'src="{picture}"' in row), "")
+            with self.subTest(name):
+                shown = re.search(r"<pre>(.*?)</pre>", row, re.DOTALL)
+                self.assertIsNotNone(shown, "there is no description in the row of its picture")
+                lines = html.unescape(shown.group(1)).splitlines() if shown else []
+                model = [line.rstrip() for line in (GALLERY / file).read_text(encoding="utf-8").splitlines()]
+                # what is shown is what the file says, all that a file of one model says
+                self.assertTrue(lines and all(line in model for line in lines))
+                if Path(file).name not in ("species.txt", "curves.l"):
+                    says = [line for line in model if line and not re.match(r"# |//|/\*", line)]
+                    self.assertEqual([line for line in lines if not line.startswith("#")],
+                                     [line for line in says if not line.startswith("#")])
+
+    def test_pages_show_the_strings_that_are_derived(self) -> None:
+        for model in ("graphical-models/koch-island.txt", "graphical-models/context.txt", "open-l-systems/algae.txt",
+                      "open-l-systems/monopodial.txt", "open-l-systems/dichotomous.txt", "open-l-systems/flower.txt",
+                      "open-l-systems/signal-up.txt", "open-l-systems/signal-down.txt"):
+            page = Path(chapter(model)).parent.joinpath("README.md").read_text(encoding="utf-8")
+            for text in derived(model)[:2]:
+                self.assertRegex(page, rf"(?m)^\d: {re.escape(text)}$")
+
     def test_every_model_is_without_errors_and_on_its_page(self) -> None:
         listed = (GALLERY / "README.md").read_text(encoding="utf-8")
         for folder in sorted(GALLERY.glob("chapter-*")):

@@ -7,7 +7,7 @@ import tempfile
 import unittest
 from pathlib import Path
 
-from support import PACKAGE, program
+from support import GALLERY, PACKAGE, program
 
 NUMBERS = """#define ANGLE 30
 #define RATIO 0.7
@@ -60,6 +60,18 @@ class Evolving(unittest.TestCase):
         again = subprocess.run([program(), "run", "bred/best.l", "-o", "best.svg"], cwd=self.folder,
                                capture_output=True, text=True)
         self.assertEqual(again.returncode, 0, again.stderr)
+
+    def test_what_is_bred_by_default_is_a_symmetric_plant_of_its_size(self) -> None:
+        # F[-F]F[+F][F] leans; its kin with as many branches on both sides are fitter
+        bush = str(GALLERY / "chapter-open-l-systems" / "bush.txt")
+        made = self.evolve(bush, "--productions", "--seed", "2", "--population", "24", "--generations", "12", "-o", "bred")
+        self.assertEqual(made.returncode, 0, made.stderr)
+        rows = self.table("bred")
+        self.assertGreater(float(rows[-1]["best"]), 1.5 * float(rows[0]["best"]))
+        self.assertGreater(float(rows[-1]["symmetry"]), 0.9)
+        # neither a line alone nor the largest plant that there can be
+        self.assertGreater(float(rows[-1]["branching"]), 0.0)
+        self.assertLess(int(rows[-1]["modules"]), 20_000)
 
     def test_threads_change_nothing_and_a_run_goes_on_where_it_stopped(self) -> None:
         common = ["weed.l", "--productions", "--fitness", "symmetry=2,light", "--population", "10", "--seed", "3",

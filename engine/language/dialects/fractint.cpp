@@ -266,11 +266,23 @@ class FractintReader {
     draw('G', "f");
     draw('D', "F");
     draw('M', "f");
-    draw('\\', "+(x)");
-    draw('/', "-(x)");
+    // F and G have a heading of their own, that + - | turn, D and M another one, that \ and / turn
+    const auto uses = [&](std::string_view symbols) {
+      return std::any_of(symbols.begin(), symbols.end(), [&](char symbol) { return used_.count(symbol) > 0; });
+    };
+    const bool movesByParts = uses("FG");
+    const bool movesByDegrees = uses("DM");
+    const bool ignoresDegrees = movesByParts && !movesByDegrees;
+    const bool ignoresParts = movesByDegrees && !movesByParts;
+    draw('\\', ignoresDegrees ? "*" : "+(x)");
+    draw('/', ignoresDegrees ? "*" : "-(x)");
+    if (ignoresParts) {
+      draw('+', "*");
+      draw('-', "*");
+    }
     draw('@', "@Di(x)");
     // half a turn, or the most below it that has whole parts
-    draw('|', "+(" + cpfgNumber(parts / 2 * 360.0 / parts) + ")");
+    draw('|', ignoresParts ? "*" : "+(" + cpfgNumber(parts / 2 * 360.0 / parts) + ")");
     // the turtle on its back has left and right exchanged
     draw('!', "/(180)");
     if (parametric_.count('C') > 0) {
@@ -283,16 +295,11 @@ class FractintReader {
         model_.palette[i] = kColours[i % 16];
       }
     }
-    const auto uses = [&](std::string_view symbols) {
-      return std::any_of(symbols.begin(), symbols.end(), [&](char symbol) { return used_.count(symbol) > 0; });
-    };
-    const bool hasBoth = (uses("FG") && uses("DM")) || (uses("+-|") && uses("\\/"));
-    if (hasBoth) {
-      report_.warn(
-          offset, 1,
-          "the entry turns in two ways, + and - (for F and G) and \\ and / (for D and M): both turn one heading "
-          "here, so that its picture may differ",
-          "its strings are exact");
+    if (movesByParts && movesByDegrees && (uses("+-|") || uses("\\/"))) {
+      report_.warn(offset, 1,
+                   "the entry draws with F or G, which + - | turn, and with D or M, which \\ and / turn: one heading "
+                   "serves both here, so that its picture may differ",
+                   "its strings are exact");
     }
   }
 

@@ -90,11 +90,22 @@ TEST(Fractint, ErrorsNameItsLinesAndTerms) {
                      "X=STRING, one a line }"});
 }
 
-TEST(Fractint, TwoWaysOfTurningInOneEntryAreAWarning) {
-  EXPECT_EQ(
-      foreignMessages(entry("angle 6\naxiom f+\\30d\n")),
-      Messages{"1:1: warning: the entry turns in two ways, + and - (for F and G) and \\ and / (for D and M): both turn "
-               "one heading here, so that its picture may differ | its strings are exact"});
+TEST(Fractint, DegreesTurnTheHeadingOfDAndMOnly) {
+  // F and G do not see them, D and M do not see + - |
+  const std::string parts = cpfgText(entry("angle 6\naxiom f\\30/20+g\n"));
+  EXPECT_NE(parts.find("\\(x) --> *\n/(x) --> *\n"), std::string::npos) << parts;
+  EXPECT_EQ(parts.find("+ --> *"), std::string::npos);
+  const std::string degrees = cpfgText(entry("angle 6\naxiom d\\30+|-m\n"));
+  EXPECT_NE(degrees.find("\\(x) --> +(x)\n+ --> *\n- --> *\n"), std::string::npos) << degrees;
+  EXPECT_NE(degrees.find("| --> *\n"), std::string::npos) << degrees;
+  EXPECT_EQ(foreignMessages(entry("angle 6\naxiom f\\30/20+g\n")), Messages{});
+  EXPECT_EQ(foreignMessages(entry("angle 6\naxiom d\\30+|-m\n")), Messages{});
+}
+
+TEST(Fractint, TwoHeadingsInOneEntryAreAWarning) {
+  EXPECT_EQ(foreignMessages(entry("angle 6\naxiom f+\\30d\n")),
+            Messages{"1:1: warning: the entry draws with F or G, which + - | turn, and with D or M, which \\ and / "
+                     "turn: one heading serves both here, so that its picture may differ | its strings are exact"});
 }
 
 }  // namespace
