@@ -120,6 +120,30 @@ class GalleryEnvironments(unittest.TestCase):
         self.assertGreater(shade[0], 10)
         self.assertGreater(shade[1], 100)
 
+    def test_self_organizing_trees_feed_by_rank_and_lose_branches(self) -> None:
+        def run(*more: str) -> List[str]:
+            environment = str(GALLERY / "self-organizing-tree" / "shade.json")
+            return strings("self-organizing-tree", "--seed", "1", "--steps", "34", "--environment", environment,
+                           "--define", "PRIORITY=1", *more)
+
+        def trunk(string: str) -> int:
+            depth = metamers = 0
+            for character, after in zip(string, string[1:]):
+                depth += {"[": 1, "]": -1}.get(character, 0)
+                metamers += depth == 0 and character + after == "I("
+            return metamers
+
+        derived = run()
+        lines = (GALLERY / "self-organizing-tree" / "golden-priority.tsv").read_text(encoding="utf-8").splitlines()
+        self.assertEqual(lines[0].split("\t"), ["step", "I", "B", "fallen"])
+        for step, *expected in ([int(number) for number in line.split("\t")] for line in lines[1:]):
+            self.assertEqual([derived[step].count(symbol) for symbol in ("I(", "B(", "[]")], expected, f"step {step}")
+        whole = run("--define", "SHED=0")[-1]
+        self.assertEqual(whole.count("[]"), 0)
+        self.assertGreater(derived[-1].count("[]"), 5)
+        self.assertLess(derived[-1].count("I("), 0.5 * whole.count("I("))
+        self.assertGreater(trunk(whole), trunk(run("--define", "SHED=0", "--define", "APICAL=0")[-1]))
+
     def test_roots_gather_in_the_wet_layer(self) -> None:
         self.counted("roots-in-soil", {"I": "I(", "T": "T("})
         with tempfile.TemporaryDirectory() as folder:
