@@ -4,8 +4,11 @@
 #include <memory>
 
 #include "clients/espalier/commands.h"
+#include "clients/espalier/field_writing_process.h"
 #include "clients/espalier/messages.h"
 #include "environment/environment_entries.h"
+#include "environment/field_embedding.h"
+#include "environment/mesh_embedding.h"
 #include "environment/registry.h"
 #include "protocol/codec.h"
 #include "protocol/envelope.h"
@@ -39,6 +42,8 @@ struct EnvironmentOptions {
   bool describes = false;
   bool printsSchema = false;
   bool lists = false;
+  bool writesEveryStep = false;
+  FieldOutputs fields;
 };
 
 int listProcesses() {
@@ -109,9 +114,12 @@ std::optional<std::string> configurationOf(const EnvironmentOptions& options, co
   return entry.configuration;
 }
 
-int runEnvironment(const EnvironmentOptions& options) {
+int runEnvironment(EnvironmentOptions& options) {
   if (options.lists) {
     return listProcesses();
+  }
+  if (!options.fields.parse()) {
+    return kUsage;
   }
   const int modes = (options.address.empty() ? 0 : 1) + (options.isOnStdio ? 1 : 0) + (options.describes ? 1 : 0) +
                     (options.printsSchema ? 1 : 0);
@@ -133,6 +141,16 @@ int runEnvironment(const EnvironmentOptions& options) {
       return kFailure;
     }
     configuration = std::move(*chosen);
+    // files that it names become part of it
+    environment::EnvironmentEntry entry{options.name, options.name, configuration};
+    server::DiskFileProvider files;
+    auto problem = environment::embedMeshFile(entry, options.configurationFile, files);
+    problem = problem ? problem : environment::embedFieldFile(entry, options.configurationFile, files);
+    if (problem) {
+      printDiagnostics(std::vector{*problem}, false);
+      return kFailure;
+    }
+    configuration = std::move(entry.configuration);
   }
 
   if ((options.name == kLegacy) == options.fieldFile.empty() ||
@@ -166,7 +184,9 @@ int runEnvironment(const EnvironmentOptions& options) {
   const server::ProcessFactory factory = [&options, &configuration] {
     std::vector<core::Diagnostic> said;  // above
     auto fresh = makeAsked(options, configuration, said);
-    return std::move(std::get<std::unique_ptr<turtle::EnvironmentProcess>>(fresh));
+    auto& process = std::get<std::unique_ptr<turtle::EnvironmentProcess>>(fresh);
+    return options.fields.isEmpty() ? std::move(process)
+                                    : writingFields(std::move(process), options.fields, options.writesEveryStep);
   };
   if (options.isOnStdio) {
     if (const auto problem = server::hostEnvironmentOnStdio(factory)) {
@@ -243,6 +263,8 @@ void addEnvironment(CLI::App& program, int& status) {
       "  espalier derive MODEL.l --environment 'stdio:espalier environment honda --stdio'\n"
       "An existing program of the field, which speaks on pipes, is offered in the same way:\n"
       "  espalier environment legacy --executable './soil -v' --spec roots.e --listen 127.0.0.1:4000\n"
+      "Quantities in space do not cross the wire; --field writes them where the environment runs:\n"
+      "  espalier environment soil-water --configuration soil.json --listen 127.0.0.1:4000 --field water.vti\n"
       "With --listen it prints `listening on HOST:PORT` when ready and serves until SIGINT or SIGTERM.\n"
       "`espalier environment check ADDRESS` tries out an environment of your own.");
   command->add_option("NAME", options->name, "A built-in environment; --list names them");
@@ -266,6 +288,9 @@ void addEnvironment(CLI::App& program, int& status) {
                     "Print what it needs, its inputs and outputs with units, as JSON");
   command->add_flag("--schema", options->printsSchema, "Print the JSON Schema of its configuration");
   command->add_flag("--list", options->lists, "Print the names of all, each with a sentence");
+  options->fields.addTo(*command);
+  command->add_flag("--every", options->writesEveryStep,
+                    "Number the files of --field by step, instead of keeping the last");
   addCheckOfOther(*command, status);
   command->callback([options, &status, command] {
     if (command->get_subcommands().empty()) {

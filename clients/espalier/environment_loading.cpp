@@ -10,6 +10,7 @@
 #include "engine/language/model_queries.h"
 #include "environment/environment_entries.h"
 #include "environment/environment_set.h"
+#include "environment/field_embedding.h"
 #include "environment/field_file.h"
 #include "environment/mesh_embedding.h"
 #include "environment/registry.h"
@@ -163,7 +164,9 @@ Process loadConfiguration(const std::string& file, core::FileProvider& files, st
   }
   auto& entries = std::get<std::vector<environment::EnvironmentEntry>>(parsed);
   for (environment::EnvironmentEntry& entry : entries) {
-    if (const auto problem = environment::embedMeshFile(entry, file, files)) {
+    auto problem = environment::embedMeshFile(entry, file, files);
+    problem = problem ? problem : environment::embedFieldFile(entry, file, files);
+    if (problem) {
       printDiagnostics(std::vector{*problem}, false);
       return nullptr;
     }

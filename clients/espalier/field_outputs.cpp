@@ -173,14 +173,25 @@ bool FieldOutputs::writeTable(const Output& output, const std::vector<Field>& fi
     return false;
   }
   const std::string header = "step,field,unit,minimum,mean,maximum,integral\n";
-  if (const auto problem = server::writeFileAtomically(output.file, header + output.rows)) {
+  if (const auto problem = server::writeFileAtomically(fileOf(output), header + output.rows)) {
     printError(*problem);
     return false;
   }
   if (!isQuiet) {
-    printNote("wrote " + output.file);
+    printNote("wrote " + fileOf(output));
   }
   return true;
+}
+
+void FieldOutputs::begin(std::optional<std::uint64_t> variant) {
+  variant_ = variant;
+  for (Output& output : outputs_) {
+    output.rows.clear();
+  }
+}
+
+std::string FieldOutputs::fileOf(const Output& output) const {
+  return variant_ ? numberedName(output.file, *variant_, 3) : output.file;
 }
 
 bool FieldOutputs::addStep(simulation::Simulation& simulation, std::optional<std::uint64_t> number, bool isQuiet) {
@@ -194,7 +205,7 @@ bool FieldOutputs::addStep(simulation::Simulation& simulation, std::optional<std
   for (Output& output : outputs_) {
     if (output.suffix == ".csv") {
       addRows(output, fields, simulation.completedSteps());
-    } else if (number && !writeFile(output, fields, numberedName(output.file, *number, 4), isQuiet)) {
+    } else if (number && !writeFile(output, fields, numberedName(fileOf(output), *number, 4), isQuiet)) {
       return false;
     }
   }
@@ -209,7 +220,20 @@ bool FieldOutputs::finish(simulation::Simulation& simulation, bool isEveryStepWr
       simulation.environment() == nullptr ? std::vector<Field>{} : simulation.environment()->fields();
   return std::all_of(outputs_.begin(), outputs_.end(), [&](const Output& output) {
     return output.suffix == ".csv" ? writeTable(output, fields, isQuiet)
-                                   : isEveryStepWritten || writeFile(output, fields, output.file, isQuiet);
+                                   : isEveryStepWritten || writeFile(output, fields, fileOf(output), isQuiet);
+  });
+}
+
+bool FieldOutputs::writeStep(const std::vector<Field>& fields, std::uint64_t step, bool isNumbered) {
+  if (step == 0 && fields.empty()) {
+    return true;
+  }
+  return std::all_of(outputs_.begin(), outputs_.end(), [&](Output& output) {
+    if (output.suffix == ".csv") {
+      addRows(output, fields, step);
+      return writeTable(output, fields, true);
+    }
+    return writeFile(output, fields, isNumbered ? numberedName(output.file, step, 4) : output.file, true);
   });
 }
 

@@ -24,11 +24,17 @@ class FieldOutputs {
 
   /// Reads the specifications. False: one is wrong, an error was written.
   [[nodiscard]] bool parse();
+  /// Begins a run: tables are empty, and with `variant` all files have that number.
+  void begin(std::optional<std::uint64_t> variant);
+  [[nodiscard]] bool isEmpty() const { return specifications_.empty(); }
   /// Notes the present step in the tables, and with `number` writes the other files with that number. False: an error
   /// was written.
   [[nodiscard]] bool addStep(simulation::Simulation& simulation, std::optional<std::uint64_t> number, bool isQuiet);
   /// Writes the files of the last step, unless every step was written, and the tables.
   [[nodiscard]] bool finish(simulation::Simulation& simulation, bool isEveryStepWritten, bool isQuiet);
+  /// Writes the files of a step that may be the last, tables with the rows so far. An environment without fields yet
+  /// has none at step 0. False: an error was written.
+  [[nodiscard]] bool writeStep(const std::vector<turtle::Field>& fields, std::uint64_t step, bool isNumbered);
   /// Writes fields that do not come from a simulation, tables with one row for each. False: an error was written.
   [[nodiscard]] bool write(const std::vector<turtle::Field>& fields, bool isQuiet);
 
@@ -46,7 +52,10 @@ class FieldOutputs {
   [[nodiscard]] bool writeFile(const Output& output, const std::vector<turtle::Field>& fields, const std::string& file,
                                bool isQuiet) const;
 
+  [[nodiscard]] std::string fileOf(const Output& output) const;
+
   std::vector<std::string> specifications_;
+  std::optional<std::uint64_t> variant_;
   std::vector<Output> outputs_;
 };
 

@@ -220,6 +220,7 @@ int runOnce(RunOptions& options, ModelOptions model, std::optional<std::uint64_t
       return kFailure;
     }
   }
+  options.fields.begin(variant);
   const std::unique_ptr<simulation::Simulation> begun = begin(*loaded);
   simulation::Simulation& simulation = *begun;
   const TimeLimit time(simulation, model.seconds());

@@ -103,6 +103,13 @@ constexpr std::array kKeys{
                      .minimum = 0.0,
                      .maximum = 1.0,
                      .defaultNumber = 1.0},
+    ConfigurationKey{.name = "leafAreaDensity",
+                     .kind = KeyKind::Numbers,
+                     .description =
+                         "turbid: leaf area per volume of every voxel, x fastest, then y, then z, of plants that are "
+                         "not simulated; a \"fieldFile\" brings it; none: there are none",
+                     .unit = "1/length",
+                     .minimum = 0.0},
     ConfigurationKey{.name = "fullLight",
                      .description = "shadow: C, the light without shadow",
                      .minimum = 0.0,
@@ -176,6 +183,13 @@ class LightVoxels final : public turtle::EnvironmentProcess {
     }
     lengthUnit_ = context.world.lengthUnit;
     field_ = VoxelField(shape_, *axes);
+    background_.clear();
+    if (const auto& densities = configuration_.numbers("leafAreaDensity"); !densities.empty() && isTurbid_) {
+      background_.resize(field_.values().size());
+      std::size_t number = 0;
+      eachVoxel(
+          [&](const Vec3& middle) { background_[*field_.indexOf(field_.voxelOf(middle))] = densities[number++]; });
+    }
     return isTurbid_ ? makeBeams(core::normalised(context.world.up)) : std::nullopt;
   }
 
@@ -206,23 +220,27 @@ class LightVoxels final : public turtle::EnvironmentProcess {
     turtle::Field content = light;
     content.name = isTurbid_ ? "leafAreaDensity" : "casters";
     content.unit = isTurbid_ ? "1/" + lengthUnit_ : "1";
-    for (std::int64_t z = 0; z < shape_.cells[2]; ++z) {
-      for (std::int64_t y = 0; y < shape_.cells[1]; ++y) {
-        for (std::int64_t x = 0; x < shape_.cells[0]; ++x) {
-          const Vec3 middle = shape_.position + Vec3{static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5,
-                                                     static_cast<double>(z) + 0.5} *
-                                                    shape_.voxelSize;
-          const auto index = field_.indexOf(field_.voxelOf(middle));
-          content.values.push_back(index ? field_.values()[*index] : 0.0);
-          light.values.push_back(isTurbid_ ? irradiance_ * lightAt(middle)
-                                           : std::max(fullLight_ - shadowAt(middle), 0.0));
-        }
-      }
-    }
+    eachVoxel([&](const Vec3& middle) {
+      content.values.push_back(field_.values()[*field_.indexOf(field_.voxelOf(middle))]);
+      light.values.push_back(isTurbid_ ? irradiance_ * lightAt(middle) : std::max(fullLight_ - shadowAt(middle), 0.0));
+    });
     return {std::move(light), std::move(content)};
   }
 
  private:
+  /// The middles of all voxels, x fastest, then y, then z.
+  template <typename Work>
+  void eachVoxel(const Work& work) const {
+    for (std::int64_t z = 0; z < shape_.cells[2]; ++z) {
+      for (std::int64_t y = 0; y < shape_.cells[1]; ++y) {
+        for (std::int64_t x = 0; x < shape_.cells[0]; ++x) {
+          const Vec3 middle{static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5, static_cast<double>(z) + 0.5};
+          work(shape_.position + middle * shape_.voxelSize);
+        }
+      }
+    }
+  }
+
   [[nodiscard]] std::optional<turtle::EnvironmentError> makeBeams(const Vec3& up) {
     std::vector<LightDirection> lights;
     for (const auto& row : configuration_.rows("directions")) {
@@ -279,6 +297,9 @@ class LightVoxels final : public turtle::EnvironmentProcess {
         if (&entry == given.data() || (&entry - 1)->first != entry.first) {
           field_.values()[entry.first] /= volume;
         }
+      }
+      for (std::size_t voxel = 0; voxel < background_.size(); ++voxel) {
+        field_.values()[voxel] += background_[voxel];
       }
     }
   }
@@ -345,7 +366,8 @@ class LightVoxels final : public turtle::EnvironmentProcess {
   double strength_;
   std::vector<double> shadowOf_;  // of one caster by tiers below it (shadowDepth + 1)
   std::vector<Beam> beams_;
-  VoxelField field_;  // leaf area density, or number of casters
+  std::vector<double> background_;  // leaf area density that is always there, as in field_; empty: none
+  VoxelField field_;                // leaf area density, or number of casters
   std::string lengthUnit_ = "m";
 };
 
@@ -363,6 +385,14 @@ ProcessOrErrors makeLightVoxels(const Configuration& configuration) {
     diagnostic.message = "environment process 'light-voxels': a field of " + std::to_string(cellCount) +
                          " voxels is larger than " + std::to_string(kMaximumCellCount) + " voxels";
     diagnostic.hint = "use fewer voxels along x, y or z";
+    return std::vector{diagnostic};
+  }
+  const std::size_t densities = configuration.numbers("leafAreaDensity").size();
+  if (densities != 0 && densities != static_cast<std::size_t>(cellCount)) {
+    core::Diagnostic diagnostic;
+    diagnostic.message = "environment process 'light-voxels': 'leafAreaDensity' has " + std::to_string(densities) +
+                         " numbers for " + std::to_string(cellCount) + " voxels";
+    diagnostic.hint = "give one for every voxel, or none";
     return std::vector{diagnostic};
   }
   return std::make_unique<LightVoxels>(shape, configuration);

@@ -49,6 +49,19 @@ Vec3 Ground::middleOf(std::size_t cell) const {
   return {place[0], place[1], place[2]};
 }
 
+std::size_t Ground::fieldIndexOf(std::size_t cell) const {
+  const std::size_t layer = cell / (counts_[0] * counts_[1]);
+  const std::array<std::size_t, 3> number{cell / counts_[1] % counts_[0], cell % counts_[1],
+                                          sign_ < 0.0 ? counts_[2] - 1 - layer : layer};
+  std::array<std::size_t, 3> place{};
+  std::array<std::size_t, 3> counts{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    place[static_cast<std::size_t>(axis_[axis])] = number[axis];
+    counts[static_cast<std::size_t>(axis_[axis])] = counts_[axis];
+  }
+  return (place[2] * counts[1] + place[1]) * counts[0] + place[0];
+}
+
 double Ground::depthOf(std::size_t cell) const {
   const std::size_t layer = cell / (counts_[0] * counts_[1]);
   return (static_cast<double>(counts_[2] - layer) - 0.5) * sizes_[2];

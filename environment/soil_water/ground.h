@@ -28,6 +28,8 @@ class Ground {
   /// The cell of a point by the solver's numbering; nothing outside.
   [[nodiscard]] std::optional<std::size_t> cellOf(const core::Vec3& point) const;
   [[nodiscard]] core::Vec3 middleOf(std::size_t cell) const;
+  /// Where a cell stands in the values of field().
+  [[nodiscard]] std::size_t fieldIndexOf(std::size_t cell) const;
   /// Depth of a cell's middle below the top of the box, length.
   [[nodiscard]] double depthOf(std::size_t cell) const;
   /// Central differences of a quantity of the cells, per length, in world coordinates. A neighbour that is not open

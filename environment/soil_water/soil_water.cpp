@@ -161,7 +161,9 @@ class SoilWater final : public turtle::EnvironmentProcess {
     }
     water_.emplace(shape, keys_.soils, std::move(soilOf));
     for (std::size_t cell = 0; cell < count; ++cell) {
-      water_->setHead(cell, keys_.waterTableDepth ? ground_.depthOf(cell) - *keys_.waterTableDepth : keys_.initialHead);
+      water_->setHead(cell, !keys_.initialHeads.empty() ? keys_.initialHeads[ground_.fieldIndexOf(cell)]
+                            : keys_.waterTableDepth     ? ground_.depthOf(cell) - *keys_.waterTableDepth
+                                                        : keys_.initialHead);
     }
     std::vector<Solute> solutes = keys_.solutes;
     if (keys_.acidity) {

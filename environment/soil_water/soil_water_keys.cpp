@@ -67,6 +67,11 @@ constexpr std::array kKeys{
                      .defaultText = "head",
                      .choices = kStarts},
     ConfigurationKey{.name = "initialHead", .description = "pressure head", .unit = "length", .defaultNumber = -1.0},
+    ConfigurationKey{.name = "initialHeads",
+                     .kind = KeyKind::Numbers,
+                     .description = "pressure head of every cell, x fastest, then y, then z, instead of 'initially'; a "
+                                    "\"fieldFile\" brings them; none: as 'initially' says",
+                     .unit = "length"},
     ConfigurationKey{.name = "waterTableDepth",
                      .description = "of the water table below the top of the ground",
                      .unit = "length",
@@ -237,6 +242,7 @@ SoilWaterKeys readSoilWater(const Configuration& configuration) {
   keys.rain = RateSeries(configuration.rows("rain"), period);
   keys.evaporation = RateSeries(configuration.rows("evaporation"), period);
   keys.initialHead = configuration.number("initialHead");
+  keys.initialHeads = configuration.numbers("initialHeads");
   if (configuration.text("initially") == "waterTable") {
     keys.waterTableDepth = configuration.number("waterTableDepth");
   }
@@ -253,6 +259,12 @@ std::vector<core::Diagnostic> checkSoilWater(const Configuration& configuration)
                                " cells is larger than " + std::to_string(static_cast<std::int64_t>(kMaximumCellCount)) +
                                " cells",
                            "use fewer cells along x, y or z"));
+  }
+  const std::size_t heads = configuration.numbers("initialHeads").size();
+  if (heads != 0 && static_cast<double>(heads) != size[0] * size[1] * size[2]) {
+    errors.push_back(wrong("'initialHeads' has " + std::to_string(heads) + " numbers for " +
+                               std::to_string(static_cast<std::int64_t>(size[0] * size[1] * size[2])) + " cells",
+                           "give one for every cell, or none"));
   }
   const auto& layers = configuration.rows("layers");
   for (std::size_t i = 0; i < layers.size(); ++i) {

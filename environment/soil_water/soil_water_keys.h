@@ -33,6 +33,7 @@ struct SoilWaterKeys {
   RateSeries rain;
   RateSeries evaporation;
   double initialHead = -1.0;
+  std::vector<double> initialHeads;  // of the cells, x fastest; empty: none are given
   std::optional<double> waterTableDepth;
   double wiltingHead = -150.0;
   double tolerance = 1e-6;

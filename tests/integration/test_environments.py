@@ -1,5 +1,6 @@
 """Environments in and out of the process, in C++ and in Python: the same plant, bit by bit; and what happens when one dies."""
 
+import json
 import re
 import sys
 import tempfile
@@ -51,6 +52,36 @@ class Transports(unittest.TestCase):
 
     def test_growth_in_space_is_the_same_in_python(self) -> None:
         self.same("ulam-warburton-3d", stdio(python(EXAMPLES / "honda.py", "--radius", RADIUS, "--3d")))
+
+    def test_light_soil_space_and_crowding_are_the_same_over_the_wire(self) -> None:
+        # process, model, its configuration, steps
+        cases = [("colonization", "self-organizing-tree", "self-organizing-tree.json", "16"),
+                 ("light-voxels", "self-organizing-tree", "shade.json", "24"),
+                 ("crowding", "self-thinning", "self-thinning.json", "12"),
+                 ("soil-water", "roots-in-soil", "roots-in-soil.json", "12")]
+        for process, name, file, steps in cases:
+            configuration = str(GALLERY / name / file)
+            more = ["--seed", "1", "--steps", steps]
+            expected = strings(name, *more, "--environment", configuration)
+            self.assertGreater(len(expected[-1]), len(expected[0]))
+            command = [program(), "environment", process, "--configuration", configuration]
+            address = self.listening([*command, "--listen", "127.0.0.1:0"])
+            for environment in (address, stdio([*command, "--stdio"])):
+                with self.subTest(process=process, environment=environment):
+                    self.assertEqual(strings(name, *more, "--environment", environment), expected)
+
+    def test_a_stand_with_its_light_and_its_soil_in_other_processes_is_the_same(self) -> None:
+        entries = json.loads((GALLERY / "stand-year" / "stand-year.json").read_text(encoding="utf-8"))
+        more = ["--seed", "1", "--steps", "130"]
+        expected = strings("stand-year", *more)
+        apart = []
+        for entry in entries:
+            file = self.write("one.json", json.dumps({key: entry[key] for key in entry if key != "name"}))
+            address = self.listening([program(), "environment", entry["type"], "--configuration", file, "--listen",
+                                      "127.0.0.1:0"])
+            apart.append({"type": "tcp", "name": entry["name"], "address": address})
+        self.assertEqual(strings("stand-year", *more, "--environment", self.write("apart.json", json.dumps(apart))),
+                         expected)
 
     def test_an_offered_environment_gives_the_same_plant_to_several_simulations(self) -> None:
         expected = strings("branch-tiers")[-1]

@@ -7,7 +7,7 @@ import unittest
 from pathlib import Path
 from typing import List
 
-from support import espalier, model
+from support import GALLERY, espalier, model, program, stdio
 
 
 class Fields(unittest.TestCase):
@@ -57,6 +57,49 @@ class Fields(unittest.TestCase):
     def test_every_step_has_its_file(self) -> None:
         self.grow("--every", "--field", str(self.folder / "water.vti"), "--quiet")
         self.assertEqual(len(list(self.folder.glob("water-*.vti"))), 6)
+
+    def test_every_variant_has_its_files(self) -> None:
+        table = self.folder / "water.csv"
+        self.grow("--variants", "2", "--field", f"waterContent={table}", "--field", str(self.folder / "water.vti"),
+                  "--quiet")
+        self.assertEqual(sorted(path.name for path in self.folder.glob("water*")),
+                         ["water-001.csv", "water-001.vti", "water-002.csv", "water-002.vti"])
+        for variant in (1, 2):
+            rows = self.rows((self.folder / f"water-00{variant}.csv").read_text(encoding="utf-8"), ",")
+            self.assertEqual([row[0] for row in rows], ["step", "0", "1", "2", "3", "4", "5"])
+
+    def test_a_run_begins_with_the_field_of_another(self) -> None:
+        self.grow("--field", str(self.folder / "water.vti"), "--field", f"waterContent={self.folder / 'first.csv'}",
+                  "--quiet")
+        soil = json.loads((GALLERY / "roots-in-soil" / "roots-in-soil.json").read_text(encoding="utf-8"))
+        later = self.folder / "later.json"
+        later.write_text(json.dumps({**soil, "fieldFile": "water.vti"}), encoding="utf-8")
+        self.grow("--environment", str(later), "--field", f"waterContent={self.folder / 'second.csv'}", "--quiet")
+        first, second = (self.rows((self.folder / f"{name}.csv").read_text(encoding="utf-8"), ",")
+                         for name in ("first", "second"))
+        # the water of the end is there at the beginning; the heads of the file are its state, to the solver's tolerance
+        self.assertAlmostEqual(float(second[1][4]), float(first[-1][4]), 5)
+        self.assertGreater(float(second[1][4]) - float(first[1][4]), 1e-3)
+        # contradictions are said
+        later.write_text(json.dumps({**soil, "fieldFile": "water.vti", "gridSize": [4, 4, 1]}), encoding="utf-8")
+        self.assertIn("its 'gridSize' is [40,25,1], and the configuration has [4,4,1]",
+                      self.grow("--environment", str(later), status=1))
+
+    def test_an_environment_that_runs_apart_writes_its_fields_where_it_runs(self) -> None:
+        soil = str(GALLERY / "roots-in-soil" / "roots-in-soil.json")
+        self.grow("--field", f"waterContent={self.folder / 'inside.csv'}", "--field", str(self.folder / "inside.vti"),
+                  "--quiet")
+        apart = [program(), "environment", "soil-water", "--configuration", soil, "--stdio", "--field",
+                 f"waterContent={self.folder / 'apart.csv'}", "--field", str(self.folder / "apart.vti")]
+        self.grow("--environment", stdio(apart), "--quiet")
+        for suffix in ("csv", "vti"):
+            self.assertEqual((self.folder / f"apart.{suffix}").read_bytes(),
+                             (self.folder / f"inside.{suffix}").read_bytes())
+        self.grow("--environment", stdio([*apart, "--every"]), "--quiet")
+        self.assertEqual(len(list(self.folder.glob("apart-*.vti"))), 6)
+        # what it cannot write fails the step
+        said = self.grow("--environment", stdio([*apart[:-1], str(self.folder / "no" / "a.vti")]), "--quiet", status=1)
+        self.assertIn("could not write its fields of step", said)
 
     def test_what_cannot_be_written_or_read_is_said(self) -> None:
         said = self.grow("--field", "x.txt", status=2)
