@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "protocol/codec.h"
+#include "server/chain_difference.h"
 #include "server/geometry_frame.h"
 #include "server/text_difference.h"
 #include "server/translate.h"
@@ -17,10 +18,16 @@ bool wantTheSame(const protocol::StreamOpenParams& a, const protocol::StreamOpen
          a.isSinglePrecision == b.isSinglePrecision && a.isDelta == b.isDelta;
 }
 
+/// A difference of most rows would be longer than all of them.
+bool isShort(const TurtleChange& change) {
+  return 2 * change.kept.size() + 10 * change.fresh->rows() < 10 * change.rows;
+}
+
 }  // namespace
 
 std::uint64_t FrameBase::bytes() const {
-  return (turtle == nullptr ? 0 : turtle->bytes()) + (text == nullptr ? 0 : text->size());
+  return (chain == nullptr ? 0 : chain->bytes) + (turtle == nullptr ? 0 : turtle->bytes()) +
+         (text == nullptr ? 0 : text->size());
 }
 
 std::variant<StreamFrame, core::SimulationError> FrameMaker::make(const protocol::StreamOpenParams& params,
@@ -57,33 +64,67 @@ std::variant<StreamFrame, core::SimulationError> FrameMaker::makeNew(const proto
   }
   try {
     if (params.what == "queries") {
-      return StreamFrame{encodeQueries(queries_, simulation_.symbolNames(), params), true, {}};
+      return StreamFrame{encodeQueries(queries_, *symbols_, params), true, {}};
     }
-    auto made = turtle(params.select);
-    if (auto* error = std::get_if<core::SimulationError>(&made)) {
-      return std::move(*error);
-    }
-    const auto& frame = std::get<std::shared_ptr<const TurtleFrame>>(made);
-    StreamFrame result;
-    if (params.isDelta) {
-      result.base.turtle = frame;
-      if (base.turtle != nullptr && *base.turtle->symbols == *frame->symbols) {
-        const TurtleDifference difference = differenceOf(*base.turtle, *frame);
-        // a difference of most rows would be longer than all of them
-        if (2 * difference.kept.size() + 10 * difference.fresh.size() < 10 * frame->rows()) {
-          result.isKey = false;
-          result.body = encodeTurtle(frame, difference, params);
-          return result;
-        }
-      }
-    }
-    result.body = encodeTurtle(frame, params);
-    return result;
+    return makeTurtle(params, base);
   } catch (const protocol::NonFiniteNumber&) {
     return core::SimulationError{.code = core::SimulationErrorCode::NonFinite,
                                  .message = "The turtle went to a position that is NaN or infinite. Correct the model.",
                                  .step = simulation_.completedSteps()};
   }
+}
+
+std::variant<StreamFrame, core::SimulationError> FrameMaker::makeTurtle(const protocol::StreamOpenParams& params,
+                                                                        const FrameBase& base) {
+  StreamFrame result;
+  if (params.isDelta && params.select == protocol::StreamSelection{}) {
+    auto made = chain(base);
+    if (auto* error = std::get_if<core::SimulationError>(&made)) {
+      return std::move(*error);
+    }
+    result.base.chain = std::get<std::shared_ptr<const turtle::RecordChain>>(made);
+    if (base.chain != nullptr && result.base.chain != nullptr && base.chain->programs == result.base.chain->programs) {
+      TurtleChange change = differenceOf(*base.chain, *result.base.chain, symbols_);
+      if (isShort(change)) {
+        result.isKey = false;
+        result.body = encodeTurtle(std::move(change), params);
+        return result;
+      }
+    }
+  }
+  auto made = turtle(params.select);
+  if (auto* error = std::get_if<core::SimulationError>(&made)) {
+    return std::move(*error);
+  }
+  const auto& frame = std::get<std::shared_ptr<const TurtleFrame>>(made);
+  if (params.isDelta && result.base.chain == nullptr) {
+    result.base.turtle = frame;
+    if (base.turtle != nullptr && *base.turtle->symbols == *frame->symbols) {
+      TurtleDifference difference = differenceOf(*base.turtle, *frame);
+      TurtleChange change{frame->rows(), std::move(difference.kept),
+                          std::make_shared<const TurtleFrame>(rowsOf(*frame, difference.fresh))};
+      if (isShort(change)) {
+        result.isKey = false;
+        result.body = encodeTurtle(std::move(change), params);
+        return result;
+      }
+    }
+  }
+  result.body = encodeTurtle(frame, params);
+  return result;
+}
+
+std::variant<std::shared_ptr<const turtle::RecordChain>, core::SimulationError> FrameMaker::chain(
+    const FrameBase& base) {
+  // one for all viewers; whatever base helps to make it, it is the same
+  if (!chain_) {
+    auto made = simulation_.recordChain(base.chain.get());
+    if (auto* error = std::get_if<core::SimulationError>(&made)) {
+      return std::move(*error);
+    }
+    chain_ = std::move(std::get<std::shared_ptr<const turtle::RecordChain>>(made));
+  }
+  return *chain_;
 }
 
 std::variant<std::shared_ptr<const TurtleFrame>, core::SimulationError> FrameMaker::turtle(
@@ -93,6 +134,10 @@ std::variant<std::shared_ptr<const TurtleFrame>, core::SimulationError> FrameMak
   if (found != turtles_.end()) {
     return found->frame;
   }
+  if (chain_ && *chain_ != nullptr && select == protocol::StreamSelection{}) {
+    turtles_.push_back({select, std::make_shared<const TurtleFrame>(makeTurtleFrame(**chain_, symbols_))});
+    return turtles_.back().frame;
+  }
   if (!records_) {
     auto made = simulation_.turtleRecords();
     if (auto* error = std::get_if<core::SimulationError>(&made)) {
@@ -100,8 +145,7 @@ std::variant<std::shared_ptr<const TurtleFrame>, core::SimulationError> FrameMak
     }
     records_ = std::move(std::get<std::vector<turtle::TurtleRecord>>(made));
   }
-  auto frame = std::make_shared<const TurtleFrame>(
-      makeTurtleFrame(*records_, std::make_shared<const std::vector<std::string>>(simulation_.symbolNames()), select));
+  auto frame = std::make_shared<const TurtleFrame>(makeTurtleFrame(*records_, symbols_, select));
   turtles_.push_back({select, frame});
   return frame;
 }

@@ -8,6 +8,7 @@
 
 #include "engine/core/simulation_error.h"
 #include "engine/simulation/simulation.h"
+#include "engine/turtle/record_chain.h"
 #include "protocol/messages.h"
 #include "server/query_recorder.h"
 #include "server/turtle_frame.h"
@@ -16,10 +17,11 @@ namespace espalier::server {
 
 /// What a viewer was sent last, and from which it can be told differences. Null: nothing.
 struct FrameBase {
-  std::shared_ptr<const TurtleFrame> turtle;
+  std::shared_ptr<const turtle::RecordChain> chain;  // of all records, where drawings are repeatable
+  std::shared_ptr<const TurtleFrame> turtle;         // of a selection, or where they are not
   std::shared_ptr<const std::string> text;
 
-  [[nodiscard]] bool isEmpty() const { return turtle == nullptr && text == nullptr; }
+  [[nodiscard]] bool isEmpty() const { return chain == nullptr && turtle == nullptr && text == nullptr; }
   [[nodiscard]] std::uint64_t bytes() const;
   bool operator==(const FrameBase&) const = default;  // the same ones
 };
@@ -36,7 +38,10 @@ struct StreamFrame {
 class FrameMaker {
  public:
   FrameMaker(const simulation::Simulation& simulation, double milliseconds, std::shared_ptr<const QueryRecord> queries)
-      : simulation_(simulation), milliseconds_(milliseconds), queries_(std::move(queries)) {}
+      : simulation_(simulation),
+        milliseconds_(milliseconds),
+        queries_(std::move(queries)),
+        symbols_(std::make_shared<const std::vector<std::string>>(simulation.symbolNames())) {}
 
   /// A frame that tells the difference from `base` when the stream wants that and it is shorter, else a complete one.
   [[nodiscard]] std::variant<StreamFrame, core::SimulationError> make(const protocol::StreamOpenParams& params,
@@ -57,12 +62,18 @@ class FrameMaker {
       const protocol::StreamSelection& select);
   [[nodiscard]] std::variant<StreamFrame, core::SimulationError> makeNew(const protocol::StreamOpenParams& params,
                                                                          const FrameBase& base);
+  [[nodiscard]] std::variant<std::shared_ptr<const turtle::RecordChain>, core::SimulationError> chain(
+      const FrameBase& base);
+  [[nodiscard]] std::variant<StreamFrame, core::SimulationError> makeTurtle(const protocol::StreamOpenParams& params,
+                                                                            const FrameBase& base);
   [[nodiscard]] StreamFrame makeText(const protocol::StreamOpenParams& params, const FrameBase& base);
 
   const simulation::Simulation& simulation_;
   double milliseconds_;
   std::shared_ptr<const QueryRecord> queries_;
+  std::shared_ptr<const std::vector<std::string>> symbols_;
   std::optional<std::vector<turtle::TurtleRecord>> records_;
+  std::optional<std::shared_ptr<const turtle::RecordChain>> chain_;  // null: the drawings are not repeatable
   std::vector<Turtle> turtles_;
   std::vector<std::pair<std::uint32_t, std::shared_ptr<const std::string>>> texts_;  // plant, its string
   std::vector<Made> made_;

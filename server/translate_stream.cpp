@@ -174,14 +174,12 @@ protocol::Body encodeTurtle(const std::shared_ptr<const TurtleFrame>& frame, con
   return body;
 }
 
-protocol::Body encodeTurtle(const std::shared_ptr<const TurtleFrame>& frame, const TurtleDifference& difference,
-                            const protocol::StreamOpenParams& params) {
-  const auto fresh = std::make_shared<const TurtleFrame>(rowsOf(*frame, difference.fresh));
+protocol::Body encodeTurtle(TurtleChange change, const protocol::StreamOpenParams& params) {
   protocol::JsonWriter json;
-  json.key("count").integer(std::uint64_t{frame->rows()});
+  json.key("count").integer(std::uint64_t{change.rows});
   if (!params.isInBlocks) {
     json.key("kept").beginArray();
-    for (const KeptRows& run : difference.kept) {
+    for (const KeptRows& run : change.kept) {
       json.beginArray().integer(run.to).integer(run.from).integer(run.rows).integer(signedOf(run.module));
       json.integer(signedOf(run.parent));
       if (hasIndex(params)) {
@@ -190,18 +188,18 @@ protocol::Body encodeTurtle(const std::shared_ptr<const TurtleFrame>& frame, con
       json.endArray();
     }
     json.endArray();
-    writeRecords(json, *fresh, params);
+    writeRecords(json, *change.fresh, params);
     return protocol::Body(json.take());
   }
-  writeSymbols(json, *frame->symbols);
+  writeSymbols(json, *change.fresh->symbols);
   protocol::Body body(json.take());
   std::vector<std::uint32_t> kept;
-  kept.reserve(6 * difference.kept.size());
-  for (const KeptRows& run : difference.kept) {
+  kept.reserve(6 * change.kept.size());
+  for (const KeptRows& run : change.kept) {
     kept.insert(kept.end(), {run.to, run.from, run.rows, run.module, run.parent, run.index});
   }
-  body.blocks.keep("kept", std::move(kept), {difference.kept.size(), 6});
-  addRows(body.blocks, fresh, params);
+  body.blocks.keep("kept", std::move(kept), {change.kept.size(), 6});
+  addRows(body.blocks, change.fresh, params);
   return body;
 }
 

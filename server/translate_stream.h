@@ -16,8 +16,7 @@ namespace espalier::server {
                                           const protocol::StreamOpenParams& params);
 
 /// What differs from a frame before it: "count", "kept" and the fresh rows, as records or blocks.
-[[nodiscard]] protocol::Body encodeTurtle(const std::shared_ptr<const TurtleFrame>& frame,
-                                          const TurtleDifference& difference, const protocol::StreamOpenParams& params);
+[[nodiscard]] protocol::Body encodeTurtle(TurtleChange change, const protocol::StreamOpenParams& params);
 
 /// What the last step asked its environment and the answers: "queries" and "replies" as in environment.step, or blocks.
 /// Null: nothing was asked.

@@ -176,6 +176,36 @@ std::uint64_t TurtleFrame::bytes() const {
   return sum;
 }
 
+void appendRecord(TurtleFrame& frame, const turtle::TurtleRecord& record, std::uint64_t module, std::uint32_t parent) {
+  frame.plant.push_back(record.plant);
+  frame.module.push_back(static_cast<std::uint32_t>(module));
+  frame.symbol.push_back(record.symbol);
+  for (const double parameter : record.parameters) {
+    frame.parameters.push_back(finite(parameter));
+  }
+  frame.parameterOffset.push_back(static_cast<std::uint32_t>(frame.parameters.size()));
+  addVector(frame.position, record.position);
+  addVector(frame.heading, record.frame.heading);
+  addVector(frame.left, record.frame.left);
+  addVector(frame.up, record.frame.up);
+  frame.width.push_back(finite(record.width));
+  frame.colour.push_back(static_cast<std::uint32_t>(record.colour));
+  frame.branchOrder.push_back(record.branchOrder);
+  frame.parent.push_back(parent == turtle::kNoParent ? TurtleFrame::kNoParent : parent);
+}
+
+void reserveRows(TurtleFrame& frame, std::size_t rows) {
+  const std::size_t all = frame.rows() + rows;
+  for (auto* column : {&frame.plant, &frame.module, &frame.symbol, &frame.colour, &frame.branchOrder, &frame.parent}) {
+    column->reserve(all);
+  }
+  frame.parameterOffset.reserve(all + 1);
+  for (auto* column : {&frame.position, &frame.heading, &frame.left, &frame.up}) {
+    column->reserve(3 * all);
+  }
+  frame.width.reserve(all);
+}
+
 TurtleFrame makeTurtleFrame(const std::vector<turtle::TurtleRecord>& records,
                             std::shared_ptr<const std::vector<std::string>> symbols,
                             const protocol::StreamSelection& select) {
@@ -183,15 +213,7 @@ TurtleFrame makeTurtleFrame(const std::vector<turtle::TurtleRecord>& records,
   TurtleFrame frame;
   frame.symbols = std::move(symbols);
   if (!isSelective) {
-    for (auto* column :
-         {&frame.plant, &frame.module, &frame.symbol, &frame.colour, &frame.branchOrder, &frame.parent}) {
-      column->reserve(records.size());
-    }
-    frame.parameterOffset.reserve(records.size() + 1);
-    for (auto* column : {&frame.position, &frame.heading, &frame.left, &frame.up}) {
-      column->reserve(3 * records.size());
-    }
-    frame.width.reserve(records.size());
+    reserveRows(frame, records.size());
   }
   for (std::size_t i = 0; i < records.size(); ++i) {
     const turtle::TurtleRecord& record = records[i];
@@ -201,21 +223,7 @@ TurtleFrame makeTurtleFrame(const std::vector<turtle::TurtleRecord>& records,
       }
       frame.index.push_back(static_cast<std::uint32_t>(i));
     }
-    frame.plant.push_back(record.plant);
-    frame.module.push_back(static_cast<std::uint32_t>(record.module));
-    frame.symbol.push_back(record.symbol);
-    for (const double parameter : record.parameters) {
-      frame.parameters.push_back(finite(parameter));
-    }
-    frame.parameterOffset.push_back(static_cast<std::uint32_t>(frame.parameters.size()));
-    addVector(frame.position, record.position);
-    addVector(frame.heading, record.frame.heading);
-    addVector(frame.left, record.frame.left);
-    addVector(frame.up, record.frame.up);
-    frame.width.push_back(finite(record.width));
-    frame.colour.push_back(static_cast<std::uint32_t>(record.colour));
-    frame.branchOrder.push_back(record.branchOrder);
-    frame.parent.push_back(record.parent == turtle::kNoParent ? TurtleFrame::kNoParent : record.parent);
+    appendRecord(frame, record, record.module, record.parent);
   }
   return frame;
 }

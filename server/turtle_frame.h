@@ -34,6 +34,11 @@ struct TurtleFrame {
                                           std::shared_ptr<const std::vector<std::string>> symbols,
                                           const protocol::StreamSelection& select);
 
+/// Appends a record as a row; `module` and `parent` stand in the place of its own. Throws protocol::NonFiniteNumber.
+void appendRecord(TurtleFrame& frame, const turtle::TurtleRecord& record, std::uint64_t module, std::uint32_t parent);
+/// Makes room for so many more rows.
+void reserveRows(TurtleFrame& frame, std::size_t rows);
+
 /// Rows that a frame has in common with one before it, up to numbers that count records or modules: those of the
 /// earlier frame plus what is said here, modulo 2^32.
 struct KeptRows {
@@ -50,6 +55,13 @@ struct KeptRows {
 struct TurtleDifference {
   std::vector<KeptRows> kept;
   std::vector<std::uint32_t> fresh;  // rows of the later frame
+};
+
+/// The same as it is sent: the rows that no run covers as a frame.
+struct TurtleChange {
+  std::size_t rows = 0;  // of the later frame
+  std::vector<KeptRows> kept;
+  std::shared_ptr<const TurtleFrame> fresh;
 };
 
 /// O(rows) with one pass over both frames when most rows are kept. Both must have the same symbols.

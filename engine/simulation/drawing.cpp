@@ -2,13 +2,13 @@
 #include <utility>
 
 #include "engine/simulation/simulation_implementation.h"
+#include "engine/turtle/record_chain.h"
 
 namespace espalier::simulation {
 
 using Outcome = std::optional<core::SimulationError>;
 
-void Simulation::Implementation::drawPlant(std::size_t plant, const turtle::InterpretationOutput& output) {
-  const PlantOrigin& origin = members_[plant].origin;
+derivation::Derivation& Simulation::Implementation::displayDerivation(std::size_t plant) {
   // its own derivation: a picture prints nothing and cannot be cancelled with a step
   displayDerivations_.resize(plants_.size());
   std::unique_ptr<derivation::Derivation>& derivation = displayDerivations_[plant];
@@ -24,8 +24,13 @@ void Simulation::Implementation::drawPlant(std::size_t plant, const turtle::Inte
     }
     derivation = std::make_unique<derivation::Derivation>(programOf(plant), std::move(options));
   }
+  return *derivation;
+}
+
+void Simulation::Implementation::drawPlant(std::size_t plant, const turtle::InterpretationOutput& output) {
+  const PlantOrigin& origin = members_[plant].origin;
   models_.interpreter(origin.model)
-      .interpret(*derivation, plants_[plant], static_cast<std::uint32_t>(plant), origin.placement, output);
+      .interpret(displayDerivation(plant), plants_[plant], static_cast<std::uint32_t>(plant), origin.placement, output);
 }
 
 Outcome Simulation::Implementation::draw(turtle::InterpretationOutput output) {
@@ -62,6 +67,34 @@ Outcome Simulation::Implementation::draw(turtle::InterpretationOutput output) {
     }
     const int block = hasPalette ? kBlocksPerModel * static_cast<int>(origin.model) : 0;
     models_.toCommonNumbers(origin.model, origin.colourShift + block * language::Palette::kBlockSize, mark, scene);
+  }
+  return std::nullopt;
+}
+
+Outcome Simulation::Implementation::chainRecords(const turtle::RecordChain* base, turtle::RecordChain& chain) {
+  chain.programs = models_.programs();
+  // other Programs mean other modules
+  if (base != nullptr && base->programs != chain.programs) {
+    base = nullptr;
+  }
+  for (std::size_t plant = 0; plant < plants_.size(); ++plant) {
+    const PlantOrigin& origin = members_[plant].origin;
+    chain.origins.push_back({origin.model, origin.placement});
+    if (members_[plant].isAlive()) {
+      const bool isKnown =
+          base != nullptr && plant < base->origins.size() && base->origins[plant] == chain.origins.back();
+      const auto rename = [&](std::span<turtle::TurtleRecord> records) {
+        models_.toCommonSymbols(origin.model, records);
+      };
+      try {
+        models_.interpreter(origin.model)
+            .appendRecords(displayDerivation(plant), plants_[plant], static_cast<std::uint32_t>(plant),
+                           origin.placement, isKnown ? base : nullptr, rename, chain);
+      } catch (const core::SimulationFailure& failure) {
+        return failed(failure.error());
+      }
+    }
+    chain.firstLink.push_back(chain.links.size());
   }
   return std::nullopt;
 }

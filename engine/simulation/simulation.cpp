@@ -11,6 +11,7 @@
 #include "engine/derivation/string_text.h"
 #include "engine/simulation/simulation_implementation.h"
 #include "engine/turtle/guarded_call.h"
+#include "engine/turtle/record_chain.h"
 #include "engine/turtle/scene_bounds.h"
 
 namespace espalier::simulation {
@@ -458,6 +459,19 @@ std::variant<std::vector<turtle::TurtleRecord>, core::SimulationError> Simulatio
     return std::move(*error);
   }
   return records;
+}
+
+std::variant<std::shared_ptr<const turtle::RecordChain>, core::SimulationError> Simulation::recordChain(
+    const turtle::RecordChain* base) const {
+  const Programs& programs = implementation_->models_.programs();
+  if (!std::all_of(programs.begin(), programs.end(), [](const auto& it) { return turtle::isRepeatable(*it); })) {
+    return nullptr;
+  }
+  auto chain = std::make_shared<turtle::RecordChain>();
+  if (auto error = implementation_->chainRecords(base, *chain)) {
+    return std::move(*error);
+  }
+  return chain;
 }
 
 Outcome Simulation::visitModules(

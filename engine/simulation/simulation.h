@@ -23,6 +23,10 @@
 #include "engine/turtle/interpreter.h"
 #include "engine/turtle/scene.h"
 
+namespace espalier::turtle {
+struct RecordChain;
+}
+
 namespace espalier::simulation {
 
 /// What happens when the environment does not answer.
@@ -152,6 +156,10 @@ class Simulation {
   /// The turtle stream's records of the current strings, all plants; symbols are places in symbolNames(). Does not
   /// change the simulation.
   [[nodiscard]] std::variant<std::vector<turtle::TurtleRecord>, core::SimulationError> turtleRecords() const;
+  /// The same as stretches of the strings, of which those that `base` (null: nothing) has already are taken from there:
+  /// a chain of this simulation at any other time. Null when the models' drawings are not repeatable (record_chain.h).
+  [[nodiscard]] std::variant<std::shared_ptr<const turtle::RecordChain>, core::SimulationError> recordChain(
+      const turtle::RecordChain* base) const;
   /// Calls `visit` after each module of all plants, in order, with the turtle's state then (InterpretationOutput::
   /// onModule). Does not change the simulation.
   [[nodiscard]] std::optional<core::SimulationError> visitModules(

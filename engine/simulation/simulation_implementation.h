@@ -33,6 +33,7 @@ class Simulation::Implementation {
   [[nodiscard]] std::uint64_t livingPlantCount() const;
   [[nodiscard]] derivation::DerivationOptions derivationOptions(std::uint32_t plant, const Plant& member) const;
   [[nodiscard]] Outcome draw(turtle::InterpretationOutput output);
+  [[nodiscard]] Outcome chainRecords(const turtle::RecordChain* base, turtle::RecordChain& chain);
   [[nodiscard]] std::uint64_t stateHash() const;
   [[nodiscard]] std::uint64_t plantsHash() const;
   [[nodiscard]] const language::Program& programOf(std::size_t plant) const {
@@ -103,6 +104,7 @@ class Simulation::Implementation {
   void begin();
   void deliverAllFiles();
   void deliverFiles(std::size_t plant, const language::Program& program, derivation::PlantState& state);
+  [[nodiscard]] derivation::Derivation& displayDerivation(std::size_t plant);
   void drawPlant(std::size_t plant, const turtle::InterpretationOutput& output);
   void completeStep();
   void endAndBegin();

@@ -65,7 +65,7 @@ Interpretation::Interpretation(const Subject& subject, const InterpretationOutpu
 void Interpretation::run() {
   derivation_.beginInterpretation(plantState_);
   reserveOutput();
-  walk(0, plantState_.string.size(), 0);
+  walkAll();
   derivation_.endInterpretation(plantState_);
   drawing_.finish();
 }
@@ -76,14 +76,45 @@ void Interpretation::runAround(std::span<const BranchPart> branches, std::span<B
   start_ = starts.data();
   warnings_ = &warnings;
   derivation_.beginInterpretation(plantState_);
-  walk(0, plantState_.string.size(), 0);
+  walkAll();
   derivation_.endInterpretation(plantState_);
 }
 
 void Interpretation::runBranch(const BranchPart& branch, const BranchStart& start, std::vector<std::string>& warnings) {
   warnings_ = &warnings;
   state_ = start.state;
-  walk(branch.firstModule, branch.endModule, branch.firstOffset);
+  std::uint64_t module = branch.firstModule;
+  std::uint64_t offset = branch.firstOffset;
+  walk(module, branch.endModule, offset);
+}
+
+void Interpretation::begin() {
+  derivation_.beginInterpretation(plantState_);
+}
+
+void Interpretation::end() {
+  derivation_.endInterpretation(plantState_);
+}
+
+bool Interpretation::walkOne(std::uint64_t& module, std::uint64_t& offset) {
+  wasCut_ = false;
+  walk(module, module + 1, offset);
+  if (wasCut_) {
+    return false;
+  }
+  // a symbol that those behind it belong to: `@`, `~`, `?`, and what may be the second of three
+  const auto* types = plantState_.string.types().data();
+  const auto takesMore = [&](std::uint64_t i) {
+    const TurtleCommand command = tables_.commandOf[types[i]];
+    return command == TurtleCommand::At || command == TurtleCommand::Surface || command == TurtleCommand::Query;
+  };
+  return !takesMore(module - 1) && (module < 2 || !takesMore(module - 2));
+}
+
+void Interpretation::walkAll() {
+  std::uint64_t module = 0;
+  std::uint64_t offset = 0;
+  walk(module, plantState_.string.size(), offset);
 }
 
 void Interpretation::reserveOutput() {
@@ -115,7 +146,7 @@ void Interpretation::reserveOutput() {
   }
 }
 
-void Interpretation::walk(std::uint64_t module, std::uint64_t end, std::uint64_t offset) {
+void Interpretation::walk(std::uint64_t& module, std::uint64_t end, std::uint64_t& firstOffset) {
   const Sequence string{plantState_.string.types().data(), plantState_.string.mutableParameters().data(),
                         plantState_.string.size(), false};
   const std::uint16_t* arity = program_.arity.data();
@@ -123,8 +154,10 @@ void Interpretation::walk(std::uint64_t module, std::uint64_t end, std::uint64_t
   const bool isWatched = static_cast<bool>(output_.onModule);
   const std::atomic<bool>* cancelled = derivation_.options().cancelled;
   std::uint64_t nextPoll = module;
+  std::uint64_t offset = firstOffset;
   std::uint64_t nextBranch = branches_.empty() ? kNever : branches_.front().firstModule;
-  for (std::uint64_t i = module; i < end;) {
+  std::uint64_t i = module;
+  while (i < end) {
     if (i >= nextPoll) {
       nextPoll = i + kPollInterval;
       if (cancelled != nullptr && cancelled->load(std::memory_order_relaxed)) {
@@ -183,8 +216,11 @@ void Interpretation::walk(std::uint64_t module, std::uint64_t end, std::uint64_t
     if (isCut_) {
       skipCut(i, offset);
       isCut_ = false;
+      wasCut_ = true;
     }
   }
+  module = i;
+  firstOffset = offset;
 }
 
 void Interpretation::skipBranch(std::uint64_t& module, std::uint64_t& offset) {
@@ -386,8 +422,26 @@ void Interpretation::closeBranch() {
   if (stack_.empty()) {
     return;
   }
+  if (notes_ != nullptr) {
+    noteClosing();
+  }
   state_ = stack_.back();
   stack_.pop_back();
+}
+
+void Interpretation::noteClosing() {
+  StretchNotes& notes = *notes_;
+  if (stack_.size() > notes.lowest) {
+    return;
+  }
+  // what grows from there names the record by its place in the notes
+  TurtleState& state = stack_.back();
+  notes.lowest = stack_.size() - 1;
+  notes.closed.push_back(state);
+  notes.outer.push_back(state.record);
+  if (state.record != kNoParent) {
+    state.record = kOuterRecord + static_cast<std::uint32_t>(notes.outer.size() - 1);
+  }
 }
 
 void Interpretation::leaveInstance() {

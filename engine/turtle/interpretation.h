@@ -13,6 +13,7 @@
 #include "engine/turtle/interpretation_tables.h"
 #include "engine/turtle/interpreter.h"
 #include "engine/turtle/plant_coordinates.h"
+#include "engine/turtle/record_chain.h"
 #include "engine/turtle/turtle_motion.h"
 #include "engine/turtle/turtle_state.h"
 
@@ -48,6 +49,13 @@ class Interpretation {
     OutputMark mark;  // what the walk around it had given so far
   };
 
+  /// What a stretch of the string takes from the branches that were open before it.
+  struct StretchNotes {
+    std::size_t lowest = 0;            // of the open branches, those from here on were opened within the stretch
+    std::vector<TurtleState> closed;   // those that it closes, the innermost first
+    std::vector<std::uint32_t> outer;  // records before it that its own grow from; kOuterRecord + i is the i-th
+  };
+
   Interpretation(const Subject& subject, const InterpretationOutput& output);
 
   /// The whole string.
@@ -58,6 +66,19 @@ class Interpretation {
                  std::vector<std::string>& warnings);
   /// One of these branches. Nothing may be drawn or recorded: it would have no parent.
   void runBranch(const BranchPart& branch, const BranchStart& start, std::vector<std::string>& warnings);
+
+  /// The string in pieces, from its first module on, for whoever may know already what comes of some of them: `begin`
+  /// before the first, `end` after the last.
+  void begin();
+  void end();
+  /// Interprets a module, with those that belong to it, and goes behind them. Whether nothing of what was done depends
+  /// on the modules behind it.
+  [[nodiscard]] bool walkOne(std::uint64_t& module, std::uint64_t& offset);
+  [[nodiscard]] TurtleState& state() { return state_; }
+  /// The turtle's states at the open brackets, the outermost first.
+  [[nodiscard]] std::vector<TurtleState>& openBranches() { return stack_; }
+  /// Where walkOne notes what it closes; null: nowhere.
+  void noteIn(StretchNotes* notes) { notes_ = notes; }
 
   /// Gives a warning unless it was given before.
   void warnOnce(std::string text);
@@ -83,7 +104,8 @@ class Interpretation {
 
   // the walk
   void reserveOutput();
-  void walk(std::uint64_t module, std::uint64_t end, std::uint64_t offset);
+  void walk(std::uint64_t& module, std::uint64_t end, std::uint64_t& offset);
+  void walkAll();
   void walkImage();
   [[nodiscard]] std::uint64_t execute(const Sequence& sequence, std::uint64_t i, std::uint64_t offset);
   [[nodiscard]] std::uint64_t executeAt(const Sequence& sequence, std::uint64_t i, std::uint64_t offset);
@@ -93,6 +115,7 @@ class Interpretation {
   [[nodiscard]] OutputMark mark() const;
   void openBranch();
   void closeBranch();
+  void noteClosing();
   void leaveInstance();
   void enterScale(const Arguments& arguments);
   void leaveScale();
@@ -147,6 +170,8 @@ class Interpretation {
   BranchStart* start_ = nullptr;                  // of the first of them
   std::vector<std::string>* warnings_ = nullptr;  // null: warnings are given at once
 
+  StretchNotes* notes_ = nullptr;  // of walkOne
+
   TurtleState state_;
   TurnCache turns_;
   std::vector<TurtleState> stack_;        // states at the open brackets
@@ -156,6 +181,7 @@ class Interpretation {
   std::uint64_t module_ = 0;              // index in the string of the module being interpreted
   bool isTouched_ = false;                // the module moved the turtle, drew or is a query
   bool isCut_ = false;                    // the rest of the branch is not interpreted
+  bool wasCut_ = false;                   // since walkOne began
   bool isDisplaced_ = false;              // each drawn step is moved by the view's displacement
   bool isEnvironmentPass_ = false;
   bool skipsAttributes_ = false;  // width and colour are not executed: compatible environment pass

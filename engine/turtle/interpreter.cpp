@@ -2,6 +2,7 @@
 
 #include "engine/turtle/interpretation.h"
 #include "engine/turtle/parted_interpretation.h"
+#include "engine/turtle/record_chain_builder.h"
 
 namespace espalier::turtle {
 
@@ -16,6 +17,13 @@ void Interpreter::interpret(derivation::Derivation& derivation, derivation::Plan
   if (!parted_->run(subject, output)) {
     Interpretation(subject, output).run();
   }
+}
+
+void Interpreter::appendRecords(derivation::Derivation& derivation, derivation::PlantState& state, std::uint32_t plant,
+                                const PlantPlacement& placement, const RecordChain* base,
+                                const std::function<void(std::span<TurtleRecord>)>& rename, RecordChain& chain) {
+  const Interpretation::Subject subject{*program_, tables_, reported_, derivation, state, plant, placement};
+  RecordChainBuilder(subject, base, rename, chain).appendPlant();
 }
 
 }  // namespace espalier::turtle

@@ -5,6 +5,7 @@
 #include <limits>
 #include <memory>
 #include <set>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -18,11 +19,14 @@
 namespace espalier::turtle {
 
 class PartedInterpretation;
+struct RecordChain;
 
 /// Where a plant stands: the turtle starts here.
 struct PlantPlacement {
   core::Vec3 position;
   core::Frame frame;
+
+  bool operator==(const PlantPlacement&) const = default;
 };
 
 /// A parameter of the string that an interpretation overwrote, for undoing it.
@@ -64,6 +68,14 @@ class Interpreter {
 
   void interpret(derivation::Derivation& derivation, derivation::PlantState& state, std::uint32_t plant,
                  const PlantPlacement& placement, const InterpretationOutput& output);
+
+  /// Appends the next plant's records to `chain` (record_chain.h), bit for bit those that interpret() makes. Stretches
+  /// of `base` (null: nothing is known), which must have the plant with the same Program and placement, are taken where
+  /// the same modules come after the same turtle; the rest is interpreted. `rename` is called with the records of each
+  /// stretch that was. The Program must be repeatable. O(bytes of the string) to compare, O(modules) of what is new.
+  void appendRecords(derivation::Derivation& derivation, derivation::PlantState& state, std::uint32_t plant,
+                     const PlantPlacement& placement, const RecordChain* base,
+                     const std::function<void(std::span<TurtleRecord>)>& rename, RecordChain& chain);
 
  private:
   const language::Program* program_;

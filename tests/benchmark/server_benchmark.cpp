@@ -189,13 +189,21 @@ void stepRoundTrip(benchmark::State& state) {
   }
 }
 
-/// A plant of a million segments that grows at one tip before them.
-std::unique_ptr<simulation::Simulation> makeBigPlant() {
+/// A plant of a million records that grows at one tip before them, on one axis.
+constexpr std::string_view kTip =
+    "Lsystem: 1\nderivation length: 100\nAxiom: [A]S(20)\nA --> F(2)A\n"
+    "S(n) : n > 0 --> S(n-1)+(7)S(n-1)\nS(n) --> F(1)\nendlsystem\n";
+
+/// A tree of a million modules with one branch, 1 % of them, whose lengths change in every step.
+constexpr std::string_view kBranch =
+    "Lsystem: 1\nderivation length: 100\nAxiom: S(17)[+(30)P(12)][-(30)S(17)]\n"
+    "S(n) : n > 0 --> S(n-1)[+(7)S(n-1)]\nS(n) --> F(1)\n"
+    "P(n) : n > 0 --> P(n-1)[+(7)P(n-1)]\nP(n) --> G(1)\nG(x) --> G(x+0.001)\nendlsystem\n";
+
+std::unique_ptr<simulation::Simulation> grownPlant(std::string_view model) {
   language::CompileInput input;
   core::MemoryFileProvider files;
-  files.add("big.l",
-            "Lsystem: 1\nderivation length: 100\nAxiom: [A]S(20)\nA --> F(2)A\n"
-            "S(n) : n > 0 --> S(n-1)+(7)S(n-1)\nS(n) --> F(1)\nendlsystem\n");
+  files.add("big.l", std::string(model));
   input.modelFile = "big.l";
   auto compiled = language::compile(input, files);
   auto simulation = std::make_unique<simulation::Simulation>(compiled.program, std::vector<turtle::PlantPlacement>(1),
@@ -207,8 +215,22 @@ std::unique_ptr<simulation::Simulation> makeBigPlant() {
   return simulation;
 }
 
-void viewBigPlant(benchmark::State& state, bool isDelta) {
-  const auto simulation = makeBigPlant();
+/// Milliseconds of copying so many bytes, the median.
+double copyMilliseconds(std::uint64_t bytes) {
+  std::vector<double> copying;
+  const std::string from(bytes, 'x');
+  for (int i = 0; i < 20; ++i) {
+    std::string to(bytes, 'y');
+    const auto begin = Clock::now();
+    std::memcpy(to.data(), from.data(), bytes);
+    benchmark::DoNotOptimize(to.data());
+    copying.push_back(std::chrono::duration<double, std::micro>(Clock::now() - begin).count());
+  }
+  return latencyOf(copying).median * 1e-3;
+}
+
+void viewBigPlant(benchmark::State& state, std::string_view model, bool isDelta) {
+  const auto simulation = grownPlant(model);
   protocol::StreamOpenParams params;
   params.what = "turtle";
   params.isDelta = isDelta;
@@ -222,7 +244,6 @@ void viewBigPlant(benchmark::State& state, bool isDelta) {
   std::vector<double> making;
   std::vector<double> sending;
   std::uint64_t bytes = 0;
-  std::uint64_t rows = 0;
   for (auto _ : state) {
     (void)simulation->step();
     auto begin = Clock::now();
@@ -237,23 +258,15 @@ void viewBigPlant(benchmark::State& state, bool isDelta) {
     state.SetIterationTime((making.back() + sending.back()) * 1e-6);
     bytes = sent.size();
     base = std::move(frame.base);
-    rows = base.turtle == nullptr ? rows : base.turtle->rows();
   }
   state.counters["frame bytes"] = static_cast<double>(bytes);
-  state.counters["rows"] = static_cast<double>(rows);
+  const derivation::ModuleString& string = simulation->string();
+  state.counters["modules"] = static_cast<double>(string.size());
   state.counters["making ms"] = latencyOf(making).median * 1e-3;
   state.counters["sending ms"] = latencyOf(sending).median * 1e-3;
-  // a copy of as many bytes
-  std::vector<double> copying;
-  const std::string from(bytes, 'x');
-  for (int i = 0; i < 20; ++i) {
-    std::string to(bytes, 'y');
-    const auto begin = Clock::now();
-    std::memcpy(to.data(), from.data(), bytes);
-    benchmark::DoNotOptimize(to.data());
-    copying.push_back(std::chrono::duration<double, std::micro>(Clock::now() - begin).count());
-  }
-  state.counters["copy ms"] = latencyOf(copying).median * 1e-3;
+  // copies of as many bytes, and of the string, which has to be read to find what has changed
+  state.counters["copy ms"] = copyMilliseconds(bytes);
+  state.counters["string copy ms"] = copyMilliseconds(string.bytes());
 }
 
 const bool kIsRegistered = [] {
@@ -261,9 +274,16 @@ const bool kIsRegistered = [] {
       ->Unit(benchmark::kMillisecond)
       ->UseManualTime()
       ->Iterations(3);
-  for (const bool isDelta : {false, true}) {
-    benchmark::RegisterBenchmark(isDelta ? "stream/delta/1000000" : "stream/whole/1000000",
-                                 [isDelta](benchmark::State& state) { viewBigPlant(state, isDelta); })
+  struct View {
+    const char* name;
+    std::string_view model;
+    bool isDelta;
+  };
+  for (const View& view :
+       {View{"stream/whole/1000000", kTip, false}, View{"stream/delta/1000000", kTip, true},
+        View{"stream/whole-tree/1000000", kBranch, false}, View{"stream/delta-branch/1000000", kBranch, true}}) {
+    benchmark::RegisterBenchmark(view.name,
+                                 [view](benchmark::State& state) { viewBigPlant(state, view.model, view.isDelta); })
         ->Unit(benchmark::kMillisecond)
         ->UseManualTime()
         ->Iterations(10);

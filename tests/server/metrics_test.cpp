@@ -30,5 +30,25 @@ TEST(Metrics, EveryFamilyHasHelpAndType) {
   EXPECT_GT(residentBytes(), 1'000'000U);
 }
 
+TEST(Metrics, EveryGaugeHasAFamilyOfItsOwn) {
+  const std::string text = prometheusText(Metrics(), {.sessions = 11,
+                                                      .simulations = 12,
+                                                      .workers = 13,
+                                                      .residentBytes = 14,
+                                                      .stringBytes = 15,
+                                                      .streamBytes = 16,
+                                                      .outboxBytes = 17,
+                                                      .storeBytes = 18});
+  for (const std::string_view line :
+       {"espalier_sessions 11", "espalier_simulations 12", "espalier_workers 13", "espalier_resident_bytes 14",
+        "espalier_string_bytes 15", "espalier_stream_bytes 16", "espalier_outbox_bytes 17",
+        "espalier_store_bytes 18"}) {
+    const std::string name(line.substr(0, line.find(' ')));
+    EXPECT_NE(text.find("# TYPE " + name + " gauge\n" + std::string(line) + "\n"), std::string::npos) << line << "\n"
+                                                                                                      << text;
+    EXPECT_NE(text.find("# HELP " + name + " "), std::string::npos) << name;
+  }
+}
+
 }  // namespace
 }  // namespace espalier::server

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "protocol/json_writer.h"
+#include "tests/server/frame_viewer.h"
 
 namespace espalier::server {
 namespace {
@@ -39,53 +40,7 @@ TurtleFrame frameOf(const std::vector<turtle::TurtleRecord>& records, const prot
 /// What a viewer holds who had `base` and is told the difference.
 TurtleFrame applied(const TurtleFrame& base, const TurtleFrame& fresh, const TurtleDifference& difference,
                     std::size_t rows) {
-  TurtleFrame result;
-  result.symbols = kSymbols;
-  std::size_t used = 0;
-  const auto add = [&](const TurtleFrame& from, std::size_t row, const KeptRows& run) {
-    const TurtleFrame one = rowsOf(from, {static_cast<std::uint32_t>(row)});
-    result.plant.push_back(one.plant[0]);
-    result.module.push_back(one.module[0] + run.module);
-    result.symbol.push_back(one.symbol[0]);
-    result.colour.push_back(one.colour[0]);
-    result.branchOrder.push_back(one.branchOrder[0]);
-    result.parent.push_back(one.parent[0] == TurtleFrame::kNoParent ? one.parent[0] : one.parent[0] + run.parent);
-    if (!one.index.empty()) {
-      result.index.push_back(one.index[0] + run.index);
-    }
-    for (const auto column : {&TurtleFrame::position, &TurtleFrame::heading, &TurtleFrame::left, &TurtleFrame::up,
-                              &TurtleFrame::width, &TurtleFrame::parameters}) {
-      (result.*column).insert((result.*column).end(), (one.*column).begin(), (one.*column).end());
-    }
-    result.parameterOffset.push_back(static_cast<std::uint32_t>(result.parameters.size()));
-  };
-  std::size_t run = 0;
-  for (std::size_t row = 0; row < rows;) {
-    if (run < difference.kept.size() && difference.kept[run].to == row) {
-      for (std::uint32_t i = 0; i < difference.kept[run].rows; ++i) {
-        add(base, difference.kept[run].from + i, difference.kept[run]);
-      }
-      row += difference.kept[run++].rows;
-    } else {
-      add(fresh, used++, {});
-      ++row;
-    }
-  }
-  EXPECT_EQ(used, fresh.rows());
-  EXPECT_EQ(run, difference.kept.size());
-  return result;
-}
-
-void expectSame(const TurtleFrame& a, const TurtleFrame& b) {
-  for (const auto column :
-       {&TurtleFrame::index, &TurtleFrame::plant, &TurtleFrame::module, &TurtleFrame::symbol, &TurtleFrame::colour,
-        &TurtleFrame::branchOrder, &TurtleFrame::parent, &TurtleFrame::parameterOffset}) {
-    EXPECT_EQ(a.*column, b.*column);
-  }
-  for (const auto column : {&TurtleFrame::parameters, &TurtleFrame::position, &TurtleFrame::heading, &TurtleFrame::left,
-                            &TurtleFrame::up, &TurtleFrame::width}) {
-    EXPECT_EQ(a.*column, b.*column);
-  }
+  return viewedAfter(base, {rows, difference.kept, std::make_shared<const TurtleFrame>(fresh)});
 }
 
 TEST(TurtleFrame, ARowAtTheEndCostsOneRow) {
@@ -113,7 +68,7 @@ TEST(TurtleFrame, AnInsertionMovesModulesAndParentsOfWhatFollows) {
   EXPECT_EQ(difference.kept[1].module, 6U);
   EXPECT_EQ(difference.kept[1].parent, 0U);
   EXPECT_EQ(difference.kept[2].parent, 2U);
-  expectSame(applied(base, rowsOf(frame, difference.fresh), difference, frame.rows()), frame);
+  expectSameRows(applied(base, rowsOf(frame, difference.fresh), difference, frame.rows()), frame);
 }
 
 TEST(TurtleFrame, MinusZeroIsNotZero) {
@@ -135,7 +90,7 @@ TEST(TurtleFrame, ManyRowsThatWereAddedOrTakenAwayAreFound) {
   const TurtleFrame frame = frameOf(records);
   const TurtleDifference difference = differenceOf(base, frame);
   EXPECT_EQ(difference.fresh.size(), 900U);
-  expectSame(applied(base, rowsOf(frame, difference.fresh), difference, frame.rows()), frame);
+  expectSameRows(applied(base, rowsOf(frame, difference.fresh), difference, frame.rows()), frame);
 }
 
 TEST(TurtleFrame, AnyChangeIsToldCompletely) {
@@ -170,7 +125,7 @@ TEST(TurtleFrame, AnyChangeIsToldCompletely) {
     }
     const TurtleFrame frame = frameOf(records, select);
     const TurtleDifference difference = differenceOf(base, frame);
-    expectSame(applied(base, rowsOf(frame, difference.fresh), difference, frame.rows()), frame);
+    expectSameRows(applied(base, rowsOf(frame, difference.fresh), difference, frame.rows()), frame);
   }
 }
 

@@ -86,8 +86,7 @@ std::optional<std::string> plan(const ExportInput& input, MtgPlan& result) {
 
 class MtgWriter {
  public:
-  MtgWriter(const ExportInput& input, const MtgPlan& plan, core::ByteSink& sink)
-      : input_(input), plan_(plan), out_(sink), featureColumn_(plan.deepest + 2) {}
+  MtgWriter(const MtgPlan& plan, core::ByteSink& sink) : plan_(plan), out_(sink), featureColumn_(plan.deepest + 2) {}
 
   void writeHead();
   void add(const VisitedModule& module);
@@ -102,7 +101,6 @@ class MtgWriter {
     bool hasEntity = false;
   };
 
-  const ExportInput& input_;
   const MtgPlan& plan_;
   TextOutput out_;
   std::size_t featureColumn_;
@@ -242,7 +240,7 @@ std::optional<std::string> writeMtg(const ExportInput& input, const ExportTarget
   if (auto problem = plan(input, known)) {
     return problem;
   }
-  MtgWriter writer(input, known, target.sink);
+  MtgWriter writer(known, target.sink);
   writer.writeHead();
   const auto problem =
       walkStrings(input, target.progress, [&writer](const VisitedModule& module) { writer.add(module); });

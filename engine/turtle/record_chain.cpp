@@ -1,0 +1,68 @@
+#include "engine/turtle/record_chain.h"
+
+#include <algorithm>
+
+namespace espalier::turtle {
+namespace {
+
+bool dependsOnStep(const language::Program& program, const language::Expression& expression) {
+  for (std::uint32_t i = expression.code.begin; i < expression.code.end; ++i) {
+    const language::Operation operation = program.code[i].operation;
+    if (operation == language::Operation::LoadStep || operation == language::Operation::LoadLength) {
+      return true;
+    }
+  }
+  return false;
+}
+
+/// Whether the image of a module is the same whenever and wherever it is.
+bool hasOneImage(const language::Program& program, const language::Production& production) {
+  const bool isAlone = production.predecessor.size() == 1 && production.leftContext.empty() &&
+                       production.rightContext.empty() && production.newLeftContext.empty() &&
+                       production.newRightContext.empty();
+  return isAlone && production.isPure && !production.drawsRandom && !production.probability &&
+         !(production.condition && dependsOnStep(program, *production.condition)) &&
+         std::none_of(production.expressions.begin(), production.expressions.end(),
+                      [&](const language::Expression& expression) { return dependsOnStep(program, expression); });
+}
+
+}  // namespace
+
+bool isRepeatable(const language::Program& program) {
+  if (program.hasSubSystems) {
+    return false;
+  }
+  // `?(id,k)` and its `$`
+  for (std::size_t i = 0; i < program.moduleTypeCount(); ++i) {
+    const auto type = static_cast<core::ModuleTypeId>(i);
+    const char character = program.symbols[program.symbolOf[type]].character();
+    if (type == program.subSystemEnd || (character == '?' && program.arity[type] > 0)) {
+      return false;
+    }
+  }
+  for (const language::LSystem& system : program.systems) {
+    const auto& productions = system.homomorphism.productions;
+    if (!std::all_of(productions.begin(), productions.end(),
+                     [&](const language::Production& production) { return hasOneImage(program, production); })) {
+      return false;
+    }
+  }
+  return true;
+}
+
+std::uint32_t RecordChain::recordOf(const Link& link, std::uint32_t number) const {
+  if (number == kNoParent) {
+    return kNoParent;
+  }
+  return number >= kOuterRecord ? outer[link.firstOuter + (number - kOuterRecord)] : link.firstRecord + number;
+}
+
+void RecordChain::appendRecords(const Link& link, std::vector<TurtleRecord>& records) const {
+  for (const TurtleRecord& record : link.stretch->records) {
+    records.push_back(record);
+    records.back().module += link.firstModule;
+    records.back().parent = recordOf(link, record.parent);
+  }
+}
+
+}  // namespace espalier::turtle

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "engine/turtle/record_chain.h"
+#include "server/turtle_frame.h"
+
+namespace espalier::server {
+
+/// All records of a chain. Throws protocol::NonFiniteNumber.
+[[nodiscard]] TurtleFrame makeTurtleFrame(const turtle::RecordChain& chain,
+                                          std::shared_ptr<const std::vector<std::string>> symbols);
+
+/// What a viewer of `base` needs to have `chain`, of the same Programs. Stretches that both share are kept without a
+/// look at their rows, unless what they grow from has moved otherwise than they; between them rows are compared
+/// (differenceOf). O(stretches + rows that are not shared). Throws protocol::NonFiniteNumber.
+[[nodiscard]] TurtleChange differenceOf(const turtle::RecordChain& base, const turtle::RecordChain& chain,
+                                        std::shared_ptr<const std::vector<std::string>> symbols);
+
+}  // namespace espalier::server
