@@ -120,17 +120,18 @@ bool RecordChainBuilder::findNext() {
   if (heads_.empty()) {
     buildTable();
   }
-  int tries = 0;
-  std::uint32_t link = heads_[hashOf(interpretation_.state()) & (heads_.size() - 1)];
-  for (; link != kNoLink && tries < kTries; link = following_[link - tableBegin_]) {
-    if (link < next_) {
-      continue;
-    }
+  std::uint32_t& head = heads_[hashOf(interpretation_.state()) & (heads_.size() - 1)];
+  // those that were passed are never looked at again
+  while (head != kNoLink && head < next_) {
+    head = following_[head - tableBegin_];
+  }
+  std::uint32_t link = head;
+  for (int tries = 0; link != kNoLink && tries < kTries; ++tries) {
     if (follows(link)) {
       next_ = link;
       return true;
     }
-    ++tries;
+    link = following_[link - tableBegin_];
   }
   return false;
 }

@@ -41,7 +41,8 @@ struct OfModels {
 
 TEST(LimitsInUse, ThoseOfAModelsTextHoldAtTheBoundAndNotBeyond) {
   const auto included = [](int depth) {
-    std::vector<std::pair<std::string, std::string>> files{{"model.l", "#include \"0.h\"\n" + modelOf("Axiom: A")}};
+    std::vector<std::pair<std::string, std::string>> files{
+        {"model.l", "#include \"0.h\"\n" + modelOf("Axiom: A\nA --> A")}};
     for (int i = 0; i < depth; ++i) {
       files.emplace_back(std::to_string(i) + ".h",
                          i + 1 < depth ? "#include \"" + std::to_string(i + 1) + ".h\"\n" : "/* end */\n");
@@ -56,22 +57,22 @@ TEST(LimitsInUse, ThoseOfAModelsTextHoldAtTheBoundAndNotBeyond) {
     for (int i = 0; i < depth; ++i) {
       text += "#define M" + std::to_string(i) + " " + (i == 0 ? "1" : "M" + std::to_string(i - 1)) + "\n";
     }
-    return alone(text + modelOf("Axiom: A(M" + std::to_string(depth - 1) + ")"));
+    return alone(text + modelOf("Axiom: A(M" + std::to_string(depth - 1) + ")\nB --> B"));
   };
   const auto longText = [&](std::size_t bytes) {
-    const std::string model = modelOf("Axiom: A");
+    const std::string model = modelOf("Axiom: A\nA --> A");
     return alone(model + std::string(bytes - model.size(), '\n'));
   };
   const auto nested = [&](std::size_t depth) {
-    return alone(modelOf("Axiom: A(" + times("(", depth) + "1" + times(")", depth) + ")"));
+    return alone(modelOf("Axiom: A(" + times("(", depth) + "1" + times(")", depth) + ")\nB --> B"));
   };
   const std::vector<OfModels> all{
-      {"arity", 3, alone(modelOf("Axiom: A(1,2,3)")), alone(modelOf("Axiom: A(1,2,3,4)"))},
+      {"arity", 3, alone(modelOf("Axiom: A(1,2,3)\nB --> B")), alone(modelOf("Axiom: A(1,2,3,4)\nB --> B"))},
       {"sourceBytes", 1'000, longText(1'000), longText(1'001)},
       {"includeDepth", 3, included(3), included(4)},
       {"macroDepth", 5, macros(5), macros(6)},
-      {"arrayElements", 12, alone("Lsystem: 1\ndefine: { array a[12]; }\nAxiom: A\nendlsystem\n"),
-       alone("Lsystem: 1\ndefine: { array a[13]; }\nAxiom: A\nendlsystem\n")},
+      {"arrayElements", 12, alone("Lsystem: 1\ndefine: { array a[12]; }\nAxiom: A\nA --> A\nendlsystem\n"),
+       alone("Lsystem: 1\ndefine: { array a[13]; }\nAxiom: A\nA --> A\nendlsystem\n")},
       {"expressionDepth", 20, nested(18), nested(40)},
   };
   for (const OfModels& one : all) {
@@ -104,9 +105,8 @@ TEST(LimitsInUse, ThoseOfAStepHoldAtTheBoundAndNotBeyond) {
     return modelOf("Axiom: A\nA : { i = 0; while (i < " + std::to_string(count) + ") { i = i + 1; } } 1 --> B");
   };
   const auto decomposed = [](int depth) {
-    return modelOf(
-        "Axiom: B\nB --> A(" + std::to_string(depth) +
-        ")\ndecomposition\nmaximum depth: 1000\nA(n) : n > 1 --> A(n-1)\nA(n) : n == 1 --> C\nenddecomposition");
+    return modelOf("Axiom: B\nB --> A(" + std::to_string(depth) +
+                   ")\ndecomposition\nmaximum depth: 1000\nA(n) : n > 1 --> A(n-1)\nA(n) : n == 1 --> C");
   };
   EXPECT_EQ(stepped("loopIterations", 10, turning(10)), std::nullopt);
   EXPECT_EQ(stepped("recursion", 6, decomposed(6)), std::nullopt);
@@ -128,7 +128,7 @@ TEST(LimitsInUse, AnAnswerIsAsLongAsTheOutboxAndNotLonger) {
   const auto client = connectTo(server);
   const std::size_t head = std::string_view(R"({"step":0,"string":""})").size();
   const auto asked = [&](std::size_t bytes) {
-    const std::string simulation = create(*client, modelOf("Axiom: " + times("F", bytes - head)));
+    const std::string simulation = create(*client, modelOf("Axiom: " + times("F", bytes - head) + "\nB --> B"));
     return client->request("simulation.get", named(simulation, R"("what":"string")"));
   };
   EXPECT_EQ(resultOf(asked(kBound)).size(), kBound);
@@ -147,7 +147,7 @@ TEST(LimitsInUse, AFrameIsAsLongAsTheOutboxAndNotLonger) {
   const RunningServer server(options);
   const auto client = connectTo(server);
   const auto shown = [&](std::size_t modules) {
-    const std::string simulation = create(*client, modelOf("Axiom: " + times("F", modules)));
+    const std::string simulation = create(*client, modelOf("Axiom: " + times("F", modules) + "\nB --> B"));
     resultOf(client->request("stream.open", named(simulation, R"("what":"string")")));
     const auto frame = client->nextNotification(std::chrono::seconds(30));
     EXPECT_TRUE(frame.has_value());
