@@ -89,6 +89,9 @@ LeafLight::LeafLight(LightSurfaces surfaces, std::vector<std::uint32_t> wanted, 
 }
 
 void LeafLight::setScene(LightSurfaces surfaces, std::vector<std::uint32_t> wanted, std::vector<Sun> suns) {
+  const std::size_t count = surfaces.triangles.size();
+  ESPALIER_CHECK(surfaces.seed.empty() || surfaces.seed.size() == count);
+  ESPALIER_CHECK(surfaces.thinning.empty() || surfaces.thinning.size() == count);
   // what the last scene can give
   SurfaceChanges changes = changesBetween(surfaces_, surfaces);
   const bool isSameScene = changes.isEmpty() && !surfaces.triangles.empty();

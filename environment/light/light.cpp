@@ -180,6 +180,9 @@ class Light final : public turtle::EnvironmentProcess {
         surfaces.triangles.push_back({corner, corner + 1, corner + kGroundCells + 2});
         surfaces.triangles.push_back({corner, corner + kGroundCells + 2, corner + kGroundCells + 1});
         surfaces.material.insert(surfaces.material.end(), 2, kGroundMaterial);
+        const std::uint32_t number = 2 * (i * kGroundCells + k);
+        surfaces.seed.insert(surfaces.seed.end(), {number, number + 1});
+        surfaces.thinning.insert(surfaces.thinning.end(), 2, 0);
       }
     }
   }
