@@ -57,6 +57,7 @@ class InABrowser(unittest.TestCase):
             page.evaluate('document.getElementById("step").click()')
             page.wait_for('document.getElementById("plant").dataset.step === "1"')
             first = page.picture()
+            page.wait_for('!document.getElementById("run").disabled')
             page.evaluate('document.getElementById("run").click()')
             page.wait_for('document.getElementById("state").textContent.includes("finished")')
             with server.connect() as client:

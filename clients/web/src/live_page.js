@@ -12,6 +12,7 @@ class LivePage {
     this.simulation = null; // identifier of the one that is shown
     this.streams = {}; // identifiers: geometry, statistics
     this.isRunning = false;
+    this.isStepping = false; // by this page
     this.shownStep = -1;
     this.drawing = Promise.resolve();
     try {
@@ -23,7 +24,7 @@ class LivePage {
     part("gallery").onchange = () => this.chooseModel();
     part("create-form").onsubmit = (event) => this.handle(event, () => this.create());
     part("simulations").onchange = () => this.handle(null, () => this.choose(part("simulations").value));
-    part("step").onclick = () => this.handle(null, () => this.act("simulation.step"));
+    part("step").onclick = () => this.handle(null, () => this.step());
     part("run").onclick = () => this.handle(null, () => (this.isRunning ? this.act("simulation.pause") : this.run()));
     part("reset").onclick = () => this.handle(null, () => this.reset());
     part("delete").onclick = () => this.handle(null, () => this.delete());
@@ -103,7 +104,8 @@ class LivePage {
     const none = new Option(options.length ? "choose …" : "none yet", "", !this.simulation, !this.simulation);
     part("simulations").replaceChildren(none, ...options);
     const shown = simulations.find(({ simulation }) => simulation === this.simulation);
-    this.isRunning = shown?.running ?? false;
+    // a step that was asked for here is no run to be paused
+    this.isRunning = !this.isStepping && (shown?.running ?? false);
     this.showButtons();
   }
 
@@ -197,6 +199,18 @@ class LivePage {
     await this.list();
   }
 
+  async step() {
+    this.isStepping = true;
+    this.showButtons();
+    try {
+      await this.connection.call("simulation.step", { simulation: this.simulation });
+    } finally {
+      this.isStepping = false;
+      this.showButtons();
+    }
+    await this.list();
+  }
+
   async run() {
     this.isRunning = true;
     this.showButtons();
@@ -222,7 +236,7 @@ class LivePage {
 
   showButtons() {
     for (const id of ["step", "run", "reset", "delete"]) {
-      part(id).disabled = !this.simulation || (this.isRunning && id !== "run");
+      part(id).disabled = !this.simulation || this.isStepping || (this.isRunning && id !== "run");
     }
     part("run").textContent = this.isRunning ? "Pause" : "Run";
   }
