@@ -345,6 +345,15 @@ ProcessOrErrors makeArvo(const Configuration& configuration) {
   if (auto* errors = std::get_if<std::vector<core::Diagnostic>>(&content)) {
     return std::move(*errors);
   }
+  // a plant that keeps further away than it may be would never find a place; the published program has it so
+  if (!configuration.flag("compatible") &&
+      configuration.number("surfaceDistance") > configuration.number("maxSurfaceDistance")) {
+    return std::vector{core::Diagnostic{
+        core::Severity::Error,
+        "environment process 'arvo': 'surfaceDistance' is larger than 'maxSurfaceDistance': no segment would be found",
+        {},
+        "maxSurfaceDistance: how far from a surface the plant may be"}};
+  }
   return std::make_unique<Arvo>(std::get<ObstacleScene::Content>(std::move(content)), configuration);
 }
 

@@ -73,11 +73,14 @@ class Attractors final : public turtle::EnvironmentProcess {
 
   [[nodiscard]] std::optional<turtle::EnvironmentError> step(const turtle::QueryBatch& queries,
                                                              turtle::ReplyBatch& replies) override {
-    if (!attractors_.empty()) {
-      for (std::size_t query = 0; query < queries.size(); ++query) {
-        if (queries.parametersOf(query).size() > 3) {
-          replies.set(queries, query, 3, distanceAt(queries.position[query]));
-        }
+    if (attractors_.empty() && queries.size() > 0) {
+      return turtle::EnvironmentError{
+          "Environment 'attractors' has no attractors, so nothing would pull. Give 'points': [[x, y, z, strength]].",
+          false};
+    }
+    for (std::size_t query = 0; query < queries.size(); ++query) {
+      if (queries.parametersOf(query).size() > 3) {
+        replies.set(queries, query, 3, distanceAt(queries.position[query]));
       }
     }
     replyVectors(queries, replies, [this](const Vec3& place) { return pullAt(place); });

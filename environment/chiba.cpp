@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "environment/light_directions.h"
+#include "environment/light_sources.h"
 #include "environment/published_voxels.h"
 #include "environment/ray_sums.h"
 #include "environment/replies.h"
@@ -307,13 +308,17 @@ class Chiba final : public turtle::EnvironmentProcess {
 
 }  // namespace
 
-constinit const ProcessEntry kChibaProcess{.name = "chiba",
-                                           .summary = kSummary,
-                                           .aliases = {},
-                                           .keys = kKeys,
-                                           .fieldKeywords = kFieldKeywords,
-                                           .make = [](const Configuration& configuration) -> ProcessOrErrors {
-                                             return std::make_unique<Chiba>(configuration);
-                                           }};
+constinit const ProcessEntry kChibaProcess{
+    .name = "chiba",
+    .summary = kSummary,
+    .aliases = {},
+    .keys = kKeys,
+    .fieldKeywords = kFieldKeywords,
+    .make = [](const Configuration& configuration) -> ProcessOrErrors {
+      if (auto problems = problemsOfSources("chiba", configuration.rows("sources"), true); !problems.empty()) {
+        return problems;
+      }
+      return std::make_unique<Chiba>(configuration);
+    }};
 
 }  // namespace espalier::environment

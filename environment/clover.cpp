@@ -174,6 +174,10 @@ constinit const ProcessEntry kCloverProcess{.name = "clover",
                                             .keys = kKeys,
                                             .fieldKeywords = kFieldKeywords,
                                             .make = [](const Configuration& configuration) -> ProcessOrErrors {
+                                              if (auto problems = Raster::problemsOf("clover", configuration);
+                                                  !problems.empty()) {
+                                                return problems;
+                                              }
                                               return std::make_unique<Clover>(configuration);
                                             }};
 

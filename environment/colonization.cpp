@@ -137,6 +137,13 @@ class Colonization final : public turtle::EnvironmentProcess {
 
   [[nodiscard]] std::optional<turtle::EnvironmentError> step(const turtle::QueryBatch& queries,
                                                              turtle::ReplyBatch& replies) override {
+    if (givenMarkers_.empty() && markerCount_ == 0 && queries.size() > 0) {
+      return turtle::EnvironmentError{
+          "Environment 'colonization' has no markers, so no bud would find space. Give 'points', or a 'markerCount' "
+          "and "
+          "the 'markerBox' to spread them in.",
+          false};
+    }
     // everything that is there occupies its space
     for (const Vec3& place : queries.position) {
       visitWithin(place, occupancyRadius_, [&](std::uint32_t marker, double) { isFree_[marker] = 0; });

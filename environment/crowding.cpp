@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <utility>
@@ -140,6 +141,9 @@ class Crowding final : public turtle::EnvironmentProcess {
 
   [[nodiscard]] std::optional<turtle::EnvironmentError> step(const turtle::QueryBatch& queries,
                                                              turtle::ReplyBatch& replies) override {
+    if (const auto tooLarge = tooLargeZone(queries)) {
+      return tooLarge;
+    }
     collect(queries);
     std::vector<Bounds> boxes;
     boxes.reserve(zones_.size());
@@ -161,6 +165,24 @@ class Crowding final : public turtle::EnvironmentProcess {
   }
 
  private:
+  /// A plot that repeats itself holds all repetitions of a zone that reach into it; of a sensible zone these are few.
+  [[nodiscard]] std::optional<turtle::EnvironmentError> tooLargeZone(const turtle::QueryBatch& queries) const {
+    constexpr double kMost = 50.0;  // plots that a radius may span
+    const double most = isPeriodic_ ? kMost * std::min(width(), depth()) : std::numeric_limits<double>::infinity();
+    for (std::size_t query = 0; query < queries.size(); ++query) {
+      const auto parameters = queries.parametersOf(query);
+      if (!parameters.empty() && parameters[0] > most) {
+        return turtle::EnvironmentError{
+            "Environment 'crowding': module " + std::to_string(queries.module[query]) + " of plant " +
+                std::to_string(queries.plant[query]) +
+                " sends a zone whose radius is more than 50 times the side of the periodic plot. Parameter 1 is the "
+                "radius, in the world's length unit: check it, or take a larger 'extent'.",
+            false};
+      }
+    }
+    return std::nullopt;
+  }
+
   [[nodiscard]] double width() const { return extent_[1] - extent_[0]; }
   [[nodiscard]] double depth() const { return extent_[3] - extent_[2]; }
 

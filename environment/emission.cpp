@@ -111,6 +111,7 @@ class Emission final : public turtle::EnvironmentProcess {
 
   [[nodiscard]] std::optional<turtle::EnvironmentError> step(const turtle::QueryBatch& queries,
                                                              turtle::ReplyBatch& replies) override {
+    field_.prepareToSpread(diffusion_);
     std::vector<std::pair<std::size_t, double>> given;
     for (std::size_t query = 0; query < queries.size(); ++query) {
       const auto parameters = queries.parametersOf(query);

@@ -192,7 +192,22 @@ ProcessOrErrors makeFromSpecification(const ProcessEntry& process, const Specifi
   if (!errors.empty()) {
     return errors;
   }
-  return process.make(std::get<Configuration>(configuration));
+  auto made = process.make(std::get<Configuration>(configuration));
+  if (auto* wrong = std::get_if<std::vector<Diagnostic>>(&made)) {
+    // what a process says of its keys together: at the line of the first that it names
+    for (Diagnostic& error : *wrong) {
+      error.location = executable;
+      std::size_t first = std::string::npos;
+      for (const auto& [key, location] : specification.locations) {
+        const std::size_t at = error.message.find("'" + std::string(key));
+        if (at < first) {
+          first = at;
+          error.location = location;
+        }
+      }
+    }
+  }
+  return made;
 }
 
 ProcessOrErrors makeFromFile(const std::string& file, core::FileProvider& files, core::Compatibility compatibility,

@@ -65,7 +65,12 @@ std::variant<json, core::Diagnostic> parseJson(std::string_view text, const std:
     diagnostic.location = locate(text, error.byte > 0 ? error.byte - 1 : 0, file);
   } catch (const json::exception& error) {
     diagnostic.message = "is not valid JSON: " + reasonOf(error.what());
-    diagnostic.location = locate(text, 0, file);
+    // of all others only a number that is too large comes from the text, and it is quoted
+    const std::string_view what = error.what();
+    const std::size_t quote = what.find('\'');
+    const std::size_t end = quote == std::string_view::npos ? quote : what.find('\'', quote + 1);
+    const std::size_t found = end == std::string_view::npos ? end : text.find(what.substr(quote + 1, end - quote - 1));
+    diagnostic.location = locate(text, found == std::string_view::npos ? 0 : found, file);
   }
   return diagnostic;
 }

@@ -196,6 +196,10 @@ constinit const ProcessEntry kMeadowProcess{.name = "meadow",
                                             .keys = kKeys,
                                             .fieldKeywords = kFieldKeywords,
                                             .make = [](const Configuration& configuration) -> ProcessOrErrors {
+                                              if (auto problems = Raster::problemsOf("meadow", configuration);
+                                                  !problems.empty()) {
+                                                return problems;
+                                              }
                                               return std::make_unique<Meadow>(configuration);
                                             }};
 

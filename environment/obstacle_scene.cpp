@@ -190,6 +190,9 @@ class ObstacleReader {
     const auto& rows = configuration_.rows("heightField");
     const auto& extent = configuration_.numbers("heightFieldExtent");
     if (rows.empty()) {
+      if (!extent.empty()) {
+        add("'heightFieldExtent' is given without a 'heightField'", "give the heights, or leave both out");
+      }
       return;
     }
     const std::size_t columns = rows.front().size();

@@ -128,6 +128,7 @@ class Obstacles final : public turtle::EnvironmentProcess {
         return std::pair(queries.plant[a], queries.module[a]) < std::pair(queries.plant[b], queries.module[b]);
       });
       std::vector<PlantSegment> grown;
+      grown.reserve(free.size());
       for (const std::size_t query : free) {
         grown.push_back({queries.plant[query], segmentOf(queries, query)});
       }

@@ -92,6 +92,10 @@ constinit const ProcessEntry kOrnamentProcess{.name = "ornament",
                                               .keys = kKeys,
                                               .fieldKeywords = kFieldKeywords,
                                               .make = [](const Configuration& configuration) -> ProcessOrErrors {
+                                                if (auto problems = Raster::problemsOf("ornament", configuration);
+                                                    !problems.empty()) {
+                                                  return problems;
+                                                }
                                                 return std::make_unique<Ornament>(configuration);
                                               }};
 

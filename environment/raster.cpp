@@ -50,6 +50,25 @@ Raster::Raster(const Configuration& configuration)
       light_(spread(configuration.rows("lightMap"), columnCount_, rowCount_, 255.0)),
       second_(spread(configuration.rows("secondMap"), columnCount_, rowCount_, 0.0)) {}
 
+std::vector<core::Diagnostic> Raster::problemsOf(std::string_view process, const Configuration& configuration) {
+  std::vector<core::Diagnostic> problems;
+  for (const char* const key : {"lightMap", "secondMap"}) {
+    const ConfigurationRows& rows = configuration.rows(key);
+    for (std::size_t i = 1; i < rows.size(); ++i) {
+      if (rows[i].size() != rows[0].size()) {
+        problems.push_back({core::Severity::Error,
+                            "environment process '" + std::string(process) + "': '" + key + "[" + std::to_string(i) +
+                                "]' must have " + std::to_string(rows[0].size()) +
+                                " numbers as the row before, found " + std::to_string(rows[i].size()),
+                            {},
+                            "all rows of a map have one length"});
+        break;
+      }
+    }
+  }
+  return problems;
+}
+
 Raster::Flat Raster::cellsOf(const core::Vec3& point) const {
   const double across = plane_ == Plane::Yz ? point.y : point.x;
   const double along = plane_ == Plane::Xy ? point.y : point.z;

@@ -20,6 +20,9 @@ class Raster {
  public:
   /// Reads the keys below. Maps of another size are enlarged or reduced by taking the nearest value.
   explicit Raster(const Configuration& configuration);
+  /// A map whose rows differ in length. Empty: none.
+  [[nodiscard]] static std::vector<core::Diagnostic> problemsOf(std::string_view process,
+                                                                const Configuration& configuration);
 
   [[nodiscard]] std::size_t cellCount() const { return columnCount_ * rowCount_; }
   /// The cell that a point lies over, counted from the low corner row by row; nothing outside. Low borders belong to

@@ -114,6 +114,9 @@ class SceneReader {
       if (n.empty()) {
         return "a radius";
       }
+      if (n[0] < 0.0) {
+        return "a radius that is not negative";
+      }
       addSphere(n[0]);
     } else if (keyword == "prism" || keyword == "box") {
       if (n.size() < 3) {
@@ -124,6 +127,9 @@ class SceneReader {
       const bool isCone = keyword == "cone";
       if (n.size() < (isCone ? 3U : 2U)) {
         return isCone ? "3 numbers" : "2 numbers";
+      }
+      if (n[0] < 0.0 || (isCone && n[1] < 0.0)) {
+        return "radii that are not negative";
       }
       addCone(n[0], isCone ? n[1] : n[0], isCone ? n[2] : n[1]);
     } else if (keyword == "rectangle") {

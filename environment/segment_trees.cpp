@@ -1,5 +1,7 @@
 #include "environment/segment_trees.h"
 
+#include <utility>
+
 namespace espalier::environment {
 
 void SegmentTrees::clear() {
@@ -20,15 +22,25 @@ void SegmentTrees::add(std::span<const PlantSegment> segments) {
   if (segments.empty()) {
     return;
   }
-  std::size_t begin = segments_.size();
+  const std::size_t before = segments_.size();
+  std::size_t begin = before;
+  parts_.reserve(parts_.size() + 1);
   segments_.insert(segments_.end(), segments.begin(), segments.end());
   const std::size_t end = segments_.size();
   // parts that are not much larger than what comes after them are taken into it
-  while (!parts_.empty() && parts_.back().end - parts_.back().begin <= 2 * (end - begin)) {
-    begin = parts_.back().begin;
-    parts_.pop_back();
+  std::size_t kept = parts_.size();
+  while (kept > 0 && parts_[kept - 1].end - parts_[kept - 1].begin <= 2 * (end - begin)) {
+    begin = parts_[--kept].begin;
   }
-  parts_.push_back({begin, end, treeOf(begin, end)});
+  try {
+    Part part{begin, end, treeOf(begin, end)};
+    parts_.erase(parts_.begin() + static_cast<std::ptrdiff_t>(kept), parts_.end());
+    parts_.push_back(std::move(part));
+  } catch (...) {
+    // out of memory: as before
+    segments_.resize(before);
+    throw;
+  }
 }
 
 bool SegmentTrees::isClear(std::uint32_t plant, const Capsule& segment) const {

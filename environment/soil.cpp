@@ -207,6 +207,7 @@ class Soil final : public turtle::EnvironmentProcess {
 
   [[nodiscard]] std::optional<turtle::EnvironmentError> step(const turtle::QueryBatch& queries,
                                                              turtle::ReplyBatch& replies) override {
+    field_.prepareToSpread(diffusion_);
     if (isCompatible_) {
       for (std::size_t query = 0; query < queries.size(); ++query) {
         takeAtOnce(queries, query, replies);
@@ -499,6 +500,15 @@ ProcessOrErrors makeSoil(const Configuration& configuration) {
                                    " layer thicknesses and " +
                                    countText(configuration.numbers("geotropicAngles").size()) + " geotropic angles",
                                "give one angle for each layer")};
+  }
+  const std::vector<double>& range = configuration.numbers("concentrationRange");
+  if (!(range[0] < range[1])) {
+    return std::vector{errorOf("'concentrationRange' must be a smaller and a larger number",
+                               "gradients are relative to the difference of the two")};
+  }
+  if (!rows.empty() && configuration.isGiven("gridSize")) {
+    return std::vector{errorOf("both 'concentration' and 'gridSize' are given",
+                               "the cells are those of 'concentration', or 'gridSize' of 'uniformConcentration'")};
   }
   std::vector<double> initial(cellCount, configuration.number("uniformConcentration"));
   std::vector<std::uint8_t> isObstacle;

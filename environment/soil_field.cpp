@@ -149,7 +149,15 @@ bool SoilField::isBlocked(const core::Vec3& from, const core::Vec3& to) const {
   return false;
 }
 
+void SoilField::prepareToSpread(const Diffusion& diffusion) {
+  if (diffusion.stepCount > 0 && next_.empty()) {
+    sortCells();
+    next_.resize(cells_.size());
+  }
+}
+
 void SoilField::spread(const Diffusion& diffusion) {
+  prepareToSpread(diffusion);
   for (std::size_t cell = 0; cell < isSource_.size(); ++cell) {
     if (isSource_[cell] != 0) {
       cells_[cell] = initial_[cell];
@@ -197,6 +205,10 @@ void SoilField::sortCells() {
   const std::uint8_t all = isInSpace() ? 0b111111 : 0b001111;
   const auto offsets = neighbourOffsets();
   const std::size_t layerSize = isInSpace() ? nx * ny : nx;
+  runs_.clear();
+  borders_.clear();
+  firstRunOf_.clear();
+  firstBorderOf_.clear();
   for (std::size_t cell = 0; cell < cells_.size(); ++cell) {
     if (cell % layerSize == 0) {
       firstRunOf_.push_back(runs_.size());
@@ -255,10 +267,6 @@ void SoilField::relaxLayer(std::size_t layer, const Factors& factors, double sta
 }
 
 void SoilField::relax(int stepCount, const Factors& factors, double staying) {
-  if (next_.empty()) {
-    next_.resize(cells_.size());
-    sortCells();
-  }
   // several steps go through the layers together, each one layer behind the one before it: what one step has written is
   // still in the cache when the next reads it, and the layer that it overwrites has been read by then
   const auto layers = static_cast<std::ptrdiff_t>(layerCount());

@@ -38,6 +38,8 @@ class SoilField {
   [[nodiscard]] bool isInSpace() const { return shape_.cells[2] > 1; }
   [[nodiscard]] core::Vec3 cellSize() const;
 
+  /// Takes the memory that spread() needs, before anything has changed.
+  void prepareToSpread(const Diffusion& diffusion);
   /// Everything as it was at first.
   void reset() { cells_ = initial_; }
   [[nodiscard]] std::vector<double>& cells() { return cells_; }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "environment/light_directions.h"
+#include "environment/light_sources.h"
 #include "environment/published_voxels.h"
 #include "environment/ray_sums.h"
 #include "environment/replies.h"
@@ -272,13 +273,26 @@ class Takenaka final : public turtle::EnvironmentProcess {
 
 }  // namespace
 
-constinit const ProcessEntry kTakenakaProcess{.name = "takenaka",
-                                              .summary = kSummary,
-                                              .aliases = {},
-                                              .keys = kKeys,
-                                              .fieldKeywords = kFieldKeywords,
-                                              .make = [](const Configuration& configuration) -> ProcessOrErrors {
-                                                return std::make_unique<Takenaka>(configuration);
-                                              }};
+constinit const ProcessEntry kTakenakaProcess{
+    .name = "takenaka",
+    .summary = kSummary,
+    .aliases = {},
+    .keys = kKeys,
+    .fieldKeywords = kFieldKeywords,
+    .make = [](const Configuration& configuration) -> ProcessOrErrors {
+      auto problems = problemsOfSources("takenaka", configuration.rows("sources"), false);
+      const double s = configuration.number("parameterS");
+      if (s * s < 1.0 - configuration.number("transmittance")) {
+        problems.push_back({core::Severity::Error,
+                            "environment process 'takenaka': 'parameterS' is too small for the 'transmittance': a ball "
+                            "would take more light than falls on it",
+                            {},
+                            "parameterS * parameterS must be at least 1 - transmittance"});
+      }
+      if (!problems.empty()) {
+        return problems;
+      }
+      return std::make_unique<Takenaka>(configuration);
+    }};
 
 }  // namespace espalier::environment

@@ -168,7 +168,15 @@ int runEnvironment(EnvironmentOptions& options) {
   std::vector<core::Diagnostic> warnings;
   auto made = makeAsked(options, configuration, warnings);
   printDiagnostics(warnings, false);
-  if (const auto* problems = std::get_if<std::vector<core::Diagnostic>>(&made)) {
+  if (auto* problems = std::get_if<std::vector<core::Diagnostic>>(&made)) {
+    // places in the configuration are places in its file
+    for (core::Diagnostic& problem : *problems) {
+      if (!options.configurationFile.empty() && problem.location.file == "configuration") {
+        problem.location.file = options.configurationFile;
+      } else if (!options.configurationFile.empty() && problem.location.file.empty()) {
+        problem.message = options.configurationFile + ": " + problem.message;
+      }
+    }
     printDiagnostics(*problems, false);
     return kFailure;
   }

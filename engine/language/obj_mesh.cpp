@@ -1,7 +1,11 @@
 #include <tiny_obj_loader.h>
 
+#include <algorithm>
+#include <charconv>
 #include <cmath>
+#include <optional>
 #include <span>
+#include <string_view>
 
 #include "engine/core/polygon.h"
 #include "engine/language/mesh_file.h"
@@ -62,7 +66,46 @@ void appendFace(const std::vector<MeshCorner>& corners, std::vector<SurfaceTrian
 
 }  // namespace
 
+namespace {
+
+/// A vertex whose coordinates are not three finite numbers, which the reader would take as 0; with its line.
+std::optional<std::string> wrongVertex(std::string_view text) {
+  std::size_t line = 0;
+  while (!text.empty()) {
+    ++line;
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    std::string_view rest = text.substr(0, end);
+    text.remove_prefix(std::min(end + 1, text.size()));
+    constexpr std::string_view kBlanks = " \t\r";
+    rest.remove_prefix(std::min(rest.find_first_not_of(kBlanks), rest.size()));
+    if (!rest.starts_with("v ") && !rest.starts_with("v\t")) {
+      continue;
+    }
+    rest.remove_prefix(1);
+    for (int axis = 0; axis < 3; ++axis) {
+      rest.remove_prefix(std::min(rest.find_first_not_of(kBlanks), rest.size()));
+      const std::string_view word = rest.substr(0, rest.find_first_of(kBlanks));
+      const std::string_view digits = word.starts_with('+') ? word.substr(1) : word;
+      double number = 0.0;
+      const auto [last, problem] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
+      const bool isTiny = problem == std::errc::result_out_of_range && digits.find("e-") != std::string_view::npos;
+      if ((problem != std::errc() && !isTiny) || last != digits.data() + digits.size() || !std::isfinite(number)) {
+        return "line " + std::to_string(line) + ": a vertex has " +
+               (word.empty() ? "fewer than three coordinates"
+                             : "the coordinate '" + std::string(word) + "', which is no finite number");
+      }
+      rest.remove_prefix(word.size());
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
 std::variant<std::vector<SurfaceTriangle>, std::string> readObjMesh(const std::string& text) {
+  if (auto problem = wrongVertex(text)) {
+    return *problem;
+  }
   tinyobj::ObjReader reader;
   tinyobj::ObjReaderConfig config;
   config.triangulate = false;  // it cuts concave faces wrongly

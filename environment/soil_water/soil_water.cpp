@@ -109,14 +109,17 @@ class SoilWater final : public turtle::EnvironmentProcess {
 
   [[nodiscard]] std::optional<turtle::EnvironmentError> step(const turtle::QueryBatch& queries,
                                                              turtle::ReplyBatch& replies) override {
-    const std::vector<double> backup = numbers();
-    answerState(queries, replies);
-    takeUp(queries, replies);
-    countAnswers(queries, replies);
-    return passTime(backup);
+    return orGoBack([&](const std::vector<double>& before) {
+      answerState(queries, replies);
+      takeUp(queries, replies);
+      countAnswers(queries, replies);
+      return passTime(before);
+    });
   }
 
-  [[nodiscard]] std::optional<turtle::EnvironmentError> tick(std::uint64_t) override { return passTime(numbers()); }
+  [[nodiscard]] std::optional<turtle::EnvironmentError> tick(std::uint64_t) override {
+    return orGoBack([this](const std::vector<double>& before) { return passTime(before); });
+  }
 
   [[nodiscard]] std::vector<turtle::Field> fields() const override {
     if (!water_) {
@@ -150,6 +153,18 @@ class SoilWater final : public turtle::EnvironmentProcess {
   }
 
  private:
+  /// Advances; on an exception everything is as before.
+  template <typename Advance>
+  [[nodiscard]] std::optional<turtle::EnvironmentError> orGoBack(const Advance& advance) {
+    const std::vector<double> before = numbers();
+    try {
+      return advance(before);
+    } catch (...) {
+      setNumbers(before);
+      throw;
+    }
+  }
+
   /// Everything as it is at first.
   void fill() {
     const RichardsSolver::Shape shape = ground_.solverShape();
@@ -276,7 +291,10 @@ class SoilWater final : public turtle::EnvironmentProcess {
   }
 
   [[nodiscard]] double phOf(std::size_t cell) const {
-    return -std::log10(solutes_->concentration(keys_.solutes.size(), cell, water_->contentOf(cell)) / litres_);
+    // roots that take up more than is there leave none: the scale ends at 14
+    constexpr double kLeast = 1e-14;  // mol/L
+    const double concentration = solutes_->concentration(keys_.solutes.size(), cell, water_->contentOf(cell)) / litres_;
+    return -std::log10(std::max(concentration, kLeast));
   }
 
   [[nodiscard]] std::optional<std::size_t> soilCellOf(const Vec3& point) const {

@@ -34,9 +34,16 @@ TEST(Attractors, DoNotActBeyondTheirReachNorStrongerThanAtTheNearest) {
   EXPECT_EQ(*pullAt(R"({"points":[[0,0,0,1]]})", {})[0], 0.0);
 }
 
-TEST(Attractors, WithoutAnyNothingPullsAndNoDistanceIsSet) {
-  const auto row = pullAt("", {});
-  EXPECT_EQ(row, (std::vector<std::optional<double>>{0.0, 0.0, 0.0, std::nullopt}));
+TEST(Attractors, WithoutAnyNobodyIsLeftToThinkThatNothingPulls) {
+  const auto process = openProcess("attractors", "");
+  QueryBuilder builder;
+  builder.add({1, 2, 3}, {0, 0, 0});
+  turtle::ReplyBatch replies;
+  replies.prepare(builder.batch());
+  const auto error = process->step(builder.batch(), replies);
+  ASSERT_TRUE(error.has_value());
+  EXPECT_EQ(error->message,
+            "Environment 'attractors' has no attractors, so nothing would pull. Give 'points': [[x, y, z, strength]].");
 }
 
 }  // namespace

@@ -23,6 +23,12 @@ def places(string: str) -> List[Tuple[float, ...]]:
     return [tuple(map(float, numbers.split(","))) for numbers in re.findall(r"\?P\(([^)]*)\)", string)]
 
 
+def answered_at(name: str, step: int) -> str:
+    """The string of a step with its answers filled in."""
+    lines = espalier("derive", model(name), "--every", "--answered", "--quiet", "--steps", str(step + 1)).stdout.splitlines()
+    return lines[step].split("\t")[1]
+
+
 def answered(name: str) -> str:
     """The last string of a run with its answers filled in."""
     return espalier("derive", model(name), "--every", "--answered", "--quiet").stdout.splitlines()[-1].split("\t")[1]
@@ -88,6 +94,57 @@ class GalleryEnvironments(unittest.TestCase):
         self.assertGreater(sum(distance > 0.1 - 1e-5 for distance in distances), 0.9 * len(distances))
         # it starts on the ground and comes up over the boulder
         self.assertGreater(max(y for _, y, _ in points), 1.5)
+
+    def tips_of(self, name: str, symbol: str, *more: str) -> List[Tuple[float, ...]]:
+        """Places and headings of the modules of a symbol in the last string."""
+        with tempfile.TemporaryDirectory() as folder:
+            table_file = Path(folder) / "tips.csv"
+            espalier("run", model(name), "-o", str(table_file), *more)
+            rows = csv.DictReader(table_file.read_text(encoding="utf-8").splitlines())
+            return [tuple(float(row[key]) for key in ("x", "y", "z", "hx", "hy", "hz"))
+                    for row in rows if row["symbol"] == symbol]
+
+    def test_a_pattern_keeps_away_from_its_source_and_gathers_at_its_sink(self) -> None:
+        self.check_table("density-pattern", "FAB")
+        # x to the right: the axis is y, and a turn by 72 to the right
+        source, sink = (0.0, 7.0), (8 * math.sin(math.radians(72)), 8 * math.cos(math.radians(72)))
+        tips = [place for symbol in "AB" for place in self.tips_of("density-pattern", symbol)]
+        self.assertGreater(len(tips), 50)
+        to_source = [math.hypot(x - source[0], y - source[1]) for x, y, *_ in tips]
+        to_sink = [math.hypot(x - sink[0], y - sink[1]) for x, y, *_ in tips]
+        self.assertGreater(min(to_source), 2.0)
+        self.assertLess(min(to_sink), 1.0)
+        # all in the plane, and those that grow have room
+        self.assertEqual({z for _, _, z, *_ in tips}, {0.0})
+        growing = [place[:2] for place in self.tips_of("density-pattern", "A")]
+        nearest = [min(math.dist(one, other) for other in growing if other is not one) for one in growing]
+        self.assertGreater(sorted(nearest)[len(nearest) // 2], 0.3)
+
+    def test_a_tree_leans_to_leeward_the_more_the_higher_and_to_the_light(self) -> None:
+        self.counted("windswept-tree", {"F(": "F(", "A(": "A(", "?Wind(": "?Wind("})
+        configuration = (GALLERY / "windswept-tree" / "windswept-tree.json").read_text(encoding="utf-8")
+        with tempfile.TemporaryDirectory() as folder:
+            def tips(name: str, words: str, instead: str) -> List[Tuple[float, ...]]:
+                self.assertIn(words, configuration)
+                path = Path(folder) / f"{name}.json"
+                path.write_text(configuration.replace(words, instead), encoding="utf-8")
+                return self.tips_of("windswept-tree", "A", "--environment", str(path))
+
+            windy = tips("windy", "[", "[")
+            still = tips("still", '"speed": 9', '"speed": 0')
+            dark = tips("dark", "[2, 6, 6, 1]", "[2, 6, 6, 0]")
+
+        def mean(values: Sequence[float]) -> float:
+            return sum(values) / len(values)
+
+        # leeward is +x: places and headings; to the light is +z
+        self.assertGreater(mean([tip[0] for tip in windy]), mean([tip[0] for tip in still]) + 0.3)
+        self.assertGreater(mean([tip[3] for tip in windy]), mean([tip[3] for tip in still]) + 0.2)
+        self.assertGreater(mean([tip[5] for tip in windy]), mean([tip[5] for tip in dark]) + 0.05)
+        # near the ground it is calm: the air moves faster where the shoots are higher
+        winds = re.findall(r"A\(([-\d.,e]+)\)\?H\([^)]*\)\?Wind\(([-\d.e]+),0,0\)", answered_at("windswept-tree", 6))
+        self.assertGreater(len(winds), 500)
+        self.assertGreater(max(float(speed) for _, speed in winds), 1.2 * min(float(speed) for _, speed in winds))
 
     def counted(self, name: str, patterns: Dict[str, str]) -> List[str]:
         """The strings of a run with seed 1, after comparing numbers of matches with golden.tsv."""
