@@ -359,11 +359,14 @@ ProcessOrErrors makeArvo(const Configuration& configuration) {
 
 }  // namespace
 
-constinit const ProcessEntry kArvoProcess{.name = "arvo",
-                                          .summary = kSummary,
-                                          .aliases = {},
-                                          .keys = kKeys,
-                                          .fieldKeywords = kFieldKeywords,
-                                          .make = makeArvo};
+constinit const ProcessEntry kArvoProcess{
+    .name = "arvo",
+    .summary = kSummary,
+    .source =
+        "Arvo & Kirk 1988, Modeling plants with environment-sensitive automata; Greene 1989, Voxel space automata",
+    .aliases = {},
+    .keys = kKeys,
+    .fieldKeywords = kFieldKeywords,
+    .make = makeArvo};
 
 }  // namespace espalier::environment

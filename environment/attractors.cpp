@@ -119,6 +119,7 @@ class Attractors final : public turtle::EnvironmentProcess {
 
 constinit const ProcessEntry kAttractorsProcess{.name = "attractors",
                                                 .summary = kSummary,
+                                                .source = "Espalier's own",
                                                 .aliases = {},
                                                 .keys = kKeys,
                                                 .fieldKeywords = {},

@@ -311,6 +311,9 @@ class Chiba final : public turtle::EnvironmentProcess {
 constinit const ProcessEntry kChibaProcess{
     .name = "chiba",
     .summary = kSummary,
+    .source =
+        "Chiba, Ohshida, Muraoka, Miura & Saito 1994, A growth model having the abilities of growth-regulations for "
+        "simulating visual nature of botanical trees",
     .aliases = {},
     .keys = kKeys,
     .fieldKeywords = kFieldKeywords,

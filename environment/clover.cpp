@@ -168,17 +168,18 @@ class Clover final : public turtle::EnvironmentProcess {
 
 }  // namespace
 
-constinit const ProcessEntry kCloverProcess{.name = "clover",
-                                            .summary = kSummary,
-                                            .aliases = {},
-                                            .keys = kKeys,
-                                            .fieldKeywords = kFieldKeywords,
-                                            .make = [](const Configuration& configuration) -> ProcessOrErrors {
-                                              if (auto problems = Raster::problemsOf("clover", configuration);
-                                                  !problems.empty()) {
-                                                return problems;
-                                              }
-                                              return std::make_unique<Clover>(configuration);
-                                            }};
+constinit const ProcessEntry kCloverProcess{
+    .name = "clover",
+    .summary = kSummary,
+    .source = "the published program clover; Bell 1986, The simulation of branching patterns in modular organisms",
+    .aliases = {},
+    .keys = kKeys,
+    .fieldKeywords = kFieldKeywords,
+    .make = [](const Configuration& configuration) -> ProcessOrErrors {
+      if (auto problems = Raster::problemsOf("clover", configuration); !problems.empty()) {
+        return problems;
+      }
+      return std::make_unique<Clover>(configuration);
+    }};
 
 }  // namespace espalier::environment

@@ -309,11 +309,15 @@ ProcessOrErrors makeColonization(const Configuration& configuration) {
 
 }  // namespace
 
-constinit const ProcessEntry kColonizationProcess{.name = "colonization",
-                                                  .summary = kSummary,
-                                                  .aliases = {},
-                                                  .keys = kKeys,
-                                                  .fieldKeywords = {},
-                                                  .make = makeColonization};
+constinit const ProcessEntry kColonizationProcess{
+    .name = "colonization",
+    .summary = kSummary,
+    .source =
+        "Runions, Lane & Prusinkiewicz 2007, Modeling trees with a space colonization algorithm; Palubicki et al. "
+        "2009, Self-organizing tree models for image synthesis",
+    .aliases = {},
+    .keys = kKeys,
+    .fieldKeywords = {},
+    .make = makeColonization};
 
 }  // namespace espalier::environment

@@ -56,6 +56,7 @@ class Constant final : public turtle::EnvironmentProcess {
 
 constinit const ProcessEntry kConstantProcess{.name = "constant",
                                               .summary = kSummary,
+                                              .source = "Espalier's own",
                                               .aliases = {},
                                               .keys = kKeys,
                                               .fieldKeywords = {},

@@ -367,6 +367,14 @@ ProcessOrErrors makeCrowding(const Configuration& configuration) {
 }  // namespace
 
 constinit const ProcessEntry kCrowdingProcess{
-    .name = "crowding", .summary = kSummary, .aliases = {}, .keys = kKeys, .fieldKeywords = {}, .make = makeCrowding};
+    .name = "crowding",
+    .summary = kSummary,
+    .source =
+        "Gates & Westcott 1978; Weiner et al. 2001, The effects of density, spatial pattern, and competitive symmetry "
+        "on size variation in simulated plant populations; Deussen et al. 1998",
+    .aliases = {},
+    .keys = kKeys,
+    .fieldKeywords = {},
+    .make = makeCrowding};
 
 }  // namespace espalier::environment

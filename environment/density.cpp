@@ -237,13 +237,15 @@ class Density final : public turtle::EnvironmentProcess {
 
 }  // namespace
 
-constinit const ProcessEntry kDensityProcess{.name = "density",
-                                             .summary = kSummary,
-                                             .aliases = {},
-                                             .keys = kKeys,
-                                             .fieldKeywords = kFieldKeywords,
-                                             .make = [](const Configuration& configuration) -> ProcessOrErrors {
-                                               return std::make_unique<Density>(configuration);
-                                             }};
+constinit const ProcessEntry kDensityProcess{
+    .name = "density",
+    .summary = kSummary,
+    .source = "Cohen 1967, Computer simulation of biological pattern generation processes",
+    .aliases = {},
+    .keys = kKeys,
+    .fieldKeywords = kFieldKeywords,
+    .make = [](const Configuration& configuration) -> ProcessOrErrors {
+      return std::make_unique<Density>(configuration);
+    }};
 
 }  // namespace espalier::environment

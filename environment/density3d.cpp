@@ -250,6 +250,7 @@ Box boxOf(const Configuration& configuration) {
 
 constinit const ProcessEntry kDensity3dProcess{.name = "density3d",
                                                .summary = kSummary,
+                                               .source = "the published program density3d",
                                                .aliases = {},
                                                .keys = kKeys,
                                                .fieldKeywords = kFieldKeywords,

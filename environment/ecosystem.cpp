@@ -133,15 +133,16 @@ class Ecosystem final : public turtle::EnvironmentProcess {
 
 }  // namespace
 
-constinit const ProcessEntry kEcosystemProcess{.name = "ecosystem",
-                                               .summary = kSummary,
-                                               .aliases = {},
-                                               .keys = kKeys,
-                                               .fieldKeywords = kFieldKeywords,
-                                               .make = [](const Configuration& configuration) -> ProcessOrErrors {
-                                                 return std::make_unique<Ecosystem>(
-                                                     configuration.flag("vigor"), planeOf(configuration),
-                                                     configuration.text("order") == "published");
-                                               }};
+constinit const ProcessEntry kEcosystemProcess{
+    .name = "ecosystem",
+    .summary = kSummary,
+    .source = "Deussen et al. 1998, Realistic modeling and rendering of plant ecosystems",
+    .aliases = {},
+    .keys = kKeys,
+    .fieldKeywords = kFieldKeywords,
+    .make = [](const Configuration& configuration) -> ProcessOrErrors {
+      return std::make_unique<Ecosystem>(configuration.flag("vigor"), planeOf(configuration),
+                                         configuration.text("order") == "published");
+    }};
 
 }  // namespace espalier::environment

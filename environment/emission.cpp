@@ -189,7 +189,12 @@ ProcessOrErrors makeEmission(const Configuration& configuration) {
 
 }  // namespace
 
-constinit const ProcessEntry kEmissionProcess{
-    .name = "emission", .summary = kSummary, .aliases = {}, .keys = kKeys, .fieldKeywords = {}, .make = makeEmission};
+constinit const ProcessEntry kEmissionProcess{.name = "emission",
+                                              .summary = kSummary,
+                                              .source = "Fick's law in finite volumes",
+                                              .aliases = {},
+                                              .keys = kKeys,
+                                              .fieldKeywords = {},
+                                              .make = makeEmission};
 
 }  // namespace espalier::environment

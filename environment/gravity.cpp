@@ -59,6 +59,7 @@ class Gravity final : public turtle::EnvironmentProcess {
 
 constinit const ProcessEntry kGravityProcess{.name = "gravity",
                                              .summary = kSummary,
+                                             .source = "Espalier's own",
                                              .aliases = {},
                                              .keys = kKeys,
                                              .fieldKeywords = {},

@@ -51,6 +51,7 @@ class Height final : public turtle::EnvironmentProcess {
 constinit const ProcessEntry kHeightProcess{
     .name = "height",
     .summary = kSummary,
+    .source = "the teaching example of open L-systems",
     .aliases = {},
     .keys = {},
     .fieldKeywords = {},

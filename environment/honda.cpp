@@ -176,14 +176,17 @@ class Honda final : public turtle::EnvironmentProcess {
 
 }  // namespace
 
-constinit const ProcessEntry kHondaProcess{.name = "honda",
-                                           .summary = kSummary,
-                                           .aliases = kAliases,
-                                           .keys = kKeys,
-                                           .fieldKeywords = kFieldKeywords,
-                                           .make = [](const Configuration& configuration) -> ProcessOrErrors {
-                                             return std::make_unique<Honda>(configuration.number("radius"),
-                                                                            planeOf(configuration));
-                                           }};
+constinit const ProcessEntry kHondaProcess{
+    .name = "honda",
+    .summary = kSummary,
+    .source =
+        "Honda, Tomlinson & Fisher 1981, Computer simulation of branch interaction and regulation by unequal flow "
+        "rates in botanical trees; Mech & Prusinkiewicz 1996",
+    .aliases = kAliases,
+    .keys = kKeys,
+    .fieldKeywords = kFieldKeywords,
+    .make = [](const Configuration& configuration) -> ProcessOrErrors {
+      return std::make_unique<Honda>(configuration.number("radius"), planeOf(configuration));
+    }};
 
 }  // namespace espalier::environment

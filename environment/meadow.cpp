@@ -192,6 +192,7 @@ class Meadow final : public turtle::EnvironmentProcess {
 
 constinit const ProcessEntry kMeadowProcess{.name = "meadow",
                                             .summary = kSummary,
+                                            .source = "the published program Meadow",
                                             .aliases = kAliases,
                                             .keys = kKeys,
                                             .fieldKeywords = kFieldKeywords,

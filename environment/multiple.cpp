@@ -147,6 +147,7 @@ std::unique_ptr<turtle::EnvironmentProcess> makeMultiple(
 
 constinit const ProcessEntry kMultipleProcess{.name = "multiple",
                                               .summary = kSummary,
+                                              .source = "the published program multiple",
                                               .aliases = {},
                                               .keys = kKeys,
                                               .fieldKeywords = {},

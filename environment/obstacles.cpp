@@ -264,7 +264,12 @@ ProcessOrErrors makeObstacles(const Configuration& configuration) {
 
 }  // namespace
 
-constinit const ProcessEntry kObstaclesProcess{
-    .name = "obstacles", .summary = kSummary, .aliases = {}, .keys = kKeys, .fieldKeywords = {}, .make = makeObstacles};
+constinit const ProcessEntry kObstaclesProcess{.name = "obstacles",
+                                               .summary = kSummary,
+                                               .source = "Espalier's own",
+                                               .aliases = {},
+                                               .keys = kKeys,
+                                               .fieldKeywords = {},
+                                               .make = makeObstacles};
 
 }  // namespace espalier::environment

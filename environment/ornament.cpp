@@ -88,6 +88,7 @@ class Ornament final : public turtle::EnvironmentProcess {
 
 constinit const ProcessEntry kOrnamentProcess{.name = "ornament",
                                               .summary = kSummary,
+                                              .source = "the published program ornament",
                                               .aliases = {},
                                               .keys = kKeys,
                                               .fieldKeywords = kFieldKeywords,

@@ -44,6 +44,7 @@ struct FieldKeyword {
 struct ProcessEntry {
   std::string_view name;
   std::string_view summary;  // one sentence
+  std::string_view source;   // where the model was published
   std::span<const std::string_view> aliases;
   std::span<const ConfigurationKey> keys;
   std::span<const FieldKeyword> fieldKeywords;

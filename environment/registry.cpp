@@ -77,6 +77,17 @@ std::string canonicalName(std::string_view name) {
   return std::string(entry == nullptr ? name : entry->name);
 }
 
+std::vector<std::string> aliasesOf(std::string_view name) {
+  const ProcessEntry* entry = findProcess(name);
+  return entry == nullptr ? std::vector<std::string>()
+                          : std::vector<std::string>(entry->aliases.begin(), entry->aliases.end());
+}
+
+std::string sourceOf(std::string_view name) {
+  const ProcessEntry* entry = findProcess(name);
+  return std::string(entry == nullptr ? std::string_view() : entry->source);
+}
+
 std::string configurationSchema(std::string_view name) {
   const ProcessEntry* entry = findProcess(name);
   return entry == nullptr ? std::string() : writeSchema(entry->name, entry->summary, entry->keys);

@@ -22,6 +22,12 @@ using ProcessOrErrors = std::variant<std::unique_ptr<turtle::EnvironmentProcess>
 /// The name of a process by its name or an alias; the given name when it is unknown.
 [[nodiscard]] std::string canonicalName(std::string_view name);
 
+/// The other names of a process, which the field's programs have; empty for an unknown name.
+[[nodiscard]] std::vector<std::string> aliasesOf(std::string_view name);
+
+/// Where the model of a process was published; empty for an unknown name.
+[[nodiscard]] std::string sourceOf(std::string_view name);
+
 /// JSON Schema (as text) of a process's configuration; empty for an unknown name.
 [[nodiscard]] std::string configurationSchema(std::string_view name);
 

@@ -278,6 +278,9 @@ class Shadow final : public turtle::EnvironmentProcess {
 constinit const ProcessEntry kShadowProcess{
     .name = "shadow",
     .summary = kSummary,
+    .source =
+        "Palubicki et al. 2009, Self-organizing tree models for image synthesis, as the published program "
+        "shadowpyramid has it",
     .aliases = kAliases,
     .keys = kKeys,
     .fieldKeywords = kFieldKeywords,

@@ -531,11 +531,15 @@ ProcessOrErrors makeSoil(const Configuration& configuration) {
 
 }  // namespace
 
-constinit const ProcessEntry kSoilProcess{.name = "soil",
-                                          .summary = kSummary,
-                                          .aliases = {},
-                                          .keys = kKeys,
-                                          .fieldKeywords = kFieldKeywords,
-                                          .make = makeSoil};
+constinit const ProcessEntry kSoilProcess{
+    .name = "soil",
+    .summary = kSummary,
+    .source =
+        "Clausnitzer & Hopmans 1994, Simultaneous modeling of transient three-dimensional root growth and soil water "
+        "flow; Mech & Prusinkiewicz 1996",
+    .aliases = {},
+    .keys = kKeys,
+    .fieldKeywords = kFieldKeywords,
+    .make = makeSoil};
 
 }  // namespace espalier::environment

@@ -276,6 +276,9 @@ class Takenaka final : public turtle::EnvironmentProcess {
 constinit const ProcessEntry kTakenakaProcess{
     .name = "takenaka",
     .summary = kSummary,
+    .source =
+        "Takenaka 1994, A simulation model of tree architecture development based on growth response to local light "
+        "environment",
     .aliases = {},
     .keys = kKeys,
     .fieldKeywords = kFieldKeywords,

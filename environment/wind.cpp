@@ -186,7 +186,12 @@ ProcessOrErrors makeWind(const Configuration& configuration) {
 
 }  // namespace
 
-constinit const ProcessEntry kWindProcess{
-    .name = "wind", .summary = kSummary, .aliases = {}, .keys = kKeys, .fieldKeywords = {}, .make = makeWind};
+constinit const ProcessEntry kWindProcess{.name = "wind",
+                                          .summary = kSummary,
+                                          .source = "Monteith & Unsworth 1990, Principles of Environmental Physics",
+                                          .aliases = {},
+                                          .keys = kKeys,
+                                          .fieldKeywords = {},
+                                          .make = makeWind};
 
 }  // namespace espalier::environment

@@ -12,6 +12,7 @@
 #include "environment/registry.h"
 #include "protocol/codec.h"
 #include "protocol/envelope.h"
+#include "protocol/json_writer.h"
 #include "server/disk_files.h"
 #include "server/environment_check.h"
 #include "server/environment_host.h"
@@ -114,6 +115,20 @@ std::optional<std::string> configurationOf(const EnvironmentOptions& options, co
   return entry.configuration;
 }
 
+// what a process tells a peer, and what a person wants to know besides: other names, source, configuration
+std::string contractOf(const std::string& name, const turtle::EnvironmentProcess& process) {
+  std::string described = protocol::encode(server::toDescribeResult(process.describe()));
+  const std::string schema = environment::configurationSchema(name);
+  if (schema.empty()) {
+    return described;
+  }
+  protocol::JsonWriter more;
+  more.beginObject().key("aliases").texts(environment::aliasesOf(name));
+  more.key("source").text(environment::sourceOf(name)).key("configuration").raw(schema).endObject();
+  described.back() = ',';
+  return described + more.take().substr(1);
+}
+
 int runEnvironment(EnvironmentOptions& options) {
   if (options.lists) {
     return listProcesses();
@@ -186,7 +201,7 @@ int runEnvironment(EnvironmentOptions& options) {
   }
   if (options.describes) {
     const auto& process = std::get<std::unique_ptr<turtle::EnvironmentProcess>>(made);
-    std::printf("%s\n", protocol::encode(server::toDescribeResult(process->describe())).c_str());
+    std::printf("%s\n", contractOf(options.name, *process).c_str());
     return kSuccess;
   }
   const server::ProcessFactory factory = [&options, &configuration] {
@@ -293,7 +308,8 @@ void addEnvironment(CLI::App& program, int& status) {
       ->capture_default_str()
       ->check(CLI::PositiveNumber);
   command->add_flag("--describe", options->describes,
-                    "Print what it needs, its inputs and outputs with units, as JSON");
+                    "Print its contract as JSON: what it needs, its inputs and outputs with units, its other\nnames, "
+                    "where it was published, the schema of its configuration");
   command->add_flag("--schema", options->printsSchema, "Print the JSON Schema of its configuration");
   command->add_flag("--list", options->lists, "Print the names of all, each with a sentence");
   options->fields.addTo(*command);

@@ -169,7 +169,13 @@ constexpr std::array kKeys{
 }  // namespace
 
 constinit const ProcessEntry kLightProcess{
-    .name = "light", .summary = kLightSummary, .aliases = {}, .keys = kKeys, .fieldKeywords = {}, .make = makeLight};
+    .name = "light",
+    .summary = kLightSummary,
+    .source = "Meeus 1998, Astronomical Algorithms; Moon & Spencer 1942; Kittler 1967; Liu & Jordan 1960",
+    .aliases = {},
+    .keys = kKeys,
+    .fieldKeywords = {},
+    .make = makeLight};
 
 double numberOfBand(const std::vector<double>& numbers, std::size_t band) {
   return numbers[std::min(band, numbers.size() - 1)];

@@ -402,6 +402,9 @@ ProcessOrErrors makeLightVoxels(const Configuration& configuration) {
 
 constinit const ProcessEntry kLightVoxelsProcess{.name = "light-voxels",
                                                  .summary = kSummary,
+                                                 .source =
+                                                     "Monsi & Saeki 1953; Ross 1981; Goudriaan 1977; Palubicki et al. "
+                                                     "2009, Self-organizing tree models for image synthesis",
                                                  .aliases = {},
                                                  .keys = kKeys,
                                                  .fieldKeywords = {},

@@ -175,12 +175,16 @@ core::Diagnostic wrong(const std::string& sentence, const std::string& hint) {
 
 }  // namespace
 
-constinit const ProcessEntry kSoilWaterProcess{.name = "soil-water",
-                                               .summary = kSoilWaterSummary,
-                                               .aliases = {},
-                                               .keys = kKeys,
-                                               .fieldKeywords = {},
-                                               .make = makeSoilWater};
+constinit const ProcessEntry kSoilWaterProcess{
+    .name = "soil-water",
+    .summary = kSoilWaterSummary,
+    .source =
+        "Celia, Bouloutas & Zarba 1990, A general mass-conservative numerical solution for the unsaturated flow "
+        "equation; van Genuchten 1980; Mualem 1976; Millington & Quirk 1961",
+    .aliases = {},
+    .keys = kKeys,
+    .fieldKeywords = {},
+    .make = makeSoilWater};
 
 int SoilWaterKeys::layerAt(double depth) const {
   double below = 0.0;

@@ -310,6 +310,9 @@ TEST_F(Cli, EnvironmentTakesTheConfigurationFileThatDeriveTakes) {
   const ProgramRun described = run("environment honda --describe --configuration tiers.json");
   EXPECT_EQ(described.status, 0) << described.errors;
   EXPECT_TRUE(contains(described.output, R"("name":"honda")")) << described.output;
+  // the contract: other names, the paper, the keys
+  EXPECT_TRUE(contains(described.output, R"("aliases":["honda81"],"source":"Honda, Tomlinson)")) << described.output;
+  EXPECT_TRUE(contains(described.output, "distance up to which tips collide")) << described.output;
   const ProgramRun other = run("environment shadow --describe --configuration tiers.json");
   EXPECT_EQ(other.status, 1);
   EXPECT_TRUE(contains(other.errors,

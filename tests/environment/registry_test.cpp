@@ -39,6 +39,16 @@ TEST(Registry, TheFieldsNamesAreAliases) {
   EXPECT_EQ(openProcess("shadowpyramid", "")->describe().name, "shadow");
 }
 
+TEST(Registry, EveryProcessSaysWhereItComesFrom) {
+  for (const std::string& name : processNames()) {
+    EXPECT_FALSE(sourceOf(name).empty()) << name;
+  }
+  EXPECT_NE(sourceOf("honda81").find("Honda, Tomlinson & Fisher 1981"), std::string::npos);
+  EXPECT_EQ(aliasesOf("honda"), std::vector<std::string>{"honda81"});
+  EXPECT_EQ(sourceOf("hodna"), "");
+  EXPECT_TRUE(aliasesOf("hodna").empty());
+}
+
 TEST(Registry, UnknownNameSuggestsTheNearestAndListsAll) {
   const std::string text = errorsOf(makeProcess("hodna", ""));
   EXPECT_NE(text.find("environment process 'hodna' is unknown. Did you mean 'honda'? Available: "), std::string::npos)
