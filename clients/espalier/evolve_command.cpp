@@ -452,9 +452,8 @@ void addEvolve(CLI::App& program, int& status) {
                  [options](std::uint64_t count) { options->longestSuccessor = count; });
   command->add_option("--fitness", options->fitness, "Measures with exponents, or 'stdio:COMMAND'")
       ->capture_default_str();
-  command
-      ->add_option("--fitness-seconds", options->judgeSeconds, "How long a fitness program may take for a plant (60)")
-      ->check(CLI::PositiveNumber);
+  addPositiveNumber(*command, "--fitness-seconds", "How long a fitness program may take for a plant (60)", "seconds",
+                    [options](double seconds) { options->judgeSeconds = seconds; });
   addWholeNumber(*command, "--population", "Plants of a generation (40)", 2, 1'000'000,
                  [options](std::uint64_t count) { options->populationCount = count; });
   addWholeNumber(*command, "--generations", "Number of the last generation; the first is 0 (30)", 0, 1'000'000,

@@ -95,6 +95,10 @@ class Forest {
     if (options_.models.empty()) {
       // the seven species of the report, in equal parts
       const std::string file = server::galleryOfProgram() + "/chapter-forest/species.txt";
+      if (std::error_code error; !fs::exists(file, error)) {
+        printError("the seven species are in the gallery, which is not beside the program: name models with --model");
+        return false;
+      }
       for (int i = 0; i < 7; ++i) {
         options_.models.push_back(file + ":" + std::to_string(i));
       }
@@ -476,8 +480,8 @@ void addForest(CLI::App& program, int& status) {
                    "distance) or competition (seedlings grow until they shade each other out)")
       ->transform(CLI::CheckedTransformer(spacings))
       ->option_text("jittered|grid|poisson|competition");
-  command->add_option("--distance", options->distance, "Between trees (their mean crown's radius)")
-      ->check(CLI::PositiveNumber);
+  addPositiveNumber(*command, "--distance", "Between trees (by their mean crown)", "a distance in the models' unit",
+                    [options](double distance) { options->distance = distance; });
   command->add_option("--trees", options->trees, "Also write every grown tree as text into a folder")
       ->type_name("FOLDER");
   addWholeNumber(*command, "--turntable", "So many PNG frames of the forest turning once about", 2, 100'000,

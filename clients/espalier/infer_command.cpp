@@ -9,6 +9,7 @@
 
 #include "clients/espalier/commands.h"
 #include "clients/espalier/messages.h"
+#include "clients/espalier/number_option.h"
 #include "engine/language/compiler.h"
 #include "engine/language/inference/d0l_inference.h"
 #include "engine/language/inference/inferred_model.h"
@@ -163,7 +164,8 @@ void addInfer(CLI::App& program, int& status) {
   auto options = std::make_shared<InferOptions>();
   command->add_option("STEPS", options->file, "Text file of strings, the axiom first")->required();
   command->add_option("--constants", options->constants, "Symbols that are replaced by themselves, as '+-F'");
-  command->add_option("--seconds", options->seconds, "How long to search (default 10)")->check(CLI::PositiveNumber);
+  addPositiveNumber(*command, "--seconds", "How long to search (default 10)", "seconds",
+                    [options](double seconds) { options->seconds = seconds; });
   command->add_flag("!--no-erasing", options->mayErase, "No production may make nothing");
   command->add_flag("--quiet", options->isQuiet, "Print the model only");
   command->callback([options, &status] { status = infer(*options); });

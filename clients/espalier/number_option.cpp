@@ -2,6 +2,10 @@
 
 #include <CLI/CLI.hpp>
 #include <charconv>
+#include <cmath>
+#include <optional>
+
+#include "engine/core/number_text.h"
 
 namespace espalier::command {
 
@@ -18,6 +22,20 @@ CLI::Option* addWholeNumber(CLI::App& command, const std::string& name, const st
                                                std::to_string(least) + " to " + std::to_string(most));
         }
         set(value);
+      },
+      help);
+}
+
+CLI::Option* addPositiveNumber(CLI::App& command, const std::string& name, const std::string& help,
+                               const std::string& unit, const std::function<void(double)>& set) {
+  return command.add_option_function<std::string>(
+      name,
+      [name, unit, set](const std::string& text) {
+        const std::optional<double> value = core::parseNumber(text);
+        if (!value || !std::isfinite(*value) || *value <= 0.0) {
+          throw CLI::ValidationError(name, "'" + text + "' is not possible: give " + unit + ", above 0");
+        }
+        set(*value);
       },
       help);
 }

@@ -19,4 +19,9 @@ inline constexpr std::uint64_t kMaximumSteps = 1'000'000'000;
 CLI::Option* addWholeNumber(CLI::App& command, const std::string& name, const std::string& help, std::uint64_t least,
                             std::uint64_t most, const std::function<void(std::uint64_t)>& set);
 
+/// An option that takes a number above 0, given to `set`. `unit` completes "give", as in "seconds". Anything else is
+/// refused as wrong usage.
+CLI::Option* addPositiveNumber(CLI::App& command, const std::string& name, const std::string& help,
+                               const std::string& unit, const std::function<void(double)>& set);
+
 }  // namespace espalier::command

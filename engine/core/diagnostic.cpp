@@ -75,15 +75,21 @@ std::string formatDiagnostic(const Diagnostic& diagnostic) {
     number.insert(0, number.size() < 5 ? 5 - number.size() : 0, ' ');
     text += '\n' + number + " | " + at.lineText;
     text += '\n' + std::string(number.size(), ' ') + " | ";
-    // blanks up to the column, TABs kept so that the caret stays below its place
+    // a blank for each character up to the column, TABs kept so that the caret stays below its place
     const std::size_t before = std::min<std::size_t>(at.column > 0 ? at.column - 1 : 0, at.lineText.size());
+    const auto beginsCharacter = [&](std::size_t i) {
+      return (static_cast<unsigned char>(at.lineText[i]) & 0xC0U) != 0x80U;  // no further byte of UTF-8
+    };
     for (std::size_t i = 0; i < before; ++i) {
-      text += at.lineText[i] == '\t' ? '\t' : ' ';
+      if (beginsCharacter(i)) {
+        text += at.lineText[i] == '\t' ? '\t' : ' ';
+      }
     }
     text += '^';
-    const std::size_t rest = at.lineText.size() - before;
-    const std::size_t underline = std::min<std::size_t>(at.length, std::max<std::size_t>(rest, 1));
-    text.append(underline > 1 ? underline - 1 : 0, '~');
+    const std::size_t end = std::min<std::size_t>(at.lineText.size(), before + at.length);
+    for (std::size_t i = before + 1; i < end; ++i) {
+      text.append(beginsCharacter(i) ? 1 : 0, '~');
+    }
   }
   if (!at.expansion.empty()) {
     text += "\n   " + at.expansion;

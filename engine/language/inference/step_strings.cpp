@@ -73,6 +73,7 @@ class StepStringsReader {
 
   void readString(std::string_view line, std::size_t at) {
     std::vector<std::uint16_t> symbols;
+    std::vector<std::size_t> open;  // where brackets wait for their partner
     while (at < line.size()) {
       std::size_t length = sequenceLength(line.substr(at));
       if (length == 0) {
@@ -84,6 +85,13 @@ class StepStringsReader {
              "parameters are written behind a symbol and closed, as in /(180)");
         return;
       }
+      if (line[at] == '[') {
+        open.push_back(at);
+      } else if (line[at] == ']' && open.empty()) {
+        warn(line, at, "the bracket ']' closes nothing in this string");
+      } else if (line[at] == ']') {
+        open.pop_back();
+      }
       if (line[at] != ' ' && line[at] != '\t') {
         // parameters belong to their symbol
         if (at + length < line.size() && line[at + length] == '(') {
@@ -93,6 +101,9 @@ class StepStringsReader {
         symbols.push_back(symbolCalled(std::string(line.substr(at, length)), line, at));
       }
       at += length;
+    }
+    for (const std::size_t bracket : open) {
+      warn(line, bracket, "the bracket '[' is never closed in this string");
     }
     result_.strings.push_back(std::move(symbols));
   }
@@ -109,8 +120,19 @@ class StepStringsReader {
     return entry->second;
   }
 
+  void warn(std::string_view line, std::size_t at, std::string message) {
+    add(core::Severity::Warning, line, at, 1, std::move(message),
+        "brackets without a partner are symbols like others, not branches");
+  }
+
   void fail(std::string_view line, std::size_t at, std::size_t length, std::string message, std::string hint) {
+    add(core::Severity::Error, line, at, length, std::move(message), std::move(hint));
+  }
+
+  void add(core::Severity severity, std::string_view line, std::size_t at, std::size_t length, std::string message,
+           std::string hint) {
     core::Diagnostic diagnostic;
+    diagnostic.severity = severity;
     diagnostic.message = std::move(message);
     diagnostic.hint = std::move(hint);
     diagnostic.location.file = fileName_;

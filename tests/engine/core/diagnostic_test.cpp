@@ -27,6 +27,11 @@ TEST(Diagnostic, UnderlineStaysOnTheLine) {
   EXPECT_EQ(formatDiagnostic(diagnostic), "a.l:1:2: error: m\n    1 | ABC\n      |  ^~");
 }
 
+TEST(Diagnostic, TheCaretStandsBelowItsCharacterInUtf8) {
+  const Diagnostic diagnostic{Severity::Error, "m", {"a.txt", 2, 6, 3, "δ = xé", ""}, ""};
+  EXPECT_EQ(formatDiagnostic(diagnostic), "a.txt:2:6: error: m\n    2 | δ = xé\n      |     ^~");
+}
+
 TEST(Diagnostic, PlaceBeyondTheLineStillHasACaret) {
   const Diagnostic diagnostic{Severity::Error, "m", {"a.l", 1, 9, 1, "ABC", ""}, ""};
   EXPECT_EQ(formatDiagnostic(diagnostic), "a.l:1:9: error: m\n    1 | ABC\n      |    ^");

@@ -61,6 +61,18 @@ TEST(StepStrings, KeepParametersWithTheirSymbol) {
   EXPECT_EQ(steps.names, (std::vector<std::string>{"A", "/(180)", "/(90)"}));
 }
 
+TEST(StepStrings, WarnOfBracketsWithoutAPartner) {
+  core::DiagnosticList diagnostics;
+  const StepStrings steps = readStepStrings("a.txt", "F\nF[+F\nF]F\n", diagnostics);
+  EXPECT_EQ(steps.strings.size(), 3U);
+  EXPECT_FALSE(diagnostics.hasErrors());
+  ASSERT_EQ(diagnostics.entries().size(), 2U);
+  EXPECT_EQ(core::formatDiagnostic(diagnostics.entries()[0]),
+            "a.txt:2:2: warning: the bracket '[' is never closed in this string\n    2 | F[+F\n      |  ^\n"
+            "   hint: brackets without a partner are symbols like others, not branches");
+  EXPECT_EQ(diagnostics.entries()[1].message, "the bracket ']' closes nothing in this string");
+}
+
 TEST(StepStrings, SayWhatIsWrongAndWhere) {
   EXPECT_EQ(errorOf("F\n(2)F\n"), "2:1 a '(' without its module");
   EXPECT_EQ(errorOf("F\nF(2F\n"), "2:2 a '(' without its module");
