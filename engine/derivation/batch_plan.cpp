@@ -76,6 +76,7 @@ BatchPlan::BatchPlan(const language::Program& program, const language::LSystem& 
     const auto type = static_cast<core::ModuleTypeId>(i);
     planType(program, system, rules, plan, type);
     isComplete_ = isComplete_ && classes_[type] != Class::General;
+    isQuick_ = isQuick_ && (classes_[type] != Class::Group || plan[type].kind != TypePlan::Kind::General);
     hasFixed = hasFixed || classes_[type] == Class::Fixed;
   }
   hasOneKindOnly_ = isComplete_ && !hasFixed && groups_.size() == 1;
@@ -145,11 +146,23 @@ void BatchPlan::planType(const language::Program& program, const language::LSyst
     candidateBits_[type] = static_cast<std::uint8_t>(i == 0 ? bitOf(i) : candidateBits_[type] | bitOf(i));
   }
   group.ruleCount = static_cast<std::uint32_t>(used);
+  group.isLight = isLight(plan, typePlan);
   findThresholds(group);
   largestRuleCount_ = std::max<std::size_t>(largestRuleCount_, used);
   classes_[type] = Class::Group;
   indices_[type] = static_cast<std::uint32_t>(groups_.size());
   groups_.push_back(std::move(group));
+}
+
+bool BatchPlan::isLight(const ProductionPlan& plan, const TypePlan& typePlan) const {
+  if (typePlan.kind != TypePlan::Kind::Rules || typePlan.usesCode || typePlan.ruleCount != 1 ||
+      !blocks_[rules_.back().block].isResizing) {
+    return false;
+  }
+  const QuickRule& rule = plan.rules()[typePlan.firstRule];
+  const QuickValue* const values = plan.values() + rule.firstValue;
+  return std::all_of(values, values + rule.valueCount,
+                     [](const QuickValue& value) { return value.form == QuickValue::Form::Constant; });
 }
 
 void BatchPlan::addBlock(const std::vector<core::ModuleTypeId>& types, std::uint32_t valueCount, std::uint16_t arity) {

@@ -56,6 +56,7 @@ struct BatchGroup {
   bool isWeighted = false;  // one is chosen by weight, else the first that matches
   bool looksLeft = false;   // a rule has a Near context on the left
   bool looksRight = false;  // or on the right
+  bool isLight = false;     // one module at a time is faster: a quick condition, another size, constant parameters
   bool hasThresholds = false;
   /// Weighted, weights constant, nothing else to decide: rule number k is chosen when exactly k thresholds are greater
   /// than the module's draw word (ruleCount - 1).
@@ -83,6 +84,8 @@ class BatchPlan {
   [[nodiscard]] bool isComplete() const { return isComplete_; }
   /// Whether every module becomes a fixed block or stays.
   [[nodiscard]] bool isFixedOnly() const { return isComplete_ && groups_.empty(); }
+  /// Whether one at a time does without the Rewriter whatever batches can do.
+  [[nodiscard]] bool isQuick() const { return isQuick_; }
   /// Has a table in some models where isFixedOnly.
   [[nodiscard]] const FixedBlocks& fixedBlocks() const { return fixedBlocks_; }
 
@@ -122,6 +125,7 @@ class BatchPlan {
                bool usesWeights);
   void addBlock(const std::vector<core::ModuleTypeId>& types, std::uint32_t valueCount, std::uint16_t arity);
   void findThresholds(BatchGroup& group) const;
+  [[nodiscard]] bool isLight(const ProductionPlan& plan, const TypePlan& typePlan) const;
   void makePairs(const language::Program& program, const ContextRules& rules);
   void makeSiteMarks(const language::Program& program, const ContextRules& rules);
   void addColumns(const ColumnExpression& expression);
@@ -134,6 +138,7 @@ class BatchPlan {
   std::vector<std::vector<core::ModuleTypeId>> blockTypes_;  // by block
   FixedBlocks fixedBlocks_;
   bool isComplete_ = true;
+  bool isQuick_ = true;
   bool hasOneKindOnly_ = false;  // one group and nothing Fixed or General: every site belongs to the group
   std::vector<std::uint8_t> candidateBits_;
   std::vector<std::uint8_t> leftBits_;

@@ -112,6 +112,7 @@ BatchScan::Outcome BatchScan::choose(std::uint64_t first, std::uint64_t end, std
   isUnusual_ = false;
   isResized_ = false;
   areDrawsLoaded_ = false;
+  lightSites_ = 0;
   laneCount_ = 0;
   resizingCount_ = 0;
   rows_.clear();
@@ -129,6 +130,8 @@ BatchScan::Outcome BatchScan::choose(std::uint64_t first, std::uint64_t end, std
     }
   } else {
     sortSites();
+    // fixed blocks follow the groups
+    lightSites_ = siteCount_ - groupBegin_.back();
     for (std::size_t i = 0; i < plan_->groups().size(); ++i) {
       if (groupBegin_[i] != groupBegin_[i + 1]) {
         chooseGroup(plan_->groups()[i], {sorted_.data() + groupBegin_[i], groupBegin_[i + 1] - groupBegin_[i]});
@@ -136,7 +139,8 @@ BatchScan::Outcome BatchScan::choose(std::uint64_t first, std::uint64_t end, std
     }
   }
 
-  Outcome outcome{end_, endOffset_, end_ - first_, endOffset_ - offset_, isUnusual_ || evaluator_.isUnusual()};
+  Outcome outcome{end_,       endOffset_, end_ - first_, endOffset_ - offset_, isUnusual_ || evaluator_.isUnusual(),
+                  lightSites_};
   if (isResized_) {
     place();
     outcome.moduleCount = madeModules_;
@@ -274,6 +278,7 @@ void BatchScan::sortSites() {
 }
 
 void BatchScan::chooseGroup(const BatchGroup& group, std::span<const std::uint32_t> sites) {
+  lightSites_ += group.isLight ? sites.size() : 0;
   // the neighbours are the same for all rules
   if (group.looksLeft) {
     findLeft(sites);

@@ -44,6 +44,7 @@ class BatchScan {
     std::uint64_t moduleCount = 0;   // that write() will make
     std::uint64_t parameterCount = 0;
     bool isUnusual = false;
+    std::uint64_t lightSites = 0;  // modules of light groups and fixed blocks
   };
 
   /// `program`, `rules`, `plan` and `productions` must outlive the object.
@@ -112,6 +113,7 @@ class BatchScan {
   bool isUnusual_ = false;
   bool isResized_ = false;
   bool areDrawsLoaded_ = false;
+  std::uint64_t lightSites_ = 0;
 
   // the sites: modules that may not stay as they are
   std::size_t siteCount_ = 0;

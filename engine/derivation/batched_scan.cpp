@@ -10,6 +10,9 @@ namespace {
 constexpr std::uint64_t kWorthwhileModules = 256;
 // the longest stretch that is left to the general way before batches are tried again
 constexpr std::uint64_t kGeneralModules = 8192;
+// modules that are left to one at a time where light productions rewrite at least every third one
+constexpr std::uint64_t kLightModules = 65536;
+constexpr std::uint64_t kLightShare = 3;
 
 }  // namespace
 
@@ -54,6 +57,12 @@ void Derivation::Implementation::scanInBatches(const PlantState& state) {
   ScanPlace place;
   std::uint64_t chunk = BatchScan::kChunkModules;
   while (place.module < old.size()) {
+    if (lightModules_ > 0) {
+      const std::uint64_t first = place.module;
+      scanUpTo(state, std::min(old.size(), first + lightModules_), place);
+      lightModules_ -= std::min(lightModules_, place.module - first);
+      continue;
+    }
     evaluator_.clearModule();
     evaluator_.pollCancelled();
     // blocks of the general way may have changed Z
@@ -67,6 +76,9 @@ void Derivation::Implementation::scanInBatches(const PlantState& state) {
       // a failure or a warning, in the order of the string
       scanUpTo(state, outcome.endModule, place);
       rewriter_.checkSize(working_.size(), working_.parameterCount());
+    }
+    if (tables.batches.isQuick() && outcome.lightSites * kLightShare > batched) {
+      lightModules_ = kLightModules;
     }
     if (outcome.endModule == end) {
       chunk = std::min(2 * chunk, BatchScan::kChunkModules);

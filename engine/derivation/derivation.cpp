@@ -209,6 +209,7 @@ void Derivation::Implementation::runStep(PlantState& state) {
   }
   state.step = step;
   state.string.swap(working_);
+  isWorkingIndexed_ = isOldIndexed_;
 }
 
 bool Derivation::Implementation::needsIndex(const language::LSystem& system) const {
@@ -216,6 +217,7 @@ bool Derivation::Implementation::needsIndex(const language::LSystem& system) con
 }
 
 void Derivation::Implementation::buildIndex(const ModuleString& string) {
+  isWorkingIndexed_ = false;
   index_.clear();
   index_.extend(string);
 }

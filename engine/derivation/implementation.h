@@ -150,6 +150,7 @@ class Derivation::Implementation {
   bool hasParameters_ = false;
 
   std::vector<std::unique_ptr<BatchScan>> batches_;  // by thread; made when a string is long enough to use them
+  std::uint64_t lightModules_ = 0;                   // that one at a time is to do before batches are tried again
   std::uint64_t generalModules_ = 1;             // how many modules the general way does before batches are tried again
   unsigned threadCount_ = 1;                     // DerivationOptions::threads, or as many as the machine has
   std::unique_ptr<WorkerTeam> team_;             // made when a string is long enough for several threads
@@ -159,10 +160,13 @@ class Derivation::Implementation {
   std::vector<StringIndex::OpenEnds> openEnds_;  // by part of the string that is read
   std::vector<std::uint64_t> unusualChunks_;     // of the last round of threads
 
-  ModuleString working_;     // the string being produced; swapped with the old one at the end of a step
-  ProducedPieces pieces_;    // the same while it is produced from right to left
-  StringIndex index_;        // of the string that is being read
-  LeftShortcuts shortcuts_;  // in it, by the rules of the main L-system
+  ModuleString working_;           // the string being produced; swapped with the old one at the end of a step
+  ProducedPieces pieces_;          // the same while it is produced from right to left
+  StringIndex index_;              // of the string that is being read
+  bool isWorkingIndexed_ = false;  // between steps: `index_` is that of `working_`, the string that was read last
+  bool isOldIndexed_ = false;      // the step's scan has indexed the string that it read
+  bool areLinksKept_ = false;      // in the step: `index_` was right for the string that is read
+  LeftShortcuts shortcuts_;        // in it, by the rules of the main L-system
   Backup backup_;
   std::vector<double> frame_;    // formal parameters of the scan's shortcuts (Program::maximumSlots)
   std::vector<double> weights_;  // of the scan's shortcuts

@@ -64,7 +64,7 @@ void Derivation::Implementation::findChunkOffsets(const ModuleString& old) {
   chunkModules_ = tables_.front().batches.isFixedOnly() ? kFixedChunkModules : BatchScan::kChunkModules;
   const std::uint64_t chunkCount = (size + chunkModules_ - 1) / chunkModules_;
   const std::uint64_t partCount = (chunkCount + kPartChunks - 1) / kPartChunks;
-  const bool needsLinks = needsIndex(program_->systems.front());
+  const bool needsLinks = needsIndex(program_->systems.front()) && !areLinksKept_;
   chunkOffsets_.assign(chunkCount + 1, 0);
   if (needsLinks) {
     index_.beginParts(size);

@@ -46,11 +46,15 @@ void Derivation::Implementation::reserveEstimate(const ModuleString& old) {
 
 void Derivation::Implementation::scan(PlantState& state) {
   const ModuleString& old = state.string;
+  // signals run through strings whose branches stay where they are: the links of the step before
+  areLinksKept_ = isWorkingIndexed_ && index_.isShared(working_.types(), old.types());
+  isWorkingIndexed_ = false;
   working_.clear();
   keptParts_.clear();
   const bool isParallel = canScanInParallel(old);
-  if (!isParallel && std::any_of(program_->systems.begin(), program_->systems.end(),
-                                 [&](const language::LSystem& system) { return needsIndex(system); })) {
+  const bool isIndexed = std::any_of(program_->systems.begin(), program_->systems.end(),
+                                     [&](const language::LSystem& system) { return needsIndex(system); });
+  if (isIndexed && !isParallel && !areLinksKept_) {
     buildIndex(old);
   }
   const bool isBackwards = tables_.front().isProducedBackwards && !program_->hasSubSystems;
@@ -86,6 +90,7 @@ void Derivation::Implementation::scan(PlantState& state) {
   if (old.parameterCount() > 0) {
     parameterGrowth_ = static_cast<double>(working_.parameterCount()) / static_cast<double>(old.parameterCount());
   }
+  isOldIndexed_ = isIndexed;
 }
 
 void Derivation::Implementation::scanUpTo(const PlantState& state, std::uint64_t end, ScanPlace& place) {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
+#include <limits>
 
 namespace espalier::derivation {
 namespace {
@@ -10,6 +12,11 @@ constexpr std::uint8_t kOpens = 1;
 constexpr std::uint8_t kCloses = 2;
 // modules whose brackets are found at once
 constexpr std::uint64_t kFoundAtOnce = 1024;
+// modules of two strings that are compared at once
+constexpr std::size_t kComparedAtOnce = 64;
+// of brackets among the shapes of types, which are numbers of parameters
+constexpr std::uint32_t kOpenShape = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint32_t kCloseShape = kOpenShape - 1;
 
 ModuleFinder::Marks bracketMarks(const language::Program& program) {
   ModuleFinder::Marks marks;
@@ -24,7 +31,31 @@ ModuleFinder::Marks bracketMarks(const language::Program& program) {
 }  // namespace
 
 StringIndex::StringIndex(const language::Program& program, std::uint64_t longestShortBranch)
-    : brackets_(program.arity, bracketMarks(program)), longestShortBranch_(longestShortBranch) {}
+    : brackets_(program.arity, bracketMarks(program)),
+      shape_(program.arity.begin(), program.arity.end()),
+      longestShortBranch_(longestShortBranch) {
+  // beyond all numbers of parameters
+  shape_[program.openBranch] = kOpenShape;
+  shape_[program.closeBranch] = kCloseShape;
+}
+
+bool StringIndex::isShared(std::span<const core::ModuleTypeId> before, std::span<const core::ModuleTypeId> now) const {
+  if (before.size() != now.size()) {
+    return false;
+  }
+  for (std::size_t begin = 0; begin < now.size(); begin += kComparedAtOnce) {
+    const std::size_t count = std::min(kComparedAtOnce, now.size() - begin);
+    if (std::memcmp(before.data() + begin, now.data() + begin, count * sizeof(core::ModuleTypeId)) == 0) {
+      continue;
+    }
+    for (std::size_t i = begin; i < begin + count; ++i) {
+      if (shape_[before[i]] != shape_[now[i]]) {
+        return false;
+      }
+    }
+  }
+  return true;
+}
 
 void StringIndex::clear() {
   links_.clear();

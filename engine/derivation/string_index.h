@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <unordered_map>
 #include <vector>
 
@@ -59,6 +60,12 @@ class StringIndex {
   /// yet. O(new modules).
   void extend(const ModuleString& string);
 
+  /// Whether the links of the string `before`, if it is the one that is indexed, are those of the string `now` too: as
+  /// many modules, brackets at the same places, and elsewhere modules with as many parameters. O(modules), where both
+  /// have the same types no more than a comparison of bytes.
+  [[nodiscard]] bool isShared(std::span<const core::ModuleTypeId> before,
+                              std::span<const core::ModuleTypeId> now) const;
+
   /// The link of the bracket at `module`. Undefined for other modules.
   [[nodiscard]] Link link(std::uint64_t module) const {
     const ShortLink found = links_[module];
@@ -92,6 +99,7 @@ class StringIndex {
   void linkLong(const Branch& branch);
 
   ModuleFinder brackets_;
+  std::vector<std::uint32_t> shape_;  // by module type: what two types have in common that can stand for another
   std::uint64_t longestShortBranch_;
   core::Buffer<ShortLink> links_;                      // by module; defined at brackets only (moduleCount)
   std::unordered_map<std::uint64_t, Link> longLinks_;  // by module

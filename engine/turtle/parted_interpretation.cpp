@@ -97,6 +97,10 @@ bool PartedInterpretation::run(const Interpretation::Subject& subject, const Int
   if (threads <= 1 || !isQueryPass || !subject.tables.hasIndependentBranches || string.size() < kSmallestString) {
     return false;
   }
+  // most strings without branches are known by this, which costs a tenth of looking for the branches
+  if (std::count(string.types().begin(), string.types().end(), subject.program.openBranch) < 2) {
+    return false;
+  }
   const std::uint64_t largest = std::max(string.size() / (threads * kBranchesPerThread), 2 * kSmallestBranch);
   branches_ = findBranchParts(subject.tables, subject.program.arity, string.types(), kSmallestBranch, largest);
   std::uint64_t covered = 0;

@@ -342,6 +342,31 @@ TEST(Scan, LongWaysOverBranchesEndAtTheSameNeighbour) {
   }
 }
 
+TEST(Scan, LinksOfBracketsAreKeptOnlyWhileTheStringIsBuiltAlike) {
+  // the same length in every step: nothing, brackets, a parameter between them, two signals past the branch
+  const std::string productions =
+      "p --> [\nq --> ]\nA --> E\nE --> e(7)\nD(x) < B(y) --> B(x+y)\nB(x) > K(y) --> B(x+10*y)\n";
+  DerivedModel model(test::modelText("", "D(3)pAqB(1)K(2)", productions));
+  EXPECT_EQ(model.steps(1), "D(3)[E]B(21)K(2)");
+  EXPECT_EQ(model.steps(1), "D(3)[e(7)]B(24)K(2)");
+  EXPECT_EQ(model.steps(1), "D(3)[e(7)]B(27)K(2)");
+  EXPECT_EQ(model.steps(1), "D(3)[e(7)]B(30)K(2)");
+}
+
+TEST(Scan, LinksOfBracketsAreNotTakenFromAnotherPlant) {
+  // one Derivation for two strings of the same length in turn: in the other the branch stands one module further
+  DerivedModel model(test::modelText("", "D(3)[A]AB(1)", "D(x) < A --> E\nA < B(y) --> B(y+1)\nA > B(y) --> F\n"));
+  derivation::PlantState other = model.state();
+  const auto types = model.state().string.types();
+  const std::vector<core::ModuleTypeId> moved{types[0], types[2], types[1], types[2], types[3], types[5]};
+  std::copy(moved.begin(), moved.end(), other.string.typeBuffer().data());
+  EXPECT_EQ(model.steps(1), "D(3)[E]EB(2)");
+  std::swap(model.state(), other);
+  EXPECT_EQ(model.steps(1), "D(3)E[A]B(2)");
+  std::swap(model.state(), other);
+  EXPECT_EQ(model.steps(1), "D(3)[E]EB(2)");
+}
+
 TEST(Scan, LongSuccessorsAreWrittenWhole) {
   std::string successor;
   for (int i = 0; i < 40; ++i) {

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "tests/support/derived_model.h"
@@ -40,6 +42,35 @@ TEST(StringIndex, ClosesBranchesThatWereOpenWhenItWasExtended) {
   EXPECT_EQ(index.link(3).partner, 1U);
   EXPECT_EQ(index.link(1).partner, 3U);
   EXPECT_EQ(index.link(3).parameterCount, 1U);
+}
+
+TEST(StringIndex, IsSharedByStringsWithTheSameBracketsAndNumbersOfParameters) {
+  DerivedModel model(modelText("", "A(1)[B(2)C]DB(3)[]", "A(x) --> A(x)\n"));
+  const StringIndex index(model.program());
+  const auto type = [&](const char* symbol, std::uint16_t arity) { return model.program().findType(symbol, arity); };
+  const auto span = model.state().string.types();
+  std::vector<core::ModuleTypeId> before(span.begin(), span.end());
+  // so long that several comparisons are made
+  for (int i = 0; i < 100; ++i) {
+    before.push_back(type("D", 0));
+  }
+  std::vector<core::ModuleTypeId> now = before;
+  EXPECT_TRUE(index.isShared(before, now));
+  now[2] = type("A", 1);
+  now[70] = type("C", 0);
+  EXPECT_TRUE(index.isShared(before, now));
+  for (const std::size_t place : {std::size_t{3}, before.size() - 1}) {
+    for (const core::ModuleTypeId other : {type("A", 1), type("[", 0), type("]", 0)}) {
+      const core::ModuleTypeId kept = std::exchange(now[place], other);
+      EXPECT_FALSE(index.isShared(before, now)) << place << " " << other;
+      now[place] = kept;
+    }
+  }
+  now[1] = type("]", 0);
+  EXPECT_FALSE(index.isShared(before, now));
+  now[1] = before[1];
+  now.pop_back();
+  EXPECT_FALSE(index.isShared(before, now));
 }
 
 TEST(StringIndex, KeepsLongBranchesApartAndLinksThemAlike) {
