@@ -55,12 +55,12 @@ void Derivation::Implementation::scanInBatches(const PlantState& state) {
   }
   BatchScan& batch = *batches_.front();
   ScanPlace place;
-  std::uint64_t chunk = BatchScan::kChunkModules;
+  std::uint64_t chunk = generalModules_ > 1 ? kWorthwhileModules : BatchScan::kChunkModules;
   while (place.module < old.size()) {
-    if (lightModules_ > 0) {
+    if (modulesAlone_ > 0) {
       const std::uint64_t first = place.module;
-      scanUpTo(state, std::min(old.size(), first + lightModules_), place);
-      lightModules_ -= std::min(lightModules_, place.module - first);
+      scanUpTo(state, std::min(old.size(), first + modulesAlone_), place);
+      modulesAlone_ -= std::min(modulesAlone_, place.module - first);
       continue;
     }
     evaluator_.clearModule();
@@ -78,7 +78,7 @@ void Derivation::Implementation::scanInBatches(const PlantState& state) {
       rewriter_.checkSize(working_.size(), working_.parameterCount());
     }
     if (tables.batches.isQuick() && outcome.lightSites * kLightShare > batched) {
-      lightModules_ = kLightModules;
+      modulesAlone_ = kLightModules;
     }
     if (outcome.endModule == end) {
       chunk = std::min(2 * chunk, BatchScan::kChunkModules);
@@ -87,7 +87,7 @@ void Derivation::Implementation::scanInBatches(const PlantState& state) {
     // a module for the general way; where these stand close together, so do the ones between them
     generalModules_ = batched < kWorthwhileModules ? std::min(2 * generalModules_, kGeneralModules) : 1;
     chunk = std::clamp(2 * batched, kWorthwhileModules, BatchScan::kChunkModules);
-    scanUpTo(state, std::min(old.size(), outcome.endModule + generalModules_), place);
+    modulesAlone_ = std::max(modulesAlone_, generalModules_);
   }
 }
 

@@ -150,13 +150,13 @@ class Derivation::Implementation {
   bool hasParameters_ = false;
 
   std::vector<std::unique_ptr<BatchScan>> batches_;  // by thread; made when a string is long enough to use them
-  std::uint64_t lightModules_ = 0;                   // that one at a time is to do before batches are tried again
-  std::uint64_t generalModules_ = 1;             // how many modules the general way does before batches are tried again
-  unsigned threadCount_ = 1;                     // DerivationOptions::threads, or as many as the machine has
-  std::unique_ptr<WorkerTeam> team_;             // made when a string is long enough for several threads
-  TypeSum parameterSum_;                         // of a stretch of the string
-  std::uint64_t chunkModules_ = 0;               // of a chunk of the string that several threads read
-  std::vector<std::uint64_t> chunkOffsets_;      // by chunk: its first parameter in the string that is read; one more
+  std::uint64_t modulesAlone_ = 0;           // that one at a time is to do, over steps, before batches are tried again
+  std::uint64_t generalModules_ = 1;         // how many that is behind a module of the general way
+  unsigned threadCount_ = 1;                 // DerivationOptions::threads, or as many as the machine has
+  std::unique_ptr<WorkerTeam> team_;         // made when a string is long enough for several threads
+  TypeSum parameterSum_;                     // of a stretch of the string
+  std::uint64_t chunkModules_ = 0;           // of a chunk of the string that several threads read
+  std::vector<std::uint64_t> chunkOffsets_;  // by chunk: its first parameter in the string that is read; one more
   std::vector<StringIndex::OpenEnds> openEnds_;  // by part of the string that is read
   std::vector<std::uint64_t> unusualChunks_;     // of the last round of threads
 

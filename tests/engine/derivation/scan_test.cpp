@@ -342,6 +342,26 @@ TEST(Scan, LongWaysOverBranchesEndAtTheSameNeighbour) {
   }
 }
 
+TEST(Scan, CheapProductionsAmongOthersMakeWhatThePlainDerivationMakes) {
+  // batches first, then one at a time for longer than the string is, over several steps; values divide by what may be 0
+  std::string axiom;
+  for (int i = 0; i < 3000; ++i) {
+    axiom += i % 5 == 4 ? "C(" + std::to_string(i % 7) + ",1)" : "A(" + std::to_string(i % 3) + ")";
+  }
+  const std::string productions = "A(x) : x<2 --> B\nB --> A(1)\nC(x,y) : y<90 --> C(0.5*x+1,y/(x+1))\n";
+  expectPlainSteps(test::modelText("", axiom, productions), 1, 8);
+  expectPlainSteps(test::modelText("", axiom, productions), 2, 8);
+}
+
+TEST(Scan, ModulesOfTheGeneralWayFarApartAndCloseTogether) {
+  // two predecessors of two modules, 2 and then 400 modules apart
+  std::string axiom;
+  for (int i = 0; i < 3000; ++i) {
+    axiom += i % (i < 1500 ? 2 : 400) == 0 ? "GH" : "A(" + std::to_string(i % 3) + ",2)";
+  }
+  expectPlainSteps(test::modelText("", axiom, "G H --> HG\nH G --> GH\nA(x,y) : y>0 --> A(0.5*x,y+1)\n"), 1, 6);
+}
+
 TEST(Scan, LinksOfBracketsAreKeptOnlyWhileTheStringIsBuiltAlike) {
   // the same length in every step: nothing, brackets, a parameter between them, two signals past the branch
   const std::string productions =
