@@ -120,8 +120,7 @@ void Simulation::Implementation::growSeedlings() {
     seedling.member.origin.placement = {seed.position, mother.placement.frame};
     seedling.member.origin.colourShift = seed.model == mother.model ? mother.colourShift : 0;
     seedling.member.birthStep = completedSteps_ + 1;
-    seedling.derivation = std::make_unique<derivation::Derivation>(*models_.programs()[seed.model],
-                                                                   derivationOptions(number, seedling.member));
+    seedling.derivation = makeDerivation(number, seedling.member);
     seedling.derivation->rewind(seedling.state);
     seedlings_.push_back(std::move(seedling));
   }

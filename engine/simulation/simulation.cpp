@@ -12,7 +12,6 @@
 #include "engine/simulation/simulation_implementation.h"
 #include "engine/turtle/guarded_call.h"
 #include "engine/turtle/record_chain.h"
-#include "engine/turtle/scene_bounds.h"
 
 namespace espalier::simulation {
 
@@ -57,9 +56,7 @@ void Simulation::Implementation::makeDerivations() {
   derivations_.clear();
   displayDerivations_.clear();
   for (std::uint32_t plant = 0; plant < members_.size(); ++plant) {
-    derivations_.push_back(members_[plant].isAlive() ? std::make_unique<derivation::Derivation>(
-                                                           programOf(plant), derivationOptions(plant, members_[plant]))
-                                                     : nullptr);
+    derivations_.push_back(members_[plant].isAlive() ? makeDerivation(plant, members_[plant]) : nullptr);
   }
   undo_.resize(members_.size());
 }
@@ -149,61 +146,6 @@ Outcome Simulation::Implementation::step() {
 
 Outcome Simulation::Implementation::answer() {
   return guarded([this] { answerPass(); });
-}
-
-namespace {
-
-// by stop(n); a plant whose derivation length is reached goes on when it is asked to
-bool hasStoppedItself(const derivation::PlantState& plant) {
-  return plant.isStopped && plant.step < plant.derivationLength;
-}
-
-}  // namespace
-
-void Simulation::Implementation::measureViewVolume() {
-  // a model with a box of its own has it from the start
-  const auto& programs = models_.programs();
-  if (std::none_of(programs.begin(), programs.end(),
-                   [](const auto& program) { return program->usesViewVolume && !program->view.box; })) {
-    return;
-  }
-  turtle::Scene scene;
-  if (auto error = draw({.scene = &scene})) {
-    throw core::SimulationFailure(std::move(*error));
-  }
-  const language::Box volume = turtle::boundsOf(scene, models_.view()).value_or(language::Box{});
-  for (derivation::PlantState& plant : plants_) {
-    plant.viewVolume = volume;
-  }
-}
-
-void Simulation::Implementation::derivePass() {
-  // a file that cannot be written takes the derivation back as well
-  const bool writesFiles = options_.fileWriter != nullptr && models_.writesFiles();
-  const bool isKept = plants_.size() > 1 || writesFiles || !seeds_.empty();
-  measureViewVolume();
-  bool hasDerived = !dying_.empty();
-  for (std::size_t plant = 0; plant < plants_.size(); ++plant) {
-    if (!isGrowing(plant) || hasStoppedItself(plants_[plant])) {
-      continue;
-    }
-    // a plant's failed derivation changes nothing of it; those before it are kept to be taken back
-    if (isKept) {
-      undo_[plant].underived = plants_[plant];
-      undo_[plant].hasUnderived = true;
-    }
-    derivations_[plant]->derive(plants_[plant]);
-    hasDerived = true;
-  }
-  if (!hasDerived) {
-    core::SimulationError error;
-    error.code = core::SimulationErrorCode::Model;
-    error.step = completedSteps_ + 1;
-    error.message = "step " + std::to_string(error.step) +
-                    (livingPlantCount() == 0 ? ": no plant is alive" : ": the model has stopped itself") +
-                    ", there is no further step. Rewind the simulation to run it again.";
-    throw core::SimulationFailure(std::move(error));
-  }
 }
 
 void Simulation::Implementation::deliverFiles(std::size_t plant, const language::Program& program,

@@ -4,9 +4,12 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "engine/core/hash.h"
+#include "engine/derivation/worker_team.h"
 #include "engine/simulation/model_set.h"
 #include "engine/simulation/seed_bed.h"
 #include "engine/simulation/simulation.h"
@@ -16,8 +19,8 @@
 namespace espalier::simulation {
 
 /// The state and the parts of a step behind Simulation. simulation.cpp: starting and stepping; answering.cpp: the pass
-/// that answers queries; births_and_deaths.cpp: seeds and the end of plants; drawing.cpp: looking; persistence.cpp:
-/// hash, save, restore.
+/// that answers queries; deriving.cpp: the derivation of all plants; births_and_deaths.cpp: seeds and the end of
+/// plants; drawing.cpp: looking; persistence.cpp: hash, save, restore.
 class Simulation::Implementation {
  public:
   Implementation(Programs programs, std::vector<PlantOrigin> plants,
@@ -98,7 +101,13 @@ class Simulation::Implementation {
   void requireFiniteReplies() const;
   void writeReplies(const turtle::ReplyBatch& replies);
   void measureViewVolume();
+  [[nodiscard]] std::unique_ptr<derivation::Derivation> makeDerivation(std::uint32_t plant, const Plant& member);
   void derivePass();
+  void derivePlant(std::size_t plant, bool isKept);
+  void deriveAll(const std::vector<std::size_t>& plants, bool isKept);
+  void deriveTogether(const std::vector<std::size_t>& plants, bool isKept);
+  [[nodiscard]] unsigned threadCount() const;
+  void deliverMessage(std::uint32_t plant, core::MessageKind kind, std::string_view text);
   void growSeedlings();
   void countStrings();
   void begin();
@@ -123,9 +132,12 @@ class Simulation::Implementation {
   turtle::QueryBatch queries_;
   std::vector<std::uint64_t> queryOffsets_;  // of each query's parameters in its plant's string (queryCount)
   Pending pending_;
-  std::vector<Seed> seeds_;           // of the step under way
-  std::vector<std::uint32_t> dying_;  // plants that end in it, by number
-  std::vector<Seedling> seedlings_;   // made in it
+  std::vector<Seed> seeds_;                       // of the step under way
+  std::vector<std::uint32_t> dying_;              // plants that end in it, by number
+  std::vector<Seedling> seedlings_;               // made in it
+  std::unique_ptr<derivation::WorkerTeam> team_;  // derives plants side by side; null: not needed yet
+  // what plants that are derived side by side have to say, by plant; empty: it is passed on at once
+  std::vector<std::vector<std::pair<core::MessageKind, std::string>>> heldMessages_;
 };
 
 /// Runs a part of a step; on a failure of any kind the simulation is as after the last completed step.

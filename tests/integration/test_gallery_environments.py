@@ -1,6 +1,7 @@
 """Gallery models that grow against an environment: their tables, and what they are there to show."""
 
 import csv
+import json
 import math
 import re
 import tempfile
@@ -26,6 +27,13 @@ def places(string: str) -> List[Tuple[float, ...]]:
 def answered_at(name: str, step: int) -> str:
     """The string of a step with its answers filled in."""
     lines = espalier("derive", model(name), "--every", "--answered", "--quiet", "--steps", str(step + 1)).stdout.splitlines()
+    return lines[step].split("\t")[1]
+
+
+def answered_at_seed(name: str, step: int, seed: str = "1") -> str:
+    """The same, with a seed."""
+    lines = espalier("derive", model(name), "--every", "--answered", "--quiet", "--seed", seed, "--steps",
+                     str(step + 1)).stdout.splitlines()
     return lines[step].split("\t")[1]
 
 
@@ -146,9 +154,126 @@ class GalleryEnvironments(unittest.TestCase):
         self.assertGreater(len(winds), 500)
         self.assertGreater(max(float(speed) for _, speed in winds), 1.2 * min(float(speed) for _, speed in winds))
 
-    def counted(self, name: str, patterns: Dict[str, str]) -> List[str]:
-        """The strings of a run with seed 1, after comparing numbers of matches with golden.tsv."""
-        derived = strings(name, "--seed", "1")
+    def test_roots_keep_out_of_stones_and_gather_in_wet_ground(self) -> None:
+        self.counted("roots-and-stones", {"I": "I(", "T": "T(", "D": "D("}, "4")
+
+        def map_of(name: str, component: int) -> List[List[int]]:
+            lines = (GALLERY / "roots-and-stones" / name).read_text(encoding="utf-8").splitlines()[4:]
+            return [[int(number) for number in line.split()[component::3]] for line in lines]
+
+        stones, water = map_of("stones.pnm", 0), map_of("water.pnm", 1)
+        counts: Dict[bool, float] = {True: 0, False: 0}
+        for x, y, _, hx, hy, _ in self.tips_of("roots-and-stones", "I"):
+            # the place is the end of a segment
+            column, row = math.floor((x + 2) * 20), math.floor(-y * 20)
+            if 0 <= column < 80 and 0 <= row < 60:
+                self.assertEqual(stones[row][column], 0, (x, y))
+                counts[water[row][column] > 128] += 1
+        cells = {wet: sum(stone == 0 and (amount > 128) == wet for stone_row, row in zip(stones, water)
+                          for stone, amount in zip(stone_row, row)) for wet in (True, False)}
+        self.assertGreater(counts[True] / cells[True], 1.6 * counts[False] / cells[False])
+
+    def test_shoots_that_earn_nothing_fall_and_those_inside_earn_least(self) -> None:
+        self.counted("leaf-economy", {"F": "F(", "S": "S("}, "8")
+        shoots = re.findall(r"S\((\d+)\)\?E\(([^,]+),([^)]+)\)", answered_at("leaf-economy", 9))
+        profits = [float(profit) for _, _, profit in shoots]
+        # a ball in full light: 0.015 · 0.09/4 · 1.5² · (1 − (1 − 0.9/1.5²)²) · 8640 = 4.199 mol, less 0.6
+        most = 0.015 * 0.09 / 4 * 2.25 * (1 - (1 - 0.9 / 2.25) ** 2) * 8640 - 0.6
+        self.assertLessEqual(max(profits), most + 1e-9)
+        self.assertLess(min(profits), 0)
+        configuration = (GALLERY / "leaf-economy" / "leaf-economy.json").read_text(encoding="utf-8")
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "thin.json"
+            # leaves that let pass what falls on them make nothing, so they are only thinner
+            path.write_text(configuration.replace('"transmittance": 0.1', '"transmittance": 0.6'), encoding="utf-8")
+            thin = espalier("derive", model("leaf-economy"), "--quiet", "--define", "COST=0", "--define", "RISES=0",
+                            "--environment", str(path)).stdout
+        whole = strings("leaf-economy")[-1]
+        # segments that end a branch without a shoot: those have fallen
+        fallen = re.compile(r"F\([^)]*\)\]")
+        self.assertGreater(len(fallen.findall(whole)), 20)
+        self.assertEqual(len(fallen.findall(thin)), 0)
+
+    def test_crowded_tips_stop_and_the_others_are_further_out(self) -> None:
+        self.counted("crowded-bush", {"I": "I(", "A": "A(", "B": "B("}, "2")
+        growing, stopped = self.tips_of("crowded-bush", "A"), self.tips_of("crowded-bush", "B")
+
+        def mean_distance(tips: Sequence[Tuple[float, ...]]) -> float:
+            return sum(math.dist(tip[:3], (0, 0.6, 0)) for tip in tips) / len(tips)
+
+        self.assertGreater(mean_distance(growing), 1.1 * mean_distance(stopped))
+        for count in re.findall(r"B\(\d+\)\?E\(([^)]*)\)", answered("crowded-bush")):
+            self.assertGreaterEqual(float(count), 7)
+
+    def test_ornament_keeps_within_the_heart_and_its_stems_apart(self) -> None:
+        self.counted("ornament", {"F": "F(", "A": "A(", "K": "K?"})
+        stems = self.tips_of("ornament", "F")
+        inside = (GALLERY / "ornament" / "heart.pnm").read_text(encoding="utf-8").splitlines()[4:]
+        for x, y, *_ in stems:
+            # a tip looks 0.37 ahead, so no piece reaches the border
+            self.assertEqual(inside[int((6 - y) * 10)].split()[1::3][int((x + 6) * 10)], "255", (x, y))
+        for i, one in enumerate(stems):
+            near = [other for other in stems if math.dist(one[:2], other[:2]) < 0.12]
+            # itself, and where a branch leaves, its first piece
+            self.assertLessEqual(len(near), 3, i)
+        self.assertGreater(max(y for _, y, *_ in stems), 2.5)
+        self.assertLess(min(x for x, *_ in stems), -3.0)
+        self.assertGreater(max(x for x, *_ in stems), 3.0)
+
+    def test_larger_discs_win_and_those_that_are_free_do_not_overlap(self) -> None:
+        derived = self.counted("stand-of-discs", {"P": "P("})
+        counts = [string.count("P(") for string in derived]
+        self.assertEqual(counts[1:], sorted(counts[1:], reverse=True))
+        plants = [tuple(map(float, numbers)) for numbers in re.findall(
+            r"@M\(([^,]+),0,([^)]+)\)P\(([^,]+),([^,]+),\d+\)\?E\(([01])\)", answered_at_seed("stand-of-discs", 15))]
+        self.assertGreater(len(plants), 50)
+        free = [plant for plant in plants if plant[4] == 1]
+        for i, (x, z, radius, *_) in enumerate(free):
+            for u, v, other, *_ in free[:i]:
+                self.assertGreater(math.hypot(x - u, z - v), radius + other)
+        # rates of growth are even over 0.02 … 0.06: those that are left are the fast ones
+        self.assertGreater(sum(plant[3] for plant in plants) / len(plants), 0.045)
+
+    def test_the_crown_leans_to_the_light_and_the_roots_to_the_water(self) -> None:
+        self.counted("root-and-shoot", {"G": "G(", "T": "T(", "F": "F(", "A": "A("}, "3")
+        shoots, roots = self.tips_of("root-and-shoot", "A"), self.tips_of("root-and-shoot", "G")
+        self.assertLess(sum(x for x, *_ in shoots) / len(shoots), -0.2)
+        self.assertGreater(sum(x for x, *_ in roots) / len(roots), 0.1)
+        self.assertTrue(all(y > 0 for _, y, *_ in shoots))
+        self.assertTrue(all(y < 0.1 for _, y, *_ in roots))
+
+    def test_an_espalier_leaves_windows_and_door_free_and_grows_around_them(self) -> None:
+        self.counted("espalier", {"F": "F(", "B": "B("})
+        ends = self.tips_of("espalier", "F", "--seed", "1")
+        boxes = json.loads((GALLERY / "espalier" / "espalier.json").read_text(encoding="utf-8"))["boxes"]
+        for x, y, z, *_ in ends[1:]:
+            self.assertGreater(y, 0.03 - 1e-6)
+            self.assertGreater(z, 0.03)
+            for x0, y0, z0, x1, y1, z1 in boxes:
+                aside = [max(low - value, value - high, 0.0)
+                         for low, value, high in ((x0, x, x1), (y0, y, y1), (z0, z, z1))]
+                self.assertGreater(math.hypot(*aside), 0.03 - 1e-6, (x, y))
+        # above both windows, and beyond them
+        self.assertGreater(sum(y > 3 and abs(x) > 1 for x, y, *_ in ends), 50)
+        self.assertTrue(any(x < -2.2 and y < 2.5 for x, y, *_ in ends))
+
+    def test_litter_makes_a_ring_that_widens(self) -> None:
+        self.counted("litter-ring", {"S": "S(", "R": "R("})
+
+        def distances(step: int) -> List[float]:
+            return sorted(math.hypot(x, y) for x, y, *_ in
+                          self.tips_of("litter-ring", "S", "--seed", "1", "--steps", str(step)))
+
+        young, old = distances(12), distances(40)
+        self.assertLess(young[0], 1.0)
+        # nothing lives in the middle; most live near the front
+        self.assertGreater(old[0], 0.3 * old[-1])
+        self.assertGreater(old[len(old) // 2], 0.7 * old[-1])
+        self.assertGreater(old[len(old) // 2], 2 * young[len(young) // 2])
+
+    def counted(self, name: str, patterns: Dict[str, str], seed: str = "1") -> List[str]:
+        """The strings of a run with a seed, after comparing numbers of matches with golden.tsv."""
+        derived = strings(name, "--seed", seed)
         for step, expected in table(name, list(patterns)).items():
             self.assertEqual([derived[step].count(patterns[symbol]) for symbol in patterns], expected,
                              f"{name}, step {step}")

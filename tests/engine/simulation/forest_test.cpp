@@ -148,6 +148,88 @@ TEST(Forest, TheNumberOfThreadsDoesNotMatter) {
   EXPECT_EQ(hashes[0], hashes[2]);
 }
 
+// doubles its apices at random and says so once a step
+constexpr const char* kBush =
+    "Lsystem: 1\n"
+    "seed: 5\n"
+    "derivation length: 12\n"
+    "Axiom: P(0)A\n"
+    "P(n) : n == 9 { printf(\"nine\\n\"); } --> P(n+1)\n"
+    "P(n) : n != 9 --> P(n+1)\n"
+    "A --> F(ran(1))[+A]A : 0.7\n"
+    "A --> F(ran(2))A : 0.3\n"
+    "endlsystem\n";
+
+TEST(Forest, PlantsDerivedSideBySideAreThoseDerivedOneAfterTheOther) {
+  // 40 plants with up to some thousand modules each
+  std::vector<PlantOrigin> plants;
+  for (int i = 0; i < 40; ++i) {
+    plants.push_back(at(3 * i % 17, i));
+  }
+  std::minstd_rand shuffler(4);
+  std::vector<std::uint64_t> hashes;
+  std::vector<std::string> said;
+  for (const unsigned threads : {1U, 2U, 4U, 4U}) {
+    SimulationOptions options;
+    options.threads = threads;
+    options.messages = [&said](core::MessageKind, std::string_view text) { said.back() += text; };
+    said.emplace_back();
+    Simulation forest(Programs{compileText(kBush)}, plants, nullptr, options);
+    expectSuccess(forest.rewind());
+    std::uint64_t modules = 0;
+    for (int step = 0; step < 12; ++step) {
+      expectSuccess(forest.step());
+      modules = forest.statistics().modules;
+    }
+    EXPECT_GT(modules, 50'000U);
+    hashes.push_back(forest.stateHash());
+    std::shuffle(plants.begin(), plants.end(), shuffler);
+  }
+  EXPECT_EQ(hashes, std::vector<std::uint64_t>(4, hashes[0]));
+  EXPECT_EQ(said[0].size(), 40 * std::string("nine\n").size());
+  EXPECT_EQ(said, std::vector<std::string>(4, said[0]));
+}
+
+TEST(Forest, OfPlantsDerivedSideBySideTheFirstThatFailsIsNamed) {
+  // plant by plant: the eighth and all after it get an infinite number in the tenth step; each says its name before
+  const std::string model =
+      "Lsystem: 1\n"
+      "derivation length: 12\n"
+      "Axiom: ?P(0,0,0)P(0)A\n"
+      "?P(x,y,z) < P(n) : n == 9 { printf(\"%g \", x); } --> P(exp(1000*(x >= 7)))\n"
+      "P(n) --> P(n+1)\n"
+      "A --> F[+A]A\n"
+      "endlsystem\n";
+  std::vector<PlantOrigin> plants;
+  for (int i = 0; i < 40; ++i) {
+    plants.push_back(at(i, 0));
+  }
+  std::vector<std::string> said;
+  std::vector<std::string> messages;
+  std::vector<std::uint64_t> hashes;
+  for (const unsigned threads : {1U, 2U, 4U}) {
+    SimulationOptions options;
+    options.threads = threads;
+    options.messages = [&said](core::MessageKind, std::string_view text) { said.back() += text; };
+    said.emplace_back();
+    Simulation forest(Programs{compileText(model)}, plants, nullptr, options);
+    expectSuccess(forest.rewind());
+    for (int step = 0; step < 9; ++step) {
+      expectSuccess(forest.step());
+    }
+    const std::uint64_t before = forest.stateHash();
+    const auto error = forest.step();
+    ASSERT_TRUE(error.has_value());
+    messages.push_back(error->message);
+    EXPECT_EQ(error->plant, 7U) << error->message;
+    hashes.push_back(forest.stateHash());
+    EXPECT_EQ(hashes.back(), before);
+  }
+  EXPECT_EQ(said, std::vector<std::string>(3, "0 1 2 3 4 5 6 7 "));
+  EXPECT_EQ(messages, std::vector<std::string>(3, messages[0]));
+  EXPECT_EQ(hashes, std::vector<std::uint64_t>(3, hashes[0]));
+}
+
 TEST(Forest, ASeedBecomesAPlantAtTheEndOfTheStep) {
   const auto forest = makeForest({at(0, 0)});
   expectSuccess(forest->rewind());

@@ -1,0 +1,2 @@
+executable: chiba -e light.e light.spec
+turtle position: P: %.9g %.9g %.9g

@@ -1,0 +1,1 @@
+executable: multiple -e root-and-shoot.e root-and-shoot.spec
