@@ -191,18 +191,23 @@ TEST(Forest, PlantsDerivedSideBySideAreThoseDerivedOneAfterTheOther) {
 }
 
 TEST(Forest, OfPlantsDerivedSideBySideTheFirstThatFailsIsNamed) {
-  // plant by plant: the eighth and all after it get an infinite number in the tenth step; each says its name before
-  const std::string model =
-      "Lsystem: 1\n"
-      "derivation length: 12\n"
-      "Axiom: ?P(0,0,0)P(0)A\n"
-      "?P(x,y,z) < P(n) : n == 9 { printf(\"%g \", x); } --> P(exp(1000*(x >= 7)))\n"
-      "P(n) --> P(n+1)\n"
-      "A --> F[+A]A\n"
-      "endlsystem\n";
+  // plant by plant: the eighth and all after it get an infinite number in the tenth step; each says something before
+  const auto model = [](const std::string& word, const std::string& number) {
+    return compileText(
+        "Lsystem: 1\n"
+        "derivation length: 12\n"
+        "Axiom: P(0)A\n"
+        "P(n) : n == 9 { printf(\"" +
+        word + "\"); } --> P(" + number +
+        ")\n"
+        "P(n) --> P(n+1)\n"
+        "A --> F[+A]A\n"
+        "endlsystem\n");
+  };
+  const Programs programs{model("well ", "n"), model("ill ", "exp(100*n)")};
   std::vector<PlantOrigin> plants;
   for (int i = 0; i < 40; ++i) {
-    plants.push_back(at(i, 0));
+    plants.push_back(at(i, 0, i < 7 ? 0 : 1));
   }
   std::vector<std::string> said;
   std::vector<std::string> messages;
@@ -212,7 +217,7 @@ TEST(Forest, OfPlantsDerivedSideBySideTheFirstThatFailsIsNamed) {
     options.threads = threads;
     options.messages = [&said](core::MessageKind, std::string_view text) { said.back() += text; };
     said.emplace_back();
-    Simulation forest(Programs{compileText(model)}, plants, nullptr, options);
+    Simulation forest(programs, plants, nullptr, options);
     expectSuccess(forest.rewind());
     for (int step = 0; step < 9; ++step) {
       expectSuccess(forest.step());
@@ -225,7 +230,7 @@ TEST(Forest, OfPlantsDerivedSideBySideTheFirstThatFailsIsNamed) {
     hashes.push_back(forest.stateHash());
     EXPECT_EQ(hashes.back(), before);
   }
-  EXPECT_EQ(said, std::vector<std::string>(3, "0 1 2 3 4 5 6 7 "));
+  EXPECT_EQ(said, std::vector<std::string>(3, "well well well well well well well ill "));
   EXPECT_EQ(messages, std::vector<std::string>(3, messages[0]));
   EXPECT_EQ(hashes, std::vector<std::uint64_t>(3, hashes[0]));
 }
