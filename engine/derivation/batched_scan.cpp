@@ -6,6 +6,9 @@
 namespace espalier::derivation {
 namespace {
 
+// shorter strings are not worth the setting up of batches; contexts are, sooner
+constexpr std::uint64_t kBatchedModules = 256;
+constexpr std::uint64_t kBatchedModulesWithContexts = 48;
 // a batch shorter than this, before a module that needs the general way, is not worth its setting up
 constexpr std::uint64_t kWorthwhileModules = 256;
 // the longest stretch that is left to the general way before batches are tried again
@@ -47,19 +50,23 @@ bool Derivation::Implementation::appendBatch(const BatchScan::Outcome& outcome) 
   return true;
 }
 
-void Derivation::Implementation::scanInBatches(const PlantState& state) {
+bool Derivation::Implementation::usesBatches(const ModuleString& old) const {
+  return tables_.front().batches.isUseful() &&
+         old.size() >= (program_->hasContexts ? kBatchedModulesWithContexts : kBatchedModules) &&
+         !(random_.isSequential() && program_->systems.front().isStochastic);
+}
+
+void Derivation::Implementation::scanInBatches(const PlantState& state, std::uint64_t end, ScanPlace& place) {
   const SystemTables& tables = tables_.front();
-  const ModuleString& old = state.string;
   if (batches_.empty()) {
     batches_.push_back(std::make_unique<BatchScan>(*program_, tables.rules, tables.batches, tables.plan));
   }
   BatchScan& batch = *batches_.front();
-  ScanPlace place;
   std::uint64_t chunk = generalModules_ > 1 ? kWorthwhileModules : BatchScan::kChunkModules;
-  while (place.module < old.size()) {
+  while (place.module < end) {
     if (modulesAlone_ > 0) {
       const std::uint64_t first = place.module;
-      scanUpTo(state, std::min(old.size(), first + modulesAlone_), place);
+      scanUpTo(state, std::min(end, first + modulesAlone_), place);
       modulesAlone_ -= std::min(modulesAlone_, place.module - first);
       continue;
     }
@@ -67,8 +74,8 @@ void Derivation::Implementation::scanInBatches(const PlantState& state) {
     evaluator_.pollCancelled();
     // blocks of the general way may have changed Z
     batch.begin(batchStep(state));
-    const std::uint64_t end = std::min(old.size(), place.module + chunk);
-    const BatchScan::Outcome outcome = batch.choose(place.module, end, place.offset);
+    const std::uint64_t chunkEnd = std::min(end, place.module + chunk);
+    const BatchScan::Outcome outcome = batch.choose(place.module, chunkEnd, place.offset);
     const std::uint64_t batched = outcome.endModule - place.module;
     if (appendBatch(outcome)) {
       place = {outcome.endModule, outcome.endParameter};
@@ -80,7 +87,7 @@ void Derivation::Implementation::scanInBatches(const PlantState& state) {
     if (tables.batches.isQuick() && outcome.lightSites * kLightShare > batched) {
       modulesAlone_ = kLightModules;
     }
-    if (outcome.endModule == end) {
+    if (outcome.endModule == chunkEnd) {
       chunk = std::min(2 * chunk, BatchScan::kChunkModules);
       continue;
     }

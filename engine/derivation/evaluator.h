@@ -74,6 +74,11 @@ class Evaluator {
   /// By instruction: not 0 where a warning was given, so that the same place is silent from then on.
   [[nodiscard]] const std::uint8_t* hasWarned() const { return hasWarned_.data(); }
 
+  /// Replaces Options::messages.
+  void setMessages(core::MessageSink messages) { options_.messages = std::move(messages); }
+  /// Is silent from now on where `other`, of the same Program, has warned, and only there.
+  void adoptWarnings(const Evaluator& other) { hasWarned_ = other.hasWarned_; }
+
   /// Reports a warning with a place in the model, if anybody listens.
   void warn(const std::string& message, core::SourceRange range) const;
   /// Throws SimulationFailure when the caller asked to stop.

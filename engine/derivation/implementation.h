@@ -88,7 +88,8 @@ class Derivation::Implementation {
   void scanUpTo(const PlantState& state, std::uint64_t end, ScanPlace& place);
   template <bool kDrawsEachPosition, bool kHasParameters>
   void scanPlain(const PlantState& state, std::uint64_t end, ScanPlace& place);
-  void scanInBatches(const PlantState& state);
+  [[nodiscard]] bool usesBatches(const ModuleString& old) const;
+  void scanInBatches(const PlantState& state, std::uint64_t end, ScanPlace& place);
   [[nodiscard]] BatchScan::Step batchStep(const PlantState& state) const;
   [[nodiscard]] bool appendBatch(const BatchScan::Outcome& outcome);
   [[nodiscard]] bool isWithinLimits(std::uint64_t moduleCount, std::uint64_t parameterCount) const;
@@ -98,10 +99,21 @@ class Derivation::Implementation {
                                    core::ModuleTypeId type);
 
   // parallel_scan.cpp
+  [[nodiscard]] bool isThreaded(const ModuleString& old) const;
   [[nodiscard]] bool canScanInParallel(const ModuleString& old);
   void scanInParallel(const PlantState& state);
-  void findChunkOffsets(const ModuleString& old);
+  void makeTeam();
+  void findChunkOffsets(const ModuleString& old, std::uint64_t chunkModules);
   std::uint64_t scanRound(const BatchScan::Step& step, std::uint64_t firstChunk);
+
+  // parted_scan.cpp
+  [[nodiscard]] bool canScanInParts(const ModuleString& old) const;
+  void scanInParts(const PlantState& state);
+  [[nodiscard]] ScanPlace chunkStart(const ModuleString& old, std::uint64_t chunk) const;
+  std::uint64_t scanPartRound(const PlantState& state, std::uint64_t firstChunk, ScanPlace& place);
+  [[nodiscard]] std::unique_ptr<Implementation> makeHelper() const;
+  void beginParts(const PlantState& state, const Implementation& owner);
+  [[nodiscard]] bool scanPart(const PlantState& state, std::uint64_t end, ScanPlace& place);
 
   void scanBackwards(const PlantState& state);
   void reserveOutput(std::uint64_t moduleCount, std::uint64_t parameterCount);
@@ -159,6 +171,10 @@ class Derivation::Implementation {
   std::vector<std::uint64_t> chunkOffsets_;  // by chunk: its first parameter in the string that is read; one more
   std::vector<StringIndex::OpenEnds> openEnds_;  // by part of the string that is read
   std::vector<std::uint64_t> unusualChunks_;     // of the last round of threads
+
+  std::vector<std::unique_ptr<Implementation>> helpers_;  // by thread: each scans chunks by itself; made when needed
+  PlantState partState_;                                  // of a helper: its owner's variables
+  bool hasPartWarned_ = false;                            // of a helper: the chunk must be done by its owner
 
   ModuleString working_;           // the string being produced; swapped with the old one at the end of a step
   ProducedPieces pieces_;          // the same while it is produced from right to left

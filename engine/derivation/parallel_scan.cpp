@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <atomic>
 #include <mutex>
-#include <thread>
 
 #include "engine/derivation/implementation.h"
 #include "engine/derivation/output_pages.h"
+#include "engine/derivation/scan_round.h"
 
 namespace espalier::derivation {
 namespace {
@@ -18,50 +18,27 @@ namespace {
 constexpr std::uint64_t kPartChunks = 16;
 // of a chunk that is only counted and written: long enough that threads seldom meet in one page
 constexpr std::uint64_t kFixedChunkModules = 16 * BatchScan::kChunkModules;
-// turns a waiting thread looks again before it lets others run
-constexpr int kSpins = 200;
-
-/// What the threads of one round share.
-struct Round {
-  std::uint64_t chunkCount = 0;
-  std::uint64_t modules = 0;  // made by all chunks before `turn`; only the thread whose turn it is reads or writes
-  std::uint64_t parameters = 0;
-  std::atomic<std::uint64_t> next{0};      // chunk that nobody has taken yet
-  std::atomic<std::uint64_t> turn{0};      // chunk whose place is decided next
-  std::atomic<std::uint64_t> stop{~0ULL};  // no chunk from here on is written in this round
-  std::mutex mutex;
-  std::vector<std::uint64_t> unusual;  // chunks with values that the Evaluator must see
-
-  void stopAt(std::uint64_t chunk) {
-    std::uint64_t seen = stop.load();
-    while (chunk < seen && !stop.compare_exchange_weak(seen, chunk)) {
-    }
-  }
-  /// Whether the turn of the chunk came; false when the round ends before.
-  [[nodiscard]] bool awaitTurn(std::uint64_t chunk) const {
-    for (int spins = 0; turn.load(std::memory_order_acquire) != chunk; ++spins) {
-      if (stop.load(std::memory_order_acquire) <= chunk) {
-        return false;
-      }
-      if (spins >= kSpins) {
-        std::this_thread::yield();
-      }
-    }
-    return stop.load(std::memory_order_acquire) > chunk;
-  }
-};
 
 }  // namespace
 
-bool Derivation::Implementation::canScanInParallel(const ModuleString& old) {
-  const BatchPlan& plan = tables_.front().batches;
-  return old.size() >= options_.threadedModules && threadCount_ > 1 && record_ == nullptr && !program_->hasSubSystems &&
-         plan.isComplete() && !(random_.isSequential() && program_->systems.front().isStochastic);
+bool Derivation::Implementation::isThreaded(const ModuleString& old) const {
+  return old.size() >= options_.threadedModules && threadCount_ > 1 && record_ == nullptr && !program_->hasSubSystems;
 }
 
-void Derivation::Implementation::findChunkOffsets(const ModuleString& old) {
+bool Derivation::Implementation::canScanInParallel(const ModuleString& old) {
+  const BatchPlan& plan = tables_.front().batches;
+  return isThreaded(old) && plan.isComplete() && !(random_.isSequential() && program_->systems.front().isStochastic);
+}
+
+void Derivation::Implementation::makeTeam() {
+  if (team_ == nullptr) {
+    team_ = std::make_unique<WorkerTeam>(threadCount_);
+  }
+}
+
+void Derivation::Implementation::findChunkOffsets(const ModuleString& old, std::uint64_t chunkModules) {
   const std::uint64_t size = old.size();
-  chunkModules_ = tables_.front().batches.isFixedOnly() ? kFixedChunkModules : BatchScan::kChunkModules;
+  chunkModules_ = chunkModules;
   const std::uint64_t chunkCount = (size + chunkModules_ - 1) / chunkModules_;
   const std::uint64_t partCount = (chunkCount + kPartChunks - 1) / kPartChunks;
   const bool needsLinks = needsIndex(program_->systems.front()) && !areLinksKept_;
@@ -99,11 +76,10 @@ void Derivation::Implementation::findChunkOffsets(const ModuleString& old) {
 }
 
 std::uint64_t Derivation::Implementation::scanRound(const BatchScan::Step& step, std::uint64_t firstChunk) {
-  Round round;
   const std::uint64_t size = step.old.size;
-  round.chunkCount = chunkOffsets_.size() - 1;
-  round.next = firstChunk;
-  round.turn = firstChunk;
+  ScanRound round(firstChunk, chunkOffsets_.size() - 1);
+  std::mutex mutex;
+  std::vector<std::uint64_t> unusual;  // chunks with values that the Evaluator must see
   round.modules = working_.size();
   round.parameters = working_.parameterCount();
   const std::uint64_t moduleCapacity = working_.typeBuffer().capacity();
@@ -120,11 +96,7 @@ std::uint64_t Derivation::Implementation::scanRound(const BatchScan::Step& step,
     try {
       BatchScan& batch = *batches_[worker];
       batch.begin(step);
-      while (true) {
-        chunk = round.next.fetch_add(1);
-        if (chunk >= round.chunkCount || chunk >= round.stop.load()) {
-          return;
-        }
+      while (round.take(chunk)) {
         const std::uint64_t first = chunk * chunkModules_;
         const BatchScan::Outcome outcome =
             batch.choose(first, std::min(first + chunkModules_, size), chunkOffsets_[chunk]);
@@ -143,14 +115,14 @@ std::uint64_t Derivation::Implementation::scanRound(const BatchScan::Step& step,
           round.stopAt(chunk);
           return;
         }
-        round.turn.store(chunk + 1, std::memory_order_release);
+        round.passTurn(chunk);
         typePages.prepare(modules * sizeof(core::ModuleTypeId),
                           (modules + outcome.moduleCount) * sizeof(core::ModuleTypeId));
         parameterPages.prepare(parameterCount * sizeof(double),
                                (parameterCount + outcome.parameterCount) * sizeof(double));
         if (!batch.write(types + modules, parameters + parameterCount)) {
-          const std::lock_guard lock(round.mutex);
-          round.unusual.push_back(chunk);
+          const std::lock_guard lock(mutex);
+          unusual.push_back(chunk);
         }
       }
     } catch (...) {
@@ -161,21 +133,19 @@ std::uint64_t Derivation::Implementation::scanRound(const BatchScan::Step& step,
   });
   working_.typeBuffer().resize(round.modules);
   working_.parameterBuffer().resize(round.parameters);
-  std::sort(round.unusual.begin(), round.unusual.end());
-  unusualChunks_ = std::move(round.unusual);
-  return std::min(round.stop.load(), round.chunkCount);
+  std::sort(unusual.begin(), unusual.end());
+  unusualChunks_ = std::move(unusual);
+  return round.end();
 }
 
 void Derivation::Implementation::scanInParallel(const PlantState& state) {
   const SystemTables& tables = tables_.front();
   const ModuleString& old = state.string;
-  if (team_ == nullptr) {
-    team_ = std::make_unique<WorkerTeam>(threadCount_);
-  }
+  makeTeam();
   while (batches_.size() < threadCount_) {
     batches_.push_back(std::make_unique<BatchScan>(*program_, tables.rules, tables.batches, tables.plan));
   }
-  findChunkOffsets(old);
+  findChunkOffsets(old, tables.batches.isFixedOnly() ? kFixedChunkModules : BatchScan::kChunkModules);
   BatchScan::Step step = batchStep(state);
   // each thread has its own
   step.old.shortcuts = nullptr;

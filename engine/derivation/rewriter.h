@@ -50,6 +50,9 @@ class Rewriter {
   /// type.
   void setBarriers(std::vector<std::uint8_t> isBarrier) { isBarrier_ = std::move(isBarrier); }
 
+  /// Is silent from now on about the lists that `other`, of the same Program, has warned about, and only about these.
+  void adoptWarnings(const Rewriter& other) { warnedLists_ = other.warnedLists_; }
+
   /// Every search and application from now on is added to `record`; null: none. It changes nothing else.
   void setRecord(ModuleRecord* record) { record_ = record; }
 

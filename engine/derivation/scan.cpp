@@ -12,9 +12,6 @@ namespace {
 constexpr std::uint64_t kChunkModules = 4096;
 // new modules that one chunk may make before the limits are looked at
 constexpr std::uint64_t kChunkOutput = 65536;
-// shorter strings are not worth the setting up of batches; contexts are, sooner
-constexpr std::uint64_t kBatchedModules = 256;
-constexpr std::uint64_t kBatchedModulesWithContexts = 48;
 // modules or parameters that may be written beyond the end of what is used
 constexpr std::uint64_t kSlack = 64;
 // parameters that are copied in one move, whether there are as many or not
@@ -52,9 +49,10 @@ void Derivation::Implementation::scan(PlantState& state) {
   working_.clear();
   keptParts_.clear();
   const bool isParallel = canScanInParallel(old);
+  const bool isParted = !isParallel && canScanInParts(old);
   const bool isIndexed = std::any_of(program_->systems.begin(), program_->systems.end(),
                                      [&](const language::LSystem& system) { return needsIndex(system); });
-  if (isIndexed && !isParallel && !areLinksKept_) {
+  if (isIndexed && !isParallel && !isParted && !areLinksKept_) {
     buildIndex(old);
   }
   const bool isBackwards = tables_.front().isProducedBackwards && !program_->hasSubSystems;
@@ -73,13 +71,15 @@ void Derivation::Implementation::scan(PlantState& state) {
     scanRecorded(state);
   } else if (isParallel) {
     scanInParallel(state);
-  } else if (tables_.front().batches.isUseful() &&
-             old.size() >= (program_->hasContexts ? kBatchedModulesWithContexts : kBatchedModules) &&
-             !(random_.isSequential() && program_->systems.front().isStochastic)) {
-    scanInBatches(state);
+  } else if (isParted) {
+    scanInParts(state);
   } else {
     ScanPlace place;
-    scanUpTo(state, old.size(), place);
+    if (usesBatches(old)) {
+      scanInBatches(state, old.size(), place);
+    } else {
+      scanUpTo(state, old.size(), place);
+    }
   }
   appendKeptParts(old);
   rewriter_.checkSize(working_.size(), working_.parameterCount());

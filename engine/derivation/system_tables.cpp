@@ -3,6 +3,39 @@
 #include <algorithm>
 
 namespace espalier::derivation {
+namespace {
+
+using language::Function;
+using language::Operation;
+
+/// Whether evaluating the code changes nothing that outlives it but the count of the module's draws.
+bool hasNoEffect(const language::Program& program, const language::Expression& expression) {
+  if (expression.kind != language::Expression::Kind::Code || expression.isPure) {
+    return true;
+  }
+  return std::all_of(program.code.begin() + expression.code.begin, program.code.begin() + expression.code.end,
+                     [](const language::Instruction& instruction) {
+                       if (instruction.operation == Operation::Call) {
+                         const auto function = static_cast<Function>(instruction.operand);
+                         return function != Function::Srand && function != Function::Stop &&
+                                function != Function::SetDerivationLength && function != Function::Play;
+                       }
+                       return instruction.operation < Operation::StoreSlot ||
+                              (instruction.operation >= Operation::Pop && instruction.operation < Operation::Call);
+                     });
+}
+
+/// Whether what a production makes of a module depends on the old string, the variables and the module's own draws
+/// alone.
+bool isOrderFree(const language::Program& program, const language::Production& production) {
+  const auto isFree = [&](const language::Expression& expression) { return hasNoEffect(program, expression); };
+  return production.newLeftContext.empty() && production.newRightContext.empty() && production.preBlock.empty() &&
+         production.postBlock.empty() && (!production.condition || isFree(*production.condition)) &&
+         (!production.probability || isFree(*production.probability)) &&
+         std::all_of(production.expressions.begin(), production.expressions.end(), isFree);
+}
+
+}  // namespace
 
 SystemTables::SystemTables(const language::Program& program, std::uint32_t systemIndex)
     : system(&program.systems[systemIndex]),
@@ -18,6 +51,17 @@ SystemTables::SystemTables(const language::Program& program, std::uint32_t syste
                                         });
     decomposes.push_back(isDecomposed ? 1 : 0);
     isProducedBackwards = isProducedBackwards || !production.newRightContext.empty();
+  }
+  isInside.resize(program.moduleTypeCount(), 0);
+  isOrderFree = true;
+  for (const language::ProductionList* list : {&system->productions, &system->decomposition}) {
+    for (const language::Production& production : list->productions) {
+      isOrderFree = isOrderFree && derivation::isOrderFree(program, production);
+      drawsRandom = drawsRandom || production.drawsRandom;
+      for (std::size_t i = 1; i < production.predecessor.size(); ++i) {
+        isInside[production.predecessor[i].type] = 1;
+      }
+    }
   }
 }
 

@@ -21,7 +21,10 @@ struct SystemTables {
   BatchPlan batches;
   bool hasDecomposition = false;         // there are decomposition productions and the maximum depth is not 0
   std::vector<std::uint8_t> decomposes;  // by production: a module of its successor is a decomposition predecessor
-  bool isProducedBackwards = false;      // a production has a `>>` context: the scan runs from right to left
+  std::vector<std::uint8_t> isInside;    // by module type: a predecessor has it behind its first module
+  bool isOrderFree = false;  // what becomes of a module depends on no other's rewriting: no blocks, no `<<`, no `>>`
+  bool drawsRandom = false;  // a production or decomposition draws numbers besides the choice
+  bool isProducedBackwards = false;  // a production has a `>>` context: the scan runs from right to left
 };
 
 /// The tables of all L-systems, in the order of Program::systems.
