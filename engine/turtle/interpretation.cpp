@@ -49,6 +49,7 @@ Interpretation::Interpretation(const Subject& subject, const InterpretationOutpu
     state_.frame.up = transported(placement.frame.up, placement.frame.heading, state_.frame.heading);
     state_.frame.left = core::cross(state_.frame.heading, state_.frame.up);
   }
+  state_.otherFrame = state_.frame;
   state_.previousHeading = state_.frame.heading;
   state_.previousUp = state_.frame.up;
   state_.width = view_.initialLineWidth;
@@ -317,7 +318,8 @@ std::uint64_t Interpretation::executeAt(const Sequence& sequence, std::uint64_t 
     }
     const bool isWhole = !(arity == 0 && takesSecondSymbol(first));
     const TurtleCommand command = first != '\0' && isWhole ? commandAfterAt(first, '\0') : TurtleCommand::None;
-    if (command != TurtleCommand::None) {
+    const bool isForeign = command == TurtleCommand::ExchangeFrames && isCompatible();
+    if (command != TurtleCommand::None && !isForeign) {
       performAt(command, {sequence.parameters + nextOffset, arity});
       return 2;
     }

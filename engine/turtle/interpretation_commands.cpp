@@ -289,6 +289,9 @@ void Interpretation::performAt(TurtleCommand command, const Arguments& arguments
     case TurtleCommand::TransportUp:
       transportUp(state_);
       return;
+    case TurtleCommand::ExchangeFrames:
+      std::swap(state_.frame, state_.otherFrame);
+      return;
     case TurtleCommand::PatchStart:
       drawing_.startPatch(wholeNumber(arguments.valueOr(0, 0.0)));
       return;

@@ -40,10 +40,10 @@ bool isSame(const TurtleState& a, const TurtleState& b) {
                                         s.segment};
   };
   return haveSameBytes(a.position, b.position) && haveSameBits(a.frame, b.frame) &&
-         haveSameBytes(a.previousHeading, b.previousHeading) && haveSameBytes(a.previousUp, b.previousUp) &&
-         haveSameBytes(a.elasticity, b.elasticity) && haveSameBytes(numbersOf(a), numbersOf(b)) &&
-         countsOf(a) == countsOf(b) && a.hasSmoothRadius == b.hasSmoothRadius &&
-         (a.record == kNoParent) == (b.record == kNoParent);
+         haveSameBits(a.otherFrame, b.otherFrame) && haveSameBytes(a.previousHeading, b.previousHeading) &&
+         haveSameBytes(a.previousUp, b.previousUp) && haveSameBytes(a.elasticity, b.elasticity) &&
+         haveSameBytes(numbersOf(a), numbersOf(b)) && countsOf(a) == countsOf(b) &&
+         a.hasSmoothRadius == b.hasSmoothRadius && (a.record == kNoParent) == (b.record == kNoParent);
 }
 
 std::uint64_t hashOf(const TurtleState& state) {

@@ -44,7 +44,7 @@ constexpr std::array kAfterAt = {
     Entry{"S", TurtleCommand::SystemCall},        Entry{"I", TurtleCommand::Ignored},
     Entry{"J", TurtleCommand::Ignored},           Entry{"mo", TurtleCommand::Ignored},
     Entry{"mc", TurtleCommand::ConditionalCut},   Entry{";", TurtleCommand::BackColourUp},
-    Entry{",", TurtleCommand::BackColourDown},
+    Entry{",", TurtleCommand::BackColourDown},    Entry{"X", TurtleCommand::ExchangeFrames},
 };
 
 }  // namespace

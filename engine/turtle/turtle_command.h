@@ -60,6 +60,7 @@ enum class TurtleCommand : std::uint8_t {
   ElasticityDown,    // Td
   KeepTwist,         // Tf
   TransportUp,       // Tp
+  ExchangeFrames,    // X, in Espalier's own mode only
   PatchStart,        // PS
   PatchPoint,        // PC
   PatchDraw,         // PD

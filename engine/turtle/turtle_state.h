@@ -18,6 +18,7 @@ inline constexpr std::uint32_t kNoParent = 0xFFFFFFFF;
 struct TurtleState {
   core::Vec3 position;
   core::Frame frame;
+  core::Frame otherFrame;                     // a second orientation, that @X exchanges with the first
   core::Vec3 previousHeading{0.0, 1.0, 0.0};  // of the last drawn segment: twist-free transport starts here
   core::Vec3 previousUp{0.0, 0.0, -1.0};
   double width = 1.0;

@@ -120,7 +120,7 @@ class FractintReader {
     const std::optional<double> number = core::parseNumber(value.text);
     if (!number || *number != std::floor(*number) || *number < kLeastAngle || *number > 1e6) {
       report_.error(value.empty() ? statement.offset : value.offset, value.text.size(),
-                    "expected a whole number from 3 up while reading Angle, found '" +
+                    "expected a whole number from 3 to 1000000 while reading Angle, found '" +
                         std::string(value.text.substr(0, 40)) + "'",
                     "+ and - turn by 360 degrees divided by it");
       angle_ = kLeastAngle;
@@ -264,8 +264,6 @@ class FractintReader {
       }
     };
     draw('G', "f");
-    draw('D', "F");
-    draw('M', "f");
     // F and G have a heading of their own, that + - | turn, D and M another one, that \ and / turn
     const auto uses = [&](std::string_view symbols) {
       return std::any_of(symbols.begin(), symbols.end(), [&](char symbol) { return used_.count(symbol) > 0; });
@@ -274,8 +272,13 @@ class FractintReader {
     const bool movesByDegrees = uses("DM");
     const bool ignoresDegrees = movesByParts && !movesByDegrees;
     const bool ignoresParts = movesByDegrees && !movesByParts;
-    draw('\\', ignoresDegrees ? "*" : "+(x)");
-    draw('/', ignoresDegrees ? "*" : "-(x)");
+    // with both, the heading of D and M is the turtle's other orientation
+    const bool hasTwo = movesByParts && movesByDegrees && (uses("+-|") || uses("\\/"));
+    const auto other = [&](const std::string& modules) { return hasTwo ? "@X" + modules + "@X" : modules; };
+    draw('D', other("F"));
+    draw('M', other("f"));
+    draw('\\', ignoresDegrees ? "*" : other("+(x)"));
+    draw('/', ignoresDegrees ? "*" : other("-(x)"));
     if (ignoresParts) {
       draw('+', "*");
       draw('-', "*");
@@ -284,7 +287,7 @@ class FractintReader {
     // half a turn, or the most below it that has whole parts
     draw('|', ignoresParts ? "*" : "+(" + cpfgNumber(parts / 2 * 360.0 / parts) + ")");
     // the turtle on its back has left and right exchanged
-    draw('!', "/(180)");
+    draw('!', hasTwo ? "/(180)@X/(180)@X" : "/(180)");
     if (parametric_.count('C') > 0) {
       draw('C', ";(x)");
     }
@@ -295,11 +298,8 @@ class FractintReader {
         model_.palette[i] = kColours[i % 16];
       }
     }
-    if (movesByParts && movesByDegrees && (uses("+-|") || uses("\\/"))) {
-      report_.warn(offset, 1,
-                   "the entry draws with F or G, which + - | turn, and with D or M, which \\ and / turn: one heading "
-                   "serves both here, so that its picture may differ",
-                   "its strings are exact");
+    if (hasTwo) {
+      model_.needs.emplace_back("second heading, which D and M have beside that of F and G");
     }
   }
 

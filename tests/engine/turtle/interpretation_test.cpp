@@ -94,6 +94,24 @@ TEST(Interpretation, RecordedRollToVertical) {
   expectParameters(run.lastParameters(), {-0.0699574, -0.858234, -0.508468});
 }
 
+TEST(Interpretation, TheTurtleHasASecondOrientation) {
+  // each has turns of its own, and brackets bring both back
+  expectParameters(positionAfter("@X+(90)@X F@X F@X F"), {-1, 2, 0});
+  expectParameters(positionAfter("@X+(90)[-(90)@X+(180)F]F@X F"), {-1, 1, 0});
+  // both begin as the view file says
+  language::ViewSettings view;
+  view.initialHeading = {1.0, 0.0, 0.0};
+  expectParameters(positionAfter("F@X F", view), {2, 0, 0});
+}
+
+TEST(Interpretation, TheSecondOrientationIsNoneOfTheReferences) {
+  TurtleRun run("@X F?P(0,0,0)", {}, core::Compatibility::Cpfg);
+  run.pass();
+  expectParameters(run.lastParameters(), {0, 1, 0});
+  ASSERT_EQ(run.messages.size(), 1U);
+  EXPECT_EQ(run.messages[0], "the turtle knows no '@X'; the symbols after the '@' are interpreted on their own");
+}
+
 TEST(Interpretation, WidthColourAndShapesDoNotMove) {
   expectParameters(
       positionAfter("F!(3)#(0.5);(4),(2);,#!@O(2)@o(1)@c(3){.}x_(0.3)@Gs@Gc(3)@Ge@!(5)@#(1)@Gt(1,1)@Gr(0)@Tx(0)"),

@@ -30,6 +30,7 @@ TEST(TurtleCommand, PairsAfterAtAreExact) {
   EXPECT_EQ(commandAfterAt('G', '\0'), TurtleCommand::None);
   EXPECT_EQ(commandAfterAt('D', '\0'), TurtleCommand::SetScale);
   EXPECT_EQ(commandAfterAt('D', 'i'), TurtleCommand::ScaleUp);
+  EXPECT_EQ(commandAfterAt('X', '\0'), TurtleCommand::ExchangeFrames);
   EXPECT_EQ(commandAfterAt('z', '\0'), TurtleCommand::None);
   EXPECT_EQ(commandAfterAt('m', 'c'), TurtleCommand::ConditionalCut);
 }

@@ -32,10 +32,8 @@ TEST(Fractint, NumbersBecomeParameters) {
   const std::string text = cpfgText(entry("angle 6\naxiom @.5f@i2f@q9f@iq4f\\30d/15m/45\n"));
   EXPECT_NE(text.find("Axiom: @(0.5)F@(0.5)F@(3)F@(0.5)F\\(30)D/(15)M/(45)\n"), std::string::npos) << text;
   EXPECT_NE(text.find("@(x) --> @Di(x)\n"), std::string::npos);
-  EXPECT_NE(text.find("\\(x) --> +(x)\n"), std::string::npos);
-  EXPECT_NE(text.find("/(x) --> -(x)\n"), std::string::npos);
-  EXPECT_NE(text.find("D --> F\n"), std::string::npos);
-  EXPECT_NE(text.find("M --> f\n"), std::string::npos);
+  const std::string degrees = cpfgText(entry("angle 6\naxiom \\30d/15m\n"));
+  EXPECT_NE(degrees.find("D --> F\nM --> f\n\\(x) --> +(x)\n/(x) --> -(x)\n"), std::string::npos) << degrees;
 }
 
 TEST(Fractint, ColoursAreThoseOfTheScreen) {
@@ -62,8 +60,9 @@ TEST(Fractint, ErrorsNameItsLinesAndTerms) {
             Messages{"1:1: error: the entry 'Koch' has no Angle | 'Angle 6' makes + and - turn by 360/6 degrees"});
   EXPECT_EQ(
       messages("angle -6\naxiom f\n"),
-      Messages{"2:7: error: expected a whole number from 3 up while reading Angle, found '-6' | + and - turn by 360 "
-               "degrees divided by it"});
+      Messages{
+          "2:7: error: expected a whole number from 3 to 1000000 while reading Angle, found '-6' | + and - turn by 360 "
+          "degrees divided by it"});
   EXPECT_EQ(
       messages("angle 6\naxiom f[+f\n"),
       Messages{"3:8: error: the bracket '[' is never closed in the Axiom | a ']' goes back to where the turtle was "
@@ -102,10 +101,15 @@ TEST(Fractint, DegreesTurnTheHeadingOfDAndMOnly) {
   EXPECT_EQ(foreignMessages(entry("angle 6\naxiom d\\30+|-m\n")), Messages{});
 }
 
-TEST(Fractint, TwoHeadingsInOneEntryAreAWarning) {
-  EXPECT_EQ(foreignMessages(entry("angle 6\naxiom f+\\30d\n")),
-            Messages{"1:1: warning: the entry draws with F or G, which + - | turn, and with D or M, which \\ and / "
-                     "turn: one heading serves both here, so that its picture may differ | its strings are exact"});
+TEST(Fractint, FAndGTurnApartFromDAndM) {
+  const std::string text = cpfgText(entry("angle 6\naxiom f+\\30d/15m|!g\n"));
+  // the other heading is the turtle's other orientation
+  EXPECT_NE(text.find("G --> f\nD --> @XF@X\nM --> @Xf@X\n\\(x) --> @X+(x)@X\n/(x) --> @X-(x)@X\n| --> +(180)\n"
+                      "! --> /(180)@X/(180)@X\n"),
+            std::string::npos)
+      << text;
+  EXPECT_EQ(text.find("+ --> "), std::string::npos);
+  EXPECT_EQ(foreignMessages(entry("angle 6\naxiom f+\\30d\n")), Messages{});
 }
 
 }  // namespace
