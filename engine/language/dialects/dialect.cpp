@@ -10,6 +10,7 @@
 #include "engine/language/dialects/species.h"
 #include "engine/language/dialects/textbook.h"
 #include "engine/language/dialects/turtle_painter.h"
+#include "engine/language/utf8.h"
 
 namespace espalier::language {
 namespace {
@@ -106,7 +107,7 @@ std::optional<TranslatedModel> translateForeign(const CompileInput& input, core:
     return std::nullopt;
   }
   TranslatedModel translated;
-  translated.foreign = {named.file, std::move(*text)};
+  translated.foreign = {named.file, asUtf8(*text)};
   const std::string& foreign = translated.foreign.text;
   const bool isAsked = !input.dialect.empty();
   if (!isAsked && looksLikeCpfg(foreign)) {

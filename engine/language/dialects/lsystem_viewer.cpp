@@ -117,7 +117,7 @@ class LsystemViewerReader {
     }
     if (name == "generations") {
       if (*number < 0.0 || *number != std::floor(*number) || *number > kMostGenerations) {
-        return refuse("a whole number from 0 up", "it says how often the axiom is rewritten");
+        return refuse("a whole number from 0 to 1000000", "it says how often the axiom is rewritten");
       }
       model_.derivationLength = static_cast<std::uint64_t>(*number);
     } else if (name == "scale") {

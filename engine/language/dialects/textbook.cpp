@@ -16,6 +16,7 @@ namespace {
 
 constexpr std::array<std::string_view, 5> kArrows{"→", "⟶", "-->", "->", "⇒"};
 constexpr double kMostSteps = 1e6;
+constexpr double kProbabilityTolerance = 0.0101;  // three thirds may be printed as 0.33
 constexpr std::string_view kShape = "shape ";
 
 enum class Setting : std::uint8_t { Axiom, Angle, Steps, Heading, Step, Turns, Productions, Sets };
@@ -288,7 +289,7 @@ class TextbookReader {
     if (setting.setting == Setting::Steps) {
       if (!number || *number < 0.0 || *number != std::floor(*number) || *number > kMostSteps) {
         report_.error(setting.value.offset, setting.value.text.size(),
-                      "expected a whole number from 0 up while reading n, found '" +
+                      "expected a whole number from 0 to 1000000 while reading n, found '" +
                           std::string(setting.value.text.substr(0, 40)) + "'",
                       "it says how many steps are derived");
         return;
@@ -401,15 +402,17 @@ class TextbookReader {
       text.add(modules_.expression(left.from(left.text.find(':') + 1).trimmed()));
     }
     // the probability in front, in parentheses, or behind a colon
-    MappedText probability;
+    TextPiece written;
     if (right.text.starts_with('(') && right.text.find(')') != std::string_view::npos) {
       const std::size_t end = right.text.find(')');
-      probability = modules_.expression(right.from(1).to(end - 1));
+      written = right.from(1).to(end - 1);
       right = right.from(end + 1).trimmed();
     } else if (const std::size_t colon = right.text.rfind(':'); colon != std::string_view::npos) {
-      probability = modules_.expression(right.from(colon + 1).trimmed());
+      written = right.from(colon + 1).trimmed();
       right = right.to(colon).trimmed();
     }
+    const MappedText probability = written.empty() ? MappedText{} : modules_.expression(written);
+    noteProbability(left, written);
     checkBrackets(text_, right.offset, right.offset + right.text.size(), "the successor", report_);
     const MappedText successor = right.text == "*" ? MappedText{} : modules_.modules(right);
     text.make(" --> ", right.offset).add(successor.empty() ? MappedText("*", right.offset) : successor);
@@ -418,6 +421,32 @@ class TextbookReader {
       model_.isStochastic = true;
     }
     model_.productions.push_back(std::move(text));
+  }
+
+  // of productions with one left side that all have a number
+  void noteProbability(const TextPiece& left, const TextPiece& written) {
+    std::string side(left.text);
+    std::erase(side, ' ');
+    Chances& chances = chances_.try_emplace(side, Chances{left, 0.0, true}).first->second;
+    const std::optional<double> number = textbookNumber(written.text);
+    chances.areNumbers = chances.areNumbers && number;
+    chances.sum += number.value_or(0.0);
+    if (number && *number < 0.0) {
+      report_.error(written.offset, written.text.size(),
+                    "a probability is a number from 0 to 1, found '" + std::string(written.text.substr(0, 40)) + "'",
+                    "write it behind the production, as in 'F → F[+F]F : 0.33', or before it, as in 'F → (1/3)F[+F]F'");
+    }
+  }
+
+  // not an error: weights that do not sum to 1 are scaled
+  void checkProbabilities() {
+    for (const auto& [side, chances] : chances_) {
+      if (chances.areNumbers && std::abs(chances.sum - 1.0) > kProbabilityTolerance) {
+        report_.warn(chances.first.offset, chances.first.text.size(),
+                     "the probabilities of " + side + " sum to " + cpfgNumber(std::round(chances.sum * 1e6) / 1e6),
+                     "they are scaled to 1");
+      }
+    }
   }
 
   MappedText readPredecessor(const TextPiece& front) {
@@ -476,6 +505,7 @@ class TextbookReader {
   }
 
   void finish() {
+    checkProbabilities();
     if (model_.axiom.empty() && !firstRecurrence_.empty()) {
       const auto level = steps_.value_or(static_cast<std::uint64_t>(std::max(1, highestLevel_)));
       model_.axiom.make(firstRecurrence_ + "(" + std::to_string(level) + ")", recurrenceOffset_);
@@ -552,9 +582,17 @@ class TextbookReader {
     }
   }
 
+  // the probabilities of the productions with one left side
+  struct Chances {
+    TextPiece first;  // left side of the first of them
+    double sum = 0.0;
+    bool areNumbers = true;  // each of them has one
+  };
+
   std::string_view text_;
   DialectReport& report_;
   CpfgModel model_;
+  std::map<std::string, Chances> chances_;  // by left side without blanks
   TextbookSymbols symbols_;
   TextbookModules modules_;
   PainterObjects painter_;
@@ -589,7 +627,8 @@ bool recognisesTextbook(std::string_view text) {
     const std::size_t arrow = statement.text.find("->");
     hasArrow = hasArrow || (arrow != std::string_view::npos && arrow > 0 && statement.text[arrow - 1] != '-');
   }
-  return hasArrow && axiomOf(text).has_value();
+  // without an axiom, too: cpfg's arrow is longer
+  return hasArrow && (axiomOf(text).has_value() || text.find("-->") == std::string_view::npos);
 }
 
 std::vector<DialectEntry> textbookEntries(std::string_view text) {

@@ -5,29 +5,12 @@
 #include <optional>
 #include <utility>
 
+#include "engine/language/utf8.h"
+
 namespace espalier::language {
 namespace {
 
 constexpr std::size_t kMostSymbols = 65535;
-
-// the bytes of the UTF-8 sequence that begins a text; 0: none does
-std::size_t sequenceLength(std::string_view text) {
-  const auto first = static_cast<unsigned char>(text.front());
-  const std::size_t length = first < 0x80                    ? 1
-                             : first >= 0xC2 && first < 0xE0 ? 2
-                             : first >= 0xE0 && first < 0xF0 ? 3
-                             : first >= 0xF0 && first < 0xF5 ? 4
-                                                             : 0;
-  if (length == 0 || text.size() < length) {
-    return 0;
-  }
-  for (std::size_t i = 1; i < length; ++i) {
-    if ((static_cast<unsigned char>(text[i]) & 0xC0U) != 0x80U) {
-      return 0;
-    }
-  }
-  return length;
-}
 
 class StepStringsReader {
  public:
@@ -35,6 +18,7 @@ class StepStringsReader {
       : fileName_(fileName), diagnostics_(diagnostics) {}
 
   StepStrings read(std::string_view text) {
+    text = withoutByteOrderMark(text);
     while (!text.empty()) {
       const std::size_t end = text.find('\n');
       ++line_;

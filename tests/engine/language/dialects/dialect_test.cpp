@@ -27,6 +27,17 @@ TEST(Dialect, LeavesCpfgAlone) {
   EXPECT_EQ(recognised(""), "");
 }
 
+TEST(Dialect, FilesOfOtherEditorsAreReadToo) {
+  const std::string text = "ω: F\r\nδ = 60°\r\nF → F+F\r\n";
+  EXPECT_EQ(cpfgText("\xEF\xBB\xBF" + text), cpfgText(text));
+  // places are those that an editor shows
+  EXPECT_EQ(foreignMessages("\xEF\xBB\xBFw: F*\nF -> F\n").front().substr(0, 5), "1:5: ");
+  // Espécie in Latin-1
+  EXPECT_EQ(recognised("Esp\xE9"
+                       "cie 6\nAxioma: F\nRegras: F -> F[+F]F\n"),
+            "species");
+}
+
 TEST(Dialect, IsOverriddenByName) {
   const std::string text = "w: F\np: F -> FF\n";
   EXPECT_EQ(foreignMessages(text, {}, "lsv").front().substr(0, 26), "1:1: error: unknown comman");

@@ -47,10 +47,9 @@ TEST(LsystemViewer, ErrorsNameItsLinesAndTerms) {
   const auto messages = [](const std::string& lines) { return foreignMessages(lines); };
   EXPECT_EQ(messages("generations 2\nangle 60\nprule F -> FF\n"),
             Messages{"1:1: error: the model has no axiom | write the first string behind the word axiom"});
-  EXPECT_EQ(
-      messages("generations -2\naxiom F\n"),
-      Messages{"1:13: error: expected a whole number from 0 up while reading 'generations', found '-2' | it says how "
-               "often the axiom is rewritten"});
+  EXPECT_EQ(messages("generations -2\naxiom F\n"), Messages{"1:13: error: expected a whole number from 0 to 1000000 "
+                                                            "while reading 'generations', found '-2' | it says how "
+                                                            "often the axiom is rewritten"});
   EXPECT_EQ(messages("generations 2\naxiom F\ncolor blu\n"),
             Messages{"3:7: error: unknown color 'blu' | Did you mean 'blue'? Available: red, blue, green, lightblue, "
                      "darkgreen, gold, yellow, darkblue, darkred, gray, lightgreen, orange, purple."});

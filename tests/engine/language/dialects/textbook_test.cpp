@@ -84,10 +84,10 @@ TEST(Textbook, StartsUpwardsUnlessAnAngleIsGiven) {
 TEST(Textbook, ErrorsNameItsLinesAndTerms) {
   EXPECT_EQ(foreignMessages("F → FF\n"),
             Messages{"1:1: error: the model has no axiom | write the first string as 'ω: F'"});
-  EXPECT_EQ(
-      foreignMessages("ω: F\nn = -2\nF → FF\n"),
-      Messages{"2:5: error: expected a whole number from 0 up while reading n, found '-2' | it says how many steps are "
-               "derived"});
+  EXPECT_EQ(foreignMessages("ω: F\nn = -2\nF → FF\n"),
+            Messages{"2:5: error: expected a whole number from 0 to 1000000 while reading n, found '-2' | it says how "
+                     "many steps are "
+                     "derived"});
   EXPECT_EQ(foreignMessages("ω: F\nδ = wide\nF → FF\n"),
             Messages{"2:6: error: expected an angle in degrees, found 'wide' | write it as δ = 25.7°"});
   EXPECT_EQ(
@@ -119,8 +119,23 @@ TEST(Textbook, ErrorsNameItsLinesAndTerms) {
       foreignMessages("ω: F\nF → F\nshape F\n"),
       Messages{
           "3:7: error: expected a module and ':' while reading 'shape' | write 'shape L: [+(30)F]': L is drawn so"});
+  // ASCII arrows and no axiom: recognised too
+  EXPECT_EQ(foreignMessages("F -> F+F\n").front(),
+            "1:1: error: the model has no axiom | write the first string as 'ω: F'");
+  EXPECT_EQ(
+      foreignMessages("ω: F\nF → FF : -0.5\nF → (-1/2)F\n").front(),
+      "2:12: error: a probability is a number from 0 to 1, found '-0.5' | write it behind the production, as in 'F → "
+      "F[+F]F : 0.33', or before it, as in 'F → (1/3)F[+F]F'");
   EXPECT_EQ(foreignMessages("ω: F\nδ =\nF → F\n"),
             Messages{"2:1: error: a setting without a value | write it behind the name"});
+}
+
+TEST(Textbook, ProbabilitiesThatDoNotSumToOneAreAWarning) {
+  EXPECT_EQ(foreignMessages("ω: A(1)F\np1: A(x) → A(x+1) : 0.4\np2: A(x) → B(x) : 0.7\nF → F : 0.33\nF → FF : 0.66\n"),
+            Messages{"2:5: warning: the probabilities of A(x) sum to 1.1 | they are scaled to 1"});
+  // other left sides, or expressions: nobody knows
+  EXPECT_EQ(foreignMessages("ω: A(1)\nA(x) : x<2 → A(x+1) : 0.4\nA(x) : x>=2 → B(x) : 1\n").size(), 1U);
+  EXPECT_EQ(foreignMessages("ω: A(1)\nA(x) → A(x+1) : x/2\nA(x) → B(x) : 0.1\n"), Messages{});
 }
 
 TEST(Textbook, APrintedLessOrEqualBeforeThePredecessorIsAContextWithAWarning) {
