@@ -113,6 +113,8 @@ class Evolution {
     if (!program) {
       return false;
     }
+    viewFile_ = program->viewFile;
+    hasMadeView_ = !viewFile_.empty() && !files.read(viewFile_);
     std::vector<Gene> genes;
     for (const std::string& text : options_.genes) {
       genes.push_back(*readGene(text));
@@ -346,9 +348,13 @@ class Evolution {
       return false;
     }
     // the state last: what it says is complete is there
-    for (const auto& [name, content] :
-         {std::pair{"generations.csv", history_}, std::pair{"best.l", bestText(generation)},
-          std::pair{"evolution.json", writeEvolution(settings_, generation)}}) {
+    std::vector<std::pair<std::string, std::string>> written{{"generations.csv", history_},
+                                                             {"best.l", bestText(generation)}};
+    if (hasMadeView_) {
+      written.emplace_back("best.v", variants_->viewText());
+    }
+    written.emplace_back("evolution.json", writeEvolution(settings_, generation));
+    for (const auto& [name, content] : written) {
       if (const auto problem = server::writeFileAtomically(path(name), content)) {
         printError(*problem);
         return false;
@@ -397,7 +403,7 @@ class Evolution {
 
   int finish(const Generation& generation) {
     if (!options_.model.isQuiet) {
-      const std::string view = options_.model.view.empty() ? "" : " --view " + options_.model.view;
+      const std::string view = viewFile_.empty() || hasMadeView_ ? "" : " --view " + viewFile_;
       printNote("wrote " + path("best.l") + " (fitness " +
                 numberText(generation.individuals[fittest(generation)].fitness) + "), " + path("generations.csv") +
                 ", a picture of the best of each generation. Draw it: espalier run " + path("best.l") + view +
@@ -416,7 +422,9 @@ class Evolution {
   bool hasJudgeFailed_ = false;
   std::string firstFailure_;
   std::string history_;
-  bool isReported_ = false;  // the generation was read from a file and is complete
+  std::string viewFile_;      // of the model; empty: none
+  bool hasMadeView_ = false;  // a dialect made it, there is no such file
+  bool isReported_ = false;   // the generation was read from a file and is complete
 };
 
 }  // namespace
@@ -432,7 +440,7 @@ void addEvolve(CLI::App& program, int& status) {
       "(number);\n"
       "a product of powers. That of the default is the same for a plant twice as large: symmetry, light and height of "
       "a\n"
-      "plant of extent 1, by the root of the length of its lines.\n"
+      "plant of extent 1, times the root of branching, by the root of the length of its lines.\n"
       "Examples:\n"
       "  espalier evolve tree.l --gene ANGLE=10:80 --gene RATIO=0.5:0.95 --fitness light=1,length=-0.5 -o bred\n"
       "  espalier evolve weed.l --productions --generations 50 -o bred\n"

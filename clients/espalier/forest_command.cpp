@@ -495,7 +495,8 @@ void addForest(CLI::App& program, int& status) {
       "--flat", [options] { options->turnDegrees = 0.0; }, "Trees of the plane: the same as --turn 0");
   command->add_flag("--painted", options->isPainted,
                     "Draw the lines of --model's trees with thickness, leaves and flowers of the report");
-  command->add_flag("!--no-ground", options->hasGround, "Without the ground");
+  command->add_flag_callback(
+      "--no-ground", [options] { options->hasGround = false; }, "Without the ground");
   command->add_option("--threads", options->model.threads, "Threads that grow trees; 0: as many as the machine has")
       ->check(CLI::Range(0, 1024));
   command->add_flag("--quiet", options->model.isQuiet, "Only errors");

@@ -45,6 +45,19 @@ std::string label(double x, double y, std::string_view anchor, std::string_view 
          escaped(text) + "</text>\n";
 }
 
+// 1, 10, 100, 1000, and powers beyond
+std::string powerOfTen(int exponent) {
+  constexpr std::array<std::string_view, 10> kRaised{"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
+  if (exponent < 4) {
+    return "1" + std::string(static_cast<std::size_t>(exponent), '0');
+  }
+  std::string text = "10";
+  for (const char digit : std::to_string(exponent)) {
+    text += kRaised[static_cast<std::size_t>(digit - '0')];
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string growthPlot(const std::vector<GrowthCurve>& curves) {
@@ -56,7 +69,7 @@ std::string growthPlot(const std::vector<GrowthCurve>& curves) {
       longest = std::max(longest, length);
     }
   }
-  const double decades = std::ceil(std::log10(static_cast<double>(longest)));
+  const int decades = static_cast<int>(std::ceil(std::log10(static_cast<double>(longest))));
   const auto xOf = [&](std::size_t step) {
     return kLeft + (kRight - kLeft) * static_cast<double>(step) / static_cast<double>(steps);
   };
@@ -65,13 +78,14 @@ std::string growthPlot(const std::vector<GrowthCurve>& curves) {
   };
 
   std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + number(kWidth) + "\" height=\"" +
-                    number(kHeight) + "\" font-family=\"sans-serif\" font-size=\"12\">\n" +
+                    number(kHeight) + "\" viewBox=\"0 0 " + number(kWidth) + " " + number(kHeight) +
+                    "\" font-family=\"sans-serif\" font-size=\"12\">\n" +
                     "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n";
   // axes
-  for (double decade = 0.0; decade <= decades; decade += 1.0) {
+  for (int decade = 0; decade <= decades; ++decade) {
     const double y = yOf(std::pow(10.0, decade));
     svg += line(kLeft, y, kRight, y, "#dddddd");
-    svg += label(kLeft - 6.0, y + 4.0, "end", std::to_string(static_cast<std::uint64_t>(std::pow(10.0, decade))));
+    svg += label(kLeft - 6.0, y + 4.0, "end", powerOfTen(decade));
   }
   const std::size_t stride = std::max<std::size_t>(1, steps / 10);
   for (std::size_t step = 0; step <= steps; step += stride) {
@@ -86,7 +100,12 @@ std::string growthPlot(const std::vector<GrowthCurve>& curves) {
       path +=
           (step == 0 ? "M" : "L") + number(xOf(step)) + " " + number(yOf(static_cast<double>(curves[i].lengths[step])));
     }
-    svg += "<path fill=\"none\" stroke=\"" + std::string(colour) + "\" stroke-width=\"2\" d=\"" + path + "\"/>\n";
+    // over one just like it: dashed, so that both are seen
+    const auto end = curves.begin() + static_cast<std::ptrdiff_t>(i);
+    const bool isAgain = std::any_of(curves.begin(), end,
+                                     [&](const GrowthCurve& before) { return before.lengths == curves[i].lengths; });
+    svg += "<path fill=\"none\" stroke=\"" + std::string(colour) + "\" stroke-width=\"2\"" +
+           (isAgain ? " stroke-dasharray=\"7 7\"" : "") + " d=\"" + path + "\"/>\n";
     const double y = kTop + 18.0 * static_cast<double>(i + 1);
     svg += line(kRight + 16.0, y - 4.0, kRight + 36.0, y - 4.0, colour);
     svg += label(kRight + 42.0, y, "start", curves[i].name);

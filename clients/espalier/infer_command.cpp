@@ -166,7 +166,8 @@ void addInfer(CLI::App& program, int& status) {
   command->add_option("--constants", options->constants, "Symbols that are replaced by themselves, as '+-F'");
   addPositiveNumber(*command, "--seconds", "How long to search (default 10)", "seconds",
                     [options](double seconds) { options->seconds = seconds; });
-  command->add_flag("!--no-erasing", options->mayErase, "No production may make nothing");
+  command->add_flag_callback(
+      "--no-erasing", [options] { options->mayErase = false; }, "No production may make nothing");
   command->add_flag("--quiet", options->isQuiet, "Print the model only");
   command->callback([options, &status] { status = infer(*options); });
 }

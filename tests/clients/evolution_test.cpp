@@ -105,9 +105,7 @@ TEST(FitnessFormula, TheUsualOneDoesNotGrowWithThePlant) {
   const auto fitnessOf = [&](double scale, bool isMirrored) {
     std::vector<turtle::Segment> plant{line({0, 0, 0}, {0, 2 * scale, 0}),
                                        line({0, 2 * scale, 0}, {scale, 3 * scale, 0}, 0)};
-    if (isMirrored) {
-      plant.push_back(line({0, 2 * scale, 0}, {-scale, 3 * scale, 0}, 0));
-    }
+    plant.push_back(line({0, 2 * scale, 0}, {isMirrored ? -scale : 0.4 * scale, 3 * scale, 0}, 0));
     for (turtle::Segment& segment : plant) {
       segment.startWidth = segment.endWidth = 0.01 * scale;
     }
@@ -116,6 +114,7 @@ TEST(FitnessFormula, TheUsualOneDoesNotGrowWithThePlant) {
   EXPECT_GT(fitnessOf(1.0, false), 0.0);
   EXPECT_NEAR(fitnessOf(8.0, false), fitnessOf(1.0, false), 1e-9);
   EXPECT_GT(fitnessOf(1.0, true), 1.3 * fitnessOf(1.0, false));
+  EXPECT_EQ(formula(measured({line({0, 0, 0}, {0, 2, 0})})), 0.0) << "a line alone is no plant";
 }
 
 TEST(FitnessFormula, IsAProductOfPowers) {

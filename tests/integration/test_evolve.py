@@ -1,6 +1,7 @@
 """espalier evolve: what it breeds, that it depends on the seed alone, and that it goes on where it was stopped."""
 
 import csv
+import math
 import os
 import subprocess
 import tempfile
@@ -72,6 +73,22 @@ class Evolving(unittest.TestCase):
         # neither a line alone nor the largest plant that there can be
         self.assertGreater(float(rows[-1]["branching"]), 0.0)
         self.assertLess(int(rows[-1]["modules"]), 20_000)
+        # the angle of the slides goes on into the plants that are bred
+        self.assertIn("angle increment: 25\n", (self.folder / "bred" / "best.v").read_text())
+        subprocess.run([program(), "run", "bred/best.l", "--quiet", "--steps", "1", "-o", "one.csv"], cwd=self.folder, check=True)
+        with open(self.folder / "one.csv", newline="") as file:
+            headings = {round(math.degrees(math.atan2(float(row["hx"]), float(row["hy"])))) for row in csv.DictReader(file)}
+        self.assertTrue(headings > {0} and all(degrees % 25 == 0 for degrees in headings), headings)
+
+    def test_plants_of_a_dialect_keep_their_steps_and_colours(self) -> None:
+        plant = str(GALLERY / "chapter-lsystem-viewer" / "plant-1.lsv")
+        made = self.evolve(plant, "--productions", "--seed", "2", "--population", "6", "--generations", "1", "-o", "bred")
+        self.assertEqual(made.returncode, 0, made.stderr)
+        best = (self.folder / "bred" / "best.l").read_text()
+        self.assertIn("derivation length: 4\nAxiom: F\nF --> ", best)
+        self.assertTrue(best.endswith("homomorphism no warnings\nF --> F(5)\nf --> f(5)\nendlsystem\n"), best)
+        subprocess.run([program(), "run", "bred/best.l", "--quiet", "-o", "best.svg"], cwd=self.folder, check=True)
+        self.assertIn("#006400", (self.folder / "best.svg").read_text())
 
     def test_threads_change_nothing_and_a_run_goes_on_where_it_stopped(self) -> None:
         common = ["weed.l", "--productions", "--fitness", "symmetry=2,light", "--population", "10", "--seed", "3",

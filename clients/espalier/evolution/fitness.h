@@ -34,7 +34,7 @@ inline constexpr std::array<std::string_view, 9> kMeasureNames{"height",    "lig
 /// What plants are bred for when nothing is said: symmetry² · (sky / extent²) · (height / extent) · √(extent / length).
 /// Bilateral symmetry is preferred, as in plants bred by Ochoa 1998; light caught and height are those of a plant of
 /// extent 1, so that to be larger is no merit, and lines have their price.
-inline constexpr std::string_view kUsualFitness = "symmetry=2,sky=1,height=1,extent=-2.5,length=-0.5";
+inline constexpr std::string_view kUsualFitness = "symmetry=2,sky=1,height=1,extent=-2.5,length=-0.5,branching=0.5";
 
 /// The measure of that index.
 [[nodiscard]] double measure(const PlantMeasures& measures, std::size_t index);

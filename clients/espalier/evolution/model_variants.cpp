@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 #include <string_view>
+#include <tuple>
 
 #include "engine/core/diagnostic.h"
 #include "engine/core/number_text.h"
@@ -76,6 +77,33 @@ std::vector<std::string_view> linesOf(std::string_view text) {
   return lines;
 }
 
+// whether a line begins with a keyword, whose first letter may be of either case
+bool beginsWith(std::string_view line, std::string_view keyword) {
+  line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size()));
+  return line.size() >= keyword.size() && line.substr(1, keyword.size() - 1) == keyword.substr(1) &&
+         (line[0] == keyword[0] || line[0] == static_cast<char>(keyword[0] - 'a' + 'A'));
+}
+
+// a model's text up to its axiom, and from what follows its productions on; nothing when it has no line of an axiom
+std::optional<std::pair<std::string, std::string>> aroundProductions(std::string_view text) {
+  std::pair<std::string, std::string> around;
+  enum class Part : std::uint8_t { Head, Axiom, Productions, Tail } part = Part::Head;
+  for (const std::string_view line : linesOf(text)) {
+    if (part == Part::Head && beginsWith(line, "axiom:")) {
+      part = Part::Axiom;
+    } else if (part == Part::Axiom && !line.starts_with('\t')) {
+      part = Part::Productions;
+    }
+    if (part == Part::Productions && (beginsWith(line, "homomorphism") || beginsWith(line, "endlsystem"))) {
+      part = Part::Tail;
+    }
+    if (part != Part::Productions) {
+      (part == Part::Tail ? around.second : around.first) += std::string(line) + "\n";
+    }
+  }
+  return part == Part::Tail ? std::optional(around) : std::nullopt;
+}
+
 // why the productions of a model are not those of a bracketed D0L-system with constant parameters; empty: they are
 std::string whyNotD0l(const Program& program) {
   const language::LSystem& system = program.systems.front();
@@ -85,9 +113,8 @@ std::string whyNotD0l(const Program& program) {
   };
   constexpr const char* kAdvice =
       ". Productions vary in bracketed D0L-systems; use --gene to vary the numbers of this model";
-  if (program.systems.size() > 1 || !system.decomposition.productions.empty() ||
-      !system.homomorphism.productions.empty()) {
-    return std::string("the model has sub-L-systems, decomposition or homomorphism") + kAdvice;
+  if (program.systems.size() > 1 || !system.decomposition.productions.empty()) {
+    return std::string("the model has sub-L-systems or decomposition") + kAdvice;
   }
   std::vector<core::ModuleTypeId> seen;
   for (const language::Production& production : system.productions.productions) {
@@ -155,6 +182,11 @@ std::variant<ModelVariants, std::string> ModelVariants::make(std::shared_ptr<con
   if (!axiom) {
     return "the axiom computes a parameter: productions vary in models whose parameters are constants";
   }
+  auto around = aroundProductions(variants.source_);
+  if (!around) {
+    return "the model has no line that begins with 'Axiom:': productions vary in models that are written out";
+  }
+  std::tie(variants.head_, variants.tail_) = std::move(*around);
   std::vector<std::string>& alphabet = variants.shape_.alphabet;
   const auto collect = [&alphabet](const Successor& modules) {
     for (const std::string& module : modules) {
@@ -163,9 +195,6 @@ std::variant<ModelVariants, std::string> ModelVariants::make(std::shared_ptr<con
       }
     }
   };
-  for (const std::string& module : *axiom) {
-    variants.axiom_ += module;
-  }
   collect(*axiom);
   for (const language::Production& production : system.productions.productions) {
     variants.shape_.predecessors.emplace_back(base.nameOf(production.predecessor.front().type));
@@ -176,8 +205,7 @@ std::variant<ModelVariants, std::string> ModelVariants::make(std::shared_ptr<con
 }
 
 std::string ModelVariants::productionText(const Genome& genome) const {
-  std::string text = "Lsystem: 1\nderivation length: " + std::to_string(base_->derivationLength) +
-                     "\nAxiom: " + (axiom_.empty() ? "*" : axiom_) + "\n";
+  std::string text = head_;
   for (std::size_t i = 0; i < shape_.predecessors.size(); ++i) {
     std::string successor;
     for (const std::string& module : genome.successors[i]) {
@@ -185,7 +213,7 @@ std::string ModelVariants::productionText(const Genome& genome) const {
     }
     text += shape_.predecessors[i] + " --> " + (successor.empty() ? "*" : successor) + "\n";
   }
-  return text + "endlsystem\n";
+  return text + tail_;
 }
 
 std::string ModelVariants::text(const Genome& genome, const std::string& comment) const {
@@ -206,24 +234,39 @@ std::string ModelVariants::text(const Genome& genome, const std::string& comment
   return result;
 }
 
+std::string ModelVariants::viewText() const {
+  for (const auto& source : base_->sources) {
+    if (source.name == base_->viewFile && !base_->viewFile.empty()) {
+      return source.text;
+    }
+  }
+  return {};
+}
+
 std::variant<std::shared_ptr<const Program>, std::string> ModelVariants::program(const Genome& genome,
                                                                                  core::FileProvider& files) const {
-  // the model's own file with the genome in it, everything else as it is
+  // the model's files as they were read, its own with the genome in it
   class WithModel final : public core::FileProvider {
    public:
-    WithModel(core::FileProvider& others, std::string name, std::optional<std::string> text)
-        : others_(others), name_(std::move(name)), text_(std::move(text)) {}
+    WithModel(core::FileProvider& others, const Program& base, std::optional<std::string> text)
+        : others_(others), base_(base), text_(std::move(text)) {}
     [[nodiscard]] std::optional<std::string> read(const std::string& name) override {
-      return text_ && name == name_ ? text_ : others_.read(name);
+      if (text_ && name == base_.modelFile) {
+        return text_;
+      }
+      // a view file that a dialect made is there only
+      const auto found = std::find_if(base_.sources.begin(), base_.sources.end(),
+                                      [&](const auto& source) { return source.name == name; });
+      return found != base_.sources.end() ? found->text : others_.read(name);
     }
 
    private:
     core::FileProvider& others_;
-    std::string name_;
+    const Program& base_;
     std::optional<std::string> text_;
   };
   const bool variesProductions = !shape_.predecessors.empty();
-  WithModel all(files, base_->modelFile, variesProductions ? std::optional(productionText(genome)) : std::nullopt);
+  WithModel all(files, *base_, variesProductions ? std::optional(productionText(genome)) : std::nullopt);
   language::CompileInput input;
   input.modelFile = base_->modelFile;
   input.viewFile = base_->viewFile;

@@ -28,6 +28,8 @@ class ModelVariants {
 
   /// The text of a genome's model, complete in itself but for its view file and what it includes.
   [[nodiscard]] std::string text(const Genome& genome, const std::string& comment) const;
+  /// The text of the view file that all of them have; empty: none.
+  [[nodiscard]] std::string viewText() const;
   /// The Program of a genome, or the first error. `files` gives the view file and includes. Thread-safe for providers
   /// of their own.
   [[nodiscard]] std::variant<std::shared_ptr<const language::Program>, std::string> program(
@@ -41,7 +43,8 @@ class ModelVariants {
   GenomeShape shape_;
   std::vector<Successor> successors_;
   std::string source_;  // the model file's text
-  std::string axiom_;
+  std::string head_;    // of it, up to the axiom, and
+  std::string tail_;    // from the homomorphism or the end on; both empty unless productions vary
 };
 
 }  // namespace espalier::command
