@@ -122,13 +122,15 @@ bool isForest(const std::string& model) {
   return isOfChapter(model) && model.find('.') == std::string::npos;
 }
 
-// the picture of a model folder, or of a chapter's file or entry (`chapter-x/file.txt:Entry`)
+// the picture of a model folder, or of a chapter's file or entry (`chapter-x/file.txt:Entry`); behind `@` a word that
+// tells pictures of one model apart
 std::string galleryFile(const std::string& model) {
   if (isOfChapter(model)) {
-    const std::string file = model.substr(0, model.find(':'));
-    const std::string entry = model.substr(file.size());
-    return sourceFolder() + "/clients/gallery/" + file.substr(0, file.rfind('.')) +
-           (entry.empty() ? "" : "-" + entry.substr(1)) + ".png";
+    const std::string file = model.substr(0, model.find_first_of(":@"));
+    std::string word = model.substr(file.size());
+    std::replace_if(
+        word.begin(), word.end(), [](char c) { return c == ':' || c == '@'; }, '-');
+    return sourceFolder() + "/clients/gallery/" + file.substr(0, file.rfind('.')) + word + ".png";
   }
   return sourceFolder() + "/clients/gallery/" + model + "/" + model + ".png";
 }
@@ -139,13 +141,14 @@ TEST_P(GalleryPicture, MadeAnewItLooksAsItIsKept) {
   const TemporaryFolder folder;
   const std::string file = folder.path() + "/a.png";
   ASSERT_EQ(setenv("PYTHONPATH", (sourceFolder() + "/clients/python").c_str(), 1), 0);
-  const ProgramRun made = runProgram((isForest(GetParam()) ? "forest" : "run clients/gallery/" + GetParam()) +
-                                         pictures()[GetParam()] + " --size " +
-                                         (isForest(GetParam())      ? "640x480"
-                                          : isOfChapter(GetParam()) ? "320x240"
-                                                                    : "800x600") +
-                                         " --colours 48 --quiet -o " + file,
-                                     sourceFolder());
+  const ProgramRun made = runProgram(
+      (isForest(GetParam()) ? "forest" : "run clients/gallery/" + GetParam().substr(0, GetParam().find('@'))) +
+          pictures()[GetParam()] + " --size " +
+          (isForest(GetParam())      ? "640x480"
+           : isOfChapter(GetParam()) ? "320x240"
+                                     : "800x600") +
+          " --colours 48 --quiet -o " + file,
+      sourceFolder());
   ASSERT_EQ(made.status, 0) << made.errors;
   const PictureImage kept = readPicture(galleryFile(GetParam()));
   const PictureImage fresh = readPicture(file);

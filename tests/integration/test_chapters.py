@@ -7,44 +7,72 @@ import tempfile
 import time
 import unittest
 from pathlib import Path
-from typing import Dict, List, Tuple
+from typing import Dict, List
 
+from chapters import chapter, derived, edges_of, lattice, lines_of, rewritten, rows_of, vector
 from support import GALLERY, espalier
-
-Point = Tuple[float, float]
-
-
-def chapter(name: str) -> str:
-    return str(GALLERY / f"chapter-{name}")
-
-
-def derived(model: str, *arguments: str) -> List[str]:
-    """The strings of all steps of a chapter's model."""
-    lines = espalier("derive", chapter(model), "--every", "--quiet", *arguments).stdout.splitlines()
-    return [line.split("\t")[1] for line in lines]
-
-
-def rewritten(axiom: str, productions: Dict[str, str], steps: int) -> List[str]:
-    """The strings of a context-free L-system of one-character symbols, independently of the program."""
-    found = [axiom]
-    for _ in range(steps):
-        found.append("".join(productions.get(symbol, symbol) for symbol in found[-1]))
-    return found
-
-
-def lines_of(model: str, *arguments: str) -> List[List[Point]]:
-    """The lines that a model draws, as the points of its SVG with y upwards; units of the page."""
-    with tempfile.TemporaryDirectory() as folder:
-        espalier("run", chapter(model), "--quiet", "-o", f"{folder}/a.svg", *arguments)
-        text = Path(folder, "a.svg").read_text(encoding="utf-8")
-    lines: List[List[Point]] = []
-    for path in re.findall(r' d="([^"]+)"', text):
-        for piece in path.split("M")[1:]:
-            lines.append([(float(x), -float(y)) for x, y in re.findall(r"(-?[\d.]+)[ ,](-?[\d.]+)", piece)])
-    return lines
 
 
 class LsystemViewer(unittest.TestCase):
+    def test_regular_polygons_are_n_times_f_and_turns_between(self) -> None:
+        # the paper's recipe: the angle is 360/n, the axiom n F with n - 1 + between them
+        for sides in (3, 4, 5, 6, 8, 12):
+            with self.subTest(sides), tempfile.TemporaryDirectory() as folder:
+                model = Path(folder, "n.lsv")
+                model.write_text(f"generations 1\nstep 10\nangle 360/{sides}\naxiom {'+'.join(sides * 'F')}\n",
+                                 encoding="utf-8")
+                corners = [vector(row, "x y") for row in rows_of(str(model)) if row["symbol"] == "F"]
+                self.assertEqual(len({lattice(corner, 1e-3) for corner in corners}), sides)
+                self.assertLess(math.dist(corners[-1], (0.0, 0.0)), 1e-9)
+                centre = (sum(x for x, _ in corners) / sides, sum(y for _, y in corners) / sides)
+                for corner in corners:
+                    # the radius of a polygon with sides of 10
+                    self.assertAlmostEqual(math.dist(corner, centre), 5 / math.sin(math.pi / sides))
+
+    def test_polygons_that_are_not_regular(self) -> None:
+        corners = [end for _, end in edges_of("lsystem-viewer/rectangle.lsv")]
+        self.assertEqual(sorted({corner[:2] for corner in map(lambda c: lattice(c, 60), corners)}),
+                         [(0, 0), (0, 1), (1, 0), (1, 1), (2, 0), (2, 1)])
+        rhombus = [end for _, end in edges_of("lsystem-viewer/rhombus.lsv")]
+        self.assertEqual(len(rhombus), 4)
+        # equal sides, diagonals of 80 and 80 times the root of 3
+        self.assertAlmostEqual(math.dist(rhombus[1], rhombus[3]), 80.0)
+        self.assertAlmostEqual(math.dist(rhombus[0], rhombus[2]), 80.0 * math.sqrt(3))
+
+    def test_peano_and_hilbert_cover_their_squares(self) -> None:
+        # Hilbert: 32 by 32 points, each once; with scale 1/2 a step is 200/2^5
+        edges = edges_of("lsystem-viewer/hilbert.lsv")
+        points = {lattice(point, 200 / 2**5) for edge in edges for point in edge}
+        self.assertEqual((len(edges), len(points)), (4**5 - 1, 4**5))
+        self.assertEqual(max(x for x, _, _ in points) - min(x for x, _, _ in points), 31)
+        self.assertEqual(max(y for _, y, _ in points) - min(y for _, y, _ in points), 31)
+        # Peano: every line of a turned square lattice once, 27 squares of a step on the diagonal
+        edges = edges_of("lsystem-viewer/peano.lsv")
+        half = 200 / 3**3 / math.sqrt(2)
+        lines = {tuple(sorted(lattice(point, half) for point in edge)) for edge in edges}
+        self.assertEqual((len(edges), len(lines)), (9**3, 9**3))
+        ends = {point for line in lines for point in line}
+        self.assertEqual({max(c[k] for c in ends) - min(c[k] for c in ends) for k in (0, 1)}, {27})
+
+    def test_tilings_repeat_one_figure(self) -> None:
+        # all steps are sides of one lattice, and what each figure is made of is there
+        unit = (10.0, 10.0 * math.sqrt(3))
+        for name, steps in (("triangles", 3), ("rhombs", 4), ("parallelograms", 6)):
+            with self.subTest(name):
+                edges = edges_of(f"lsystem-viewer/tiling-{name}.lsv")
+                sides = set()
+                for start, end in edges:
+                    self.assertAlmostEqual(math.dist(start, end), 20.0)
+                    for x, y, _ in (start, end):
+                        self.assertAlmostEqual(x / unit[0], round(x / unit[0]), places=6)
+                        self.assertAlmostEqual(y / unit[1], round(y / unit[1]), places=6)
+                    sides.add(tuple(sorted((round(x / unit[0]), round(y / unit[1])) for x, y, _ in (start, end))))
+                # neighbours share sides: fewer than the figures have
+                self.assertLess(len(sides), len(edges))
+                directions = {(b[0] - a[0], b[1] - a[1]) for a, b in sides}
+                self.assertEqual(len(directions), 2 if name == "parallelograms" else 3)
+                self.assertGreater(len(edges), 3 * steps)
+
     def test_the_strings_of_the_curve_of_koch(self) -> None:
         self.assertEqual(derived("lsystem-viewer/koch-curve.lsv"),
                          ["F", "F+F--F+F", "F+F--F+F+F+F--F+F--F+F--F+F+F+F--F+F"])
@@ -64,9 +92,11 @@ class LsystemViewer(unittest.TestCase):
                   "coverings": ["peano", "hilbert", "tiling-triangles", "tiling-rhombs", "tiling-parallelograms"],
                   "plants": ["plant-1", "plant-2", "plant-3", "plant-4"]}
         for group, names in groups.items():
+            # contours without rules stay as long in every generation: nine are shown of each
+            steps = ["--steps", "9"] if group == "contours" else []
             models = [chapter(f"lsystem-viewer/{name}.lsv") for name in names]
             with tempfile.TemporaryDirectory() as folder:
-                done = espalier("growth", *models, "--quiet", "-o", f"{folder}/a.svg")
+                done = espalier("growth", *models, *steps, "--quiet", "-o", f"{folder}/a.svg")
                 picture = Path(folder, "a.svg").read_text(encoding="utf-8")
             kept = GALLERY / "chapter-lsystem-viewer" / f"growth-{group}.svg"
             self.assertEqual(picture, kept.read_text(encoding="utf-8"))
@@ -75,7 +105,7 @@ class LsystemViewer(unittest.TestCase):
                 name, _, length = row.split("\t")
                 lengths.setdefault(name, []).append(int(length))
             for name in names:
-                self.assertEqual(lengths[f"{name}.lsv"], [len(text) for text in derived(f"lsystem-viewer/{name}.lsv")])
+                self.assertEqual(lengths[f"{name}.lsv"], [len(text) for text in derived(f"lsystem-viewer/{name}.lsv", *steps)])
 
     def test_contours_close(self) -> None:
         for name in ("triangle", "rectangle", "rhombus", "koch-island"):
@@ -135,6 +165,58 @@ class GraphicalModels(unittest.TestCase):
         archipelago["f"] = "ffff"
         self.assertEqual(derived("graphical-models/archipelago-as-printed.txt"), rewritten("F+F+F+F", archipelago, 2))
 
+    def test_the_snowflake_grows_from_its_initiator_and_generator(self) -> None:
+        self.assertEqual(derived("graphical-models/snowflake.txt"), rewritten("F--F--F", {"F": "F+F--F+F"}, 4))
+        for step in range(5):
+            edges = edges_of("graphical-models/snowflake.txt", "--steps", str(step))
+            self.assertEqual(len(edges), 3 * 4**step)
+            self.assertLess(math.dist(edges[-1][1], (0.0, 0.0, 0.0)), 1e-9)
+            # each side becomes a third
+            self.assertAlmostEqual(math.dist(*edges[0]), 1 / 3**step)
+
+    def test_what_the_bracketed_string_results_in(self) -> None:
+        # F[+F][-F[-F]F]F[+F][-F]: three lines up, at the first joint one to the left and a branch to the right
+        edges = edges_of("graphical-models/bracketed.txt")
+        self.assertEqual(len(edges), 8)
+        half = math.sqrt(0.5)
+        ends = sorted((round(x, 6), round(y, 6)) for _, (x, y, _) in edges)
+        self.assertEqual(ends, sorted((round(x, 6), round(y, 6)) for x, y in [
+            (0, 1), (-half, 1 + half), (half, 1 + half), (half + 1, 1 + half), (2 * half, 1 + 2 * half), (0, 2),
+            (-half, 2 + half), (half, 2 + half)]))
+
+    def test_symbols_of_space_turn_by_the_matrices_of_the_text(self) -> None:
+        # (H', L', U')^T = R (H, L, U)^T with U = H x L; ^ and / by -alpha, \ and / by R_H
+        angle = math.radians(22.5)
+        cosine, sine = math.cos(angle), math.sin(angle)
+        rotations: Dict[str, List[List[float]]] = {
+            "+": [[cosine, sine, 0], [-sine, cosine, 0], [0, 0, 1]],
+            "-": [[cosine, -sine, 0], [sine, cosine, 0], [0, 0, 1]],
+            "&": [[cosine, 0, -sine], [0, 1, 0], [sine, 0, cosine]],
+            "^": [[cosine, 0, sine], [0, 1, 0], [-sine, 0, cosine]],
+            "\\": [[1, 0, 0], [0, cosine, -sine], [0, sine, cosine]],
+            "/": [[1, 0, 0], [0, cosine, sine], [0, -sine, cosine]],
+            "|": [[-1, 0, 0], [0, -1, 0], [0, 0, 1]],
+        }
+        turns = "+&\\^-/&|/+^^\\-"
+        with tempfile.TemporaryDirectory() as folder:
+            model = Path(folder, "m.txt")
+            model.write_text(f"ω: {''.join(turn + 'F' for turn in turns)}\nδ = 22,5°\nn = 0\nF → F\n", encoding="utf-8")
+            drawn = [row for row in rows_of(str(model)) if row["symbol"] == "F"]
+        self.assertEqual(len(drawn), len(turns))
+        frame = [[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]
+        for turn, row in zip(turns, drawn):
+            frame = [[sum(rotations[turn][i][k] * frame[k][axis] for k in range(3)) for axis in range(3)]
+                     for i in range(3)]
+            for i, names in enumerate(("hx hy hz", "lx ly lz")):
+                for expected, found in zip(frame[i], vector(row, names)):
+                    self.assertAlmostEqual(expected, found, places=9, msg=turn)
+
+    def test_the_invention_is_in_space_with_thickness_and_colours(self) -> None:
+        rows = [row for row in rows_of(chapter("graphical-models/space.txt")) if row["symbol"] in "FS"]
+        self.assertGreater(max(float(row["z"]) for row in rows) - min(float(row["z"]) for row in rows), 3.0)
+        self.assertGreater(len({row["colour"] for row in rows}), 3)
+        self.assertEqual({float(row["width"]) for row in rows}, {5.0})
+
     def test_a_step_becomes_a_quarter_and_the_figure_keeps_its_size(self) -> None:
         (first,) = lines_of("graphical-models/koch-island.txt", "--steps", "0")
         self.assertLess(math.dist(first[0], first[-1]), 0.1)
@@ -173,9 +255,15 @@ class GraphicalModels(unittest.TestCase):
         successors = ["F[+F]F[-F]F", "F[+F]F", "F[-F]F"]
         first = {derived("graphical-models/stochastic.txt", "--steps", "1", "--seed", str(seed))[1] for seed in range(30)}
         self.assertEqual(first, set(successors))
-        # of the second generation every module has its own draw; about a third each
-        text = "".join(derived("graphical-models/stochastic.txt", "--steps", "7", "--seed", "5")[-1:])
-        self.assertGreater(text.count("F"), 1000)
+        # every module has a draw of its own: of 900 a third each, four standard deviations
+        with tempfile.TemporaryDirectory() as folder:
+            text = (GALLERY / "chapter-graphical-models" / "stochastic.txt").read_text(encoding="utf-8")
+            Path(folder, "m.txt").write_text(text.replace("ω: F\n", "ω: " + 900 * "AF" + "\n"), encoding="utf-8")
+            after = espalier("derive", f"{folder}/m.txt", "--steps", "1", "--seed", "5", "--quiet").stdout.strip()
+        drawn = after.split("A")[1:]
+        self.assertEqual(len(drawn), 900)
+        for successor in successors:
+            self.assertLess(abs(drawn.count(successor) - 300), 4 * math.sqrt(900 * 2 / 9))
 
     def test_a_signal_climbs_and_ignores_turns(self) -> None:
         steps = derived("graphical-models/context.txt")
@@ -194,6 +282,19 @@ class OpenLsystems(unittest.TestCase):
         self.assertEqual(derived("open-l-systems/dichotomous.txt")[:4],
                          ["0", "1[0][0]", "1[1[0][0]][1[0][0]]",
                           "1[1[1[0][0]][1[0][0]]][1[1[0][0]][1[0][0]]]"])
+
+    def test_branching_is_drawn_by_the_substitution_of_shapes(self) -> None:
+        # level 5 of the tables; every 1 and every 0 is a line of one step
+        for name, rule, straight in (("monopodial", "1[0]0", True), ("dichotomous", "1[0][0]", False)):
+            text = rewritten("0", {"0": rule}, 4)[-1]
+            rows = [row for row in rows_of(chapter(f"open-l-systems/{name}.txt")) if row["symbol"] in "01"]
+            self.assertEqual(len(rows), text.count("0") + text.count("1"))
+            ends = {(round(float(row["x"]), 6), round(float(row["y"]), 6)) for row in rows}
+            # one axis goes on straight where branching is monopodial, none where it is dichotomous
+            on_axis = max(y for x, y in ends if x == 0.0)
+            self.assertEqual(on_axis, 5.0 if straight else on_axis)
+            mirrored = {(0.0 - x, y) for x, y in ends}
+            self.assertEqual(mirrored == ends, not straight)
 
     def test_each_axiom_of_a_set_has_its_own_derivation(self) -> None:
         curves = {"hilbert": {"L": "+RF-LFL-FR+", "R": "-LF+RFR+FL-"}, "dragon": {"X": "X+YF+", "Y": "-FX-Y"},
@@ -249,210 +350,17 @@ class OpenLsystems(unittest.TestCase):
 
 
     def test_lines_are_coloured_in_the_order_of_drawing(self) -> None:
-        with tempfile.TemporaryDirectory() as folder:
-            espalier("run", chapter("open-l-systems/hilbert.txt:L"), "--quiet", "--rainbow", "-o", f"{folder}/a.svg")
-            text = Path(folder, "a.svg").read_text(encoding="utf-8")
-        colours = re.findall(r'stroke="(#[0-9a-f]{6})"', text)
-        # red at both ends, blue two thirds on; the last lines join the first, which have their colour
-        self.assertEqual(colours[0], "#dc1e1e")
-        self.assertEqual(colours[-1][:4], "#da1")
-        blue = colours[len(colours) * 2 // 3]
-        self.assertGreater(int(blue[5:7], 16), 180)
-        self.assertGreater(len(set(colours)), 200)
-
-
-class TurtlePainter(unittest.TestCase):
-    def test_the_first_example(self) -> None:
-        self.assertEqual(derived("turtle-painter/words.txt"), ["A", "B", "AB", "BAB", "ABBAB", "BABABBAB"])
-
-    def test_the_dragon_of_heighway_starts_along_x(self) -> None:
-        self.assertEqual(derived("turtle-painter/dragon.txt", "--steps", "3"),
-                         rewritten("FX", {"X": "X+YF+", "Y": "-FX-Y"}, 3))
-        (line,) = lines_of("turtle-painter/dragon.txt", "--steps", "2")
-        self.assertGreater(line[1][0], line[0][0])
-        self.assertAlmostEqual(line[1][1], line[0][1], places=2)
-
-    def test_the_bracketed_and_the_spatial_example(self) -> None:
-        self.assertEqual(derived("turtle-painter/plant.txt"), rewritten("F", {"F": "FF[-F+F+F][+F-F-F]"}, 4))
-        leafy = "F//[/////-p][-Fp]F//[/////-p][-Fp][F]"
-        self.assertEqual(derived("turtle-painter/leafy.txt", "--steps", "2"), rewritten("F", {"F": leafy}, 2))
-
-    def test_the_production_with_a_condition(self) -> None:
-        # A(6) gives D(3,4); the text prints D(3,5)
-        self.assertEqual(derived("turtle-painter/parametric.txt")[1], "B(7)CD(3,4)A(5)")
-
-    def test_time_and_random_numbers(self) -> None:
-        with tempfile.TemporaryDirectory() as folder:
-            model = Path(folder, "m.txt")
-            model.write_text("// Turtle Painter\nω = A(7)B\nn = 3\nA(t) → A(t)\nB : t >= 2 → C(t)\nC(x) → C(x)\n",
-                             encoding="utf-8")
-            lines = espalier("derive", str(model), "--every", "--quiet").stdout.splitlines()
-            self.assertEqual([line.split("\t")[1] for line in lines], ["A(7)B", "A(7)B", "A(7)C(2)", "A(7)C(2)"])
-            model.write_text("// Turtle Painter\nω = " + 400 * "A" + "\nA : 30 > % → B\nA → +(10,20)\n", encoding="utf-8")
-            text = espalier("derive", str(model), "--quiet", "--seed", "3").stdout
-            # 30 % of 400, four standard deviations
-            self.assertLess(abs(text.count("B") - 120), 4 * math.sqrt(400 * 0.3 * 0.7))
-            angles = [float(angle) for angle in re.findall(r"\+\(([^)]+)\)", text)]
-            self.assertTrue(angles and all(10 <= angle < 20 for angle in angles))
-
-    def test_the_apple_tree_has_its_phases_and_leonardos_thickness(self) -> None:
-        steps = derived("turtle-painter/apple-tree.txt", "--seed", "4")
-        self.assertTrue(all("o" not in text for text in steps[:-1]))
-        self.assertIn("o", steps[-1])
-        # two branches of r/sqrt 2 have together the section of the one below
-        self.assertAlmostEqual(2 * (1 / math.sqrt(2)) ** 2, 1.0)
-
-    def test_quadrants_stay_balanced(self) -> None:
-        last = derived("turtle-painter/balanced.txt", "--seed", "2")[-1]
-        apices = [[float(number) for number in text.split(",")] for text in re.findall(r"A\(([^)]+)\)", last)]
-        self.assertGreater(len(apices), 20)
-        for _, _, left, right, upper, lower in apices:
-            # what one quadrant loses the opposite one gains
-            self.assertEqual((left + right, upper + lower), (100, 100))
-            self.assertTrue(0 <= min(left, right, upper, lower) + 30)
-
-    def test_branches_of_opposite_quadrants_are_in_balance(self) -> None:
-        for seed in range(1, 21):
-            text = derived("turtle-painter/balanced.txt", "--seed", str(seed))[-1]
-            # of each axis the branches in the quadrants 0 to 90, 90 to 180, ... degrees about it
-            axes = [[0, 0, 0, 0]]
-            for bracket, angle in re.findall(r"(\[|\])(?:/\(([^)]+)\))?", text):
-                if bracket == "]":
-                    counts = axes.pop()
-                    self.assertLessEqual(abs(counts[0] - counts[2]), 2)
-                    self.assertLessEqual(abs(counts[1] - counts[3]), 2)
-                else:
-                    axes[-1][int(float(angle) // 90)] += 1
-                    axes.append([0, 0, 0, 0])
-            self.assertEqual(len(axes), 1)
-            self.assertGreater(sum(axes[0]), 1)
-
-    def test_the_constant_vector_moves_what_is_drawn(self) -> None:
-        with tempfile.TemporaryDirectory() as folder:
-            Path(folder, "m.txt").write_text("// Turtle Painter\nω = FFFF\nn = 0\nvector: 0.5, -0.25, 0\n",
-                                             encoding="utf-8")
-            espalier("run", f"{folder}/m.txt", "--quiet", "-o", f"{folder}/a.csv")
-            rows = Path(folder, "a.csv").read_text(encoding="utf-8").splitlines()
-        header = rows[0].split(",")
-        end = dict(zip(header, rows[-1].split(",")))
-        self.assertAlmostEqual(float(end["x"]), 2.0)
-        self.assertAlmostEqual(float(end["y"]), 3.0)
-
-
-class Forest(unittest.TestCase):
-    def test_the_strings_of_the_table_of_species_6(self) -> None:
-        rules = ["F[+F]F", "F[-F]F"]
-        found = set()
-        for seed in range(60):
-            steps = derived("forest/species.txt:6", "--steps", "3", "--seed", str(seed))
-            drawn = []
-            for before, after in zip(steps, steps[1:]):
-                fitting = [k for k, rule in enumerate(rules) if before.replace("F", rule) == after]
-                # one rule is drawn for the whole string
-                self.assertEqual(len(fitting), 1)
-                drawn.append(fitting[0])
-            found.add(tuple(drawn))
-            if drawn == [0, 1, 0]:
-                # the third string of the table lacks its last `]F`
-                self.assertEqual(steps[1:3], ["F[+F]F", "F[-F]F[+F[-F]F]F[-F]F"])
-                self.assertEqual(
-                    steps[3],
-                    "F[+F]F[-F[+F]F]F[+F]F[+F[+F]F[-F[+F]F]F[+F]F]F[+F]F[-F[+F]F]F[+F]F")
-        self.assertEqual(len(found), 8)
-
-    def test_species_that_begin_with_x_grow(self) -> None:
-        for species in ("3", "4", "5"):
-            steps = derived(f"forest/species.txt:{species}", "--seed", "1")
-            self.assertEqual(steps[0], "X")
-            self.assertGreater(len(steps[-1]), 100)
-
-    def test_rules_can_be_drawn_by_module(self) -> None:
-        text = (GALLERY / "chapter-forest" / "species.txt").read_text(encoding="utf-8")
-        with tempfile.TemporaryDirectory() as folder:
-            Path(folder, "s.txt").write_text(text.replace("Sorteio: geração", "Sorteio: módulo"), encoding="utf-8")
-            last = espalier("derive", f"{folder}/s.txt:6", "--quiet", "--steps", "4", "--seed", "1").stdout
-        self.assertIn("F[+F]F", last)
-        self.assertIn("F[-F]F", last)
-
-    def test_plus_turns_with_the_clock(self) -> None:
-        for seed in ("1", "2"):
-            steps = derived("forest/species.txt:6", "--steps", "1", "--seed", seed)
-            lines = lines_of("forest/species.txt:6", "--steps", "1", "--seed", seed)
-            xs = [x for line in lines for x, _ in line]
-            trunk = max((line for line in lines), key=lambda line: line[-1][1])[0][0]
-            aside = max(xs, key=lambda x: abs(x - trunk)) - trunk
-            self.assertEqual(aside > 0, "+" in steps[1])
-
-
-class Fractint(unittest.TestCase):
-    def test_strings_are_in_capitals_and_case_does_not_count(self) -> None:
-        self.assertEqual(derived("fractint/curves.l:koch6"), rewritten("F--F--F", {"F": "F+F--F+F"}, 2))
-        self.assertEqual(derived("fractint/curves.l:DRAGON", "--steps", "3"),
-                         rewritten("FX", {"F": "", "Y": "+FX--FY+", "X": "-FX++FY-"}, 3))
-
-    def test_the_plant_grows_upwards(self) -> None:
-        points = [point for line in lines_of("fractint/curves.l:Weed") for point in line]
-        self.assertGreater(max(y for _, y in points) - min(y for _, y in points),
-                           max(x for x, _ in points) - min(x for x, _ in points))
-
-
-class Conversion(unittest.TestCase):
-    def test_a_converted_model_draws_the_same(self) -> None:
-        for model in ("lsystem-viewer/koch-island.lsv", "fractint/curves.l:Weed", "open-l-systems/bush.txt"):
-            with tempfile.TemporaryDirectory() as folder:
-                text = espalier("convert", chapter(model), "--to", "cpfg", "--quiet").stdout
-                self.assertTrue(text.startswith("Lsystem: 1\n"))
-                Path(folder, "m.l").write_text(text, encoding="utf-8")
-                espalier("run", f"{folder}/m.l", "--quiet", "-o", f"{folder}/a.obj")
-                espalier("run", chapter(model), "--quiet", "-o", f"{folder}/b.obj")
-                points = [sorted(tuple(round(float(number), 6) for number in line.split()[1:4])
-                                 for line in Path(folder, name).read_text(encoding="utf-8").splitlines()
-                                 if line.startswith("v ")) for name in ("a.obj", "b.obj")]
-            self.assertTrue(points[0])
-            self.assertEqual(len(points[0]), len(points[1]))
-            self.assertLess(max(math.dist(p, q) for p, q in zip(*points)), 1e-3)
-
-    def test_a_converted_model_derives_the_same_string(self) -> None:
-        models = ["lsystem-viewer/koch-curve.lsv", "lsystem-viewer/plant-4.lsv", "fractint/curves.l:Dragon",
-                  "graphical-models/koch-island.txt", "graphical-models/tree-2.txt", "graphical-models/stochastic.txt",
-                  "turtle-painter/plant.txt", "turtle-painter/parametric.txt", "turtle-painter/balanced.txt",
-                  "open-l-systems/algae.txt", "open-l-systems/flower.txt", "open-l-systems/context.txt",
-                  "open-l-systems/stochastic-parametric.txt", "forest/species.txt:5", "forest/species.txt:6"]
-        for model in models:
-            with self.subTest(model), tempfile.TemporaryDirectory() as folder:
-                text = espalier("convert", chapter(model), "--to", "cpfg", "--quiet").stdout
-                Path(folder, "m.l").write_text(text, encoding="utf-8")
-                converted = espalier("derive", f"{folder}/m.l", "--quiet", "--seed", "5").stdout.strip()
-                original = espalier("derive", chapter(model), "--quiet", "--seed", "5").stdout.strip()
-                # the start of the turtle stands before the axiom
-                self.assertTrue(converted.endswith(original), converted[:200] + "\n" + original[:200])
-                self.assertLess(len(converted) - len(original), 40)
-
-    def test_what_cpfg_cannot_say_is_explained(self) -> None:
-        done = espalier("convert", chapter("graphical-models/context.txt"), "--to", "cpfg", status=1)
-        self.assertIn("cannot be written for cpfg, which has no symbols of more than one character: F_a, F_b", done.stderr)
-        self.assertEqual(done.stdout, "")
-
-
-    def test_only_cpfg_models_are_formatted(self) -> None:
-        done = espalier("format", chapter("lsystem-viewer/koch-curve.lsv"), status=1)
-        self.assertIn("is written as L-System Viewer: format lays out cpfg models", done.stderr)
-
-    def test_a_run_goes_on_from_a_snapshot_of_a_foreign_model(self) -> None:
-        with tempfile.TemporaryDirectory() as folder:
-            model = chapter("fractint/curves.l:Weed")
-            espalier("run", model, "--quiet", "--steps", "1", "-o", f"{folder}/a.snapshot")
-            espalier("run", "--resume", f"{folder}/a.snapshot", "--quiet", "--steps", "2", "-o", f"{folder}/a.svg")
-            espalier("run", model, "--quiet", "--steps", "2", "-o", f"{folder}/b.svg")
-            self.assertEqual(Path(folder, "a.svg").read_text(encoding="utf-8"),
-                             Path(folder, "b.svg").read_text(encoding="utf-8"))
-
-    def test_the_dialect_and_the_entry_can_be_named(self) -> None:
-        text = espalier("derive", chapter("fractint/curves.l:nowhere"), status=1).stderr
-        self.assertIn("the file has no entry 'nowhere'", text)
-        self.assertIn("Koch6, Dragon", text)
-        wrong = espalier("check", chapter("open-l-systems/bush.txt"), "--dialect", "lsv", status=1).stderr
-        self.assertIn("bush.txt:1:1: error: unknown command 'w'", wrong)
+        for curve in ("hilbert.txt:L", "dragon.txt:X", "sierpinski.txt:Y"):
+            with self.subTest(curve), tempfile.TemporaryDirectory() as folder:
+                espalier("run", chapter(f"open-l-systems/{curve}"), "--quiet", "--rainbow", "-o", f"{folder}/a.svg")
+                text = Path(folder, "a.svg").read_text(encoding="utf-8")
+                colours = re.findall(r'stroke="(#[0-9a-f]{6})"', text)
+                # red at both ends, blue two thirds on; the last lines join the first, which have their colour
+                self.assertEqual(colours[0], "#dc1e1e")
+                self.assertEqual(colours[-1][:3], "#da")
+                blue = colours[len(colours) * 2 // 3]
+                self.assertGreater(int(blue[5:7], 16), 180)
+                self.assertGreater(len(set(colours)), 200)
 
 
 class Chapters(unittest.TestCase):
@@ -461,9 +369,14 @@ class Chapters(unittest.TestCase):
         for name in (line.split(" ")[0] for line in pictures):
             if not name.startswith("chapter-") or "." not in name:
                 continue
-            file, _, entry = name.partition(":")
-            picture = Path(file).stem + (f"-{entry}" if entry else "") + ".png"
+            # FILE:ENTRY, and behind @ a word that tells pictures of one model apart
+            model_name, _, word = name.partition("@")
+            file, _, entry = model_name.partition(":")
+            picture = "-".join(part for part in (Path(file).stem, entry, word) if part) + ".png"
             page = (GALLERY / file).parent.joinpath("README.md").read_text(encoding="utf-8")
+            if word:
+                self.assertIn(f'src="{picture}"', page)
+                continue
             row = next((row for row in page.split("<tr>") if f'src="{picture}"' in row), "")
             with self.subTest(name):
                 shown = re.search(r"<pre>(.*?)</pre>", row, re.DOTALL)

@@ -1,6 +1,7 @@
 """espalier forest: many trees of several species as one scene, as text and from text."""
 
 import json
+import math
 import re
 import struct
 import subprocess
@@ -8,6 +9,7 @@ import tempfile
 import time
 import unittest
 from pathlib import Path
+from typing import Any
 
 from support import GALLERY, program
 
@@ -22,10 +24,10 @@ class Forest(unittest.TestCase):
         return subprocess.run([program(), "forest", *arguments], cwd=self.folder, capture_output=True, text=True,
                               timeout=250)
 
-    def gltf(self, name: str) -> "dict[str, list[dict[str, object]]]":
+    def gltf(self, name: str) -> "dict[str, list[dict[str, Any]]]":
         data = (self.folder / name).read_bytes()
         length = struct.unpack_from("<I", data, 12)[0]
-        read: "dict[str, list[dict[str, object]]]" = json.loads(data[20:20 + length])
+        read: "dict[str, list[dict[str, Any]]]" = json.loads(data[20:20 + length])
         return read
 
     def test_a_few_grown_trees_are_a_forest_with_shared_meshes(self) -> None:
@@ -92,7 +94,7 @@ class Forest(unittest.TestCase):
         self.assertIn("1000 trees, 200 of them distinct", made.stderr)
         # about two seconds; busy machines have more time
         self.assertLess(time.monotonic() - begin, 60.0)
-        self.assertLess((self.folder / "a.glb").stat().st_size, 90_000_000)
+        self.assertLess((self.folder / "a.glb").stat().st_size, 60_000_000)
         self.assertEqual(len(self.gltf("a.glb")["meshes"]), 201)
 
     def test_own_models_have_their_shares(self) -> None:
@@ -106,6 +108,28 @@ class Forest(unittest.TestCase):
         self.assertAlmostEqual(points.count(2), 300, delta=35)
         self.assertEqual(points.count(2) + points.count(4), 400)
 
+    def test_roots_stand_apart_in_every_spacing(self) -> None:
+        (self.folder / "a.l").write_text("Lsystem: 1\nderivation length: 1\nAxiom: F[+F]F\nA --> A\nendlsystem\n")
+        nearest = {}
+        for spacing in ("grid", "jittered", "poisson", "competition"):
+            made = self.forest("--model", "a.l", "--number", "60", "--distinct", "2", "--spacing", spacing, "--distance",
+                               "2", "--seed", "5", "-o", "a.glb", "--no-ground")
+            self.assertEqual(made.returncode, 0, made.stderr)
+            nodes = [node for node in self.gltf("a.glb")["nodes"] if "translation" in node or "mesh" in node]
+            self.assertEqual(len(nodes), 60, spacing)
+            places = [node.get("translation", [0.0, 0.0, 0.0]) for node in nodes]
+            nearest[spacing] = min(math.dist(p, q) for i, p in enumerate(places) for q in places[:i])
+            # far ones are first
+            depths = [place[2] for place in places]
+            self.assertEqual(depths, sorted(depths))
+            sizes = {node.get("scale", [1.0])[0] for node in nodes}
+            self.assertEqual(len(sizes) > 1, spacing == "competition")
+        self.assertAlmostEqual(nearest["grid"], 2.0, places=5)
+        self.assertGreater(nearest["poisson"], 2.0 - 1e-5)
+        # a fifth of a cell stays between roots that were moved off the grid
+        self.assertGreater(nearest["jittered"], 0.4 - 1e-5)
+        self.assertGreater(nearest["competition"], 0.01)
+
     def test_what_cannot_be_is_said(self) -> None:
         (self.folder / "a.l").write_text("Lsystem: 1\nderivation length: 1\nAxiom: F\nA --> A\nendlsystem\n")
         (self.folder / "bad").mkdir()
@@ -113,6 +137,8 @@ class Forest(unittest.TestCase):
         cases = {
             ("--model", "a.l=0", "-o", "a.png"): "the shares of the species sum to zero",
             ("--model", "a.l=-1", "-o", "a.png"): "the share of a species is a number from 0",
+            ("--model", "a.l", "--distance", "0", "-o", "a.png"):
+                "--distance: '0' is not possible: give a distance in the models' unit, above 0",
             ("--from", "nothing", "-o", "a.png"): "there are no trees (*.txt) in the folder 'nothing'",
             ("--from", "bad", "-o", "a.png"): "x.txt: line 1: a point is five numbers",
             ("-o", "a.svg"): "'a.svg' cannot hold several plants side by side",
