@@ -8,8 +8,8 @@
 #include <mutex>
 
 #include "engine/derivation/implementation.h"
-#include "engine/derivation/output_pages.h"
 #include "engine/derivation/scan_round.h"
+#include "engine/derivation/shared_output.h"
 
 namespace espalier::derivation {
 namespace {
@@ -82,14 +82,7 @@ std::uint64_t Derivation::Implementation::scanRound(const BatchScan::Step& step,
   std::vector<std::uint64_t> unusual;  // chunks with values that the Evaluator must see
   round.modules = working_.size();
   round.parameters = working_.parameterCount();
-  const std::uint64_t moduleCapacity = working_.typeBuffer().capacity();
-  const std::uint64_t parameterCapacity = working_.parameterBuffer().capacity();
-  core::ModuleTypeId* types = working_.typeBuffer().data();
-  double* parameters = working_.parameterBuffer().data();
-  OutputPages typePages;
-  OutputPages parameterPages;
-  typePages.cover(types, moduleCapacity * sizeof(core::ModuleTypeId));
-  parameterPages.cover(parameters, parameterCapacity * sizeof(double));
+  SharedOutput output(working_);
 
   team_->run([&](unsigned worker) {
     std::uint64_t chunk = 0;
@@ -109,18 +102,15 @@ std::uint64_t Derivation::Implementation::scanRound(const BatchScan::Step& step,
         round.parameters += outcome.parameterCount;
         const bool isCancelled = options_.cancelled != nullptr && options_.cancelled->load(std::memory_order_relaxed);
         if (isCancelled || outcome.isUnusual || !isWithinLimits(round.modules, round.parameters) ||
-            round.modules > moduleCapacity || round.parameters > parameterCapacity) {
+            !output.holds(round.modules, round.parameters)) {
           round.modules = modules;
           round.parameters = parameterCount;
           round.stopAt(chunk);
           return;
         }
         round.passTurn(chunk);
-        typePages.prepare(modules * sizeof(core::ModuleTypeId),
-                          (modules + outcome.moduleCount) * sizeof(core::ModuleTypeId));
-        parameterPages.prepare(parameterCount * sizeof(double),
-                               (parameterCount + outcome.parameterCount) * sizeof(double));
-        if (!batch.write(types + modules, parameters + parameterCount)) {
+        output.prepare(modules, modules + outcome.moduleCount, parameterCount, parameterCount + outcome.parameterCount);
+        if (!batch.write(output.types() + modules, output.parameters() + parameterCount)) {
           const std::lock_guard lock(mutex);
           unusual.push_back(chunk);
         }
@@ -131,8 +121,7 @@ std::uint64_t Derivation::Implementation::scanRound(const BatchScan::Step& step,
       throw;
     }
   });
-  working_.typeBuffer().resize(round.modules);
-  working_.parameterBuffer().resize(round.parameters);
+  output.finish(round.modules, round.parameters);
   std::sort(unusual.begin(), unusual.end());
   unusualChunks_ = std::move(unusual);
   return round.end();

@@ -5,11 +5,10 @@
 // stops the threads, and the calling thread does it: the results, the first failure and the warnings are those of one
 // thread.
 #include <algorithm>
-#include <cstring>
 
 #include "engine/derivation/implementation.h"
-#include "engine/derivation/output_pages.h"
 #include "engine/derivation/scan_round.h"
+#include "engine/derivation/shared_output.h"
 
 namespace espalier::derivation {
 namespace {
@@ -92,14 +91,7 @@ std::uint64_t Derivation::Implementation::scanPartRound(const PlantState& state,
   ScanRound round(firstChunk, chunkOffsets_.size() - 1);
   round.modules = working_.size();
   round.parameters = working_.parameterCount();
-  const std::uint64_t moduleCapacity = working_.typeBuffer().capacity();
-  const std::uint64_t parameterCapacity = working_.parameterBuffer().capacity();
-  core::ModuleTypeId* types = working_.typeBuffer().data();
-  double* parameters = working_.parameterBuffer().data();
-  OutputPages typePages;
-  OutputPages parameterPages;
-  typePages.cover(types, moduleCapacity * sizeof(core::ModuleTypeId));
-  parameterPages.cover(parameters, parameterCapacity * sizeof(double));
+  SharedOutput output(working_);
 
   team_->run([&](unsigned worker) {
     Implementation& helper = *helpers_[worker];
@@ -122,7 +114,7 @@ std::uint64_t Derivation::Implementation::scanPartRound(const PlantState& state,
       const std::uint64_t endModules = modules + made.size();
       const std::uint64_t endParameters = parameterCount + made.parameterCount();
       if (!isDone || place.module != begin.module || !isWithinLimits(endModules, endParameters) ||
-          endModules > moduleCapacity || endParameters > parameterCapacity) {
+          !output.holds(endModules, endParameters)) {
         round.stopAt(chunk);
         return;
       }
@@ -131,14 +123,12 @@ std::uint64_t Derivation::Implementation::scanPartRound(const PlantState& state,
       round.parameters = endParameters;
       keptParts_.insert(keptParts_.end(), helper.keptParts_.begin(), helper.keptParts_.end());
       round.passTurn(chunk);
-      typePages.prepare(modules * sizeof(core::ModuleTypeId), endModules * sizeof(core::ModuleTypeId));
-      parameterPages.prepare(parameterCount * sizeof(double), endParameters * sizeof(double));
-      std::copy_n(made.types().data(), made.size(), types + modules);
-      std::copy_n(made.parameters().data(), made.parameterCount(), parameters + parameterCount);
+      output.prepare(modules, endModules, parameterCount, endParameters);
+      std::copy_n(made.types().data(), made.size(), output.types() + modules);
+      std::copy_n(made.parameters().data(), made.parameterCount(), output.parameters() + parameterCount);
     }
   });
-  working_.typeBuffer().resize(round.modules);
-  working_.parameterBuffer().resize(round.parameters);
+  output.finish(round.modules, round.parameters);
   return round.end();
 }
 
