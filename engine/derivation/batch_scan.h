@@ -10,6 +10,7 @@
 #include "engine/derivation/column_evaluator.h"
 #include "engine/derivation/context_matcher.h"
 #include "engine/derivation/module_finder.h"
+#include "engine/derivation/scratch.h"
 #include "engine/derivation/type_sum.h"
 #include "engine/language/program.h"
 
@@ -117,43 +118,43 @@ class BatchScan {
 
   // the sites: modules that may not stay as they are
   std::size_t siteCount_ = 0;
-  std::vector<std::uint32_t> siteModule_;  // counted from the chunk's first module
-  std::vector<std::uint32_t> siteOffset_;  // parameters, counted from those of the chunk's first module
-  std::vector<std::uint8_t> siteBits_;     // candidates that may apply
-  std::vector<std::uint32_t> siteBlock_;   // what is written: in BatchPlan::blocks
-  std::vector<std::uint32_t> madeModule_;  // where it is written, counted from where the chunk's result begins
-  std::vector<std::uint32_t> madeOffset_;
-  std::vector<std::uint32_t> resizing_;  // sites whose block has another size than the module
+  Scratch<std::uint32_t> siteModule_;  // counted from the chunk's first module
+  Scratch<std::uint32_t> siteOffset_;  // parameters, counted from those of the chunk's first module
+  Scratch<std::uint8_t> siteBits_;     // candidates that may apply
+  Scratch<std::uint32_t> siteBlock_;   // what is written: in BatchPlan::blocks
+  Scratch<std::uint32_t> madeModule_;  // where it is written, counted from where the chunk's result begins
+  Scratch<std::uint32_t> madeOffset_;
+  Scratch<std::uint32_t> resizing_;  // sites whose block has another size than the module
   std::size_t resizingCount_ = 0;
   std::uint32_t madeModules_ = 0;  // of the chunk's result, when something resizes
   std::uint32_t madeParameters_ = 0;
 
-  std::vector<std::uint32_t> allSites_;     // 0, 1, 2, ...
-  std::vector<std::uint32_t> sorted_;       // sites by group
+  Scratch<std::uint32_t> allSites_;         // 0, 1, 2, ...
+  Scratch<std::uint32_t> sorted_;           // sites by group
   std::vector<std::uint32_t> groupOf_;      // by module type: the group; groupCount: fixed; groupCount + 1: general
-  std::vector<std::uint32_t> siteGroup_;    // by site
+  Scratch<std::uint32_t> siteGroup_;        // by site
   std::vector<std::uint32_t> groupCounts_;  // by group: how many sites, then where the next one goes; two of each
   std::vector<std::uint32_t> groupBegin_;   // (groupCount + 1)
-  std::vector<std::uint32_t> remaining_;    // sites that no rule took so far
+  Scratch<std::uint32_t> remaining_;        // sites that no rule took so far
 
   // the lanes of all rules that chose sites
   std::size_t laneCount_ = 0;
-  std::vector<std::uint32_t> laneSite_;
-  std::vector<std::uint64_t> laneLeft_;       // parameters of the left neighbour, or where the row of the search begins
-  std::vector<std::uint64_t> laneRight_;      // parameters of the right neighbour
-  std::vector<core::ModuleTypeId> leftType_;  // by site: the nearest neighbour, or kNoModuleType
-  std::vector<core::ModuleTypeId> rightType_;
-  std::vector<std::uint64_t> leftOffset_;  // by site: its parameters
-  std::vector<std::uint64_t> rightOffset_;
+  Scratch<std::uint32_t> laneSite_;
+  Scratch<std::uint64_t> laneLeft_;       // parameters of the left neighbour, or where the row of the search begins
+  Scratch<std::uint64_t> laneRight_;      // parameters of the right neighbour
+  Scratch<core::ModuleTypeId> leftType_;  // by site: the nearest neighbour, or kNoModuleType
+  Scratch<core::ModuleTypeId> rightType_;
+  Scratch<std::uint64_t> leftOffset_;  // by site: its parameters
+  Scratch<std::uint64_t> rightOffset_;
   std::vector<double> rows_;  // frames that context searches filled
   std::vector<RuleLanes> ruleLanes_;
-  std::vector<std::uint32_t> own_;      // offsets of the lanes that are evaluated
-  std::vector<std::uint64_t> modules_;  // their places in the string, when something is drawn for them
+  Scratch<std::uint32_t> own_;      // offsets of the lanes that are evaluated
+  Scratch<std::uint64_t> modules_;  // their places in the string, when something is drawn for them
 
-  std::vector<std::uint32_t> words_;  // draws of the chunk's modules, from a multiple of 4 on
-  std::vector<double> weights_;       // by rule of a group and lane
+  Scratch<std::uint32_t> words_;  // draws of the chunk's modules, from a multiple of 4 on
+  std::vector<double> weights_;   // by rule of a group and lane
   std::vector<std::uint8_t> isMatched_;
-  std::vector<std::uint32_t> positions_;  // by site: its lane among those that are weighed
+  Scratch<std::uint32_t> positions_;  // by site: its lane among those that are weighed
   std::vector<std::uint32_t> chosenRule_;
   std::vector<double> candidateWeights_;
   std::vector<std::uint32_t> candidates_;

@@ -162,6 +162,7 @@ class Derivation::Implementation {
   bool hasParameters_ = false;
 
   std::vector<std::unique_ptr<BatchScan>> batches_;  // by thread; made when a string is long enough to use them
+  std::uint64_t scannedModules_ = 0;                 // since the beginning, or of a helper its owner
   std::uint64_t modulesAlone_ = 0;           // that one at a time is to do, over steps, before batches are tried again
   std::uint64_t generalModules_ = 1;         // how many that is behind a module of the general way
   unsigned threadCount_ = 1;                 // DerivationOptions::threads, or as many as the machine has

@@ -55,6 +55,7 @@ std::unique_ptr<Derivation::Implementation> Derivation::Implementation::makeHelp
 }
 
 void Derivation::Implementation::beginParts(const PlantState& state, const Implementation& owner) {
+  scannedModules_ = owner.scannedModules_;
   partState_.step = state.step;
   partState_.derivationLength = state.derivationLength;
   partState_.isStopped = state.isStopped;

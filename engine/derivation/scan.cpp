@@ -81,6 +81,7 @@ void Derivation::Implementation::scan(PlantState& state) {
       scanUpTo(state, old.size(), place);
     }
   }
+  scannedModules_ += old.size();
   appendKeptParts(old);
   rewriter_.checkSize(working_.size(), working_.parameterCount());
   evaluator_.clearModule();
