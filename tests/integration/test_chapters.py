@@ -332,6 +332,14 @@ class OpenLsystems(unittest.TestCase):
             margin = 4 * math.sqrt(probability * (1 - probability) / 1000)
             self.assertLess(abs(counts[text] / 1000 - probability), margin, text)
 
+    def test_the_open_example_after_its_answers(self) -> None:
+        # as the slide prints them, with ?E(2) for its last ?E(3)
+        self.assertEqual(derived("open-l-systems/open.txt", "--answered"),
+                         ["F(0,0)A?E(0)", "F(0,0)F(0,1)A?E(1)", "F(0,0)F(0,1)F(0,2)A?E(2)", "F(0,0)F(0,1)F(0,2)?E(2)"])
+        # F(x,y) is a line to the point (x,y)
+        rows = [row for row in rows_of(chapter("open-l-systems/open.txt")) if row["symbol"] == "F"]
+        self.assertEqual([vector(row, "x y z") for row in rows], [(0.0, float(k), 0.0) for k in range(3)])
+
     def test_the_flower_of_a(self) -> None:
         self.assertEqual(derived("open-l-systems/flower.txt"),
                          ["A(0)", "FA(1)", "F[-L]FA(2)", "F[-L]F[+L]FA(3)", "F[-L]F[+L]FB"])

@@ -38,7 +38,7 @@ def rewrite(axiom: str, productions: Dict[str, str], steps: int) -> List[str]:
 
 
 class Gallery(unittest.TestCase):
-    def test_growth_to_a_height_gives_the_strings_of_the_lecture(self) -> None:
+    def test_growth_to_a_height_gives_its_four_strings(self) -> None:
         expected = ["F(0,0)A?E(0)", "F(0,0)F(0,1)A?E(0)", "F(0,0)F(0,1)F(0,2)A?E(1)", "F(0,0)F(0,1)F(0,2)?E(2)"]
         self.assertEqual(strings("growth-to-a-height"), expected)
         lines = (GALLERY / "growth-to-a-height" / "expected.txt").read_text(encoding="utf-8").splitlines()

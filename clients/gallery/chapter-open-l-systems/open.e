@@ -1,0 +1,2 @@
+executable: height
+turtle position: P: %.9g %.9g %.9g

@@ -1,0 +1,4 @@
+environment display: before
+line style: cylinder
+initial line width: 0.1 s
+initial color: 96
