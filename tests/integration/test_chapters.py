@@ -107,6 +107,14 @@ class LsystemViewer(unittest.TestCase):
             for name in names:
                 self.assertEqual(lengths[f"{name}.lsv"], [len(text) for text in derived(f"lsystem-viewer/{name}.lsv", *steps)])
 
+    def test_a_rule_may_keep_the_length(self) -> None:
+        # the paper says that each generation is at least twice as long unless rules are trivial
+        with tempfile.TemporaryDirectory() as folder:
+            Path(folder, "m.lsv").write_text("generations 3\nangle 60\nstep 1\naxiom F+F\nprule F -> f\nprule f -> F\n",
+                                             encoding="utf-8")
+            lines = espalier("derive", f"{folder}/m.lsv", "--every", "--quiet").stdout.splitlines()
+        self.assertEqual([line.split("\t")[1] for line in lines], ["F+F", "f+f", "F+F", "f+f"])
+
     def test_contours_close(self) -> None:
         for name in ("triangle", "rectangle", "rhombus", "koch-island"):
             (line,) = lines_of(f"lsystem-viewer/{name}.lsv")
@@ -175,7 +183,8 @@ class GraphicalModels(unittest.TestCase):
             self.assertAlmostEqual(math.dist(*edges[0]), 1 / 3**step)
 
     def test_what_the_bracketed_string_results_in(self) -> None:
-        # F[+F][-F[-F]F]F[+F][-F]: three lines up, at the first joint one to the left and a branch to the right
+        # F[+F][-F[-F]F]F[+F][-F]: two lines up; at the first joint a line to the left and a branch of two to the right
+        # with one more to the right between them, at the second joint a line to each side
         edges = edges_of("graphical-models/bracketed.txt")
         self.assertEqual(len(edges), 8)
         half = math.sqrt(0.5)
@@ -264,6 +273,16 @@ class GraphicalModels(unittest.TestCase):
         self.assertEqual(len(drawn), 900)
         for successor in successors:
             self.assertLess(abs(drawn.count(successor) - 300), 4 * math.sqrt(900 * 2 / 9))
+
+    def test_the_first_printed_outcome_cannot_be_derived_and_the_others_can(self) -> None:
+        one = r"(?:F\[\+F\]F\[-F\]F|F\[\+F\]F|F\[-F\]F)"
+        two = re.compile(rf"{one}\[\+{one}\]{one}\[-{one}\]{one}|{one}\[\+{one}\]{one}|{one}\[-{one}\]{one}")
+        printed = ["F[+F]F[-F]F[+F[+F]F[-F]F]F[+F]F[-F]F[-F[+F]F[-F]F]F[+F]F[-F]F[-F]F",
+                   "F[+F]F[+F[-F]F]F[+F]F[-F[+F]F]F[+F]F",
+                   "F[+F]F[-F]F[+F[+F]F[-F]F]F[+F]F[-F]F"]
+        self.assertEqual([two.fullmatch(text) is not None for text in printed], [False, True, True])
+        for seed in range(20):
+            self.assertIsNotNone(two.fullmatch(derived("graphical-models/stochastic.txt", "--seed", str(seed))[2]))
 
     def test_a_signal_climbs_and_ignores_turns(self) -> None:
         steps = derived("graphical-models/context.txt")

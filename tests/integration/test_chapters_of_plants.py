@@ -31,6 +31,13 @@ class TurtlePainter(unittest.TestCase):
         # A(6) gives D(3,4); the text prints D(3,5)
         self.assertEqual(derived("turtle-painter/parametric.txt")[1], "B(7)CD(3,4)A(5)")
 
+    def test_a_production_needs_as_many_parameters_as_its_predecessor(self) -> None:
+        # the text says its successor: B(t + 1)CD(t * 0.5, t - 2) has three
+        with tempfile.TemporaryDirectory() as folder:
+            text = (GALLERY / "chapter-turtle-painter" / "parametric.txt").read_text(encoding="utf-8")
+            Path(folder, "m.txt").write_text(text.replace("A(6)A(5)", "A(6)A(6,7,8)A"), encoding="utf-8")
+            self.assertEqual(espalier("derive", f"{folder}/m.txt", "--quiet").stdout.strip(), "B(7)CD(3,4)A(6,7,8)A")
+
     def test_time_and_random_numbers(self) -> None:
         with tempfile.TemporaryDirectory() as folder:
             model = Path(folder, "m.txt")
