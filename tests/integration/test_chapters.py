@@ -7,7 +7,7 @@ import tempfile
 import time
 import unittest
 from pathlib import Path
-from typing import Dict, List
+from typing import Dict, List, Tuple
 
 from chapters import chapter, derived, edges_of, lattice, lines_of, rewritten, rows_of, vector
 from support import GALLERY, espalier
@@ -164,6 +164,20 @@ class GraphicalModels(unittest.TestCase):
     def test_substitution_with_the_string_that_is_left_out(self) -> None:
         self.assertEqual(derived("graphical-models/substitution.txt"),
                          ["b", "an", "bab", "anbaan", "babanbabab", "anbaanbabanbaanbaan"])
+
+    def test_the_inference_problem_has_the_answers_of_the_page(self) -> None:
+        page = (GALLERY / "chapter-graphical-models" / "README.md").read_text(encoding="utf-8")
+        strings = derived("graphical-models/substitution.txt")
+        with tempfile.TemporaryDirectory() as folder:
+            def infer(steps: List[str], status: int = 0) -> Tuple[str, str]:
+                Path(folder, "steps.txt").write_text("\n".join(steps) + "\n", encoding="utf-8")
+                done = espalier("infer", f"{folder}/steps.txt", status=status)
+                return done.stdout.strip(), done.stderr.strip()
+
+            self.assertIn(f"\n{infer(strings)[0]}\n", page)
+            self.assertIn(f"\n{infer(strings[:3])[1]}\n", page)
+            # the text leaves the string an out
+            self.assertIn(f"\n{infer(strings[:1] + strings[2:], 1)[1]}\n", page)
 
     def test_islands(self) -> None:
         koch = {"F": "F-F+F+FF-F-F+F"}
