@@ -11,8 +11,8 @@ namespace espalier::language {
 /// Fractint's L-system files: several entries `Name { ... }` with `Angle N` (a turn is 360/N degrees), `Axiom` and
 /// rules `X=...`; `;` begins a comment; letter case does not count and strings are printed in capitals. The turtle
 /// starts along +x, and + turns left. Numbers become parameters: `@.6` is `@(0.6)`, `\30` is `\(30)`, `C5` is `C(5)`;
-/// `<` and `>` become as many `;` and `,` as they say. F and G have a heading that + - | turn, D and M one of their own,
-/// in degrees, that \ and / turn: the turtle's other orientation (`@X`) where an entry uses both.
+/// `<` and `>` become as many `;` and `,` as they say. F and G have a heading that + - | turn, D and M one of their
+/// own, in degrees, that \ and / turn: the turtle's other orientation (`@X`) where an entry uses both.
 [[nodiscard]] bool recognisesFractint(std::string_view text);
 [[nodiscard]] std::vector<DialectEntry> fractintEntries(std::string_view text);
 [[nodiscard]] CpfgModel translateFractint(std::string_view text, const std::string& entry, DialectReport& report);
