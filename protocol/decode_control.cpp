@@ -390,6 +390,12 @@ Decoded<StreamOpenParams> decodeStreamOpenParams(const Payload& payload) {
     if (std::find(kKinds.begin(), kKinds.end(), open.what) == kKinds.end()) {
       what.failExpected("one of turtle, string, statistics, geometry, queries");
     }
+    if (const Field format = params["format"]; !format.isAbsent()) {
+      open.format = format.text();
+      if (open.format != "glb" && open.format != "columns") {
+        format.failExpected("one of glb, columns");
+      }
+    }
     if (const Field every = params["every"]; !every.isAbsent()) {
       open.every = static_cast<std::uint64_t>(every.integer(1, kMaximumExactInteger));
     }

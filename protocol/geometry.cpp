@@ -1,7 +1,9 @@
 #include "protocol/geometry.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "protocol/column_reader.h"
 #include "protocol/json_tree.h"
@@ -53,14 +55,27 @@ void writeValue(JsonWriter& writer, std::uint32_t value) {
   writer.integer(value);
 }
 
-void requireFinite(std::span<const double> numbers) {
-  for (const double number : numbers) {
-    if (!std::isfinite(number)) {
-      throw NonFiniteNumber();
-    }
-  }
+using Shape = std::vector<std::uint64_t>;
+
+void addColumn(BlockWriter& blocks, const char* name, std::span<const std::uint32_t> numbers, Shape shape, bool) {
+  blocks.add(name, numbers, std::move(shape));
 }
-void requireFinite(std::span<const std::uint32_t>) {}
+void addColumn(BlockWriter& blocks, const char* name, std::span<const double> numbers, Shape shape,
+               bool isSinglePrecision) {
+  const double most = isSinglePrecision ? std::numeric_limits<float>::max() : std::numeric_limits<double>::max();
+  // also false for NaN
+  if (!std::all_of(numbers.begin(), numbers.end(), [most](double number) { return std::fabs(number) <= most; })) {
+    throw NonFiniteNumber();
+  }
+  if (!isSinglePrecision) {
+    blocks.add(name, numbers, std::move(shape));
+    return;
+  }
+  std::vector<float> narrow(numbers.size());
+  std::transform(numbers.begin(), numbers.end(), narrow.begin(),
+                 [](double number) { return static_cast<float>(number); });
+  blocks.keep(name, std::move(narrow), std::move(shape));
+}
 
 template <typename Visit>
 void visitColumns(const GeometryColumns& geometry, Visit&& visit) {
@@ -236,12 +251,10 @@ void write(JsonWriter& writer, const GeometryColumns& geometry, bool isInBlocks)
   writer.endObject();
 }
 
-void addBlocks(BlockWriter& blocks, const GeometryColumns& geometry) {
-  visitColumns(geometry, [&blocks](const char* name, auto values, std::uint64_t width) {
-    requireFinite(values);
-    blocks.add(name, values,
-               width > 1 ? std::vector<std::uint64_t>{values.size() / width, width}
-                         : std::vector<std::uint64_t>{values.size()});
+void addBlocks(BlockWriter& blocks, const GeometryColumns& geometry, bool isSinglePrecision) {
+  visitColumns(geometry, [&](const char* name, auto values, std::uint64_t width) {
+    addColumn(blocks, name, values, width > 1 ? Shape{values.size() / width, width} : Shape{values.size()},
+              isSinglePrecision);
   });
 }
 

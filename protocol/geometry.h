@@ -38,8 +38,9 @@ struct GeometryColumns {
 
 /// The object of the member `geometry`; without its columns when they go in blocks. Throws NonFiniteNumber.
 void write(JsonWriter& writer, const GeometryColumns& geometry, bool isInBlocks);
-/// The columns. They are referred to until the blocks are sent. Throws NonFiniteNumber.
-void addBlocks(BlockWriter& blocks, const GeometryColumns& geometry);
+/// The columns, in single precision when numbers are to be narrowed; others are referred to until the blocks are sent.
+/// Throws NonFiniteNumber.
+void addBlocks(BlockWriter& blocks, const GeometryColumns& geometry, bool isSinglePrecision = false);
 /// Reads and checks it: from the blocks when the message has any. `field` is the object. For protocol's own decoders:
 /// what is wrong is thrown as FieldFailure.
 [[nodiscard]] GeometryColumns readGeometry(const Field& field, const Payload& payload);

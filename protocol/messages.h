@@ -271,7 +271,8 @@ struct NameParams {
 
 struct StreamOpenParams {
   std::string simulation;
-  std::string what;  // turtle, string, statistics, geometry, queries
+  std::string what;            // turtle, string, statistics, geometry, queries
+  std::string format = "glb";  // of geometry: glb, a file; columns
   StreamSelection select;
   std::uint64_t every = 1;  // frames at steps that are multiples of it
   std::optional<std::uint64_t>
@@ -303,8 +304,8 @@ struct TurtleStreamRecord {
 };
 
 /// A frame of a stream. `body` has the members that depend on `what`: "records":[...], "string":"...",
-/// "statistics":{...}, "queries":[...],"replies":[...] or, in blocks, "count":n,"symbols":[...]; and what differs:
-/// "kept" beside the records, "pieces" instead of the string.
+/// "statistics":{...}, "geometry":{...}, "queries":[...],"replies":[...] or, in blocks, "count":n,"symbols":[...]; and
+/// what differs: "kept" beside the records, "pieces" instead of the string, "geometry" with runs.
 struct StreamData {
   std::string stream;
   std::string simulation;

@@ -51,6 +51,7 @@ std::variant<std::shared_ptr<EnvironmentLink>, protocol::Error> makeLink(const e
     }
     return std::make_shared<OfferedLink>(entry.name, *services.offered);
   }
+  const ChannelOptions options{.connectTimeout = services.connectTimeout, .limits = services.frames};
   const std::string key = entry.type == "tcp" ? "address" : "command";
   auto value = protocol::memberOf(entry.configuration, key);
   if (!value || value->empty()) {
@@ -65,9 +66,9 @@ std::variant<std::shared_ptr<EnvironmentLink>, protocol::Error> makeLink(const e
                                   "a socket of this machine's file system is dialled by the command line only; let the "
                                   "environment offer itself, or listen on HOST:PORT");
     }
-    return std::shared_ptr<EnvironmentLink>(ChannelLink::tcp(std::move(*value), {}));
+    return std::shared_ptr<EnvironmentLink>(ChannelLink::tcp(std::move(*value), options));
   }
-  return std::shared_ptr<EnvironmentLink>(ChannelLink::stdio(std::move(*value), {}));
+  return std::shared_ptr<EnvironmentLink>(ChannelLink::stdio(std::move(*value), options));
 }
 
 /// The process that the field file of a gallery model names. `origin` receives the files that it was made from, by

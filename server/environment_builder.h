@@ -11,6 +11,7 @@
 #include "engine/simulation/simulation.h"
 #include "engine/turtle/environment_process.h"
 #include "protocol/errors.h"
+#include "protocol/framing.h"
 #include "protocol/messages.h"
 #include "server/environment_link.h"
 #include "server/failure_policy.h"
@@ -24,7 +25,9 @@ struct Metrics;
 struct EnvironmentServices {
   const OfferedEnvironments* offered = nullptr;
   std::function<void(const std::function<void()>&)> runWaiting;  // lets another worker compute
+  std::chrono::milliseconds connectTimeout{5'000};
   std::chrono::milliseconds stepTimeout{60'000};
+  protocol::FrameLimits frames;  // of what environments that are dialled or spawned send
   std::string galleryFolder;
   Metrics* metrics = nullptr;                    // null: nothing is counted
   std::string traceFolder;                       // empty: no traces

@@ -22,7 +22,7 @@ HttpPage metricsPage(const ServerCore& core) {
   const auto runners = core.all();
   Gauges gauges{.sessions = core.sessionCount,
                 .simulations = runners.size(),
-                .workers = core.options().workers,
+                .workers = core.pool().workers(),
                 .residentBytes = residentBytes(),
                 .outboxBytes = core.outboxBytes(),
                 .storeBytes = core.store().bytes()};

@@ -19,9 +19,11 @@ struct ServerLimits {
   std::uint64_t streamBytes = 1'000'000'000;  // of a simulation, kept to tell its viewers differences
   std::uint32_t sessions = 1'000;
   std::uint32_t simulations = 10'000;
+  std::uint32_t simulationsPerSession = 1'000;  // that it made, as long as they exist
   std::uint32_t streamsPerSession = 100;
   std::uint32_t requestsPerSession = 1'000;  // in progress at a time
   std::uint32_t handshakeMilliseconds = 10'000;
+  std::uint32_t environmentConnectMilliseconds = 5'000;
   std::uint32_t environmentStepMilliseconds = 60'000;
   std::uint32_t heartbeatMilliseconds = 30'000;  // of silence until a peer that agreed to it is asked; 0: never
   std::uint64_t storeBytes = 0;                  // of the data folder's database; 0: as much as the disk has

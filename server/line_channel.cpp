@@ -253,8 +253,7 @@ std::variant<Descriptor, std::string> dialTcp(const std::string& address, Deadli
       return socket;
     }
   }
-  return "cannot connect to " + address + ": " + std::strerror(reason) +
-         ". Start the environment there first, or correct the address.";
+  return "cannot connect to " + address + ": " + std::strerror(reason);
 }
 
 std::variant<Descriptor, std::string> dialUnix(const std::string& path) {
@@ -269,7 +268,7 @@ std::variant<Descriptor, std::string> dialUnix(const std::string& path) {
   if (socket.number() < 0 ||
       ::connect(socket.number(), reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0 ||
       ::fcntl(socket.number(), F_SETFL, O_NONBLOCK) != 0) {
-    return "cannot connect to " + path + ": " + std::strerror(errno) + ". Start the environment there first.";
+    return "cannot connect to " + path + ": " + std::strerror(errno);
   }
   return socket;
 }

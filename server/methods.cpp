@@ -315,10 +315,11 @@ void streamOpen(Session& session, const protocol::Message& message) {
                                       {}});
     return;
   }
-  if (params.what == "geometry" && !params.isInBlocks) {
-    session.respondError(
-        message.id, {ErrorCode::InvalidParams, "params.bin: geometry comes in binary blocks only; say \"bin\": true.",
-                     protocol::JsonWriter().beginObject().key("path").text("params.bin").endObject().take()});
+  if (params.what == "geometry" && params.format == "glb" && !params.isInBlocks) {
+    session.respondError(message.id,
+                         protocol::fieldError("params.bin",
+                                              "geometry as a file comes in binary blocks; say \"bin\": true, or "
+                                              "\"format\": \"columns\" for tables"));
     return;
   }
   const auto runner = findRunner(session, message.id, params.simulation);

@@ -1,5 +1,6 @@
 #include "server/server_core.h"
 
+#include <algorithm>
 #include <random>
 
 #include "server/session.h"
@@ -52,6 +53,8 @@ EnvironmentServices ServerCore::environmentServices() {
   }
   services.galleryFolder = options_.galleryFolder;
   services.threads = options_.threads;
+  services.connectTimeout = std::chrono::milliseconds(options_.limits.environmentConnectMilliseconds);
+  services.frames = {.lineBytes = options_.limits.lineBytes, .blockBytes = options_.limits.blockBytes};
   services.stepTimeout = std::chrono::milliseconds(options_.limits.environmentStepMilliseconds);
   return services;
 }
@@ -134,16 +137,24 @@ std::shared_ptr<SimulationRunner> ServerCore::find(const std::string& simulation
   return found == simulations_.end() ? nullptr : found->second;
 }
 
-std::optional<std::string> ServerCore::reserve() {
+std::variant<std::string, protocol::Error> ServerCore::reserve(const std::string& session) {
+  const ServerLimits& limits = options_.limits;
   const std::lock_guard lock(mutex_);
-  if (simulations_.size() >= options_.limits.simulations) {
-    return std::nullopt;
+  if (const std::uint64_t bound = limits.simulations; simulations_.size() >= bound) {
+    return protocol::limitError("simulations", bound + 1, bound, "Delete one first.");
+  }
+  const auto own = std::count_if(creators_.begin(), creators_.end(),
+                                 [&session](const auto& entry) { return entry.second == session; });
+  if (const std::uint64_t bound = limits.simulationsPerSession; static_cast<std::uint64_t>(own) >= bound) {
+    return protocol::limitError("simulationsPerSession", bound + 1, bound,
+                                "Delete one that this connection made first.");
   }
   std::string name = randomName();
   while (simulations_.contains(name)) {
     name = randomName();
   }
   simulations_.emplace(name, nullptr);
+  creators_.emplace(name, session);
   return name;
 }
 
@@ -156,6 +167,7 @@ void ServerCore::add(const std::string& simulation, std::unique_ptr<HostedSimula
 void ServerCore::remove(const std::string& simulation) {
   const std::lock_guard lock(mutex_);
   simulations_.erase(simulation);
+  creators_.erase(simulation);
 }
 
 std::vector<std::shared_ptr<SimulationRunner>> ServerCore::all() const {

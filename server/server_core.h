@@ -8,8 +8,10 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <variant>
 #include <vector>
 
+#include "protocol/errors.h"
 #include "server/environment_builder.h"
 #include "server/log.h"
 #include "server/metrics.h"
@@ -32,6 +34,7 @@ class ServerCore {
   [[nodiscard]] const ServerOptions& options() const { return options_; }
   [[nodiscard]] const Log& log() const { return log_; }
   [[nodiscard]] WorkerPool& pool() { return pool_; }
+  [[nodiscard]] const WorkerPool& pool() const { return pool_; }
   [[nodiscard]] ModelStore& models() { return models_; }
   [[nodiscard]] OfferedEnvironments& offered() { return offered_; }
   [[nodiscard]] Store& store() { return store_; }
@@ -46,8 +49,9 @@ class ServerCore {
   [[nodiscard]] std::vector<protocol::SimulationInformation> damaged() const;
   [[nodiscard]] std::optional<protocol::SimulationInformation> findDamaged(const std::string& simulation) const;
   [[nodiscard]] std::optional<std::string> removeDamaged(const std::string& simulation);
-  /// An identifier that no simulation has, reserved for add(); nothing when there are too many simulations.
-  [[nodiscard]] std::optional<std::string> reserve();
+  /// An identifier that no simulation has, reserved for add(); one of the session's until it is removed. The error of
+  /// the limit when there are too many simulations, of the session or in all.
+  [[nodiscard]] std::variant<std::string, protocol::Error> reserve(const std::string& session);
   void add(const std::string& simulation, std::unique_ptr<HostedSimulation> hosted);
   /// Forgets an identifier, and the simulation when there is one. It is not closed.
   void remove(const std::string& simulation);
@@ -81,6 +85,7 @@ class ServerCore {
   std::set<const Session*> sessions_;
   mutable std::mutex mutex_;
   std::map<std::string, std::shared_ptr<SimulationRunner>> simulations_;  // null: reserved
+  std::map<std::string, std::string> creators_;  // of simulations: the session; those from disk have none
   std::map<std::string, protocol::SimulationInformation> damaged_;
   std::atomic<bool> isShuttingDown_{false};
   WorkerPool pool_;  // last: its threads use everything above

@@ -343,6 +343,10 @@ void Session::cancelRequest(const protocol::MessageId& id) {
 std::shared_ptr<Stream> Session::openStream(protocol::StreamOpenParams params, SimulationRunner& runner) {
   const ServerLimits& limits = core_->options().limits;
   const std::lock_guard lock(mutex_);
+  // those that ended by themselves take no room
+  if (streams_.size() >= limits.streamsPerSession) {
+    std::erase_if(streams_, [](const auto& entry) { return entry.second.first->isClosed(); });
+  }
   if (isClosed_ || streams_.size() >= limits.streamsPerSession) {
     return nullptr;
   }

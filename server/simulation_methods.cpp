@@ -24,17 +24,17 @@ std::shared_ptr<Command> makeCommand(
   auto command = std::make_shared<Command>();
   command->owner = session->id();
   std::weak_ptr<Session> weak = session;
-  command->advance = [weak, id, work = std::move(work)](SimulationRunner& runner, Command&) {
-    const auto self = weak.lock();
-    if (self == nullptr) {
+  command->advance = [weak, id, work = std::move(work)](SimulationRunner& runner, Command& self) {
+    const auto owner = weak.lock();
+    if (owner == nullptr) {
       return false;
     }
     const auto outcome = work(runner);
-    runner.publishInformation();
+    runner.publishEndOf(self);
     if (const auto* error = std::get_if<protocol::Error>(&outcome)) {
-      self->respondError(id, *error);
+      owner->respondError(id, *error);
     } else {
-      self->respond(id, std::get<std::string>(outcome));
+      owner->respond(id, std::get<std::string>(outcome));
     }
     return false;
   };
@@ -171,11 +171,13 @@ bool advanceSteps(SimulationRunner& runner, Command& command, Session& session, 
                   StepProgress& progress) {
   simulation::Simulation& simulation = runner.hosted().simulation();
   if (command.isCancelled) {
+    runner.publishEndOf(command);
     session.respondError(id, cancelledError(simulation.completedSteps()));
     return false;
   }
   const bool isAtEnd = isDone(runner, simulation, progress);
   if (isAtEnd || command.isPaused) {
+    runner.publishEndOf(command);
     session.respond(id, protocol::encode(resultOf(runner, progress, !isAtEnd)));
     return false;
   }
@@ -193,6 +195,7 @@ bool advanceSteps(SimulationRunner& runner, Command& command, Session& session, 
   }
   if (error && command.isCancelled) {
     runner.setLastError({});
+    runner.publishEndOf(command);
     session.respondError(id, cancelledError(simulation.completedSteps()));
     return false;
   }
@@ -203,7 +206,7 @@ bool advanceSteps(SimulationRunner& runner, Command& command, Session& session, 
                                                "The simulation stays at step " + std::to_string(stays) + ".", stays)
                             : *error;
     runner.setLastError(reason.message);
-    runner.publishInformation();
+    runner.publishEndOf(command);
     session.respondError(id, reason);
     if (isMade) {
       runner.publishFrames(true);
@@ -214,7 +217,7 @@ bool advanceSteps(SimulationRunner& runner, Command& command, Session& session, 
   const bool isLast = isDone(runner, simulation, progress);
   if (isLast || runner.isClosing()) {
     // the controller first, viewers after
-    runner.publishInformation();
+    runner.publishEndOf(command);
     session.respond(id, protocol::encode(resultOf(runner, progress, !isLast)));
     runner.publishFrames(true);
     return false;
@@ -298,11 +301,6 @@ std::variant<std::string, protocol::Error> getResult(SimulationRunner& runner, c
   return result.endObject().take();
 }
 
-protocol::Error simulationsError(const ServerCore& core) {
-  const std::uint64_t bound = core.options().limits.simulations;
-  return protocol::limitError("simulations", bound + 1, bound, "Delete one first.");
-}
-
 protocol::CreateResult createResultOf(HostedSimulation& hosted) {
   protocol::CreateResult result;
   result.simulation = hosted.record().id;
@@ -316,13 +314,14 @@ protocol::CreateResult createResultOf(HostedSimulation& hosted) {
 }
 
 std::variant<std::string, protocol::Error> forkSimulation(ServerCore& core, HostedSimulation& original,
-                                                          const std::string& title) {
-  const auto name = core.reserve();
-  if (!name) {
-    return simulationsError(core);
+                                                          const std::string& session, const std::string& title) {
+  auto reserved = core.reserve(session);
+  if (auto* error = std::get_if<protocol::Error>(&reserved)) {
+    return std::move(*error);
   }
+  const std::string& name = std::get<std::string>(reserved);
   SimulationRecord record = original.record();
-  record.id = *name;
+  record.id = name;
   if (!title.empty()) {
     record.create.name = title;
   }
@@ -331,16 +330,16 @@ std::variant<std::string, protocol::Error> forkSimulation(ServerCore& core, Host
     made = HostedSimulation::fork(std::move(record), original, core.options().limits.simulation,
                                   core.environmentServices(), core.store());
   } catch (...) {
-    core.remove(*name);
+    core.remove(name);
     throw;
   }
   if (auto* error = std::get_if<protocol::Error>(&made)) {
-    core.remove(*name);
+    core.remove(name);
     return std::move(*error);
   }
   auto& hosted = std::get<std::unique_ptr<HostedSimulation>>(made);
   const std::string result = protocol::encode(createResultOf(*hosted));
-  core.add(*name, std::move(hosted));
+  core.add(name, std::move(hosted));
   return result;
 }
 
@@ -385,15 +384,16 @@ void createSimulation(Session& session, const protocol::MessageId& id, protocol:
     return;
   }
   const auto& models = std::get<CompiledModels>(compiled);
-  const auto name = core.reserve();
-  if (!name) {
-    session.respondError(id, simulationsError(core));
+  const auto reserved = core.reserve(session.id());
+  if (const auto* error = std::get_if<protocol::Error>(&reserved)) {
+    session.respondError(id, *error);
     return;
   }
+  const std::string& name = std::get<std::string>(reserved);
 
   // the record is what makes the simulation again after a restart
   SimulationRecord record;
-  record.id = *name;
+  record.id = name;
   record.seed = effectiveSeed(params, models.programs);
   record.hasSeed = params.seed.has_value();
   record.create = std::move(params);
@@ -412,11 +412,11 @@ void createSimulation(Session& session, const protocol::MessageId& id, protocol:
     made = HostedSimulation::create(std::move(record), models.programs, core.options().limits.simulation,
                                     core.environmentServices(), core.store(), interruption);
   } catch (...) {
-    core.remove(*name);
+    core.remove(name);
     throw;
   }
   if (const auto* error = std::get_if<protocol::Error>(&made)) {
-    core.remove(*name);
+    core.remove(name);
     switch (interruption.reason()) {
       case Interruption::Reason::None:
         session.respondError(id, *error);
@@ -438,8 +438,8 @@ void createSimulation(Session& session, const protocol::MessageId& id, protocol:
       result.diagnostics.push_back(std::move(warning));
     }
   }
-  core.add(*name, std::move(hosted));
-  core.log().info("created", {.session = session.id(), .simulation = *name});
+  core.add(name, std::move(hosted));
+  core.log().info("created", {.session = session.id(), .simulation = name});
   session.respond(id, protocol::encode(result));
 }
 
@@ -490,8 +490,9 @@ std::shared_ptr<Command> makeEditCommand(SessionPointer session, const protocol:
 std::shared_ptr<Command> makeForkCommand(SessionPointer session, const protocol::MessageId& id,
                                          protocol::ForkParams params) {
   ServerCore* const core = &session->core();
-  return makeCommand(std::move(session), id, [core, name = std::move(params.name)](SimulationRunner& runner) {
-    return forkSimulation(*core, runner.hosted(), name);
+  const std::string creator = session->id();
+  return makeCommand(std::move(session), id, [core, creator, name = std::move(params.name)](SimulationRunner& runner) {
+    return forkSimulation(*core, runner.hosted(), creator, name);
   });
 }
 
@@ -563,8 +564,9 @@ std::shared_ptr<Command> makeStreamOpenCommand(SessionPointer session, const pro
   auto command = std::make_shared<Command>();
   command->owner = session->id();
   std::weak_ptr<Session> weak = session;
-  command->advance = [weak, id, stream](SimulationRunner& runner, Command&) {
+  command->advance = [weak, id, stream](SimulationRunner& runner, Command& self) {
     if (const auto owner = weak.lock()) {
+      runner.publishEndOf(self);
       protocol::JsonWriter result;
       result.beginObject().key("stream").text(stream->id());
       result.key("step").integer(runner.hosted().simulation().completedSteps()).endObject();

@@ -42,8 +42,14 @@ void SimulationRunner::publishInformation() {
 protocol::SimulationInformation SimulationRunner::information() const {
   const std::lock_guard lock(mutex_);
   auto information = information_;
-  information.isRunning = isScheduled_;
+  const bool isOnlyEnding = queue_.empty() && current_ != nullptr && current_->isAnswered;
+  information.isRunning = isScheduled_ && !isOnlyEnding;
   return information;
+}
+
+void SimulationRunner::publishEndOf(Command& command) {
+  command.isAnswered = true;
+  publishInformation();
 }
 
 bool SimulationRunner::isClosing() const {

@@ -29,6 +29,7 @@ struct Command {
   std::string owner;        // the session whose share of the workers they take
   std::atomic<bool> isCancelled{false};
   bool isPaused = false;                 // to be ended between two steps; the owner of the simulation's
+  std::atomic<bool> isAnswered{false};   // nobody waits for it any more, although its last turn may not be over
   std::atomic<bool> isOverLimit{false};  // this turn took longer than a call may
 };
 
@@ -66,9 +67,9 @@ class SimulationRunner final : public std::enable_shared_from_this<SimulationRun
   // inside Command::advance only
   [[nodiscard]] HostedSimulation& hosted() { return *hosted_; }
   [[nodiscard]] std::uint32_t callSeconds() const { return callSeconds_; }
-  /// What others are told about the simulation is what it is now; before the answer to a command, so that who has the
-  /// answer and asks again does not hear of the state before it.
-  void publishInformation();
+  /// What others are told about the simulation is what it is now, with this command behind it; before the answer to the
+  /// command, so that who has the answer and asks again does not hear of the state before it.
+  void publishEndOf(Command& command);
   /// Sends frames of the present state to the streams that want one. `isDue`: a step was just completed.
   void publishFrames(bool isDue);
   /// A viewer that comes late sees the present state at once.
@@ -80,6 +81,7 @@ class SimulationRunner final : public std::enable_shared_from_this<SimulationRun
   void setLastError(std::string error) { lastError_ = std::move(error); }
 
  private:
+  void publishInformation();
   void schedule();  // with mutex_ held
   void takeTurn();
   void giveUpTurn(std::uint64_t turn);

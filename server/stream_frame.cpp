@@ -14,7 +14,7 @@ namespace {
 
 /// Whether two streams are sent the same.
 bool wantTheSame(const protocol::StreamOpenParams& a, const protocol::StreamOpenParams& b) {
-  return a.what == b.what && a.select == b.select && a.isInBlocks == b.isInBlocks &&
+  return a.what == b.what && a.format == b.format && a.select == b.select && a.isInBlocks == b.isInBlocks &&
          a.isSinglePrecision == b.isSinglePrecision && a.isDelta == b.isDelta;
 }
 
@@ -27,7 +27,7 @@ bool isShort(const TurtleChange& change) {
 
 std::uint64_t FrameBase::bytes() const {
   return (chain == nullptr ? 0 : chain->bytes) + (turtle == nullptr ? 0 : turtle->bytes()) +
-         (text == nullptr ? 0 : text->size());
+         (geometry == nullptr ? 0 : geometry->bytes()) + (text == nullptr ? 0 : text->size());
 }
 
 std::variant<StreamFrame, core::SimulationError> FrameMaker::make(const protocol::StreamOpenParams& params,
@@ -55,14 +55,10 @@ std::variant<StreamFrame, core::SimulationError> FrameMaker::makeNew(const proto
   if (params.what == "string") {
     return makeText(params, base);
   }
-  if (params.what == "geometry") {
-    auto body = geometryBody(simulation_);
-    if (auto* error = std::get_if<core::SimulationError>(&body)) {
-      return std::move(*error);
-    }
-    return StreamFrame{std::move(std::get<protocol::Body>(body)), true, {}};
-  }
   try {
+    if (params.what == "geometry") {
+      return makeGeometry(params, base);
+    }
     if (params.what == "queries") {
       return StreamFrame{encodeQueries(queries_, *symbols_, params), true, {}};
     }
@@ -148,6 +144,48 @@ std::variant<std::shared_ptr<const TurtleFrame>, core::SimulationError> FrameMak
   auto frame = std::make_shared<const TurtleFrame>(makeTurtleFrame(*records_, symbols_, select));
   turtles_.push_back({select, frame});
   return frame;
+}
+
+std::variant<StreamFrame, core::SimulationError> FrameMaker::makeGeometry(const protocol::StreamOpenParams& params,
+                                                                          const FrameBase& base) {
+  if (params.format == "glb") {
+    auto body = geometryBody(simulation_);
+    if (auto* error = std::get_if<core::SimulationError>(&body)) {
+      return std::move(*error);
+    }
+    return StreamFrame{std::move(std::get<protocol::Body>(body)), true, {}};
+  }
+  auto made = geometry(params.select);
+  if (auto* error = std::get_if<core::SimulationError>(&made)) {
+    return std::move(*error);
+  }
+  const auto& frame = std::get<std::shared_ptr<const GeometryFrame>>(made);
+  StreamFrame result;
+  if (params.isDelta) {
+    result.base.geometry = frame;
+    if (auto change = encodeDifference(frame, base.geometry.get(), params)) {
+      result.isKey = false;
+      result.body = std::move(*change);
+      return result;
+    }
+  }
+  result.body = encodeGeometry(frame, params);
+  return result;
+}
+
+std::variant<std::shared_ptr<const GeometryFrame>, core::SimulationError> FrameMaker::geometry(
+    const protocol::StreamSelection& select) {
+  const auto found =
+      std::find_if(geometries_.begin(), geometries_.end(), [&](const Geometry& made) { return made.select == select; });
+  if (found != geometries_.end()) {
+    return found->frame;
+  }
+  auto made = makeGeometryFrame(simulation_, symbols_, select);
+  if (auto* error = std::get_if<core::SimulationError>(&made)) {
+    return std::move(*error);
+  }
+  geometries_.push_back({select, std::make_shared<const GeometryFrame>(std::move(std::get<GeometryFrame>(made)))});
+  return geometries_.back().frame;
 }
 
 StreamFrame FrameMaker::makeText(const protocol::StreamOpenParams& params, const FrameBase& base) {

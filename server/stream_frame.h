@@ -10,6 +10,7 @@
 #include "engine/simulation/simulation.h"
 #include "engine/turtle/record_chain.h"
 #include "protocol/messages.h"
+#include "server/geometry_frame.h"
 #include "server/query_recorder.h"
 #include "server/turtle_frame.h"
 
@@ -19,9 +20,12 @@ namespace espalier::server {
 struct FrameBase {
   std::shared_ptr<const turtle::RecordChain> chain;  // of all records, where drawings are repeatable
   std::shared_ptr<const TurtleFrame> turtle;         // of a selection, or where they are not
+  std::shared_ptr<const GeometryFrame> geometry;
   std::shared_ptr<const std::string> text;
 
-  [[nodiscard]] bool isEmpty() const { return chain == nullptr && turtle == nullptr && text == nullptr; }
+  [[nodiscard]] bool isEmpty() const {
+    return chain == nullptr && turtle == nullptr && geometry == nullptr && text == nullptr;
+  }
   [[nodiscard]] std::uint64_t bytes() const;
   bool operator==(const FrameBase&) const = default;  // the same ones
 };
@@ -52,6 +56,10 @@ class FrameMaker {
     protocol::StreamSelection select;
     std::shared_ptr<const TurtleFrame> frame;
   };
+  struct Geometry {
+    protocol::StreamSelection select;
+    std::shared_ptr<const GeometryFrame> frame;
+  };
   struct Made {
     protocol::StreamOpenParams params;
     FrameBase base;
@@ -66,6 +74,10 @@ class FrameMaker {
       const FrameBase& base);
   [[nodiscard]] std::variant<StreamFrame, core::SimulationError> makeTurtle(const protocol::StreamOpenParams& params,
                                                                             const FrameBase& base);
+  [[nodiscard]] std::variant<StreamFrame, core::SimulationError> makeGeometry(const protocol::StreamOpenParams& params,
+                                                                              const FrameBase& base);
+  [[nodiscard]] std::variant<std::shared_ptr<const GeometryFrame>, core::SimulationError> geometry(
+      const protocol::StreamSelection& select);
   [[nodiscard]] StreamFrame makeText(const protocol::StreamOpenParams& params, const FrameBase& base);
 
   const simulation::Simulation& simulation_;
@@ -75,6 +87,7 @@ class FrameMaker {
   std::optional<std::vector<turtle::TurtleRecord>> records_;
   std::optional<std::shared_ptr<const turtle::RecordChain>> chain_;  // null: the drawings are not repeatable
   std::vector<Turtle> turtles_;
+  std::vector<Geometry> geometries_;
   std::vector<std::pair<std::uint32_t, std::shared_ptr<const std::string>>> texts_;  // plant, its string
   std::vector<Made> made_;
 };

@@ -45,7 +45,18 @@ void Simulation::Implementation::derivePass() {
       growing.push_back(plant);
     }
   }
+  derivedModules_ = 0;
+  derivedBytes_ = 0;
   deriveAll(growing, isKept);
+  if (plants_.size() > 1) {
+    std::uint64_t modules = 0;
+    std::uint64_t bytes = 0;
+    for (const derivation::PlantState& plant : plants_) {
+      modules += plant.string.size();
+      bytes += plant.string.bytes();
+    }
+    requireTogether(modules, bytes);
+  }
   const bool hasDerived = !dying_.empty() || !growing.empty();
   if (!hasDerived) {
     core::SimulationError error;
@@ -76,6 +87,28 @@ void Simulation::Implementation::derivePlant(std::size_t plant, bool isKept) {
     undo_[plant].hasUnderived = true;
   }
   derivations_[plant]->derive(plants_[plant]);
+  // what those before have cannot become less: the outcome is the same in any order
+  if (plants_.size() > 1) {
+    const derivation::ModuleString& string = plants_[plant].string;
+    requireTogether(derivedModules_ += string.size(), derivedBytes_ += string.bytes());
+  }
+}
+
+void Simulation::Implementation::requireTogether(std::uint64_t modules, std::uint64_t bytes) const {
+  std::string what;
+  if (modules > options_.limits.maximumModules) {
+    what = std::to_string(options_.limits.maximumModules) + " modules together (limit maximumModules)";
+  } else if (bytes > options_.limits.maximumStringBytes) {
+    what = std::to_string(options_.limits.maximumStringBytes) + " bytes together (limit maximumStringBytes)";
+  } else {
+    return;
+  }
+  core::SimulationError error;
+  error.code = core::SimulationErrorCode::LimitExceeded;
+  error.step = completedSteps_ + 1;
+  error.message = "step " + std::to_string(error.step) + ": the strings of all plants have more than " + what +
+                  ". Grow fewer plants, or raise the limit.";
+  throw core::SimulationFailure(std::move(error));
 }
 
 unsigned Simulation::Implementation::threadCount() const {

@@ -104,6 +104,8 @@ class Simulation::Implementation {
   [[nodiscard]] std::unique_ptr<derivation::Derivation> makeDerivation(std::uint32_t plant, const Plant& member);
   void derivePass();
   void derivePlant(std::size_t plant, bool isKept);
+  /// Fails when so many modules and bytes are more than all strings of a simulation may have.
+  void requireTogether(std::uint64_t modules, std::uint64_t bytes) const;
   void deriveAll(const std::vector<std::size_t>& plants, bool isKept);
   void deriveTogether(const std::vector<std::size_t>& plants, bool isKept);
   [[nodiscard]] unsigned threadCount() const;
@@ -138,6 +140,8 @@ class Simulation::Implementation {
   std::unique_ptr<derivation::WorkerTeam> team_;  // derives plants side by side; null: not needed yet
   // what plants that are derived side by side have to say, by plant; empty: it is passed on at once
   std::vector<std::vector<std::pair<core::MessageKind, std::string>>> heldMessages_;
+  std::atomic<std::uint64_t> derivedModules_{0};  // of the plants that were derived in the step under way
+  std::atomic<std::uint64_t> derivedBytes_{0};
 };
 
 /// Runs a part of a step; on a failure of any kind the simulation is as after the last completed step.

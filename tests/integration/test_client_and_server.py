@@ -130,7 +130,8 @@ class ClientAndServer(unittest.TestCase):
             espalier("export", str(snapshot), "-o", str(exported), "--quiet")
             self.assertEqual(bytes(frame.columns["glb"]), exported.read_bytes())
         self.assertEqual(weed.geometry(), bytes(frame.columns["glb"]))
-        with self.assertRaisesRegex(ServerError, r'params.bin: geometry comes in binary blocks only; say "bin": true.'):
+        with self.assertRaisesRegex(ServerError, r'params.bin: geometry as a file comes in binary blocks; say "bin": true, '
+                                    r'or "format": "columns" for tables'):
             weed.stream("geometry")
         self.assertIn("classic-weed", self.client.gallery())
 

@@ -2,11 +2,12 @@
 
 import json
 import socket
+import sys
 import time
 import unittest
 from typing import Any, Dict
 
-from support import program
+from support import program, stdio
 
 from espalier import Client, Server, ServerError
 
@@ -255,6 +256,23 @@ class Hostile(unittest.TestCase):
             model = client.check(MODEL + "/* " + "x" * 2000 + " */\nB --> B\n" * 200)
             self.assertFalse(model.valid)
             self.assertIn("1000", str(model))
+
+    def test_a_line_of_a_spawned_environment_is_as_long_as_one_of_a_peer_and_not_longer(self) -> None:
+        script = ("import json, sys\n"
+                  "for line in sys.stdin:\n"
+                  "    asked = json.loads(line)\n"
+                  "    result = {'replies': []} if asked['method'] == 'environment.step' else {}\n"
+                  "    said = json.dumps({'jsonrpc': '2.0', 'id': asked['id'], 'result': result})\n"
+                  "    print(said + ' ' * (int(sys.argv[1]) - len(said)), flush=True)\n")
+        with self.serve("lineBytes=2000").connect(timeout=SECONDS) as client:
+            def grown(length: int) -> None:
+                client.create("Lsystem: 1\nAxiom: ?E(0)A\nA --> A\nendlsystem\n", environment=[
+                    {"type": "stdio", "command": stdio([sys.executable, "-c", script, str(length)])[len("stdio:"):]}]).step()
+
+            grown(2000)
+            with self.assertRaisesRegex(ServerError, "lineBytes is limited to 2000") as caught:
+                grown(2001)
+            self.assertEqual(caught.exception.code, 1006)
 
     def test_steps_of_an_environment_take_so_long_at_most(self) -> None:
         server = self.serve("environmentStepMilliseconds=200")

@@ -1,6 +1,7 @@
 """A viewer who follows differences holds, bit for bit, what a viewer of whole frames holds."""
 
 import unittest
+from dataclasses import fields
 from typing import Any, Dict, List, Optional
 from unittest import mock
 
@@ -28,6 +29,11 @@ def bits(frame: Frame) -> Dict[str, Any]:
     held: Dict[str, Any] = {"step": frame.step, "string": frame.string, "records": [repr(record) for record in frame.records]}
     for name, column in frame.columns.items():
         held[name] = (list(column.shape), bytes(column.tobytes()) if len(column) else b"")
+    if frame.geometry is not None:
+        held["geometry"] = {one.name: getattr(frame.geometry, one.name) for one in fields(frame.geometry)}
+        for name, table in held["geometry"].items():
+            if hasattr(table, "tobytes"):
+                held["geometry"][name] = (table.tolist(), bytes(table.tobytes()) if len(table) else b"")
     return held
 
 
@@ -85,6 +91,12 @@ class Differences(unittest.TestCase):
     def test_records(self) -> None:
         self.follow(40)
         self.follow(20, symbols=["F"], single=True)
+
+    def test_geometry(self) -> None:
+        for options in ({}, {"arrays": True}, {"arrays": True, "single": True, "symbols": ["F"]}):
+            keys = self.follow(30, what="geometry", columns=True, **options)
+            if blocks.numpy is not None:
+                self.assertIn(False, keys, options)
 
     def test_strings(self) -> None:
         self.follow(60, what="string")

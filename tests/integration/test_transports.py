@@ -124,6 +124,7 @@ class Http(unittest.TestCase):
         self.assertIn("espalier_queries_total 3\n", text)
         self.assertIn("espalier_sessions 1\n", text)
         self.assertIn("espalier_simulations 1\n", text)
+        self.assertRegex(text, r"(?m)^espalier_workers [1-9]\d*$")
         self.assertIn('espalier_step_seconds_bucket{le="+Inf"} 3\n', text)
         self.assertIn("espalier_step_seconds_count 3\n", text)
         for line in text.splitlines():

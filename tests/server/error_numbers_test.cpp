@@ -61,7 +61,7 @@ TEST(ErrorNumbers, ABugInACommandIsInternalAndClosesThatSimulationOnly) {
   ServerCore core(quietOptions());
   const auto make = [&core]() {
     SimulationRecord record;
-    record.id = *core.reserve();
+    record.id = std::get<std::string>(core.reserve("1"));
     core::MemoryFileProvider files({{"model.l", std::string(kGrowth)}});
     language::CompileInput input;
     input.modelFile = "model.l";

@@ -120,6 +120,59 @@ TEST(LimitsInUse, ThoseOfAStepHoldAtTheBoundAndNotBeyond) {
   }
 }
 
+TEST(LimitsInUse, ASessionMakesAsManySimulationsAsItMayAndAnotherItsOwn) {
+  ServerOptions options;
+  options.limits.simulationsPerSession = 2;
+  const RunningServer server(options);
+  const auto client = connectTo(server);
+  const std::string first = create(*client, kGrowth);
+  const std::string second = member(resultOf(client->request("simulation.fork", named(first))), "simulation");
+  for (const auto& [method, params] :
+       {std::pair("simulation.create", createParams(kGrowth)), std::pair("simulation.fork", named(first))}) {
+    const protocol::Error error = errorOf(client->request(method, params));
+    EXPECT_EQ(static_cast<int>(error.code), 1004);
+    EXPECT_EQ(error.data, R"({"bound":2,"limit":"simulationsPerSession","value":3})");
+    EXPECT_EQ(error.message,
+              "simulationsPerSession is limited to 2, this is 3. Delete one that this connection made first.");
+  }
+  (void)create(*connectTo(server), kGrowth);
+  // who deletes it does not matter
+  resultOf(connectTo(server)->request("simulation.delete", named(second)));
+  (void)create(*client, kGrowth);
+}
+
+TEST(LimitsInUse, PlantsOfOneSimulationShareItsModulesAndBytes) {
+  const auto stepped = [](std::string_view limit, std::uint64_t bound) {
+    ServerOptions options;
+    EXPECT_EQ(setLimit(options.limits, limit, bound), std::nullopt);
+    const RunningServer server(options);
+    const auto client = connectTo(server);
+    const std::string simulation =
+        create(*client, "Lsystem: 1\nderivation length: 9\nAxiom: A(1)\nA(x) --> A(x)A(x)\nendlsystem\n", {},
+               R"("plants":[{"position":[0,0,0]},{"position":[1,0,0]},{"position":[2,0,0]}])");
+    const client::Outcome outcome = client->request("simulation.step", named(simulation, R"("steps":2)"));
+    const auto* error = std::get_if<protocol::Error>(&outcome);
+    if (error != nullptr) {
+      EXPECT_EQ(member(error->data, "limit"), limit);
+      EXPECT_EQ(member(error->data, "bound"), std::to_string(bound));
+      EXPECT_EQ(member(error->data, "step"), "1");
+      EXPECT_EQ(stringOf(*client, simulation), "A(1)A(1)");
+    }
+    return error == nullptr ? std::string() : error->message;
+  };
+  // three strings of four modules, with ten bytes each
+  EXPECT_EQ(stepped("modules", 12), "");
+  EXPECT_EQ(stepped("stringBytes", 120), "");
+  EXPECT_EQ(
+      stepped("modules", 11),
+      "step 2: the strings of all plants have more than 11 modules together (limit modules). Grow fewer plants, or "
+      "raise the limit. The simulation stays at step 1.");
+  EXPECT_EQ(
+      stepped("stringBytes", 119),
+      "step 2: the strings of all plants have more than 119 bytes together (limit stringBytes). Grow fewer plants, "
+      "or raise the limit. The simulation stays at step 1.");
+}
+
 TEST(LimitsInUse, AnAnswerIsAsLongAsTheOutboxAndNotLonger) {
   constexpr std::uint64_t kBound = 20'000;
   ServerOptions options;

@@ -1,5 +1,8 @@
 #include "server/remote_process.h"
 
+#include <netinet/in.h>
+#include <sys/socket.h>
+
 #include <mutex>
 
 #include "environment/registry.h"
@@ -108,6 +111,43 @@ TEST(RemoteProcess, AnEnvironmentThatDiesInAStepLeavesTheSimulationAndResumesWhe
   const OfferingEnvironment back(server, "mylight", answerHeight);
   EXPECT_EQ(member(resultOf(client->request("simulation.step", named(simulation))), "step"), "1");
   EXPECT_EQ(stringOf(*client, simulation), "F(1)F(1)A?E(1)");
+}
+
+/// A port whose queue of connections is full: whoever dials it waits.
+class FullPort {
+ public:
+  FullPort() : listening_(::socket(AF_INET, SOCK_STREAM, 0)) {
+    address_.sin_family = AF_INET;
+    address_.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t length = sizeof(address_);
+    EXPECT_EQ(::bind(listening_.number(), reinterpret_cast<sockaddr*>(&address_), length), 0);
+    EXPECT_EQ(::listen(listening_.number(), 0), 0);
+    EXPECT_EQ(::getsockname(listening_.number(), reinterpret_cast<sockaddr*>(&address_), &length), 0);
+    for (int i = 0; i < 3; ++i) {
+      waiting_.emplace_back(::socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK, 0));
+      (void)::connect(waiting_.back().number(), reinterpret_cast<const sockaddr*>(&address_), sizeof(address_));
+    }
+  }
+  [[nodiscard]] std::string address() const { return "127.0.0.1:" + std::to_string(ntohs(address_.sin_port)); }
+
+ private:
+  Descriptor listening_;
+  std::vector<Descriptor> waiting_;
+  sockaddr_in address_{};
+};
+
+TEST(RemoteProcess, OneThatCannotBeReachedIsGivenUpInTime) {
+  const FullPort port;
+  ServerOptions options;
+  options.limits.environmentConnectMilliseconds = 50;
+  const RunningServer server(options);
+  const auto client = connectTo(server);
+  const auto error = errorOf(client->request(
+      "simulation.create", createParams(kGrowth, R"([{"type":"tcp","address":")" + port.address() + R"("}])")));
+  EXPECT_EQ(static_cast<int>(error.code), 1006);
+  EXPECT_EQ(error.message, "environment tcp://" + port.address() + " is not there: cannot connect to " +
+                               port.address() + ": Connection timed out (while connecting). Start it again at " +
+                               port.address() + ", then ask for the step again.");
 }
 
 TEST(RemoteProcess, ASilentEnvironmentTimesOutAndOthersAreNotStarved) {

@@ -171,6 +171,63 @@ TEST(Stream, ADifferenceCostsWhatChanged) {
   }
 }
 
+TEST(Stream, GeometryAsColumnsNeedsNoBlocksAndTellsWhatWasDrawnNew) {
+  const RunningServer server;
+  const auto client = connectTo(server);
+  const std::string simulation = create(*client,
+                                        "Lsystem: 1\nderivation length: 9\nAxiom: [G(2)]F(1)F(1)F(1)A\nA --> "
+                                        "F(0.5)[{.f(1)+(120).f(1)+(120).}]A\nendlsystem\n");
+  const auto shown = [&](std::string_view more) {
+    resultOf(client->request("stream.open",
+                             named(simulation, R"("what":"geometry","format":"columns")" + std::string(more))));
+    return member(nextFrame(*client), "geometry");
+  };
+  const std::string whole = shown({});
+  EXPECT_EQ(member(whole, "form"), "whole");
+  EXPECT_EQ(member(whole, "segmentStart"), "[[0,0,0],[0,0,0],[0,1,0],[0,2,0]]");
+  EXPECT_EQ(member(whole, "segmentModule"), "[1,3,4,5]");
+  EXPECT_EQ(member(shown(R"(,"select":{"symbols":["G"]})"), "segmentEnd"), "[[0,2,0]]");
+  EXPECT_EQ(member(shown(R"(,"select":{"plants":[1]})"), "segmentEnd"), "[]");
+  resultOf(client->request("simulation.step", named(simulation)));
+  for (int i = 0; i < 3; ++i) {
+    (void)nextFrame(*client);
+  }
+
+  (void)shown(R"(,"delta":true)");
+  resultOf(client->request("simulation.step", named(simulation)));
+  std::string frame = nextFrame(*client);
+  while (member(frame, "key") == "true") {
+    frame = nextFrame(*client);
+  }
+  const std::string change = member(frame, "geometry");
+  EXPECT_EQ(member(change, "form"), "difference");
+  EXPECT_EQ(member(change, "segmentRuns"), "[[0,5,0],[4294967295,1,0]]");
+  EXPECT_EQ(member(change, "segmentEnd"), "[[0,4,0]]");
+  EXPECT_EQ(member(change, "organPlant"), "[0]");
+}
+
+TEST(Stream, GeometryOfNothingIsNoDifference) {
+  const RunningServer server;
+  const auto client = connectTo(server);
+  const std::string simulation = create(*client, "Lsystem: 1\nderivation length: 9\nAxiom: A\nA --> A\nendlsystem\n");
+  resultOf(client->request("stream.open", named(simulation, R"("what":"geometry","format":"columns","delta":true)")));
+  (void)nextFrame(*client);
+  resultOf(client->request("simulation.step", named(simulation)));
+  EXPECT_EQ(member(nextFrame(*client), "key"), "true");
+}
+
+TEST(Stream, ThoseThatEndedTakeNoRoom) {
+  ServerOptions options;
+  options.limits.streamsPerSession = 2;
+  const RunningServer server(options);
+  const auto client = connectTo(server);
+  for (int i = 0; i < 5; ++i) {
+    const std::string simulation = create(*client, kChain);
+    resultOf(client->request("stream.open", named(simulation, R"("what":"string")")));
+    resultOf(client->request("simulation.delete", named(simulation)));
+  }
+}
+
 TEST(Stream, AfterMissedFramesComesAKeyFrame) {
   const RunningServer server;
   const auto client = connectTo(server);
@@ -251,6 +308,11 @@ TEST(Stream, WrongParametersNameTheirPath) {
            std::pair(R"("what":"string","maxHz":1001)",
                      "params.maxHz: expected a number of frames a second from 0.001 to 1000, found 1001"),
            std::pair(R"("what":"string","delta":1)", "params.delta: expected true or false, found 1"),
+           std::pair(R"("what":"geometry","format":"obj")",
+                     "params.format: expected one of glb, columns, found \"obj\""),
+           std::pair(R"("what":"geometry")",
+                     "params.bin: geometry as a file comes in binary blocks; say \"bin\": true, or \"format\": "
+                     "\"columns\" for tables"),
        }) {
     EXPECT_EQ(errorOf(client->request("stream.open", named(simulation, more))).message, message);
   }

@@ -366,10 +366,10 @@ class AsyncSimulation:
     @_as(blocking.Simulation.stream)
     async def stream(self, what: str = "turtle", *, every: int = 1, symbols: Optional[Sequence[str]] = None,
                      credits: Optional[int] = 8, arrays: bool = False, single: bool = False, delta: bool = True,
-                     max_hz: Optional[float] = None) -> "AsyncStream":
+                     max_hz: Optional[float] = None, columns: bool = False) -> "AsyncStream":
         # the first frame may come right behind the answer
         opened = await self._client._do(
-            requests.open_stream(self.identifier, what, every, symbols, credits, arrays, single, delta, max_hz),
+            requests.open_stream(self.identifier, what, every, symbols, credits, arrays, single, delta, max_hz, columns),
             lambda result: self._client._inbox.open(str(result["stream"])))
         return AsyncStream(self._client, opened)
 

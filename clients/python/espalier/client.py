@@ -419,13 +419,14 @@ class Simulation:
 
     def stream(self, what: str = "turtle", *, every: int = 1, symbols: Optional[Sequence[str]] = None,
                credits: Optional[int] = 8, arrays: bool = False, single: bool = False, delta: bool = True,
-               max_hz: Optional[float] = None) -> "Stream":
+               max_hz: Optional[float] = None, columns: bool = False) -> "Stream":
         """Opens a stream of frames: turtle, string, statistics, geometry or queries. The first frame is the state now. At
         most `credits` frames are under way (None: as many as the connection takes); a reader that is slower misses frames
         and never slows the simulation.
 
         With `arrays` the turtle's records come as columns (Frame.columns: NumPy arrays when NumPy is there), in single
-        precision when `single`. Geometry needs `arrays`: a binary glTF file in columns["glb"], unsigned (bytes / 4).
+        precision when `single`. Geometry needs `arrays`: a binary glTF file in columns["glb"], unsigned (bytes / 4); or with
+        `columns` it comes as Frame.geometry, the segments and triangles that an environment sees.
 
         With `delta` the server sends only what changed since the frame before; every Frame is
         complete all the same. At most `max_hz` frames come a second, the last of them always.
@@ -437,7 +438,8 @@ class Simulation:
         ...     now, stream.read().string
         ('a', 'ab')
         """
-        opened = self._do(requests.open_stream(self.identifier, what, every, symbols, credits, arrays, single, delta, max_hz))
+        opened = self._do(requests.open_stream(
+            self.identifier, what, every, symbols, credits, arrays, single, delta, max_hz, columns))
         return Stream(self._client, opened)
 
 

@@ -9,6 +9,7 @@ from typing import Any, Dict, Iterator, List, Mapping, NamedTuple, Optional, Seq
 
 from .blocks import Blocks, numpy
 from .errors import ProtocolError
+from .geometry import read_geometry
 from .shapes import Frame, TurtleRecord, read_frame, read_record
 
 NO_PARENT = 0xFFFFFFFF
@@ -27,6 +28,9 @@ class _Segment(NamedTuple):
 
 def read_next(previous: Optional[Frame], shape: Mapping[str, Any], blocks: Blocks = MappingProxyType({})) -> Frame:
     """The complete frame of the params of `stream.data`; `previous` is the one that came before on the stream."""
+    if "geometry" in shape:
+        before = previous.geometry if previous is not None else None
+        return replace(read_frame(shape), geometry=read_geometry(shape["geometry"], blocks, before))
     if shape.get("key", True):
         return read_frame(shape, blocks)
     if previous is None:

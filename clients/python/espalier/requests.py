@@ -10,7 +10,7 @@ from collections import deque
 from dataclasses import dataclass
 from typing import Any, Callable, Deque, Dict, Generic, List, Mapping, Optional, Sequence, Tuple, TypeVar, Union
 
-from . import wire
+from . import geometry, wire
 from .errors import EspalierError, ProtocolError, ServerError
 from .frames import read_next
 from .shapes import Frame, Model, StepResult, TurtleRecord, Vector, read_model, read_record, read_step
@@ -217,9 +217,13 @@ def delete(simulation: str) -> Request[None]:
 
 
 def open_stream(simulation: str, what: str, every: int, symbols: Optional[Sequence[str]], credits: Optional[int],
-                arrays: bool, single: bool, delta: bool, max_hz: Optional[float]) -> Request[str]:
+                arrays: bool, single: bool, delta: bool, max_hz: Optional[float], columns: bool) -> Request[str]:
     parameters: Dict[str, Any] = {"simulation": simulation, "what": what, "every": every,
                                   "delta": delta, "precision": "single" if single else "double"}
+    if columns:
+        parameters["format"] = "columns"
+        # put together by NumPy
+        parameters["delta"] = delta and geometry.form() == "difference"
     if credits is not None:
         parameters["credits"] = credits
     if max_hz is not None:

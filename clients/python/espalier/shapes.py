@@ -8,6 +8,7 @@ from typing import Any, Mapping, Optional, Sequence, Tuple
 
 from .blocks import Blocks
 from .errors import ProtocolError
+from .geometry import Geometry
 
 Vector = Tuple[float, float, float]
 
@@ -74,6 +75,8 @@ class Frame:
     # of a stream of queries: what the last step asked its environment, and the answers, in the shapes of environment.step
     queries: Sequence[Mapping[str, Any]] = ()
     replies: Sequence[Mapping[str, Any]] = ()
+    # of a stream of geometry with columns=True: the plants as environments see them
+    geometry: Optional[Geometry] = None
     key: bool = True  # it came whole; else as a difference, and was put together
 
 

@@ -132,6 +132,7 @@ class LivePage {
     this.shownStep = -1;
     this.view && (this.view.fitted = null);
     part("steps").replaceChildren();
+    part("state").textContent = "";
     this.view?.show(null);
     if (this.simulation) {
       location.hash = `simulation=${encodeURIComponent(simulation)}`;
@@ -223,7 +224,7 @@ class LivePage {
 
   async reset() {
     await this.act("simulation.reset");
-    // a reset makes no frame by itself
+    // anew: the picture is fitted to the small plant again
     await this.choose(this.simulation);
   }
 
