@@ -130,6 +130,7 @@ class Interpretation {
   void changeWidth(const Arguments& arguments, double sign);
   void changeElasticity(TurtleCommand command, const Arguments& arguments);
   void setRadiusTangents(const Arguments& arguments);
+  void setTexture(std::int32_t texture);
   void addLabel(const Arguments& arguments);
   [[nodiscard]] double angleRadians(const Arguments& arguments) const;
 

@@ -148,6 +148,13 @@ void Interpretation::changeWidth(const Arguments& arguments, double sign) {
   }
 }
 
+void Interpretation::setTexture(std::int32_t texture) {
+  state_.texture = texture;
+  if (texture < 0 || static_cast<std::size_t>(texture) > view_.textures.size()) {
+    warnOnce("there is no texture " + std::to_string(texture) + " for '@Tx' in the view file; what wears it is plain");
+  }
+}
+
 void Interpretation::setRadiusTangents(const Arguments& arguments) {
   // one parameter is a flag; more are an angle to the axis and a length for the start and, if given, for the end
   state_.startRadiusTangent = 0.0;
@@ -276,7 +283,7 @@ void Interpretation::performAt(TurtleCommand command, const Arguments& arguments
       setRadiusTangents(arguments);
       return;
     case TurtleCommand::SetTexture:
-      state_.texture = wholeNumber(arguments.valueOr(0, 0.0));
+      setTexture(wholeNumber(arguments.valueOr(0, 0.0)));
       return;
     case TurtleCommand::ElasticitySet:
     case TurtleCommand::ElasticityUp:

@@ -147,7 +147,7 @@ TEST_P(GalleryPicture, MadeAnewItLooksAsItIsKept) {
           (isForest(GetParam())      ? "640x480"
            : isOfChapter(GetParam()) ? "320x240"
                                      : "800x600") +
-          " --colours 48 --quiet -o " + file,
+          " --colours 128 --quiet -o " + file,
       sourceFolder());
   ASSERT_EQ(made.status, 0) << made.errors;
   const PictureImage kept = readPicture(galleryFile(GetParam()));
@@ -157,7 +157,7 @@ TEST_P(GalleryPicture, MadeAnewItLooksAsItIsKept) {
   const Difference difference = differenceOf(kept, fresh);
   EXPECT_TRUE(looksAlike(kept, fresh)) << "mean " << difference.mean << ", 99th percentile " << difference.nearlyLargest
                                        << ". If it is meant to look so, make it with ./dev gallery " << GetParam();
-  EXPECT_LE(fs::file_size(galleryFile(GetParam())), 100'000U);
+  EXPECT_LE(fs::file_size(galleryFile(GetParam())), 150'000U);
 }
 
 std::vector<std::string> models() {

@@ -91,7 +91,7 @@ std::optional<std::string> GlbPlan::measurePieces(const std::function<void(std::
   auto problem = forMeshes(meshes.team(), own.size(), make, [&](std::size_t i, const Mesh& mesh) {
     const MeshPart& next = partOf(own[i]);
     report(i + 1);
-    auto wrong = problemOf(mesh, sceneOf(own[i]).input(), sceneOf(own[i]).provenanceOf(next));
+    auto wrong = problemOf(mesh, sceneOf(own[i]), next);
     const bool continuesPiece = i > 0 && sharesMesh(own[i - 1], own[i]) && partOf(own[i - 1]).material == next.material;
     if (!continuesPiece || pieces.back().vertexCount >= kPieceVertices) {
       pieces.push_back({.material = next.material, .firstPart = i});

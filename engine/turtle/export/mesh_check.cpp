@@ -28,10 +28,15 @@ void Bounds::add(const Mesh& mesh) {
   }
 }
 
-std::optional<std::string> problemOf(const Mesh& mesh, const ExportInput& input, const Provenance& provenance) {
-  if (std::ranges::all_of(mesh.positions, isWritable)) {
+std::optional<std::string> problemOf(const Mesh& mesh, const SceneMeshes& scene, const MeshPart& part) {
+  const auto wrong = std::ranges::find_if_not(mesh.positions, isWritable);
+  if (wrong == mesh.positions.end()) {
     return std::nullopt;
   }
+  const ExportInput& input = scene.input();
+  const auto vertex = static_cast<std::size_t>(wrong - mesh.positions.begin());
+  const Provenance provenance =
+      mesh.vertexSegments.empty() ? scene.provenanceOf(part) : scene.provenanceOfSegment(mesh.vertexSegments[vertex]);
   std::string place = "plant " + std::to_string(provenance.plant) + ", module " + std::to_string(provenance.module);
   if (input.step) {
     place.insert(0, "step " + std::to_string(*input.step) + ", ");

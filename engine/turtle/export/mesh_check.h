@@ -20,10 +20,9 @@ struct Bounds {
   static constexpr double kLargest = std::numeric_limits<double>::max();
 };
 
-/// What keeps a mesh from being written: a position that is not finite in 32 bits. Names plant, module with its symbol
-/// and, when the input knows it, the step.
-[[nodiscard]] std::optional<std::string> problemOf(const Mesh& mesh, const ExportInput& input,
-                                                   const Provenance& provenance);
+/// What keeps the mesh of a part of a scene from being written: a position that is not finite in 32 bits. Names plant,
+/// module (on a tube that of the first such position) with its symbol and, when the scene's input knows it, the step.
+[[nodiscard]] std::optional<std::string> problemOf(const Mesh& mesh, const SceneMeshes& scene, const MeshPart& part);
 
 /// A normal as files need it: of length 1. Where there is none (a shape without extent) it is +y.
 [[nodiscard]] core::Vec3 unitNormal(const core::Vec3& normal);

@@ -87,7 +87,7 @@ std::optional<std::string> PlacedMeshes::forEach(const Use& use) {
       },
       [&](std::size_t i, const Mesh& mesh) -> std::optional<std::string> {
         const Item it = item(i);
-        if (auto problem = problemOf(mesh, it.scene.input(), it.scene.provenanceOf(it.part))) {
+        if (auto problem = problemOf(mesh, it.scene, it.part)) {
           return problem;
         }
         return use(it, mesh);

@@ -272,8 +272,9 @@ void RasterGeometry::append(std::size_t number, const ScenePlacement& placement,
   }
   forMeshes(part, placement, [&](const Mesh& mesh, const Wear& wear) {
     const bool isTube = part.kind == Kind::Tube;
-    const Look look =
+    Look look =
         isTube ? shading.lookOf(scene_.segments[tubes_[part.index]]) : shading.lookOfIndex(wear.colour, wear.texture);
+    look.isThin = !isTube && part.kind != Kind::Cylinder;
     RasterPen(camera, shading, look, organ, triangles).mesh(mesh);
   });
 }

@@ -19,6 +19,10 @@ constexpr double kGroundLight = 0.36;
 constexpr double kKeyLight = 0.66;
 constexpr double kFillLight = 0.16;
 constexpr double kSheen = 0.10;  // white, around the mirrored key light
+// what comes through a leaf to the side that is turned away from a light, of what it throws back; and, with the sky's
+// light from above, its share of the light on a side that looks down
+constexpr double kThroughLeaf = 0.6;
+constexpr double kBelowLeaf = 0.54;
 // what lights of the view file leave in the dark
 constexpr double kLeastLight = 0.22;
 
@@ -117,9 +121,13 @@ Look RasterShading::lookOf(const Segment& segment) const {
 
 Vec3 RasterShading::litByOwnLights(const Look& look, const Vec3& normal, const Vec3& towardViewer) const {
   const double height = 0.5 + 0.5 * core::dot(normal, sky_);
-  const double diffuse = kGroundLight + (kSkyLight - kGroundLight) * height +
-                         kKeyLight * std::max(0.0, core::dot(normal, key_)) +
-                         kFillLight * std::max(0.0, core::dot(normal, fill_));
+  const auto arriving = [&](const Vec3& towardLight) {
+    const double facing = core::dot(normal, towardLight);
+    return facing >= 0.0 ? facing : look.isThin ? -kThroughLeaf * facing : 0.0;
+  };
+  const double ground = look.isThin ? kBelowLeaf : kGroundLight;
+  const double diffuse =
+      ground + (kSkyLight - ground) * height + kKeyLight * arriving(key_) + kFillLight * arriving(fill_);
   // the 24th power
   const double mirrored = std::max(0.0, core::dot(normal, core::normalised(key_ + towardViewer)));
   const double eighth = mirrored * mirrored * mirrored * mirrored * mirrored * mirrored * mirrored * mirrored;

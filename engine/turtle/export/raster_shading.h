@@ -22,6 +22,7 @@ struct Look {
   std::optional<language::Material> material;  // of the folder
   double opacity = 1.0;
   const RasterTexture* texture = nullptr;  // null: none
+  bool isThin = false;                     // a leaf or petal, through which light comes
 };
 
 /// The textures that a scene's shapes wear in a picture, each made when it is first asked for. Thread-safe.

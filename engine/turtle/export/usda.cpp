@@ -191,7 +191,7 @@ std::optional<std::string> SceneWriter::write() {
     auto problem =
         forMeshes(team, order.size(), make, [&](std::size_t i, const Mesh& mesh) -> std::optional<std::string> {
           const MeshPart& part = parts[order[i]];
-          if (auto wrong = problemOf(mesh, scene.input(), scene.provenanceOf(part))) {
+          if (auto wrong = problemOf(mesh, scene, part)) {
             return wrong;
           }
           append(piece_, mesh);

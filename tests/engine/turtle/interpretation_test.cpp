@@ -196,6 +196,15 @@ TEST(Interpretation, ASurfaceMovesToItsEndPointByTheFirstFactor) {
   EXPECT_EQ(run.messages[0], "the surface '~q' is not defined in the view file and is not drawn");
 }
 
+TEST(Interpretation, ATextureThatTheViewFileDoesNotHaveIsSaidOnce) {
+  language::ViewSettings view;
+  view.textures.emplace_back();
+  TurtleRun run("@Tx(1)F@Tx(0)F@Tx(2)F[@Tx(2)F]", view);
+  run.draw();
+  EXPECT_EQ(run.messages,
+            std::vector<std::string>{"there is no texture 2 for '@Tx' in the view file; what wears it is plain"});
+}
+
 TEST(Interpretation, ATriangleSurfaceDoesNotMove) {
   language::ViewSettings view;
   view.triangleSurfaces.push_back({.id = 't', .file = "", .triangles = {}});

@@ -283,6 +283,22 @@ TEST(MeshFilesBadInput, GeometryThatDoesNotFit32BitsNamesItsModule) {
   }
 }
 
+TEST(MeshFilesBadInput, OnAnAxisTheLineThatIsNotFiniteIsNamed) {
+  // four lines of one tube; the third ends beyond 32-bit numbers
+  TurtleRun far("F(1)F(1.0e20)F(1.0e39)F(1)");
+  far.draw();
+  const derivation::ModuleString* const string = &far.state.string;
+  for (const std::string format : {"obj", "ply", "stl", "usda", "glb"}) {
+    core::StringSink sink;
+    const ExportTarget target{.fileName = "plant", .sink = sink, .openCompanion = {}, .progress = {}};
+    const ExportInput input{
+        .scene = far.scene, .view = {}, .step = 3, .program = &far.program, .strings = {&string, 1}};
+    const std::optional<std::string> problem = findExportFormat(format)->write(input, target);
+    ASSERT_TRUE(problem) << format;
+    EXPECT_TRUE(problem->starts_with("step 3, plant 0, module 2 ('F'): its geometry is not finite")) << *problem;
+  }
+}
+
 TEST(MeshFilesBadInput, AnEmptySceneIsAFileWithoutTriangles) {
   for (const ExportFormat& format : exportFormats()) {
     if (format.source != ExportSource::Scene) {

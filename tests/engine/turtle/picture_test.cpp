@@ -220,6 +220,26 @@ TEST(Picture, LightsOfTheViewFileGiveTheirColourAndDirection) {
   EXPECT_GT(pixelAt(spot, 100, 50)[0], pixelAt(spot, 100, 15)[0] + 50);
 }
 
+TEST(Picture, LightComesThroughALeafToTheSideThatIsTurnedAway) {
+  // the key light from behind the leaf, along it, and from the viewer
+  language::ViewSettings view = viewOf(language::LineStyle::Cylinder);
+  view.lightDirection = core::Vec3{0, 0, -1};
+  const auto brightness = [&](const std::string& string) {
+    return static_cast<int>(pixelAt(renderPicture(sceneOf(string, view), view, kTransparent), 100, 50)[1]);
+  };
+  const std::string leaf = "{.f.+(90)f.+(90)f.}";
+  const int behind = brightness(leaf);
+  view.lightDirection = core::Vec3{0, 1, 0};
+  const int along = brightness(leaf);
+  view.lightDirection = core::Vec3{0, 0, 1};
+  const int before = brightness(leaf);
+  EXPECT_GT(behind, along + 20) << "it comes through";
+  EXPECT_GT(before, behind + 20) << "it does not all come through";
+  // nothing comes through a ball
+  view.lightDirection = core::Vec3{0, 0, -1};
+  EXPECT_LT(brightness("@O(2)"), along + 5);
+}
+
 TEST(Picture, LabelsAreReadableText) {
   const language::ViewSettings view = viewOf(language::LineStyle::Pixel);
   Scene scene;
