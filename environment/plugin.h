@@ -37,7 +37,8 @@ enum {
   ESPALIER_NEEDS_UP = 8,
   ESPALIER_NEEDS_WIDTH = 16,
   ESPALIER_NEEDS_SCALE = 32,
-  ESPALIER_NEEDS_FOLLOWING = 64
+  ESPALIER_NEEDS_FOLLOWING = 64,
+  ESPALIER_NEEDS_GEOMETRY = 128 /* what all plants draw: asked in every step, also in one without queries */
 };
 
 /* No module follows the communication module. */
@@ -62,6 +63,43 @@ typedef struct espalier_context {
   double step_duration_days;
 } espalier_context;
 
+/* What drew each row of a table of geometry, as arrays of `count` elements. */
+typedef struct espalier_sources {
+  size_t count;
+  const uint32_t* plant;
+  const uint64_t* module; /* index in the plant's string of the module that drew it */
+  const uint16_t* symbol; /* of that module */
+  const uint8_t* colour;  /* index of the colour or material */
+  const uint32_t* branch_order;
+} espalier_sources;
+
+/* What the kinds of an organ are. */
+enum {
+  ESPALIER_CYLINDER = 0,
+  ESPALIER_POLYGON = 1,
+  ESPALIER_SURFACE = 2,
+  ESPALIER_PATCH = 3,
+  ESPALIER_BALL = 4
+};
+
+/* What all plants draw, in world coordinates: lines as round segments, everything else as organs of triangles, by plant.
+ * The organ that a communication module stands before has the module index of its query plus one. */
+typedef struct espalier_geometry {
+  espalier_sources segments;
+  const double* start; /* x, y, z (3 * segments.count); the same for the next */
+  const double* end;
+  const double* start_width; /* diameters (segments.count) */
+  const double* end_width;
+  uint32_t are_widths_pixels; /* not 0: the model draws lines of so many pixels, which have no size in the world */
+  uint32_t reserved;
+  espalier_sources organs;
+  const uint8_t* kind;             /* ESPALIER_CYLINDER and so on (organs.count) */
+  const uint64_t* vertex_offset;   /* (organs.count + 1): the vertices of organ i are those from offset i to i + 1 */
+  const uint64_t* triangle_offset; /* (organs.count + 1) */
+  const double* vertices;          /* x, y, z of all organs, concatenated */
+  const uint32_t* triangles;       /* three indices of vertices each, of all organs, concatenated */
+} espalier_geometry;
+
 /* All communication modules of all plants in one step, in (plant, module) order, as arrays of `count` elements. */
 typedef struct espalier_queries {
   uint64_t step;      /* completed steps when the queries were made */
@@ -84,6 +122,7 @@ typedef struct espalier_queries {
   const uint16_t* following;        /* symbol of the next module of the string, or ESPALIER_NO_SYMBOL */
   const uint64_t* following_offset; /* (count + 1) */
   const double* following_parameters;
+  const espalier_geometry* geometry; /* null unless the process needs it */
 } espalier_queries;
 
 /* The answers, laid out as the parameters: value k of query i is at parameter_offset[i] + k. All is_set are 0 at first;

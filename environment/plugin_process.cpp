@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "engine/turtle/geometry.h"
+
 namespace espalier::environment {
 
 namespace {
@@ -28,6 +30,14 @@ std::string textOf(Message& message) {
   return message.front() == '\0' ? std::string("it did not say why") : std::string(message.data());
 }
 
+static_assert(ESPALIER_CYLINDER == static_cast<int>(turtle::GeometryKind::Cylinder) &&
+              ESPALIER_POLYGON == static_cast<int>(turtle::GeometryKind::Polygon) &&
+              ESPALIER_SURFACE == static_cast<int>(turtle::GeometryKind::Surface) &&
+              ESPALIER_PATCH == static_cast<int>(turtle::GeometryKind::Patch) &&
+              ESPALIER_BALL == static_cast<int>(turtle::GeometryKind::Ball));
+static_assert(sizeof(turtle::GeometryKind) == sizeof(uint8_t) &&
+              sizeof(std::array<std::uint32_t, 3>) == 3 * sizeof(uint32_t));
+
 const double* numbersOf(const std::vector<core::Vec3>& vectors) {
   return vectors.empty() ? nullptr : &vectors.front().x;
 }
@@ -38,6 +48,32 @@ std::vector<turtle::EnvironmentVariable> variablesOf(const espalier_variable* va
     list.push_back({textOf(variables[i].name), textOf(variables[i].unit), {}});
   }
   return list;
+}
+
+espalier_sources sourcesOf(const turtle::GeometrySources& sources) {
+  return {.count = sources.size(),
+          .plant = sources.plant.data(),
+          .module = sources.module.data(),
+          .symbol = sources.symbol.data(),
+          .colour = sources.colour.data(),
+          .branch_order = sources.branchOrder.data()};
+}
+
+espalier_geometry geometryOf(const turtle::Geometry& geometry) {
+  return {.segments = sourcesOf(geometry.segments),
+          .start = numbersOf(geometry.start),
+          .end = numbersOf(geometry.end),
+          .start_width = geometry.startWidth.data(),
+          .end_width = geometry.endWidth.data(),
+          .are_widths_pixels = geometry.areWidthsPixels ? 1U : 0U,
+          .reserved = 0,
+          .organs = sourcesOf(geometry.organs),
+          // a byte each
+          .kind = reinterpret_cast<const uint8_t*>(geometry.kind.data()),
+          .vertex_offset = geometry.vertexOffset.data(),
+          .triangle_offset = geometry.triangleOffset.data(),
+          .vertices = numbersOf(geometry.vertices),
+          .triangles = geometry.triangles.empty() ? nullptr : geometry.triangles.front().data()};
 }
 
 class PluginProcess final : public turtle::EnvironmentProcess {
@@ -60,7 +96,8 @@ class PluginProcess final : public turtle::EnvironmentProcess {
                          .width = needs(ESPALIER_NEEDS_WIDTH),
                          .scale = needs(ESPALIER_NEEDS_SCALE),
                          .parameters = true,
-                         .following = needs(ESPALIER_NEEDS_FOLLOWING)};
+                         .following = needs(ESPALIER_NEEDS_FOLLOWING),
+                         .geometry = needs(ESPALIER_NEEDS_GEOMETRY)};
     description.inputs = variablesOf(plugin_->inputs, plugin_->input_count);
     description.outputs = variablesOf(plugin_->outputs, plugin_->output_count);
     description.isStateful = plugin_->is_stateful != 0;
@@ -91,6 +128,9 @@ class PluginProcess final : public turtle::EnvironmentProcess {
 
   [[nodiscard]] std::optional<EnvironmentError> step(const turtle::QueryBatch& queries,
                                                      turtle::ReplyBatch& replies) override {
+    const bool seesGeometry =
+        queries.geometry != nullptr && (plugin_->needs & static_cast<std::uint32_t>(ESPALIER_NEEDS_GEOMETRY)) != 0;
+    const espalier_geometry drawn = seesGeometry ? geometryOf(*queries.geometry) : espalier_geometry{};
     const espalier_queries asked{.step = queries.step,
                                  .iteration = queries.iteration,
                                  .reserved = 0,
@@ -110,7 +150,8 @@ class PluginProcess final : public turtle::EnvironmentProcess {
                                  .parameters = queries.parameters.data(),
                                  .following = queries.following.data(),
                                  .following_offset = queries.followingOffset.data(),
-                                 .following_parameters = queries.followingParameters.data()};
+                                 .following_parameters = queries.followingParameters.data(),
+                                 .geometry = seesGeometry ? &drawn : nullptr};
     espalier_replies answers{.values = replies.values.data(), .is_set = replies.isSet.data()};
     Message message{};
     if (auto error =

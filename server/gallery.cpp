@@ -62,4 +62,9 @@ std::string fileWithSuffix(const fs::path& folder, const std::string& stem, cons
   return found;
 }
 
+std::string asEnvironmentList(const std::string& configuration) {
+  const std::size_t first = configuration.find_first_not_of(" \t\r\n");
+  return first != std::string::npos && configuration[first] == '{' ? "[" + configuration + "]" : configuration;
+}
+
 }  // namespace espalier::server

@@ -7,6 +7,9 @@
 
 namespace espalier::server {
 
+/// The file that makes a folder a forest (clients/espalier/README.md).
+inline constexpr const char* kForestFile = "forest.json";
+
 /// The gallery that came with this program: beside an installed one (share/espalier/gallery), or in the source tree in
 /// which it was built; empty when there is none.
 [[nodiscard]] std::string galleryOfProgram();
@@ -22,5 +25,8 @@ namespace espalier::server {
 /// choice.
 [[nodiscard]] std::string fileWithSuffix(const std::filesystem::path& folder, const std::string& stem,
                                          const std::string& suffix);
+
+/// The text of an environment's configuration as the text of a list: a single process in brackets.
+[[nodiscard]] std::string asEnvironmentList(const std::string& configuration);
 
 }  // namespace espalier::server

@@ -87,6 +87,7 @@ void ModelStore::loadKept() {
 }
 
 std::variant<CompiledModel, protocol::Error> ModelStore::compileGallery(const std::string& name,
+                                                                        const std::string& file,
                                                                         language::CompileInput input) const {
   const auto folder = galleryFolderOf(galleryFolder_, name);
   if (!folder) {
@@ -98,7 +99,7 @@ std::variant<CompiledModel, protocol::Error> ModelStore::compileGallery(const st
                                : "There is no gallery model '" + name + "'. " + core::suggestName(name, views),
                            {}};
   }
-  input.modelFile = fileWithSuffix(*folder, name, ".l");
+  input.modelFile = file.empty() ? fileWithSuffix(*folder, name, ".l") : (*folder / fs::path(file).filename()).string();
   if (input.modelFile.empty()) {
     return protocol::Error{protocol::ErrorCode::NotFound,
                            "The gallery folder '" + name + "' holds no model, or several without one called " + name +
@@ -113,8 +114,9 @@ std::variant<CompiledModel, protocol::Error> ModelStore::compileGallery(const st
     protocol::JsonWriter entry;
     entry.beginArray().beginObject().key("type").text("gallery").key("model").text(name).endObject().endArray();
     compiled.environmentJson = entry.take();
-  } else if (const std::string file = fileWithSuffix(*folder, name, ".json"); !file.empty()) {
-    compiled.environmentJson = files.read(file).value_or(std::string());
+  } else if (const std::string json = fileWithSuffix(*folder, name, ".json");
+             !json.empty() && fs::path(json).filename() != kForestFile) {
+    compiled.environmentJson = asEnvironmentList(files.read(json).value_or(std::string()));
   }
   return compiled;
 }
@@ -150,7 +152,7 @@ std::variant<CompiledModel, protocol::Error> ModelStore::compile(const protocol:
   input.defines = params.defines;
   input.limits = limits;
   if (model.gallery) {
-    return compileGallery(*model.gallery, std::move(input));
+    return compileGallery(*model.gallery, model.main, std::move(input));
   }
   core::MemoryFileProvider files;
   if (model.source) {

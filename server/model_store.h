@@ -42,6 +42,7 @@ class ModelStore {
   [[nodiscard]] std::variant<CompiledModel, protocol::Error> findLoaded(const std::string& name,
                                                                         const core::Limits& limits) const;
   [[nodiscard]] std::variant<CompiledModel, protocol::Error> compileGallery(const std::string& name,
+                                                                            const std::string& file,
                                                                             language::CompileInput input) const;
 
   std::string galleryFolder_;

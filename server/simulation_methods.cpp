@@ -5,6 +5,7 @@
 #include "engine/language/model_queries.h"
 #include "protocol/base64.h"
 #include "protocol/codec.h"
+#include "server/gallery_forest.h"
 #include "server/server_core.h"
 #include "server/session.h"
 #include "server/translate.h"
@@ -378,6 +379,10 @@ std::variant<std::string, protocol::Error> changed(SimulationRunner& runner, std
 void createSimulation(Session& session, const protocol::MessageId& id, protocol::CreateParams params,
                       Interruption& interruption) {
   ServerCore& core = session.core();
+  if (const auto problem = expandGalleryForest(core.options().galleryFolder, params)) {
+    session.respondError(id, *problem);
+    return;
+  }
   auto compiled = compileModels(core, params);
   if (const auto* error = std::get_if<protocol::Error>(&compiled)) {
     session.respondError(id, *error);
@@ -404,7 +409,7 @@ void createSimulation(Session& session, const protocol::MessageId& id, protocol:
   for (protocol::NamedModel& model : record.create.models) {
     model.model = {};
   }
-  if (record.create.environmentTypes.empty()) {
+  if (record.create.environmentJson.empty()) {
     record.create.environmentJson = models.environmentJson;
   }
   std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> made = protocol::Error{};

@@ -6,7 +6,7 @@ import unittest
 from pathlib import Path
 from typing import Any, Dict, List
 
-from support import espalier, program
+from support import GALLERY, espalier, program
 
 from espalier import Server, ServerError
 
@@ -108,6 +108,33 @@ class Forests(unittest.TestCase):
                 client.create_forest(models, [{"position": [0, 0, 0], "model": "elm"}])
             self.assertIn("params.plants[0].model: there is no model 'elm'. There are oak, shrub",
                           str(caught.exception))
+
+    def test_a_server_grows_forests_and_models_of_its_gallery_and_has_them_after_a_restart(self) -> None:
+        arguments = ["--data", str(self.folder / "data"), "--log-level", "off", "--gallery", str(GALLERY)]
+        server = Server(program(), arguments=arguments)
+        self.addCleanup(server.stop)
+        with server.connect(timeout=60) as client:
+            forest = client.create(gallery="two-trees")
+            self.assertEqual(forest.step(4).statistics["plants"], 2)
+            # its configuration is a single process, not a list
+            pattern = client.create(gallery="density-pattern")
+            pattern.step(3)
+            # plants of one's own are of the folder's model
+            alone = client.create(gallery="two-trees", plants=[(0, 0, 0)])
+            self.assertEqual(alone.get("information")["information"]["plants"], 1)
+        server.stop()
+        server = Server(program(), arguments=arguments)
+        self.addCleanup(server.stop)
+        with server.connect(timeout=60) as client:
+            again = client.simulation(forest.identifier)
+            again.step(4)
+            expected = lines(str(GALLERY / "two-trees"), "--steps", "8")
+            self.assertEqual([again.get("string", plant=plant)["string"] for plant in range(2)],
+                             [line.split("\t")[1] for line in expected])
+            pattern = client.simulation(pattern.identifier)
+            pattern.step(3)
+            derived = espalier("derive", str(GALLERY / "density-pattern"), "--steps", "6", "--quiet").stdout.strip()
+            self.assertEqual(pattern.get("string")["string"], derived)
 
     def test_what_is_wrong_is_named_with_its_place(self) -> None:
         for change, message in [

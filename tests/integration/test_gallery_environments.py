@@ -386,6 +386,45 @@ class GalleryEnvironments(unittest.TestCase):
             self.assertLess(abs(float(place)), 2.4)  # all started further from the stalk
             self.assertGreater(float(eaten), 0.1)
 
+    def test_trees_that_keep_accounts_shed_what_costs_more_than_it_earns(self) -> None:
+        folder = GALLERY / "trees-by-account"
+        derived: Dict[Tuple[int, int], str] = {}
+        for line in espalier("derive", str(folder), "--every", "--quiet").stdout.splitlines():
+            step, plant, string = line.split("\t")
+            derived[int(step), int(plant)] = string
+        rows = [line.split("\t") for line in (folder / "golden.tsv").read_text(encoding="utf-8").splitlines()]
+        self.assertEqual(rows[0], ["step", "plant", "I", "A"])
+        for row in rows[1:]:
+            number, tree, segments, shoots = map(int, row)
+            self.assertEqual([derived[number, tree].count("I("), derived[number, tree].count("A(")], [segments, shoots])
+        # forks whose lateral has no fork of its own: accounts and shoots add up, widths by w^2.5
+        numbers = r"I\(([^)]*)\)"
+        forks = re.findall(numbers + r"/\(137\.5\)\[&\(32\)" + numbers + r"[^][]*\]\^\(\d+\)" + numbers, derived[182, 0])
+        checked = 0
+        for fork in forks:
+            (_, width, balance, count, year), *branches = ([float(word) for word in part.split(",")] for part in fork)
+            if year == 16 and all(branch[4] == 16 for branch in branches):
+                carried = sum(branch[1] ** 2.5 for branch in branches) ** 0.4
+                self.assertGreater(width, carried - 1e-9)
+                earned = sum(branch[2] for branch in branches) - 0.32 * (width / 0.03) ** 1.875
+                self.assertAlmostEqual(balance, earned, 6)
+                self.assertEqual(count, sum(branch[3] for branch in branches))
+                checked += 1
+        self.assertGreater(checked, 20)
+        alone = espalier("derive", str(folder / "alone.json"), "--every", "--quiet").stdout.count("%")
+        both = sum(string.count("%") for string in derived.values())
+        self.assertGreater(alone, 20)
+        self.assertGreater(both, 2 * alone)
+        with tempfile.TemporaryDirectory() as place:
+            modules = Path(place) / "modules.csv"
+            espalier("run", str(folder), "-o", str(modules), "--quiet")
+            shoots_of = [row for row in csv.DictReader(modules.read_text(encoding="utf-8").splitlines())
+                         if row["symbol"] == "A"]
+        for plant, middle, side in (("0", -2.0, 1), ("1", 2.0, -1)):
+            aside = [side * (float(row["x"]) - middle) for row in shoots_of if row["plant"] == plant]
+            facing, far = sum(x > 0.05 for x in aside), sum(x < -0.05 for x in aside)
+            self.assertLess(2 * facing, far)
+
     def test_trees_that_face_each_other_grow_less_on_that_side(self) -> None:
         folder = GALLERY / "two-trees"
         rows = [line.split("\t") for line in (folder / "golden.tsv").read_text(encoding="utf-8").splitlines()]
