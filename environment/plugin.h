@@ -74,16 +74,10 @@ typedef struct espalier_sources {
 } espalier_sources;
 
 /* What the kinds of an organ are. */
-enum {
-  ESPALIER_CYLINDER = 0,
-  ESPALIER_POLYGON = 1,
-  ESPALIER_SURFACE = 2,
-  ESPALIER_PATCH = 3,
-  ESPALIER_BALL = 4
-};
+enum { ESPALIER_CYLINDER = 0, ESPALIER_POLYGON = 1, ESPALIER_SURFACE = 2, ESPALIER_PATCH = 3, ESPALIER_BALL = 4 };
 
-/* What all plants draw, in world coordinates: lines as round segments, everything else as organs of triangles, by plant.
- * The organ that a communication module stands before has the module index of its query plus one. */
+/* What all plants draw, in world coordinates: lines as round segments, everything else as organs of triangles, by
+ * plant. The organ that a communication module stands before has the module index of its query plus one. */
 typedef struct espalier_geometry {
   espalier_sources segments;
   const double* start; /* x, y, z (3 * segments.count); the same for the next */
