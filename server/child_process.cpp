@@ -119,7 +119,7 @@ bool ChildProcess::waitFor(std::chrono::milliseconds time) {
 std::string ChildProcess::fate() {
   if (!hasEnded_ && processId_ >= 0) {
     const pid_t group = processId_;
-    if (!waitFor(std::chrono::milliseconds(200))) {
+    if (!waitFor(std::chrono::milliseconds(1'000))) {
       return {};
     }
     ::kill(-group, SIGTERM);
