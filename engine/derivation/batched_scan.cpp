@@ -9,8 +9,8 @@ namespace {
 // shorter strings are not worth the setting up of batches; contexts are, sooner
 constexpr std::uint64_t kBatchedModules = 256;
 constexpr std::uint64_t kBatchedModulesWithContexts = 48;
-// without contexts, making a BatchScan costs as much as scanning some thousand modules one at a time
-constexpr std::uint64_t kFirstModules = 4096;
+// without contexts, making a BatchScan costs as much as scanning some hundred modules one at a time
+constexpr std::uint64_t kFirstModules = 1024;
 // a batch shorter than this, before a module that needs the general way, is not worth its setting up
 constexpr std::uint64_t kWorthwhileModules = 256;
 // the longest stretch that is left to the general way before batches are tried again

@@ -1,7 +1,6 @@
 #include "engine/derivation/output_pages.h"
 
 #include <algorithm>
-#include <thread>
 
 #include "engine/core/buffer.h"
 
@@ -21,6 +20,7 @@ bool OutputPages::claim(std::size_t page) {
   const std::size_t begin = page * core::kHugePageBytes;
   core::populatePages(memory_ + begin, std::min(core::kHugePageBytes, bytes_ - begin));
   states_[page].store(Ready, std::memory_order_release);
+  states_[page].notify_all();
   return true;
 }
 
@@ -36,9 +36,7 @@ void OutputPages::prepare(std::size_t begin, std::size_t end) {
     if (page + 1 < states_.size()) {
       claim(page + 1);
     }
-    while (states_[page].load(std::memory_order_acquire) != Ready) {
-      std::this_thread::yield();
-    }
+    states_[page].wait(InWork, std::memory_order_acquire);
   }
 }
 

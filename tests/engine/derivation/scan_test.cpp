@@ -274,7 +274,7 @@ Comparison compareModels(unsigned first, unsigned count, std::size_t maximumModu
 }
 
 TEST(Scan, AgreesWithThePlainDerivationOnRandomModels) {
-  const Comparison result = compareModels(0, 2000, 8000);
+  const Comparison result = compareModels(0, 2000, 3000);
   // the models must be worth comparing
   EXPECT_GT(result.stepCount, 10000U);
   EXPECT_GT(result.changedCount, 4000U);
