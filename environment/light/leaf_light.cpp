@@ -90,6 +90,7 @@ LeafLight::LeafLight(LightSurfaces surfaces, std::vector<std::uint32_t> wanted, 
 
 void LeafLight::setScene(LightSurfaces surfaces, std::vector<std::uint32_t> wanted, std::vector<Sun> suns) {
   const std::size_t count = surfaces.triangles.size();
+  ESPALIER_CHECK(surfaces.material.size() == count);
   ESPALIER_CHECK(surfaces.seed.empty() || surfaces.seed.size() == count);
   ESPALIER_CHECK(surfaces.thinning.empty() || surfaces.thinning.size() == count);
   // what the last scene can give

@@ -9,6 +9,7 @@
 #include "engine/turtle/field.h"
 #include "environment/light/leaf_angles.h"
 #include "environment/light/sky.h"
+#include "environment/light/turbid_memory.h"
 #include "environment/light/voxel_field.h"
 #include "environment/replies.h"
 
@@ -183,6 +184,8 @@ class LightVoxels final : public turtle::EnvironmentProcess {
     }
     lengthUnit_ = context.world.lengthUnit;
     field_ = VoxelField(shape_, *axes);
+    axes_ = *axes;
+    memory_.clear();
     background_.clear();
     if (const auto& densities = configuration_.numbers("leafAreaDensity"); !densities.empty() && isTurbid_) {
       background_.resize(field_.values().size());
@@ -196,7 +199,9 @@ class LightVoxels final : public turtle::EnvironmentProcess {
   [[nodiscard]] std::optional<turtle::EnvironmentError> step(const turtle::QueryBatch& queries,
                                                              turtle::ReplyBatch& replies) override {
     fill(queries);
-    if (!isTurbid_) {
+    if (isTurbid_) {
+      memory_.begin(field_, shape_, axes_);
+    } else {
       field_.sumLayers();
     }
     for (std::size_t query = 0; query < queries.size(); ++query) {
@@ -258,6 +263,7 @@ class LightVoxels final : public turtle::EnvironmentProcess {
         kLeafAngleNames.begin());
     const double dimming = std::sqrt(configuration_.number("absorptance"));
     beams_.clear();
+    directions_.clear();
     for (const LightDirection& light : lights) {
       const double cosine = core::dot(light.direction, up);
       if (!(cosine > 1e-6) || light.weight < 0.0) {
@@ -266,6 +272,7 @@ class LightVoxels final : public turtle::EnvironmentProcess {
             "horizon and no weight below 0.",
             false};
       }
+      directions_.push_back(light.direction);
       const double projection = leafProjection(angles, cosine, configuration_.number("ellipsoidRatio"));
       beams_.push_back(
           {light.direction, light.weight, dimming * projection, dimming * projection / cosine * light.weight});
@@ -305,27 +312,30 @@ class LightVoxels final : public turtle::EnvironmentProcess {
   }
 
   void answerTurbid(const turtle::QueryBatch& queries, std::size_t query, std::size_t count,
-                    turtle::ReplyBatch& replies) const {
+                    turtle::ReplyBatch& replies) {
     const Vec3& place = queries.position[query];
-    double light = 0.0;
-    double absorbed = 0.0;
+    const std::size_t wanted = std::min<std::size_t>(count, 5);
+    const TurbidMemory::Answer* known = memory_.find(place, wanted, directions_);
+    const TurbidMemory::Answer answer = known != nullptr ? *known : turbidAt(place, wanted);
+    memory_.keep(answer);
+    for (std::size_t k = 0; k < wanted; ++k) {
+      replies.set(queries, query, k, irradiance_ * answer.values[k]);
+    }
+  }
+
+  [[nodiscard]] TurbidMemory::Answer turbidAt(const Vec3& place, std::size_t count) const {
+    TurbidMemory::Answer answer{place, count, {}};
     for (const Beam& beam : beams_) {
       const double transmitted = std::exp(-beam.extinction * field_.integralAlong(place, beam.direction));
-      light += beam.weight * transmitted;
-      absorbed += beam.perLeaf * transmitted;
+      answer.values[0] += beam.weight * transmitted;
+      answer.values[4] += beam.perLeaf * transmitted;
     }
-    replies.set(queries, query, 0, irradiance_ * light);
-    if (count > 1) {
-      const double h = shape_.voxelSize;
-      const std::array<Vec3, 3> steps{Vec3{h, 0, 0}, Vec3{0, h, 0}, Vec3{0, 0, h}};
-      for (std::size_t k = 0; k < std::min<std::size_t>(count - 1, 3); ++k) {
-        const double slope = (lightAt(place + steps[k]) - lightAt(place - steps[k])) / (2.0 * h);
-        replies.set(queries, query, 1 + k, irradiance_ * slope);
-      }
+    const double h = shape_.voxelSize;
+    const std::array<Vec3, 3> steps{Vec3{h, 0, 0}, Vec3{0, h, 0}, Vec3{0, 0, h}};
+    for (std::size_t k = 1; k < std::min<std::size_t>(count, 4); ++k) {
+      answer.values[k] = (lightAt(place + steps[k - 1]) - lightAt(place - steps[k - 1])) / (2.0 * h);
     }
-    if (count > 4) {
-      replies.set(queries, query, 4, irradiance_ * absorbed);
-    }
+    return answer;
   }
 
   [[nodiscard]] double lightAt(const Vec3& place) const {
@@ -366,6 +376,9 @@ class LightVoxels final : public turtle::EnvironmentProcess {
   double strength_;
   std::vector<double> shadowOf_;  // of one caster by tiers below it (shadowDepth + 1)
   std::vector<Beam> beams_;
+  std::vector<Vec3> directions_;  // of the beams
+  GridAxes axes_;
+  TurbidMemory memory_;             // what comes out does not depend on it
   std::vector<double> background_;  // leaf area density that is always there, as in field_; empty: none
   VoxelField field_;                // leaf area density, or number of casters
   std::string lengthUnit_ = "m";

@@ -90,6 +90,18 @@ std::optional<std::size_t> VoxelField::indexOf(const Voxel& voxel) const {
   return static_cast<std::size_t>((voxel.layer * countA_ + voxel.a) * countB_ + voxel.b);
 }
 
+Vec3 VoxelField::middleOf(std::size_t index) const {
+  const auto number = static_cast<std::int64_t>(index);
+  const std::int64_t layer = number / (countA_ * countB_);
+  const std::array<std::int64_t, 3> cell{number / countB_ % countA_, number % countB_,
+                                         sign_ < 0.0 ? layers_ - 1 - layer : layer};
+  std::array<double, 3> place = componentsOf(shape_.position);
+  for (std::size_t k = 0; k < 3; ++k) {
+    place[static_cast<std::size_t>(axis_[k])] += (static_cast<double>(cell[k]) + 0.5) * shape_.voxelSize;
+  }
+  return {place[0], place[1], place[2]};
+}
+
 double VoxelField::integralAlong(const Vec3& from, const Vec3& direction) const {
   // in units of voxels, axes in the order a, b, layer; layers count upwards
   const auto origin = componentsOf(from);

@@ -39,6 +39,9 @@ class VoxelField {
   /// Index into values(); nothing outside the box.
   [[nodiscard]] std::optional<std::size_t> indexOf(const Voxel& voxel) const;
 
+  /// The middle of the voxel with this index. O(1).
+  [[nodiscard]] core::Vec3 middleOf(std::size_t index) const;
+
   /// Integral of the values along the ray from a point in the direction of a unit vector until it leaves the box.
   /// Periodic: the direction must not be horizontal. O(voxels on the way).
   [[nodiscard]] double integralAlong(const core::Vec3& from, const core::Vec3& direction) const;

@@ -6,7 +6,6 @@
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <cstring>
 #include <numeric>
 #include <stdexcept>
 #include <vector>
@@ -306,23 +305,6 @@ void growthAmongSegments(benchmark::State& state) {
   state.counters["anew ms"] = Counter(anew * 1e3);
   state.counters["gain"] = Counter(anew / kept);
   state.counters["queries/s"] = Counter(1000.0 / kept);
-}
-
-// bytes that a plain copy of `bytes` reads and writes in a second, from one block to another and back, as a field that
-// is relaxed goes to and fro; the best of several
-double copiedBytesPerSecond(std::size_t bytes) {
-  std::vector<char> from(bytes, 1);
-  std::vector<char> to(bytes, 2);
-  double best = 1e30;
-  for (int k = 0; k < 6; ++k) {
-    const auto start = Clock::now();
-    std::memcpy(to.data(), from.data(), bytes);
-    benchmark::DoNotOptimize(to.data());
-    benchmark::ClobberMemory();
-    best = std::min(best, std::chrono::duration<double>(Clock::now() - start).count());
-    from.swap(to);
-  }
-  return 2.0 * static_cast<double>(bytes) / best;
 }
 
 // a field that is swept whole: what a tick reads and writes

@@ -245,8 +245,49 @@ void voxels(benchmark::State& state) {
     benchmark::DoNotOptimize(field.boxSum({side / 2, side / 2, side / 2}, 8));
   }
   // each pass reads a number and writes one
-  state.counters["bytes/s"] =
-      Counter(static_cast<double>(side * side * side) * 2.0 * sizeof(double), Counter::kIsIterationInvariantRate);
+  const double bytes = static_cast<double>(side * side * side) * sizeof(double);
+  state.counters["bytes/s"] = Counter(2.0 * bytes, Counter::kIsIterationInvariantRate);
+  state.counters["copied bytes/s"] = Counter(copiedBytesPerSecond(static_cast<std::size_t>(bytes)));
+}
+
+// a step of `light-voxels` after one in which the leaves were the same but for ten neighbours, and beside it the same
+// by a new process: range(0) leaves in a cube, that ask for light and gradient
+void fewLeavesChange(benchmark::State& state) {
+  std::mt19937_64 random(1);
+  std::uniform_real_distribution<double> place(0.0, 100.0);
+  turtle::QueryBatch queries;
+  queries.parameterOffset.push_back(0);
+  for (std::int64_t leaf = 0; leaf < state.range(0); ++leaf) {
+    queries.plant.push_back(0);
+    queries.module.push_back(static_cast<std::uint64_t>(leaf));
+    queries.symbol.push_back(0);
+    queries.isTransient.push_back(0);
+    queries.position.push_back({place(random), place(random), place(random)});
+    queries.parameters.insert(queries.parameters.end(), {20.0, 0.0, 0.0, 0.0});
+    queries.parameterOffset.push_back(queries.parameters.size());
+  }
+  turtle::QueryBatch changed = queries;
+  for (std::size_t leaf = 0; leaf < 10; ++leaf) {
+    changed.position[leaf] = {50.0 + 0.1 * static_cast<double>(leaf), 90.0, 50.0};
+    queries.position[leaf] = changed.position[leaf] - Vec3{0, 1, 0};
+  }
+  const auto process = makeProcess("light-voxels", R"({"gridSize":[50,50,50],"voxelSize":2,"position":[0,0,0]})");
+  turtle::ReplyBatch replies;
+  const auto stepOf = [&](const turtle::QueryBatch& batch) {
+    replies.prepare(batch);
+    return millisecondsOf([&] { static_cast<void>(process->step(batch, replies)); });
+  };
+  double kept = 1e30;
+  double anew = 1e30;
+  for (auto _ : state) {
+    static_cast<void>(process->open({}));
+    anew = std::min(anew, stepOf(queries));
+    const double milliseconds = stepOf(changed);
+    state.SetIterationTime(milliseconds * 1e-3);
+    kept = std::min(kept, milliseconds);
+  }
+  state.counters["anew ms"] = Counter(anew);
+  state.counters["gain"] = Counter(anew / kept);
 }
 
 const bool kIsRegistered = [] {
@@ -266,6 +307,11 @@ const bool kIsRegistered = [] {
       ->RangeMultiplier(10)
       ->Range(100, 100'000);
   benchmark::RegisterBenchmark("bounce/light", bounce)->Unit(benchmark::kMillisecond)->UseRealTime()->Arg(100'000);
+  benchmark::RegisterBenchmark("change/light-voxels", fewLeavesChange)
+      ->Unit(benchmark::kMillisecond)
+      ->UseManualTime()
+      ->Arg(10'000)
+      ->Arg(100'000);
   benchmark::RegisterBenchmark("voxels/light-voxels", voxels)->Unit(benchmark::kMillisecond)->UseRealTime()->Arg(256);
   return true;
 }();

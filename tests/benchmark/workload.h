@@ -59,4 +59,8 @@ struct DerivationRun {
 /// That is what a run costs at least, since each step writes its string. With several threads each copies its part.
 [[nodiscard]] double secondsToCopy(const std::vector<std::uint64_t>& stringBytes, unsigned threads);
 
+/// Bytes that a plain copy of so many bytes reads and writes in a second, from one block to another and back, as a
+/// field that is relaxed goes to and fro; the best of several.
+[[nodiscard]] double copiedBytesPerSecond(std::size_t bytes);
+
 }  // namespace espalier::benchmarking

@@ -174,6 +174,38 @@ TEST(Light, TheFieldIsTheIrradianceOfTheGround) {
   EXPECT_LT(fields[0].values[3 * 16], 30);
 }
 
+TEST(Light, OrgansThatComeLaterLeaveTheGroundTheLightItHasWithThemFromTheFirstStep) {
+  for (const std::string bounces : {"0", "1"}) {
+    const std::string configuration =
+        R"({"diffuseIrradiance":200,"plot":[-2,2,-2,2],"ground":true,"groundReflectance":[0.2],)"
+        R"("threads":1,"directions":32,"bounces":)" +
+        bounces + "}";
+    const auto valuesOf = [](const turtle::EnvironmentProcess& process) { return process.fields().at(0).values; };
+    // one triangle, and an organ more in each step: the ground has other numbers in each
+    const auto following = openProcess("light", configuration);
+    LeafScene scene;
+    std::vector<std::vector<double>> kept;
+    for (int step = 0; step < 4; ++step) {
+      if (step == 1) {
+        scene.leaf({-1, 0.5, -1}, 1.5);
+      } else if (step == 2) {
+        scene.segment({0.5, 0, 0.5}, {0.5, 1, 0.5}, 0.3, 11);
+      } else if (step == 3) {
+        scene.leaf({0, 0.3, 0}, 1);
+      }
+      const auto later = scene.answers(*following);
+      const auto fresh = openProcess("light", configuration);
+      EXPECT_EQ(scene.answers(*fresh), later) << "step " << step << " bounces " << bounces;
+      EXPECT_EQ(valuesOf(*fresh), valuesOf(*following)) << "step " << step << " bounces " << bounces;
+      kept.push_back(valuesOf(*following));
+      ASSERT_EQ(kept.back().size(), 256U);
+    }
+    EXPECT_NE(kept[0], kept[1]);
+    EXPECT_NE(kept[1], kept[2]);
+    EXPECT_NE(kept[2], kept[3]);
+  }
+}
+
 TEST(Light, WhatCannotBeIsAnError) {
   turtle::EnvironmentContext context;
   const auto openingError = [&](const std::string& configuration) {

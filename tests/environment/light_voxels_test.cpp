@@ -212,5 +212,42 @@ TEST(LightVoxels, WhatCannotBeIsAnError) {
             "   hint: use fewer voxels along x, y or z");
 }
 
+TEST(LightVoxels, AStepThatFollowsAnotherAnswersLikeANewProcessBitByBit) {
+  for (const std::string more : {"", R"(,"periodic":true)", R"(,"periodic":true,"gridSize":[13,16,13])"}) {
+    const std::string configuration = R"({"voxelSize":0.5,"position":[0,0,0],"zenithAngles":3)" + more +
+                                      (more.find("gridSize") == std::string::npos ? R"(,"gridSize":[16,16,16]})" : "}");
+    const auto following = openProcess("light-voxels", configuration);
+    std::mt19937_64 random(5);
+    std::uniform_real_distribution<double> place(-1.0, 9.0);  // of the box from 0 to 8, and around it
+    std::vector<core::Vec3> places;
+    std::vector<double> areas;
+    for (int i = 0; i < 200; ++i) {
+      places.push_back({place(random), place(random), place(random)});
+      areas.push_back(i % 3 == 0 ? 0.0 : 0.1);
+    }
+    for (int step = 0; step < 8; ++step) {
+      // nothing, one leaf, a few, many; leaves grow, move, come and go
+      for (int change = 0; change < (step % 2 == 0 ? 0 : step); ++change) {
+        const std::size_t organ = random() % places.size();
+        areas[organ] += 0.01;
+        places[random() % places.size()] = {place(random), place(random), place(random)};
+      }
+      if (step == 6) {
+        places.erase(places.begin() + 40, places.begin() + 60);
+        areas.erase(areas.begin() + 40, areas.begin() + 60);
+      }
+      QueryBuilder builder;
+      for (std::size_t i = 0; i < places.size(); ++i) {
+        std::vector<double> parameters((i + static_cast<std::size_t>(step)) % 2 == 0 ? 5U : 1U, 0.0);
+        parameters[0] = areas[i];
+        builder.add(places[i], parameters);
+      }
+      EXPECT_EQ(answersOf(*following, builder.batch()),
+                answersOf(*openProcess("light-voxels", configuration), builder.batch()))
+          << "step " << step << " " << configuration;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace espalier::environment

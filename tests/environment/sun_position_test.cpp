@@ -21,6 +21,19 @@ TEST(SunPosition, AgreesWithTheExampleOfTheSolarPositionAlgorithm) {
   EXPECT_NEAR(sun.azimuthRadians / kDegree, 194.340241, 0.01);
 }
 
+TEST(SunPosition, AgreesWithMeeusAndTheAlmanac) {
+  // Meeus, example 25.a and 25.b: 1992 October 13, 0h TD (59 s after UT): declination −7.78507° (accurate theory
+  // −7.78441°). Seen from the pole the elevation is the declination, less the parallax of 8.8″ · cos δ
+  const double day = *julianDayOf("1992-10-13") - 59.0 / 86400.0;
+  EXPECT_NEAR(sunPosition(day, 90, 0).elevationRadians / kDegree, -7.78507 - 8.8 / 3600.0, 0.0005);
+  // apparent right ascension 198.38083°; sidereal time at Greenwich at 0h UT is 21.8013° (his formula 12.4), so the
+  // hour angle is −176.83°: on the equator the sun stands sin⁻¹(cos δ cos H) = −81.60° high, in the east
+  const double hourAngle = (21.8013 - 59.0 / 86400.0 * 360.98565 - 198.38083) * kDegree;
+  const SunPosition sun = sunPosition(day, 0, 0);
+  EXPECT_NEAR(sun.elevationRadians, std::asin(std::cos(-7.785 * kDegree) * std::cos(hourAngle)), 0.01 * kDegree);
+  EXPECT_GT(std::sin(sun.azimuthRadians), 0.0);
+}
+
 TEST(SunPosition, StandsOverTheTropicsAtTheSolstices) {
   // the June solstice of 2024 was on the 20th at 20:51 UT (Astronomical Almanac): declination 23.44°, so at the moment
   // of local noon the sun is in the zenith of the tropic of Cancer. The equation of time is −1 min 46 s then
