@@ -335,12 +335,15 @@ std::variant<Field, std::string> readRaw(std::string_view header, std::string_vi
   if (cells.empty() || position.empty() || size.empty()) {
     return std::string("has a header without three 'cells', a 'position' and a 'cellSize'");
   }
-  if (json.value("type", "float64") != "float64" || json.value("byteOrder", "little") != "little") {
+  const auto text = [&](const char* key, const char* otherwise) {
+    return json.contains(key) && json[key].is_string() ? json[key].get<std::string>() : std::string(otherwise);
+  };
+  if (text("type", "float64") != "float64" || text("byteOrder", "little") != "little") {
     return std::string("is not of the type float64, little-endian");
   }
   Field field;
-  field.name = json.value("name", "");
-  field.unit = json.value("unit", "1");
+  field.name = text("name", "");
+  field.unit = text("unit", "1");
   double count = 1.0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     count *= cells[axis];
@@ -392,6 +395,18 @@ std::variant<FieldPlane, std::string> viewField(const Field& field, const FieldV
   return plane;
 }
 
+std::pair<double, double> rangeOf(const FieldPlane& plane) {
+  double low = HUGE_VAL;
+  double high = -HUGE_VAL;
+  for (const double value : plane.values) {
+    if (std::isfinite(value)) {
+      low = std::min(low, value);
+      high = std::max(high, value);
+    }
+  }
+  return low <= high ? std::pair(low, high) : std::pair(0.0, 0.0);
+}
+
 std::vector<std::uint8_t> colourPlane(const FieldPlane& plane, double low, double high) {
   // viridis at ninths
   constexpr std::array<std::array<double, 3>, 10> kColours{{{68, 1, 84},
@@ -407,6 +422,10 @@ std::vector<std::uint8_t> colourPlane(const FieldPlane& plane, double low, doubl
   std::vector<std::uint8_t> pixels;
   pixels.reserve(4 * plane.values.size());
   for (const double value : plane.values) {
+    if (std::isnan(value)) {
+      pixels.insert(pixels.end(), {190, 190, 190, 255});
+      continue;
+    }
     const double place = high > low ? std::clamp((value - low) / (high - low), 0.0, 1.0) * 9.0 : 4.5;
     const auto below = std::min<std::size_t>(static_cast<std::size_t>(place), 8);
     const double part = place - static_cast<double>(below);

@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -44,8 +45,11 @@ struct FieldPlane {
 /// The slice or projection of a field; a sentence when the coordinate is outside. O(cells).
 [[nodiscard]] std::variant<FieldPlane, std::string> viewField(const turtle::Field& field, const FieldView& view);
 
+/// The least and the greatest of the numbers that are finite; 0 and 0 when none is.
+[[nodiscard]] std::pair<double, double> rangeOf(const FieldPlane& plane);
+
 /// Colours of numbers between two bounds, dark blue over green to yellow (the map viridis of Smith & van der Walt
-/// 2015): red, green, blue, opacity (height, width, 4). Equal bounds give the middle colour.
+/// 2015): red, green, blue, opacity (height, width, 4). Equal bounds give the middle colour; what is no number is grey.
 [[nodiscard]] std::vector<std::uint8_t> colourPlane(const FieldPlane& plane, double low, double high);
 
 /// Least, mean and greatest value of a field and its integral over the box (value times length³).

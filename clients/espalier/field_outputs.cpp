@@ -2,7 +2,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <utility>
 
@@ -11,15 +10,13 @@
 #include "engine/core/number_text.h"
 #include "engine/turtle/environment_process.h"
 #include "engine/turtle/export/png.h"
+#include "environment/field_picture.h"
 #include "server/disk_files.h"
 
 namespace espalier::command {
 namespace {
 
 using turtle::Field;
-
-// pictures are enlarged to about this width or height
-constexpr std::size_t kPicturePixels = 600;
 
 std::string numberText(double value) {
   std::string text;
@@ -51,7 +48,7 @@ std::optional<environment::FieldView> readView(const std::string& text) {
   return view;
 }
 
-// a picture with its range, enlarged by a whole number
+// a figure, and what its colours mean
 std::optional<std::string> writePicture(const Field& field, const environment::FieldView& view, const std::string& file,
                                         std::string& remark) {
   auto viewed = environment::viewField(field, view);
@@ -59,20 +56,10 @@ std::optional<std::string> writePicture(const Field& field, const environment::F
     return std::move(*problem);
   }
   const auto& plane = std::get<environment::FieldPlane>(viewed);
-  const auto [low, high] = std::minmax_element(plane.values.begin(), plane.values.end());
-  const std::vector<std::uint8_t> pixels = environment::colourPlane(plane, *low, *high);
-  const std::size_t factor = std::max<std::size_t>(kPicturePixels / std::max(plane.width, plane.height), 1);
-  turtle::PictureImage image{static_cast<int>(plane.width * factor), static_cast<int>(plane.height * factor), {}};
-  for (std::size_t row = 0; row < plane.height * factor; ++row) {
-    for (std::size_t column = 0; column < plane.width * factor; ++column) {
-      const std::size_t from = 4 * ((row / factor) * plane.width + column / factor);
-      image.pixels.insert(image.pixels.end(), pixels.begin() + static_cast<std::ptrdiff_t>(from),
-                          pixels.begin() + static_cast<std::ptrdiff_t>(from + 4));
-    }
-  }
-  remark = ", dark blue " + numberText(*low) + " to yellow " + numberText(*high) + " " + field.unit;
+  const auto [low, high] = environment::rangeOf(plane);
+  remark = ", dark blue " + numberText(low) + " to yellow " + numberText(high) + " " + field.unit;
   core::StringSink bytes;
-  if (auto problem = turtle::writePng(image, bytes)) {
+  if (auto problem = turtle::writePng(environment::drawField(field, view, plane), bytes)) {
     return problem;
   }
   return server::writeFileAtomically(file, bytes.text());

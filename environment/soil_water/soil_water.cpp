@@ -53,7 +53,7 @@ class SoilWater final : public turtle::EnvironmentProcess {
                                                           {"unused4", "1", ""},
                                                           {"unused5", "1", ""},
                                                           {"unused6", "1", ""},
-                                                          {"protonsGivenOff", "1", ""}},
+                                                          {"protonsGivenOff", "mol", ""}},
                                                .outputs = {{"waterObtained", unit + "^3", ""},
                                                            {"pressureHead", unit, ""},
                                                            {"waterContent", "1", ""},

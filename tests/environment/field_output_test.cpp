@@ -82,6 +82,10 @@ TEST(FieldOutput, RawNumbersReadBackWithTheirHeader) {
   std::string header = writeRawHeader(field);
   header.replace(header.find("float64"), 7, "float32");
   EXPECT_EQ(std::get<std::string>(readRaw(header, "")), "is not of the type float64, little-endian");
+  // words that are no text count as absent
+  header = writeRawHeader(field);
+  header.replace(header.find("\"float64\""), 9, "7");
+  EXPECT_EQ(std::get<Field>(readRaw(header, writeRaw(field))).values, field.values);
 }
 
 TEST(FieldOutput, SlicesAndMeansLieAsOneLooksAtThem) {
@@ -102,6 +106,13 @@ TEST(FieldOutput, ColoursGoFromDarkBlueToYellow) {
   const auto pixels = colourPlane({3, 1, {2, 3, 4}}, 2, 4);
   EXPECT_EQ(pixels, (std::vector<std::uint8_t>{68, 1, 84, 255, 35, 144, 140, 255, 253, 231, 37, 255}));
   EXPECT_EQ(colourPlane({1, 1, {7}}, 7, 7).size(), 4U);
+}
+
+TEST(FieldOutput, TheRangeIsThatOfTheNumbersThatAreFinite) {
+  EXPECT_EQ(rangeOf({3, 1, {2, HUGE_VAL, -1}}), std::pair(-1.0, 2.0));
+  EXPECT_EQ(rangeOf({1, 1, {std::nan("")}}), std::pair(0.0, 0.0));
+  EXPECT_EQ(colourPlane({2, 1, {std::nan(""), HUGE_VAL}}, 0, 1),
+            (std::vector<std::uint8_t>{190, 190, 190, 255, 253, 231, 37, 255}));
 }
 
 TEST(FieldOutput, ASummaryHasTheIntegralOverTheBox) {

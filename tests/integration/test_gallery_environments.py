@@ -4,6 +4,7 @@ import csv
 import json
 import math
 import re
+import struct
 import tempfile
 import unittest
 from pathlib import Path
@@ -377,6 +378,28 @@ class GalleryEnvironments(unittest.TestCase):
         # roots draw the soil dry in summer, rain fills it again
         self.assertLess(min(water[200:281]), 0.9 * min(water[60:100]))
         self.assertGreater(water[365], 1.1 * min(water[200:281]))
+
+    def test_the_bed_of_the_stand_is_dark_to_the_north_and_dry_below(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            light, soil = Path(folder) / "light.raw", Path(folder) / "soil.raw"
+            espalier("run", model("stand-year"), "--seed", "1", "--steps", "200", "--quiet", "-o",
+                     str(Path(folder) / "stand.string"), "--field", f"Light.groundLight={light}", "--field",
+                     f"Soil.waterContent={soil}")
+            ground = struct.unpack("<256d", light.read_bytes())  # x fastest, then z, 0.125 m each, from -1
+            water = struct.unpack("<288d", soil.read_bytes())  # 3 by 12 by 8 cells, x fastest, then y upwards, then z
+        rows = [sum(ground[16 * z:16 * z + 16]) / 16 for z in range(16)]
+        # north is -z: as far from the middle of the bed the north has less of the sun than the south, the path the most
+        for away in (3, 4, 5):
+            self.assertLess(rows[7 - away], 0.9 * rows[8 + away])
+        self.assertLess(max(rows[3:8]), 0.8 * max(rows))
+        self.assertIn(rows.index(max(rows)), range(12, 16))
+
+        def content(z: int) -> float:
+            """Mean of a column of cells in the rooted part, 0.2 to 0.9 m deep."""
+            return sum(water[(z * 12 + y) * 3 + x] for y in range(3, 10) for x in range(3)) / 21
+
+        self.assertLess(content(4), 0.85 * content(0))
+        self.assertLess(content(4), 0.85 * content(7))
 
     def test_insects_find_the_plant_and_feed(self) -> None:
         self.check_table("insect-on-a-plant", "FLI")
