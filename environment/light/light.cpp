@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/core/number_text.h"
 #include "engine/turtle/field.h"
 #include "environment/grid_axes.h"
 #include "environment/light/daylight.h"
@@ -22,7 +23,15 @@ namespace {
 using core::Vec3;
 
 constexpr int kGroundCells = 16;
+constexpr double kMostPlots = 50.0;    // that one triangle reaches
+constexpr double kFurthestPlot = 1e6;  // beyond it places have too few digits
 constexpr std::uint32_t kGroundMaterial = 2 * PlantSurfaces::kSegment;
+
+std::string numberText(double value) {
+  std::string text;
+  core::appendNumber(text, value, core::NumberStyle::Shortest);
+  return text;
+}
 
 double metresIn(std::string_view unit) {
   constexpr std::array<std::pair<std::string_view, double>, 4> kMetres{
@@ -95,6 +104,9 @@ class Light final : public turtle::EnvironmentProcess {
     PlantSurfaces plants = queries.geometry
                                ? surfacesOf(*queries.geometry, static_cast<int>(configuration_.integer("segmentSides")))
                                : PlantSurfaces{};
+    if (auto problem = beyondThePlot(plants.surfaces)) {
+      return turtle::EnvironmentError{"Environment 'light' " + *problem, false};
+    }
     addGround(plants.surfaces);
     const int bounces = static_cast<int>(configuration_.integer("bounces"));
     // without bounces only what is asked about needs light
@@ -159,6 +171,32 @@ class Light final : public turtle::EnvironmentProcess {
   }
 
  private:
+  /// What is wrong with organs for a plot that repeats itself: a triangle counts once in each plot that it reaches.
+  [[nodiscard]] std::optional<std::string> beyondThePlot(const LightSurfaces& surfaces) const {
+    const auto& plot = configuration_.numbers("plot");
+    for (std::size_t k = 0; k < plot.size(); k += 2) {
+      const double width = plot[k + 1] - plot[k];
+      const auto across = [&](const Vec3& place) {
+        const Vec3 own = axes_->toGrid(place);
+        return k == 0 ? own.x : own.z;
+      };
+      for (const auto& corners : surfaces.triangles) {
+        const auto [low, high] =
+            std::minmax({across(surfaces.vertices[corners[0]]), across(surfaces.vertices[corners[1]]),
+                         across(surfaces.vertices[corners[2]])});
+        if (!(high - low <= kMostPlots * width)) {
+          return "repeats a 'plot' that is " + numberText(width) + " wide, and an organ is more than " +
+                 numberText(kMostPlots) + " times as wide. Use a larger 'plot'.";
+        }
+        if (!(std::abs(low - plot[k]) <= kFurthestPlot * width)) {
+          return "repeats a 'plot' that is " + numberText(width) +
+                 " wide, and an organ is more than a million plots away. Bring the plants nearer.";
+        }
+      }
+    }
+    return std::nullopt;
+  }
+
   /// A ground of squares under the plot.
   void addGround(LightSurfaces& surfaces) const {
     const auto& plot = configuration_.numbers("plot");

@@ -47,6 +47,10 @@ class LeafScene {
   /// A query before each leaf, and before the module `more` when it is given.
   [[nodiscard]] ReplyTable answers(turtle::EnvironmentProcess& process, std::size_t parameterCount = 4,
                                    std::optional<std::uint64_t> more = std::nullopt) const {
+    return answersOf(process, queries(parameterCount, more));
+  }
+  [[nodiscard]] turtle::QueryBatch queries(std::size_t parameterCount = 4,
+                                           std::optional<std::uint64_t> more = std::nullopt) const {
     QueryBuilder builder;
     for (std::size_t leaf = 0; leaf < geometry_.kind.size(); ++leaf) {
       builder.add({0, 50, 0}, std::vector<double>(parameterCount, 0.0));
@@ -57,7 +61,7 @@ class LeafScene {
       builder.batch().module.back() = *more - 1;
     }
     builder.batch().geometry = std::make_shared<turtle::Geometry>(geometry_);
-    return answersOf(process, builder.batch());
+    return builder.batch();
   }
 
  private:
@@ -204,6 +208,28 @@ TEST(Light, OrgansThatComeLaterLeaveTheGroundTheLightItHasWithThemFromTheFirstSt
     EXPECT_NE(kept[1], kept[2]);
     EXPECT_NE(kept[2], kept[3]);
   }
+}
+
+TEST(Light, AnOrganMuchWiderThanThePlotOrFarAwayIsAnError) {
+  const auto messageOf = [](const core::Vec3& corner, double side) {
+    const auto process = openProcess("light", R"({"plot":[-1,1,-2,2]})");
+    turtle::ReplyBatch replies;
+    const turtle::QueryBatch queries = LeafScene().leaf(corner, side).queries();
+    replies.prepare(queries);
+    const auto error = process->step(queries, replies);
+    return error ? error->message : "";
+  };
+  EXPECT_EQ(messageOf({0, 1, 0}, 90), "");
+  EXPECT_EQ(messageOf({1e6, 1, 0}, 1), "");
+  EXPECT_EQ(
+      messageOf({0, 1, 0}, 101),
+      "Environment 'light' repeats a 'plot' that is 2 wide, and an organ is more than 50 times as wide. Use a larger "
+      "'plot'.");
+  EXPECT_EQ(
+      messageOf({0, 1, 1e7}, 1),
+      "Environment 'light' repeats a 'plot' that is 4 wide, and an organ is more than a million plots away. Bring the "
+      "plants nearer.");
+  EXPECT_NE(messageOf({1e300, 1, 0}, 1), "");
 }
 
 TEST(Light, WhatCannotBeIsAnError) {
