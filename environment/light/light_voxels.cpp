@@ -184,7 +184,6 @@ class LightVoxels final : public turtle::EnvironmentProcess {
     }
     lengthUnit_ = context.world.lengthUnit;
     field_ = VoxelField(shape_, *axes);
-    axes_ = *axes;
     memory_.clear();
     background_.clear();
     if (const auto& densities = configuration_.numbers("leafAreaDensity"); !densities.empty() && isTurbid_) {
@@ -200,7 +199,7 @@ class LightVoxels final : public turtle::EnvironmentProcess {
                                                              turtle::ReplyBatch& replies) override {
     fill(queries);
     if (isTurbid_) {
-      memory_.begin(field_, shape_, axes_);
+      memory_.begin(field_, shape_, directions_);
     } else {
       field_.sumLayers();
     }
@@ -314,28 +313,33 @@ class LightVoxels final : public turtle::EnvironmentProcess {
   void answerTurbid(const turtle::QueryBatch& queries, std::size_t query, std::size_t count,
                     turtle::ReplyBatch& replies) {
     const Vec3& place = queries.position[query];
-    const std::size_t wanted = std::min<std::size_t>(count, 5);
-    const TurbidMemory::Answer* known = memory_.find(place, wanted, directions_);
-    const TurbidMemory::Answer answer = known != nullptr ? *known : turbidAt(place, wanted);
-    memory_.keep(answer);
-    for (std::size_t k = 0; k < wanted; ++k) {
-      replies.set(queries, query, k, irradiance_ * answer.values[k]);
-    }
-  }
-
-  [[nodiscard]] TurbidMemory::Answer turbidAt(const Vec3& place, std::size_t count) const {
-    TurbidMemory::Answer answer{place, count, {}};
-    for (const Beam& beam : beams_) {
-      const double transmitted = std::exp(-beam.extinction * field_.integralAlong(place, beam.direction));
-      answer.values[0] += beam.weight * transmitted;
-      answer.values[4] += beam.perLeaf * transmitted;
-    }
+    const std::size_t axes = std::min<std::size_t>(count - 1, 3);
+    const TurbidMemory::Place rays = memory_.lookAt(place, 1 + 2 * axes);
+    // the place itself, and its neighbours along x, y and z
     const double h = shape_.voxelSize;
     const std::array<Vec3, 3> steps{Vec3{h, 0, 0}, Vec3{0, h, 0}, Vec3{0, 0, h}};
-    for (std::size_t k = 1; k < std::min<std::size_t>(count, 4); ++k) {
-      answer.values[k] = (lightAt(place + steps[k - 1]) - lightAt(place - steps[k - 1])) / (2.0 * h);
+    std::array<double, TurbidMemory::kMostRays> light{};
+    double absorbed = 0.0;
+    for (std::size_t ray = 0; ray < 1 + 2 * axes; ++ray) {
+      const Vec3 from = ray == 0 ? place : ray % 2 == 1 ? place + steps[(ray - 1) / 2] : place - steps[(ray - 1) / 2];
+      const std::size_t first = ray * beams_.size();
+      for (std::size_t k = 0; k < beams_.size(); ++k) {
+        const Beam& beam = beams_[k];
+        const double part = TurbidMemory::isTouched(rays, k)
+                                ? std::exp(-beam.extinction * field_.integralAlong(from, beam.direction))
+                                : rays.before[first + k];
+        rays.parts[first + k] = part;
+        light[ray] += beam.weight * part;
+        absorbed += ray == 0 ? beam.perLeaf * part : 0.0;
+      }
     }
-    return answer;
+    replies.set(queries, query, 0, irradiance_ * light[0]);
+    for (std::size_t k = 0; k < axes; ++k) {
+      replies.set(queries, query, 1 + k, irradiance_ * ((light[1 + 2 * k] - light[2 + 2 * k]) / (2.0 * h)));
+    }
+    if (count > 4) {
+      replies.set(queries, query, 4, irradiance_ * absorbed);
+    }
   }
 
   [[nodiscard]] double lightAt(const Vec3& place) const {
@@ -376,8 +380,7 @@ class LightVoxels final : public turtle::EnvironmentProcess {
   double strength_;
   std::vector<double> shadowOf_;  // of one caster by tiers below it (shadowDepth + 1)
   std::vector<Beam> beams_;
-  std::vector<Vec3> directions_;  // of the beams
-  GridAxes axes_;
+  std::vector<Vec3> directions_;    // of the beams
   TurbidMemory memory_;             // what comes out does not depend on it
   std::vector<double> background_;  // leaf area density that is always there, as in field_; empty: none
   VoxelField field_;                // leaf area density, or number of casters

@@ -11,108 +11,113 @@ using core::Vec3;
 
 namespace {
 
-constexpr std::int64_t kBlock = 8;  // voxels along a side of a block, at most
+constexpr std::size_t kMostParts = std::size_t{1} << 25U;
+constexpr std::size_t kMostStepsOfLine = 1U << 14U;
+/// A ray that starts in a voxel, or one voxel aside for a gradient, and meets another voxel: the line from middle to
+/// middle is at most 2 voxels beside it. Points of a line are half a voxel apart.
+constexpr std::int64_t kReach = 2;
+constexpr double kStep = 0.5;
 
-bool isBefore(const TurbidMemory::Answer& a, const TurbidMemory::Answer& b) {
-  // of several answers at a place the one that knows most comes first
-  return std::tuple(a.place.x, a.place.y, a.place.z, b.count) < std::tuple(b.place.x, b.place.y, b.place.z, a.count);
-}
-
-/// The width of blocks: a box that repeats itself consists of whole ones. 0: there are none.
-std::int64_t blockWidth(const VoxelField::Shape& shape, const GridAxes& axes) {
-  if (!shape.isPeriodic) {
-    return kBlock;
-  }
-  for (std::int64_t width = kBlock; width > 1; --width) {
-    bool fits = true;
-    for (int axis = 0; axis < 3; ++axis) {
-      fits = fits && (axis == axes.up || shape.cells[static_cast<std::size_t>(axis)] % width == 0);
-    }
-    if (fits) {
-      return width;
-    }
-  }
-  return 0;
+bool isFinite(const Vec3& place) {
+  return std::isfinite(place.x) && std::isfinite(place.y) && std::isfinite(place.z);
 }
 
 }  // namespace
 
 void TurbidMemory::clear() {
-  known_.clear();
-  next_.clear();
-  contents_.clear();
-  touched_.reset();
+  *this = TurbidMemory();
 }
 
-void TurbidMemory::begin(const VoxelField& field, const VoxelField::Shape& shape, const GridAxes& axes) {
-  known_ = std::move(next_);
-  next_.clear();
-  touched_.reset();
-  const std::vector<double>& contents = field.values();
+bool TurbidMemory::isBefore(const Entry& a, const Entry& b) {
+  // of several entries of a place the one with most rays comes first
+  return std::tuple(a.place.x, a.place.y, a.place.z, b.rayCount) <
+         std::tuple(b.place.x, b.place.y, b.place.z, a.rayCount);
+}
+
+void TurbidMemory::begin(const VoxelField& field, const VoxelField::Shape& shape, std::span<const Vec3> directions) {
+  std::swap(before_, now_);
+  now_.entries.clear();
+  now_.parts.clear();
+  touched_.clear();
+  shape_ = shape;
   std::vector<std::size_t> changed;
-  for (std::size_t voxel = 0; voxel < contents_.size(); ++voxel) {
-    if (contents[voxel] != contents_[voxel]) {
+  const bool isComparable = field_.values().size() == field.values().size() && directionCount_ == directions.size();
+  for (std::size_t voxel = 0; isComparable && voxel < field.values().size(); ++voxel) {
+    if (field.values()[voxel] != field_.values()[voxel]) {
       changed.push_back(voxel);
     }
   }
-  const std::int64_t width = blockWidth(shape, axes);
-  // where much changed, looking for what did not is no gain
-  if (contents_.size() != contents.size() || 8 * changed.size() > contents.size() || (width == 0 && !changed.empty())) {
-    known_.clear();
-  }
-  contents_ = contents;
-  if (known_.empty()) {
+  field_ = field;
+  directionCount_ = directions.size();
+  // to find out what many changes touch costs more than to trace all
+  if (!isComparable || 4 * changed.size() > before_.entries.size()) {
+    before_ = {};
     return;
   }
-  std::sort(known_.begin(), known_.end(), isBefore);
-  if (changed.empty()) {
-    return;
+  std::sort(before_.entries.begin(), before_.entries.end(), isBefore);
+  if (!changed.empty()) {
+    touched_.assign(field.values().size(), 0);
   }
-  // where the box ends there is one more block: a gradient beside the box sees into it
-  VoxelField::Shape blocks = shape;
-  blocks.voxelSize = shape.voxelSize * static_cast<double>(width);
-  std::array<double, 3> corner{shape.position.x, shape.position.y, shape.position.z};
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto k = static_cast<std::size_t>(axis);
-    const bool ends = !shape.isPeriodic || axis == axes.up;
-    blocks.cells[k] = (shape.cells[k] + width - 1) / width + (ends ? 2 : 0);
-    corner[k] -= ends ? blocks.voxelSize : 0.0;
-  }
-  blocks.position = {corner[0], corner[1], corner[2]};
-  touched_.emplace(blocks, axes);
   for (const std::size_t voxel : changed) {
-    const Vec3 middle = field.middleOf(voxel);
-    for (int x = -2; x <= 2; ++x) {
-      for (int y = -2; y <= 2; ++y) {
-        for (int z = -2; z <= 2; ++z) {
-          const Vec3 point =
-              middle + Vec3{static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)} * shape.voxelSize;
-          if (const auto block = touched_->indexOf(touched_->voxelOf(point))) {
-            touched_->values()[*block] = 1.0;
+    for (std::size_t d = 0; d < directions.size(); ++d) {
+      touch(voxel, d, directions[d]);
+    }
+  }
+}
+
+void TurbidMemory::touch(std::size_t voxel, std::size_t direction, const Vec3& towards) {
+  // back along the line, from the voxel away from the light
+  const std::uint64_t bit = std::uint64_t{1} << direction % 64;
+  const Vec3 middle = field_.middleOf(voxel);
+  for (std::size_t step = 0; step < kMostStepsOfLine; ++step) {
+    const Vec3 point = middle - towards * (kStep * static_cast<double>(step) * shape_.voxelSize);
+    const VoxelField::Voxel at = field_.voxelOf(point);
+    if (field_.isBeyond(at, kReach)) {
+      return;
+    }
+    for (std::int64_t a = -kReach; a <= kReach; ++a) {
+      for (std::int64_t b = -kReach; b <= kReach; ++b) {
+        for (std::int64_t layer = -kReach; layer <= kReach; ++layer) {
+          if (const auto index = field_.indexBeside(at, a, b, layer)) {
+            touched_[*index] |= bit;
           }
         }
       }
     }
   }
+  // nearly level light in a stand that repeats itself goes everywhere
+  for (std::uint64_t& bits : touched_) {
+    bits |= bit;
+  }
 }
 
-void TurbidMemory::keep(const Answer& answer) {
+TurbidMemory::Place TurbidMemory::lookAt(const Vec3& place, std::size_t rayCount) {
+  Place result;
+  const std::size_t count = rayCount * directionCount_;
   // places that are no numbers have no order
-  if (std::isfinite(answer.place.x) && std::isfinite(answer.place.y) && std::isfinite(answer.place.z)) {
-    next_.push_back(answer);
+  const bool isKept = isFinite(place) && now_.parts.size() + count <= kMostParts;
+  std::vector<double>& parts = isKept ? now_.parts : unkept_;
+  if (isKept) {
+    // in this order: without memory for the entry nobody knows its parts
+    parts.resize(parts.size() + count);
+    now_.entries.push_back({place, rayCount, parts.size() - count});
+  } else {
+    parts.resize(std::max(parts.size(), count));
   }
-}
-
-const TurbidMemory::Answer* TurbidMemory::find(const Vec3& place, std::size_t count,
-                                               std::span<const Vec3> directions) const {
-  const auto found = std::lower_bound(known_.begin(), known_.end(), Answer{place, 5, {}}, isBefore);
-  if (found == known_.end() || !(found->place == place) || found->count < count) {
-    return nullptr;
+  result.parts = std::span(parts).last(count);
+  if (!isFinite(place)) {
+    return result;
   }
-  const bool isTouched = touched_ && std::any_of(directions.begin(), directions.end(), [&](const Vec3& direction) {
-                           return touched_->integralAlong(place, direction) > 0.0;
-                         });
-  return isTouched ? nullptr : &*found;
+  const auto found =
+      std::lower_bound(before_.entries.begin(), before_.entries.end(), Entry{place, kMostRays, 0}, isBefore);
+  const auto voxel = field_.indexOf(field_.voxelOf(place));
+  // what touches places beside the box is not known
+  if (found != before_.entries.end() && found->place == place && found->rayCount >= rayCount &&
+      (voxel || touched_.empty())) {
+    result.before = std::span<const double>(before_.parts).subspan(found->first, count);
+    result.touched = touched_.empty() ? 0 : touched_[*voxel];
+  }
+  return result;
 }
 
 }  // namespace espalier::environment

@@ -2,47 +2,67 @@
 
 #include <array>
 #include <cstddef>
-#include <optional>
+#include <cstdint>
 #include <span>
 #include <vector>
 
 #include "engine/core/vec3.h"
-#include "environment/grid_axes.h"
 #include "environment/light/voxel_field.h"
 
 namespace espalier::environment {
 
-/// What places were told about the light in the step before. It is told again, the same numbers, as long as no voxel on
-/// the way to the light has changed; so a step in which little changed costs little, and its answers are those of a
-/// step that computes all of them, bit by bit.
+/// What part of the light came to places from each direction in the step before. A direction from which no ray can meet
+/// a voxel that has changed since is not traced again; so a step in which little changed costs little, and its answers
+/// are those of a step that traces all, bit by bit.
+///
+/// A place has up to 7 rays from each direction: its own and those of its neighbours one voxel aside, for the gradient.
 class TurbidMemory {
  public:
-  struct Answer {
-    core::Vec3 place;
-    std::size_t count = 0;           // of the values that are known
-    std::array<double, 5> values{};  // light, its slopes along x, y and z, what a leaf absorbs
+  static constexpr std::size_t kMostRays = 7;
+
+  /// A place in this step.
+  struct Place {
+    std::span<const double> before;  // of the step before: parts of the light (rays, directions); empty: not known
+    std::span<double> parts;         // to be filled, the same of this step; valid until the next call
+    std::uint64_t touched = 0;       // bit d % 64: of the direction d something before the place may have changed
   };
 
   /// Forgets everything.
   void clear();
 
-  /// Begins a step with the contents of `field`; answers kept since the last call are those of the step before.
-  /// O(voxels + answers log answers).
-  void begin(const VoxelField& field, const VoxelField::Shape& shape, const GridAxes& axes);
+  /// Begins a step with the contents of `field`; places looked at since the last call are those of the step before.
+  /// O(voxels + places log places + changed voxels · directions · voxels on a line).
+  void begin(const VoxelField& field, const VoxelField::Shape& shape, std::span<const core::Vec3> directions);
 
-  /// What this place was told, if at least `count` values are known and the contents are the same everywhere within a
-  /// voxel beside the lines along `directions`; null otherwise. O(directions · voxels on a line / 8).
-  [[nodiscard]] const Answer* find(const core::Vec3& place, std::size_t count,
-                                   std::span<const core::Vec3> directions) const;
+  /// Looks at a place with so many rays from each direction. O(log places). Keeps 8 bytes for each, up to 256 MB.
+  [[nodiscard]] Place lookAt(const core::Vec3& place, std::size_t rayCount);
 
-  /// Keeps an answer of this step for the next.
-  void keep(const Answer& answer);
+  /// Whether the direction `d` of a place has to be traced.
+  [[nodiscard]] static bool isTouched(const Place& place, std::size_t d) {
+    return place.before.empty() || (place.touched >> d % 64 & 1U) != 0;
+  }
 
  private:
-  std::vector<Answer> known_;          // of the step before, sorted by place
-  std::vector<Answer> next_;           // of this one
-  std::vector<double> contents_;       // of the field in this step
-  std::optional<VoxelField> touched_;  // blocks of voxels, 1: something within two voxels changed; none: nothing did
+  struct Entry {
+    core::Vec3 place;
+    std::size_t rayCount = 0;
+    std::size_t first = 0;  // in the parts
+  };
+  struct Step {
+    std::vector<Entry> entries;
+    std::vector<double> parts;  // of all entries, concatenated (rays, directions each)
+  };
+
+  [[nodiscard]] static bool isBefore(const Entry& a, const Entry& b);
+  void touch(std::size_t voxel, std::size_t direction, const core::Vec3& towards);
+
+  VoxelField field_;  // contents of this step
+  VoxelField::Shape shape_;
+  std::size_t directionCount_ = 0;
+  Step before_;                         // sorted by place
+  Step now_;                            // in the order in which places came
+  std::vector<std::uint64_t> touched_;  // of every voxel, see Place; empty: nothing changed
+  std::vector<double> unkept_;          // parts of a place that is not kept
 };
 
 }  // namespace espalier::environment

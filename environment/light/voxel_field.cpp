@@ -90,6 +90,24 @@ std::optional<std::size_t> VoxelField::indexOf(const Voxel& voxel) const {
   return static_cast<std::size_t>((voxel.layer * countA_ + voxel.a) * countB_ + voxel.b);
 }
 
+std::optional<std::size_t> VoxelField::indexBeside(const Voxel& voxel, std::int64_t a, std::int64_t b,
+                                                   std::int64_t layers) const {
+  Voxel beside{voxel.a + a, voxel.b + b, voxel.layer + layers};
+  if (shape_.isPeriodic) {
+    beside.a = wrapped(beside.a, countA_);
+    beside.b = wrapped(beside.b, countB_);
+  }
+  return indexOf(beside);
+}
+
+bool VoxelField::isBeyond(const Voxel& voxel, std::int64_t reach) const {
+  const auto isOutside = [&](std::int64_t place, std::int64_t count) {
+    return place + reach < 0 || place - reach >= count;
+  };
+  return voxel.layer + reach < 0 ||
+         (!shape_.isPeriodic && (isOutside(voxel.a, countA_) || isOutside(voxel.b, countB_)));
+}
+
 Vec3 VoxelField::middleOf(std::size_t index) const {
   const auto number = static_cast<std::int64_t>(index);
   const std::int64_t layer = number / (countA_ * countB_);

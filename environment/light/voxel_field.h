@@ -39,6 +39,13 @@ class VoxelField {
   /// Index into values(); nothing outside the box.
   [[nodiscard]] std::optional<std::size_t> indexOf(const Voxel& voxel) const;
 
+  /// The same of the voxel so many voxels aside and above, beyond the border of a periodic box too.
+  [[nodiscard]] std::optional<std::size_t> indexBeside(const Voxel& voxel, std::int64_t a, std::int64_t b,
+                                                       std::int64_t layers) const;
+
+  /// Whether a voxel is so far outside that none within `reach` of it, or below it, is in the box.
+  [[nodiscard]] bool isBeyond(const Voxel& voxel, std::int64_t reach) const;
+
   /// The middle of the voxel with this index. O(1).
   [[nodiscard]] core::Vec3 middleOf(std::size_t index) const;
 
