@@ -4,8 +4,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <csignal>
 #include <set>
+#include <thread>
 
 #include "protocol/envelope.h"
 #include "protocol/json_writer.h"
@@ -22,6 +24,9 @@ using asio::ip::tcp;
 constexpr std::string_view kUnix = "unix:";
 // peers at a time that are told that there is no room; more are closed without a word
 constexpr std::uint64_t kMostRefused = 1'000;
+// how long the thread of the network looks for the next event before it sleeps: the answer of a small step, and what a
+// program asks after it, come sooner than a thread sleeps and is woken
+constexpr std::chrono::microseconds kAwhile{50};
 
 }  // namespace
 
@@ -86,7 +91,7 @@ class Network::Implementation {
       asio::co_spawn(context_, accept(httpAcceptor_, [this](tcp::socket socket) { admitHttp(std::move(socket)); }),
                      asio::detached);
     }
-    context_.run();
+    runHandlers();
   }
 
   void stopAccepting() {
@@ -130,6 +135,23 @@ class Network::Implementation {
   }
 
  private:
+  /// Until there is nothing left to wait for.
+  void runHandlers() {
+    using Clock = std::chrono::steady_clock;
+    const bool hasCores = std::thread::hardware_concurrency() > 1;
+    Clock::time_point last = Clock::now();
+    while (!context_.stopped()) {
+      if (context_.poll() > 0) {
+        last = Clock::now();
+      } else if (hasCores && Clock::now() - last < kAwhile) {
+        std::this_thread::yield();
+      } else if (!context_.stopped()) {
+        context_.run_one();
+        last = Clock::now();
+      }
+    }
+  }
+
   void endWhenEmpty() {
     if (isClosing_ && connections_.empty()) {
       patience_.cancel();

@@ -7,6 +7,9 @@ namespace {
 
 /// How often the keeper looks while tasks run, at most.
 constexpr std::chrono::milliseconds kLongestLook{50};
+/// How long a thread looks for the next task before it sleeps. Who steps a small plant again and again asks within
+/// microseconds, less than it takes to sleep and to be woken.
+constexpr std::chrono::microseconds kAwhile{50};
 
 }  // namespace
 
@@ -43,6 +46,10 @@ void WorkerPool::post(Task task) {
     ++lane.waiting;
     lane.owners[task.owner].tasks.push_back(std::move(task));
     startThreadIfNeeded();
+    postedCount_.fetch_add(1, std::memory_order_release);
+    if (isOneLooking_) {
+      return;
+    }
   }
   wake_.notify_one();
 }
@@ -116,6 +123,7 @@ void WorkerPool::end(Running& running) {
 void WorkerPool::work() {
   std::unique_lock lock(mutex_);
   while (true) {
+    lookAwhile(lock);
     wake_.wait(lock, [this] { return isStopping_ || readyLane() != nullptr; });
     if (isStopping_) {
       return;
@@ -126,9 +134,13 @@ void WorkerPool::work() {
     owner.tasks.pop_front();
     begin(*running);
     --freeThreads_;
-    // more tasks than threads that look for one
+    // more tasks than threads that look for one, or than those that were woken
     startThreadIfNeeded();
+    const bool isMoreReady = freeThreads_ > 0 && readyLane() != nullptr;
     lock.unlock();
+    if (isMoreReady) {
+      wake_.notify_one();
+    }
     current_ = &*running;
     running->task.run();
     running->task.run = nullptr;
@@ -146,6 +158,21 @@ void WorkerPool::work() {
     done.clear();
     lock.lock();
   }
+}
+
+void WorkerPool::lookAwhile(std::unique_lock<std::mutex>& lock) {
+  if (isOneLooking_ || isStopping_ || workers_ < 2 || readyLane() != nullptr) {
+    return;
+  }
+  isOneLooking_ = true;
+  const std::uint64_t before = postedCount_.load(std::memory_order_acquire);
+  lock.unlock();
+  const Clock::time_point end = Clock::now() + kAwhile;
+  while (postedCount_.load(std::memory_order_acquire) == before && Clock::now() < end) {
+    std::this_thread::yield();
+  }
+  lock.lock();
+  isOneLooking_ = false;
 }
 
 void WorkerPool::blockWhile(const std::function<void()>& wait) {

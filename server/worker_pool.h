@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
@@ -88,6 +89,8 @@ class WorkerPool {
   };
 
   void work();
+  /// Before a thread sleeps: looks a moment for the next task, when no other thread does. Unlocks meanwhile.
+  void lookAwhile(std::unique_lock<std::mutex>& lock);
   void keepTime();
   // with mutex_ held
   [[nodiscard]] Owner* nextOwner(LaneState& lane);
@@ -114,7 +117,9 @@ class WorkerPool {
   std::array<LaneState, 2> lanes_;
   std::list<Running> running_;
   std::uint64_t begunCount_ = 0;
-  std::size_t freeThreads_ = 0;   // threads that look for a task
+  std::size_t freeThreads_ = 0;  // threads that look for a task
+  bool isOneLooking_ = false;    // a free thread that does not sleep: it need not be woken
+  std::atomic<std::uint64_t> postedCount_ = 0;
   bool isKeeperResting_ = false;  // nothing runs: it waits to be called
   bool isStopping_ = false;
   std::vector<std::thread> threads_;
