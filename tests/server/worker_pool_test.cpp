@@ -43,6 +43,18 @@ TEST(WorkerPool, NeverComputesOnMoreThreadsThanWorkers) {
   EXPECT_LE(most, 2);
 }
 
+TEST(WorkerPool, TasksThatComeWhileAThreadLooksForOneAllGetAThread) {
+  WorkerPool pool({.workers = 2, .overtime = kNever});
+  for (int round = 0; round < 2'000; ++round) {
+    // the threads that ended the last round look for tasks or sleep; these two end only together
+    std::latch areBothRunning(2);
+    for (const char* owner : {"1", "2"}) {
+      pool.post({.run = [&] { areBothRunning.arrive_and_wait(); }, .lane = Lane::Step, .owner = owner});
+    }
+    ASSERT_TRUE(pool.waitUntilIdle(kPatience)) << "round " << round;
+  }
+}
+
 TEST(WorkerPool, ATaskThatWaitsLetsAnotherComputeInItsPlace) {
   WorkerPool pool({.workers = 1, .overtime = kNever});
   std::latch isDone(1);
