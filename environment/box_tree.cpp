@@ -8,7 +8,7 @@
 #include <limits>
 #include <vector>
 
-#include "engine/core/check.h"
+#include "environment/embree_memory.h"
 
 namespace espalier::environment {
 
@@ -99,18 +99,21 @@ BoxTree::BoxTree(std::span<const Bounds> boxes) : tree_(std::make_unique<Tree>()
   }
   // one thread: a simulation belongs to one worker
   tree.device = rtcNewDevice("threads=1,user_threads=1");
-  ESPALIER_CHECK(tree.device != nullptr);
+  throwWithoutMemory(tree.device);
   tree.scene = rtcNewScene(tree.device);
+  throwWithoutMemory(tree.device);
   RTCGeometry geometry = rtcNewGeometry(tree.device, RTC_GEOMETRY_TYPE_USER);
+  throwWithoutMemory(tree.device);
+  rtcAttachGeometry(tree.scene, geometry);
+  rtcReleaseGeometry(geometry);  // the scene keeps it
   rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(tree.boxes.size()));
   rtcSetGeometryUserData(geometry, tree.boxes.data());
   rtcSetGeometryBoundsFunction(geometry, boundsOf, nullptr);
   rtcSetGeometryIntersectFunction(geometry, intersect);
   rtcCommitGeometry(geometry);
-  rtcAttachGeometry(tree.scene, geometry);
-  rtcReleaseGeometry(geometry);
   rtcSetSceneFlags(tree.scene, RTC_SCENE_FLAG_ROBUST);
   rtcCommitScene(tree.scene);
+  throwWithoutMemory(tree.device);
 }
 
 BoxTree::~BoxTree() = default;

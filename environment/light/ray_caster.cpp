@@ -7,7 +7,7 @@
 #include <string>
 #include <type_traits>
 
-#include "engine/core/check.h"
+#include "environment/embree_memory.h"
 
 namespace espalier::environment {
 
@@ -144,11 +144,16 @@ RayCaster::RayCaster(std::span<const Vec3> vertices, std::span<const std::array<
     return;
   }
   tree.device = rtcNewDevice(("threads=" + std::to_string(std::max(threads, 1U))).c_str());
-  ESPALIER_CHECK(tree.device != nullptr);
+  throwWithoutMemory(tree.device);
   tree.scene = rtcNewScene(tree.device);
+  throwWithoutMemory(tree.device);
   RTCGeometry geometry = rtcNewGeometry(tree.device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  throwWithoutMemory(tree.device);
+  rtcAttachGeometry(tree.scene, geometry);
+  rtcReleaseGeometry(geometry);  // the scene keeps it
   auto* position = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
                                                                3 * sizeof(float), places.size()));
+  throwWithoutMemory(tree.device);
   for (const Vec3& place : places) {
     *position++ = static_cast<float>(place.x);
     *position++ = static_cast<float>(place.y);
@@ -156,15 +161,15 @@ RayCaster::RayCaster(std::span<const Vec3> vertices, std::span<const std::array<
   }
   auto* index = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
       geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), corners.size()));
+  throwWithoutMemory(tree.device);
   for (const auto& corner : corners) {
     index = std::copy(corner.begin(), corner.end(), index);
   }
   rtcSetGeometryIntersectFilterFunction(geometry, takeSmallestNumber);
   rtcCommitGeometry(geometry);
-  rtcAttachGeometry(tree.scene, geometry);
-  rtcReleaseGeometry(geometry);
   rtcSetSceneFlags(tree.scene, RTC_SCENE_FLAG_ROBUST);
   rtcCommitScene(tree.scene);
+  throwWithoutMemory(tree.device);
 }
 
 RayCaster::~RayCaster() = default;

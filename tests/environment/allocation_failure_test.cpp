@@ -66,9 +66,6 @@ turtle::QueryBatch batchOf(const Candidate& candidate, std::uint64_t step, std::
 }
 
 TEST_P(AllocationFailure, LeavesTheStateAsItWas) {
-  if (GetParam().name == "obstacles" || GetParam().name == "crowding") {
-    GTEST_SKIP() << "builds a tree of Embree in each step, which says in its own way that there is no memory";
-  }
   std::mt19937_64 random(5);
   const auto process = openProcess(GetParam().name, GetParam().configuration);
   const auto undisturbed = openProcess(GetParam().name, GetParam().configuration);
