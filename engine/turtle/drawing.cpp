@@ -195,7 +195,13 @@ void Drawing::surface(const TurtleState& state, std::uint32_t index, bool isTria
 
 void Drawing::label(const TurtleState& state, std::string text) {
   if (scene_ != nullptr) {
-    scene_->labels.push_back({.position = state.position, .text = std::move(text), .colour = state.colour});
+    scene_->labels.push_back({.position = state.position,
+                              .text = std::move(text),
+                              .colour = state.colour,
+                              .plant = plant_,
+                              .module = module_,
+                              .branchOrder = state.branchOrder,
+                              .parent = state.segment});
   }
 }
 

@@ -70,6 +70,10 @@ struct Label {
   core::Vec3 position;
   std::string text;
   std::int32_t colour = 128;
+  std::uint32_t plant = 0;
+  std::uint64_t module = 0;
+  std::uint32_t branchOrder = 0;
+  std::uint32_t parent = kNoParent;  // the segment it stands on
 };
 
 /// One point of a generalized cylinder.

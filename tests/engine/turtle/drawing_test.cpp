@@ -179,6 +179,16 @@ TEST(Drawing, LabelsAreFormattedByTheModelsText) {
   EXPECT_EQ(run.scene.labels[0].text, "n=3 x=0.2 %");
 }
 
+TEST(Drawing, LabelsKnowWhereTheyStand) {
+  TurtleRun run("F[FFF@L(0,3)]");
+  run.program.strings.push_back("%d");
+  run.draw();
+  ASSERT_EQ(run.scene.labels.size(), 1U);
+  EXPECT_EQ(run.scene.labels[0].module, 5U);
+  EXPECT_EQ(run.scene.labels[0].branchOrder, 1U);
+  EXPECT_EQ(run.scene.labels[0].parent, 3U);
+}
+
 TEST(Drawing, LabelFormatsAreHarmless) {
   const std::array values{1.0, 2.0};
   EXPECT_EQ(formatLabel("%s%n %d|", values), " |");

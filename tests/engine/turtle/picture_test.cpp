@@ -243,7 +243,7 @@ TEST(Picture, LightComesThroughALeafToTheSideThatIsTurnedAway) {
 TEST(Picture, LabelsAreReadableText) {
   const language::ViewSettings view = viewOf(language::LineStyle::Pixel);
   Scene scene;
-  scene.labels.push_back({{0, 0, 0}, "I", 10});
+  scene.labels.push_back({.position = {0, 0, 0}, .text = "I", .colour = 10});
   const double one = coverage(renderPicture(scene, view, kTransparent));
   scene.labels[0].text = "III";
   EXPECT_NEAR(coverage(renderPicture(scene, view, kTransparent)), 3 * one, 0.5);
