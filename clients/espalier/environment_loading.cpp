@@ -60,14 +60,23 @@ std::chrono::milliseconds timeOfStep(const Making& making, std::optional<std::ch
 }
 
 // `entryJson` has the settings of an entry; `what` says in errors whose they are
-Process connectRemote(const std::string& address, const std::string& entryJson, const std::string& what,
-                      const Making& making) {
+std::optional<server::RemoteSettings> readSettings(const std::string& entryJson, const std::string& what,
+                                                   const Making& making) {
   auto read = server::readRemoteSettings(entryJson, making.remote.policy);
   if (const auto* problem = std::get_if<server::RemoteSettingProblem>(&read)) {
     printError(what + problem->key + ": " + problem->message);
+    return std::nullopt;
+  }
+  return std::move(std::get<server::RemoteSettings>(read));
+}
+
+Process connectRemote(const std::string& address, const std::string& entryJson, const std::string& what,
+                      const Making& making) {
+  auto read = readSettings(entryJson, what, making);
+  if (!read) {
     return nullptr;
   }
-  auto& settings = std::get<server::RemoteSettings>(read);
+  server::RemoteSettings& settings = *read;
   server::RemoteEnvironmentOptions options;
   options.configurationJson = std::move(settings.configurationJson);
   options.isAbsenceTolerated = settings.policy.isTolerant;
@@ -82,15 +91,13 @@ Process connectRemote(const std::string& address, const std::string& entryJson, 
       [sink = making.onFailure](std::uint64_t step, const std::string& message) { (*sink)(step, message); });
 }
 
-// `entryJson` has the settings of an entry; `what` says in errors whose they are
 Process loadPlugin(const std::string& library, const std::string& entryJson, const std::string& what,
                    const Making& making) {
-  auto read = server::readRemoteSettings(entryJson, making.remote.policy);
-  if (const auto* problem = std::get_if<server::RemoteSettingProblem>(&read)) {
-    printError(what + problem->key + ": " + problem->message);
+  auto read = readSettings(entryJson, what, making);
+  if (!read) {
     return nullptr;
   }
-  auto& settings = std::get<server::RemoteSettings>(read);
+  server::RemoteSettings& settings = *read;
   auto loaded =
       server::loadPluginProcess(library, entryJson, timeOfStep(making, settings.stepTimeout, std::chrono::seconds(60)));
   if (const auto* problem = std::get_if<std::string>(&loaded)) {
