@@ -8,21 +8,23 @@ namespace espalier::server {
 namespace {
 
 using turtle::RecordChain;
-using turtle::RecordStretch;
 
-/// The records of links [begin, end) as rows.
-TurtleFrame rowsOf(const RecordChain& chain, std::size_t begin, std::size_t end,
+using Places = std::vector<RecordChain::Place>;
+
+/// The records of stretches [begin, end) as rows.
+TurtleFrame rowsOf(const RecordChain& chain, const Places& places, std::size_t begin, std::size_t end,
                    std::shared_ptr<const std::vector<std::string>> symbols) {
   TurtleFrame frame;
   frame.symbols = std::move(symbols);
-  const auto firstRecordOf = [&](std::size_t link) {
-    return link < chain.links.size() ? chain.links[link].firstRecord : chain.recordCount;
-  };
-  reserveRows(frame, firstRecordOf(end) - firstRecordOf(begin));
+  std::size_t rows = 0;
   for (std::size_t i = begin; i < end; ++i) {
-    const RecordChain::Link& link = chain.links[i];
-    for (const turtle::TurtleRecord& record : link.stretch->records) {
-      appendRecord(frame, record, link.firstModule + record.module, chain.recordOf(link, record.parent));
+    rows += places[i].stretch->records.size();
+  }
+  reserveRows(frame, rows);
+  for (std::size_t i = begin; i < end; ++i) {
+    const RecordChain::Place& place = places[i];
+    for (const turtle::TurtleRecord& record : place.stretch->records) {
+      appendRecord(frame, record, place.firstModule + record.module, chain.recordOf(place, record.parent));
     }
   }
   return frame;
@@ -46,6 +48,69 @@ void appendRows(TurtleFrame& to, const TurtleFrame& from) {
   }
 }
 
+/// Finds parts of one list in another: stretches among stretches, or groups among groups. A chain has no part twice.
+class PartFinder {
+ public:
+  static constexpr std::size_t kNone = ~std::size_t{0};
+
+  explicit PartFinder(std::vector<const void*> parts) : parts_(std::move(parts)) {}
+
+  /// Where the part is, from `from` on.
+  [[nodiscard]] std::size_t find(std::size_t from, const void* part) {
+    if (from < parts_.size() && parts_[from] == part) {
+      return from;
+    }
+    if (slots_.empty()) {
+      slots_.assign(std::bit_ceil(2 * parts_.size() + 2), kNone);
+      for (std::size_t i = 0; i < parts_.size(); ++i) {
+        slotOf(parts_[i]) = i;
+      }
+    }
+    const std::size_t place = slotOf(part);
+    return place != kNone && place >= from ? place : kNone;
+  }
+  [[nodiscard]] std::size_t size() const { return parts_.size(); }
+
+ private:
+  /// Where the part's place is written, or would be.
+  std::size_t& slotOf(const void* part) {
+    const std::size_t mask = slots_.size() - 1;
+    std::size_t slot = std::hash<const void*>()(part) * 0x9E3779B97F4A7C15U >> 20U & mask;
+    while (slots_[slot] != kNone && parts_[slots_[slot]] != part) {
+      slot = (slot + 1) & mask;
+    }
+    return slots_[slot];
+  }
+
+  std::vector<const void*> parts_;
+  std::vector<std::size_t> slots_;  // a power of two; empty: not needed yet
+};
+
+/// Goes over two lists of parts: `keep(from, to)` for parts that both share, in order, and `tellGap(from, fromEnd, to,
+/// toEnd)` for what has become of those between them.
+template <typename Keep, typename TellGap>
+void match(std::vector<const void*> baseParts, const std::vector<const void*>& parts, const Keep& keep,
+           const TellGap& tellGap) {
+  PartFinder base(std::move(baseParts));
+  std::size_t from = 0;  // what is before it is told
+  std::size_t to = 0;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const std::size_t same = base.find(from, parts[i]);
+    if (same == PartFinder::kNone) {
+      continue;
+    }
+    if (to < i) {
+      tellGap(from, same, to, i);
+    }
+    keep(same, i);
+    from = same + 1;
+    to = i + 1;
+  }
+  if (to < parts.size()) {
+    tellGap(from, base.size(), to, parts.size());
+  }
+}
+
 class ChainDifference {
  public:
   ChainDifference(const RecordChain& base, const RecordChain& chain,
@@ -55,85 +120,98 @@ class ChainDifference {
   }
 
   TurtleChange make() {
-    std::size_t to = 0;    // links before it are told, of the chain
-    std::size_t from = 0;  // and of the base
-    for (std::size_t link = 0; link < chain_.links.size(); ++link) {
-      const std::size_t same = find(from, *chain_.links[link].stretch);
-      if (same == kNone) {
-        continue;
+    const auto groupsOf = [](const RecordChain& chain) {
+      std::vector<const void*> groups;
+      groups.reserve(chain.links.size());
+      for (const RecordChain::Link& link : chain.links) {
+        groups.push_back(link.group.get());
       }
-      tellGap(from, same, to, link);
-      keep(base_.links[same], chain_.links[link]);
-      from = same + 1;
-      to = link + 1;
-    }
-    tellGap(from, base_.links.size(), to, chain_.links.size());
+      return groups;
+    };
+    match(
+        groupsOf(base_), groupsOf(chain_), [this](std::size_t from, std::size_t to) { keepGroup(from, to); },
+        [this](std::size_t from, std::size_t fromEnd, std::size_t to, std::size_t toEnd) {
+          tellGroups(base_.places(from, fromEnd), chain_.places(to, toEnd));
+        });
     return {chain_.recordCount, std::move(kept_), std::make_shared<const TurtleFrame>(std::move(fresh_))};
   }
 
  private:
-  static constexpr std::size_t kNone = ~std::size_t{0};
-
-  /// The next link of the base from `from` on with this stretch.
-  std::size_t find(std::size_t from, const RecordStretch& stretch) {
-    if (from < base_.links.size() && base_.links[from].stretch.get() == &stretch) {
-      return from;
-    }
-    if (places_.empty()) {
-      places_.assign(std::bit_ceil(2 * base_.links.size() + 2), kNone);
-      for (std::size_t link = 0; link < base_.links.size(); ++link) {
-        placeOf(*base_.links[link].stretch) = link;
+  /// Stretches of the base have become others, some of them perhaps in other groups.
+  void tellGroups(const Places& from, const Places& to) {
+    const auto stretchesOf = [](const Places& places) {
+      std::vector<const void*> stretches;
+      stretches.reserve(places.size());
+      for (const RecordChain::Place& place : places) {
+        stretches.push_back(place.stretch);
       }
-    }
-    const std::size_t link = placeOf(stretch);
-    return link != kNone && link >= from ? link : kNone;
+      return stretches;
+    };
+    match(
+        stretchesOf(from), stretchesOf(to), [&](std::size_t i, std::size_t j) { keepStretch(from[i], to[j]); },
+        [&](std::size_t begin, std::size_t end, std::size_t toBegin, std::size_t toEnd) {
+          tellRows(from, begin, end, to, toBegin, toEnd);
+        });
   }
 
-  /// Where the link of the base with this stretch is written, or would be: a chain has no stretch twice.
-  std::size_t& placeOf(const RecordStretch& stretch) {
-    const std::size_t mask = places_.size() - 1;
-    std::size_t slot = std::hash<const RecordStretch*>()(&stretch) * 0x9E3779B97F4A7C15U >> 20U & mask;
-    while (places_[slot] != kNone && base_.links[places_[slot]].stretch.get() != &stretch) {
-      slot = (slot + 1) & mask;
-    }
-    return places_[slot];
-  }
-
-  /// Links [from, fromEnd) of the base have become links [to, toEnd).
-  void tellGap(std::size_t from, std::size_t fromEnd, std::size_t to, std::size_t toEnd) {
-    if (to == toEnd) {
-      return;
-    }
-    const TurtleFrame base = rowsOf(base_, from, fromEnd, fresh_.symbols);
-    const TurtleFrame frame = rowsOf(chain_, to, toEnd, fresh_.symbols);
+  /// Stretches [begin, end) of the base have become [toBegin, toEnd), which are others.
+  void tellRows(const Places& from, std::size_t begin, std::size_t end, const Places& to, std::size_t toBegin,
+                std::size_t toEnd) {
+    const TurtleFrame base = rowsOf(base_, from, begin, end, fresh_.symbols);
+    const TurtleFrame frame = rowsOf(chain_, to, toBegin, toEnd, fresh_.symbols);
     const TurtleDifference difference = server::differenceOf(base, frame);
-    const std::uint32_t firstTo = chain_.links[to].firstRecord;
-    const std::uint32_t firstFrom = from < base_.links.size() ? base_.links[from].firstRecord : base_.recordCount;
     for (KeptRows run : difference.kept) {
-      run.to += firstTo;
-      run.from += firstFrom;
+      run.to += to[toBegin].firstRecord;
+      run.from += from[begin].firstRecord;
       run.index = run.to - run.from;
       append(run);
     }
     appendRows(fresh_, server::rowsOf(frame, difference.fresh));
   }
 
-  void keep(const RecordChain::Link& from, const RecordChain::Link& to) {
-    const std::vector<turtle::TurtleRecord>& records = to.stretch->records;
+  /// Rows that are kept when whatever they grow from has moved as they have.
+  static KeptRows runOf(std::uint32_t from, std::uint32_t to, std::uint64_t fromModule, std::uint64_t toModule,
+                        std::size_t rows) {
     KeptRows run;
-    run.to = to.firstRecord;
-    run.from = from.firstRecord;
-    run.rows = static_cast<std::uint32_t>(records.size());
-    run.module = static_cast<std::uint32_t>(to.firstModule - from.firstModule);
-    run.parent = run.to - run.from;
-    run.index = run.to - run.from;
-    // all of it in one when what it grows from has moved as it has
-    const std::size_t outerCount = 1 + to.stretch->closed.size();
+    run.to = to;
+    run.from = from;
+    run.rows = static_cast<std::uint32_t>(rows);
+    run.module = static_cast<std::uint32_t>(toModule - fromModule);
+    run.parent = to - from;
+    run.index = to - from;
+    return run;
+  }
+
+  void keepGroup(std::size_t from, std::size_t to) {
+    const RecordChain::Link& before = base_.links[from];
+    const RecordChain::Link& after = chain_.links[to];
+    const turtle::TurtlePassage& passage = after.group->passage;
+    const KeptRows run =
+        runOf(before.firstRecord, after.firstRecord, before.firstModule, after.firstModule, passage.records);
     bool movesAsOne = true;
-    for (std::size_t k = 0; k < outerCount; ++k) {
-      const std::uint32_t parent = chain_.outer[to.firstOuter + k];
+    for (std::size_t k = 0; k < 1 + passage.closed.size(); ++k) {
+      const std::uint32_t parent = chain_.outer[after.firstOuter + k];
       movesAsOne =
-          movesAsOne && (parent == turtle::kNoParent || parent - base_.outer[from.firstOuter + k] == run.parent);
+          movesAsOne && (parent == turtle::kNoParent || parent - base_.outer[before.firstOuter + k] == run.parent);
+    }
+    if (movesAsOne) {
+      append(run);
+      return;
+    }
+    const Places befores = base_.places(from, from + 1);
+    const Places afters = chain_.places(to, to + 1);
+    for (std::size_t i = 0; i < afters.size(); ++i) {
+      keepStretch(befores[i], afters[i]);
+    }
+  }
+
+  void keepStretch(const RecordChain::Place& from, const RecordChain::Place& to) {
+    const std::vector<turtle::TurtleRecord>& records = to.stretch->records;
+    KeptRows run = runOf(from.firstRecord, to.firstRecord, from.firstModule, to.firstModule, records.size());
+    bool movesAsOne = true;
+    for (std::size_t k = 0; k < 1 + to.stretch->passage.closed.size(); ++k) {
+      const std::uint32_t parent = chain_.outerRecordOf(to, k);
+      movesAsOne = movesAsOne && (parent == turtle::kNoParent || parent - base_.outerRecordOf(from, k) == run.parent);
     }
     if (movesAsOne) {
       append(run);
@@ -170,7 +248,6 @@ class ChainDifference {
 
   const RecordChain& base_;
   const RecordChain& chain_;
-  std::vector<std::size_t> places_;  // of stretches among the links of the base (a power of two); empty: not needed yet
   std::vector<KeptRows> kept_;
   TurtleFrame fresh_;
 };
@@ -178,7 +255,8 @@ class ChainDifference {
 }  // namespace
 
 TurtleFrame makeTurtleFrame(const RecordChain& chain, std::shared_ptr<const std::vector<std::string>> symbols) {
-  return rowsOf(chain, 0, chain.links.size(), std::move(symbols));
+  const Places places = chain.places(0, chain.links.size());
+  return rowsOf(chain, places, 0, places.size(), std::move(symbols));
 }
 
 TurtleChange differenceOf(const RecordChain& base, const RecordChain& chain,

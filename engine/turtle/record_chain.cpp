@@ -50,19 +50,32 @@ bool isRepeatable(const language::Program& program) {
   return true;
 }
 
-std::uint32_t RecordChain::recordOf(const Link& link, std::uint32_t number) const {
+std::vector<RecordChain::Place> RecordChain::places(std::size_t begin, std::size_t end) const {
+  std::vector<Place> result;
+  for (std::size_t i = begin; i < end; ++i) {
+    const RecordGroup& group = *links[i].group;
+    for (const RecordGroup::Link& link : group.links) {
+      result.push_back({link.stretch.get(), &group, i, links[i].firstModule + link.firstModule,
+                        links[i].firstRecord + link.firstRecord, link.firstOuter});
+    }
+  }
+  return result;
+}
+
+std::uint32_t RecordChain::recordOf(const Place& place, std::uint32_t number) const {
+  if (number == kNoParent) {
+    return kNoParent;
+  }
+  return number >= kOuterRecord ? outerRecordOf(place, number - kOuterRecord) : place.firstRecord + number;
+}
+
+std::uint32_t RecordChain::outerRecordOf(const Place& place, std::size_t k) const {
+  const Link& link = links[place.link];
+  const std::uint32_t number = place.group->outer[place.firstOuter + k];
   if (number == kNoParent) {
     return kNoParent;
   }
   return number >= kOuterRecord ? outer[link.firstOuter + (number - kOuterRecord)] : link.firstRecord + number;
-}
-
-void RecordChain::appendRecords(const Link& link, std::vector<TurtleRecord>& records) const {
-  for (const TurtleRecord& record : link.stretch->records) {
-    records.push_back(record);
-    records.back().module += link.firstModule;
-    records.back().parent = recordOf(link, record.parent);
-  }
 }
 
 }  // namespace espalier::turtle

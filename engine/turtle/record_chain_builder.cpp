@@ -11,7 +11,9 @@ namespace {
 
 constexpr std::uint64_t kStretchModules = 128;  // about so many: fewer cost states, more are interpreted for one change
 constexpr int kTries = 8;                       // links that begin with a turtle like this, looked at more closely
-constexpr std::uint32_t kNoLink = 0xFFFFFFFF;
+constexpr std::uint32_t kNoEntry = 0xFFFFFFFF;
+// a group that follows joins the stretches before it when they are no more together: there are few small groups
+constexpr std::size_t kJoinedStretches = 48;
 
 template <typename T>
 bool haveSameBytes(const T& a, const T& b) {
@@ -46,20 +48,19 @@ bool isSame(const TurtleState& a, const TurtleState& b) {
          a.hasSmoothRadius == b.hasSmoothRadius && (a.record == kNoParent) == (b.record == kNoParent);
 }
 
-std::uint64_t hashOf(const TurtleState& state) {
+std::uint32_t hashOf(const TurtleState& state) {
   std::uint64_t hash = state.branchOrder;
   for (const double number : {state.position.x, state.position.y, state.position.z, state.frame.heading.x,
                               state.frame.heading.y, state.frame.heading.z, state.frame.up.x}) {
     hash = (hash ^ std::bit_cast<std::uint64_t>(number)) * 0x9E3779B97F4A7C15U;
     hash ^= hash >> 29U;
   }
-  return hash;
+  return static_cast<std::uint32_t>(hash);
 }
 
 std::uint64_t bytesOf(const RecordStretch& stretch) {
-  std::uint64_t sum = sizeof stretch + stretch.types.size() * sizeof stretch.types[0] +
-                      stretch.parameters.size() * sizeof stretch.parameters[0] +
-                      (stretch.closed.size() + stretch.opened.size()) * sizeof stretch.entry +
+  std::uint64_t sum = sizeof stretch +
+                      (stretch.passage.closed.size() + stretch.passage.opened.size()) * sizeof stretch.passage.entry +
                       stretch.records.size() * sizeof stretch.records[0];
   for (const TurtleRecord& record : stretch.records) {
     sum += record.parameters.size() * sizeof record.parameters[0];
@@ -72,14 +73,15 @@ std::uint64_t bytesOf(const RecordStretch& stretch) {
 RecordChainBuilder::RecordChainBuilder(const Interpretation::Subject& subject, const RecordChain* base,
                                        const std::function<void(std::span<TurtleRecord>)>& rename, RecordChain& chain)
     : string_(subject.plantState.string),
-      arity_(subject.program.arity),
       base_(base),
       rename_(rename),
       chain_(chain),
+      groups_(string_, chain),
       output_{.records = &records_, .fillsQueries = false},
-      interpretation_(subject, output_) {
+      interpretation_(subject, output_),
+      recordCount_(chain.recordCount) {
   if (base_ != nullptr) {
-    next_ = base_->firstLink[subject.plant];
+    next_.link = base_->firstLink[subject.plant];
     end_ = base_->firstLink[subject.plant + 1U];
   }
 }
@@ -88,98 +90,150 @@ void RecordChainBuilder::appendPlant() {
   interpretation_.begin();
   interpretation_.noteIn(&notes_);
   while (module_ < string_.size()) {
-    if (next_ < end_ && (follows(next_) || findNext())) {
-      take(base_->links[next_++].stretch);
-    } else {
+    if (isKnown() && next_.stretch == 0 && groupFollows()) {
+      takeGroup();
+    } else if (isKnown() && stretchFollows(next_)) {
+      takeStretch();
+    } else if (!isKnown() || !findNext()) {
       interpret();
     }
   }
+  groups_.finish();
   interpretation_.end();
 }
 
-bool RecordChainBuilder::follows(std::size_t link) {
-  const RecordStretch& stretch = *base_->links[link].stretch;
-  const std::uint64_t count = stretch.types.size();
-  if (module_ + count > string_.size() || (stretch.endsString && module_ + count != string_.size()) ||
-      offset_ + stretch.parameters.size() > string_.parameterCount() ||
-      !isSame(stretch.entry, interpretation_.state())) {
+bool RecordChainBuilder::groupFollows() {
+  const RecordGroup& group = *base_->links[next_.link].group;
+  return follows(group.passage, group.types.data(), group.parameters.data());
+}
+
+bool RecordChainBuilder::stretchFollows(const Place& place) {
+  const RecordGroup& group = *base_->links[place.link].group;
+  const RecordGroup::Link& link = group.links[place.stretch];
+  return follows(link.stretch->passage, group.types.data() + link.firstModule,
+                 group.parameters.data() + link.firstOffset);
+}
+
+bool RecordChainBuilder::follows(const TurtlePassage& passage, const core::ModuleTypeId* types,
+                                 const double* parameters) {
+  if (module_ + passage.modules > string_.size() ||
+      (passage.endsString && module_ + passage.modules != string_.size()) ||
+      offset_ + passage.parameters > string_.parameterCount() || !isSame(passage.entry, interpretation_.state())) {
     return false;
   }
   const std::vector<TurtleState>& open = interpretation_.openBranches();
-  if (open.size() < stretch.closed.size()) {
+  if (open.size() < passage.closed.size()) {
     return false;
   }
-  const bool closesTheSame = std::equal(stretch.closed.begin(), stretch.closed.end(), open.rbegin(), isSame);
-  return closesTheSame &&
-         std::memcmp(stretch.types.data(), string_.types().data() + module_, count * sizeof(core::ModuleTypeId)) == 0 &&
-         (stretch.parameters.empty() || std::memcmp(stretch.parameters.data(), string_.parameters().data() + offset_,
-                                                    stretch.parameters.size() * sizeof(double)) == 0);
+  const bool closesTheSame = std::equal(passage.closed.begin(), passage.closed.end(), open.rbegin(), isSame);
+  return closesTheSame && std::memcmp(types, string_.types().data() + module_, passage.modules * sizeof *types) == 0 &&
+         (passage.parameters == 0 ||
+          std::memcmp(parameters, string_.parameters().data() + offset_, passage.parameters * sizeof *parameters) == 0);
 }
 
 bool RecordChainBuilder::findNext() {
   if (heads_.empty()) {
     buildTable();
   }
-  std::uint32_t& head = heads_[hashOf(interpretation_.state()) & (heads_.size() - 1)];
+  const std::uint32_t hash = hashOf(interpretation_.state());
+  std::uint32_t& head = heads_[hash & (heads_.size() - 1)];
   // those that were passed are never looked at again
-  while (head != kNoLink && head < next_) {
-    head = following_[head - tableBegin_];
+  const std::size_t passed = (next_.link - tableBegin_) * kMostStretches + next_.stretch;
+  while (head != kNoEntry && head < passed) {
+    head = following_[head];
   }
-  std::uint32_t link = head;
-  for (int tries = 0; link != kNoLink && tries < kTries; ++tries) {
-    if (follows(link)) {
-      next_ = link;
+  std::uint32_t entry = head;
+  for (int tries = 0; entry != kNoEntry && tries < kTries; ++tries) {
+    const Place place = placeOf(entry);
+    if (base_->links[place.link].group->links[place.stretch].entryHash == hash && stretchFollows(place)) {
+      next_ = place;
       return true;
     }
-    link = following_[link - tableBegin_];
+    entry = following_[entry];
   }
   return false;
 }
 
 void RecordChainBuilder::buildTable() {
-  tableBegin_ = next_;
-  heads_.assign(std::bit_ceil(2 * (end_ - next_) + 2), kNoLink);
-  following_.assign(end_ - next_, kNoLink);
-  // nearer links come before farther ones
-  for (std::size_t link = end_; link-- > tableBegin_;) {
-    std::uint32_t& head = heads_[hashOf(base_->links[link].stretch->entry) & (heads_.size() - 1)];
-    following_[link - tableBegin_] = std::exchange(head, static_cast<std::uint32_t>(link));
+  tableBegin_ = next_.link;
+  std::size_t stretches = 0;
+  for (std::size_t link = tableBegin_; link < end_; ++link) {
+    stretches += base_->links[link].group->links.size();
   }
+  heads_.assign(std::bit_ceil(2 * stretches + 2), kNoEntry);
+  following_.resize((end_ - tableBegin_) * kMostStretches);
+  // nearer stretches come before farther ones
+  for (std::size_t link = end_; link-- > tableBegin_;) {
+    const std::vector<RecordGroup::Link>& parts = base_->links[link].group->links;
+    for (std::size_t i = parts.size(); i-- > 0;) {
+      const auto entry = static_cast<std::uint32_t>((link - tableBegin_) * kMostStretches + i);
+      following_[entry] = std::exchange(heads_[parts[i].entryHash & (heads_.size() - 1)], entry);
+    }
+  }
+}
+
+RecordChainBuilder::Place RecordChainBuilder::placeOf(std::uint32_t entry) const {
+  return {tableBegin_ + entry / kMostStretches, entry % kMostStretches};
 }
 
 std::uint32_t RecordChainBuilder::resolved(std::uint32_t number) const {
   if (number == kNoParent) {
     return kNoParent;
   }
-  return number >= kOuterRecord ? notes_.outer[number - kOuterRecord] : chain_.recordCount + number;
+  return number >= kOuterRecord ? notes_.outer[number - kOuterRecord] : recordCount_ + number;
 }
 
-void RecordChainBuilder::append(std::shared_ptr<const RecordStretch> stretch, std::uint64_t firstModule) {
-  const auto count = static_cast<std::uint32_t>(stretch->records.size());
-  chain_.bytes += stretch->bytes;
-  chain_.links.push_back(
-      {std::move(stretch), firstModule, chain_.recordCount, static_cast<std::uint32_t>(chain_.outer.size())});
-  chain_.outer.insert(chain_.outer.end(), notes_.outer.begin(), notes_.outer.end());
-  chain_.recordCount += count;
+void RecordChainBuilder::append(std::shared_ptr<const RecordStretch> stretch, std::uint32_t entryHash) {
+  recordCount_ += stretch->passage.records;
+  groups_.add(std::move(stretch), entryHash, notes_.outer);
 }
 
-void RecordChainBuilder::take(const std::shared_ptr<const RecordStretch>& stretch) {
+void RecordChainBuilder::pass(const TurtlePassage& passage) {
   std::vector<TurtleState>& open = interpretation_.openBranches();
   TurtleState& state = interpretation_.state();
   notes_.outer.assign(1, state.record);
-  for (std::size_t i = 0; i < stretch->closed.size(); ++i) {
+  for (std::size_t i = 0; i < passage.closed.size(); ++i) {
     notes_.outer.push_back(open.back().record);
     open.pop_back();
   }
-  state = stretch->exit;
+  state = passage.exit;
   state.record = resolved(state.record);
-  for (const TurtleState& opened : stretch->opened) {
+  for (const TurtleState& opened : passage.opened) {
     open.push_back(opened);
     open.back().record = resolved(opened.record);
   }
-  append(stretch, module_);
-  module_ += stretch->types.size();
-  offset_ += stretch->parameters.size();
+  module_ += passage.modules;
+  offset_ += passage.parameters;
+}
+
+void RecordChainBuilder::takeGroup() {
+  const std::shared_ptr<const RecordGroup>& group = base_->links[next_.link].group;
+  const std::size_t waiting = groups_.waiting();
+  if (waiting > 0 && waiting + group->links.size() <= kJoinedStretches) {
+    const std::size_t link = next_.link;
+    while (next_.link == link) {
+      takeStretch();
+    }
+    return;
+  }
+  groups_.finish();
+  pass(group->passage);
+  chain_.links.push_back(
+      {group, module_ - group->passage.modules, recordCount_, static_cast<std::uint32_t>(chain_.outer.size())});
+  chain_.outer.insert(chain_.outer.end(), notes_.outer.begin(), notes_.outer.end());
+  chain_.bytes += group->bytes;
+  recordCount_ += group->passage.records;
+  chain_.recordCount = recordCount_;
+  groups_.pass(group->passage);
+  ++next_.link;
+}
+
+void RecordChainBuilder::takeStretch() {
+  const std::vector<RecordGroup::Link>& parts = base_->links[next_.link].group->links;
+  const RecordGroup::Link& link = parts[next_.stretch];
+  pass(link.stretch->passage);
+  append(link.stretch, link.entryHash);
+  next_ = next_.stretch + 1 < parts.size() ? Place{next_.link, next_.stretch + 1} : Place{next_.link + 1, 0};
 }
 
 void RecordChainBuilder::interpret() {
@@ -188,28 +242,29 @@ void RecordChainBuilder::interpret() {
   std::vector<TurtleState>& open = interpretation_.openBranches();
   TurtleState& state = interpretation_.state();
   const auto stretch = std::make_shared<RecordStretch>();
+  TurtlePassage& passage = stretch->passage;
+  const std::uint32_t entryHash = hashOf(state);
   notes_.lowest = open.size();
   notes_.closed.clear();
   notes_.outer.assign(1, state.record);
   state.record = state.record == kNoParent ? kNoParent : kOuterRecord;
-  stretch->entry = state;
+  passage.entry = state;
 
   // up to where the base goes on, or far enough
   while (module_ < string_.size()) {
     const bool mayEnd = interpretation_.walkOne(module_, offset_);
-    if (mayEnd && (module_ - first >= kStretchModules || (next_ < end_ && findNext()))) {
+    if (mayEnd && (module_ - first >= kStretchModules || (isKnown() && findNext()))) {
       break;
     }
   }
 
-  const auto types = string_.types().subspan(first, module_ - first);
-  const auto parameters = string_.parameters().subspan(firstOffset, offset_ - firstOffset);
-  stretch->types.assign(types.begin(), types.end());
-  stretch->parameters.assign(parameters.begin(), parameters.end());
-  stretch->endsString = module_ == string_.size();
-  stretch->closed = notes_.closed;
-  stretch->exit = state;
-  stretch->opened.assign(open.begin() + static_cast<std::ptrdiff_t>(notes_.lowest), open.end());
+  passage.closed = notes_.closed;
+  passage.exit = state;
+  passage.opened.assign(open.begin() + static_cast<std::ptrdiff_t>(notes_.lowest), open.end());
+  passage.endsString = module_ == string_.size();
+  passage.modules = module_ - first;
+  passage.parameters = offset_ - firstOffset;
+  passage.records = static_cast<std::uint32_t>(records_.size());
   stretch->records.assign(std::make_move_iterator(records_.begin()), std::make_move_iterator(records_.end()));
   records_.clear();
   for (TurtleRecord& record : stretch->records) {
@@ -223,7 +278,7 @@ void RecordChainBuilder::interpret() {
   for (auto opened = open.begin() + static_cast<std::ptrdiff_t>(notes_.lowest); opened != open.end(); ++opened) {
     opened->record = resolved(opened->record);
   }
-  append(stretch, first);
+  append(stretch, entryHash);
 }
 
 }  // namespace espalier::turtle

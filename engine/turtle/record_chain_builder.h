@@ -9,16 +9,18 @@
 
 #include "engine/turtle/interpretation.h"
 #include "engine/turtle/record_chain.h"
+#include "engine/turtle/record_group_maker.h"
 
 namespace espalier::turtle {
 
 /// Makes the links of one plant (Interpreter::appendRecords).
 ///
-/// The string is gone through from left to right, from stretch to stretch. The next stretch of the base is taken when
-/// its modules are those that follow and the turtle, with the branches that it closes, is the one that it began with:
-/// bits are compared, so what is taken is what would have been made. Otherwise modules are interpreted until the turtle
-/// is again where a later stretch of the base began and its modules follow, or until there are enough for a stretch of
-/// their own. No difference of the strings is needed, and a string without brackets is no special case.
+/// The string is gone through from left to right, from group to group and, where one does not follow, from stretch to
+/// stretch. The next of the base is taken when its modules are those that follow and the turtle, with the branches that
+/// it closes, is the one that it began with: bits are compared, so what is taken is what would have been made.
+/// Otherwise modules are interpreted until the turtle is again where a later stretch of the base began and its modules
+/// follow, or until there are enough for a stretch of their own. No difference of the strings is needed, and a string
+/// without brackets is no special case.
 class RecordChainBuilder {
  public:
   /// Everything must outlive the object. `base` may be null.
@@ -28,31 +30,45 @@ class RecordChainBuilder {
   void appendPlant();
 
  private:
-  [[nodiscard]] bool follows(std::size_t link);
+  /// A stretch of the base.
+  struct Place {
+    std::size_t link = 0;     // its group
+    std::size_t stretch = 0;  // within the group
+  };
+
+  [[nodiscard]] bool isKnown() const { return next_.link < end_; }
+  [[nodiscard]] bool groupFollows();
+  [[nodiscard]] bool stretchFollows(const Place& place);
+  [[nodiscard]] bool follows(const TurtlePassage& passage, const core::ModuleTypeId* types, const double* parameters);
   [[nodiscard]] bool findNext();
   void buildTable();
-  void take(const std::shared_ptr<const RecordStretch>& stretch);
+  [[nodiscard]] Place placeOf(std::uint32_t entry) const;
+  void takeGroup();
+  void takeStretch();
+  void pass(const TurtlePassage& passage);
   void interpret();
-  void append(std::shared_ptr<const RecordStretch> stretch, std::uint64_t firstModule);
+  void append(std::shared_ptr<const RecordStretch> stretch, std::uint32_t entryHash);
   [[nodiscard]] std::uint32_t resolved(std::uint32_t number) const;
 
   const derivation::ModuleString& string_;
-  const std::vector<std::uint16_t>& arity_;
   const RecordChain* base_;
   const std::function<void(std::span<TurtleRecord>)>& rename_;
   RecordChain& chain_;
+  RecordGroupMaker groups_;
   std::vector<TurtleRecord> records_;  // of the stretch being interpreted
   InterpretationOutput output_;
   Interpretation interpretation_;
-  Interpretation::StretchNotes notes_;
-  std::uint64_t module_ = 0;  // the next
-  std::uint64_t offset_ = 0;  // of its parameters
+  Interpretation::StretchNotes notes_;  // its outer records are numbered as in the whole
+  std::uint64_t module_ = 0;            // the next
+  std::uint64_t offset_ = 0;            // of its parameters
+  std::uint32_t recordCount_ = 0;       // so far, of the whole
 
-  std::size_t next_ = 0;  // link of the base that is expected next
-  std::size_t end_ = 0;   // behind the plant's last link
-  // where to find links by the turtle that they begin with: heads of lists (a power of two), the list's next link
+  Place next_;           // of the base that is expected next
+  std::size_t end_ = 0;  // behind the plant's last link
+  // where to find stretches by the turtle that they begin with: heads of lists (a power of two), the list's next; an
+  // entry is kMostStretches times the link, counted from tableBegin_, and the stretch
   std::vector<std::uint32_t> heads_;
-  std::vector<std::uint32_t> following_;  // by link, from tableBegin_ on
+  std::vector<std::uint32_t> following_;
   std::size_t tableBegin_ = 0;
 };
 
