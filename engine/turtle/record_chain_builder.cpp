@@ -9,8 +9,7 @@
 namespace espalier::turtle {
 namespace {
 
-constexpr std::uint64_t kStretchModules = 128;  // about so many: fewer cost states, more are interpreted for one change
-constexpr int kTries = 8;                       // links that begin with a turtle like this, looked at more closely
+constexpr int kTries = 8;  // stretches that begin with a turtle like this, looked at more closely
 constexpr std::uint32_t kNoEntry = 0xFFFFFFFF;
 // a group that follows joins the stretches before it when they are no more together: there are few small groups
 constexpr std::size_t kJoinedStretches = 48;
@@ -71,11 +70,13 @@ std::uint64_t bytesOf(const RecordStretch& stretch) {
 }  // namespace
 
 RecordChainBuilder::RecordChainBuilder(const Interpretation::Subject& subject, const RecordChain* base,
-                                       const std::function<void(std::span<TurtleRecord>)>& rename, RecordChain& chain)
+                                       const std::function<void(std::span<TurtleRecord>)>& rename, RecordChain& chain,
+                                       std::uint64_t stretchModules)
     : string_(subject.plantState.string),
       base_(base),
       rename_(rename),
       chain_(chain),
+      stretchModules_(stretchModules),
       groups_(string_, chain),
       output_{.records = &records_, .fillsQueries = false},
       interpretation_(subject, output_),
@@ -253,7 +254,7 @@ void RecordChainBuilder::interpret() {
   // up to where the base goes on, or far enough
   while (module_ < string_.size()) {
     const bool mayEnd = interpretation_.walkOne(module_, offset_);
-    if (mayEnd && (module_ - first >= kStretchModules || (isKnown() && findNext()))) {
+    if (mayEnd && (module_ - first >= stretchModules_ || (isKnown() && findNext()))) {
       break;
     }
   }

@@ -23,9 +23,13 @@ namespace espalier::turtle {
 /// without brackets is no special case.
 class RecordChainBuilder {
  public:
+  /// About so many modules are a stretch: with fewer, states cost more, with more, one change costs more.
+  static constexpr std::uint64_t kStretchModules = 128;
+
   /// Everything must outlive the object. `base` may be null.
   RecordChainBuilder(const Interpretation::Subject& subject, const RecordChain* base,
-                     const std::function<void(std::span<TurtleRecord>)>& rename, RecordChain& chain);
+                     const std::function<void(std::span<TurtleRecord>)>& rename, RecordChain& chain,
+                     std::uint64_t stretchModules = kStretchModules);
 
   void appendPlant();
 
@@ -54,6 +58,7 @@ class RecordChainBuilder {
   const RecordChain* base_;
   const std::function<void(std::span<TurtleRecord>)>& rename_;
   RecordChain& chain_;
+  std::uint64_t stretchModules_;
   RecordGroupMaker groups_;
   std::vector<TurtleRecord> records_;  // of the stretch being interpreted
   InterpretationOutput output_;
