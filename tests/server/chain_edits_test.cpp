@@ -23,8 +23,7 @@ struct Token {
 };
 using Tokens = std::vector<Token>;
 
-constexpr const char* kAlphabet =
-    "[]F f F(1) f(1) +(1) -(1) &(1) /(1) !(1) ;(1) @O(1) @v {.} ~l(1) X(1) X % ?E(1)";
+constexpr const char* kAlphabet = "[]F f F(1) f(1) +(1) -(1) &(1) /(1) !(1) ;(1) @O(1) @v {.} ~l(1) X(1) X % ?E(1)";
 
 /// A plant whose string can be edited.
 struct Plant {
@@ -244,6 +243,18 @@ TEST_F(ChainEdits, AnyEditIsToldAsTheWholeWouldBe) {
   }
   EXPECT_GT(kept, 100'000U);
   EXPECT_GT(sharedGroups, 5'000U);
+}
+
+TEST_F(ChainEdits, WhatStoodAtTheEndOfTheStringMayMeanSomethingElseBeforeMore) {
+  // `@` alone does nothing; with what is appended it is a sphere
+  Plant& plant = plants_[0];
+  plant.tokens = {{plant.typeOf("F", 0), {}}, {plant.typeOf("@", 0), {}}};
+  const auto base = chain(nullptr, 4);
+  EXPECT_EQ(base->recordCount, 1U);
+  plant.tokens.push_back({plant.typeOf("O", 1), {0.5}});
+  const auto made = chain(base.get(), 4);
+  EXPECT_EQ(made->recordCount, 2U);
+  expectSameRows(makeTurtleFrame(*made, symbols_), whole());
 }
 
 TEST_F(ChainEdits, OneEditLeavesAllGroupsButAFew) {
