@@ -139,8 +139,13 @@ BatchScan::Outcome BatchScan::choose(std::uint64_t first, std::uint64_t end, std
     }
   }
 
-  Outcome outcome{end_,       endOffset_, end_ - first_, endOffset_ - offset_, isUnusual_ || evaluator_.isUnusual(),
-                  lightSites_};
+  Outcome outcome{end_,
+                  endOffset_,
+                  end_ - first_,
+                  endOffset_ - offset_,
+                  isUnusual_ || evaluator_.isUnusual(),
+                  lightSites_,
+                  !isResized_ && ruleLanes_.empty()};
   if (isResized_) {
     place();
     outcome.moduleCount = madeModules_;

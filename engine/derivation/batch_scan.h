@@ -46,6 +46,7 @@ class BatchScan {
     std::uint64_t parameterCount = 0;
     bool isUnusual = false;
     std::uint64_t lightSites = 0;  // modules of light groups and fixed blocks
+    bool isKept = false;           // every module stays as it is
   };
 
   /// `program`, `rules`, `plan` and `productions` must outlive the object.

@@ -81,7 +81,9 @@ void Derivation::Implementation::scanInBatches(const PlantState& state, std::uin
     const std::uint64_t chunkEnd = std::min(end, place.module + chunk);
     const BatchScan::Outcome outcome = batch.choose(place.module, chunkEnd, place.offset);
     const std::uint64_t batched = outcome.endModule - place.module;
+    const std::uint64_t target = working_.size();
     if (appendBatch(outcome)) {
+      keptModules_.note(place.module, target, outcome.isKept ? batched : 0);
       place = {outcome.endModule, outcome.endParameter};
     } else {
       // a failure or a warning, in the order of the string

@@ -209,6 +209,7 @@ void Derivation::Implementation::runStep(PlantState& state) {
   }
   state.step = step;
   state.string.swap(working_);
+  state.string.setMark(keptModules_.finish());
   isWorkingIndexed_ = isOldIndexed_;
 }
 

@@ -177,13 +177,14 @@ class Derivation::Implementation {
   PlantState partState_;                                  // of a helper: its owner's variables
   bool hasPartWarned_ = false;                            // of a helper: the chunk must be done by its owner
 
-  ModuleString working_;           // the string being produced; swapped with the old one at the end of a step
-  ProducedPieces pieces_;          // the same while it is produced from right to left
-  StringIndex index_;              // of the string that is being read
-  bool isWorkingIndexed_ = false;  // between steps: `index_` is that of `working_`, the string that was read last
-  bool isOldIndexed_ = false;      // the step's scan has indexed the string that it read
-  bool areLinksKept_ = false;      // in the step: `index_` was right for the string that is read
-  LeftShortcuts shortcuts_;        // in it, by the rules of the main L-system
+  ModuleString working_;             // the string being produced; swapped with the old one at the end of a step
+  KeptModulesRecorder keptModules_;  // of a step, by batches
+  ProducedPieces pieces_;            // the same while it is produced from right to left
+  StringIndex index_;                // of the string that is being read
+  bool isWorkingIndexed_ = false;    // between steps: `index_` is that of `working_`, the string that was read last
+  bool isOldIndexed_ = false;        // the step's scan has indexed the string that it read
+  bool areLinksKept_ = false;        // in the step: `index_` was right for the string that is read
+  LeftShortcuts shortcuts_;          // in it, by the rules of the main L-system
   Backup backup_;
   std::vector<double> frame_;    // formal parameters of the scan's shortcuts (Program::maximumSlots)
   std::vector<double> weights_;  // of the scan's shortcuts

@@ -1,10 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
+#include <utility>
 
 #include "engine/core/buffer.h"
 #include "engine/core/identifiers.h"
+#include "engine/derivation/string_mark.h"
 
 namespace espalier::derivation {
 
@@ -18,16 +21,43 @@ class ModuleString {
   [[nodiscard]] std::uint64_t bytes() const { return types_.size() * 2 + parameters_.size() * 8; }
   [[nodiscard]] std::span<const core::ModuleTypeId> types() const { return types_.view(); }
   [[nodiscard]] std::span<const double> parameters() const { return parameters_.view(); }
-  [[nodiscard]] std::span<double> mutableParameters() { return parameters_.span(); }
+  [[nodiscard]] std::span<double> mutableParameters() {
+    mark_ = nullptr;
+    return parameters_.span();
+  }
+
+  /// The mark of the contents as they are; null: none was made.
+  [[nodiscard]] const std::shared_ptr<const StringMark>& mark() const {
+    static const std::shared_ptr<const StringMark> kNone;
+    return mark_ != nullptr && markedModules_ == size() && markedParameters_ == parameterCount() ? mark_ : kNone;
+  }
+  /// The same, made when there is none.
+  [[nodiscard]] std::shared_ptr<const StringMark> marked() {
+    if (mark() == nullptr) {
+      setMark(std::make_shared<const StringMark>());
+    }
+    return mark_;
+  }
+  /// What changes the contents forgets the mark.
+  void setMark(std::shared_ptr<const StringMark> mark) {
+    mark_ = std::move(mark);
+    markedModules_ = size();
+    markedParameters_ = parameterCount();
+  }
 
   void clear() {
     types_.clear();
     parameters_.clear();
+    mark_ = nullptr;
   }
   void swap(ModuleString& other) noexcept {
     types_.swap(other.types_);
     parameters_.swap(other.parameters_);
+    mark_.swap(other.mark_);
+    std::swap(markedModules_, other.markedModules_);
+    std::swap(markedParameters_, other.markedParameters_);
   }
+  // appending costs nothing for marks: a mark is of as many modules as there were
   void append(core::ModuleTypeId type, std::span<const double> parameters) {
     types_.push_back(type);
     parameters_.append(parameters);
@@ -37,12 +67,21 @@ class ModuleString {
     parameters_.append(parameters);
   }
   /// The raw arrays (moduleCount) and (parameterCount), for passes that count first and then write into place.
-  [[nodiscard]] core::Buffer<core::ModuleTypeId>& typeBuffer() { return types_; }
-  [[nodiscard]] core::Buffer<double>& parameterBuffer() { return parameters_; }
+  [[nodiscard]] core::Buffer<core::ModuleTypeId>& typeBuffer() {
+    mark_ = nullptr;
+    return types_;
+  }
+  [[nodiscard]] core::Buffer<double>& parameterBuffer() {
+    mark_ = nullptr;
+    return parameters_;
+  }
 
  private:
   core::Buffer<core::ModuleTypeId> types_;  // type of each module (moduleCount)
   core::Buffer<double> parameters_;         // parameters of all modules, concatenated (parameterCount)
+  std::shared_ptr<const StringMark> mark_;  // of the contents when there were so many modules and parameters
+  std::uint64_t markedModules_ = 0;
+  std::uint64_t markedParameters_ = 0;
 };
 
 }  // namespace espalier::derivation

@@ -108,6 +108,8 @@ std::uint64_t Derivation::Implementation::scanRound(const BatchScan::Step& step,
           round.stopAt(chunk);
           return;
         }
+        // one thread at a time, in the order of the string
+        keptModules_.note(first, modules, outcome.isKept ? outcome.moduleCount : 0);
         round.passTurn(chunk);
         output.prepare(modules, modules + outcome.moduleCount, parameterCount, parameterCount + outcome.parameterCount);
         if (!batch.write(output.types() + modules, output.parameters() + parameterCount)) {

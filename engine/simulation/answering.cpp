@@ -1,3 +1,4 @@
+#include <bit>
 #include <cmath>
 #include <utility>
 
@@ -265,9 +266,14 @@ void Simulation::Implementation::writeReplies(const turtle::ReplyBatch& replies)
 }
 
 void Simulation::Implementation::writeReply(std::uint32_t plant, std::uint64_t offset, double value) {
-  double& parameter = plants_[plant].string.mutableParameters()[offset];
-  undo_[plant].changes.push_back({offset, parameter});
-  parameter = isCompatible() ? static_cast<double>(static_cast<float>(value)) : value;
+  derivation::ModuleString& string = plants_[plant].string;
+  const double before = string.parameters()[offset];
+  undo_[plant].changes.push_back({offset, before});
+  const double after = isCompatible() ? static_cast<double>(static_cast<float>(value)) : value;
+  // a plant at rest keeps its mark
+  if (std::bit_cast<std::uint64_t>(before) != std::bit_cast<std::uint64_t>(after)) {
+    string.mutableParameters()[offset] = after;
+  }
 }
 
 core::SimulationError Simulation::Implementation::environmentFailure(const turtle::EnvironmentError& error) const {

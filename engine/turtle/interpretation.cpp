@@ -148,7 +148,7 @@ void Interpretation::reserveOutput() {
 }
 
 void Interpretation::walk(std::uint64_t& module, std::uint64_t end, std::uint64_t& firstOffset) {
-  const Sequence string{plantState_.string.types().data(), plantState_.string.mutableParameters().data(),
+  const Sequence string{plantState_.string.types().data(), plantState_.string.parameters().data(),
                         plantState_.string.size(), false};
   const std::uint16_t* arity = program_.arity.data();
   const std::uint8_t* isSkipped = tables_.isSkipped.data();
@@ -245,7 +245,7 @@ Interpretation::OutputMark Interpretation::mark() const {
 }
 
 void Interpretation::walkImage() {
-  const Sequence image{image_.types().data(), image_.mutableParameters().data(), image_.size(), true};
+  const Sequence image{image_.types().data(), image_.parameters().data(), image_.size(), true};
   std::uint64_t offset = 0;
   for (std::uint64_t i = 0; i < image.count;) {
     const std::uint64_t consumed = execute(image, i, offset);

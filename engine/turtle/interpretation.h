@@ -87,7 +87,7 @@ class Interpretation {
   /// The modules being interpreted: the string itself or the image of one of its modules.
   struct Sequence {
     const core::ModuleTypeId* types = nullptr;
-    double* parameters = nullptr;
+    const double* parameters = nullptr;
     std::uint64_t count = 0;
     bool isImage = false;
   };

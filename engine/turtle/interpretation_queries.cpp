@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <bit>
 
 #include "engine/turtle/interpretation.h"
 #include "engine/turtle/turtle_motion.h"
@@ -70,11 +71,15 @@ void Interpretation::fill(const Sequence& sequence, std::uint64_t offset, std::u
   }
   const std::size_t count = std::min<std::size_t>(arity, values.size());
   for (std::size_t k = 0; k < count; ++k) {
-    double& parameter = sequence.parameters[offset + k];
+    const double before = sequence.parameters[offset + k];
+    const double value = isCompatible() ? static_cast<double>(static_cast<float>(values[k])) : values[k];
     if (output_.changes != nullptr) {
-      output_.changes->push_back({offset + k, parameter});
+      output_.changes->push_back({offset + k, before});
     }
-    parameter = isCompatible() ? static_cast<double>(static_cast<float>(values[k])) : values[k];
+    // a plant at rest keeps its mark
+    if (std::bit_cast<std::uint64_t>(before) != std::bit_cast<std::uint64_t>(value)) {
+      plantState_.string.mutableParameters()[offset + k] = value;
+    }
   }
 }
 

@@ -115,6 +115,8 @@ bool PartedInterpretation::run(const Interpretation::Subject& subject, const Int
   parts_.resize(std::max(parts_.size(), branches_.size()));
   std::for_each(parts_.begin(), parts_.end(), [](Part& part) { part.clear(); });
   around_.clear();
+  // threads may write parameters at the same time: the first would make the string forget its mark, so it does now
+  static_cast<void>(subject.plantState.string.mutableParameters());
 
   walkAround(subject, output);
   walkBranches(subject, output, threads);

@@ -84,11 +84,12 @@ struct RecordChain {
     std::uint32_t firstOuter = 0;   // in the group's `outer`
   };
 
-  std::vector<std::shared_ptr<const language::Program>> programs;  // that it was made with
-  std::vector<Origin> origins;                                     // by plant
-  std::vector<std::size_t> firstLink{0};                           // by plant (plantCount + 1)
-  std::vector<Link> links;                                         // of all plants, in order
-  std::vector<std::uint32_t> outer;                                // records that groups begin with, or kNoParent
+  std::vector<std::shared_ptr<const language::Program>> programs;    // that it was made with
+  std::vector<Origin> origins;                                       // by plant
+  std::vector<std::shared_ptr<const derivation::StringMark>> marks;  // of their strings, by plant; null: it is dead
+  std::vector<std::size_t> firstLink{0};                             // by plant (plantCount + 1)
+  std::vector<Link> links;                                           // of all plants, in order
+  std::vector<std::uint32_t> outer;                                  // records that groups begin with, or kNoParent
   std::uint32_t recordCount = 0;
   std::uint64_t bytes = 0;  // of memory, as if nothing were shared
 

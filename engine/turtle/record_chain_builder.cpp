@@ -81,9 +81,15 @@ RecordChainBuilder::RecordChainBuilder(const Interpretation::Subject& subject, c
       output_{.records = &records_, .fillsQueries = false},
       interpretation_(subject, output_),
       recordCount_(chain.recordCount) {
+  const std::shared_ptr<const derivation::StringMark> mark = subject.plantState.string.marked();
+  chain_.marks.resize(subject.plant + std::size_t{1});
+  chain_.marks[subject.plant] = mark;
   if (base_ != nullptr) {
     next_.link = base_->firstLink[subject.plant];
     end_ = base_->firstLink[subject.plant + 1U];
+    if (subject.plant < base_->marks.size() && base_->marks[subject.plant] != nullptr) {
+      kept_ = derivation::keptModules(*base_->marks[subject.plant], mark, string_.size());
+    }
   }
 }
 
@@ -104,19 +110,31 @@ void RecordChainBuilder::appendPlant() {
 }
 
 bool RecordChainBuilder::groupFollows() {
-  const RecordGroup& group = *base_->links[next_.link].group;
-  return follows(group.passage, group.types.data(), group.parameters.data());
+  const RecordChain::Link& link = base_->links[next_.link];
+  const RecordGroup& group = *link.group;
+  return follows(group.passage, link.firstModule, group.types.data(), group.parameters.data());
 }
 
 bool RecordChainBuilder::stretchFollows(const Place& place) {
   const RecordGroup& group = *base_->links[place.link].group;
   const RecordGroup::Link& link = group.links[place.stretch];
-  return follows(link.stretch->passage, group.types.data() + link.firstModule,
-                 group.parameters.data() + link.firstOffset);
+  return follows(link.stretch->passage, base_->links[place.link].firstModule + link.firstModule,
+                 group.types.data() + link.firstModule, group.parameters.data() + link.firstOffset);
 }
 
-bool RecordChainBuilder::follows(const TurtlePassage& passage, const core::ModuleTypeId* types,
-                                 const double* parameters) {
+bool RecordChainBuilder::areKept(std::uint64_t baseModule, std::uint64_t modules) {
+  while (nextKept_ < kept_.size() && kept_[nextKept_].to + kept_[nextKept_].modules <= module_) {
+    ++nextKept_;
+  }
+  if (nextKept_ == kept_.size() || kept_[nextKept_].to > module_) {
+    return false;
+  }
+  const derivation::KeptModules& kept = kept_[nextKept_];
+  return module_ - kept.to == baseModule - kept.from && module_ + modules <= kept.to + kept.modules;
+}
+
+bool RecordChainBuilder::follows(const TurtlePassage& passage, std::uint64_t baseModule,
+                                 const core::ModuleTypeId* types, const double* parameters) {
   if (module_ + passage.modules > string_.size() ||
       (passage.endsString && module_ + passage.modules != string_.size()) ||
       offset_ + passage.parameters > string_.parameterCount() || !isSame(passage.entry, interpretation_.state())) {
@@ -127,7 +145,10 @@ bool RecordChainBuilder::follows(const TurtlePassage& passage, const core::Modul
     return false;
   }
   const bool closesTheSame = std::equal(passage.closed.begin(), passage.closed.end(), open.rbegin(), isSame);
-  return closesTheSame && std::memcmp(types, string_.types().data() + module_, passage.modules * sizeof *types) == 0 &&
+  if (!closesTheSame || areKept(baseModule, passage.modules)) {
+    return closesTheSame;
+  }
+  return std::memcmp(types, string_.types().data() + module_, passage.modules * sizeof *types) == 0 &&
          (passage.parameters == 0 ||
           std::memcmp(parameters, string_.parameters().data() + offset_, passage.parameters * sizeof *parameters) == 0);
 }

@@ -43,7 +43,9 @@ class RecordChainBuilder {
   [[nodiscard]] bool isKnown() const { return next_.link < end_; }
   [[nodiscard]] bool groupFollows();
   [[nodiscard]] bool stretchFollows(const Place& place);
-  [[nodiscard]] bool follows(const TurtlePassage& passage, const core::ModuleTypeId* types, const double* parameters);
+  [[nodiscard]] bool follows(const TurtlePassage& passage, std::uint64_t baseModule, const core::ModuleTypeId* types,
+                             const double* parameters);
+  [[nodiscard]] bool areKept(std::uint64_t baseModule, std::uint64_t modules);
   [[nodiscard]] bool findNext();
   void buildTable();
   [[nodiscard]] Place placeOf(std::uint32_t entry) const;
@@ -67,6 +69,10 @@ class RecordChainBuilder {
   std::uint64_t module_ = 0;            // the next
   std::uint64_t offset_ = 0;            // of its parameters
   std::uint32_t recordCount_ = 0;       // so far, of the whole
+
+  // what the string has of that of the base, as the derivation tells, and the next of these
+  std::vector<derivation::KeptModules> kept_;
+  std::size_t nextKept_ = 0;
 
   Place next_;           // of the base that is expected next
   std::size_t end_ = 0;  // behind the plant's last link
