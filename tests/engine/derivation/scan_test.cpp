@@ -240,7 +240,28 @@ PlainString plainOf(const language::Program& program, const derivation::ModuleSt
 struct Comparison {
   std::size_t stepCount = 0;
   std::size_t changedCount = 0;
+  std::size_t keptModules = 0;  // that the strings' marks told to be the same
 };
+
+/// How many modules a string is told to have of a marked one; that they are the same, in order.
+std::size_t keptModules(const derivation::StringMark& mark, const PlainString& marked,
+                        const derivation::ModuleString& string, const PlainString& now) {
+  std::size_t count = 0;
+  std::uint64_t from = 0;
+  std::uint64_t to = 0;
+  for (const derivation::KeptModules& kept : derivation::keptModules(mark, string.mark(), string.size())) {
+    EXPECT_TRUE(kept.from >= from && kept.to >= to && kept.from + kept.modules <= marked.size() &&
+                kept.to + kept.modules <= now.size());
+    from = kept.from + kept.modules;
+    to = kept.to + kept.modules;
+    const auto place = [](const PlainString& list, std::uint64_t at) {
+      return list.begin() + static_cast<std::ptrdiff_t>(at);
+    };
+    EXPECT_TRUE(std::equal(place(marked, kept.from), place(marked, from), place(now, kept.to)));
+    count += kept.modules;
+  }
+  return count;
+}
 
 /// Derives the models made from the seeds [first, first + count) and compares every string.
 Comparison compareModels(unsigned first, unsigned count, std::size_t maximumModules, unsigned threads = 1) {
@@ -257,7 +278,14 @@ Comparison compareModels(unsigned first, unsigned count, std::size_t maximumModu
     const PlainDerivation plain(model.program(), seed);
     PlainString expected = plain.axiom();
     EXPECT_TRUE(plainOf(model.program(), model.state().string) == expected);
+    std::shared_ptr<const derivation::StringMark> mark;
+    PlainString marked;
     for (std::uint64_t step = 1; step <= 8 && expected.size() < maximumModules; ++step) {
+      // a mark of every string, of every second or every third
+      if (step % (1 + seed % 3) == 0) {
+        mark = model.state().string.marked();
+        marked = expected;
+      }
       const PlainString before = expected;
       expected = plain.derive(before, step);
       model.steps(1);
@@ -268,6 +296,7 @@ Comparison compareModels(unsigned first, unsigned count, std::size_t maximumModu
                       << model.text().substr(0, 400);
         return result;
       }
+      result.keptModules += mark == nullptr ? 0 : keptModules(*mark, marked, model.state().string, expected);
     }
   }
   return result;
@@ -278,6 +307,7 @@ TEST(Scan, AgreesWithThePlainDerivationOnRandomModels) {
   // the models must be worth comparing
   EXPECT_GT(result.stepCount, 10000U);
   EXPECT_GT(result.changedCount, 4000U);
+  EXPECT_GT(result.keptModules, 10000U);
 }
 
 TEST(Scan, AgreesWithThePlainDerivationOnSeveralThreads) {
