@@ -22,7 +22,7 @@ class ModuleString {
   [[nodiscard]] std::span<const core::ModuleTypeId> types() const { return types_.view(); }
   [[nodiscard]] std::span<const double> parameters() const { return parameters_.view(); }
   [[nodiscard]] std::span<double> mutableParameters() {
-    mark_ = nullptr;
+    forgetMark();
     return parameters_.span();
   }
 
@@ -48,7 +48,7 @@ class ModuleString {
   void clear() {
     types_.clear();
     parameters_.clear();
-    mark_ = nullptr;
+    forgetMark();
   }
   void swap(ModuleString& other) noexcept {
     types_.swap(other.types_);
@@ -68,15 +68,21 @@ class ModuleString {
   }
   /// The raw arrays (moduleCount) and (parameterCount), for passes that count first and then write into place.
   [[nodiscard]] core::Buffer<core::ModuleTypeId>& typeBuffer() {
-    mark_ = nullptr;
+    forgetMark();
     return types_;
   }
   [[nodiscard]] core::Buffer<double>& parameterBuffer() {
-    mark_ = nullptr;
+    forgetMark();
     return parameters_;
   }
 
  private:
+  void forgetMark() {
+    if (mark_ != nullptr) [[unlikely]] {
+      mark_ = nullptr;
+    }
+  }
+
   core::Buffer<core::ModuleTypeId> types_;  // type of each module (moduleCount)
   core::Buffer<double> parameters_;         // parameters of all modules, concatenated (parameterCount)
   std::shared_ptr<const StringMark> mark_;  // of the contents when there were so many modules and parameters

@@ -167,6 +167,75 @@ TEST(ChainDifference, AChangeOfTheTurtleReachesEverythingBehindIt) {
   expectSameRows(makeTurtleFrame(*chain, symbolsOf(*simulation)), wholeOf(*simulation));
 }
 
+/// Answers all queries with a number that changes every third step.
+class SlowTide final : public turtle::EnvironmentProcess {
+ public:
+  [[nodiscard]] turtle::EnvironmentDescription describe() const override {
+    turtle::EnvironmentDescription description;
+    description.name = "tide";
+    return description;
+  }
+  [[nodiscard]] std::optional<turtle::EnvironmentError> open(const turtle::EnvironmentContext&) override {
+    return std::nullopt;
+  }
+  [[nodiscard]] std::optional<turtle::EnvironmentError> step(const turtle::QueryBatch& queries,
+                                                             turtle::ReplyBatch& replies) override {
+    ++steps_;
+    for (std::size_t i = 0; i < queries.size(); ++i) {
+      replies.set(queries, i, 0, static_cast<double>(steps_ / 3));
+    }
+    return std::nullopt;
+  }
+
+ private:
+  int steps_ = 0;
+};
+
+TEST(ChainDifference, AnswersAndLongStringsAreToldAsTheWholeWouldBe) {
+  // 100,000 modules, most of which no step changes, in branches that threads share; answers change now and then
+  const std::string source =
+      "Lsystem: 1\nderivation length: 100\nAxiom: [A]S(12)?E(0)[+S(12)[B(0)]][-S(12)?E(0)]S(13)\nA --> F(2)A\n"
+      "S(n) : n > 0 --> S(n-1)[+(7)S(n-1)]\nS(n) : n == 0 --> F(1)\n"
+      "B(x) : x == 15 --> *\nB(x) --> [+F]B(x+1)\nendlsystem\n";
+  for (const unsigned threads : {1U, 2U}) {
+    language::CompileInput input;
+    core::MemoryFileProvider files;
+    files.add("model.l", source);
+    input.modelFile = "model.l";
+    const auto compiled = language::compile(input, files);
+    ASSERT_NE(compiled.program, nullptr);
+    simulation::SimulationOptions options;
+    options.threads = threads;
+    simulation::Simulation simulation(compiled.program, {{}}, std::make_unique<SlowTide>(), options);
+    ASSERT_FALSE(simulation.rewind());
+    const auto symbols = symbolsOf(simulation);
+    std::shared_ptr<const turtle::RecordChain> base;
+    TurtleFrame viewed;
+    std::size_t kept = 0;
+    for (int step = 0; step < 30; ++step) {
+      ASSERT_FALSE(simulation.step());
+      // sometimes after several steps
+      if (step < 14 || step % 7 == 3 || step % 7 == 5) {
+        continue;
+      }
+      const TurtleFrame whole = wholeOf(simulation);
+      const auto chain = chainOf(simulation, base.get());
+      expectSameRows(makeTurtleFrame(*chain, symbols), whole);
+      if (base != nullptr) {
+        const TurtleChange change = differenceOf(*base, *chain, symbols);
+        viewed = viewedAfter(viewed, change);
+        expectSameRows(viewed, whole);
+        kept += whole.rows() - change.fresh->rows();
+      } else {
+        viewed = whole;
+      }
+      ASSERT_FALSE(testing::Test::HasFailure()) << "step " << step << " with " << threads << " threads";
+      base = chain;
+    }
+    EXPECT_GT(kept, 100'000U);
+  }
+}
+
 TEST(ChainDifference, WhatDependsOnMoreThanTheModuleIsNotRepeatable) {
   const auto isRepeatable = [](const std::string& rest) {
     const auto simulation = simulationOf("Lsystem: 1\n" + rest + "endlsystem\n");
