@@ -205,6 +205,7 @@ std::string encode(const CreateResult& result) {
 
 std::string encode(const StepResult& result) {
   JsonWriter writer;
+  writer.reserve(300);
   writer.beginObject().key("step").integer(result.step).key("finished").boolean(result.isFinished);
   writer.key("truncated").boolean(result.isTruncated).key("saved").boolean(result.isSaved);
   write(writer, result.statistics);

@@ -1,6 +1,7 @@
 #include "protocol/envelope.h"
 
-#include <set>
+#include <utility>
+#include <vector>
 
 #include "protocol/bulk_text.h"
 #include "protocol/json_tree.h"
@@ -43,28 +44,69 @@ std::string parserMessage(const nlohmann::json::exception& exception) {
   return bracket == std::string::npos ? text : text.substr(bracket + 2);
 }
 
-/// A name that an object has twice: readers would disagree about which value counts.
-struct RepeatedName {
-  std::string name;
-};
-
-/// Refuses objects that have a name twice, while they are parsed.
-class NameCheck {
+/// Builds the tree of a message and refuses objects that have a name twice: readers would disagree about which value
+/// counts. What nlohmann::json::sax_parse calls.
+class TreeBuilder {
  public:
-  bool operator()(int, nlohmann::json::parse_event_t event, const nlohmann::json& value) {
-    using Event = nlohmann::json::parse_event_t;
-    if (event == Event::object_start) {
-      names_.emplace_back();
-    } else if (event == Event::object_end) {
-      names_.pop_back();
-    } else if (event == Event::key && !names_.back().insert(value.get_ref<const std::string&>()).second) {
-      throw RepeatedName{value.get_ref<const std::string&>()};
+  bool null() { return put(nullptr); }
+  bool boolean(bool value) { return put(value); }
+  bool number_integer(nlohmann::json::number_integer_t value) { return put(value); }
+  bool number_unsigned(nlohmann::json::number_unsigned_t value) { return put(value); }
+  bool number_float(nlohmann::json::number_float_t value, const std::string&) { return put(value); }
+  bool string(std::string& value) { return put(std::move(value)); }
+  bool binary(nlohmann::json::binary_t&) { return false; }  // JSON has none
+  bool start_object(std::size_t) { return open(nlohmann::json::object()); }
+  bool start_array(std::size_t) { return open(nlohmann::json::array()); }
+  bool end_object() { return close(); }
+  bool end_array() { return close(); }
+  bool key(std::string& name) {
+    auto& object = open_.back()->get_ref<nlohmann::json::object_t&>();
+    const auto [place, isNew] = object.try_emplace(std::move(name), nullptr);
+    if (!isNew) {
+      repeatedName_ = place->first;
+      return false;
     }
+    place_ = &place->second;
     return true;
   }
+  bool parse_error(std::size_t, const std::string&, const nlohmann::json::exception& exception) {
+    problem_ = parserMessage(exception);
+    return false;
+  }
+
+  [[nodiscard]] nlohmann::json take() { return std::move(root_); }
+  [[nodiscard]] const std::string& problem() const { return problem_; }
+  /// When it was refused without a problem.
+  [[nodiscard]] const std::string& repeatedName() const { return repeatedName_; }
 
  private:
-  std::vector<std::set<std::string>> names_;  // of the objects around, outermost first
+  template <typename T>
+  bool put(T&& value) {
+    *nextPlace() = std::forward<T>(value);
+    return true;
+  }
+  bool open(nlohmann::json value) {
+    nlohmann::json* const place = nextPlace();
+    *place = std::move(value);
+    open_.push_back(place);
+    return true;
+  }
+  bool close() {
+    open_.pop_back();
+    return true;
+  }
+  nlohmann::json* nextPlace() {
+    if (!open_.empty() && open_.back()->is_array()) {
+      return &open_.back()->get_ref<nlohmann::json::array_t&>().emplace_back();
+    }
+    return place_;
+  }
+
+  nlohmann::json root_;
+  nlohmann::json* place_ = &root_;     // of the next value, unless it is an element
+  std::vector<nlohmann::json*> open_;  // objects and arrays around, outermost first
+  std::string problem_;
+  std::string repeatedName_;
 };
 
 std::variant<nlohmann::json, Error> parse(std::string_view text) {
@@ -73,20 +115,19 @@ std::variant<nlohmann::json, Error> parse(std::string_view text) {
                  "The message nests brackets deeper than " + std::to_string(kDeepestNesting) + ". Send flatter JSON.",
                  {}};
   }
-  try {
-    NameCheck check;
-    return nlohmann::json::parse(text, [&check](int depth, nlohmann::json::parse_event_t event,
-                                                const nlohmann::json& value) { return check(depth, event, value); });
-  } catch (const RepeatedName& repeated) {
+  TreeBuilder builder;
+  if (nlohmann::json::sax_parse(text, &builder)) {
+    return builder.take();
+  }
+  if (builder.problem().empty()) {
     return Error{ErrorCode::InvalidRequest,
-                 "An object of the message has '" + repeated.name + "' twice. Send each name once.",
-                 {}};
-  } catch (const nlohmann::json::exception& exception) {
-    return Error{ErrorCode::Parse,
-                 "The line is not JSON: " + parserMessage(exception) +
-                     ". Send one JSON object per line, in UTF-8; NaN and Infinity are not JSON numbers.",
+                 "An object of the message has '" + builder.repeatedName() + "' twice. Send each name once.",
                  {}};
   }
+  return Error{ErrorCode::Parse,
+               "The line is not JSON: " + builder.problem() +
+                   ". Send one JSON object per line, in UTF-8; NaN and Infinity are not JSON numbers.",
+               {}};
 }
 
 BadMessage invalid(MessageId id, const std::string& path, const std::string& what) {
@@ -191,6 +232,7 @@ std::string begin(const MessageId* id) {
 /// The rest of a message after `..."params":`, with its blocks.
 std::string withBody(std::string head, const Body& body) {
   if (body.blocks.isEmpty()) {
+    head.reserve(head.size() + body.json.size() + 2);
     return head.append(body.json).append("}\n");
   }
   const std::string members = body.blocks.members();

@@ -101,7 +101,20 @@ JsonWriter& JsonWriter::key(std::string_view name) {
 JsonWriter& JsonWriter::text(std::string_view value) {
   separate();
   text_ += '"';
+  const auto isPlain = [](char c) {
+    const auto byte = static_cast<unsigned char>(c);
+    return byte >= 0x20U && byte < 0x80U && c != '"' && c != '\\';
+  };
   for (std::size_t i = 0; i < value.size();) {
+    std::size_t end = i;
+    while (end < value.size() && isPlain(value[end])) {
+      ++end;
+    }
+    text_.append(value.substr(i, end - i));
+    i = end;
+    if (i == value.size()) {
+      break;
+    }
     const auto c = static_cast<unsigned char>(value[i]);
     if (c < 0x20U || c == '"' || c == '\\') {
       appendEscaped(text_, value[i++]);

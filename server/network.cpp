@@ -12,6 +12,7 @@
 #include "protocol/envelope.h"
 #include "protocol/json_writer.h"
 #include "server/http.h"
+#include "server/leader_follower.h"
 #include "server/server_core.h"
 #include "server/session.h"
 #include "server/stream_connection.h"
@@ -27,6 +28,10 @@ constexpr std::uint64_t kMostRefused = 1'000;
 // how long the thread of the network looks for the next event before it sleeps: the answer of a small step, and what a
 // program asks after it, come sooner than a thread sleeps and is woken
 constexpr std::chrono::microseconds kAwhile{50};
+// how long events may wait for a step that was expected to be short
+constexpr std::chrono::microseconds kPatience{2'000};
+// handlers in turn before anything else is looked at
+constexpr int kMostHandlers = 64;
 
 }  // namespace
 
@@ -40,7 +45,10 @@ class Network::Implementation {
         httpAcceptor_(context_),
         encryption_(asio::ssl::context::tls_server),
         signals_(context_),
-        patience_(context_) {}
+        patience_(context_),
+        threads_({.handle = [this] { return handleSome(); },
+                  .compute = [this] { core_->pool().doQuickTask([this] { threads_.giveWay(); }); }},
+                 kPatience) {}
 
   ~Implementation() {
     if (!unixPath_.empty()) {
@@ -91,7 +99,7 @@ class Network::Implementation {
       asio::co_spawn(context_, accept(httpAcceptor_, [this](tcp::socket socket) { admitHttp(std::move(socket)); }),
                      asio::detached);
     }
-    runHandlers();
+    threads_.run();
   }
 
   void stopAccepting() {
@@ -135,21 +143,38 @@ class Network::Implementation {
   }
 
  private:
-  /// Until there is nothing left to wait for.
-  void runHandlers() {
-    using Clock = std::chrono::steady_clock;
-    const bool hasCores = std::thread::hardware_concurrency() > 1;
-    Clock::time_point last = Clock::now();
-    while (!context_.stopped()) {
-      if (context_.poll() > 0) {
-        last = Clock::now();
-      } else if (hasCores && Clock::now() - last < kAwhile) {
-        std::this_thread::yield();
-      } else if (!context_.stopped()) {
-        context_.run_one();
-        last = Clock::now();
-      }
+  using Clock = std::chrono::steady_clock;
+
+  /// Events, until one has brought a step that this thread may make itself; waits for one when none has come for long.
+  LeaderFollower::Next handleSome() {
+    WorkerPool& pool = core_->pool();
+    pool.takeQuickTasks(threads_.hasFollower());
+    bool isMore = true;
+    bool isAnyHandled = false;
+    for (int i = 0; i < kMostHandlers && isMore && !pool.hasQuickTask(); ++i) {
+      isMore = context_.poll_one() > 0;
+      isAnyHandled = isAnyHandled || isMore;
     }
+    if (context_.stopped()) {
+      pool.takeQuickTasks(false);
+      return LeaderFollower::Next::End;
+    }
+    if (pool.hasQuickTask()) {
+      return LeaderFollower::Next::Compute;
+    }
+    const Clock::time_point now = Clock::now();
+    if (isAnyHandled) {
+      lastHandled_ = now;
+    }
+    if (hasCores_ && now - lastHandled_ < kAwhile) {
+      if (!isMore) {
+        std::this_thread::yield();
+      }
+    } else {
+      context_.run_one();
+      lastHandled_ = Clock::now();
+    }
+    return LeaderFollower::Next::Handle;
   }
 
   void endWhenEmpty() {
@@ -350,6 +375,9 @@ class Network::Implementation {
   std::uint64_t admittedCount_ = 0;  // of connections_
   std::uint64_t refusedCount_ = 0;   // of connections_, which are being closed because there are too many
   bool isClosing_ = false;
+  const bool hasCores_ = std::thread::hardware_concurrency() > 1;
+  Clock::time_point lastHandled_;  // an event
+  LeaderFollower threads_;
 };
 
 Network::Network(ServerCore& core) : implementation_(std::make_unique<Implementation>(core)) {}

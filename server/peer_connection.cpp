@@ -4,6 +4,8 @@ namespace espalier::server {
 namespace {
 
 constexpr std::chrono::seconds kGrace{1};
+// messages up to so many bytes are written at once where that is possible
+constexpr std::size_t kSmall = 65'536;
 
 }  // namespace
 
@@ -20,15 +22,35 @@ PeerConnection::PeerConnection(asio::any_io_executor executor, ServerCore& core,
 }
 
 void PeerConnection::send(std::shared_ptr<const std::string> message) {
+  const std::lock_guard lock(mutex_);
+  if (isDeaf_) {
+    return;
+  }
+  if (isReady_ && !isWriting_ && !isHeld_ && outbox_.empty() && message->size() <= kSmall) {
+    const std::size_t bytes = writeNow(*message);
+    core_->metrics.bytesSent += bytes;
+    if (bytes == message->size()) {
+      return;
+    }
+    if (bytes > 0) {
+      message = std::make_shared<const std::string>(message->substr(bytes));
+    }
+  }
   outboxBytes_ += message->size();
-  asio::post(executor_, [self = shared_from_this(), message = std::move(message)]() mutable {
-    self->enqueue(std::move(message));
-  });
+  outbox_.push_back(std::move(message));
+  if (!isWakeComing_) {
+    isWakeComing_ = true;
+    asio::post(executor_, [self = shared_from_this()] { self->wakeWriter(); });
+  }
 }
 
 void PeerConnection::closeWhenSent() {
   asio::post(executor_, [self = shared_from_this()] {
     self->isClosing_ = true;
+    {
+      const std::lock_guard lock(self->mutex_);
+      self->isDeaf_ = true;
+    }
     self->wake_.cancel();
   });
 }
@@ -95,12 +117,16 @@ void PeerConnection::closeNow() {
     return;
   }
   isClosed_ = true;
-  closeTransport();
+  {
+    const std::lock_guard lock(mutex_);
+    isDeaf_ = true;
+    outbox_.clear();
+    closeTransport();
+  }
   wake_.cancel();
   handshake_.cancel();
   heartbeat_.cancel();
   reminder_.cancel();
-  outbox_.clear();
   if (session_ != nullptr) {
     const auto session = std::move(session_);
     session_ = nullptr;
@@ -116,7 +142,12 @@ protocol::FrameLimits PeerConnection::frameLimits() const {
   return {static_cast<std::size_t>(limits.lineBytes), static_cast<std::size_t>(limits.blockBytes)};
 }
 
-void PeerConnection::hand(const protocol::MessageReader::Read& read) {
+void PeerConnection::hand(const protocol::MessageReader::Read& read, bool isMoreToCome) {
+  if (isMoreToCome != isHolding_) {
+    isHolding_ = isMoreToCome;
+    const std::lock_guard lock(mutex_);
+    isHeld_ = isMoreToCome;
+  }
   session_->onRead(read);
   if (session_ != nullptr && session_->isGreeted() && !isBeating_) {
     isBeating_ = true;
@@ -131,16 +162,14 @@ void PeerConnection::lose(const protocol::Error& error) {
   }
 }
 
-void PeerConnection::enqueue(std::shared_ptr<const std::string> message) {
-  if (isClosed_ || isClosing_) {
-    outboxBytes_ -= message->size();
-    // a refusal itself is queued before closing begins
-    return;
+void PeerConnection::wakeWriter() {
+  {
+    const std::lock_guard lock(mutex_);
+    isWakeComing_ = false;
   }
-  outbox_.push_back(std::move(message));
-  const std::uint64_t bound = core_->options().limits.outboxBytes;
   // one answer may be as large as the bound while another is being sent
-  if (outboxBytes_ > 2 * bound) {
+  const std::uint64_t bound = core_->options().limits.outboxBytes;
+  if (outboxBytes_ > 2 * bound && !isClosing_) {
     core_->log().warn(
         "session with " + peerName_ +
         " is closed: it does not read, and its outbox grew beyond twice outboxBytes=" + std::to_string(bound));
@@ -152,7 +181,10 @@ void PeerConnection::enqueue(std::shared_ptr<const std::string> message) {
 
 asio::awaitable<void> PeerConnection::readAll() {
   const bool isWanted = co_await prepare();
-  isReady_ = isWanted;
+  {
+    const std::lock_guard lock(mutex_);
+    isReady_ = isWanted;
+  }
   wake_.cancel();
   bool goesOn = isWanted;
   while (goesOn && !isClosed_) {
@@ -162,9 +194,17 @@ asio::awaitable<void> PeerConnection::readAll() {
   closeNow();
 }
 
+PeerConnection::Batch PeerConnection::takeOutbox() {
+  const std::lock_guard lock(mutex_);
+  isWriting_ = isReady_ && !outbox_.empty();
+  return isWriting_ ? std::exchange(outbox_, {}) : Batch();
+}
+
 asio::awaitable<void> PeerConnection::writeAll() {
   while (!isClosed_) {
-    if (outbox_.empty() || !isReady_) {
+    // everything queued, in one system call where possible
+    const Batch sending = takeOutbox();
+    if (sending.empty()) {
       if (isClosing_) {
         break;
       }
@@ -172,9 +212,6 @@ asio::awaitable<void> PeerConnection::writeAll() {
       wake_.expires_at(std::chrono::steady_clock::time_point::max());
       continue;
     }
-    // everything queued, in one system call where possible
-    const Batch sending = std::move(outbox_);
-    outbox_.clear();
     std::size_t bytes = 0;
     for (const auto& message : sending) {
       bytes += message->size();

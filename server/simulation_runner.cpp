@@ -2,12 +2,21 @@
 
 #include <algorithm>
 #include <new>
+#include <utility>
 
 #include "engine/core/check.h"
 #include "server/limits.h"
 #include "server/log.h"
 
 namespace espalier::server {
+namespace {
+
+// waking another thread takes about half as long
+constexpr std::chrono::microseconds kQuickTurn{20};
+// a quick one that the system interrupted
+constexpr std::chrono::microseconds kInterruptedTurn{200};
+
+}  // namespace
 
 SimulationRunner::SimulationRunner(std::unique_ptr<HostedSimulation> hosted, WorkerPool& pool, const Log& log,
                                    const ServerLimits& limits)
@@ -95,8 +104,29 @@ void SimulationRunner::schedule() {
     pool_->post({.run = [self] { self->takeTurn(); },
                  .lane = next.lane,
                  .owner = next.owner,
+                 .isQuick = isQuick(next),
                  .limit = std::chrono::seconds(callSeconds_),
                  .onLimit = [self, turn = turnCount_ + 1] { self->giveUpTurn(turn); }});
+  }
+}
+
+bool SimulationRunner::isQuick(const Command& command) const {
+  const auto found =
+      std::find_if(turnTimes_.begin(), turnTimes_.end(), [&](const auto& times) { return times.kind == command.kind; });
+  return found != turnTimes_.end() &&
+         (found->last < kQuickTurn || (found->last < kInterruptedTurn && found->before < kQuickTurn));
+}
+
+void SimulationRunner::noteTime(const Command& command, std::chrono::steady_clock::duration time) {
+  if (command.kind.empty()) {
+    return;
+  }
+  const auto found =
+      std::find_if(turnTimes_.begin(), turnTimes_.end(), [&](const auto& times) { return times.kind == command.kind; });
+  if (found != turnTimes_.end()) {
+    found->before = std::exchange(found->last, time);
+  } else {
+    turnTimes_.push_back({command.kind, time, std::chrono::hours(1)});
   }
 }
 
@@ -116,8 +146,11 @@ void SimulationRunner::takeTurn() {
     hosted_->setCancelled(false);
   }
   bool wantsMore = false;
+  const auto begin = std::chrono::steady_clock::now();
   runGuarded(*command, wantsMore);
+  const auto time = std::chrono::steady_clock::now() - begin;
   const std::lock_guard lock(mutex_);
+  noteTime(*command, time);
   current_.reset();
   if (wantsMore) {
     queue_.push_back(std::move(command));
@@ -138,7 +171,9 @@ void SimulationRunner::runGuarded(Command& command, bool& wantsMore) {
   std::string bug;
   try {
     wantsMore = command.advance(*this, command);
-    publishInformation();
+    if (!command.isAnswered) {
+      publishInformation();
+    }
     return;
   } catch (const std::bad_alloc&) {
     command.fail({protocol::ErrorCode::Limit,

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <sys/socket.h>
+
 #include <array>
 #include <boost/asio/ssl.hpp>
 
@@ -15,6 +17,7 @@ class StreamConnection final : public PeerConnection {
   StreamConnection(Stream stream, ServerCore& core, std::string peerName, bool isLocal)
       : PeerConnection(stream.get_executor(), core, std::move(peerName), isLocal),
         stream_(std::move(stream)),
+        socket_(lowest().native_handle()),
         reader_(frameLimits()) {}
 
  protected:
@@ -41,7 +44,7 @@ class StreamConnection final : public PeerConnection {
       if (!read) {
         break;
       }
-      hand(*read);
+      hand(*read, reader_.hasPartialMessage());
       if (areBlocksAgreed()) {
         reader_.allowBlocks();
       }
@@ -61,6 +64,16 @@ class StreamConnection final : public PeerConnection {
     co_return !error;
   }
 
+  std::size_t writeNow(const std::string& message) override {
+    if constexpr (kIsEncrypted) {
+      return 0;
+    } else {
+      // not by Asio, whose sockets belong to one thread; what is wrong with the connection is met by write()
+      const ssize_t bytes = ::send(socket_, message.data(), message.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+      return bytes < 0 ? 0 : static_cast<std::size_t>(bytes);
+    }
+  }
+
   void shutdownSend() override {
     error_code ignored;
     lowest().shutdown(asio::socket_base::shutdown_send, ignored);
@@ -77,6 +90,7 @@ class StreamConnection final : public PeerConnection {
   auto& lowest() { return stream_.lowest_layer(); }
 
   Stream stream_;
+  const int socket_;  // of stream_, until that is closed
   protocol::MessageReader reader_;
   std::unique_ptr<std::array<char, 262'144>> bytes_ = std::make_unique_for_overwrite<std::array<char, 262'144>>();
   std::vector<asio::const_buffer> buffers_;

@@ -1,6 +1,7 @@
 #include "server/worker_pool.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace espalier::server {
 namespace {
@@ -14,6 +15,7 @@ constexpr std::chrono::microseconds kAwhile{50};
 }  // namespace
 
 thread_local WorkerPool::Running* WorkerPool::current_ = nullptr;
+thread_local const WorkerPool* WorkerPool::quickPool_ = nullptr;
 
 WorkerPool::WorkerPool(const WorkerPoolOptions& options)
     : workers_(options.workers > 0 ? options.workers : std::max(1U, std::thread::hardware_concurrency())),
@@ -42,16 +44,64 @@ WorkerPool::~WorkerPool() {
 void WorkerPool::post(Task task) {
   {
     const std::lock_guard lock(mutex_);
-    LaneState& lane = laneOf(task);
-    ++lane.waiting;
-    lane.owners[task.owner].tasks.push_back(std::move(task));
-    startThreadIfNeeded();
-    postedCount_.fetch_add(1, std::memory_order_release);
+    if (task.isQuick && quickPool_ == this) {
+      quick_.push_back(std::move(task));
+      quickCount_.store(quick_.size(), std::memory_order_release);
+      return;
+    }
+    enqueue(std::move(task));
     if (isOneLooking_) {
       return;
     }
   }
   wake_.notify_one();
+}
+
+void WorkerPool::enqueue(Task task) {
+  LaneState& lane = laneOf(task);
+  ++lane.waiting;
+  lane.owners[task.owner].tasks.push_back(std::move(task));
+  startThreadIfNeeded();
+  postedCount_.fetch_add(1, std::memory_order_release);
+}
+
+void WorkerPool::takeQuickTasks(bool takes) {
+  quickPool_ = takes ? this : nullptr;
+  if (takes || !hasQuickTask()) {
+    return;
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    for (Task& task : quick_) {
+      enqueue(std::move(task));
+    }
+    quick_.clear();
+    quickCount_.store(0, std::memory_order_release);
+  }
+  wake_.notify_all();
+}
+
+void WorkerPool::doQuickTask(std::function<void()> onBlocked) {
+  const WorkerPool* const pool = std::exchange(quickPool_, nullptr);
+  std::list<Running> done;
+  bool isMoreReady = false;
+  {
+    std::unique_lock lock(mutex_);
+    if (!quick_.empty()) {
+      Task task = std::move(quick_.front());
+      quick_.pop_front();
+      quickCount_.store(quick_.size(), std::memory_order_release);
+      done = carryOut(std::move(task), std::move(onBlocked), lock);
+      // a worker that found no place while this was counted may sleep
+      startThreadIfNeeded();
+      isMoreReady = readyLane() != nullptr;
+    }
+  }
+  if (isMoreReady) {
+    wake_.notify_one();
+  }
+  done.clear();
+  quickPool_ = pool;
 }
 
 WorkerPool::Owner* WorkerPool::nextOwner(LaneState& lane) {
@@ -88,14 +138,13 @@ void WorkerPool::startThreadIfNeeded() {
 }
 
 bool WorkerPool::isIdle() const {
-  return running_.empty() &&
+  return running_.empty() && quick_.empty() &&
          std::all_of(lanes_.begin(), lanes_.end(), [](const LaneState& lane) { return lane.waiting == 0; });
 }
 
 void WorkerPool::begin(Running& running) {
   LaneState& lane = laneOf(running.task);
   Owner& owner = lane.owners[running.task.owner];
-  --lane.waiting;
   ++lane.counted;
   ++lane.computing;
   ++owner.computing;
@@ -128,36 +177,45 @@ void WorkerPool::work() {
     if (isStopping_) {
       return;
     }
-    Owner& owner = *nextOwner(*readyLane());
-    const auto running = running_.emplace(running_.end());
-    running->task = std::move(owner.tasks.front());
+    LaneState& lane = *readyLane();
+    Owner& owner = *nextOwner(lane);
+    Task task = std::move(owner.tasks.front());
     owner.tasks.pop_front();
-    begin(*running);
+    --lane.waiting;
     --freeThreads_;
-    // more tasks than threads that look for one, or than those that were woken
-    startThreadIfNeeded();
-    const bool isMoreReady = freeThreads_ > 0 && readyLane() != nullptr;
-    lock.unlock();
-    if (isMoreReady) {
-      wake_.notify_one();
-    }
-    current_ = &*running;
-    running->task.run();
-    running->task.run = nullptr;
-    current_ = nullptr;
-    lock.lock();
-    end(*running);
-    // what its callback holds may end in a destructor that posts
-    std::list<Running> done;
-    done.splice(done.begin(), running_, running);
+    std::list<Running> done = carryOut(std::move(task), nullptr, lock);
     ++freeThreads_;
-    if (isIdle()) {
-      idle_.notify_all();
-    }
     lock.unlock();
     done.clear();
     lock.lock();
   }
+}
+
+std::list<WorkerPool::Running> WorkerPool::carryOut(Task task, std::function<void()> onBlocked,
+                                                    std::unique_lock<std::mutex>& lock) {
+  const auto running = running_.emplace(running_.end());
+  running->task = std::move(task);
+  running->onBlocked = std::move(onBlocked);
+  begin(*running);
+  // more tasks than threads that look for one, or than those that were woken
+  startThreadIfNeeded();
+  const bool isMoreReady = freeThreads_ > 0 && readyLane() != nullptr;
+  lock.unlock();
+  if (isMoreReady) {
+    wake_.notify_one();
+  }
+  current_ = &*running;
+  running->task.run();
+  running->task.run = nullptr;
+  current_ = nullptr;
+  lock.lock();
+  end(*running);
+  std::list<Running> done;
+  done.splice(done.begin(), running_, running);
+  if (isIdle()) {
+    idle_.notify_all();
+  }
+  return done;
 }
 
 void WorkerPool::lookAwhile(std::unique_lock<std::mutex>& lock) {
@@ -180,6 +238,9 @@ void WorkerPool::blockWhile(const std::function<void()>& wait) {
   if (running == nullptr) {
     wait();
     return;
+  }
+  if (running->onBlocked) {
+    running->onBlocked();
   }
   const Clock::time_point before = Clock::now();
   {

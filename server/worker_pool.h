@@ -39,7 +39,8 @@ class WorkerPool {
   struct Task {
     std::function<void()> run{};  // must not throw
     Lane lane = Lane::Short;
-    std::string owner{};  // whose share it takes: a session; empty: the server's own
+    std::string owner{};   // whose share it takes: a session; empty: the server's own
+    bool isQuick = false;  // expected to be over before another thread could be woken
     /// Once it has computed so long (waiting in blockWhile not counted) onLimit is called, once, from another thread,
     /// perhaps when the task has just ended; 0: never.
     std::chrono::milliseconds limit{0};
@@ -54,6 +55,14 @@ class WorkerPool {
 
   /// Thread-safe.
   void post(Task task);
+
+  /// For a thread that has other things to do, one at a time. Quick tasks that it posts from now on wait for it to call
+  /// doQuickTask(), or go to the workers again; those that still wait go there too.
+  void takeQuickTasks(bool takes);
+  [[nodiscard]] bool hasQuickTask() const { return quickCount_.load(std::memory_order_acquire) > 0; }
+  /// Runs the first of them here; what it posts goes to the workers. `onBlocked` is called when it is about to wait in
+  /// blockWhile.
+  void doQuickTask(std::function<void()> onBlocked);
 
   /// Runs `wait`, which blocks, on the calling thread while another computes in its place. In a task only.
   void blockWhile(const std::function<void()>& wait);
@@ -73,6 +82,7 @@ class WorkerPool {
     bool isBlocked = false;   // in blockWhile
     bool isOvertime = false;
     bool isLimitReached = false;
+    std::function<void()> onBlocked{};  // of a quick task
   };
   struct Owner {
     std::deque<Task> tasks;
@@ -89,6 +99,10 @@ class WorkerPool {
   };
 
   void work();
+  /// A task that was taken, on this thread; unlocks meanwhile. What the task held comes back, to be destroyed without
+  /// the lock: a destructor may post.
+  [[nodiscard]] std::list<Running> carryOut(Task task, std::function<void()> onBlocked,
+                                            std::unique_lock<std::mutex>& lock);
   /// Before a thread sleeps: looks a moment for the next task, when no other thread does. Unlocks meanwhile.
   void lookAwhile(std::unique_lock<std::mutex>& lock);
   void keepTime();
@@ -97,6 +111,7 @@ class WorkerPool {
   [[nodiscard]] LaneState* readyLane();
   void startThreadIfNeeded();
   [[nodiscard]] LaneState& laneOf(const Task& task) { return lanes_[static_cast<std::size_t>(task.lane)]; }
+  void enqueue(Task task);
   void begin(Running& running);
   void end(Running& running);
   [[nodiscard]] bool isIdle() const;
@@ -107,6 +122,7 @@ class WorkerPool {
   static constexpr std::size_t kMaximumOvertime = 64;          // of each lane
   static constexpr std::size_t kMaximumBlockedPerOwner = 256;  // of each lane
   static thread_local Running* current_;                       // of this thread; null: none
+  static thread_local const WorkerPool* quickPool_;            // whose quick tasks this thread takes; null: none
 
   const unsigned workers_;
   const std::chrono::milliseconds overtime_;
@@ -115,6 +131,8 @@ class WorkerPool {
   std::condition_variable idle_;
   std::condition_variable time_;
   std::array<LaneState, 2> lanes_;
+  std::deque<Task> quick_;                  // for the thread that takes them
+  std::atomic<std::size_t> quickCount_{0};  // of quick_
   std::list<Running> running_;
   std::uint64_t begunCount_ = 0;
   std::size_t freeThreads_ = 0;  // threads that look for a task

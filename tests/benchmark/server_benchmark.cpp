@@ -2,6 +2,7 @@
 // what a viewer of a big plant costs beside copying what changed.
 
 #include <benchmark/benchmark.h>
+#include <sched.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -38,6 +39,45 @@ struct Latency {
 Latency latencyOf(std::vector<double>& microseconds) {
   std::sort(microseconds.begin(), microseconds.end());
   return {microseconds[microseconds.size() / 2], microseconds[microseconds.size() * 99 / 100]};
+}
+
+/// Which cores this thread may use, and what it starts, for as long as the object lives.
+class OnCores {
+ public:
+  explicit OnCores(const cpu_set_t& cores) {
+    (void)sched_getaffinity(0, sizeof before_, &before_);
+    (void)sched_setaffinity(0, sizeof cores, &cores);
+  }
+  ~OnCores() { (void)sched_setaffinity(0, sizeof before_, &before_); }
+  OnCores(const OnCores&) = delete;
+  OnCores& operator=(const OnCores&) = delete;
+
+ private:
+  cpu_set_t before_{};
+};
+
+/// Where the asking side and the answering side run. Waking a thread of another core costs several microseconds more
+/// than one of the same core, and where the system places two processes differs from run to run.
+enum class Placement { OneCore, TwoCores, AsTheSystemLikes };
+
+/// Of this thread's cores, the first or the last, or all.
+cpu_set_t coresFor(Placement placement, bool isAsking) {
+  cpu_set_t all{};
+  (void)sched_getaffinity(0, sizeof all, &all);
+  if (placement == Placement::AsTheSystemLikes) {
+    return all;
+  }
+  int first = -1;
+  int last = -1;
+  for (int core = 0; core < CPU_SETSIZE; ++core) {
+    if (CPU_ISSET(core, &all)) {
+      first = first < 0 ? core : first;
+      last = core;
+    }
+  }
+  cpu_set_t one{};
+  CPU_SET(placement == Placement::OneCore || isAsking ? first : last, &one);
+  return one;
 }
 
 /// `espalier serve` on a free port, nothing kept on a disk.
@@ -150,7 +190,10 @@ tcp::socket connectTo(asio::io_context& context, const tcp::endpoint& endpoint) 
   return socket;
 }
 
-void stepRoundTrip(benchmark::State& state) {
+void stepRoundTrip(benchmark::State& state, Placement placement) {
+  const cpu_set_t answering = coresFor(placement, false);
+  const cpu_set_t asking = coresFor(placement, true);
+  std::optional<OnCores> cores(answering);
   const Serving serving;
   asio::io_context context;
   const auto port = static_cast<std::uint16_t>(std::stoi(serving.address.substr(serving.address.rfind(':') + 1)));
@@ -170,13 +213,17 @@ void stepRoundTrip(benchmark::State& state) {
   }
   const std::string line = R"({"jsonrpc":"2.0","id":3,"method":"simulation.step","params":{"simulation":")" +
                            created.substr(at, created.find('"', at) - at) + "\"}}\n";
+  cores.reset();
   // in turn, so that both meet the same machine
   constexpr int kRounds = 20;
   constexpr std::size_t kCount = 200;
   for (auto _ : state) {
-    const std::size_t answerBytes = measure(socket, line, kCount).answerBytes;
-    const Echo echo(answerBytes);
+    cores.emplace(answering);
+    const Echo echo(measure(socket, line, 1).answerBytes);
+    cores.reset();
+    cores.emplace(asking);
     tcp::socket other = connectTo(context, echo.endpoint());
+    (void)measure(socket, line, kCount);
     (void)measure(other, line, kCount);
     std::vector<double> step;
     std::vector<double> bare;
@@ -187,6 +234,7 @@ void stepRoundTrip(benchmark::State& state) {
       }
     }
     other.close();
+    cores.reset();
     const Latency server = latencyOf(step);
     const Latency asio = latencyOf(bare);
     state.SetIterationTime(server.median * 1e-6);
@@ -278,10 +326,15 @@ void viewBigPlant(benchmark::State& state, std::string_view model, bool isDelta)
 }
 
 const bool kIsRegistered = [] {
-  benchmark::RegisterBenchmark("server/step-round-trip", stepRoundTrip)
-      ->Unit(benchmark::kMillisecond)
-      ->UseManualTime()
-      ->Iterations(3);
+  for (const auto& [name, placement] :
+       {std::pair("one-core", Placement::OneCore), std::pair("two-cores", Placement::TwoCores),
+        std::pair("free", Placement::AsTheSystemLikes)}) {
+    benchmark::RegisterBenchmark(("server/step-round-trip/" + std::string(name)).c_str(),
+                                 [placement](benchmark::State& state) { stepRoundTrip(state, placement); })
+        ->Unit(benchmark::kMillisecond)
+        ->UseManualTime()
+        ->Iterations(3);
+  }
   struct View {
     const char* name;
     std::string_view model;

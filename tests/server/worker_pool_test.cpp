@@ -116,6 +116,82 @@ TEST(WorkerPool, ATaskBeyondItsLimitIsTold) {
   EXPECT_TRUE(pool.waitUntilIdle(kPatience));
 }
 
+TEST(WorkerPool, QuickTasksWaitForTheThreadThatTakesThem) {
+  WorkerPool pool({.workers = 2, .overtime = kNever});
+  std::thread::id quick;
+  std::thread::id following;
+  pool.takeQuickTasks(true);
+  pool.post({.run =
+                 [&] {
+                   quick = std::this_thread::get_id();
+                   // a thread that takes quick tasks is there for events: what goes on goes on elsewhere
+                   pool.post(
+                       {.run = [&] { following = std::this_thread::get_id(); }, .lane = Lane::Step, .isQuick = true});
+                 },
+             .lane = Lane::Step,
+             .isQuick = true});
+  EXPECT_TRUE(pool.hasQuickTask());
+  EXPECT_FALSE(pool.waitUntilIdle(std::chrono::milliseconds(1)));
+  pool.doQuickTask({});
+  EXPECT_EQ(quick, std::this_thread::get_id());
+  EXPECT_FALSE(pool.hasQuickTask());
+  EXPECT_TRUE(pool.waitUntilIdle(kPatience));
+  EXPECT_NE(following, std::thread::id());
+  EXPECT_NE(following, std::this_thread::get_id());
+  pool.takeQuickTasks(false);
+}
+
+TEST(WorkerPool, QuickTasksThatNobodyTakesGoToTheWorkers) {
+  WorkerPool pool({.workers = 2});
+  std::atomic<int> count{0};
+  const auto post = [&] { pool.post({.run = [&] { ++count; }, .lane = Lane::Step, .isQuick = true}); };
+  post();
+  pool.takeQuickTasks(true);
+  std::thread(post).join();
+  EXPECT_FALSE(pool.hasQuickTask());
+  post();
+  EXPECT_TRUE(pool.hasQuickTask());
+  pool.takeQuickTasks(false);
+  EXPECT_FALSE(pool.hasQuickTask());
+  EXPECT_TRUE(pool.waitUntilIdle(kPatience));
+  EXPECT_EQ(count, 3);
+}
+
+TEST(WorkerPool, AQuickTaskThatWaitsSaysSoBefore) {
+  WorkerPool pool({.workers = 1, .overtime = kNever});
+  std::latch isDone(1);
+  pool.takeQuickTasks(true);
+  pool.post({.run = [&] { pool.blockWhile([&] { isDone.wait(); }); }, .lane = Lane::Step, .isQuick = true});
+  int blocked = 0;
+  pool.doQuickTask([&] {
+    ++blocked;
+    isDone.count_down();
+  });
+  EXPECT_EQ(blocked, 1);
+  pool.takeQuickTasks(false);
+}
+
+TEST(WorkerPool, AQuickTaskThatIsNoneIsTimedLikeAnyOther) {
+  WorkerPool pool({.workers = 1, .overtime = std::chrono::milliseconds(1)});
+  std::latch isTold(1);
+  std::latch isServed(1);
+  pool.takeQuickTasks(true);
+  pool.post({.run =
+                 [&] {
+                   isTold.wait();
+                   isServed.wait();
+                 },
+             .lane = Lane::Step,
+             .owner = "1",
+             .isQuick = true,
+             .limit = std::chrono::milliseconds(1),
+             .onLimit = [&] { isTold.count_down(); }});
+  pool.post({.run = [&] { isServed.count_down(); }, .lane = Lane::Step, .owner = "2"});
+  pool.doQuickTask({});
+  EXPECT_TRUE(pool.waitUntilIdle(kPatience));
+  pool.takeQuickTasks(false);
+}
+
 TEST(WorkerPool, WaitUntilIdleGivesUpInTime) {
   WorkerPool pool({.workers = 1});
   std::latch isReleased(1);
