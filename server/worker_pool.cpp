@@ -44,9 +44,9 @@ WorkerPool::~WorkerPool() {
 void WorkerPool::post(Task task) {
   {
     const std::lock_guard lock(mutex_);
-    if (task.isQuick && quickPool_ == this) {
-      quick_.push_back(std::move(task));
-      quickCount_.store(quick_.size(), std::memory_order_release);
+    if (task.isQuick && quickPool_ == this && !quick_) {
+      quick_ = std::move(task);
+      hasQuickTask_.store(true, std::memory_order_release);
       return;
     }
     enqueue(std::move(task));
@@ -72,13 +72,10 @@ void WorkerPool::takeQuickTasks(bool takes) {
   }
   {
     const std::lock_guard lock(mutex_);
-    for (Task& task : quick_) {
-      enqueue(std::move(task));
-    }
-    quick_.clear();
-    quickCount_.store(0, std::memory_order_release);
+    enqueue(*std::exchange(quick_, std::nullopt));
+    hasQuickTask_.store(false, std::memory_order_release);
   }
-  wake_.notify_all();
+  wake_.notify_one();
 }
 
 void WorkerPool::doQuickTask(std::function<void()> onBlocked) {
@@ -87,11 +84,9 @@ void WorkerPool::doQuickTask(std::function<void()> onBlocked) {
   bool isMoreReady = false;
   {
     std::unique_lock lock(mutex_);
-    if (!quick_.empty()) {
-      Task task = std::move(quick_.front());
-      quick_.pop_front();
-      quickCount_.store(quick_.size(), std::memory_order_release);
-      done = carryOut(std::move(task), std::move(onBlocked), lock);
+    if (std::optional<Task> task = std::exchange(quick_, std::nullopt)) {
+      hasQuickTask_.store(false, std::memory_order_release);
+      done = carryOut(*std::move(task), std::move(onBlocked), lock);
       // a worker that found no place while this was counted may sleep
       startThreadIfNeeded();
       isMoreReady = readyLane() != nullptr;
@@ -138,7 +133,7 @@ void WorkerPool::startThreadIfNeeded() {
 }
 
 bool WorkerPool::isIdle() const {
-  return running_.empty() && quick_.empty() &&
+  return running_.empty() && !quick_ &&
          std::all_of(lanes_.begin(), lanes_.end(), [](const LaneState& lane) { return lane.waiting == 0; });
 }
 

@@ -10,6 +10,7 @@
 #include <list>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -56,11 +57,11 @@ class WorkerPool {
   /// Thread-safe.
   void post(Task task);
 
-  /// For a thread that has other things to do, one at a time. Quick tasks that it posts from now on wait for it to call
-  /// doQuickTask(), or go to the workers again; those that still wait go there too.
+  /// For a thread that has other things to do, one at a time. From now on a quick task that it posts waits for it to
+  /// call doQuickTask(), while none does; or all go to the workers again, also what still waits.
   void takeQuickTasks(bool takes);
-  [[nodiscard]] bool hasQuickTask() const { return quickCount_.load(std::memory_order_acquire) > 0; }
-  /// Runs the first of them here; what it posts goes to the workers. `onBlocked` is called when it is about to wait in
+  [[nodiscard]] bool hasQuickTask() const { return hasQuickTask_.load(std::memory_order_acquire); }
+  /// Runs it here; what it posts goes to the workers. `onBlocked` is called when it is about to wait in
   /// blockWhile.
   void doQuickTask(std::function<void()> onBlocked);
 
@@ -131,8 +132,8 @@ class WorkerPool {
   std::condition_variable idle_;
   std::condition_variable time_;
   std::array<LaneState, 2> lanes_;
-  std::deque<Task> quick_;                  // for the thread that takes them
-  std::atomic<std::size_t> quickCount_{0};  // of quick_
+  std::optional<Task> quick_;               // for the thread that takes quick tasks
+  std::atomic<bool> hasQuickTask_ = false;  // quick_
   std::list<Running> running_;
   std::uint64_t begunCount_ = 0;
   std::size_t freeThreads_ = 0;  // threads that look for a task

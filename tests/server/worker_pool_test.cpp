@@ -141,6 +141,31 @@ TEST(WorkerPool, QuickTasksWaitForTheThreadThatTakesThem) {
   pool.takeQuickTasks(false);
 }
 
+TEST(WorkerPool, OneQuickTaskWaitsTheOthersGoToTheWorkers) {
+  WorkerPool pool({.workers = 2, .overtime = kNever});
+  std::latch areDone(2);
+  std::atomic<int> onThisThread{0};
+  pool.takeQuickTasks(true);
+  for (int i = 0; i < 3; ++i) {
+    pool.post({.run =
+                   [&, caller = std::this_thread::get_id()] {
+                     if (std::this_thread::get_id() == caller) {
+                       ++onThisThread;
+                     } else {
+                       areDone.count_down();
+                     }
+                   },
+               .lane = Lane::Step,
+               .isQuick = true});
+  }
+  areDone.wait();
+  EXPECT_EQ(onThisThread, 0);
+  pool.doQuickTask({});
+  EXPECT_EQ(onThisThread, 1);
+  EXPECT_TRUE(pool.waitUntilIdle(kPatience));
+  pool.takeQuickTasks(false);
+}
+
 TEST(WorkerPool, QuickTasksThatNobodyTakesGoToTheWorkers) {
   WorkerPool pool({.workers = 2});
   std::atomic<int> count{0};
