@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <latch>
 #include <stdexcept>
 #include <thread>
@@ -15,8 +16,8 @@ constexpr std::chrono::hours kForEver{1};
 
 TEST(LeaderFollower, HandlesEventsOnOneThreadAtATimeWhateverTheComputationsTake) {
   std::atomic<int> leaders{0};
-  int handled = 0;   // without a lock: the sanitizer of threads would see what is not in order
-  int computed = 0;  // by both
+  int handled = 0;  // without a lock: the sanitizer of threads would see what is not in order
+  std::atomic<int> computed{0};
   std::atomic<bool> isTaken{false};
   LeaderFollower* threads = nullptr;
   LeaderFollower::Work work;
