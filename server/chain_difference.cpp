@@ -1,8 +1,11 @@
 #include "server/chain_difference.h"
 
+#include <algorithm>
 #include <bit>
 #include <functional>
 #include <utility>
+
+#include "server/row_difference.h"
 
 namespace espalier::server {
 namespace {
@@ -11,42 +14,54 @@ using turtle::RecordChain;
 
 using Places = std::vector<RecordChain::Place>;
 
-/// The records of stretches [begin, end) as rows.
-TurtleFrame rowsOf(const RecordChain& chain, const Places& places, std::size_t begin, std::size_t end,
-                   std::shared_ptr<const std::vector<std::string>> symbols) {
-  TurtleFrame frame;
-  frame.symbols = std::move(symbols);
-  std::size_t rows = 0;
-  for (std::size_t i = begin; i < end; ++i) {
-    rows += places[i].stretch->records.size();
-  }
-  reserveRows(frame, rows);
-  for (std::size_t i = begin; i < end; ++i) {
-    const RecordChain::Place& place = places[i];
-    for (const turtle::TurtleRecord& record : place.stretch->records) {
-      appendRecord(frame, record, place.firstModule + record.module, chain.recordOf(place, record.parent));
+/// The records of stretches [begin, end) for RowDifference.
+class ChainRows {
+ public:
+  ChainRows(const RecordChain& chain, const Places& places, std::size_t begin, std::size_t end) {
+    std::size_t count = 0;
+    for (std::size_t i = begin; i < end; ++i) {
+      count += places[i].stretch->records.size();
+    }
+    rows_.reserve(count);
+    for (std::size_t i = begin; i < end; ++i) {
+      const RecordChain::Place& place = places[i];
+      for (const turtle::TurtleRecord& record : place.stretch->records) {
+        rows_.push_back({&record, static_cast<std::uint32_t>(place.firstModule + record.module),
+                         chain.recordOf(place, record.parent)});
+      }
     }
   }
-  return frame;
-}
 
-void appendRows(TurtleFrame& to, const TurtleFrame& from) {
-  const auto append = [&](auto column) {
-    (to.*column).insert((to.*column).end(), (from.*column).begin(), (from.*column).end());
+  [[nodiscard]] std::size_t rows() const { return rows_.size(); }
+  [[nodiscard]] RowView row(std::size_t i) const {
+    const turtle::TurtleRecord& record = *rows_[i].record;
+    return {.position = &record.position,
+            .heading = &record.frame.heading,
+            .left = &record.frame.left,
+            .up = &record.frame.up,
+            .width = record.width,
+            .plant = record.plant,
+            .module = rows_[i].module,
+            .symbol = record.symbol,
+            .colour = static_cast<std::uint32_t>(record.colour),
+            .branchOrder = record.branchOrder,
+            .parent = rows_[i].parent,
+            .index = static_cast<std::uint32_t>(i),
+            .parameters = record.parameters};
+  }
+  void appendTo(TurtleFrame& frame, std::size_t i) const {
+    appendRecord(frame, *rows_[i].record, rows_[i].module, rows_[i].parent);
+  }
+
+ private:
+  struct Row {
+    const turtle::TurtleRecord* record;
+    std::uint32_t module;
+    std::uint32_t parent;
   };
-  const auto firstParameter = static_cast<std::uint32_t>(to.parameters.size());
-  for (const auto column : {&TurtleFrame::plant, &TurtleFrame::module, &TurtleFrame::symbol, &TurtleFrame::colour,
-                            &TurtleFrame::branchOrder, &TurtleFrame::parent}) {
-    append(column);
-  }
-  for (const auto column : {&TurtleFrame::parameters, &TurtleFrame::position, &TurtleFrame::heading, &TurtleFrame::left,
-                            &TurtleFrame::up, &TurtleFrame::width}) {
-    append(column);
-  }
-  for (std::size_t row = 1; row < from.parameterOffset.size(); ++row) {
-    to.parameterOffset.push_back(firstParameter + from.parameterOffset[row]);
-  }
-}
+
+  std::vector<Row> rows_;
+};
 
 /// Finds parts of one list in another: stretches among stretches, or groups among groups. A chain has no part twice.
 class PartFinder {
@@ -157,16 +172,22 @@ class ChainDifference {
   /// Stretches [begin, end) of the base have become [toBegin, toEnd), which are others.
   void tellRows(const Places& from, std::size_t begin, std::size_t end, const Places& to, std::size_t toBegin,
                 std::size_t toEnd) {
-    const TurtleFrame base = rowsOf(base_, from, begin, end, fresh_.symbols);
-    const TurtleFrame frame = rowsOf(chain_, to, toBegin, toEnd, fresh_.symbols);
-    const TurtleDifference difference = server::differenceOf(base, frame);
+    const ChainRows base(base_, from, begin, end);
+    const ChainRows rows(chain_, to, toBegin, toEnd);
+    const TurtleDifference difference = RowDifference(base, rows).make();
     for (KeptRows run : difference.kept) {
       run.to += to[toBegin].firstRecord;
       run.from += from[begin].firstRecord;
       run.index = run.to - run.from;
       append(run);
     }
-    appendRows(fresh_, server::rowsOf(frame, difference.fresh));
+    // at least doubled, so that many gaps do not copy one another again and again
+    if (fresh_.rows() + difference.fresh.size() > fresh_.plant.capacity()) {
+      reserveRows(fresh_, std::max(difference.fresh.size(), fresh_.rows()));
+    }
+    for (const std::uint32_t row : difference.fresh) {
+      rows.appendTo(fresh_, row);
+    }
   }
 
   /// Rows that are kept when whatever they grow from has moved as they have.
@@ -255,8 +276,15 @@ class ChainDifference {
 }  // namespace
 
 TurtleFrame makeTurtleFrame(const RecordChain& chain, std::shared_ptr<const std::vector<std::string>> symbols) {
-  const Places places = chain.places(0, chain.links.size());
-  return rowsOf(chain, places, 0, places.size(), std::move(symbols));
+  TurtleFrame frame;
+  frame.symbols = std::move(symbols);
+  reserveRows(frame, chain.recordCount);
+  for (const RecordChain::Place& place : chain.places(0, chain.links.size())) {
+    for (const turtle::TurtleRecord& record : place.stretch->records) {
+      appendRecord(frame, record, place.firstModule + record.module, chain.recordOf(place, record.parent));
+    }
+  }
+  return frame;
 }
 
 TurtleChange differenceOf(const RecordChain& base, const RecordChain& chain,

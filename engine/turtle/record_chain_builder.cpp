@@ -10,6 +10,9 @@ namespace espalier::turtle {
 namespace {
 
 constexpr int kTries = 8;  // stretches that begin with a turtle like this, looked at more closely
+// groups that are searched before all are, and modules that are interpreted meanwhile: most changes are small
+constexpr std::size_t kNearGroups = 4;
+constexpr std::uint64_t kNearModules = 4096;
 constexpr std::uint32_t kNoEntry = 0xFFFFFFFF;
 // a group that follows joins the stretches before it when they are no more together: there are few small groups
 constexpr std::size_t kJoinedStretches = 48;
@@ -48,13 +51,15 @@ bool isSame(const TurtleState& a, const TurtleState& b) {
 }
 
 std::uint32_t hashOf(const TurtleState& state) {
-  std::uint64_t hash = state.branchOrder;
-  for (const double number : {state.position.x, state.position.y, state.position.z, state.frame.heading.x,
-                              state.frame.heading.y, state.frame.heading.z, state.frame.up.x}) {
-    hash = (hash ^ std::bit_cast<std::uint64_t>(number)) * 0x9E3779B97F4A7C15U;
-    hash ^= hash >> 29U;
-  }
-  return static_cast<std::uint32_t>(hash);
+  // products that do not wait for each other
+  const auto part = [](double number, std::uint64_t factor) { return std::bit_cast<std::uint64_t>(number) * factor; };
+  std::uint64_t hash = part(state.position.x, 0x9E3779B97F4A7C15U) + part(state.position.y, 0xC2B2AE3D27D4EB4FU) +
+                       part(state.position.z, 0x165667B19E3779F9U) + part(state.frame.heading.x, 0xD6E8FEB86659FD93U) +
+                       part(state.frame.heading.y, 0xA0761D6478BD642FU) +
+                       part(state.frame.heading.z, 0xE7037ED1A0B428DBU) + part(state.frame.up.x, 0x8EBC6AF09C88C6E3U) +
+                       state.branchOrder;
+  hash = (hash ^ hash >> 32U) * 0x9E3779B97F4A7C15U;
+  return static_cast<std::uint32_t>(hash >> 32U);
 }
 
 std::uint64_t bytesOf(const RecordStretch& stretch) {
@@ -154,8 +159,10 @@ bool RecordChainBuilder::follows(const TurtlePassage& passage, std::uint64_t bas
 }
 
 bool RecordChainBuilder::findNext() {
-  if (heads_.empty()) {
-    buildTable();
+  if (next_.link >= tableEnd_) {
+    buildTable(std::min(end_, next_.link + kNearGroups));
+  } else if (tableEnd_ < end_ && module_ - takenEnd_ >= kNearModules) {
+    buildTable(end_);
   }
   const std::uint32_t hash = hashOf(interpretation_.state());
   std::uint32_t& head = heads_[hash & (heads_.size() - 1)];
@@ -176,16 +183,17 @@ bool RecordChainBuilder::findNext() {
   return false;
 }
 
-void RecordChainBuilder::buildTable() {
+void RecordChainBuilder::buildTable(std::size_t end) {
   tableBegin_ = next_.link;
+  tableEnd_ = end;
   std::size_t stretches = 0;
-  for (std::size_t link = tableBegin_; link < end_; ++link) {
+  for (std::size_t link = tableBegin_; link < tableEnd_; ++link) {
     stretches += base_->links[link].group->links.size();
   }
   heads_.assign(std::bit_ceil(2 * stretches + 2), kNoEntry);
-  following_.resize((end_ - tableBegin_) * kMostStretches);
+  following_.resize((tableEnd_ - tableBegin_) * kMostStretches);
   // nearer stretches come before farther ones
-  for (std::size_t link = end_; link-- > tableBegin_;) {
+  for (std::size_t link = tableEnd_; link-- > tableBegin_;) {
     const std::vector<RecordGroup::Link>& parts = base_->links[link].group->links;
     for (std::size_t i = parts.size(); i-- > 0;) {
       const auto entry = static_cast<std::uint32_t>((link - tableBegin_) * kMostStretches + i);
@@ -226,6 +234,7 @@ void RecordChainBuilder::pass(const TurtlePassage& passage) {
   }
   module_ += passage.modules;
   offset_ += passage.parameters;
+  takenEnd_ = module_;
 }
 
 void RecordChainBuilder::takeGroup() {

@@ -47,7 +47,7 @@ class RecordChainBuilder {
                              const double* parameters);
   [[nodiscard]] bool areKept(std::uint64_t baseModule, std::uint64_t modules);
   [[nodiscard]] bool findNext();
-  void buildTable();
+  void buildTable(std::size_t end);
   [[nodiscard]] Place placeOf(std::uint32_t entry) const;
   void takeGroup();
   void takeStretch();
@@ -74,13 +74,16 @@ class RecordChainBuilder {
   std::vector<derivation::KeptModules> kept_;
   std::size_t nextKept_ = 0;
 
-  Place next_;           // of the base that is expected next
-  std::size_t end_ = 0;  // behind the plant's last link
-  // where to find stretches by the turtle that they begin with: heads of lists (a power of two), the list's next; an
-  // entry is kMostStretches times the link, counted from tableBegin_, and the stretch
+  Place next_;                  // of the base that is expected next
+  std::size_t end_ = 0;         // behind the plant's last link
+  std::uint64_t takenEnd_ = 0;  // behind the last module that was not interpreted
+  // where to find stretches of links [tableBegin_, tableEnd_) by the turtle that they begin with: heads of lists (a
+  // power of two), the list's next; an entry is kMostStretches times the link, counted from tableBegin_, and the
+  // stretch
   std::vector<std::uint32_t> heads_;
   std::vector<std::uint32_t> following_;
   std::size_t tableBegin_ = 0;
+  std::size_t tableEnd_ = 0;
 };
 
 }  // namespace espalier::turtle
