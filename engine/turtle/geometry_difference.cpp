@@ -3,6 +3,7 @@
 #include <bit>
 #include <cstring>
 #include <unordered_map>
+#include <utility>
 
 namespace espalier::turtle {
 namespace {
@@ -146,29 +147,34 @@ void extend(std::vector<GeometryRun>& runs, std::uint32_t row, std::uint64_t mod
   runs.push_back({row, 1, moduleShift});
 }
 
+// where two tables part: rows changed together, and rows added or taken away, that are looked for before all rows are
+// searched
+constexpr std::size_t kChangedRows = 8;
+constexpr std::size_t kAddedRows = 64;
+
 /// Rows of a table by what they look like, each to be taken once, those of equal looks in their order.
 template <typename Table>
 class RowFinder {
  public:
-  explicit RowFinder(const Geometry& geometry) : geometry_(geometry), isTaken_(Table::sources(geometry).size(), false) {
-    const auto count = static_cast<std::uint32_t>(isTaken_.size());
-    next_.assign(count, kEnd);
-    firstOf_.reserve(count);
-    // from the last to the first, so that each list begins with its first row
-    for (std::uint32_t row = count; row-- > 0;) {
-      const auto [entry, isNew] = firstOf_.try_emplace(Table::hash(geometry, row), row);
-      if (!isNew) {
-        next_[row] = entry->second;
-        entry->second = row;
-      }
-    }
-  }
+  explicit RowFinder(const Geometry& geometry)
+      : geometry_(geometry), isTaken_(Table::sources(geometry).size(), false) {}
 
-  /// The row that looks like `row` of `other`, preferably `expected`; kNew: there is none left.
-  std::uint32_t take(const Geometry& other, std::size_t row, std::uint32_t expected) {
-    if (expected < isTaken_.size() && !isTaken_[expected] && Table::equal(geometry_, expected, other, row)) {
-      isTaken_[expected] = true;
-      return expected;
+  [[nodiscard]] bool isNext(std::uint32_t row, const Geometry& other, std::size_t otherRow) const {
+    return row < isTaken_.size() && !isTaken_[row] && Table::equal(geometry_, row, other, otherRow);
+  }
+  void take(std::uint32_t row) {
+    isTaken_[row] = true;
+    ++takenCount_;
+  }
+  [[nodiscard]] bool hasSearched() const { return !next_.empty(); }
+
+  /// Some row that looks like `row` of `other`; kNew: there is none left.
+  [[nodiscard]] std::uint32_t find(const Geometry& other, std::size_t row) {
+    if (takenCount_ == isTaken_.size()) {
+      return GeometryRun::kNew;
+    }
+    if (!hasSearched()) {
+      buildTable();
     }
     const auto entry = firstOf_.find(Table::hash(other, row));
     if (entry == firstOf_.end()) {
@@ -179,7 +185,6 @@ class RowFinder {
     }
     for (std::uint32_t found = entry->second; found != kEnd; found = next_[found]) {
       if (!isTaken_[found] && Table::equal(geometry_, found, other, row)) {
-        isTaken_[found] = true;
         return found;
       }
     }
@@ -189,11 +194,44 @@ class RowFinder {
  private:
   static constexpr std::uint32_t kEnd = std::numeric_limits<std::uint32_t>::max();
 
+  void buildTable() {
+    const auto count = static_cast<std::uint32_t>(isTaken_.size());
+    next_.assign(count + std::size_t{1}, kEnd);
+    firstOf_.reserve(count);
+    // from the last to the first, so that each list begins with its first row
+    for (std::uint32_t row = count; row-- > 0;) {
+      const auto [entry, isNew] = firstOf_.try_emplace(Table::hash(geometry_, row), row);
+      if (!isNew) {
+        next_[row] = entry->second;
+        entry->second = row;
+      }
+    }
+  }
+
   const Geometry& geometry_;
   std::vector<bool> isTaken_;
-  std::vector<std::uint32_t> next_;  // of equal hash, kEnd: none
+  std::size_t takenCount_ = 0;
+  std::vector<std::uint32_t> next_;  // of equal hash, kEnd: none; one more; empty: nothing was searched so far
   std::unordered_map<std::uint64_t, std::uint32_t> firstOf_;
 };
+
+/// Where both tables go on alike: how many rows of each are left out. Nothing within the rows that are looked at.
+template <typename Table>
+std::optional<std::pair<std::uint32_t, std::size_t>> meetingPlace(const RowFinder<Table>& finder,
+                                                                  std::uint32_t expected, const Geometry& now,
+                                                                  std::size_t row) {
+  for (std::size_t sum = 1; sum <= kAddedRows; ++sum) {
+    // nearest first; far away only where one of them has rows that the other has not
+    const std::size_t stride = sum <= kChangedRows ? 1 : sum;
+    for (std::size_t added = 0; added <= sum; added += stride) {
+      const auto removed = static_cast<std::uint32_t>(sum - added);
+      if (row + added < Table::sources(now).size() && finder.isNext(expected + removed, now, row + added)) {
+        return std::pair(removed, added);
+      }
+    }
+  }
+  return std::nullopt;
+}
 
 template <typename Table>
 void compare(const Geometry& before, const Geometry& now, std::vector<GeometryRun>& runs, Geometry& added) {
@@ -202,11 +240,21 @@ void compare(const Geometry& before, const Geometry& now, std::vector<GeometryRu
   const GeometrySources& sources = Table::sources(now);
   std::uint32_t expected = 0;
   for (std::size_t row = 0; row < sources.size(); ++row) {
-    const std::uint32_t found = finder.take(now, row, expected);
+    std::uint32_t found = expected;
+    if (!finder.isNext(expected, now, row)) {
+      // a few rows were added, changed or taken away; else it may be anywhere
+      const auto place = finder.hasSearched() ? std::nullopt : meetingPlace(finder, expected, now, row);
+      for (std::size_t i = 0; place && i < place->second; ++i, ++row) {
+        appendRow<Table>(now, row, 0, added);
+        extend(runs, GeometryRun::kNew, 0);
+      }
+      found = place ? expected + place->first : finder.find(now, row);
+    }
     if (found == GeometryRun::kNew) {
       appendRow<Table>(now, row, 0, added);
       extend(runs, found, 0);
     } else {
+      finder.take(found);
       extend(runs, found, sources.module[row] - sourcesBefore.module[found]);
       expected = found + 1;
     }

@@ -28,7 +28,8 @@ struct GeometryDifference {
   Geometry added;                             // the new rows
 };
 
-/// O(rows + vertices), expected.
+/// O(rows + vertices), expected: one pass over both while few rows change, and a table of all rows where the two part
+/// for long.
 [[nodiscard]] GeometryDifference differenceOf(const Geometry& before, const Geometry& now);
 
 /// Makes `now`, which is cleared first, from the geometry before and the difference: differenceOf's inverse, bit by

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -99,6 +100,55 @@ TEST(GeometryDifference, ApplyingADifferenceGivesTheSameBits) {
     for (std::size_t i = 0; i < now.start.size(); ++i) {
       EXPECT_EQ(std::signbit(made.start[i].x), std::signbit(now.start[i].x));
     }
+  }
+}
+
+TEST(GeometryDifference, RowsComeGoAndMoveFarAndNear) {
+  std::mt19937 random(5);
+  for (int round = 0; round < 60; ++round) {
+    std::vector<double> rows;
+    for (int i = 0; i < 400; ++i) {
+      rows.push_back(i);
+    }
+    const auto geometryOf = [&rows] {
+      Geometry geometry;
+      for (const double x : rows) {
+        addSegment(geometry, x, static_cast<std::uint64_t>(x));
+        addOrgan(geometry, x, static_cast<std::uint64_t>(x), static_cast<int>(x) % 3 == 0);
+      }
+      return geometry;
+    };
+    const Geometry before = geometryOf();
+    std::size_t changed = 0;
+    for (std::size_t edits = random() % 4; edits > 0; --edits) {
+      const auto at = [&rows](std::size_t place) { return rows.begin() + static_cast<std::ptrdiff_t>(place); };
+      const std::size_t place = random() % rows.size();
+      const std::size_t count = 1 + random() % (random() % 2 == 0 ? 5 : 150);
+      const std::size_t end = std::min(rows.size(), place + count);
+      switch (random() % 3) {
+        case 0:
+          rows.insert(at(place), count, 1000.0 + static_cast<double>(random() % 3));
+          changed += count;
+          break;
+        case 1:
+          rows.erase(at(place), at(end));
+          break;
+        default: {
+          const std::vector<double> moved(at(place), at(end));
+          rows.erase(at(place), at(end));
+          const std::size_t target = random() % (rows.size() + 1);
+          rows.insert(at(target), moved.begin(), moved.end());
+          // either these or those between are new when it is not far
+          changed += 2 * 64;
+        }
+      }
+    }
+    const Geometry now = geometryOf();
+    const GeometryDifference difference = differenceOf(before, now);
+    Geometry made;
+    EXPECT_EQ(applyDifference(before, difference, made), std::nullopt);
+    EXPECT_EQ(made, now);
+    EXPECT_LE(difference.added.start.size(), changed) << "round " << round;
   }
 }
 
