@@ -83,7 +83,9 @@ void Derivation::Implementation::scanInBatches(const PlantState& state, std::uin
     const std::uint64_t batched = outcome.endModule - place.module;
     const std::uint64_t target = working_.size();
     if (appendBatch(outcome)) {
-      keptModules_.note(place.module, target, outcome.isKept ? batched : 0);
+      if (outcome.isKept && !state.string.wereSet(place.offset, outcome.parameterCount)) {
+        keptModules_.note(place.module, target, batched);
+      }
       place = {outcome.endModule, outcome.endParameter};
     } else {
       // a failure or a warning, in the order of the string

@@ -104,7 +104,7 @@ class Derivation::Implementation {
   void scanInParallel(const PlantState& state);
   void makeTeam();
   void findChunkOffsets(const ModuleString& old, std::uint64_t chunkModules);
-  std::uint64_t scanRound(const BatchScan::Step& step, std::uint64_t firstChunk);
+  std::uint64_t scanRound(const ModuleString& old, const BatchScan::Step& step, std::uint64_t firstChunk);
 
   // parted_scan.cpp
   [[nodiscard]] bool canScanInParts(const ModuleString& old) const;

@@ -1,9 +1,12 @@
 #pragma once
 
+#include <algorithm>
+#include <bit>
 #include <cstdint>
 #include <memory>
 #include <span>
 #include <utility>
+#include <vector>
 
 #include "engine/core/buffer.h"
 #include "engine/core/identifiers.h"
@@ -26,10 +29,40 @@ class ModuleString {
     return parameters_.span();
   }
 
+  /// Writes one parameter. The string still knows its mark (earlierMark) and about where it was written to.
+  void setParameter(std::uint64_t offset, double value) {
+    double& parameter = parameters_.data()[offset];
+    if (std::bit_cast<std::uint64_t>(parameter) == std::bit_cast<std::uint64_t>(value)) {
+      return;
+    }
+    parameter = value;
+    if (mark_ != nullptr) [[unlikely]] {
+      written_.resize(parameterCount() / kWrittenBlock + 1);
+      written_[offset / kWrittenBlock] = true;
+    }
+  }
+
   /// The mark of the contents as they are; null: none was made.
   [[nodiscard]] const std::shared_ptr<const StringMark>& mark() const {
-    static const std::shared_ptr<const StringMark> kNone;
-    return mark_ != nullptr && markedModules_ == size() && markedParameters_ == parameterCount() ? mark_ : kNone;
+    return written_.empty() ? earlierMark() : noMark();
+  }
+  /// The mark of the contents as they were before parameters were set; null: none was made.
+  [[nodiscard]] const std::shared_ptr<const StringMark>& earlierMark() const {
+    return mark_ != nullptr && markedModules_ == size() && markedParameters_ == parameterCount() ? mark_ : noMark();
+  }
+  /// Whether any of these parameters may have been set since.
+  [[nodiscard]] bool wereSet(std::uint64_t offset, std::uint64_t count) const {
+    if (written_.empty() || count == 0) {
+      return false;
+    }
+    if ((offset + count - 1) / kWrittenBlock >= written_.size()) {
+      return true;
+    }
+    const auto block = [this](std::uint64_t at) {
+      return written_.begin() + static_cast<std::ptrdiff_t>(at / kWrittenBlock);
+    };
+    const auto end = block(offset + count - 1) + 1;
+    return std::find(block(offset), end, true) != end;
   }
   /// The same, made when there is none.
   [[nodiscard]] std::shared_ptr<const StringMark> marked() {
@@ -38,8 +71,9 @@ class ModuleString {
     }
     return mark_;
   }
-  /// What changes the contents forgets the mark.
+  /// Whatever else changes the contents forgets the mark.
   void setMark(std::shared_ptr<const StringMark> mark) {
+    written_.clear();
     mark_ = std::move(mark);
     markedModules_ = size();
     markedParameters_ = parameterCount();
@@ -54,6 +88,7 @@ class ModuleString {
     types_.swap(other.types_);
     parameters_.swap(other.parameters_);
     mark_.swap(other.mark_);
+    written_.swap(other.written_);
     std::swap(markedModules_, other.markedModules_);
     std::swap(markedParameters_, other.markedParameters_);
   }
@@ -77,9 +112,15 @@ class ModuleString {
   }
 
  private:
+  static constexpr std::uint64_t kWrittenBlock = 256;  // parameters
+
+  [[nodiscard]] static const std::shared_ptr<const StringMark>& noMark() {
+    static const std::shared_ptr<const StringMark> kNone;
+    return kNone;
+  }
   void forgetMark() {
     if (mark_ != nullptr) [[unlikely]] {
-      mark_ = nullptr;
+      setMark(nullptr);
     }
   }
 
@@ -88,6 +129,7 @@ class ModuleString {
   std::shared_ptr<const StringMark> mark_;  // of the contents when there were so many modules and parameters
   std::uint64_t markedModules_ = 0;
   std::uint64_t markedParameters_ = 0;
+  std::vector<bool> written_;  // by block of parameters: one was set since; empty: none was
 };
 
 }  // namespace espalier::derivation

@@ -75,7 +75,8 @@ void Derivation::Implementation::findChunkOffsets(const ModuleString& old, std::
   }
 }
 
-std::uint64_t Derivation::Implementation::scanRound(const BatchScan::Step& step, std::uint64_t firstChunk) {
+std::uint64_t Derivation::Implementation::scanRound(const ModuleString& old, const BatchScan::Step& step,
+                                                    std::uint64_t firstChunk) {
   const std::uint64_t size = step.old.size;
   ScanRound round(firstChunk, chunkOffsets_.size() - 1);
   std::mutex mutex;
@@ -109,7 +110,9 @@ std::uint64_t Derivation::Implementation::scanRound(const BatchScan::Step& step,
           return;
         }
         // one thread at a time, in the order of the string
-        keptModules_.note(first, modules, outcome.isKept ? outcome.moduleCount : 0);
+        if (outcome.isKept && !old.wereSet(chunkOffsets_[chunk], outcome.parameterCount)) {
+          keptModules_.note(first, modules, outcome.moduleCount);
+        }
         round.passTurn(chunk);
         output.prepare(modules, modules + outcome.moduleCount, parameterCount, parameterCount + outcome.parameterCount);
         if (!batch.write(output.types() + modules, output.parameters() + parameterCount)) {
@@ -147,7 +150,7 @@ void Derivation::Implementation::scanInParallel(const PlantState& state) {
     scanUpTo(state, std::min(place.module + chunkModules_, old.size()), place);
   };
   for (std::uint64_t chunk = 0; chunk < chunkCount;) {
-    chunk = scanRound(step, chunk);
+    chunk = scanRound(old, step, chunk);
     // values that fail or warn: in the order of the string, behind what is made already and dropped again
     for (const std::uint64_t unusual : unusualChunks_) {
       const std::uint64_t modules = working_.size();

@@ -48,7 +48,7 @@ void Derivation::Implementation::scan(PlantState& state) {
   isWorkingIndexed_ = false;
   working_.clear();
   keptParts_.clear();
-  keptModules_.begin(old.mark());
+  keptModules_.begin(old.earlierMark());
   const bool isParallel = canScanInParallel(old);
   const bool isParted = !isParallel && canScanInParts(old);
   const bool isIndexed = std::any_of(program_->systems.begin(), program_->systems.end(),

@@ -1,4 +1,3 @@
-#include <bit>
 #include <cmath>
 #include <utility>
 
@@ -267,13 +266,8 @@ void Simulation::Implementation::writeReplies(const turtle::ReplyBatch& replies)
 
 void Simulation::Implementation::writeReply(std::uint32_t plant, std::uint64_t offset, double value) {
   derivation::ModuleString& string = plants_[plant].string;
-  const double before = string.parameters()[offset];
-  undo_[plant].changes.push_back({offset, before});
-  const double after = isCompatible() ? static_cast<double>(static_cast<float>(value)) : value;
-  // a plant at rest keeps its mark
-  if (std::bit_cast<std::uint64_t>(before) != std::bit_cast<std::uint64_t>(after)) {
-    string.mutableParameters()[offset] = after;
-  }
+  undo_[plant].changes.push_back({offset, string.parameters()[offset]});
+  string.setParameter(offset, isCompatible() ? static_cast<double>(static_cast<float>(value)) : value);
 }
 
 core::SimulationError Simulation::Implementation::environmentFailure(const turtle::EnvironmentError& error) const {

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <array>
-#include <bit>
 
 #include "engine/turtle/interpretation.h"
 #include "engine/turtle/turtle_motion.h"
@@ -76,10 +75,7 @@ void Interpretation::fill(const Sequence& sequence, std::uint64_t offset, std::u
     if (output_.changes != nullptr) {
       output_.changes->push_back({offset + k, before});
     }
-    // a plant at rest keeps its mark
-    if (std::bit_cast<std::uint64_t>(before) != std::bit_cast<std::uint64_t>(value)) {
-      plantState_.string.mutableParameters()[offset + k] = value;
-    }
+    plantState_.string.setParameter(offset + k, value);
   }
 }
 

@@ -32,6 +32,8 @@ TEST(StringMark, IsForgottenByWhateverChangesTheContents) {
   EXPECT_FALSE(forgets([](ModuleString& string) { static_cast<void>(string.parameters()); }));
   EXPECT_FALSE(forgets([](ModuleString& string) { static_cast<void>(string.marked()); }));
   EXPECT_TRUE(forgets([](ModuleString& string) { string.mutableParameters()[1] = 2.0; }));
+  EXPECT_TRUE(forgets([](ModuleString& string) { string.setParameter(1, 2.0); }));
+  EXPECT_FALSE(forgets([](ModuleString& string) { string.setParameter(1, 0.5); }));
   EXPECT_TRUE(forgets([](ModuleString& string) { string.append(1, {}); }));
   EXPECT_TRUE(forgets([](ModuleString& string) { string.appendAll({}, std::array{1.0}); }));
   EXPECT_TRUE(forgets([](ModuleString& string) { string.typeBuffer().data()[0] = 2; }));
@@ -57,6 +59,31 @@ TEST(StringMark, GoesWithTheContents) {
   EXPECT_EQ(moved.mark(), mark);
   EXPECT_EQ(keptModules(*mark, moved.mark(), 3), (Kept{{0, 0, 3}}));
   EXPECT_TRUE(keptModules(*mark, nullptr, 3).empty());
+}
+
+TEST(StringMark, IsRememberedBesideParametersThatWereSet) {
+  ModuleString string = stringOf(2'000);
+  const auto mark = string.marked();
+  EXPECT_FALSE(string.wereSet(0, 2'000));
+  string.setParameter(1'000, 0.75);
+  EXPECT_EQ(string.parameters()[1'000], 0.75);
+  EXPECT_EQ(string.mark(), nullptr);
+  EXPECT_EQ(string.earlierMark(), mark);
+  EXPECT_TRUE(string.wereSet(0, 2'000));
+  EXPECT_TRUE(string.wereSet(1'000, 1));
+  EXPECT_FALSE(string.wereSet(1'000, 0));
+  EXPECT_FALSE(string.wereSet(0, 700));
+  EXPECT_FALSE(string.wereSet(1'300, 700));
+  ModuleString other;
+  other.swap(string);
+  EXPECT_EQ(other.earlierMark(), mark);
+  EXPECT_TRUE(other.wereSet(1'000, 1));
+  EXPECT_FALSE(string.wereSet(0, 1));
+  static_cast<void>(other.mutableParameters());
+  EXPECT_EQ(other.earlierMark(), nullptr);
+  EXPECT_FALSE(other.wereSet(1'000, 1));
+  other.setParameter(1'000, 0.25);
+  EXPECT_FALSE(other.wereSet(1'000, 1));
 }
 
 TEST(StringMark, OfSeveralStepsIsWhatAllOfThemKeep) {
@@ -107,7 +134,7 @@ TEST(StringMark, NobodyKeepsNothingIsNoted) {
   EXPECT_EQ(recorder.finish(), nullptr);
 }
 
-TEST(StringMark, ALongStringKeepsWhatIsNotNearWhatGrows) {
+TEST(StringMark, ALongStringKeepsWhatIsNeitherNearWhatGrowsNorNearAnAnswer) {
   std::string rest;
   for (int i = 0; i < 20'000; ++i) {
     rest += i % 3 == 0 ? "F(1)" : "+(7)";
@@ -119,15 +146,21 @@ TEST(StringMark, ALongStringKeepsWhatIsNotNearWhatGrows) {
     DerivedModel model(test::modelText("", rest + "A(0)" + rest, "A(x) --> F(x)A(x+1)\n"), options);
     const auto mark = model.state().string.marked();
     for (std::uint64_t step = 1; step < 5; ++step) {
+      // an answer
+      model.state().string.setParameter(6'600, static_cast<double>(step) + 0.5);
       model.steps(1);
       const Kept kept = keptModules(*mark, model.state().string.mark(), model.state().string.size());
-      ASSERT_EQ(kept.size(), 2U);
+      ASSERT_EQ(kept.size(), 3U);
       EXPECT_EQ(kept[0].from, 0U);
       EXPECT_EQ(kept[0].to, 0U);
-      EXPECT_GT(kept[0].modules, 17'900U);
-      EXPECT_EQ(kept[1].to, kept[1].from + step);
-      EXPECT_GT(kept[1].modules, 17'900U);
-      EXPECT_EQ(kept[1].to + kept[1].modules, model.state().string.size());
+      EXPECT_GT(kept[0].modules, 4'000U);
+      EXPECT_LE(kept[0].modules, 6'600U);
+      EXPECT_GT(kept[1].from, 6'600U);
+      EXPECT_EQ(kept[1].to, kept[1].from);
+      EXPECT_GT(kept[1].modules, 9'000U);
+      EXPECT_EQ(kept[2].to, kept[2].from + step);
+      EXPECT_GT(kept[2].modules, 17'900U);
+      EXPECT_EQ(kept[2].to + kept[2].modules, model.state().string.size());
     }
   }
 }
