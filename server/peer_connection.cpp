@@ -4,6 +4,9 @@ namespace espalier::server {
 namespace {
 
 constexpr std::chrono::seconds kGrace{1};
+// how long who sends no more is answered what it has asked, and how often it is looked whether all is
+constexpr std::chrono::seconds kLastAnswers{2};
+constexpr std::chrono::milliseconds kLook{10};
 // messages up to so many bytes are written at once where that is possible
 constexpr std::size_t kSmall = 65'536;
 
@@ -191,7 +194,20 @@ asio::awaitable<void> PeerConnection::readAll() {
     // not in the condition: g++ 12 makes wrong code of that
     goesOn = co_await receive();
   }
+  if (hasEnded_ && !isClosed_) {
+    co_await answerRest();
+  }
   closeNow();
+}
+
+asio::awaitable<void> PeerConnection::answerRest() {
+  session_->onPeerEnded();
+  const auto end = std::chrono::steady_clock::now() + kLastAnswers;
+  asio::steady_timer look(executor_);
+  while (!isClosed_ && (session_->isAnswering() || outboxBytes_ > 0) && std::chrono::steady_clock::now() < end) {
+    look.expires_after(kLook);
+    co_await look.async_wait(kAsTuple);
+  }
 }
 
 PeerConnection::Batch PeerConnection::takeOutbox() {

@@ -68,6 +68,8 @@ class PeerConnection : public Connection, public std::enable_shared_from_this<Pe
   /// `isMoreToCome`: the bytes of another message are there.
   void hand(const protocol::MessageReader::Read& read, bool isMoreToCome = false);
   void lose(const protocol::Error& error);
+  /// Nothing more comes from the peer, which may still read.
+  void noteEnd() { hasEnded_ = true; }
   /// Both sides agreed on blocks.
   [[nodiscard]] bool areBlocksAgreed() const { return session_ != nullptr && session_->areBlocksAgreed(); }
 
@@ -76,6 +78,8 @@ class PeerConnection : public Connection, public std::enable_shared_from_this<Pe
   void wakeWriter();
   asio::awaitable<void> readAll();
   asio::awaitable<void> writeAll();
+  /// After noteEnd().
+  asio::awaitable<void> answerRest();
   /// What is to be written next; empty: nothing.
   [[nodiscard]] Batch takeOutbox();
 
@@ -92,6 +96,7 @@ class PeerConnection : public Connection, public std::enable_shared_from_this<Pe
   bool isLocal_ = false;
   bool isBeating_ = false;  // heartbeats have begun: the peer was greeted
   bool wasHeard_ = false;   // since the last heartbeat
+  bool hasEnded_ = false;
   bool isHolding_ = false;  // isHeld_
   bool isClosing_ = false;
   bool isClosed_ = false;

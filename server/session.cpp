@@ -248,7 +248,22 @@ void Session::failPendingCalls(const LinkFailure& failure) {
   }
 }
 
+void Session::onPeerEnded() {
+  {
+    const std::lock_guard lock(mutex_);
+    isEnded_ = true;
+  }
+  core_->offered().withdraw(this);
+  failPendingCalls({LinkFailure::Kind::Closed, "closed the connection", {}});
+}
+
+bool Session::isAnswering() const {
+  const std::lock_guard lock(mutex_);
+  return !inProgress_.empty();
+}
+
 void Session::onClosed() {
+  onPeerEnded();
   std::map<std::string, std::function<void()>> requests;
   {
     const std::lock_guard lock(mutex_);
@@ -259,8 +274,6 @@ void Session::onClosed() {
     }
     streams_.clear();
   }
-  core_->offered().withdraw(this);
-  failPendingCalls({LinkFailure::Kind::Closed, "closed the connection", {}});
   // requests end with the connection they came on, also within a step: who has left keeps no worker busy
   for (const auto& [id, cancel] : requests) {
     if (cancel) {
@@ -290,7 +303,7 @@ std::string Session::ask(std::string_view method, const protocol::Body& params, 
   {
     const std::lock_guard lock(mutex_);
     id = "s" + std::to_string(++askedCount_);
-    isGone = isClosed_;
+    isGone = isClosed_ || isEnded_;
     if (!isGone) {
       pending_.emplace(id, call);
     }

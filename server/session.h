@@ -36,6 +36,10 @@ class Session final : public AskedPeer, public std::enable_shared_from_this<Sess
   [[nodiscard]] bool onHeartbeat(bool wasHeard);
   /// Part of the outbox was sent: streams may have room again.
   void onDrained();
+  /// The peer sends no more: what it owes will not come. What it has asked for it may still read.
+  void onPeerEnded();
+  /// It has asked for something that it has no answer to.
+  [[nodiscard]] bool isAnswering() const;
   void onClosed();
   [[nodiscard]] bool isGreeted() const { return isGreeted_; }
   /// Both sides named the capability `bin`.
@@ -83,6 +87,7 @@ class Session final : public AskedPeer, public std::enable_shared_from_this<Sess
   bool isGreeted_ = false;    // network thread
   mutable std::mutex mutex_;  // guards what follows
   bool isClosed_ = false;
+  bool isEnded_ = false;          // the peer answers nothing more
   bool takesHeartbeats_ = false;  // it named the capability
   bool isHeartbeatOwed_ = false;  // it was asked and has not been heard since
   std::uint64_t heartbeatCount_ = 0;

@@ -31,6 +31,9 @@ class StreamConnection final : public PeerConnection {
 
   asio::awaitable<bool> receive() override {
     const auto [error, count] = co_await stream_.async_read_some(asio::buffer(*bytes_), kAsTuple);
+    if (error == asio::error::eof) {
+      noteEnd();
+    }
     if (error) {
       co_return false;
     }

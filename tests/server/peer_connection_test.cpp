@@ -31,5 +31,27 @@ TEST(PeerConnection, AnswersThatNobodyReadsYetComeWholeAndInTheirOrder) {
   }
 }
 
+TEST(PeerConnection, WhoSendsNoMoreIsAnsweredWhatItHasAsked) {
+  const RunningServer server;
+  RawPeer peer(server);
+  (void)peer.ask(kHello);
+  const std::string created = peer.ask(R"({"jsonrpc":"2.0","id":2,"method":"simulation.create","params":)" +
+                                       createParams(kGrowth, R"([{"type":"height"}])") + "}");
+  const std::string simulation = member(protocol::memberOf(created, "result").value_or("{}"), "simulation");
+  std::string lines;
+  for (int id = 3; id < 9; ++id) {
+    lines += R"({"jsonrpc":"2.0","id":)" + std::to_string(id) + R"(,"method":"simulation.step","params":)" +
+             named(simulation) + "}\n";
+  }
+  peer.send(lines);
+  peer.endSending();
+  for (int id = 3; id < 9; ++id) {
+    const std::string answer = peer.line();
+    EXPECT_EQ(protocol::memberOf(answer, "id"), std::to_string(id)) << answer;
+    EXPECT_EQ(member(protocol::memberOf(answer, "result").value_or("{}"), "step"), std::to_string(id - 2)) << answer;
+  }
+  EXPECT_EQ(peer.line(), "(closed)");
+}
+
 }  // namespace
 }  // namespace espalier::server

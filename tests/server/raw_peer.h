@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <sys/socket.h>
+
 #include <string>
+#include <utility>
 
 #include "server/line_channel.h"
 #include "server_fixture.h"
@@ -15,7 +18,7 @@ inline constexpr std::string_view kHello =
 /// A peer that sends exactly the bytes it is told to.
 class RawPeer {
  public:
-  explicit RawPeer(const RunningServer& server) : channel_(dial(server.address()), Descriptor(), 100'000'000) {}
+  explicit RawPeer(const RunningServer& server) : RawPeer(dial(server.address())) {}
 
   void send(std::string_view bytes) { (void)channel_.write(bytes, soon()); }
   /// The next line; "(closed)" or "(timeout)" when there is none.
@@ -30,18 +33,22 @@ class RawPeer {
         return "(closed)";
     }
   }
+  /// Nothing more is sent; it can still read.
+  void endSending() const { (void)::shutdown(socket_, SHUT_WR); }
   std::string ask(std::string_view text) {
     send(std::string(text) + "\n");
     return line();
   }
 
  private:
+  explicit RawPeer(Descriptor socket) : socket_(socket.number()), channel_(std::move(socket), Descriptor(), 100'000'000) {}
   static Deadline soon() { return std::chrono::steady_clock::now() + std::chrono::seconds(30); }
   static Descriptor dial(const std::string& address) {
     auto dialled = dialTcp(address, soon());
     EXPECT_TRUE(std::holds_alternative<Descriptor>(dialled));
     return std::move(std::get<Descriptor>(dialled));
   }
+  int socket_;
   LineChannel channel_;
 };
 
