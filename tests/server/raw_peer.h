@@ -41,7 +41,8 @@ class RawPeer {
   }
 
  private:
-  explicit RawPeer(Descriptor socket) : socket_(socket.number()), channel_(std::move(socket), Descriptor(), 100'000'000) {}
+  explicit RawPeer(Descriptor socket)
+      : socket_(socket.number()), channel_(std::move(socket), Descriptor(), 100'000'000) {}
   static Deadline soon() { return std::chrono::steady_clock::now() + std::chrono::seconds(30); }
   static Descriptor dial(const std::string& address) {
     auto dialled = dialTcp(address, soon());
