@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/turtle/meeting_place.h"
 #include "server/turtle_frame.h"
 
 namespace espalier::server {
@@ -89,9 +90,7 @@ class RowDifference {
   }
 
  private:
-  // where rows part: those changed together, and those added or taken away, that are looked for before all rows of the
-  // base are searched
-  static constexpr std::size_t kChangedRows = 8;
+  // rows added or taken away that are looked for, where rows part, before all rows of the base are searched
   static constexpr std::size_t kAddedRows = 256;
   static constexpr std::uint32_t kEmpty = 0xFFFFFFFF;
 
@@ -115,22 +114,11 @@ class RowDifference {
   }
   void add(std::size_t row) { difference_.fresh.push_back(static_cast<std::uint32_t>(row)); }
 
-  /// Where both go on alike: how many rows of each are left out. Nothing within the rows that are looked at.
   [[nodiscard]] std::optional<std::pair<std::size_t, std::size_t>> meetingPlace(std::size_t i, std::size_t j) const {
-    const auto isMeeting = [&](std::size_t removed, std::size_t added) {
+    return turtle::meetingPlace(kAddedRows, [&](std::size_t removed, std::size_t added) {
       return i + removed < base_.rows() && j + added < rows_.rows() &&
              areAlike(base_.row(i + removed), rows_.row(j + added));
-    };
-    for (std::size_t sum = 1; sum <= kAddedRows; ++sum) {
-      // nearest first; far away only where one of them has rows that the other has not
-      const std::size_t stride = sum <= kChangedRows ? 1 : sum;
-      for (std::size_t added = 0; added <= sum; added += stride) {
-        if (isMeeting(sum - added, added)) {
-          return std::pair(sum - added, added);
-        }
-      }
-    }
-    return std::nullopt;
+    });
   }
 
   /// Of rows with the same position and symbol only the first is known, so that a search takes a bounded time.

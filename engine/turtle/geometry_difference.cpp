@@ -5,6 +5,8 @@
 #include <unordered_map>
 #include <utility>
 
+#include "engine/turtle/meeting_place.h"
+
 namespace espalier::turtle {
 namespace {
 
@@ -147,9 +149,7 @@ void extend(std::vector<GeometryRun>& runs, std::uint32_t row, std::uint64_t mod
   runs.push_back({row, 1, moduleShift});
 }
 
-// where two tables part: rows changed together, and rows added or taken away, that are looked for before all rows are
-// searched
-constexpr std::size_t kChangedRows = 8;
+// rows added or taken away that are looked for, where two tables part, before all rows are searched
 constexpr std::size_t kAddedRows = 64;
 
 /// Rows of a table by what they look like, each to be taken once, those of equal looks in their order.
@@ -215,24 +215,6 @@ class RowFinder {
   std::unordered_map<std::uint64_t, std::uint32_t> firstOf_;
 };
 
-/// Where both tables go on alike: how many rows of each are left out. Nothing within the rows that are looked at.
-template <typename Table>
-std::optional<std::pair<std::uint32_t, std::size_t>> meetingPlace(const RowFinder<Table>& finder,
-                                                                  std::uint32_t expected, const Geometry& now,
-                                                                  std::size_t row) {
-  for (std::size_t sum = 1; sum <= kAddedRows; ++sum) {
-    // nearest first; far away only where one of them has rows that the other has not
-    const std::size_t stride = sum <= kChangedRows ? 1 : sum;
-    for (std::size_t added = 0; added <= sum; added += stride) {
-      const auto removed = static_cast<std::uint32_t>(sum - added);
-      if (row + added < Table::sources(now).size() && finder.isNext(expected + removed, now, row + added)) {
-        return std::pair(removed, added);
-      }
-    }
-  }
-  return std::nullopt;
-}
-
 template <typename Table>
 void compare(const Geometry& before, const Geometry& now, std::vector<GeometryRun>& runs, Geometry& added) {
   RowFinder<Table> finder(before);
@@ -243,12 +225,17 @@ void compare(const Geometry& before, const Geometry& now, std::vector<GeometryRu
     std::uint32_t found = expected;
     if (!finder.isNext(expected, now, row)) {
       // a few rows were added, changed or taken away; else it may be anywhere
-      const auto place = finder.hasSearched() ? std::nullopt : meetingPlace(finder, expected, now, row);
+      const auto isAlike = [&](std::size_t gone, std::size_t come) {
+        return row + come < sources.size() &&
+               finder.isNext(expected + static_cast<std::uint32_t>(gone), now, row + come);
+      };
+      const bool mayBeNear = expected < sourcesBefore.size() && !finder.hasSearched();
+      const auto place = mayBeNear ? meetingPlace(kAddedRows, isAlike) : std::nullopt;
       for (std::size_t i = 0; place && i < place->second; ++i, ++row) {
         appendRow<Table>(now, row, 0, added);
         extend(runs, GeometryRun::kNew, 0);
       }
-      found = place ? expected + place->first : finder.find(now, row);
+      found = place ? expected + static_cast<std::uint32_t>(place->first) : finder.find(now, row);
     }
     if (found == GeometryRun::kNew) {
       appendRow<Table>(now, row, 0, added);
