@@ -4,8 +4,8 @@
 #include <optional>
 #include <utility>
 
-#include "environment/json_text.h"
-#include "environment/letter_case.h"
+#include "environment/base/json_text.h"
+#include "environment/base/letter_case.h"
 
 namespace espalier::environment {
 

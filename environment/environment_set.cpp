@@ -5,7 +5,7 @@
 
 #include "engine/core/check.h"
 #include "engine/turtle/field.h"
-#include "environment/letter_case.h"
+#include "environment/base/letter_case.h"
 #include "environment/process_group.h"
 
 namespace espalier::environment {

@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include "environment/process_entry.h"
+#include "environment/base/process_entry.h"
 
 namespace espalier::environment {
 

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/turtle/geometry.h"
+#include "engine/turtle/scene/geometry.h"
 
 namespace espalier::environment {
 

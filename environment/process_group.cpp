@@ -8,7 +8,7 @@
 #include "engine/turtle/field.h"
 #include "engine/turtle/guarded_call.h"
 #include "engine/turtle/query_batches.h"
-#include "environment/state_bytes.h"
+#include "environment/base/state_bytes.h"
 
 namespace espalier::environment {
 

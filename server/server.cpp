@@ -5,7 +5,7 @@
 #include <mutex>
 #include <thread>
 
-#include "server/network.h"
+#include "server/network/network.h"
 #include "server/server_core.h"
 
 namespace espalier::server {

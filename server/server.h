@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "server/limits.h"
+#include "server/remote/limits.h"
 
 namespace espalier::server {
 

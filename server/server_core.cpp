@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <random>
 
-#include "server/session.h"
+#include "server/session/session.h"
 
 namespace espalier::server {
 namespace {

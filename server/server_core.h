@@ -12,15 +12,15 @@
 #include <vector>
 
 #include "protocol/errors.h"
-#include "server/environment_builder.h"
 #include "server/log.h"
 #include "server/metrics.h"
-#include "server/model_store.h"
-#include "server/offered_environments.h"
+#include "server/remote/offered_environments.h"
+#include "server/running/environment_builder.h"
+#include "server/running/simulation_runner.h"
+#include "server/running/worker_pool.h"
 #include "server/server.h"
-#include "server/simulation_runner.h"
-#include "server/store.h"
-#include "server/worker_pool.h"
+#include "server/store/model_store.h"
+#include "server/store/store.h"
 
 namespace espalier::server {
 

@@ -7,19 +7,19 @@
 #include <vector>
 
 #include "clients/espalier/messages.h"
-#include "engine/language/model_queries.h"
+#include "engine/language/checks/model_queries.h"
 #include "environment/environment_entries.h"
 #include "environment/environment_set.h"
-#include "environment/field_embedding.h"
-#include "environment/field_file.h"
-#include "environment/mesh_embedding.h"
+#include "environment/obstacles/mesh_embedding.h"
+#include "environment/output/field_embedding.h"
+#include "environment/published/field_file.h"
 #include "environment/registry.h"
 #include "protocol/envelope.h"
-#include "server/legacy_process.h"
-#include "server/plugin_library.h"
-#include "server/remote_environment.h"
-#include "server/remote_settings.h"
-#include "server/supervised_process.h"
+#include "server/remote/processes/legacy_process.h"
+#include "server/remote/processes/plugin_library.h"
+#include "server/remote/processes/supervised_process.h"
+#include "server/remote/remote_environment.h"
+#include "server/remote/remote_settings.h"
 
 namespace espalier::command {
 namespace {

@@ -10,7 +10,7 @@
 #include "engine/language/program.h"
 #include "engine/simulation/simulation.h"
 #include "engine/turtle/environment_process.h"
-#include "server/failure_policy.h"
+#include "server/remote/failure_policy.h"
 
 namespace espalier::command {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "engine/language/data_file.h"
+#include "engine/files/data_file.h"
 
 namespace espalier::command {
 namespace {

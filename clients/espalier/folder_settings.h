@@ -7,8 +7,8 @@
 #include "clients/espalier/model_files.h"
 #include "engine/core/diagnostic.h"
 #include "engine/core/streams.h"
-#include "engine/language/animation_file.h"
-#include "engine/language/colour_files.h"
+#include "engine/files/animation_file.h"
+#include "engine/files/colour_files.h"
 #include "engine/simulation/simulation.h"
 
 namespace espalier::command {

@@ -11,7 +11,7 @@
 #include "clients/espalier/messages.h"
 #include "engine/turtle/export/palette.h"
 #include "protocol/codec.h"
-#include "server/translate.h"
+#include "server/remote/translation/translate.h"
 
 namespace espalier::command {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "clients/espalier/commands.h"
+#include "clients/espalier/commands/commands.h"
 #include "clients/espalier/messages.h"
 #include "engine/core/check.h"
 #include "engine/core/diagnostic.h"

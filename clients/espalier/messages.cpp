@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <string>
 
-#include "server/limits.h"
+#include "server/remote/limits.h"
 
 namespace espalier::command {
 namespace {

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "engine/language/dialects/dialect.h"
-#include "server/disk_files.h"
+#include "server/remote/disk_files.h"
 
 namespace espalier::command {
 namespace {

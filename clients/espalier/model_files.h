@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "engine/core/diagnostic.h"
-#include "engine/language/model_folder.h"
+#include "engine/files/model_folder.h"
 
 namespace espalier::command {
 

@@ -9,17 +9,17 @@
 #include <thread>
 #include <variant>
 
-#include "clients/espalier/folder_writer.h"
 #include "clients/espalier/forest_file.h"
 #include "clients/espalier/messages.h"
 #include "clients/espalier/model_files.h"
 #include "clients/espalier/number_option.h"
+#include "clients/espalier/output/folder_writer.h"
+#include "engine/files/file_name.h"
 #include "engine/language/compiler.h"
 #include "engine/language/dialects/dialect.h"
-#include "engine/language/file_name.h"
-#include "engine/turtle/export/mtg.h"
-#include "server/limits.h"
-#include "server/remote_settings.h"
+#include "engine/turtle/export/text/mtg.h"
+#include "server/remote/limits.h"
+#include "server/remote/remote_settings.h"
 
 namespace espalier::command {
 namespace {

@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "server/limits.h"
+#include "server/remote/limits.h"
 
 namespace CLI {
 class App;

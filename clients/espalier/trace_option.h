@@ -5,7 +5,7 @@
 
 #include "clients/espalier/environment_loading.h"
 #include "engine/simulation/trace.h"
-#include "server/trace_file.h"
+#include "server/remote/trace_file.h"
 
 namespace CLI {
 class App;

@@ -7,7 +7,7 @@
 
 #include "engine/core/limits.h"
 #include "engine/core/streams.h"
-#include "engine/derivation/plant_state.h"
+#include "engine/derivation/state/plant_state.h"
 #include "engine/language/program.h"
 
 namespace espalier::derivation {

@@ -9,9 +9,9 @@
 
 #include "engine/core/check.h"
 #include "engine/core/number_text.h"
-#include "engine/derivation/failure.h"
+#include "engine/derivation/expressions/failure.h"
 #include "engine/derivation/rewrite_record.h"
-#include "engine/derivation/string_text.h"
+#include "engine/derivation/state/string_text.h"
 
 namespace espalier::derivation {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "engine/core/simulation_error.h"
 #include "engine/derivation/derivation.h"
-#include "engine/derivation/plant_state.h"
+#include "engine/derivation/state/plant_state.h"
 #include "engine/language/program.h"
 
 namespace espalier::derivation {

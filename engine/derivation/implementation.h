@@ -4,16 +4,16 @@
 #include <memory>
 #include <vector>
 
-#include "engine/derivation/batch_scan.h"
-#include "engine/derivation/call_stack.h"
+#include "engine/derivation/batch/batch_scan.h"
+#include "engine/derivation/batch/type_sum.h"
 #include "engine/derivation/derivation.h"
-#include "engine/derivation/evaluator.h"
-#include "engine/derivation/random_source.h"
+#include "engine/derivation/expressions/call_stack.h"
+#include "engine/derivation/expressions/evaluator.h"
+#include "engine/derivation/expressions/random_source.h"
 #include "engine/derivation/rewrite_record.h"
 #include "engine/derivation/rewriter.h"
-#include "engine/derivation/string_index.h"
+#include "engine/derivation/state/string_index.h"
 #include "engine/derivation/system_tables.h"
-#include "engine/derivation/type_sum.h"
 #include "engine/derivation/worker_team.h"
 
 namespace espalier::derivation {

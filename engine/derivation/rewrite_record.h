@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "engine/derivation/context_matcher.h"
-#include "engine/derivation/module_string.h"
+#include "engine/derivation/matching/context_matcher.h"
+#include "engine/derivation/state/module_string.h"
 #include "engine/language/program.h"
 
 namespace espalier::derivation {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "engine/derivation/production_plan.h"
+#include "engine/derivation/matching/production_plan.h"
 
 namespace espalier::derivation {
 

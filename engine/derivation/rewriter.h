@@ -5,13 +5,13 @@
 #include <utility>
 #include <vector>
 
-#include "engine/derivation/context_matcher.h"
-#include "engine/derivation/evaluator.h"
-#include "engine/derivation/module_string.h"
-#include "engine/derivation/produced_pieces.h"
-#include "engine/derivation/random_source.h"
+#include "engine/derivation/expressions/evaluator.h"
+#include "engine/derivation/expressions/random_source.h"
+#include "engine/derivation/matching/context_matcher.h"
+#include "engine/derivation/matching/produced_pieces.h"
 #include "engine/derivation/rewrite_record.h"
-#include "engine/derivation/string_index.h"
+#include "engine/derivation/state/module_string.h"
+#include "engine/derivation/state/string_index.h"
 #include "engine/language/program.h"
 
 namespace espalier::derivation {

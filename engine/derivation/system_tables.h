@@ -3,10 +3,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "engine/derivation/batch_plan.h"
-#include "engine/derivation/context_matcher.h"
-#include "engine/derivation/plant_state.h"
-#include "engine/derivation/production_plan.h"
+#include "engine/derivation/batch/batch_plan.h"
+#include "engine/derivation/matching/context_matcher.h"
+#include "engine/derivation/matching/production_plan.h"
+#include "engine/derivation/state/plant_state.h"
 #include "engine/language/program.h"
 
 namespace espalier::derivation {

@@ -10,7 +10,7 @@
 #include "engine/core/identifiers.h"
 #include "engine/core/limits.h"
 #include "engine/language/message_list.h"
-#include "engine/language/syntax.h"
+#include "engine/language/parse/syntax.h"
 
 namespace espalier::language {
 

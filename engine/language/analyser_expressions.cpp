@@ -3,9 +3,9 @@
 #include <set>
 #include <utility>
 
+#include "engine/files/file_name.h"
 #include "engine/language/analyser.h"
 #include "engine/language/arithmetic.h"
-#include "engine/language/file_name.h"
 #include "engine/language/program.h"
 
 namespace espalier::language {

@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "engine/language/parse/syntax.h"
 #include "engine/language/program.h"
-#include "engine/language/syntax.h"
 
 namespace espalier::language {
 

@@ -3,10 +3,10 @@
 #include <utility>
 
 #include "engine/core/check.h"
+#include "engine/files/file_name.h"
 #include "engine/language/arithmetic.h"
 #include "engine/language/code_generator.h"
 #include "engine/language/constant_evaluation.h"
-#include "engine/language/file_name.h"
 
 namespace espalier::language {
 

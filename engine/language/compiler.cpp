@@ -6,17 +6,17 @@
 #include <utility>
 
 #include "engine/core/hash.h"
+#include "engine/files/file_name.h"
 #include "engine/language/analyser.h"
+#include "engine/language/checks/model_checks.h"
+#include "engine/language/checks/needed_files.h"
 #include "engine/language/code_generator.h"
 #include "engine/language/dialects/dialect.h"
-#include "engine/language/file_name.h"
 #include "engine/language/message_list.h"
-#include "engine/language/model_checks.h"
-#include "engine/language/needed_files.h"
-#include "engine/language/parser.h"
-#include "engine/language/preprocessor.h"
-#include "engine/language/syntax.h"
-#include "engine/language/view_file.h"
+#include "engine/language/parse/parser.h"
+#include "engine/language/parse/syntax.h"
+#include "engine/language/preprocess/preprocessor.h"
+#include "engine/language/view/view_file.h"
 
 namespace espalier::language {
 namespace {

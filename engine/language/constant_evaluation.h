@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "engine/core/identifiers.h"
-#include "engine/language/syntax.h"
+#include "engine/language/parse/syntax.h"
 
 namespace espalier::language {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "engine/core/diagnostic.h"
-#include "engine/language/source_map.h"
+#include "engine/files/source_map.h"
 
 namespace espalier::language {
 

@@ -12,8 +12,8 @@
 #include "engine/core/diagnostic.h"
 #include "engine/core/identifiers.h"
 #include "engine/core/limits.h"
-#include "engine/language/source_map.h"
-#include "engine/language/view_settings.h"
+#include "engine/files/source_map.h"
+#include "engine/files/view_settings.h"
 
 namespace espalier::language {
 

@@ -4,8 +4,8 @@
 #include "engine/core/check.h"
 #include "engine/core/number_text.h"
 #include "engine/simulation/simulation_implementation.h"
-#include "engine/turtle/geometry.h"
 #include "engine/turtle/guarded_call.h"
+#include "engine/turtle/scene/geometry.h"
 
 namespace espalier::simulation {
 

@@ -4,7 +4,7 @@
 #include <thread>
 
 #include "engine/simulation/simulation_implementation.h"
-#include "engine/turtle/scene_bounds.h"
+#include "engine/turtle/scene/scene_bounds.h"
 
 namespace espalier::simulation {
 

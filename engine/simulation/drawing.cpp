@@ -2,7 +2,7 @@
 #include <utility>
 
 #include "engine/simulation/simulation_implementation.h"
-#include "engine/turtle/record_chain.h"
+#include "engine/turtle/interpretation/record_chain.h"
 
 namespace espalier::simulation {
 

@@ -10,7 +10,7 @@
 
 #include "engine/core/vec3.h"
 #include "engine/language/program.h"
-#include "engine/turtle/interpreter.h"
+#include "engine/turtle/interpretation/interpreter.h"
 
 namespace espalier::simulation {
 

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "engine/core/check.h"
-#include "engine/language/model_queries.h"
+#include "engine/language/checks/model_queries.h"
 #include "engine/simulation/forest.h"
 
 namespace espalier::simulation {

@@ -11,8 +11,8 @@
 #include "engine/language/program.h"
 #include "engine/simulation/forest.h"
 #include "engine/turtle/environment_process.h"
-#include "engine/turtle/interpreter.h"
-#include "engine/turtle/scene.h"
+#include "engine/turtle/interpretation/interpreter.h"
+#include "engine/turtle/scene/scene.h"
 
 namespace espalier::simulation {
 

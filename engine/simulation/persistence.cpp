@@ -1,7 +1,7 @@
 #include <utility>
 
 #include "engine/core/hash.h"
-#include "engine/derivation/string_text.h"
+#include "engine/derivation/state/string_text.h"
 #include "engine/simulation/simulation_implementation.h"
 #include "engine/simulation/snapshot.h"
 

@@ -7,11 +7,11 @@
 #include <utility>
 
 #include "engine/core/check.h"
-#include "engine/derivation/model_files.h"
-#include "engine/derivation/string_text.h"
+#include "engine/derivation/expressions/model_files.h"
+#include "engine/derivation/state/string_text.h"
 #include "engine/simulation/simulation_implementation.h"
 #include "engine/turtle/guarded_call.h"
-#include "engine/turtle/record_chain.h"
+#include "engine/turtle/interpretation/record_chain.h"
 
 namespace espalier::simulation {
 

@@ -11,7 +11,7 @@
 #include "engine/core/streams.h"
 #include "engine/language/compiler.h"
 #include "engine/simulation/simulation.h"
-#include "engine/turtle/interpreter.h"
+#include "engine/turtle/interpretation/interpreter.h"
 
 namespace espalier::simulation {
 

@@ -10,12 +10,12 @@
 
 #include "engine/core/simulation_error.h"
 #include "engine/core/streams.h"
-#include "engine/derivation/plant_state.h"
-#include "engine/language/colour_files.h"
+#include "engine/derivation/state/plant_state.h"
+#include "engine/files/colour_files.h"
 #include "engine/language/program.h"
 #include "engine/simulation/simulation.h"
 #include "engine/turtle/environment_process.h"
-#include "engine/turtle/interpreter.h"
+#include "engine/turtle/interpretation/interpreter.h"
 
 namespace espalier::simulation {
 

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "engine/core/random.h"
-#include "engine/derivation/plant_state.h"
-#include "engine/turtle/interpreter.h"
+#include "engine/derivation/state/plant_state.h"
+#include "engine/turtle/interpretation/interpreter.h"
 
 namespace espalier::simulation {
 

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "environment/light_directions.h"
+#include "environment/light/light_directions.h"
 
 namespace espalier::environment {
 

@@ -13,12 +13,15 @@ namespace {
 const std::vector<std::pair<std::string, std::vector<std::string>>>& directions() {
   static const std::vector<std::pair<std::string, std::vector<std::string>>> kDirections = {
       {"engine/core/", {"engine/core/"}},
-      {"engine/language/", {"engine/core/", "engine/language/"}},
-      {"engine/derivation/", {"engine/core/", "engine/language/", "engine/derivation/"}},
-      {"engine/turtle/", {"engine/core/", "engine/language/", "engine/derivation/", "engine/turtle/"}},
+      {"engine/files/", {"engine/core/", "engine/files/"}},
+      {"engine/language/", {"engine/core/", "engine/files/", "engine/language/"}},
+      {"engine/derivation/", {"engine/core/", "engine/files/", "engine/language/", "engine/derivation/"}},
+      {"engine/turtle/", {"engine/core/", "engine/files/", "engine/language/", "engine/derivation/", "engine/turtle/"}},
       {"engine/simulation/", {"engine/"}},
-      {"environment/", {"engine/core/", "engine/language/", "engine/derivation/", "engine/turtle/", "environment/"}},
+      {"environment/",
+       {"engine/core/", "engine/files/", "engine/language/", "engine/derivation/", "engine/turtle/", "environment/"}},
       {"protocol/", {"protocol/"}},
+      {"server/remote/", {"engine/", "environment/", "protocol/", "server/remote/"}},
       {"server/", {"engine/", "environment/", "protocol/", "server/"}},
       {"clients/cpp/", {"protocol/", "clients/cpp/"}},
       {"clients/web/", {"clients/web/"}},
@@ -44,6 +47,13 @@ std::string folderOf(const std::string& name) {
   return slash == std::string::npos ? std::string{} : name.substr(0, slash);
 }
 
+// the folder of the library that a file belongs to, as in the directions; empty: none
+std::string libraryOf(const std::string& name) {
+  const auto entry = std::find_if(directions().begin(), directions().end(),
+                                  [&](const auto& direction) { return startsWith(name, direction.first); });
+  return entry == directions().end() ? std::string{} : entry->first;
+}
+
 bool isPure(const std::string& name) {
   return startsWith(name, "engine/") || startsWith(name, "environment/") || startsWith(name, "protocol/");
 }
@@ -58,9 +68,8 @@ std::set<std::string> publicHeaders(const std::vector<SourceFile>& files) {
     }
     includes[file.name] = quotedIncludes(file.text);
     for (const std::string& included : includes[file.name]) {
-      // export/ is part of engine/turtle
-      const bool isSameLibrary = startsWith(folderOf(file.name), folderOf(included));
-      if (!isSameLibrary && (startsWith(included, "engine/") || startsWith(included, "environment/"))) {
+      if (libraryOf(file.name) != libraryOf(included) &&
+          (startsWith(included, "engine/") || startsWith(included, "environment/"))) {
         open.push_back(included);
       }
     }
@@ -170,11 +179,35 @@ std::vector<std::string> foldersWithoutReadme(const std::vector<SourceFile>& fil
       documented.insert(folderOf(file.name));
     }
   }
-  // export/ is documented with the turtle that it exports
+  // the rooms of a folder are documented on its page
   std::vector<std::string> breaches;
   for (const std::string& folder : folders) {
-    if (documented.count(folder) == 0 && documented.count(folderOf(folder)) == 0) {
+    std::string page = folder;
+    while (!page.empty() && documented.count(page) == 0) {
+      page = folderOf(page);
+    }
+    if (page.empty()) {
       breaches.push_back(folder + " has no README.md");
+    }
+  }
+  return breaches;
+}
+
+std::vector<std::string> crowdedFolders(const std::vector<SourceFile>& files) {
+  constexpr int kMostFiles = 35;
+  std::map<std::string, int> counts;
+  for (const SourceFile& file : files) {
+    const bool isSource = isCpp(file) || endsWith(file.name, ".def") || endsWith(file.name, ".py") ||
+                          endsWith(file.name, ".ts") || endsWith(file.name, ".js");
+    const bool isExempt = startsWith(file.name, "tests/") || startsWith(file.name, "clients/gallery/");
+    if (isSource && !isExempt) {
+      ++counts[folderOf(file.name)];
+    }
+  }
+  std::vector<std::string> breaches;
+  for (const auto& [folder, count] : counts) {
+    if (count > kMostFiles) {
+      breaches.push_back(folder + " has " + std::to_string(count) + " source files: give it subfolders");
     }
   }
   return breaches;

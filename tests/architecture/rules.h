@@ -9,8 +9,9 @@ namespace espalier::test {
 
 /// Each returns one sentence per breach, with the file's name first; none: the rule holds.
 
-/// Includes go only along the arrows of the folders: core <- language <- derivation <- turtle <- simulation, turtle <-
-/// environment, protocol alone, server on all of them, clients/cpp on protocol, clients/espalier on everything.
+/// Includes go only along the arrows of the folders: core <- files <- language <- derivation <- turtle <- simulation,
+/// turtle <- environment, protocol alone, server/remote on all of them, server on server/remote, clients/cpp on
+/// protocol, clients/espalier on everything.
 [[nodiscard]] std::vector<std::string> wrongDirections(const std::vector<SourceFile>& files);
 
 /// Headers of engine/ and environment/ that are included from outside their folder name no third-party library.
@@ -25,7 +26,10 @@ namespace espalier::test {
 /// No file names a folder of the machine that it was written on.
 [[nodiscard]] std::vector<std::string> machinePaths(const std::vector<SourceFile>& files);
 
-/// Every folder with C++ sources outside tests/ has a README.md.
+/// Every folder with C++ sources outside tests/, or a folder above it, has a README.md.
 [[nodiscard]] std::vector<std::string> foldersWithoutReadme(const std::vector<SourceFile>& files);
+
+/// A folder has at most 35 source files; tests/ and clients/gallery/ are exempt.
+[[nodiscard]] std::vector<std::string> crowdedFolders(const std::vector<SourceFile>& files);
 
 }  // namespace espalier::test

@@ -49,16 +49,22 @@ TEST(Architecture, EveryFolderHasAReadme) {
   EXPECT_EQ(lines(foldersWithoutReadme(tree())), "");
 }
 
+TEST(Architecture, FoldersAreNotCrowded) {
+  EXPECT_EQ(lines(crowdedFolders(tree())), "");
+}
+
 TEST(ArchitectureRules, WrongDirectionIsSeen) {
   EXPECT_EQ(wrongDirections({{"engine/core/a.h", "#include \"engine/language/program.h\"\n"}}),
             Breaches{"engine/core/a.h includes engine/language/program.h, which engine/core/ may not"});
   EXPECT_EQ(wrongDirections({{"protocol/a.cpp", "#include \"engine/core/vec3.h\"\n"}}).size(), 1U);
   EXPECT_EQ(wrongDirections({{"environment/a.cpp", "#include \"engine/simulation/simulation.h\"\n"}}).size(), 1U);
+  EXPECT_EQ(wrongDirections({{"engine/files/a.cpp", "#include \"engine/language/program.h\"\n"}}).size(), 1U);
+  EXPECT_EQ(wrongDirections({{"server/remote/a.cpp", "#include \"server/session/session.h\"\n"}}).size(), 1U);
   EXPECT_EQ(wrongDirections({{"clients/cpp/a.cpp", "#include \"server/server.h\"\n"}}).size(), 1U);
 }
 
 TEST(ArchitectureRules, RightDirectionsAreAllowed) {
-  EXPECT_EQ(wrongDirections({{"engine/simulation/a.h", "#include \"engine/turtle/scene.h\"\n"},
+  EXPECT_EQ(wrongDirections({{"engine/simulation/a.h", "#include \"engine/turtle/scene/scene.h\"\n"},
                              {"environment/a.h", "#include \"engine/turtle/environment_process.h\"\n"},
                              {"server/a.cpp", "#include \"protocol/messages.h\"\n"},
                              {"tests/a.cpp", "#include \"engine/core/vec3.h\"\n"}}),
@@ -108,7 +114,18 @@ TEST(ArchitectureRules, MachinePathIsSeen) {
 
 TEST(ArchitectureRules, MissingReadmeIsSeen) {
   EXPECT_EQ(foldersWithoutReadme({{"engine/core/a.h", ""}}), Breaches{"engine/core has no README.md"});
-  EXPECT_EQ(foldersWithoutReadme({{"engine/turtle/export/a.h", ""}, {"engine/turtle/README.md", ""}}), Breaches{});
+  EXPECT_EQ(foldersWithoutReadme({{"engine/turtle/export/mesh/a.h", ""}, {"engine/turtle/README.md", ""}}), Breaches{});
+}
+
+TEST(ArchitectureRules, CrowdedFolderIsSeen) {
+  std::vector<SourceFile> files;
+  for (int i = 0; i < 36; ++i) {
+    files.push_back({"server/session/" + std::to_string(i) + ".cpp", ""});
+    files.push_back({"tests/server/" + std::to_string(i) + ".cpp", ""});
+  }
+  EXPECT_EQ(crowdedFolders(files), Breaches{"server/session has 36 source files: give it subfolders"});
+  files.erase(files.begin(), files.begin() + 2);
+  EXPECT_EQ(crowdedFolders(files), Breaches{});
 }
 
 }  // namespace

@@ -10,10 +10,10 @@
 #include <thread>
 #include <vector>
 
-#include "engine/turtle/geometry.h"
-#include "environment/light/leaf_light.h"
-#include "environment/light/plant_surfaces.h"
-#include "environment/light/voxel_field.h"
+#include "engine/turtle/scene/geometry.h"
+#include "environment/light/rays/leaf_light.h"
+#include "environment/light/rays/plant_surfaces.h"
+#include "environment/light/voxels/voxel_field.h"
 #include "tests/benchmark/workload.h"
 
 namespace espalier::benchmarking {

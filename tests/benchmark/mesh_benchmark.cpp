@@ -7,8 +7,8 @@
 #include <string>
 
 #include "engine/turtle/export/exporters.h"
-#include "engine/turtle/export/picture.h"
-#include "engine/turtle/export/placed_meshes.h"
+#include "engine/turtle/export/mesh/placed_meshes.h"
+#include "engine/turtle/export/picture/picture.h"
 #include "tests/benchmark/workload.h"
 
 namespace espalier::benchmarking {

@@ -12,9 +12,9 @@
 #include "environment/registry.h"
 #include "protocol/codec.h"
 #include "protocol/framing.h"
-#include "server/line_channel.h"
-#include "server/remote_environment.h"
-#include "server/translate_environment.h"
+#include "server/remote/processes/line_channel.h"
+#include "server/remote/remote_environment.h"
+#include "server/remote/translation/translate_environment.h"
 #include "tests/support/places.h"
 
 namespace espalier::benchmarking {

@@ -16,8 +16,8 @@
 #include "engine/core/streams.h"
 #include "engine/language/compiler.h"
 #include "protocol/json_writer.h"
-#include "server/line_channel.h"
-#include "server/stream_frame.h"
+#include "server/remote/processes/line_channel.h"
+#include "server/stream/stream_frame.h"
 #include "tests/support/places.h"
 
 namespace espalier::benchmarking {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/language/view_settings.h"
+#include "engine/files/view_settings.h"
 
 namespace espalier::command {
 namespace {

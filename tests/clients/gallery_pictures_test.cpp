@@ -14,7 +14,7 @@
 #include <variant>
 #include <vector>
 
-#include "engine/turtle/export/png.h"
+#include "engine/turtle/export/picture/png.h"
 #include "tests/clients/program_run.h"
 #include "tests/support/disk_files.h"
 #include "tests/support/places.h"

@@ -11,7 +11,7 @@
 #include <variant>
 #include <vector>
 
-#include "engine/language/image_file.h"
+#include "engine/files/image_file.h"
 #include "tests/clients/program_run.h"
 #include "tests/support/places.h"
 

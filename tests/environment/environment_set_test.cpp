@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/turtle/geometry.h"
+#include "engine/turtle/scene/geometry.h"
 #include "query_builder.h"
 
 namespace espalier::environment {

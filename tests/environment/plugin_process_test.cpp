@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "engine/turtle/geometry.h"
+#include "engine/turtle/scene/geometry.h"
 #include "query_builder.h"
 
 namespace espalier::environment {

@@ -5,7 +5,7 @@
 #include <iterator>
 #include <string>
 
-#include "engine/language/view_file.h"
+#include "engine/language/view/view_file.h"
 #include "tests/fuzz/bundle.h"
 #include "tests/fuzz/targets.h"
 #include "tests/support/places.h"

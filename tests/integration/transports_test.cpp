@@ -9,9 +9,9 @@
 #include "engine/language/compiler.h"
 #include "engine/simulation/simulation.h"
 #include "environment/registry.h"
-#include "server/disk_files.h"
-#include "server/line_channel.h"
-#include "server/remote_environment.h"
+#include "server/remote/disk_files.h"
+#include "server/remote/processes/line_channel.h"
+#include "server/remote/remote_environment.h"
 #include "tests/support/places.h"
 
 namespace espalier {

@@ -4,9 +4,9 @@
 
 #include "engine/core/check.h"
 #include "engine/language/compiler.h"
-#include "server/environment_dialogue.h"
+#include "server/remote/hosting/environment_dialogue.h"
 #include "server/server_core.h"
-#include "server/session.h"
+#include "server/session/session.h"
 #include "server_fixture.h"
 
 // the errors that only a bug or a moment brings about; the others are tested where they arise

@@ -4,7 +4,7 @@
 
 #include <cstring>
 
-#include "server/turtle_frame.h"
+#include "server/stream/turtle_frame.h"
 
 namespace espalier::server {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "server/line_channel.h"
+#include "server/remote/processes/line_channel.h"
 #include "server_fixture.h"
 
 namespace espalier::server {

@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "raw_peer.h"
-#include "server/store.h"
+#include "server/store/store.h"
 
 namespace espalier::server {
 namespace {

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "engine/core/diagnostic.h"
-#include "engine/derivation/string_text.h"
+#include "engine/derivation/state/string_text.h"
 #include "engine/language/compiler.h"
 
 namespace espalier::test {

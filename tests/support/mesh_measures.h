@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "engine/core/vec3.h"
-#include "engine/turtle/export/mesh.h"
+#include "engine/turtle/export/mesh/mesh.h"
 
 namespace espalier::test {
 

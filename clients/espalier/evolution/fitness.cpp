@@ -8,7 +8,7 @@
 #include <tuple>
 
 #include "engine/core/diagnostic.h"
-#include "engine/turtle/geometry.h"
+#include "engine/turtle/scene/geometry.h"
 
 namespace espalier::command {
 namespace {

@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "engine/language/view_settings.h"
-#include "engine/turtle/scene.h"
+#include "engine/files/view_settings.h"
+#include "engine/turtle/scene/scene.h"
 
 namespace espalier::command {
 

@@ -6,7 +6,7 @@
 #include <thread>
 #include <utility>
 
-#include "server/line_channel.h"
+#include "server/remote/processes/line_channel.h"
 
 namespace espalier::command {
 namespace {

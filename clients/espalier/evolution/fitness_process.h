@@ -7,7 +7,7 @@
 
 #include "clients/espalier/evolution/fitness.h"
 #include "clients/espalier/evolution/genome.h"
-#include "engine/turtle/scene.h"
+#include "engine/turtle/scene/scene.h"
 
 namespace espalier::command {
 

@@ -4,8 +4,8 @@
 
 #include "clients/espalier/forest/tree_points.h"
 #include "engine/core/random.h"
-#include "engine/language/colour_files.h"
-#include "engine/turtle/scene.h"
+#include "engine/files/colour_files.h"
+#include "engine/turtle/scene/scene.h"
 
 namespace espalier::command {
 

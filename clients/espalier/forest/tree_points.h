@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "engine/core/vec3.h"
-#include "engine/turtle/scene.h"
+#include "engine/turtle/scene/scene.h"
 
 namespace espalier::command {
 

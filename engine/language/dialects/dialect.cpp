@@ -5,12 +5,12 @@
 #include <cctype>
 #include <utility>
 
+#include "engine/files/utf8.h"
 #include "engine/language/dialects/fractint.h"
 #include "engine/language/dialects/lsystem_viewer.h"
 #include "engine/language/dialects/species.h"
 #include "engine/language/dialects/textbook.h"
 #include "engine/language/dialects/turtle_painter.h"
-#include "engine/language/utf8.h"
 
 namespace espalier::language {
 namespace {

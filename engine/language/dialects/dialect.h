@@ -8,9 +8,9 @@
 
 #include "engine/core/diagnostic.h"
 #include "engine/core/streams.h"
+#include "engine/files/source_map.h"
 #include "engine/language/dialects/translation.h"
 #include "engine/language/program.h"
-#include "engine/language/source_map.h"
 
 namespace espalier::language {
 

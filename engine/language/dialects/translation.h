@@ -9,8 +9,8 @@
 
 #include "engine/core/diagnostic.h"
 #include "engine/core/vec3.h"
-#include "engine/language/colour_files.h"
-#include "engine/language/source_map.h"
+#include "engine/files/colour_files.h"
+#include "engine/files/source_map.h"
 
 namespace espalier::language {
 

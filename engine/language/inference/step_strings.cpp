@@ -5,7 +5,7 @@
 #include <optional>
 #include <utility>
 
-#include "engine/language/utf8.h"
+#include "engine/files/utf8.h"
 
 namespace espalier::language {
 namespace {

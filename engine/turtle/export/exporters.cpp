@@ -4,17 +4,17 @@
 #include <array>
 #include <cctype>
 
-#include "engine/turtle/export/glb.h"
-#include "engine/turtle/export/module_table.h"
-#include "engine/turtle/export/mtg.h"
-#include "engine/turtle/export/obj.h"
-#include "engine/turtle/export/picture.h"
-#include "engine/turtle/export/ply.h"
-#include "engine/turtle/export/png.h"
-#include "engine/turtle/export/postscript.h"
-#include "engine/turtle/export/stl.h"
-#include "engine/turtle/export/svg.h"
-#include "engine/turtle/export/usda.h"
+#include "engine/turtle/export/mesh/glb.h"
+#include "engine/turtle/export/mesh/obj.h"
+#include "engine/turtle/export/mesh/ply.h"
+#include "engine/turtle/export/mesh/stl.h"
+#include "engine/turtle/export/mesh/usda.h"
+#include "engine/turtle/export/picture/picture.h"
+#include "engine/turtle/export/picture/png.h"
+#include "engine/turtle/export/picture/postscript.h"
+#include "engine/turtle/export/picture/svg.h"
+#include "engine/turtle/export/text/module_table.h"
+#include "engine/turtle/export/text/mtg.h"
 
 namespace espalier::turtle {
 

@@ -10,11 +10,11 @@
 
 #include "engine/core/streams.h"
 #include "engine/core/vec3.h"
-#include "engine/derivation/module_string.h"
-#include "engine/language/colour_files.h"
+#include "engine/derivation/state/module_string.h"
+#include "engine/files/colour_files.h"
+#include "engine/files/view_settings.h"
 #include "engine/language/program.h"
-#include "engine/language/view_settings.h"
-#include "engine/turtle/scene.h"
+#include "engine/turtle/scene/scene.h"
 
 namespace espalier::turtle {
 

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <optional>
 
-#include "engine/language/colour_files.h"
-#include "engine/turtle/scene.h"
+#include "engine/files/colour_files.h"
+#include "engine/turtle/scene/scene.h"
 
 namespace espalier::turtle {
 

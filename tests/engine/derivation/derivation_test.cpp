@@ -6,7 +6,7 @@
 #include <cmath>
 #include <map>
 
-#include "engine/derivation/string_text.h"
+#include "engine/derivation/state/string_text.h"
 #include "tests/support/derived_model.h"
 
 namespace espalier {

@@ -5,7 +5,7 @@
 #include <random>
 #include <string>
 
-#include "engine/derivation/string_text.h"
+#include "engine/derivation/state/string_text.h"
 #include "tests/support/derived_model.h"
 #include "tests/support/plain_derivation.h"
 

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/language/disassembler.h"
+#include "engine/language/format/disassembler.h"
 #include "tests/engine/language/compile_text.h"
 
 namespace espalier::language {

@@ -1,5 +1,5 @@
 #include "engine/simulation/trace.h"
-#include "engine/turtle/geometry.h"
+#include "engine/turtle/scene/geometry.h"
 #include "tests/engine/simulation/simulation_fixture.h"
 
 namespace espalier::simulation {

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "engine/core/streams.h"
-#include "engine/language/view_settings.h"
-#include "engine/turtle/export/png.h"
+#include "engine/files/view_settings.h"
+#include "engine/turtle/export/picture/png.h"
 
 namespace espalier::turtle {
 

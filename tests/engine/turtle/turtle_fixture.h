@@ -10,9 +10,9 @@
 
 #include "engine/core/number_text.h"
 #include "engine/derivation/derivation.h"
-#include "engine/derivation/string_text.h"
+#include "engine/derivation/state/string_text.h"
 #include "engine/language/program.h"
-#include "engine/turtle/interpreter.h"
+#include "engine/turtle/interpretation/interpreter.h"
 
 namespace espalier::turtle {
 

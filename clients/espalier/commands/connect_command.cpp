@@ -1,0 +1,451 @@
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+
+#include "clients/cpp/client.h"
+#include "clients/espalier/commands/commands.h"
+#include "clients/espalier/environment_loading.h"
+#include "clients/espalier/messages.h"
+#include "clients/espalier/model_files.h"
+#include "engine/language/compiler.h"
+#include "protocol/base64.h"
+#include "protocol/json_writer.h"
+#include "server/remote/disk_files.h"
+#include "server/remote/hosting/dial_bridge.h"
+#include "server/remote/translation/translate.h"
+
+namespace espalier::command {
+namespace {
+
+using client::Client;
+using client::Outcome;
+
+struct ConnectOptions {
+  std::string address;
+  std::string trustedFile;
+  std::string token;
+  std::string model;
+  std::string gallery;
+  std::string environment;
+  std::string compatibility;
+  std::string simulation;
+  std::string what = "string";
+  std::string file;
+  std::vector<std::string> symbols;
+  std::optional<std::uint64_t> seed;
+  std::optional<std::uint64_t> until;
+  std::optional<std::uint64_t> derivationLength;
+  std::uint64_t steps = 1;
+  std::uint64_t frames = 0;
+  std::uint64_t every = 1;
+  std::uint32_t plant = 0;
+  std::function<int(Client&, const ConnectOptions&)> run;
+};
+
+int fail(const protocol::Error& error) {
+  printError(error.message);
+  return kFailure;
+}
+
+void printLine(const std::string& text) {
+  std::fwrite(text.data(), 1, text.size(), stdout);
+  std::fputc('\n', stdout);
+  std::fflush(stdout);
+}
+
+/// Asks and prints the result, or one member of it, as a line.
+int ask(Client& client, std::string_view method, const std::string& params, std::string_view member = {}) {
+  const Outcome outcome = client.request(method, params);
+  if (const auto* error = std::get_if<protocol::Error>(&outcome)) {
+    return fail(*error);
+  }
+  const auto& result = std::get<std::string>(outcome);
+  printLine(member.empty() ? result : protocol::memberOf(result, member).value_or(result));
+  return kSuccess;
+}
+
+std::string simulationParams(const ConnectOptions& options) {
+  protocol::JsonWriter params;
+  return params.beginObject().key("simulation").text(options.simulation).endObject().take();
+}
+
+/// The model and what may belong to it: the text files of its folder that models name, and those that this one reads.
+void writeModelFiles(protocol::JsonWriter& params, const ModelFiles& model) {
+  namespace fs = std::filesystem;
+  constexpr std::array<std::string_view, 12> kSuffixes{".l",    ".v",   ".h",    ".s", ".func", ".funcs",
+                                                       ".fset", ".con", ".cset", ".a", ".t",    ".crv"};
+  server::DiskFileProvider files(16'000'000);
+  const fs::path main(model.model);
+  const fs::path folder = main.has_parent_path() ? main.parent_path() : fs::path(".");
+  std::map<std::string, std::string> texts;  // by name in the folder
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    const fs::path& name = entry.path();
+    if (std::find(kSuffixes.begin(), kSuffixes.end(), name.extension().string()) != kSuffixes.end()) {
+      if (auto text = files.read(name.string())) {
+        texts.emplace(name.filename().string(), std::move(*text));
+      }
+    }
+  }
+  // what fopen names may have any name; a model with mistakes is the server's to judge
+  language::CompileInput input;
+  input.modelFile = model.model;
+  input.viewFile = model.view;
+  if (const auto program = language::compile(input, files).program) {
+    for (const language::ModelFile& file : program->files) {
+      if (file.source != language::ModelFile::kNoSource) {
+        texts.emplace(file.name, program->sources[file.source].text);
+      }
+    }
+  }
+  std::string members;
+  for (const auto& [name, text] : texts) {
+    protocol::JsonWriter key;
+    protocol::JsonWriter value;
+    members += (members.empty() ? "" : ",") + key.text(name).take() + ":" + value.text(text).take();
+  }
+  params.key("files").raw("{" + members + "}").key("main").text(main.filename().string());
+}
+
+/// `NAME`, `tcp://HOST:PORT`, `offered:NAME`, `stdio:COMMAND`, a JSON text or a .json file, as the environment array.
+std::variant<std::string, std::string> environmentArray(const std::string& text) {
+  protocol::JsonWriter array;
+  array.beginArray().beginObject();
+  if (text.starts_with("tcp://")) {
+    return std::variant<std::string, std::string>(
+        std::in_place_index<0>,
+        array.key("type").text("tcp").key("address").text(text.substr(6)).endObject().endArray().take());
+  }
+  if (text.starts_with("offered:")) {
+    return std::variant<std::string, std::string>(
+        std::in_place_index<0>,
+        array.key("type").text("offered").key("name").text(text.substr(8)).endObject().endArray().take());
+  }
+  if (text.starts_with("stdio:")) {
+    return std::variant<std::string, std::string>(
+        std::in_place_index<0>,
+        array.key("type").text("stdio").key("command").text(text.substr(6)).endObject().endArray().take());
+  }
+  std::string json = text;
+  if (text.ends_with(".json")) {
+    auto read = server::DiskFileProvider().read(text);
+    if (!read) {
+      return std::variant<std::string, std::string>(std::in_place_index<1>,
+                                                    "the environment file '" + text + "' cannot be read");
+    }
+    json = std::move(*read);
+  } else if (text.find_first_of("[{") == std::string::npos) {
+    return std::variant<std::string, std::string>(std::in_place_index<0>,
+                                                  array.key("type").text(text).endObject().endArray().take());
+  }
+  if (const auto problem = protocol::jsonProblem(json)) {
+    return std::variant<std::string, std::string>(std::in_place_index<1>, "the environment is not JSON: " + *problem);
+  }
+  // one line on the wire; newlines between JSON tokens mean nothing
+  std::replace(json.begin(), json.end(), '\n', ' ');
+  std::replace(json.begin(), json.end(), '\r', ' ');
+  const bool isArray = json.find_first_not_of(" \t") != std::string::npos && json[json.find_first_not_of(" \t")] == '[';
+  return std::variant<std::string, std::string>(std::in_place_index<0>, isArray ? json : "[" + json + "]");
+}
+
+/// The field file beside a model, with the files it names, as the environment array; nothing after an error was
+/// printed.
+std::optional<std::string> fieldFileArray(const std::string& file, const std::string& compatibility) {
+  server::DiskFileProvider files(16'000'000);
+  const auto loaded = loadEnvironment(file, server::toCompatibility(compatibility), false, files);
+  if (!loaded) {
+    return std::nullopt;
+  }
+  // names as seen from the folder of the field file: where that is, is nobody else's business
+  const std::filesystem::path folder = std::filesystem::path(file).parent_path();
+  const auto nameIn = [&](const std::string& name) {
+    return std::filesystem::path(name).lexically_relative(folder).generic_string();
+  };
+  protocol::JsonWriter array;
+  array.beginArray().beginObject().key("type").text("field").key("main").text(nameIn(file)).key("files").beginObject();
+  std::set<std::string> names;
+  for (const auto& [name, text] : loaded->origin.files) {
+    if (names.insert(name).second) {
+      array.key(nameIn(name)).text(text);
+    }
+  }
+  return array.endObject().endObject().endArray().take();
+}
+
+int create(Client& client, const ConnectOptions& options) {
+  if (options.model.empty() == options.gallery.empty()) {
+    printError("give a MODEL.l, a folder, or --gallery NAME");
+    return kUsage;
+  }
+  protocol::JsonWriter params;
+  std::string fieldFile;
+  params.beginObject().key("model").beginObject();
+  if (!options.gallery.empty()) {
+    params.key("gallery").text(options.gallery);
+  } else {
+    const auto found = findModelFiles(options.model);
+    if (const auto* problem = std::get_if<std::string>(&found)) {
+      printError(*problem);
+      return kFailure;
+    }
+    printDiagnostics(std::get<ModelFiles>(found).remarks, false);
+    writeModelFiles(params, std::get<ModelFiles>(found));
+    fieldFile = std::get<ModelFiles>(found).environment;
+  }
+  params.endObject();
+  if (!options.environment.empty()) {
+    const auto array = environmentArray(options.environment);
+    if (array.index() == 1) {
+      printError(std::get<1>(array));
+      return kUsage;
+    }
+    params.key("environment").raw(std::get<0>(array));
+  } else if (!fieldFile.empty()) {
+    const auto array = fieldFileArray(fieldFile, options.compatibility);
+    if (!array) {
+      return kFailure;
+    }
+    params.key("environment").raw(*array);
+  }
+  if (options.seed) {
+    params.key("seed").integer(*options.seed);
+  }
+  if (options.derivationLength) {
+    params.key("derivationLength").integer(*options.derivationLength);
+  }
+  if (!options.compatibility.empty()) {
+    params.key("compatibility").text(options.compatibility);
+  }
+  const Outcome outcome = client.request("simulation.create", params.endObject().view());
+  if (const auto* error = std::get_if<protocol::Error>(&outcome)) {
+    return fail(*error);
+  }
+  const auto& result = std::get<std::string>(outcome);
+  printNote("seed " + protocol::memberOf(result, "seed").value_or("?"));
+  printLine(protocol::memberOf(result, "simulation").value_or(result));
+  return kSuccess;
+}
+
+int step(Client& client, const ConnectOptions& options) {
+  protocol::JsonWriter params;
+  params.beginObject().key("simulation").text(options.simulation);
+  if (options.until) {
+    params.key("until").integer(*options.until);
+  } else {
+    params.key("steps").integer(options.steps);
+  }
+  return ask(client, "simulation.step", params.endObject().take());
+}
+
+int get(Client& client, const ConnectOptions& options) {
+  protocol::JsonWriter params;
+  params.beginObject().key("simulation").text(options.simulation).key("what").text(options.what);
+  params.key("plant").integer(options.plant).endObject();
+  return ask(client, "simulation.get", params.take(), options.what == "string" ? "string" : "");
+}
+
+int reset(Client& client, const ConnectOptions& options) {
+  protocol::JsonWriter params;
+  params.beginObject().key("simulation").text(options.simulation);
+  if (options.seed) {
+    params.key("seed").integer(*options.seed);
+  }
+  return ask(client, "simulation.reset", params.endObject().take());
+}
+
+int stream(Client& client, const ConnectOptions& options) {
+  protocol::JsonWriter params;
+  params.beginObject().key("simulation").text(options.simulation).key("what").text(options.what);
+  params.key("every").integer(options.every);
+  if (!options.symbols.empty()) {
+    params.key("select").beginObject().key("symbols").texts(options.symbols).endObject();
+  }
+  const Outcome outcome = client.request("stream.open", params.endObject().view());
+  if (const auto* error = std::get_if<protocol::Error>(&outcome)) {
+    return fail(*error);
+  }
+  std::uint64_t received = 0;
+  while (options.frames == 0 || received < options.frames) {
+    const auto notification = client.nextNotification(std::chrono::hours(24));
+    if (!notification) {
+      printError("the server closed the connection");
+      return kFailure;
+    }
+    if (notification->method == "stream.end") {
+      printNote(protocol::memberOf(notification->paramsJson, "reason").value_or("the stream has ended"));
+      return kFailure;
+    }
+    if (notification->method != "stream.data") {
+      continue;
+    }
+    printLine(notification->paramsJson);
+    ++received;
+    if (options.frames == 0 && protocol::memberOf(notification->paramsJson, "finished") == "true") {
+      return kSuccess;
+    }
+  }
+  return kSuccess;
+}
+
+int save(Client& client, const ConnectOptions& options) {
+  const Outcome outcome = client.request("simulation.save", simulationParams(options));
+  if (const auto* error = std::get_if<protocol::Error>(&outcome)) {
+    return fail(*error);
+  }
+  const auto snapshot = protocol::memberOf(std::get<std::string>(outcome), "snapshot");
+  const auto bytes = snapshot ? protocol::fromBase64(*snapshot) : std::nullopt;
+  if (!bytes) {
+    printError("the server's answer has no snapshot");
+    return kFailure;
+  }
+  if (const auto problem = server::writeFileAtomically(options.file, *bytes)) {
+    printError(*problem);
+    return kFailure;
+  }
+  printNote("saved " + options.file);
+  return kSuccess;
+}
+
+int restore(Client& client, const ConnectOptions& options) {
+  const auto bytes = server::DiskFileProvider(SIZE_MAX).read(options.file);
+  if (!bytes) {
+    printError("the snapshot '" + options.file + "' cannot be read");
+    return kFailure;
+  }
+  protocol::JsonWriter params;
+  params.beginObject().key("simulation").text(options.simulation);
+  params.key("snapshot").text(protocol::toBase64(*bytes)).endObject();
+  return ask(client, "simulation.restore", params.take());
+}
+
+int runConnect(const ConnectOptions& options) {
+  client::ClientOptions clientOptions;
+  clientOptions.name = "espalier connect";
+  clientOptions.token = options.token;
+  clientOptions.requestTimeout = std::chrono::hours(24);
+  std::string address = options.address;
+  std::unique_ptr<server::DialBridge> bridge;
+  if (server::DialBridge::isFor(address)) {
+    auto opened = server::DialBridge::open(address, {.trustedFile = options.trustedFile});
+    if (const auto* problem = std::get_if<std::string>(&opened)) {
+      printError(*problem);
+      return kFailure;
+    }
+    bridge = std::move(std::get<std::unique_ptr<server::DialBridge>>(opened));
+    address = bridge->address();
+  }
+  auto connected = Client::connect(address, clientOptions);
+  if (const auto* error = std::get_if<protocol::Error>(&connected)) {
+    return fail(*error);
+  }
+  return options.run(*std::get<std::unique_ptr<Client>>(connected), options);
+}
+
+using Run = std::function<int(Client&, const ConnectOptions&)>;
+
+CLI::App* addAction(CLI::App& command, const std::shared_ptr<ConnectOptions>& options, const std::string& name,
+                    const std::string& help, Run run) {
+  CLI::App* action = command.add_subcommand(name, help);
+  action->callback([options, run = std::move(run)] { options->run = run; });
+  return action;
+}
+
+void addSimulation(CLI::App* action, const std::shared_ptr<ConnectOptions>& options) {
+  action->add_option("SIMULATION", options->simulation, "What `create` printed")->required();
+}
+
+Run asking(std::string method) {
+  return [method = std::move(method)](Client& client, const ConnectOptions& options) {
+    return ask(client, method, options.simulation.empty() ? "{}" : simulationParams(options));
+  };
+}
+
+}  // namespace
+
+void addConnect(CLI::App& program, int& status) {
+  const auto options = std::make_shared<ConnectOptions>();
+  CLI::App* command = program.add_subcommand("connect", "Use a running server from the shell");
+  command->footer(
+      "Results are one line each on standard output: an identifier, a string, or JSON (try `| jq`). For example:\n"
+      "  plant=$(espalier connect 127.0.0.1:4321 create MODEL.l --environment honda --seed 7)\n"
+      "  espalier connect 127.0.0.1:4321 step $plant 3\n"
+      "  espalier connect 127.0.0.1:4321 get $plant string\n"
+      "`espalier connect HOST:PORT ACTION --help` explains an action.");
+  command
+      ->add_option("HOST:PORT", options->address,
+                   "Where the server listens: HOST:PORT, tls://HOST:PORT, ws://HOST:PORT,\n"
+                   "wss://HOST:PORT or unix:PATH")
+      ->required();
+  command
+      ->add_option("--trust", options->trustedFile,
+                   "Certificates (PEM) trusted besides the system's, for tls:// and wss://")
+      ->type_name("FILE");
+  command->add_option("--token", options->token, "The server's token, if it asks for one");
+  command->require_subcommand(1);
+
+  CLI::App* action = addAction(*command, options, "create", "Create a simulation; prints its identifier", create);
+  action->add_option("MODEL", options->model, "A .l file or its folder; files beside it that models name are sent too");
+  action->add_option("--gallery", options->gallery, "A model of the server's gallery instead");
+  action->add_option(
+      "--environment", options->environment,
+      "NAME, tcp://HOST:PORT, offered:NAME, 'stdio:COMMAND', JSON, or a .json file; without it the .e file "
+      "beside the model, if there is one");
+  action->add_option("--seed", options->seed,
+                     "Seed of all random draws; without it the server draws one and says which");
+  action->add_option("--derivation-length", options->derivationLength, "Number of steps, instead of the model's");
+  action->add_option("--compat", options->compatibility, "cpfg or cpfg-batch");
+
+  action = addAction(*command, options, "step", "Make steps; prints where it is", step);
+  addSimulation(action, options);
+  action->add_option("STEPS", options->steps, "How many")->capture_default_str();
+  action->add_option("--until", options->until, "Go on to this step instead");
+
+  action = addAction(*command, options, "run", "Make all remaining steps", asking("simulation.run"));
+  addSimulation(action, options);
+
+  action = addAction(*command, options, "get", "Print something of a simulation", get);
+  addSimulation(action, options);
+  action->add_option("WHAT", options->what, "string, statistics, state-hash, turtle, model or information")
+      ->capture_default_str();
+  action->add_option("--plant", options->plant, "Number of the plant, from 0")->capture_default_str();
+
+  action =
+      addAction(*command, options, "stream", "Print a frame after each step, until the simulation is finished", stream);
+  addSimulation(action, options);
+  action->add_option("WHAT", options->what, "turtle, string or statistics")->capture_default_str();
+  action->add_option("--every", options->every, "Only steps that are multiples of this")->capture_default_str();
+  action->add_option("--frames", options->frames, "Stop after so many frames");
+  action->add_option("--symbol", options->symbols, "Turtle records of this symbol only; repeatable");
+
+  action = addAction(*command, options, "reset", "Go back to step 0", reset);
+  addSimulation(action, options);
+  action->add_option("--seed", options->seed, "With another seed");
+
+  action = addAction(*command, options, "save", "Save a snapshot to a file", save);
+  addSimulation(action, options);
+  action->add_option("FILE", options->file, "File to write")->required();
+
+  action = addAction(*command, options, "restore", "Go to the state of a snapshot", restore);
+  addSimulation(action, options);
+  action->add_option("FILE", options->file, "File that `save` wrote")->required();
+
+  action =
+      addAction(*command, options, "delete", "Delete a simulation and its saved state", asking("simulation.delete"));
+  addSimulation(action, options);
+
+  addAction(*command, options, "list", "All simulations of the server", asking("simulation.list"));
+  addAction(*command, options, "status", "What the server is doing", asking("server.status"));
+  addAction(*command, options, "environments", "Built-in environments with their schemas, and offered ones",
+            asking("environment.list"));
+
+  command->callback([options, &status] { status = runConnect(*options); });
+}
+
+}  // namespace espalier::command

@@ -1,0 +1,93 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "clients/espalier/commands/commands.h"
+#include "clients/espalier/messages.h"
+#include "engine/language/dialects/dialect.h"
+#include "server/remote/disk_files.h"
+
+namespace espalier::command {
+namespace {
+
+struct ConvertOptions {
+  std::string model;
+  std::string dialect;
+  std::string target;
+  bool isQuiet = false;
+};
+
+int convert(const ConvertOptions& options) {
+  server::DiskFileProvider files;
+  language::CompileInput input;
+  input.modelFile = options.model;
+  input.dialect = options.dialect;
+  const std::string file = language::splitEntry(options.model, files).file;
+  const std::optional<std::string> text = files.read(file);
+  if (!text) {
+    printError("there is no file '" + file + "': give the name of a model, or FILE:ENTRY");
+    return kFailure;
+  }
+  const std::optional<language::TranslatedModel> translated = language::translateForeign(input, files);
+  if (!translated) {
+    // cpfg, or taken for it as everywhere
+    std::fwrite(text->data(), 1, text->size(), stdout);
+    return kSuccess;
+  }
+  printDiagnostics(translated->diagnostics.entries(), options.isQuiet);
+  if (translated->diagnostics.hasErrors()) {
+    return kFailure;
+  }
+  const language::CpfgModel& model = translated->model;
+  if (!model.needs.empty()) {
+    std::string needs;
+    for (const std::string& need : model.needs) {
+      needs += (needs.empty() ? "" : "; ") + need;
+    }
+    printError("'" + options.model + "' cannot be written for cpfg, which has no " + needs +
+               ". Espalier runs the file as it is");
+    return kFailure;
+  }
+  if (!options.isQuiet) {
+    for (const std::string& lost : model.lost) {
+      printNote("not in the text: " + lost);
+    }
+    for (const std::string& command : model.viewCommands) {
+      printNote("for the view file: " + command);
+    }
+  }
+  const std::string result = language::modelText(model, true).text();
+  std::fwrite(result.data(), 1, result.size(), stdout);
+  return kSuccess;
+}
+
+}  // namespace
+
+void addConvert(CLI::App& program, int& status) {
+  CLI::App* command = program.add_subcommand("convert", "Write a model of another dialect for cpfg");
+  command->footer(
+      "Prints the model's text for cpfg on standard output: it needs no view file, its turns have their angle and the\n"
+      "start of the turtle stands before the axiom. What cpfg cannot say is explained on standard error; a model that\n"
+      "cannot be written at all gives exit status 1.\n"
+      "Examples:\n"
+      "  espalier convert koch.lsv --to cpfg > koch.l\n"
+      "  espalier convert fractint.l:Dragon --to cpfg");
+  auto options = std::make_shared<ConvertOptions>();
+  command->add_option("model", options->model, "A file, or FILE:ENTRY where it holds several models")
+      ->type_name("FILE")
+      ->required();
+  command->add_option("--to", options->target, "The language to write")
+      ->check(CLI::IsMember({std::string(language::kCpfgDialect)}))
+      ->required();
+  const std::vector<std::string_view> names = language::dialectNames();
+  command->add_option("--dialect", options->dialect, "How the file is written; without it found by its content")
+      ->check(CLI::IsMember(std::vector<std::string>(names.begin(), names.end())));
+  command->add_flag("--quiet", options->isQuiet, "Only the text and errors");
+  command->callback([options, &status] { status = convert(*options); });
+}
+
+}  // namespace espalier::command

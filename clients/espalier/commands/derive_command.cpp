@@ -1,0 +1,162 @@
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "clients/espalier/commands/commands.h"
+#include "clients/espalier/messages.h"
+#include "clients/espalier/model_loading.h"
+#include "clients/espalier/output/string_output.h"
+#include "clients/espalier/time_limit.h"
+#include "clients/espalier/trace_option.h"
+#include "server/remote/disk_files.h"
+
+namespace espalier::command {
+namespace {
+
+struct DeriveOptions {
+  ModelOptions model;
+  TraceOption trace;
+  bool printsEveryStep = false;
+  bool printsAnswered = false;
+  bool hasStatistics = false;
+};
+
+// sums of a run, in the units of --statistics
+struct RunFigures {
+  std::uint64_t queries = 0;
+  double derivationMilliseconds = 0.0;
+  double environmentMilliseconds = 0.0;
+};
+
+using Outcome = std::optional<core::SimulationError>;
+
+// runs one part of a step and adds its wall time
+template <typename Part>
+Outcome timed(double& milliseconds, const Part& part) {
+  const auto start = std::chrono::steady_clock::now();
+  Outcome outcome = part();
+  milliseconds += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  return outcome;
+}
+
+// one line; of a forest one for each living plant, after the plant's number and a TAB
+void printStrings(const simulation::Simulation& simulation, const std::string& before) {
+  const bool isForest = simulation.plantCount() > 1;
+  for (std::size_t plant = 0; plant < simulation.plantCount(); ++plant) {
+    if (simulation.plant(plant).isAlive()) {
+      std::printf("%s%s", before.c_str(), isForest ? (std::to_string(plant) + "\t").c_str() : "");
+      printString(simulation.program(plant), simulation.string(plant));
+    }
+  }
+}
+
+void printStep(const simulation::Simulation& simulation) {
+  printStrings(simulation, std::to_string(simulation.completedSteps()) + "\t");
+}
+
+// steps until the end, or to step `last`, printing what was asked for; the strings after the queries' answers belong to
+// the step before
+Outcome runAllSteps(simulation::Simulation& simulation, DeriveOptions& options, const FolderSettings& folder,
+                    RunFigures& figures) {
+  if (Outcome failure = simulation.rewind()) {
+    return failure;
+  }
+  options.trace.begin(simulation);
+  // --steps is the derivation length itself
+  const std::optional<std::uint64_t> last =
+      options.model.steps ? std::nullopt : lastStepOf(folder, std::nullopt, simulation);
+  const bool printsDerived = options.printsEveryStep && !options.printsAnswered;
+  if (printsDerived) {
+    printStep(simulation);
+  }
+  while (!isOver(simulation, last)) {
+    if (Outcome failure = timed(figures.environmentMilliseconds, [&] { return simulation.answer(); })) {
+      return failure;
+    }
+    if (options.printsAnswered) {
+      printStep(simulation);
+    }
+    if (Outcome failure = timed(figures.derivationMilliseconds, [&] { return simulation.step(); })) {
+      return failure;
+    }
+    options.trace.complete(simulation);
+    figures.queries += simulation.statistics().queries;
+    if (printsDerived) {
+      printStep(simulation);
+    }
+  }
+  // with `environment display: before` the last string is answered too
+  if (options.printsAnswered && simulation.program().view.hasEnvironmentDisplayBefore) {
+    if (Outcome failure = timed(figures.environmentMilliseconds, [&] { return simulation.answer(); })) {
+      return failure;
+    }
+    printStep(simulation);
+  }
+  if (!options.printsEveryStep) {
+    printStrings(simulation, "");
+  }
+  return std::nullopt;
+}
+
+void printStatistics(const simulation::Simulation& simulation, const RunFigures& figures) {
+  const simulation::StepStatistics& statistics = simulation.statistics();
+  std::fflush(stdout);
+  std::fprintf(stderr,
+               "{\"steps\":%llu,\"modules\":%llu,\"parameters\":%llu,\"queries\":%llu,\"derivationMilliseconds\":%.3f,"
+               "\"environmentMilliseconds\":%.3f,\"bytes\":%llu}\n",
+               static_cast<unsigned long long>(simulation.completedSteps()),
+               static_cast<unsigned long long>(statistics.modules),
+               static_cast<unsigned long long>(statistics.parameters), static_cast<unsigned long long>(figures.queries),
+               figures.derivationMilliseconds, figures.environmentMilliseconds,
+               static_cast<unsigned long long>(statistics.bytes));
+}
+
+int derive(DeriveOptions& options) {
+  server::DiskFileProvider files;
+  std::optional<LoadedModel> loaded = loadModel(options.model, files);
+  if (!loaded || !options.trace.open(loaded->environment)) {
+    return kFailure;
+  }
+  simulation::Simulation simulation(loaded->programs, loaded->plants, std::move(loaded->environment.process),
+                                    std::move(loaded->simulationOptions));
+  const TimeLimit time(simulation, options.model.seconds());
+  RunFigures figures;
+  const Outcome failure = runAllSteps(simulation, options, loaded->folder, figures);
+  if (failure) {
+    printError(formatSimulationError(time.explained(*failure)));
+  }
+  if (options.hasStatistics) {
+    printStatistics(simulation, figures);
+  }
+  return options.trace.close() && !failure ? kSuccess : kFailure;
+}
+
+}  // namespace
+
+void addDerive(CLI::App& program, int& status) {
+  CLI::App* command = program.add_subcommand("derive", "Derive a model and print its string of modules");
+  command->footer(
+      "Prints the string of the last step, or with --every one line for each step: its number, a TAB, the string.\n"
+      "Of a forest it prints a line for each living plant: its number, a TAB, its string.\n"
+      "Examples:\n"
+      "  espalier derive tree.l --every\n"
+      "  espalier derive tiers.l --environment honda.json --steps 12\n"
+      "  espalier derive plant.l --environment 'stdio:python3 my_environment.py'");
+  auto options = std::make_shared<DeriveOptions>();
+  addReadingOptions(*command, options->model, true);
+  addRunningOptions(*command, options->model);
+  CLI::Option* every = command->add_flag("--every", options->printsEveryStep, "Print the string of every step, from 0");
+  command
+      ->add_flag("--answered", options->printsAnswered,
+                 "With --every: the strings after their queries were answered, instead of as derived")
+      ->needs(every);
+  options->trace.addTo(*command);
+  command->add_flag("--statistics", options->hasStatistics,
+                    "Print one JSON object with counts and times (ms) of the run on standard error");
+  command->callback([options, &status] { status = derive(*options); });
+}
+
+}  // namespace espalier::command

@@ -1,0 +1,326 @@
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdio>
+#include <memory>
+
+#include "clients/espalier/commands/commands.h"
+#include "clients/espalier/messages.h"
+#include "clients/espalier/output/field_writing_process.h"
+#include "environment/environment_entries.h"
+#include "environment/obstacles/mesh_embedding.h"
+#include "environment/output/field_embedding.h"
+#include "environment/registry.h"
+#include "protocol/codec.h"
+#include "protocol/envelope.h"
+#include "protocol/json_writer.h"
+#include "server/remote/disk_files.h"
+#include "server/remote/hosting/environment_check.h"
+#include "server/remote/hosting/environment_host.h"
+#include "server/remote/processes/legacy_process.h"
+#include "server/remote/processes/line_channel.h"
+#include "server/remote/processes/plugin_library.h"
+#include "server/remote/trace_file.h"
+#include "server/remote/translation/translate.h"
+
+namespace espalier::command {
+namespace {
+
+// the name under which an existing program of the field is offered
+constexpr const char* kLegacy = "legacy";
+// the same for one in a shared library
+constexpr const char* kPlugin = "plugin";
+
+struct EnvironmentOptions {
+  std::string name;
+  std::string address;
+  std::string configurationFile;
+  std::string executable;
+  std::string fieldFile;
+  std::string library;
+  double timeLimitSeconds = 60.0;
+  bool isOnStdio = false;
+  bool isInsecureAllowed = false;
+  bool describes = false;
+  bool printsSchema = false;
+  bool lists = false;
+  bool writesEveryStep = false;
+  FieldOutputs fields;
+};
+
+int listProcesses() {
+  for (const std::string& name : environment::processNames()) {
+    auto made = environment::makeProcess(name, "");
+    const auto* process = std::get_if<std::unique_ptr<turtle::EnvironmentProcess>>(&made);
+    const std::string summary = process != nullptr ? (*process)->describe().summary : std::string();
+    std::printf("%-12s %s\n", name.c_str(), summary.c_str());
+  }
+  return kSuccess;
+}
+
+/// What the options ask for, made anew for every simulation.
+environment::ProcessOrErrors makeAsked(const EnvironmentOptions& options, const std::string& configuration,
+                                       std::vector<core::Diagnostic>& warnings) {
+  if (options.name == kPlugin) {
+    auto loaded = server::loadPluginProcess(options.library, configuration);
+    if (auto* problem = std::get_if<std::string>(&loaded)) {
+      return std::vector{core::Diagnostic{core::Severity::Error, std::move(*problem), {}, {}}};
+    }
+    return std::move(std::get<std::unique_ptr<turtle::EnvironmentProcess>>(loaded));
+  }
+  if (options.name != kLegacy) {
+    return environment::makeProcess(options.name, configuration);
+  }
+  server::DiskFileProvider files;
+  server::LegacyProcessOptions legacy;
+  legacy.executable = options.executable;
+  legacy.stepTimeout = std::chrono::milliseconds(static_cast<std::int64_t>(options.timeLimitSeconds * 1000.0));
+  return server::makeLegacyProcess(options.fieldFile, files, legacy, warnings);
+}
+
+int serveOn(const std::string& address, bool isInsecureAllowed, const server::ProcessFactory& factory) {
+  server::HostAddress where{.isInsecureAllowed = isInsecureAllowed};
+  if (!server::splitAddress(address, where.host, where.port)) {
+    printError("'" + address + "' is not an address: write HOST:PORT, for example 127.0.0.1:4000");
+    return kUsage;
+  }
+  const std::string shownHost = address.substr(0, address.rfind(':'));
+  const auto problem = server::hostEnvironment(where, factory, [&](std::uint16_t boundPort) {
+    std::printf("listening on %s:%u\n", shownHost.c_str(), static_cast<unsigned>(boundPort));
+    std::fflush(stdout);
+  });
+  if (problem) {
+    printError(*problem);
+    return kFailure;
+  }
+  return kSuccess;
+}
+
+// The configuration of one process from the text of a file, which may be the same file that `--environment` takes: an
+// object with a `type`. Nothing after its errors were printed.
+std::optional<std::string> configurationOf(const EnvironmentOptions& options, const std::string& text) {
+  if (!protocol::memberOf(text, "type")) {
+    return text;
+  }
+  auto parsed = environment::parseEnvironmentEntries(text);
+  if (const auto* problems = std::get_if<std::vector<core::Diagnostic>>(&parsed)) {
+    printDiagnostics(*problems, false);
+    return std::nullopt;
+  }
+  const auto& entry = std::get<std::vector<environment::EnvironmentEntry>>(parsed).front();
+  if (environment::canonicalName(entry.type) != environment::canonicalName(options.name)) {
+    printError("the configuration file '" + options.configurationFile + "' is for '" + entry.type + "', not for '" +
+               options.name + "': name that environment, or another file");
+    return std::nullopt;
+  }
+  return entry.configuration;
+}
+
+// what a process tells a peer, and what a person wants to know besides: other names, source, configuration
+std::string contractOf(const std::string& name, const turtle::EnvironmentProcess& process) {
+  std::string described = protocol::encode(server::toDescribeResult(process.describe()));
+  const std::string schema = environment::configurationSchema(name);
+  if (schema.empty()) {
+    return described;
+  }
+  protocol::JsonWriter more;
+  more.beginObject().key("aliases").texts(environment::aliasesOf(name));
+  more.key("source").text(environment::sourceOf(name)).key("configuration").raw(schema).endObject();
+  described.back() = ',';
+  return described + more.take().substr(1);
+}
+
+int runEnvironment(EnvironmentOptions& options) {
+  if (options.lists) {
+    return listProcesses();
+  }
+  if (!options.fields.parse()) {
+    return kUsage;
+  }
+  const int modes = (options.address.empty() ? 0 : 1) + (options.isOnStdio ? 1 : 0) + (options.describes ? 1 : 0) +
+                    (options.printsSchema ? 1 : 0);
+  if (options.name.empty() || modes != 1) {
+    printError(
+        "give the NAME of a built-in environment and one of --listen HOST:PORT, --stdio, --describe and --schema; "
+        "--list names them");
+    return kUsage;
+  }
+  std::string configuration;
+  if (!options.configurationFile.empty()) {
+    auto text = server::DiskFileProvider().read(options.configurationFile);
+    if (!text) {
+      printError("the configuration file '" + options.configurationFile + "' cannot be read");
+      return kFailure;
+    }
+    auto chosen = configurationOf(options, *text);
+    if (!chosen) {
+      return kFailure;
+    }
+    configuration = std::move(*chosen);
+    // files that it names become part of it
+    environment::EnvironmentEntry entry{options.name, options.name, configuration};
+    server::DiskFileProvider files;
+    auto problem = environment::embedMeshFile(entry, options.configurationFile, files);
+    problem = problem ? problem : environment::embedFieldFile(entry, options.configurationFile, files);
+    if (problem) {
+      printDiagnostics(std::vector{*problem}, false);
+      return kFailure;
+    }
+    configuration = std::move(entry.configuration);
+  }
+
+  if ((options.name == kLegacy) == options.fieldFile.empty() ||
+      (options.name != kLegacy && !options.executable.empty())) {
+    printError(options.name == kLegacy ? "give the field file of the program with --spec FILE.e"
+                                       : "--executable and --spec are for the environment 'legacy'");
+    return kUsage;
+  }
+  if ((options.name == kPlugin) == options.library.empty()) {
+    printError(options.name == kPlugin ? "give the file of the plug-in with --library FILE.so"
+                                       : "--library is for the environment 'plugin'");
+    return kUsage;
+  }
+  // made once here, so that every mistake is said before anybody connects
+  std::vector<core::Diagnostic> warnings;
+  auto made = makeAsked(options, configuration, warnings);
+  printDiagnostics(warnings, false);
+  if (auto* problems = std::get_if<std::vector<core::Diagnostic>>(&made)) {
+    // places in the configuration are places in its file
+    for (core::Diagnostic& problem : *problems) {
+      if (!options.configurationFile.empty() && problem.location.file == "configuration") {
+        problem.location.file = options.configurationFile;
+      } else if (!options.configurationFile.empty() && problem.location.file.empty()) {
+        problem.message = options.configurationFile + ": " + problem.message;
+      }
+    }
+    printDiagnostics(*problems, false);
+    return kFailure;
+  }
+  if (options.printsSchema) {
+    std::printf("%s\n", environment::configurationSchema(options.name).c_str());
+    return kSuccess;
+  }
+  if (options.describes) {
+    const auto& process = std::get<std::unique_ptr<turtle::EnvironmentProcess>>(made);
+    std::printf("%s\n", contractOf(options.name, *process).c_str());
+    return kSuccess;
+  }
+  const server::ProcessFactory factory = [&options, &configuration] {
+    std::vector<core::Diagnostic> said;  // above
+    auto fresh = makeAsked(options, configuration, said);
+    auto& process = std::get<std::unique_ptr<turtle::EnvironmentProcess>>(fresh);
+    return options.fields.isEmpty() ? std::move(process)
+                                    : writingFields(std::move(process), options.fields, options.writesEveryStep);
+  };
+  if (options.isOnStdio) {
+    if (const auto problem = server::hostEnvironmentOnStdio(factory)) {
+      printError(*problem);
+      return kFailure;
+    }
+    return kSuccess;
+  }
+  return serveOn(options.address, options.isInsecureAllowed, factory);
+}
+
+struct CheckOptions {
+  server::EnvironmentCheckOptions check;
+  std::string traceFile;
+  std::string configurationFile;
+  double timeoutSeconds = 60.0;
+};
+
+int checkOther(CheckOptions& options) {
+  if (!options.traceFile.empty()) {
+    if (const auto problem = server::readTraceFile(options.traceFile, options.check.trace)) {
+      printError(*problem);
+      return kFailure;
+    }
+  }
+  if (!options.configurationFile.empty()) {
+    auto text = server::DiskFileProvider().read(options.configurationFile);
+    if (!text) {
+      printError("the configuration file '" + options.configurationFile + "' cannot be read");
+      return kFailure;
+    }
+    options.check.configurationJson = std::move(*text);
+  }
+  options.check.stepTimeout = std::chrono::milliseconds(static_cast<std::int64_t>(options.timeoutSeconds * 1e3));
+  const bool isRight = server::checkEnvironment(options.check, [](const std::string& line) {
+    std::printf("%s\n", line.c_str());
+    std::fflush(stdout);
+  });
+  return isRight ? kSuccess : kFailure;
+}
+
+void addCheckOfOther(CLI::App& environment, int& status) {
+  const auto options = std::make_shared<CheckOptions>();
+  CLI::App* command = environment.add_subcommand(
+      "check", "Talk to an environment in another process without a simulation and say what is right and what is not");
+  command->footer(
+      "Describe, shapes, units, order independence, repeatability, numbers that are not finite, save and restore, and "
+      "a\n"
+      "table of latencies. Exit status 0 when all is right. With --trace it gets the queries of a recorded run, and "
+      "its\n"
+      "replies are compared with the recorded ones.\n"
+      "  espalier environment check 'stdio:python3 light.py'\n"
+      "  espalier derive tree.l --environment old.json --trace tree.trace\n"
+      "  espalier environment check tcp://127.0.0.1:4000 --trace tree.trace");
+  command->add_option("ADDRESS", options->check.address, "tcp://HOST:PORT or stdio:COMMAND")->required();
+  command->add_option("--trace", options->traceFile, "What derive, run or a server recorded");
+  command->add_option("--configuration", options->configurationFile, "JSON file that it gets in environment.open");
+  command->add_option("--timeout", options->timeoutSeconds, "Seconds that it may take for a step")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
+  command->callback([options, &status] { status = checkOther(*options); });
+}
+
+}  // namespace
+
+void addEnvironment(CLI::App& program, int& status) {
+  const auto options = std::make_shared<EnvironmentOptions>();
+  CLI::App* command =
+      program.add_subcommand("environment", "Run a built-in environment as a program of its own, or say what it is");
+  command->footer(
+      "A model then uses it from another process, with exactly the plant it would grow with the environment inside:\n"
+      "  espalier environment honda --listen 127.0.0.1:4000 &\n"
+      "  espalier derive MODEL.l --environment tcp://127.0.0.1:4000\n"
+      "  espalier derive MODEL.l --environment 'stdio:espalier environment honda --stdio'\n"
+      "An existing program of the field, which speaks on pipes, is offered in the same way:\n"
+      "  espalier environment legacy --executable './soil -v' --spec roots.e --listen 127.0.0.1:4000\n"
+      "Quantities in space do not cross the wire; --field writes them where the environment runs:\n"
+      "  espalier environment soil-water --configuration soil.json --listen 127.0.0.1:4000 --field water.vti\n"
+      "With --listen it prints `listening on HOST:PORT` when ready and serves until SIGINT or SIGTERM.\n"
+      "`espalier environment check ADDRESS` tries out an environment of your own.");
+  command->add_option("NAME", options->name, "A built-in environment; --list names them");
+  command->add_option("--listen", options->address, "Serve on HOST:PORT; port 0 takes a free one");
+  command->add_flag("--insecure", options->isInsecureAllowed,
+                    "Serve on an address that other machines reach, without encryption and without asking who it is");
+  command->add_flag("--stdio", options->isOnStdio, "Serve on standard input and output until the input ends");
+  command->add_option("--configuration", options->configurationFile,
+                      "JSON file with its configuration (see --schema), with or without its \"type\"");
+  command->add_option("--executable", options->executable,
+                      "For NAME legacy: the program and its arguments, instead of the field file's `executable`");
+  command->add_option("--spec", options->fieldFile,
+                      "For NAME legacy: the field file (.e) that says what the program is sent");
+  command->add_option("--library", options->library, "For NAME plugin: the shared library (environment/plugin.h)");
+  command
+      ->add_option("--time-limit", options->timeLimitSeconds,
+                   "For NAME legacy: seconds that the program may take for a step")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
+  command->add_flag("--describe", options->describes,
+                    "Print its contract as JSON: what it needs, its inputs and outputs with units, its other\nnames, "
+                    "where it was published, the schema of its configuration");
+  command->add_flag("--schema", options->printsSchema, "Print the JSON Schema of its configuration");
+  command->add_flag("--list", options->lists, "Print the names of all, each with a sentence");
+  options->fields.addTo(*command);
+  command->add_flag("--every", options->writesEveryStep,
+                    "Number the files of --field by step, instead of keeping the last");
+  addCheckOfOther(*command, status);
+  command->callback([options, &status, command] {
+    if (command->get_subcommands().empty()) {
+      status = runEnvironment(*options);
+    }
+  });
+}
+
+}  // namespace espalier::command

@@ -1,0 +1,488 @@
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <atomic>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "clients/espalier/commands/commands.h"
+#include "clients/espalier/environment_loading.h"
+#include "clients/espalier/evolution/evolution.h"
+#include "clients/espalier/evolution/fitness.h"
+#include "clients/espalier/evolution/fitness_process.h"
+#include "clients/espalier/evolution/model_variants.h"
+#include "clients/espalier/messages.h"
+#include "clients/espalier/model_loading.h"
+#include "clients/espalier/number_option.h"
+#include "clients/espalier/output/outputs.h"
+#include "engine/core/number_text.h"
+#include "server/remote/disk_files.h"
+
+namespace espalier::command {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kProcessPrefix = "stdio:";
+
+struct EvolveOptions {
+  ModelOptions model;
+  std::vector<std::string> genes;
+  bool variesProductions = false;
+  std::uint64_t longestSuccessor = 40;
+  std::string fitness{kUsualFitness};
+  double judgeSeconds = 60.0;
+  std::uint64_t populationCount = 40;
+  std::uint64_t generationCount = 30;
+  std::uint64_t eliteCount = 1;
+  double mutation = 0.15;
+  double crossover = 0.7;
+  std::string folder;
+  bool isResumed = false;
+  OutputOptions outputs;
+};
+
+std::string numberText(double value) {
+  std::string text;
+  core::appendNumber(text, value, core::NumberStyle::Shortest);
+  return text;
+}
+
+// NAME=LOW:HIGH
+std::optional<Gene> readGene(const std::string& text) {
+  const std::size_t equals = text.find('=');
+  const std::size_t colon = text.find(':', equals == std::string::npos ? 0 : equals);
+  if (equals == std::string::npos || equals == 0 || colon == std::string::npos) {
+    return std::nullopt;
+  }
+  const auto low = core::parseNumber(std::string_view(text).substr(equals + 1, colon - equals - 1));
+  const auto high = core::parseNumber(std::string_view(text).substr(colon + 1));
+  if (!low || !high || !(*low < *high)) {
+    return std::nullopt;
+  }
+  return Gene{text.substr(0, equals), *low, *high};
+}
+
+/// Grows and judges individuals, and writes what becomes of them.
+class Evolution {
+ public:
+  explicit Evolution(EvolveOptions& options) : options_(options) {}
+
+  int run() {
+    if (!prepare()) {
+      return kFailure;
+    }
+    std::optional<Generation> generation = begin();
+    if (!generation) {
+      return kFailure;
+    }
+    while (true) {
+      if (!evaluate(*generation) || !report(*generation)) {
+        return kFailure;
+      }
+      if (generation->number >= options_.generationCount) {
+        break;
+      }
+      generation = nextGeneration(settings_, *generation);
+    }
+    return finish(*generation);
+  }
+
+ private:
+  [[nodiscard]] std::string path(const std::string& name) const { return (fs::path(options_.folder) / name).string(); }
+  [[nodiscard]] bool usesProcess() const { return options_.fitness.rfind(kProcessPrefix, 0) == 0; }
+
+  bool prepare() {
+    if (!usesProcess()) {
+      if (const auto problem = FitnessFormula::read(options_.fitness, formula_)) {
+        printError("--fitness: " + *problem + " Or give 'stdio:COMMAND', a program that judges plants");
+        return false;
+      }
+    }
+    server::DiskFileProvider files;
+    std::shared_ptr<const language::Program> program = loadProgram(options_.model, files, &folder_);
+    if (!program) {
+      return false;
+    }
+    viewFile_ = program->viewFile;
+    hasMadeView_ = !viewFile_.empty() && !files.read(viewFile_);
+    std::vector<Gene> genes;
+    for (const std::string& text : options_.genes) {
+      genes.push_back(*readGene(text));
+    }
+    settings_.model = std::to_string(program->hash) + " " + options_.model.environment + " " +
+                      (options_.model.steps ? std::to_string(*options_.model.steps) : std::string("-"));
+    auto variants = ModelVariants::make(program, std::move(genes), options_.variesProductions,
+                                        static_cast<std::size_t>(options_.longestSuccessor));
+    if (const std::string* problem = std::get_if<std::string>(&variants)) {
+      printError(*problem);
+      return false;
+    }
+    variants_.emplace(std::move(std::get<ModelVariants>(variants)));
+    settings_.fitness = options_.fitness;
+    settings_.seed = options_.model.seed.value_or(1);
+    settings_.populationCount = static_cast<std::size_t>(options_.populationCount);
+    settings_.eliteCount = static_cast<std::size_t>(options_.eliteCount);
+    settings_.mutationProbability = options_.mutation;
+    settings_.crossoverProbability = options_.crossover;
+    settings_.shape = variants_->shape();
+    settings_.successors = variants_->successors();
+    // all individuals of all generations grow by the same seed, so that a genome keeps its fitness
+    options_.model.seed = settings_.seed;
+    if (usesProcess()) {
+      auto process = FitnessProcess::start(options_.fitness.substr(kProcessPrefix.size()));
+      if (const std::string* problem = std::get_if<std::string>(&process)) {
+        printError("--fitness: " + *problem);
+        return false;
+      }
+      process_ = std::move(std::get<std::unique_ptr<FitnessProcess>>(process));
+    }
+    return true;
+  }
+
+  // the first generation, or the one that an earlier run left
+  std::optional<Generation> begin() {
+    std::error_code error;
+    fs::create_directories(options_.folder, error);
+    if (!fs::is_directory(options_.folder, error)) {
+      printError("cannot make the folder '" + options_.folder + "'");
+      return std::nullopt;
+    }
+    server::DiskFileProvider files;
+    const std::optional<std::string> text = files.read(path("evolution.json"));
+    if (!options_.isResumed) {
+      if (text) {
+        printError("'" + options_.folder + "' holds an earlier run: --resume goes on with it, or give another folder");
+        return std::nullopt;
+      }
+      return firstGeneration(settings_);
+    }
+    if (!text) {
+      printError("there is no '" + path("evolution.json") + "' to go on from: leave --resume out");
+      return std::nullopt;
+    }
+    auto generation = readEvolution(*text, settings_);
+    if (const std::string* problem = std::get_if<std::string>(&generation)) {
+      printError("cannot go on from '" + path("evolution.json") + "': " + *problem);
+      return std::nullopt;
+    }
+    history_ = files.read(path("generations.csv")).value_or("");
+    isReported_ = true;
+    return std::move(std::get<Generation>(generation));
+  }
+
+  // a plant of a genome, grown to its last step; or why it failed
+  std::variant<std::unique_ptr<simulation::Simulation>, std::string> grow(const Genome& genome) const {
+    server::DiskFileProvider files;
+    auto program = variants_->program(genome, files);
+    if (const std::string* problem = std::get_if<std::string>(&program)) {
+      return *problem;
+    }
+    const auto& compiled = std::get<std::shared_ptr<const language::Program>>(program);
+    ModelOptions model = options_.model;
+    model.isQuiet = true;
+    std::unique_ptr<turtle::EnvironmentProcess> environment;
+    if (!model.environment.empty()) {
+      std::optional<LoadedEnvironment> loaded = loadEnvironment(model.environment, model.mode(), true, files);
+      if (!loaded) {
+        return std::string("its environment cannot be made");
+      }
+      environment = std::move(loaded->process);
+    }
+    simulation::SimulationOptions simulationOptions = simulationOptionsFor(model, *compiled);
+    simulationOptions.threads = 1;
+    simulationOptions.fileWriter = nullptr;
+    simulationOptions.messages = {};
+    simulationOptions.palette = folder_.palette;
+    auto simulation = std::make_unique<simulation::Simulation>(compiled, std::vector<turtle::PlantPlacement>(1),
+                                                               std::move(environment), std::move(simulationOptions));
+    if (const auto failure = simulation->rewind()) {
+      return formatSimulationError(*failure);
+    }
+    const std::optional<std::uint64_t> last = lastStepOf(folder_, model.steps, *simulation);
+    while (!isOver(*simulation, last)) {
+      if (const auto failure = simulation->step()) {
+        return formatSimulationError(*failure);
+      }
+    }
+    return simulation;
+  }
+
+  // fills in what one individual is worth; an error sentence when nobody can go on
+  std::optional<std::string> evaluateOne(const Generation& generation, std::size_t number, Individual& individual) {
+    individual.isEvaluated = true;
+    auto grown = grow(individual.genome);
+    std::variant<turtle::Scene, core::SimulationError> scene;
+    if (auto* simulation = std::get_if<std::unique_ptr<simulation::Simulation>>(&grown)) {
+      scene = (*simulation)->scene();
+    }
+    if (const std::string* problem = std::get_if<std::string>(&grown)) {
+      noteFailure(*problem);
+      return std::nullopt;
+    }
+    const simulation::Simulation& simulation = *std::get<std::unique_ptr<simulation::Simulation>>(grown);
+    if (const auto* failure = std::get_if<core::SimulationError>(&scene)) {
+      noteFailure(formatSimulationError(*failure));
+      return std::nullopt;
+    }
+    turtle::Scene& drawn = std::get<turtle::Scene>(scene);
+    individual.modules = simulation.string().size();
+    individual.hasGrown = true;
+    if (!process_) {
+      individual.measures = measurePlant(std::move(drawn), simulation.program().view);
+      individual.fitness = formula_(individual.measures);
+      return std::nullopt;
+    }
+    individual.measures = measurePlant(turtle::Scene(drawn), simulation.program().view);
+    const JudgedPlant plant{.generation = generation.number,
+                            .individual = number,
+                            .modules = individual.modules,
+                            .shape = settings_.shape,
+                            .genome = individual.genome,
+                            .measures = individual.measures,
+                            .scene = drawn,
+                            .string = simulation.stringText()};
+    const std::scoped_lock lock(judging_);
+    if (hasJudgeFailed_) {
+      return std::nullopt;  // it may never answer again; the run ends with the first failure
+    }
+    const auto judged = process_->judge(plant, options_.judgeSeconds);
+    if (const std::string* problem = std::get_if<std::string>(&judged)) {
+      hasJudgeFailed_ = true;
+      return *problem;
+    }
+    individual.fitness = std::get<double>(judged);
+    return std::nullopt;
+  }
+
+  void noteFailure(const std::string& problem) {
+    const std::scoped_lock lock(judging_);
+    if (firstFailure_.empty()) {
+      firstFailure_ = problem;
+    }
+  }
+
+  bool evaluate(Generation& generation) {
+    std::atomic<std::size_t> next{0};
+    std::optional<std::string> problem;
+    const auto work = [&] {
+      while (true) {
+        const std::size_t number = next++;
+        if (number >= generation.individuals.size()) {
+          return;
+        }
+        Individual& individual = generation.individuals[number];
+        if (individual.isEvaluated) {
+          continue;
+        }
+        if (const auto failure = evaluateOne(generation, number, individual)) {
+          const std::scoped_lock lock(judging_);
+          problem = problem ? problem : failure;
+          next = generation.individuals.size();
+        }
+      }
+    };
+    {
+      std::vector<std::jthread> helpers;
+      for (unsigned i = 1; i < options_.model.threadCount(); ++i) {
+        helpers.emplace_back(work);
+      }
+      work();
+    }
+    if (problem) {
+      printError("generation " + std::to_string(generation.number) + ": " + *problem +
+                 ". Mend it and go on with --resume");
+      return false;
+    }
+    const auto grown = std::count_if(generation.individuals.begin(), generation.individuals.end(),
+                                     [](const Individual& individual) { return individual.hasGrown; });
+    if (grown == 0) {
+      printError("no plant of generation " + std::to_string(generation.number) +
+                 " grew to its end. The first failed with:\n" + firstFailure_);
+      return false;
+    }
+    return true;
+  }
+
+  // one line on standard error, one in the table, a picture of the best, and the state to go on from
+  bool report(const Generation& generation) {
+    if (isReported_) {
+      isReported_ = false;
+      return true;
+    }
+    double sum = 0.0;
+    double worst = INFINITY;
+    std::size_t grown = 0;
+    for (const Individual& individual : generation.individuals) {
+      if (individual.hasGrown) {
+        sum += individual.fitness;
+        worst = std::min(worst, individual.fitness);
+        ++grown;
+      }
+    }
+    const Individual& best = generation.individuals[fittest(generation)];
+    const double mean = sum / static_cast<double>(grown);
+    const std::size_t failed = generation.individuals.size() - grown;
+    addToHistory(generation.number, best, mean, worst, failed);
+    if (!options_.model.isQuiet) {
+      char line[200];
+      std::snprintf(line, sizeof line, "generation %u: best %.6g, mean %.6g, worst %.6g%s", generation.number,
+                    best.fitness, mean, worst, failed > 0 ? (", " + std::to_string(failed) + " failed").c_str() : "");
+      printNote(line);
+    }
+    auto grownBest = grow(best.genome);
+    OutputOptions picture = options_.outputs;
+    picture.files = {path("best.png")};
+    picture.format.clear();
+    const OutputWriter writer(picture, true);
+    if (!writer.write(*std::get<std::unique_ptr<simulation::Simulation>>(grownBest), generation.number, 4)) {
+      return false;
+    }
+    // the state last: what it says is complete is there
+    std::vector<std::pair<std::string, std::string>> written{{"generations.csv", history_},
+                                                             {"best.l", bestText(generation)}};
+    if (hasMadeView_) {
+      written.emplace_back("best.v", variants_->viewText());
+    }
+    written.emplace_back("evolution.json", writeEvolution(settings_, generation));
+    for (const auto& [name, content] : written) {
+      if (const auto problem = server::writeFileAtomically(path(name), content)) {
+        printError(*problem);
+        return false;
+      }
+    }
+    return true;
+  }
+
+  void addToHistory(std::uint32_t number, const Individual& best, double mean, double worst, std::size_t failed) {
+    if (history_.empty()) {
+      history_ = "generation,best,mean,worst,failed,modules";
+      for (const std::string_view name : kMeasureNames) {
+        history_ += "," + std::string(name);
+      }
+      for (const Gene& gene : settings_.shape.genes) {
+        history_ += "," + gene.name;
+      }
+      for (const std::string& predecessor : settings_.shape.predecessors) {
+        history_ += "," + predecessor;
+      }
+      history_ += "\n";
+    }
+    history_ += std::to_string(number) + "," + numberText(best.fitness) + "," + numberText(mean) + "," +
+                numberText(worst) + "," + std::to_string(failed) + "," + std::to_string(best.modules);
+    for (std::size_t i = 0; i < kMeasureNames.size(); ++i) {
+      history_ += "," + numberText(measure(best.measures, i));
+    }
+    for (const double value : best.genome.values) {
+      history_ += "," + numberText(value);
+    }
+    for (const Successor& successor : best.genome.successors) {
+      history_ += ",\"";
+      for (const std::string& module : successor) {
+        history_ += module;
+      }
+      history_ += "\"";
+    }
+    history_ += "\n";
+  }
+
+  [[nodiscard]] std::string bestText(const Generation& generation) const {
+    const Individual& best = generation.individuals[fittest(generation)];
+    return variants_->text(best.genome, "the fittest of generation " + std::to_string(generation.number) + " by " +
+                                            settings_.fitness + ": " + numberText(best.fitness));
+  }
+
+  int finish(const Generation& generation) {
+    if (!options_.model.isQuiet) {
+      const std::string view = viewFile_.empty() || hasMadeView_ ? "" : " --view " + viewFile_;
+      printNote("wrote " + path("best.l") + " (fitness " +
+                numberText(generation.individuals[fittest(generation)].fitness) + "), " + path("generations.csv") +
+                ", a picture of the best of each generation. Draw it: espalier run " + path("best.l") + view +
+                " --seed " + std::to_string(settings_.seed) + " -o best.glb");
+    }
+    return kSuccess;
+  }
+
+  EvolveOptions& options_;
+  EvolutionSettings settings_;
+  FolderSettings folder_;
+  FitnessFormula formula_;
+  std::optional<ModelVariants> variants_;
+  std::unique_ptr<FitnessProcess> process_;
+  std::mutex judging_;  // of process_, hasJudgeFailed_ and firstFailure_
+  bool hasJudgeFailed_ = false;
+  std::string firstFailure_;
+  std::string history_;
+  std::string viewFile_;      // of the model; empty: none
+  bool hasMadeView_ = false;  // a dialect made it, there is no such file
+  bool isReported_ = false;   // the generation was read from a file and is complete
+};
+
+}  // namespace
+
+void addEvolve(CLI::App& program, int& status) {
+  CLI::App* command = program.add_subcommand("evolve", "Breed plants by a genetic algorithm");
+  command->footer(
+      "Varies numbers of a model, or the productions of a bracketed D0L-system, and lets the fitter plants have more\n"
+      "offspring. FOLDER receives best.l, a table of the generations, a picture of the best of each, and the state\n"
+      "that --resume goes on from. The result depends on the seed, not on the number of threads.\n"
+      "Measures: height, light (ground shaded from above), sky (the same from the whole sky), symmetry (bilateral,\n"
+      "0 to 1), stability (0 to 1), branching (0 to 1), length (of all lines), extent (greatest span), organs "
+      "(number);\n"
+      "a product of powers. That of the default is the same for a plant twice as large: symmetry, light and height of "
+      "a\n"
+      "plant of extent 1, times the root of branching, by the root of the length of its lines.\n"
+      "Examples:\n"
+      "  espalier evolve tree.l --gene ANGLE=10:80 --gene RATIO=0.5:0.95 --fitness light=1,length=-0.5 -o bred\n"
+      "  espalier evolve weed.l --productions --generations 50 -o bred\n"
+      "  espalier evolve tree.l --gene ANGLE=10:80 --fitness 'stdio:python3 fitness.py' -o bred");
+  auto options = std::make_shared<EvolveOptions>();
+  addReadingOptions(*command, options->model, true);
+  addRunningOptions(*command, options->model);
+  CLI::Option* genes =
+      command->add_option("--gene", options->genes, "A #define of the model whose number varies")
+          ->type_name("NAME=LOW:HIGH")
+          ->allow_extra_args(false)
+          ->check([](const std::string& text) {
+            return readGene(text) ? std::string{} : "'" + text + "' is no gene: give NAME=LOW:HIGH with LOW < HIGH";
+          });
+  command->add_flag("--productions", options->variesProductions, "The productions vary")->excludes(genes);
+  addWholeNumber(*command, "--longest", "Modules of a successor at most (40)", 1, 10'000,
+                 [options](std::uint64_t count) { options->longestSuccessor = count; });
+  command->add_option("--fitness", options->fitness, "Measures with exponents, or 'stdio:COMMAND'")
+      ->capture_default_str();
+  addPositiveNumber(*command, "--fitness-seconds", "How long a fitness program may take for a plant (60)", "seconds",
+                    [options](double seconds) { options->judgeSeconds = seconds; });
+  addWholeNumber(*command, "--population", "Plants of a generation (40)", 2, 1'000'000,
+                 [options](std::uint64_t count) { options->populationCount = count; });
+  addWholeNumber(*command, "--generations", "Number of the last generation; the first is 0 (30)", 0, 1'000'000,
+                 [options](std::uint64_t count) { options->generationCount = count; });
+  addWholeNumber(*command, "--elite", "So many of the best pass on unchanged (1)", 0, 1'000'000,
+                 [options](std::uint64_t count) { options->eliteCount = count; });
+  command->add_option("--mutation", options->mutation, "Probability that a gene changes (0.15)")
+      ->check(CLI::Range(0.0, 1.0));
+  command->add_option("--crossover", options->crossover, "Probability that a child has two parents (0.7)")
+      ->check(CLI::Range(0.0, 1.0));
+  command->add_option("-o,--output", options->folder, "Folder for what is made")->required()->type_name("FOLDER");
+  command->add_flag("--resume", options->isResumed, "Go on with the run in FOLDER");
+  command->callback([options, &status] {
+    if (options->genes.empty() && !options->variesProductions) {
+      throw CLI::RequiredError("--gene NAME=LOW:HIGH or --productions");
+    }
+    options->outputs.picture.widthPixels = 400;
+    options->outputs.picture.heightPixels = 400;
+    options->outputs.picture.threads = options->model.threadCount();
+    status = Evolution(*options).run();
+  });
+}
+
+}  // namespace espalier::command

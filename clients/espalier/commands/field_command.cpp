@@ -1,0 +1,92 @@
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <utility>
+#include <variant>
+
+#include "clients/espalier/commands/commands.h"
+#include "clients/espalier/messages.h"
+#include "clients/espalier/output/field_outputs.h"
+#include "engine/core/number_text.h"
+#include "environment/output/field_output.h"
+#include "server/remote/disk_files.h"
+
+namespace espalier::command {
+namespace {
+
+struct FieldOptions {
+  std::string file;
+  FieldOutputs outputs;
+  bool isQuiet = false;
+};
+
+// the fields of a .vti, or of a .raw with its header beside it
+std::variant<std::vector<turtle::Field>, std::string> readFields(const std::string& file) {
+  server::DiskFileProvider files;
+  const auto content = files.read(file);
+  if (!content) {
+    return "there is no field file '" + file + "': check the name and the working folder";
+  }
+  const auto located = [&](const std::string& problem) { return file + ": the file " + problem; };
+  if (std::filesystem::path(file).extension() != ".raw") {
+    auto fields = environment::readVti(*content);
+    if (const auto* problem = std::get_if<std::string>(&fields)) {
+      return located(*problem);
+    }
+    return fields;
+  }
+  const auto header = files.read(file + ".json");
+  if (!header) {
+    return "there is no header '" + file + ".json' beside the numbers: it says how many cells there are, and where";
+  }
+  auto field = environment::readRaw(*header, *content);
+  if (const auto* problem = std::get_if<std::string>(&field)) {
+    return located(*problem);
+  }
+  return std::vector<turtle::Field>{std::get<turtle::Field>(std::move(field))};
+}
+
+int run(FieldOptions& options) {
+  if (!options.outputs.parse()) {
+    return kUsage;
+  }
+  const auto read = readFields(options.file);
+  if (const auto* problem = std::get_if<std::string>(&read)) {
+    printError(*problem);
+    return kFailure;
+  }
+  const auto& fields = std::get<std::vector<turtle::Field>>(read);
+  std::string table = "field\tunit\tcells\tminimum\tmean\tmaximum\tintegral\n";
+  for (const turtle::Field& field : fields) {
+    const environment::FieldSummary summary = environment::summaryOf(field);
+    table += field.name + "\t" + field.unit + "\t" + std::to_string(field.cells[0]) + "x" +
+             std::to_string(field.cells[1]) + "x" + std::to_string(field.cells[2]);
+    for (const double number : {summary.minimum, summary.mean, summary.maximum, summary.integral}) {
+      table += "\t";
+      core::appendNumber(table, number, core::NumberStyle::Shortest);
+    }
+    table += "\n";
+  }
+  std::cout << table << std::flush;
+  return options.outputs.write(fields, options.isQuiet) ? kSuccess : kFailure;
+}
+
+}  // namespace
+
+void addField(CLI::App& program, int& status) {
+  CLI::App* command = program.add_subcommand("field", "Read a file of a quantity in space; write slices of it");
+  command->footer(
+      "Prints a table of what is in the file.\n"
+      "Examples:\n"
+      "  espalier field water.vti\n"
+      "  espalier field water.vti --field waterContent@z=water.png --field waterContent=water.raw");
+  auto options = std::make_shared<FieldOptions>();
+  command->add_option("FILE", options->file, "A .vti file (VTK image data), or a .raw file with its header FILE.json")
+      ->required();
+  options->outputs.addTo(*command);
+  command->add_flag("--quiet", options->isQuiet, "Errors only");
+  command->callback([options, &status] { status = run(*options); });
+}
+
+}  // namespace espalier::command

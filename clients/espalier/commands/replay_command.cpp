@@ -1,0 +1,58 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+
+#include "clients/espalier/commands/commands.h"
+#include "clients/espalier/messages.h"
+#include "engine/simulation/trace.h"
+#include "server/remote/trace_file.h"
+
+namespace espalier::command {
+namespace {
+
+struct ReplayOptions {
+  std::string trace;
+  unsigned threads = 1;
+};
+
+int replay(const ReplayOptions& options) {
+  std::string bytes;
+  if (const auto problem = server::readTraceFile(options.trace, bytes)) {
+    printError(*problem);
+    return kFailure;
+  }
+  const auto outcome = simulation::replayTrace(bytes, options.threads);
+  if (const auto* problem = std::get_if<std::string>(&outcome)) {
+    printError("'" + options.trace + "': " + *problem);
+    return kFailure;
+  }
+  const auto& result = std::get<simulation::ReplayResult>(outcome);
+  if (result.divergence) {
+    printError("first divergence: " + result.divergence->message);
+    return kFailure;
+  }
+  std::printf("%llu steps with %llu queries: the same as recorded\n", static_cast<unsigned long long>(result.steps),
+              static_cast<unsigned long long>(result.queries));
+  return kSuccess;
+}
+
+}  // namespace
+
+void addReplay(CLI::App& program, int& status) {
+  const auto options = std::make_shared<ReplayOptions>();
+  CLI::App* command = program.add_subcommand("replay", "Make a recorded run again, without its environment");
+  command->footer(
+      "The trace holds the model, every query and every reply. Replaying it compares each query and each string with "
+      "the\n"
+      "recorded ones and names the first that differs: step, plant and module.\n"
+      "Examples:\n"
+      "  espalier derive tree.l --environment 'stdio:python3 light.py' --trace tree.trace\n"
+      "  espalier replay tree.trace");
+  command->add_option("TRACE", options->trace, "What --trace wrote")->required();
+  command->add_option("--threads", options->threads, "Threads that derive; the result does not depend on it")
+      ->capture_default_str()
+      ->check(CLI::Range(1U, 1024U));
+  command->callback([options, &status] { status = replay(*options); });
+}
+
+}  // namespace espalier::command

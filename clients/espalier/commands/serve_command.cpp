@@ -1,0 +1,163 @@
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <cstdio>
+#include <fstream>
+#include <memory>
+#include <optional>
+
+#include "clients/espalier/commands/commands.h"
+#include "clients/espalier/messages.h"
+#include "clients/espalier/serve_configuration.h"
+#include "clients/web/pages.h"
+#include "server/remote/gallery.h"
+#include "server/remote/processes/line_channel.h"
+#include "server/server.h"
+
+namespace espalier::command {
+namespace {
+
+struct ServeOptions {
+  std::string address = "127.0.0.1:4321";
+  std::string http;  // HOST:PORT; empty: none
+  std::string tokenFile;
+  std::string configuration;  // file
+  bool isConfigurationPrinted = false;
+  std::vector<std::string> limits;  // NAME=NUMBER
+  server::ServerOptions server;
+};
+
+/// The names of all limits with their meanings and defaults, for --help.
+std::string limitHelp() {
+  const server::ServerLimits defaults;
+  std::string text = "NAME=NUMBER, repeatable:";
+  for (const server::LimitEntry& entry : server::limitEntries()) {
+    text += "\n  " + std::string(entry.name) + "  " + std::string(entry.meaning) + " (" +
+            std::to_string(entry.get(defaults)) + ")";
+  }
+  return text;
+}
+
+int runServe(CLI::App& command, ServeOptions& options) {
+  if (!options.configuration.empty()) {
+    if (const auto problem = readServeConfiguration(command, options.configuration, options.server.limits)) {
+      printError(*problem);
+      return kUsage;
+    }
+  }
+  const bool isUnixSocket = options.address.starts_with("unix:") && options.address.size() > 5;
+  if (isUnixSocket) {
+    options.server.host = options.address;
+  } else if (!server::splitAddress(options.address, options.server.host, options.server.port)) {
+    printError("'" + options.address +
+               "' is not an address: write HOST:PORT, for example 127.0.0.1:4321, or unix:PATH");
+    return kUsage;
+  }
+  if (!options.http.empty() && !server::splitAddress(options.http, options.server.httpHost, options.server.httpPort)) {
+    printError("'" + options.http + "' is not an address: write HOST:PORT, for example 127.0.0.1:8080");
+    return kUsage;
+  }
+  for (const std::string& limit : options.limits) {
+    if (const auto problem = server::setLimit(options.server.limits, limit)) {
+      printError(*problem);
+      return kUsage;
+    }
+  }
+  if (options.isConfigurationPrinted) {
+    const std::string text = serveConfigurationText(command, options.server.limits);
+    std::fwrite(text.data(), 1, text.size(), stdout);
+    return kSuccess;
+  }
+  if (command.count("--gallery") == 0 && options.server.galleryFolder.empty()) {
+    options.server.galleryFolder = server::galleryOfProgram();
+  }
+  if (!options.tokenFile.empty()) {
+    std::ifstream file(options.tokenFile);
+    if (!std::getline(file, options.server.token) || options.server.token.empty()) {
+      printError("the token file '" + options.tokenFile + "' cannot be read or its first line is empty");
+      return kFailure;
+    }
+  }
+  // a file that may not grow is an error of the step that wanted to be saved, not the server's end
+  (void)std::signal(SIGXFSZ, SIG_IGN);
+  const auto hostOf = [](const std::string& address) { return address.substr(0, address.rfind(':')); };
+  options.server.pages = {{"/", "text/html; charset=utf-8", web::serverPage()},
+                          {"/espalier.js", "text/javascript; charset=utf-8", web::script()}};
+  server::Server server(std::move(options.server));
+  if (const auto problem = server.listen()) {
+    printError(*problem);
+    return kFailure;
+  }
+  if (isUnixSocket) {
+    std::printf("listening on %s\n", options.address.c_str());
+  } else {
+    std::printf("listening on %s:%u\n", hostOf(options.address).c_str(), static_cast<unsigned>(server.port()));
+  }
+  if (!options.http.empty()) {
+    std::printf("http on %s:%u\n", hostOf(options.http).c_str(), static_cast<unsigned>(server.httpPort()));
+  }
+  std::fflush(stdout);
+  server.run(true);
+  return kSuccess;
+}
+
+}  // namespace
+
+void addServe(CLI::App& program, int& status) {
+  const auto options = std::make_shared<ServeOptions>();
+  CLI::App* command = program.add_subcommand("serve", "Run the simulation server until SIGINT or SIGTERM");
+  command->footer(
+      "When it is ready the server prints one line on standard output, `listening on 127.0.0.1:PORT`; its log goes to\n"
+      "standard error. Clients speak espalier/1: one JSON object a line (protocol/README.md). Try:\n"
+      "  espalier serve --listen 127.0.0.1:4321 --data plants &\n"
+      "  espalier connect 127.0.0.1:4321 create MODEL.l\n"
+      "With --data every simulation is saved after each step (unless told otherwise) and is there again when the "
+      "server is\n"
+      "started again, also after a crash; one server at a time uses a folder.");
+  command
+      ->add_option(
+          "--listen", options->address,
+          "HOST:PORT; port 0 takes a free one. Addresses that other machines reach need a token, and a certificate or "
+          "--insecure. unix:PATH: a socket for programs of this user")
+      ->capture_default_str();
+  command->add_option(
+      "--http", options->http,
+      "HOST:PORT for browsers and monitoring: a page at / that grows plants, WebSockets at /espalier/1, /metrics, "
+      "/health");
+  CLI::Option* certificate = command->add_option("--certificate", options->server.certificateFile,
+                                                 "PEM file of a certificate: connections are encrypted (TLS)");
+  CLI::Option* key = command->add_option("--key", options->server.keyFile, "PEM file of its private key");
+  certificate->needs(key);
+  key->needs(certificate);
+  command->add_option("--allow-origin", options->server.allowedOrigins,
+                      "Web pages that may open WebSockets beside the server's own, as https://HOST; repeatable");
+  command->add_option("--data", options->server.dataFolder, "Folder in which simulations are kept; made when missing");
+  command->add_option("--gallery", options->server.galleryFolder,
+                      "Folder of model folders that clients can name: {\"gallery\":\"NAME\"}; by default the one that "
+                      "came with the program, if it did");
+  command->add_option("--token", options->server.token, "Text that clients must send as `token` in hello");
+  command->add_option("--token-file", options->tokenFile,
+                      "File whose first line is the token (other users cannot see it)");
+  command->add_flag("--insecure", options->server.isInsecureAllowed,
+                    "Allow an address beyond this machine without encryption");
+  command->add_flag("--allow-spawn", options->server.isSpawnAllowed,
+                    "Let clients on other machines start commands as environments (`stdio`)");
+  command->add_option("--workers", options->server.workers, "Simulations that compute at a time; 0: as many as cores")
+      ->capture_default_str();
+  command->add_option("--threads", options->server.threads, "Threads of one step, for few big plants")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+  command->add_option("--limit", options->limits, limitHelp());
+  command->add_option("--log-level", options->server.logLevel, "trace, debug, info, warn, error or off")
+      ->check(CLI::IsMember({"trace", "debug", "info", "warn", "error", "off"}))
+      ->capture_default_str();
+  command->add_option("--log-format", options->server.logFormat, "text, or json: one object a line")
+      ->check(CLI::IsMember({"text", "json"}))
+      ->capture_default_str();
+  command->add_option("--config", options->configuration,
+                      "TOML file with these options, without dashes, and a section [limits]; the command line wins");
+  command->add_flag("--print-config", options->isConfigurationPrinted,
+                    "Print the effective options and limits as such a file, and end");
+  command->callback([options, command, &status] { status = runServe(*command, *options); });
+}
+
+}  // namespace espalier::command

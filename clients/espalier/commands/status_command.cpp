@@ -1,0 +1,80 @@
+#include <CLI/CLI.hpp>
+#include <array>
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include "clients/cpp/client.h"
+#include "clients/espalier/commands/commands.h"
+#include "clients/espalier/messages.h"
+#include "protocol/envelope.h"
+
+namespace espalier::command {
+namespace {
+
+struct StatusOptions {
+  std::string address = "127.0.0.1:4321";
+  std::string token;
+  bool isJson = false;
+};
+
+int runStatus(const StatusOptions& options) {
+  client::ClientOptions clientOptions;
+  clientOptions.token = options.token;
+  auto connected = client::Client::connect(options.address, clientOptions);
+  if (const auto* error = std::get_if<protocol::Error>(&connected)) {
+    printError(error->message);
+    return kFailure;
+  }
+  const auto answer = std::get<std::unique_ptr<client::Client>>(connected)->request("server.status", "{}");
+  if (const auto* error = std::get_if<protocol::Error>(&answer)) {
+    printError(error->message);
+    return kFailure;
+  }
+  const auto& status = std::get<std::string>(answer);
+  if (options.isJson) {
+    std::printf("%s\n", status.c_str());
+    return kSuccess;
+  }
+  struct Line {
+    const char* label;
+    const char* object;  // empty: the status itself
+    const char* member;
+  };
+  constexpr std::array kLines{
+      Line{"server", "", "server"},
+      Line{"seconds since its start", "", "uptimeSeconds"},
+      Line{"sessions", "", "sessions"},
+      Line{"simulations", "", "simulations"},
+      Line{"  of them computing", "", "running"},
+      Line{"  damaged on disk", "", "damaged"},
+      Line{"workers", "", "workers"},
+      Line{"saved on disk", "", "saving"},
+      Line{"offered environments", "", "offered"},
+      Line{"bytes of strings", "memory", "stringBytes"},
+      Line{"bytes kept for viewers", "memory", "streamBytes"},
+      Line{"bytes not read by peers", "memory", "outboxBytes"},
+      Line{"bytes of the data folder", "memory", "storeBytes"},
+  };
+  for (const Line& line : kLines) {
+    const std::string object = *line.object == '\0' ? status : protocol::memberOf(status, line.object).value_or("{}");
+    if (const auto value = protocol::memberOf(object, line.member)) {
+      std::printf("%-26s %s\n", line.label, value->c_str());
+    }
+  }
+  return kSuccess;
+}
+
+}  // namespace
+
+void addStatus(CLI::App& program, int& status) {
+  const auto options = std::make_shared<StatusOptions>();
+  CLI::App* command = program.add_subcommand("status", "Ask a running server how busy it is");
+  command->add_option("address", options->address, "HOST:PORT of the server")->capture_default_str();
+  command->add_option("--token", options->token, "The server's token");
+  command->add_flag("--json", options->isJson, "The answer of server.status as it is");
+  command->footer("Exit status: 0 it answered, 1 there is none. Example: espalier status 127.0.0.1:4321");
+  command->callback([options, &status] { status = runStatus(*options); });
+}
+
+}  // namespace espalier::command

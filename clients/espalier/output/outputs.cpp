@@ -1,0 +1,320 @@
+#include "clients/espalier/output/outputs.h"
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <system_error>
+#include <utility>
+#include <variant>
+
+#include "clients/espalier/messages.h"
+#include "clients/espalier/number_option.h"
+#include "clients/espalier/output/drawing_order.h"
+#include "clients/espalier/output/progress_bar.h"
+#include "server/remote/disk_files.h"
+
+namespace espalier::command {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kSnapshot = "snapshot";
+
+std::string snapshotSuffix() {
+  return "." + std::string(kSnapshot);
+}
+
+// all formats with their suffixes, a line each, for --help and for messages
+std::string formatList() {
+  std::string list;
+  const auto add = [&list](std::string_view name, std::string_view suffix, std::string_view summary) {
+    list += "\n  " + std::string(name) + std::string(name.size() < 9 ? 9 - name.size() : 1, ' ') + std::string(suffix) +
+            std::string(suffix.size() < 10 ? 10 - suffix.size() : 1, ' ') + std::string(summary);
+  };
+  for (const turtle::ExportFormat& format : turtle::exportFormats()) {
+    add(format.name, format.suffix, format.summary);
+  }
+  add(kSnapshot, snapshotSuffix(), "the complete state, to go on from with --resume");
+  return list;
+}
+
+bool isSnapshot(const OutputOptions& options, const std::string& file) {
+  return options.format.empty() ? fs::path(file).extension() == snapshotSuffix() : options.format == kSnapshot;
+}
+
+std::string whyNotAFormat(const std::string& name) {
+  return name == kSnapshot || turtle::findExportFormat(name) != nullptr
+             ? std::string{}
+             : "there is no format '" + name + "'. Formats, with the suffixes that choose them:" + formatList();
+}
+
+// "WxH"
+std::string readSize(const std::string& text, turtle::PictureOptions& picture) {
+  const std::size_t cross = text.find('x');
+  const auto number = [&](std::string_view digits, int& value) {
+    const auto [end, problem] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    return problem == std::errc() && end == digits.data() + digits.size() && value >= 1 &&
+           value <= turtle::kMaximumPicturePixels;
+  };
+  const std::string_view all = text;
+  const bool isGood = cross != std::string::npos && number(all.substr(0, cross), picture.widthPixels) &&
+                      number(all.substr(cross + 1), picture.heightPixels);
+  return isGood ? std::string{}
+                : "'" + text + "' is not a size: give WIDTHxHEIGHT in pixels, each from 1 to " +
+                      std::to_string(turtle::kMaximumPicturePixels) + ", as 800x600";
+}
+
+// writes a file and its companions, all or none, with a bar while it takes long, and says so
+bool writeFile(const std::string& file, bool isQuiet,
+               const std::function<std::optional<std::string>(const turtle::ExportTarget&)>& write,
+               const std::string& what) {
+  server::AtomicFile content(file);
+  std::map<std::string, std::unique_ptr<server::AtomicFile>> companions;
+  ProgressBar bar(!isQuiet);
+  turtle::ExportTarget target{
+      .fileName = fs::path(file).filename().string(),
+      .sink = content,
+      .openCompanion = {},
+      .progress = [&](std::uint64_t done, std::uint64_t total) { bar.showWriting(file, done, total); }};
+  if (content.isRenamed()) {
+    target.openCompanion = [&](const std::string& name) -> core::ByteSink& {
+      auto& companion = companions[name];
+      companion = std::make_unique<server::AtomicFile>(fs::path(file).replace_filename(name).string());
+      return *companion;
+    };
+  }
+  std::optional<std::string> problem = write(target);
+  bar.clear();
+  if (problem) {
+    printError("cannot write '" + file + "': " + *problem);
+    return false;
+  }
+  // companions first: a file never refers to what is not there
+  problem = content.finish();
+  for (auto& [name, companion] : companions) {
+    problem = problem ? problem : companion->finish();
+  }
+  for (auto& [name, companion] : companions) {
+    problem = problem ? problem : companion->commit();
+  }
+  problem = problem ? problem : content.commit();
+  if (problem) {
+    printError(*problem);
+    return false;
+  }
+  if (!isQuiet) {
+    printNote("wrote " + file + " (" + what + ")");
+  }
+  return true;
+}
+
+}  // namespace
+
+const turtle::ExportFormat* formatOf(const OutputOptions& options, const std::string& file) {
+  return options.format.empty() ? turtle::findExportFormatOfFile(file) : turtle::findExportFormat(options.format);
+}
+
+void addOutputOptions(CLI::App& command, OutputOptions& options, bool isOutputRequired) {
+  command.add_option("-o,--output", options.files, "File to write; may be repeated, each in the format of its suffix")
+      ->type_name("FILE")
+      ->required(isOutputRequired)
+      ->allow_extra_args(false);
+  command.add_option("--format", options.format, "Format of all files, whatever their suffixes:" + formatList())
+      ->type_name("NAME")
+      ->check([](const std::string& name) { return whyNotAFormat(name); });
+  command
+      .add_option_function<std::string>(
+          "--size",
+          [&options](const std::string& text) {
+            if (const std::string problem = readSize(text, options.picture); !problem.empty()) {
+              throw CLI::ValidationError("--size", problem);
+            }
+          },
+          "Width and height of pictures in pixels (800x600)")
+      ->type_name("WxH");
+  const std::map<std::string, turtle::PictureBackground> backgrounds{
+      {"model", turtle::PictureBackground::Model},
+      {"white", turtle::PictureBackground::White},
+      {"transparent", turtle::PictureBackground::Transparent}};
+  command
+      .add_option_function<std::string>(
+          "--background",
+          [&options, backgrounds](const std::string& name) { options.picture.background = backgrounds.at(name); },
+          "What is behind the plants of a PNG: model (colour 0 of its map or material), white or transparent")
+      ->check(CLI::IsMember({"model", "white", "transparent"}));
+  command
+      .add_option_function<std::string>(
+          "--framing",
+          [&options](const std::string& name) {
+            options.picture.framing = name == "view" ? turtle::PictureFraming::View : turtle::PictureFraming::Fitted;
+          },
+          "What a PNG shows: fitted (all that is drawn) or view (the view file's box, scale factor and viewing angle)")
+      ->check(CLI::IsMember({"fitted", "view"}));
+  command.add_flag("--rainbow", options.isColouredByOrder,
+                   "Lines in the order in which they are drawn: red, orange, yellow, green, blue, purple, red");
+  addWholeNumber(command, "--colours", "At most so many colours in a PNG, for a small file", 2, 256,
+                 [&options](std::uint64_t count) { options.picture.maximumColours = static_cast<int>(count); })
+      ->type_name("N");
+  command.add_flag("--instancing", options.usesInstancing,
+                   "In a .glb of many plants, equal ones are one node (EXT_mesh_gpu_instancing)");
+  command
+      .add_option("--detail", options.detail,
+                  "Level of detail: factor of the sides of tubes and the subdivisions of surfaces (1)")
+      ->type_name("FACTOR")
+      ->check(CLI::Range(0.01, 100.0));
+}
+
+int checkOutputs(const OutputOptions& options) {
+  for (const std::string& file : options.files) {
+    const fs::path folder = fs::path(file).parent_path();
+    std::error_code error;
+    if (formatOf(options, file) == nullptr && !isSnapshot(options, file)) {
+      printError("'" + file +
+                 "' has no known suffix: give one of these, or choose a format with --format:" + formatList());
+      return kUsage;
+    }
+    if (!folder.empty() && !fs::is_directory(folder, error)) {
+      printError("cannot write '" + file + "': there is no folder '" + folder.string() + "'; make it first");
+      return kFailure;
+    }
+    if (fs::is_directory(file, error)) {
+      printError("cannot write '" + file + "': it is a folder; give the name of a file");
+      return kFailure;
+    }
+  }
+  return kSuccess;
+}
+
+int checkPlacedOutputs(const OutputOptions& options) {
+  std::string formats;
+  for (const turtle::ExportFormat& format : turtle::exportFormats()) {
+    formats += format.writePlaced == nullptr ? "" : (formats.empty() ? "" : ", ") + std::string(format.suffix);
+  }
+  for (const std::string& file : options.files) {
+    const turtle::ExportFormat* const format = formatOf(options, file);
+    if (isSnapshot(options, file) || (format != nullptr && format->writePlaced == nullptr)) {
+      printError("'" + file + "' cannot hold several plants side by side: give one of " + formats);
+      return kUsage;
+    }
+  }
+  return checkOutputs(options);
+}
+
+std::string numberedName(const std::string& file, std::uint64_t number, int digits) {
+  const auto padded = [number](int width) {
+    std::string text = std::to_string(number);
+    return text.size() < static_cast<std::size_t>(width)
+               ? std::string(static_cast<std::size_t>(width) - text.size(), '0') + text
+               : text;
+  };
+  // as printf has it: %d or %0Nd
+  if (const std::size_t percent = file.find('%'); percent != std::string::npos) {
+    std::size_t end = percent + 1;
+    int width = 0;
+    while (end < file.size() && file[end] >= '0' && file[end] <= '9' && width < 100) {
+      width = width * 10 + (file[end] - '0');
+      ++end;
+    }
+    if (end < file.size() && file[end] == 'd') {
+      return file.substr(0, percent) + padded(width) + file.substr(end + 1);
+    }
+  }
+  const fs::path path(file);
+  return fs::path(path)
+      .replace_filename(path.stem().string() + "-" + padded(digits) + path.extension().string())
+      .string();
+}
+
+/// What several files are written from, made once.
+struct OutputWriter::Drawn {
+  turtle::Scene scene;
+  language::Palette palette;
+};
+
+bool OutputWriter::write(const simulation::Simulation& simulation, std::optional<std::uint64_t> number,
+                         int digits) const {
+  Drawn drawn{.scene = {}, .palette = simulation.options().palette};
+  bool needsScene = false;
+  for (const std::string& file : options_.files) {
+    const turtle::ExportFormat* const format = formatOf(options_, file);
+    needsScene = needsScene || (format != nullptr && format->source == turtle::ExportSource::Scene);
+  }
+  if (needsScene) {
+    auto scene = simulation.scene();
+    if (const auto* failure = std::get_if<core::SimulationError>(&scene)) {
+      printError(formatSimulationError(*failure));
+      return false;
+    }
+    drawn.scene = std::move(std::get<turtle::Scene>(scene));
+    if (options_.isColouredByOrder) {
+      drawn.palette = colourByDrawingOrder(drawn.scene);
+    }
+  }
+  for (const std::string& file : options_.files) {
+    if (!writeOne(simulation, drawn, number ? numberedName(file, *number, digits) : file, file)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+bool OutputWriter::writeOne(const simulation::Simulation& simulation, const Drawn& drawn, const std::string& file,
+                            const std::string& formatFrom) const {
+  const auto write = [&](const turtle::ExportTarget& target) -> std::optional<std::string> {
+    if (isSnapshot(options_, formatFrom)) {
+      simulation.save(target.sink);
+      return std::nullopt;
+    }
+    std::vector<const derivation::ModuleString*> strings;
+    std::vector<const language::Program*> programs;
+    for (std::size_t plant = 0; plant < simulation.plantCount(); ++plant) {
+      strings.push_back(&simulation.string(plant));
+      programs.push_back(&simulation.program(plant));
+    }
+    const auto visitModules = [&simulation](const turtle::ModuleVisitor& visit) -> std::optional<std::string> {
+      if (const auto failure = simulation.visitModules(visit)) {
+        return formatSimulationError(*failure);
+      }
+      return std::nullopt;
+    };
+    const turtle::ExportInput input{.scene = drawn.scene,
+                                    .view = simulation.view(),
+                                    .palette = &drawn.palette,
+                                    .detail = options_.detail,
+                                    .threads = options_.picture.threads,
+                                    .picture = &options_.picture,
+                                    .step = simulation.completedSteps(),
+                                    .program = &simulation.program(),
+                                    .programs = programs,
+                                    .strings = strings,
+                                    .visitModules = visitModules};
+    return formatOf(options_, formatFrom)->write(input, target);
+  };
+  return writeFile(file, isQuiet_, write,
+                   "step " + std::to_string(simulation.completedSteps()) + ", " +
+                       std::to_string(simulation.statistics().modules) + " modules");
+}
+
+bool writePlacedFiles(const OutputOptions& options, std::span<turtle::ExportInput> scenes,
+                      std::span<const turtle::ScenePlacement> placements, const std::string& what, bool isQuiet) {
+  for (turtle::ExportInput& scene : scenes) {
+    scene.detail = options.detail;
+    scene.threads = options.picture.threads;
+    scene.picture = &options.picture;
+    scene.usesInstancing = options.usesInstancing;
+  }
+  for (const std::string& file : options.files) {
+    const auto write = [&](const turtle::ExportTarget& target) {
+      return formatOf(options, file)->writePlaced({scenes, placements}, target);
+    };
+    if (!writeFile(file, isQuiet, write, what)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace espalier::command

@@ -1,0 +1,91 @@
+#include "clients/espalier/output/plant_rows.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <variant>
+
+#include "clients/espalier/messages.h"
+#include "engine/core/hash.h"
+#include "engine/turtle/scene/scene_bounds.h"
+
+namespace espalier::command {
+namespace {
+
+constexpr double kRoom = 1.1;  // between plants, of the larger side of the largest
+
+std::uint64_t hashOf(const simulation::Simulation& simulation) {
+  core::Hasher hasher;
+  // what is drawn for a string may have random numbers of its own
+  for (const language::LSystem& system : simulation.program().systems) {
+    const auto& images = system.homomorphism.productions;
+    if (!std::ranges::all_of(images, [](const language::Production& image) { return image.isPure; })) {
+      hasher.integer(simulation.options().seed);
+    }
+  }
+  for (std::size_t plant = 0; plant < simulation.plantCount(); ++plant) {
+    const derivation::ModuleString& string = simulation.string(plant);
+    hasher.integer(string.size());
+    for (const core::ModuleTypeId type : string.types()) {
+      hasher.integer(type);
+    }
+    for (const double parameter : string.parameters()) {
+      hasher.number(parameter);
+    }
+  }
+  return hasher.value();
+}
+
+}  // namespace
+
+bool PlantRows::add(const simulation::Simulation& simulation) {
+  std::shared_ptr<const language::Program> program = simulation.programs().front();
+  const std::uint64_t hash = hashOf(simulation);
+  const auto known = std::ranges::find_if(
+      grown_, [&](const auto& plant) { return plant->hash == hash && plant->program->hash == program->hash; });
+  if (known == grown_.end()) {
+    auto scene = simulation.scene();
+    if (const auto* failure = std::get_if<core::SimulationError>(&scene)) {
+      printError(formatSimulationError(*failure));
+      return false;
+    }
+    grown_.push_back(std::make_unique<Grown>(Grown{std::move(program), simulation.view(), simulation.options().palette,
+                                                   std::move(std::get<turtle::Scene>(scene)), hash}));
+    kinds_.push_back(static_cast<std::uint32_t>(grown_.size() - 1));
+    return true;
+  }
+  kinds_.push_back(static_cast<std::uint32_t>(known - grown_.begin()));
+  return true;
+}
+
+double PlantRows::ownSpacing() const {
+  double largest = 0.0;
+  for (const auto& plant : grown_) {
+    const std::optional<language::Box> box = turtle::boundsOf(plant->scene, plant->view);
+    if (box) {
+      largest = std::max({largest, box->maximum.x - box->minimum.x, box->maximum.z - box->minimum.z});
+    }
+  }
+  return largest > 0.0 ? kRoom * largest : 1.0;
+}
+
+bool PlantRows::write(const OutputOptions& options, double spacing, bool isQuiet) const {
+  std::vector<turtle::ExportInput> scenes;
+  for (const auto& plant : grown_) {
+    scenes.push_back(
+        {.scene = plant->scene, .view = plant->view, .palette = &plant->palette, .program = plant->program.get()});
+  }
+  const double apart = spacing > 0.0 ? spacing : ownSpacing();
+  const auto columns = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(kinds_.size()))));
+  std::vector<turtle::ScenePlacement> placements;
+  for (std::size_t i = 0; i < kinds_.size(); ++i) {
+    const auto column = static_cast<double>(i % columns);
+    const auto row = static_cast<double>(i / columns);
+    placements.push_back({.scene = kinds_[i], .position = {column * apart, 0.0, -row * apart}});
+  }
+  return writePlacedFiles(options, scenes, placements,
+                          std::to_string(plantCount()) + " plants, " + std::to_string(kindCount()) + " different",
+                          isQuiet);
+}
+
+}  // namespace espalier::command

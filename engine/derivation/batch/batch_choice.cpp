@@ -1,0 +1,141 @@
+// How a rule is chosen among several that apply, by weights and draws.
+#include <algorithm>
+#include <array>
+#include <numeric>
+
+#include "engine/core/check.h"
+#include "engine/derivation/batch/batch_scan.h"
+#include "engine/derivation/matching/production_plan.h"
+
+namespace espalier::derivation {
+
+void BatchScan::loadDraws() {
+  if (!areDrawsLoaded_) {
+    areDrawsLoaded_ = true;
+    const std::uint64_t block = first_ / 4;
+    step_.selection.selectionWords(step_.number, block, (end_ + 3) / 4 - block, words_.data());
+  }
+}
+
+double BatchScan::draw(std::uint64_t module) {
+  return areDrawsLoaded_ ? static_cast<double>(words_[module - first_ / 4 * 4]) * 0x1.0p-32
+                         : step_.selection.selection(step_.number, module);
+}
+
+void BatchScan::chooseByThresholds(const BatchGroup& group, std::span<const std::uint32_t> sites) {
+  const BatchRule* rules = plan_->rules().data() + group.firstRule;
+  if (group.ruleCount == 1) {
+    accept(*rules, match(*rules, 1, sites));
+    return;
+  }
+  // the draws of the whole chunk at once, unless few are wanted
+  constexpr std::size_t kFew = 16;
+  const bool areFew = sites.size() * kFew < end_ - first_;
+  if (!areFew) {
+    loadDraws();
+  }
+  const std::uint64_t firstWord = first_ / 4 * 4;
+  bool needsLanes = false;
+  for (std::uint32_t i = 0; i < group.ruleCount; ++i) {
+    needsLanes = needsLanes || rules[i].needsLanes;
+    isResized_ = isResized_ || plan_->blocks()[rules[i].block].isResizing;
+  }
+  // the blocks of a group's rules stand one after the other
+  const std::uint32_t firstBlock = rules->block;
+  const std::uint64_t* thresholds = group.thresholds.data();
+  const std::size_t thresholdCount = group.thresholds.size();
+  for (const std::uint32_t site : sites) {
+    const std::uint64_t module = first_ + siteModule_[site];
+    const std::uint64_t word =
+        areFew ? static_cast<std::uint64_t>(step_.selection.selection(step_.number, module) * 0x1.0p32)
+               : words_[module - firstWord];
+    std::uint32_t chosen = 0;
+    for (std::size_t k = 0; k < thresholdCount; ++k) {
+      chosen += word < thresholds[k] ? 1 : 0;
+    }
+    siteBlock_[site] = firstBlock + chosen;
+  }
+  if (!needsLanes) {
+    return;
+  }
+  for (std::uint32_t i = 0; i < group.ruleCount; ++i) {
+    if (!rules[i].needsLanes) {
+      continue;
+    }
+    std::size_t lane = laneCount_;
+    for (const std::uint32_t site : sites) {
+      laneSite_[lane] = site;
+      lane += siteBlock_[site] == rules[i].block ? 1 : 0;
+    }
+    accept(rules[i], lane - laneCount_);
+  }
+}
+
+void BatchScan::chooseByWeights(const BatchGroup& group, std::span<const std::uint32_t> sites) {
+  constexpr std::size_t kLanes = ColumnEvaluator::kLanes;
+  const BatchRule* rules = plan_->rules().data() + group.firstRule;
+  weights_.resize(plan_->largestRuleCount() * kLanes);
+  isMatched_.resize(plan_->largestRuleCount() * kLanes);
+  chosenRule_.resize(kLanes);
+  if (sites.size() * 8 > end_ - first_) {
+    loadDraws();
+  }
+  for (std::size_t begin = 0; begin < sites.size(); begin += kLanes) {
+    const std::span<const std::uint32_t> part = sites.subspan(begin, std::min(kLanes, sites.size() - begin));
+    for (std::size_t i = 0; i < part.size(); ++i) {
+      positions_[part[i]] = static_cast<std::uint32_t>(i);
+    }
+    // what matches where, and with which weight
+    std::fill_n(isMatched_.begin(), group.ruleCount * kLanes, std::uint8_t{0});
+    for (std::uint32_t k = 0; k < group.ruleCount; ++k) {
+      std::size_t count = match(rules[k], static_cast<std::uint8_t>(1U << std::min(k, 7U)), part);
+      if (rules[k].condition) {
+        count = keepWhereTrue(rules[k], count);
+      }
+      if (count == 0) {
+        continue;
+      }
+      setLanes(rules[k], laneCount_, count);
+      const ColumnValue weight = evaluator_.value(rules[k].weight);
+      for (std::size_t i = 0; i < count; ++i) {
+        const std::size_t entry = k * kLanes + positions_[laneSite_[laneCount_ + i]];
+        weights_[entry] = weight.values == nullptr ? weight.constant : weight.values[i];
+        isMatched_[entry] = 1;
+      }
+    }
+    // the choice, as everywhere
+    for (std::size_t i = 0; i < part.size(); ++i) {
+      candidateWeights_.clear();
+      candidates_.clear();
+      double sum = 0.0;
+      for (std::uint32_t k = 0; k < group.ruleCount; ++k) {
+        if (isMatched_[k * kLanes + i] != 0) {
+          candidateWeights_.push_back(weights_[k * kLanes + i]);
+          candidates_.push_back(k);
+          sum += candidateWeights_.back();
+        }
+      }
+      chosenRule_[i] = group.ruleCount;
+      if (candidates_.size() == 1) {
+        chosenRule_[i] = candidates_.front();
+      } else if (candidates_.size() > 1) {
+        isUnusual_ = isUnusual_ || !(sum - sum == 0.0);
+        chosenRule_[i] =
+            candidates_[chooseByWeight(candidateWeights_, 1.0 - draw(first_ + siteModule_[part[i]]), false)];
+      }
+    }
+    // the lanes of what was chosen: neighbours are looked for once more, which is cheaper than keeping all of them
+    for (std::uint32_t k = 0; k < group.ruleCount; ++k) {
+      std::size_t count = 0;
+      for (std::size_t i = 0; i < part.size(); ++i) {
+        remaining_[count] = part[i];
+        count += chosenRule_[i] == k ? 1 : 0;
+      }
+      if (count > 0) {
+        accept(rules[k], match(rules[k], 0xFF, {remaining_.data(), count}));
+      }
+    }
+  }
+}
+
+}  // namespace espalier::derivation

@@ -1,0 +1,155 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "engine/core/identifiers.h"
+#include "engine/derivation/batch/column_evaluator.h"
+#include "engine/derivation/batch/column_plan.h"
+#include "engine/derivation/batch/fixed_blocks.h"
+#include "engine/derivation/matching/context_matcher.h"
+#include "engine/derivation/matching/production_plan.h"
+#include "engine/derivation/state/module_finder.h"
+#include "engine/language/program.h"
+
+namespace espalier::derivation {
+
+/// What is written in the place of a module, apart from the values of its parameters.
+struct BatchBlock {
+  std::array<core::ModuleTypeId, TypePlan::kInlineTypes> types{};  // the modules, when they are no more than this
+  std::uint32_t length = 0;                                        // modules
+  std::uint32_t valueCount = 0;                                    // parameters
+  std::int32_t moduleGrowth = 0;                                   // modules that are more than before
+  std::int32_t parameterGrowth = 0;
+  const core::ModuleTypeId* allTypes = nullptr;  // (length), in the BatchPlan
+  bool isResizing = false;                       // not one module with as many parameters as before: what follows moves
+};
+
+/// A pure production whose predecessor is one module, compiled for batches.
+struct BatchRule {
+  enum class Context : std::uint8_t {
+    None,
+    Near,      // at most one module on each side, found in a few moves
+    Searched,  // anything else: by the context matcher
+  };
+  const language::Production* production = nullptr;  // in the Program
+  Context context = Context::None;
+  core::ModuleTypeId left = core::kNoModuleType;   // Near: type of the left neighbour, or kNoModuleType: any or none
+  core::ModuleTypeId right = core::kNoModuleType;  // Near: the same on the right
+  std::vector<SlotSource> slots;                   // by formal parameter (Production::slotCount)
+  std::optional<ColumnExpression> condition;
+  ColumnExpression weight;  // 1 when there is none
+  std::vector<ColumnExpression> values;
+  std::uint32_t block = 0;    // in BatchPlan::blocks
+  bool changesParts = false;  // the block is one module and does not resize, but has another type
+  bool needsLanes = false;    // it has values, or changes parts
+  bool drawsRandom = false;   // a value calls ran
+};
+
+/// The productions of one module type.
+struct BatchGroup {
+  std::uint32_t firstRule = 0;  // in BatchPlan::rules
+  std::uint32_t ruleCount = 0;
+  bool isWeighted = false;  // one is chosen by weight, else the first that matches
+  bool looksLeft = false;   // a rule has a Near context on the left
+  bool looksRight = false;  // or on the right
+  bool isLight = false;     // one module at a time is faster: a quick condition, another size, constant parameters
+  bool hasThresholds = false;
+  /// Weighted, weights constant, nothing else to decide: rule number k is chosen when exactly k thresholds are greater
+  /// than the module's draw word (ruleCount - 1).
+  std::vector<std::uint64_t> thresholds;
+};
+
+/// How a batch rewrites each module type: a table over the Program and the SystemTables' rules, which must outlive it.
+class BatchPlan {
+ public:
+  enum class Class : std::uint8_t {
+    Kept,     // no production: the module stands for itself
+    Fixed,    // always the same block, without parameters
+    Group,    // a BatchGroup decides
+    General,  // what a batch cannot do: it ends before such a module
+  };
+  /// The most module types for which pairs of neighbours have a table.
+  static constexpr std::size_t kMaximumPairTypes = 512;
+
+  BatchPlan(const language::Program& program, const language::LSystem& system, const ContextRules& rules,
+            const ProductionPlan& plan);
+
+  /// Whether batches gain anything: some productions need more than copying, and batches can do them.
+  [[nodiscard]] bool isUseful() const { return !groups_.empty(); }
+  /// Whether batches can do every module.
+  [[nodiscard]] bool isComplete() const { return isComplete_; }
+  /// Whether every module becomes a fixed block or stays.
+  [[nodiscard]] bool isFixedOnly() const { return isComplete_ && groups_.empty(); }
+  /// Whether one at a time does without the Rewriter whatever batches can do.
+  [[nodiscard]] bool isQuick() const { return isQuick_; }
+  /// Has a table in some models where isFixedOnly.
+  [[nodiscard]] const FixedBlocks& fixedBlocks() const { return fixedBlocks_; }
+
+  [[nodiscard]] Class classOf(core::ModuleTypeId type) const { return classes_[type]; }
+  /// Group: in groups; Fixed: the block.
+  [[nodiscard]] std::uint32_t indexOf(core::ModuleTypeId type) const { return indices_[type]; }
+  [[nodiscard]] const std::vector<BatchGroup>& groups() const { return groups_; }
+  [[nodiscard]] const std::vector<BatchRule>& rules() const { return rules_; }
+  /// [0] is for modules that stand for themselves.
+  [[nodiscard]] const std::vector<BatchBlock>& blocks() const { return blocks_; }
+  [[nodiscard]] bool hasOneKindOnly() const { return hasOneKindOnly_; }
+
+  /// Which candidates (as bits, the eighth for all further ones) may apply to a module when only its type is known. 0:
+  /// it stands for itself.
+  [[nodiscard]] const std::uint8_t* candidateBits() const { return candidateBits_.data(); }
+  /// The same when the module before, or behind, is known too: at [before * pairStride + type], [type * pairStride +
+  /// behind]. The type number moduleTypeCount stands for the string's ends.
+  [[nodiscard]] const std::uint8_t* leftBits() const { return leftBits_.data(); }
+  [[nodiscard]] const std::uint8_t* rightBits() const { return rightBits_.data(); }
+  [[nodiscard]] std::size_t pairStride() const { return pairStride_; }
+  /// Whether the two tables exist and say more than candidateBits.
+  [[nodiscard]] bool hasPairs() const { return hasPairs_; }
+
+  /// What finds the modules that may change: at least those with a bit in the tables above, though the bits are others.
+  [[nodiscard]] const ModuleFinder::Marks& siteMarks() const { return siteMarks_; }
+  /// Whether the tables above rule out more than the marks do, or their bits are wanted.
+  [[nodiscard]] bool needsPairBits() const { return needsPairBits_; }
+
+  [[nodiscard]] std::size_t largestSlotCount() const { return largestSlotCount_; }
+  [[nodiscard]] std::size_t largestColumnCount() const { return largestColumnCount_; }
+  [[nodiscard]] std::size_t largestRuleCount() const { return largestRuleCount_; }
+
+ private:
+  void planType(const language::Program& program, const language::LSystem& system, const ContextRules& rules,
+                const ProductionPlan& plan, core::ModuleTypeId type);
+  void addRule(const language::Program& program, const language::Production& production, const ContextRules& rules,
+               bool usesWeights);
+  void addBlock(const std::vector<core::ModuleTypeId>& types, std::uint32_t valueCount, std::uint16_t arity);
+  void findThresholds(BatchGroup& group) const;
+  [[nodiscard]] bool isLight(const ProductionPlan& plan, const TypePlan& typePlan) const;
+  void makePairs(const language::Program& program, const ContextRules& rules);
+  void makeSiteMarks(const language::Program& program, const ContextRules& rules);
+  void addColumns(const ColumnExpression& expression);
+
+  std::vector<Class> classes_;          // by module type
+  std::vector<std::uint32_t> indices_;  // by module type
+  std::vector<BatchGroup> groups_;
+  std::vector<BatchRule> rules_;
+  std::vector<BatchBlock> blocks_;
+  std::vector<std::vector<core::ModuleTypeId>> blockTypes_;  // by block
+  FixedBlocks fixedBlocks_;
+  bool isComplete_ = true;
+  bool isQuick_ = true;
+  bool hasOneKindOnly_ = false;  // one group and nothing Fixed or General: every site belongs to the group
+  std::vector<std::uint8_t> candidateBits_;
+  std::vector<std::uint8_t> leftBits_;
+  std::vector<std::uint8_t> rightBits_;
+  std::size_t pairStride_ = 0;
+  bool hasPairs_ = false;
+  ModuleFinder::Marks siteMarks_;
+  bool needsPairBits_ = false;
+  std::size_t largestSlotCount_ = 0;
+  std::size_t largestColumnCount_ = 0;
+  std::size_t largestRuleCount_ = 0;
+};
+
+}  // namespace espalier::derivation

@@ -1,0 +1,570 @@
+#include "engine/derivation/batch/batch_scan.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <numeric>
+#include <utility>
+
+#include "engine/core/check.h"
+#include "engine/derivation/matching/production_plan.h"
+
+namespace espalier::derivation {
+namespace {
+
+using core::ModuleTypeId;
+
+/// What a context search does at a module, as bits.
+constexpr std::uint8_t kSkippedLeft = 1;   // passed by a search to the left
+constexpr std::uint8_t kSkippedRight = 2;  // passed by a search to the right
+constexpr std::uint8_t kJumpedLeft = 4;    // `]`: the branch is passed
+constexpr std::uint8_t kJumpedRight = 8;   // `[`
+
+/// A number of each module type's plan.
+std::vector<std::uint32_t> byType(const ProductionPlan& productions, std::size_t typeCount,
+                                  std::uint32_t (*number)(const TypePlan&)) {
+  std::vector<std::uint32_t> numbers(typeCount);
+  for (std::size_t type = 0; type < typeCount; ++type) {
+    numbers[type] = number(productions[static_cast<ModuleTypeId>(type)]);
+  }
+  return numbers;
+}
+
+}  // namespace
+
+BatchScan::BatchScan(const language::Program& program, const ContextRules& rules, const BatchPlan& plan,
+                     const ProductionPlan& productions)
+    : program_(&program),
+      rules_(&rules),
+      plan_(&plan),
+      productions_(&productions),
+      evaluator_(program, plan.largestSlotCount(), plan.largestColumnCount()),
+      finder_(program.arity, plan.siteMarks()),
+      fixedModuleSum_(byType(productions, program.moduleTypeCount(), [](const TypePlan& made) { return made.length; })),
+      fixedParameterSum_(byType(productions, program.moduleTypeCount(),
+                                [](const TypePlan& made) { return std::uint32_t{made.copied}; })),
+      parameterSum_({program.arity.begin(), program.arity.end()}),
+      passing_(program.moduleTypeCount(), 0),
+      siteModule_(kChunkModules + ModuleFinder::kSlack),
+      siteOffset_(kChunkModules + ModuleFinder::kSlack),
+      siteBits_(kChunkModules + ModuleFinder::kSlack),
+      siteBlock_(kChunkModules),
+      madeModule_(kChunkModules),
+      madeOffset_(kChunkModules),
+      resizing_(kChunkModules + 1),
+      allSites_(kChunkModules),
+      sorted_(kChunkModules),
+      groupOf_(program.moduleTypeCount(), 0),
+      siteGroup_(kChunkModules),
+      groupCounts_(2 * (plan.groups().size() + 2)),
+      groupBegin_(plan.groups().size() + 1),
+      remaining_(kChunkModules),
+      laneSite_(2 * kChunkModules),
+      laneLeft_(2 * kChunkModules),
+      laneRight_(2 * kChunkModules),
+      leftType_(kChunkModules),
+      rightType_(kChunkModules),
+      leftOffset_(kChunkModules),
+      rightOffset_(kChunkModules),
+      own_(ColumnEvaluator::kLanes),
+      modules_(ColumnEvaluator::kLanes),
+      words_(kChunkModules + 8),
+      positions_(kChunkModules) {
+  std::iota(allSites_.begin(), allSites_.end(), 0U);
+  for (std::size_t i = 0; i < program.moduleTypeCount(); ++i) {
+    const auto type = static_cast<ModuleTypeId>(i);
+    switch (plan.classOf(type)) {
+      case BatchPlan::Class::Group:
+        groupOf_[type] = plan.indexOf(type);
+        break;
+      case BatchPlan::Class::Fixed:
+        groupOf_[type] = static_cast<std::uint32_t>(plan.groups().size());
+        break;
+      case BatchPlan::Class::General:
+        groupOf_[type] = static_cast<std::uint32_t>(plan.groups().size() + 1);
+        break;
+      case BatchPlan::Class::Kept:
+        break;
+    }
+    if (type == program.closeBranch) {
+      passing_[type] = static_cast<std::uint8_t>(kJumpedLeft | (rules.isIgnored(type) ? kSkippedRight : 0));
+    } else if (type == program.openBranch) {
+      passing_[type] = static_cast<std::uint8_t>(kSkippedLeft | (rules.isIgnored(type) ? kSkippedRight : kJumpedRight));
+    } else if (rules.isIgnored(type)) {
+      passing_[type] = kSkippedLeft | kSkippedRight;
+    }
+  }
+}
+
+void BatchScan::begin(const Step& step) {
+  step_ = step;
+  if (step_.old.shortcuts == nullptr) {
+    shortcuts_.clear();
+    step_.old.shortcuts = &shortcuts_;
+  }
+  evaluator_.begin(static_cast<double>(step.number), step.length, step.hasWarned, step.draws);
+}
+
+BatchScan::Outcome BatchScan::choose(std::uint64_t first, std::uint64_t end, std::uint64_t offset) {
+  first_ = first;
+  end_ = end;
+  offset_ = offset;
+  isUnusual_ = false;
+  isResized_ = false;
+  areDrawsLoaded_ = false;
+  lightSites_ = 0;
+  laneCount_ = 0;
+  resizingCount_ = 0;
+  rows_.clear();
+  ruleLanes_.clear();
+  evaluator_.clearUnusual();
+  if (plan_->isFixedOnly()) {
+    return countFixed();
+  }
+
+  collectSites();
+  if (plan_->hasOneKindOnly()) {
+    std::fill_n(siteBlock_.begin(), siteCount_, 0U);
+    if (siteCount_ > 0) {
+      chooseGroup(plan_->groups().front(), {allSites_.data(), siteCount_});
+    }
+  } else {
+    sortSites();
+    // fixed blocks follow the groups
+    lightSites_ = siteCount_ - groupBegin_.back();
+    for (std::size_t i = 0; i < plan_->groups().size(); ++i) {
+      if (groupBegin_[i] != groupBegin_[i + 1]) {
+        chooseGroup(plan_->groups()[i], {sorted_.data() + groupBegin_[i], groupBegin_[i + 1] - groupBegin_[i]});
+      }
+    }
+  }
+
+  Outcome outcome{end_,
+                  endOffset_,
+                  end_ - first_,
+                  endOffset_ - offset_,
+                  isUnusual_ || evaluator_.isUnusual(),
+                  lightSites_,
+                  !isResized_ && ruleLanes_.empty()};
+  if (isResized_) {
+    place();
+    outcome.moduleCount = madeModules_;
+    outcome.parameterCount = madeParameters_;
+  }
+  return outcome;
+}
+
+BatchScan::Outcome BatchScan::countFixed() {
+  const ModuleTypeId* types = step_.old.types + first_;
+  fixedModules_ = fixedModuleSum_.of(types, end_ - first_);
+  fixedParameters_ = fixedParameterSum_.of(types, end_ - first_);
+  endOffset_ = offset_ + parameterSum_.of(types, end_ - first_);
+  return {end_, endOffset_, fixedModules_, fixedParameters_, false};
+}
+
+void BatchScan::writeFixed(ModuleTypeId* types, double* parameters) const {
+  ModuleTypeId* const end = types + fixedModules_;
+  if (plan_->fixedBlocks().hasTable()) {
+    plan_->fixedBlocks().write(step_.old.types + first_, end_ - first_, types, end);
+    return;
+  }
+  const TypePlan* plans = productions_->plans();
+  const double* oldParameters = step_.old.parameters + offset_;
+  for (std::uint64_t module = first_; module < end_; ++module) {
+    const TypePlan& plan = plans[step_.old.types[module]];
+    // written whole while there is room, however many modules count
+    if (end - types >= static_cast<std::ptrdiff_t>(TypePlan::kInlineTypes)) [[likely]] {
+      std::memcpy(types, plan.types.data(), sizeof(plan.types));
+      if (plan.length > TypePlan::kInlineTypes) [[unlikely]] {
+        std::memcpy(types, productions_->types() + plan.firstType, plan.length * sizeof(ModuleTypeId));
+      }
+    } else {
+      std::memcpy(types, productions_->types() + plan.firstType, plan.length * sizeof(ModuleTypeId));
+    }
+    types += plan.length;
+    if (plan.copied > 0) {
+      std::memcpy(parameters, oldParameters, plan.copied * sizeof(double));
+      parameters += plan.copied;
+    }
+    oldParameters += plan.arity;
+  }
+}
+
+void BatchScan::collectSites() {
+  const ModuleFinder::Count count =
+      finder_.find(step_.old.types + first_, static_cast<std::uint32_t>(end_ - first_), first_ > 0,
+                   end_ < step_.old.size, {siteModule_.data(), siteOffset_.data(), siteBits_.data()});
+  siteCount_ = count.found;
+  endOffset_ = offset_ + count.parameters;
+  if (plan_->needsPairBits()) {
+    dropPairs();
+  }
+}
+
+void BatchScan::dropPairs() {
+  const ModuleTypeId* types = step_.old.types;
+  const std::uint8_t* leftBits = plan_->leftBits();
+  const std::uint8_t* rightBits = plan_->rightBits();
+  const std::size_t stride = plan_->pairStride();
+  // beyond the string's ends there may be anything
+  const auto unknown = static_cast<std::size_t>(program_->moduleTypeCount());
+  std::size_t kept = 0;
+  for (std::size_t site = 0; site < siteCount_; ++site) {
+    const std::uint64_t module = first_ + siteModule_[site];
+    const std::size_t type = types[module];
+    const std::size_t before = module == 0 ? unknown : types[module - 1];
+    const std::size_t behind = module + 1 == step_.old.size ? unknown : types[module + 1];
+    const auto bits = static_cast<std::uint8_t>(leftBits[before * stride + type] & rightBits[type * stride + behind]);
+    siteModule_[kept] = siteModule_[site];
+    siteOffset_[kept] = siteOffset_[site];
+    siteBits_[kept] = bits;
+    kept += bits != 0 ? 1 : 0;
+  }
+  siteCount_ = kept;
+}
+
+void BatchScan::sortSites() {
+  // what is written may be anything to the compiler, so that members would be read again and again
+  const ModuleTypeId* const types = step_.old.types + first_;
+  const std::uint32_t* const siteModule = siteModule_.data();
+  const std::uint32_t* const groupOf = groupOf_.data();
+  std::uint32_t* const siteGroup = siteGroup_.data();
+  std::uint32_t* const siteBlock = siteBlock_.data();
+  std::uint32_t* const sorted = sorted_.data();
+  const auto groupCount = static_cast<std::uint32_t>(plan_->groups().size());
+  // two counts for each group, of the sites in turn: a single one would have every addition wait for the one before
+  std::uint32_t* const counts = groupCounts_.data();
+  std::fill(groupCounts_.begin(), groupCounts_.end(), 0U);
+  std::size_t siteCount = siteCount_;
+  for (std::size_t site = 0; site < siteCount; ++site) {
+    const std::uint32_t group = groupOf[types[siteModule[site]]];
+    siteGroup[site] = group;
+    ++counts[2 * group + (site & 1U)];
+  }
+  const std::uint32_t fixed = groupCount;
+  const std::uint32_t general = groupCount + 1;
+  if (counts[2 * general] + counts[2 * general + 1] > 0) {
+    // the chunk ends at the first module for the general way
+    const auto last = static_cast<std::size_t>(std::find(siteGroup, siteGroup + siteCount, general) - siteGroup);
+    end_ = first_ + siteModule[last];
+    endOffset_ = offset_ + siteOffset_[last];
+    for (std::size_t site = last; site < siteCount; ++site) {
+      --counts[2 * siteGroup[site] + (site & 1U)];
+    }
+    siteCount = last;
+    siteCount_ = last;
+  }
+  std::fill_n(siteBlock, siteCount, 0U);
+  if (counts[2 * fixed] + counts[2 * fixed + 1] > 0) {
+    isResized_ = true;
+    for (std::size_t site = 0; site < siteCount; ++site) {
+      if (siteGroup[site] == fixed) {
+        siteBlock[site] = plan_->indexOf(types[siteModule[site]]);
+      }
+    }
+  }
+  // counts become places
+  std::uint32_t begin = 0;
+  for (std::uint32_t group = 0; group < groupCount; ++group) {
+    groupBegin_[group] = begin;
+    for (std::uint32_t parity = 0; parity < 2; ++parity) {
+      begin += std::exchange(counts[2 * group + parity], begin);
+    }
+  }
+  groupBegin_[groupCount] = begin;
+  counts[2 * fixed] = begin;
+  counts[2 * fixed + 1] = begin;
+  for (std::size_t site = 0; site < siteCount; ++site) {
+    const std::uint32_t group = siteGroup[site];
+    const std::size_t place = 2 * group + (site & 1U);
+    sorted[counts[place]] = static_cast<std::uint32_t>(site);
+    counts[place] += group != fixed ? 1 : 0;
+  }
+}
+
+void BatchScan::chooseGroup(const BatchGroup& group, std::span<const std::uint32_t> sites) {
+  lightSites_ += group.isLight ? sites.size() : 0;
+  // the neighbours are the same for all rules
+  if (group.looksLeft) {
+    findLeft(sites);
+  }
+  if (group.looksRight) {
+    findRight(sites);
+  }
+  if (!group.isWeighted) {
+    chooseFirst(group, sites);
+  } else if (group.hasThresholds) {
+    chooseByThresholds(group, sites);
+  } else {
+    chooseByWeights(group, sites);
+  }
+}
+
+void BatchScan::chooseFirst(const BatchGroup& group, std::span<const std::uint32_t> sites) {
+  const std::uint32_t* const siteBlock = siteBlock_.data();
+  std::uint32_t* const remaining = remaining_.data();
+  for (std::uint32_t i = 0; i < group.ruleCount && !sites.empty(); ++i) {
+    const BatchRule& rule = plan_->rules()[group.firstRule + i];
+    std::size_t count = match(rule, static_cast<std::uint8_t>(1U << std::min(i, 7U)), sites);
+    if (rule.condition) {
+      count = keepWhereTrue(rule, count);
+    }
+    accept(rule, count);
+    // the others try the next rule
+    if (count > 0 && i + 1 < group.ruleCount) {
+      std::size_t left = 0;
+      for (const std::uint32_t site : sites) {
+        remaining[left] = site;
+        left += siteBlock[site] == 0 ? 1 : 0;
+      }
+      sites = {remaining, left};
+    }
+  }
+}
+
+std::size_t BatchScan::match(const BatchRule& rule, std::uint8_t bit, std::span<const std::uint32_t> sites) {
+  std::size_t lane = laneCount_;
+  switch (rule.context) {
+    case BatchRule::Context::None:
+      std::memcpy(laneSite_.data() + lane, sites.data(), sites.size_bytes());
+      lane += sites.size();
+      break;
+    case BatchRule::Context::Near:
+      if (rule.right == core::kNoModuleType) {
+        lane = matchNear<true, false>(rule, sites);
+      } else if (rule.left == core::kNoModuleType) {
+        lane = matchNear<false, true>(rule, sites);
+      } else {
+        lane = matchNear<true, true>(rule, sites);
+      }
+      break;
+    case BatchRule::Context::Searched:
+      for (const std::uint32_t site : sites) {
+        if ((siteBits_[site] & bit) != 0 && matchSearched(rule, site, lane)) {
+          laneSite_[lane++] = site;
+        }
+      }
+      break;
+  }
+  return lane - laneCount_;
+}
+
+template <bool kLooksLeft, bool kLooksRight>
+std::size_t BatchScan::matchNear(const BatchRule& rule, std::span<const std::uint32_t> sites) {
+  std::uint32_t* const laneSite = laneSite_.data();
+  std::uint64_t* const laneLeft = laneLeft_.data();
+  std::uint64_t* const laneRight = laneRight_.data();
+  const ModuleTypeId* const leftType = leftType_.data();
+  const ModuleTypeId* const rightType = rightType_.data();
+  const std::uint64_t* const leftOffset = leftOffset_.data();
+  const std::uint64_t* const rightOffset = rightOffset_.data();
+  const ModuleTypeId left = rule.left;
+  const ModuleTypeId right = rule.right;
+  std::size_t lane = laneCount_;
+  for (const std::uint32_t site : sites) {
+    laneSite[lane] = site;
+    bool isMatch = true;
+    if constexpr (kLooksLeft) {
+      laneLeft[lane] = leftOffset[site];
+      isMatch = leftType[site] == left;
+    }
+    if constexpr (kLooksRight) {
+      laneRight[lane] = rightOffset[site];
+      isMatch = isMatch & (rightType[site] == right);
+    }
+    lane += isMatch ? 1 : 0;
+  }
+  return lane;
+}
+
+void BatchScan::findLeft(std::span<const std::uint32_t> sites) {
+  const ContextString old = step_.old;
+  const std::uint16_t* arity = program_->arity.data();
+  const std::uint8_t* passing = passing_.data();
+  const std::uint32_t* const siteModule = siteModule_.data();
+  const std::uint32_t* const siteOffset = siteOffset_.data();
+  ModuleTypeId* const leftType = leftType_.data();
+  std::uint64_t* const leftOffset = leftOffset_.data();
+  const std::uint64_t first = first_;
+  const std::uint64_t firstOffset = offset_;
+  const ModuleTypeId openBranch = program_->openBranch;
+  for (const std::uint32_t site : sites) {
+    std::uint64_t module = first + siteModule[site];
+    std::uint64_t offset = firstOffset + siteOffset[site];
+    ModuleTypeId found = core::kNoModuleType;
+    std::uint32_t passed = 0;
+    while (module > 0) {
+      --module;
+      const ModuleTypeId type = old.types[module];
+      offset -= arity[type];
+      if ((passing[type] & (kSkippedLeft | kJumpedLeft)) == 0) [[likely]] {
+        found = type;
+        break;
+      }
+      if ((passing[type] & kJumpedLeft) != 0) {
+        const StringIndex::Link& link = old.index->link(module);
+        if (link.partner == StringIndex::kNone) {
+          break;
+        }
+        module = link.partner;
+        offset -= link.parameterCount;
+      }
+      // a long way over branches is walked once for all
+      if (++passed > LeftShortcuts::kNearModules && old.types[module] == openBranch) [[unlikely]] {
+        const LeftShortcuts::Place end = old.shortcuts->follow(*program_, *rules_, old, {module, offset});
+        module = end.module;
+        offset = end.offset;
+        passed = 0;
+      }
+    }
+    leftType[site] = found;
+    leftOffset[site] = offset;
+  }
+}
+
+void BatchScan::findRight(std::span<const std::uint32_t> sites) {
+  const ContextString old = step_.old;
+  const std::uint16_t* arity = program_->arity.data();
+  const std::uint8_t* passing = passing_.data();
+  const std::uint32_t* const siteModule = siteModule_.data();
+  const std::uint32_t* const siteOffset = siteOffset_.data();
+  ModuleTypeId* const rightType = rightType_.data();
+  std::uint64_t* const rightOffset = rightOffset_.data();
+  const std::uint64_t first = first_;
+  const std::uint64_t firstOffset = offset_;
+  for (const std::uint32_t site : sites) {
+    std::uint64_t module = first + siteModule[site];
+    std::uint64_t offset = firstOffset + siteOffset[site] + arity[old.types[module]];
+    ModuleTypeId found = core::kNoModuleType;
+    ++module;
+    while (module < old.size) {
+      const ModuleTypeId type = old.types[module];
+      if ((passing[type] & (kSkippedRight | kJumpedRight)) == 0) [[likely]] {
+        found = type;
+        break;
+      }
+      if ((passing[type] & kSkippedRight) != 0) {
+        offset += arity[type];
+        ++module;
+      } else {
+        const StringIndex::Link& link = old.index->link(module);
+        if (link.partner == StringIndex::kNone) {
+          break;
+        }
+        module = link.partner + std::uint64_t{1};
+        offset += link.parameterCount;
+      }
+    }
+    rightType[site] = found;
+    rightOffset[site] = offset;
+  }
+}
+
+bool BatchScan::matchSearched(const BatchRule& rule, std::uint32_t site, std::size_t lane) {
+  const language::Production& production = *rule.production;
+  const std::uint64_t module = first_ + siteModule_[site];
+  const std::uint64_t offset = offset_ + siteOffset_[site];
+  const std::size_t row = rows_.size();
+  rows_.resize(row + production.slotCount);
+  if ((!production.rightContext.empty() &&
+       !matchesRight(*program_, *rules_, step_.old, production.rightContext, module + 1,
+                     offset + program_->arity[step_.old.types[module]], rows_.data() + row)) ||
+      (!production.leftContext.empty() &&
+       !matchesLeft(*program_, *rules_, step_.old, production.leftContext, module, offset, rows_.data() + row))) {
+    rows_.resize(row);
+    return false;
+  }
+  laneLeft_[lane] = row;
+  return true;
+}
+
+void BatchScan::setLanes(const BatchRule& rule, std::size_t begin, std::size_t count) {
+  const std::uint32_t* const site = laneSite_.data() + begin;
+  const std::uint32_t* const siteOffset = siteOffset_.data();
+  std::uint32_t* const own = own_.data();
+  for (std::size_t i = 0; i < count; ++i) {
+    own[i] = siteOffset[site[i]];
+  }
+  if (rule.drawsRandom) {
+    for (std::size_t i = 0; i < count; ++i) {
+      modules_[i] = first_ + siteModule_[site[i]];
+    }
+  }
+  evaluator_.setLanes({count, rule.slots.data(), step_.old.parameters + offset_, step_.old.parameters, rows_.data(),
+                       own_.data(), laneLeft_.data() + begin, laneRight_.data() + begin, modules_.data()});
+}
+
+std::size_t BatchScan::keepWhereTrue(const BatchRule& rule, std::size_t count) {
+  std::uint32_t* const laneSite = laneSite_.data();
+  std::uint64_t* const laneLeft = laneLeft_.data();
+  std::uint64_t* const laneRight = laneRight_.data();
+  const bool hasNeighbours = rule.context != BatchRule::Context::None;
+  std::size_t kept = laneCount_;
+  for (std::size_t begin = laneCount_; begin < laneCount_ + count; begin += ColumnEvaluator::kLanes) {
+    const std::size_t size = std::min(ColumnEvaluator::kLanes, laneCount_ + count - begin);
+    setLanes(rule, begin, size);
+    const ColumnValue truth = evaluator_.value(*rule.condition);
+    const auto isTrue = [&truth](std::size_t i) {
+      return (truth.values == nullptr ? truth.constant : truth.values[i]) != 0.0;
+    };
+    if (hasNeighbours) {
+      for (std::size_t i = 0; i < size; ++i) {
+        laneSite[kept] = laneSite[begin + i];
+        laneLeft[kept] = laneLeft[begin + i];
+        laneRight[kept] = laneRight[begin + i];
+        kept += isTrue(i) ? 1 : 0;
+      }
+    } else {
+      for (std::size_t i = 0; i < size; ++i) {
+        laneSite[kept] = laneSite[begin + i];
+        kept += isTrue(i) ? 1 : 0;
+      }
+    }
+  }
+  return kept - laneCount_;
+}
+
+void BatchScan::accept(const BatchRule& rule, std::size_t count) {
+  if (count == 0) {
+    return;
+  }
+  isResized_ = isResized_ || plan_->blocks()[rule.block].isResizing;
+  const std::uint32_t* const site = laneSite_.data() + laneCount_;
+  std::uint32_t* const siteBlock = siteBlock_.data();
+  const std::uint32_t block = rule.block;
+  for (std::size_t i = 0; i < count; ++i) {
+    siteBlock[site[i]] = block;
+  }
+  if (rule.needsLanes) {
+    ruleLanes_.push_back({&rule, laneCount_, count});
+    laneCount_ += count;
+  }
+}
+
+void BatchScan::place() {
+  const BatchBlock* const blocks = plan_->blocks().data();
+  const std::uint32_t* const siteModule = siteModule_.data();
+  const std::uint32_t* const siteOffset = siteOffset_.data();
+  const std::uint32_t* const siteBlock = siteBlock_.data();
+  std::uint32_t* const madeModule = madeModule_.data();
+  std::uint32_t* const madeOffset = madeOffset_.data();
+  std::uint32_t* const resizing = resizing_.data();
+  // growth may be negative: sums of unsigned numbers wrap around and come back
+  std::uint32_t moduleGrowth = 0;
+  std::uint32_t parameterGrowth = 0;
+  std::size_t resizingCount = 0;
+  for (std::size_t site = 0; site < siteCount_; ++site) {
+    const BatchBlock& block = blocks[siteBlock[site]];
+    madeModule[site] = siteModule[site] + moduleGrowth;
+    madeOffset[site] = siteOffset[site] + parameterGrowth;
+    moduleGrowth += static_cast<std::uint32_t>(block.moduleGrowth);
+    parameterGrowth += static_cast<std::uint32_t>(block.parameterGrowth);
+    resizing[resizingCount] = static_cast<std::uint32_t>(site);
+    resizingCount += block.isResizing ? 1 : 0;
+  }
+  resizingCount_ = resizingCount;
+  madeModules_ = static_cast<std::uint32_t>(end_ - first_) + moduleGrowth;
+  madeParameters_ = static_cast<std::uint32_t>(endOffset_ - offset_) + parameterGrowth;
+}
+
+}  // namespace espalier::derivation

@@ -1,0 +1,164 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "engine/core/random.h"
+#include "engine/derivation/batch/batch_plan.h"
+#include "engine/derivation/batch/column_evaluator.h"
+#include "engine/derivation/batch/scratch.h"
+#include "engine/derivation/batch/type_sum.h"
+#include "engine/derivation/matching/context_matcher.h"
+#include "engine/derivation/state/module_finder.h"
+#include "engine/language/program.h"
+
+namespace espalier::derivation {
+
+/// Rewrites stretches of a string, a chunk at a time, in two passes: choose() decides what becomes of every module and
+/// counts, write() writes it into place. Between the two the caller learns how long the result is. It reads the old
+/// string and writes where it is told, nothing else, so several threads can work on one step, each with its own object.
+///
+/// Whatever would make the Evaluator warn or the step fail is not done here: the chunk is called unusual, and the
+/// caller repeats it in the general way, which does that in the order of the string.
+class BatchScan {
+ public:
+  /// The most modules of one chunk, except where every module becomes a fixed block or stays: there a chunk is as long
+  /// as its caller likes.
+  static constexpr std::uint64_t kChunkModules = 2048;
+
+  /// What all chunks of a step have in common.
+  struct Step {
+    ContextString old;  // the string that is read; its shortcuts are used by this object alone until the next begin
+    std::uint32_t number = 0;
+    double length = 0.0;                      // Z
+    core::CounterRandom selection;            // Espalier's own mode
+    core::CounterRandom draws;                // of ran in Espalier's own mode
+    bool storesFloats = false;                // parameters are rounded to 32-bit floats and may be anything
+    const std::uint8_t* hasWarned = nullptr;  // by instruction, as in the Evaluator; unchanged during the step
+  };
+
+  struct Outcome {
+    std::uint64_t endModule = 0;     // where the chunk ended: before a General module, or where it was to end
+    std::uint64_t endParameter = 0;  // of the old string
+    std::uint64_t moduleCount = 0;   // that write() will make
+    std::uint64_t parameterCount = 0;
+    bool isUnusual = false;
+    std::uint64_t lightSites = 0;  // modules of light groups and fixed blocks
+    bool isKept = false;           // every module stays as it is
+  };
+
+  /// `program`, `rules`, `plan` and `productions` must outlive the object.
+  BatchScan(const language::Program& program, const ContextRules& rules, const BatchPlan& plan,
+            const ProductionPlan& productions);
+
+  void begin(const Step& step);
+  /// Decides about the modules [first, end), no more than a chunk; the parameters of the first begin at `offset`.
+  [[nodiscard]] Outcome choose(std::uint64_t first, std::uint64_t end, std::uint64_t offset);
+  /// Writes what was chosen last: exactly the modules and parameters of the Outcome. False: a value is unusual; what
+  /// was written is of no use when the step fails, and right when it only warns.
+  [[nodiscard]] bool write(core::ModuleTypeId* types, double* parameters);
+
+ private:
+  /// Sites that one rule rewrites: entries [begin, begin + count) of the lane arrays.
+  struct RuleLanes {
+    const BatchRule* rule = nullptr;
+    std::size_t begin = 0;
+    std::size_t count = 0;
+  };
+
+  [[nodiscard]] Outcome countFixed();
+  void writeFixed(core::ModuleTypeId* types, double* parameters) const;
+  void collectSites();
+  void dropPairs();
+  void sortSites();
+  void chooseGroup(const BatchGroup& group, std::span<const std::uint32_t> sites);
+  void chooseFirst(const BatchGroup& group, std::span<const std::uint32_t> sites);
+  void chooseByThresholds(const BatchGroup& group, std::span<const std::uint32_t> sites);
+  void chooseByWeights(const BatchGroup& group, std::span<const std::uint32_t> sites);
+  [[nodiscard]] double draw(std::uint64_t module);
+  void loadDraws();
+  std::size_t match(const BatchRule& rule, std::uint8_t bit, std::span<const std::uint32_t> sites);
+  template <bool kLooksLeft, bool kLooksRight>
+  std::size_t matchNear(const BatchRule& rule, std::span<const std::uint32_t> sites);
+  void findLeft(std::span<const std::uint32_t> sites);
+  void findRight(std::span<const std::uint32_t> sites);
+  [[nodiscard]] bool matchSearched(const BatchRule& rule, std::uint32_t site, std::size_t lane);
+  std::size_t keepWhereTrue(const BatchRule& rule, std::size_t count);
+  void accept(const BatchRule& rule, std::size_t count);
+  void setLanes(const BatchRule& rule, std::size_t begin, std::size_t count);
+  void place();
+  void writeBlocks(core::ModuleTypeId* types, double* parameters) const;
+  [[nodiscard]] bool writeValues(const RuleLanes& lanes, double* parameters);
+
+  const language::Program* program_;
+  const ContextRules* rules_;
+  const BatchPlan* plan_;
+  const ProductionPlan* productions_;
+  Step step_;
+  ColumnEvaluator evaluator_;
+  LeftShortcuts shortcuts_;  // in use unless the Step has some
+  ModuleFinder finder_;
+  TypeSum fixedModuleSum_;  // what the modules of a stretch become; fixed models only
+  TypeSum fixedParameterSum_;
+  TypeSum parameterSum_;
+  std::vector<std::uint8_t> passing_;  // by module type: what a search from the left or right does there
+
+  // the chunk
+  std::uint64_t first_ = 0;
+  std::uint64_t end_ = 0;
+  std::uint64_t offset_ = 0;        // parameters of the first module
+  std::uint64_t endOffset_ = 0;     // behind the last module
+  std::uint64_t fixedModules_ = 0;  // that a fixed chunk makes
+  std::uint64_t fixedParameters_ = 0;
+  bool isUnusual_ = false;
+  bool isResized_ = false;
+  bool areDrawsLoaded_ = false;
+  std::uint64_t lightSites_ = 0;
+
+  // the sites: modules that may not stay as they are
+  std::size_t siteCount_ = 0;
+  Scratch<std::uint32_t> siteModule_;  // counted from the chunk's first module
+  Scratch<std::uint32_t> siteOffset_;  // parameters, counted from those of the chunk's first module
+  Scratch<std::uint8_t> siteBits_;     // candidates that may apply
+  Scratch<std::uint32_t> siteBlock_;   // what is written: in BatchPlan::blocks
+  Scratch<std::uint32_t> madeModule_;  // where it is written, counted from where the chunk's result begins
+  Scratch<std::uint32_t> madeOffset_;
+  Scratch<std::uint32_t> resizing_;  // sites whose block has another size than the module
+  std::size_t resizingCount_ = 0;
+  std::uint32_t madeModules_ = 0;  // of the chunk's result, when something resizes
+  std::uint32_t madeParameters_ = 0;
+
+  Scratch<std::uint32_t> allSites_;         // 0, 1, 2, ...
+  Scratch<std::uint32_t> sorted_;           // sites by group
+  std::vector<std::uint32_t> groupOf_;      // by module type: the group; groupCount: fixed; groupCount + 1: general
+  Scratch<std::uint32_t> siteGroup_;        // by site
+  std::vector<std::uint32_t> groupCounts_;  // by group: how many sites, then where the next one goes; two of each
+  std::vector<std::uint32_t> groupBegin_;   // (groupCount + 1)
+  Scratch<std::uint32_t> remaining_;        // sites that no rule took so far
+
+  // the lanes of all rules that chose sites
+  std::size_t laneCount_ = 0;
+  Scratch<std::uint32_t> laneSite_;
+  Scratch<std::uint64_t> laneLeft_;       // parameters of the left neighbour, or where the row of the search begins
+  Scratch<std::uint64_t> laneRight_;      // parameters of the right neighbour
+  Scratch<core::ModuleTypeId> leftType_;  // by site: the nearest neighbour, or kNoModuleType
+  Scratch<core::ModuleTypeId> rightType_;
+  Scratch<std::uint64_t> leftOffset_;  // by site: its parameters
+  Scratch<std::uint64_t> rightOffset_;
+  std::vector<double> rows_;  // frames that context searches filled
+  std::vector<RuleLanes> ruleLanes_;
+  Scratch<std::uint32_t> own_;      // offsets of the lanes that are evaluated
+  Scratch<std::uint64_t> modules_;  // their places in the string, when something is drawn for them
+
+  Scratch<std::uint32_t> words_;  // draws of the chunk's modules, from a multiple of 4 on
+  std::vector<double> weights_;   // by rule of a group and lane
+  std::vector<std::uint8_t> isMatched_;
+  Scratch<std::uint32_t> positions_;  // by site: its lane among those that are weighed
+  std::vector<std::uint32_t> chosenRule_;
+  std::vector<double> candidateWeights_;
+  std::vector<std::uint32_t> candidates_;
+};
+
+}  // namespace espalier::derivation

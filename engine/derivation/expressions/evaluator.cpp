@@ -1,0 +1,429 @@
+#include "engine/derivation/expressions/evaluator.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "engine/core/check.h"
+#include "engine/core/diagnostic.h"
+#include "engine/derivation/expressions/number_format.h"
+#include "engine/language/arithmetic.h"
+
+namespace espalier::derivation {
+namespace {
+
+using language::Function;
+using language::Instruction;
+using language::Operation;
+
+// how often a loop looks whether it was cancelled: a mask of its iteration count
+constexpr std::uint64_t kCancelMask = 0xFFFF;
+
+/// A 1-based index into a list of the view file as an offset, or nothing (size) when it is outside.
+std::size_t listIndex(double id, std::size_t size) {
+  return id >= 1.0 && id < static_cast<double>(size) + 1.0 ? static_cast<std::size_t>(id) - 1 : size;
+}
+
+}  // namespace
+
+Evaluator::Evaluator(const language::Program& program, RandomSource& random, Options options)
+    : program_(&program),
+      random_(&random),
+      options_(std::move(options)),
+      stack_(program.maximumStack + std::size_t{8}, 0.0),
+      hasWarned_(program.code.size(), 0) {
+  place_.plant = options_.plant;
+}
+
+void Evaluator::attach(PlantState& state) {
+  state_ = &state;
+}
+
+void Evaluator::enter(InstanceState& instance) {
+  instance_ = &instance;
+  system_ = &program_->systems[instance.system];
+}
+
+void Evaluator::setStep(std::uint64_t step, std::uint64_t failingStep) {
+  step_ = static_cast<double>(step);
+  place_.step = failingStep;
+}
+
+void Evaluator::run(language::CodeRange code, double* frame) {
+  const Instruction* instructions = program_->code.data();
+  const double* constants = program_->constants.data();
+  double* variables = instance_->variables.data();
+  double* statics = state_->statics.data();
+  double* top = stack_.data();  // where the next value goes
+  std::uint64_t iterations = 0;
+  bool dividedByZero = false;
+
+  for (std::uint32_t at = code.begin; at < code.end;) {
+    const Instruction instruction = instructions[at];
+    const std::uint32_t operand = instruction.operand;
+    std::uint32_t next = at + 1;
+    switch (instruction.operation) {
+      case Operation::Constant:
+        *top++ = constants[operand];
+        break;
+      case Operation::LoadSlot:
+        *top++ = frame[operand];
+        break;
+      case Operation::LoadStatic:
+        *top++ = statics[operand];
+        break;
+      case Operation::LoadVariable:
+        *top++ = variables[operand];
+        break;
+      case Operation::LoadStep:
+        *top++ = step_;
+        break;
+      case Operation::LoadLength:
+        *top++ = static_cast<double>(state_->derivationLength);
+        break;
+      case Operation::LoadElement: {
+        top -= instruction.count;
+        const double loaded = *element(operand, {top, instruction.count}, at);
+        *top++ = loaded;
+        break;
+      }
+      case Operation::StoreSlot:
+        frame[operand] = *--top;
+        break;
+      case Operation::StoreStatic:
+        statics[operand] = *--top;
+        break;
+      case Operation::StoreVariable:
+        variables[operand] = *--top;
+        break;
+      case Operation::StoreElement: {
+        const double stored = *--top;
+        top -= instruction.count;
+        *element(operand, {top, instruction.count}, at) = stored;
+        break;
+      }
+      case Operation::Pop:
+        --top;
+        break;
+      case Operation::Negate:
+        top[-1] = -top[-1];
+        break;
+      case Operation::Not:
+        top[-1] = language::toNumber(!language::isTrue(top[-1]));
+        break;
+      case Operation::ToBoolean:
+        top[-1] = language::toNumber(language::isTrue(top[-1]));
+        break;
+      case Operation::Add:
+        --top;
+        top[-1] = top[-1] + top[0];
+        break;
+      case Operation::Subtract:
+        --top;
+        top[-1] = top[-1] - top[0];
+        break;
+      case Operation::Multiply:
+        --top;
+        top[-1] = top[-1] * top[0];
+        break;
+      case Operation::Divide:
+      case Operation::Modulo:
+        --top;
+        top[-1] = language::applyBinary(instruction.operation, top[-1], top[0], dividedByZero);
+        if (dividedByZero) {
+          dividedByZero = false;
+          warnOnce(at, "division by 0; 1 is taken as the divisor");
+        }
+        break;
+      case Operation::Power:
+        --top;
+        top[-1] = language::applyBinary(Operation::Power, top[-1], top[0], dividedByZero);
+        break;
+      case Operation::Equal:
+        --top;
+        top[-1] = language::toNumber(top[-1] == top[0]);
+        break;
+      case Operation::NotEqual:
+        --top;
+        top[-1] = language::toNumber(top[-1] != top[0]);
+        break;
+      case Operation::Less:
+        --top;
+        top[-1] = language::toNumber(top[-1] < top[0]);
+        break;
+      case Operation::LessEqual:
+        --top;
+        top[-1] = language::toNumber(top[-1] <= top[0]);
+        break;
+      case Operation::Greater:
+        --top;
+        top[-1] = language::toNumber(top[-1] > top[0]);
+        break;
+      case Operation::GreaterEqual:
+        --top;
+        top[-1] = language::toNumber(top[-1] >= top[0]);
+        break;
+      case Operation::LogicalAnd:
+        --top;
+        top[-1] = language::toNumber(language::isTrue(top[-1]) && language::isTrue(top[0]));
+        break;
+      case Operation::LogicalOr:
+        --top;
+        top[-1] = language::toNumber(language::isTrue(top[-1]) || language::isTrue(top[0]));
+        break;
+      case Operation::Select:
+        top -= 2;
+        top[-1] = language::isTrue(top[-1]) ? top[0] : top[1];
+        break;
+      case Operation::Jump:
+        next = operand;
+        break;
+      case Operation::JumpIfZero:
+        if (!language::isTrue(*--top)) {
+          next = operand;
+        }
+        break;
+      case Operation::JumpIfNonZero:
+        if (language::isTrue(*--top)) {
+          next = operand;
+        }
+        break;
+      case Operation::JumpIfOrSkips:
+        // either way the left value stays
+        if (language::orSkips(top[-1])) {
+          next = operand;
+        }
+        break;
+      case Operation::Call: {
+        top -= instruction.count;
+        const double result = call(static_cast<Function>(operand), {top, instruction.count}, at);
+        *top++ = result;
+        break;
+      }
+      case Operation::Print:
+        top -= instruction.count;
+        print(program_->strings[operand], {top, instruction.count});
+        *top++ = 0.0;
+        break;
+      case Operation::FileOpen:
+        *top++ = openFile(operand, instruction.count, at);
+        break;
+      case Operation::FileClose:
+        closeFile(top[-1], at);
+        top[-1] = 0.0;
+        break;
+      case Operation::FileFlush:
+        // what a step writes is passed on when the step is complete
+        top[-1] = 0.0;
+        break;
+      case Operation::FilePrint:
+        top -= instruction.count + 1;
+        printToFile(top[0], program_->strings[operand], {top + 1, instruction.count}, at);
+        *top++ = 0.0;
+        break;
+      case Operation::FileScan: {
+        const double handle = *--top;
+        std::fill_n(top, instruction.count, 0.0);
+        const double readCount = scanFile(handle, program_->strings[operand], {top, instruction.count}, at);
+        top += instruction.count;
+        *top++ = readCount;
+        break;
+      }
+    }
+    // a jump back is a turn of a loop
+    if (next <= at) {
+      if (++iterations > options_.limits.maximumLoopIterations) {
+        failHere(core::SimulationErrorCode::LimitExceeded,
+                 "a loop ran more than " + std::to_string(options_.limits.maximumLoopIterations) +
+                     " iterations (limit maximumLoopIterations)",
+                 program_->codeRanges[at]);
+      }
+      if ((iterations & kCancelMask) == 0) {
+        pollCancelled();
+      }
+    }
+    at = next;
+  }
+}
+
+double* Evaluator::element(std::uint32_t array, std::span<const double> subscripts, std::uint32_t at) {
+  const language::ArrayVariable& variable = system_->arrays[array];
+  std::size_t index = 0;
+  for (std::size_t i = 0; i < variable.dimensions.size(); ++i) {
+    const double last = static_cast<double>(variable.dimensions[i]) - 1.0;
+    const double subscript = i < subscripts.size() ? std::trunc(subscripts[i]) : 0.0;
+    const double clamped = std::isnan(subscript) ? 0.0 : std::clamp(subscript, 0.0, last);
+    if (!(clamped == subscript)) {
+      warnOnce(at, "subscript " + std::to_string(i + 1) + " of '" + variable.name +
+                       "' is outside the array and is clamped to its ends");
+    }
+    index = index * variable.dimensions[i] + static_cast<std::size_t>(clamped);
+  }
+  return &instance_->elements[variable.firstElement + index];
+}
+
+double Evaluator::call(Function function, std::span<const double> arguments, std::uint32_t at) {
+  if (language::isArithmetic(function)) {
+    bool dividedByZero = false;
+    const double result = language::callPure(function, arguments, dividedByZero);
+    if (dividedByZero) {
+      warnOnce(at, "division by 0; 1 is taken as the divisor");
+    }
+    return result;
+  }
+  const language::ViewSettings& view = program_->view;
+  switch (function) {
+    case Function::Func: {
+      const std::size_t id = listIndex(arguments[0], view.functions.size());
+      if (id == view.functions.size()) {
+        warnOnce(at, "func: the view file defines no such function; its value is 0");
+        return 0.0;
+      }
+      return view.functions[id].value(arguments[1]);
+    }
+    case Function::CurveX:
+    case Function::CurveY:
+    case Function::CurveZ:
+    case Function::CurveGal: {
+      const std::size_t id = listIndex(arguments[0], view.curves.size());
+      if (id == view.curves.size()) {
+        warnOnce(at, "curve functions: the view file defines no such curve; the value is 0");
+        return 0.0;
+      }
+      if (function == Function::CurveGal) {
+        return view.curves[id].arcLength();
+      }
+      const core::Vec3 point = view.curves[id].point(arguments[1]);
+      return function == Function::CurveX ? point.x : function == Function::CurveY ? point.y : point.z;
+    }
+    case Function::InBlob: {
+      const std::size_t id = listIndex(arguments[0], view.blobFields.size());
+      if (id == view.blobFields.size()) {
+        warnOnce(at, "inblob: the view file defines no such field; its value is 0");
+        return 0.0;
+      }
+      return view.blobFields[id].value({arguments[1], arguments[2], arguments[3]});
+    }
+    case Function::Ran:
+      return arguments[0] * random_->uniform();
+    case Function::Nran:
+      return random_->normal(arguments[0], arguments[1]);
+    case Function::Bran:
+      return random_->beta(arguments[0], arguments[1]);
+    case Function::Biran:
+      if (arguments[0] > static_cast<double>(options_.limits.maximumLoopIterations)) {
+        failHere(core::SimulationErrorCode::LimitExceeded,
+                 "biran would draw more than " + std::to_string(options_.limits.maximumLoopIterations) +
+                     " numbers (limit maximumLoopIterations)",
+                 program_->codeRanges[at]);
+      }
+      return random_->binomial(arguments[0], arguments[1]);
+    case Function::Srand:
+      random_->seed(arguments[0]);
+      return 0.0;
+    case Function::Stop:
+      // stop(1) means "draw and continue"
+      if (arguments[0] != 1.0) {
+        state_->isStopped = true;
+      }
+      return 0.0;
+    case Function::GetDerivationLength:
+      return static_cast<double>(state_->derivationLength);
+    case Function::SetDerivationLength: {
+      const double length = arguments[0];
+      state_->derivationLength = length >= 1.0 && length < 1.0e18 ? static_cast<std::uint64_t>(length) : 0;
+      return static_cast<double>(state_->derivationLength);
+    }
+    case Function::VvXmin:
+    case Function::VvXmax:
+    case Function::VvYmin:
+    case Function::VvYmax:
+    case Function::VvZmin:
+    case Function::VvZmax:
+      return viewVolume(function);
+    case Function::VvScale:
+      return view.scaleFactor;
+    case Function::Display:
+      return 0.0;
+    case Function::Play:
+      warnOnce(at, "play is refused: models start nothing here");
+      return 0.0;
+    default:
+      break;
+  }
+  ESPALIER_CHECK_VALUES(false, std::to_string(static_cast<int>(function)));
+  return 0.0;
+}
+
+double Evaluator::viewVolume(Function function) const {
+  const language::ViewSettings& view = program_->view;
+  const language::Box& box = view.box ? *view.box : state_->viewVolume;
+  // the scale factor narrows the window, not the depth
+  const auto bound = [&](double least, double most, double sign) {
+    return 0.5 * (least + most) + sign * 0.5 * (most - least) / view.scaleFactor;
+  };
+  switch (function) {
+    case Function::VvXmin:
+      return bound(box.minimum.x, box.maximum.x, -1.0);
+    case Function::VvXmax:
+      return bound(box.minimum.x, box.maximum.x, 1.0);
+    case Function::VvYmin:
+      return bound(box.minimum.y, box.maximum.y, -1.0);
+    case Function::VvYmax:
+      return bound(box.minimum.y, box.maximum.y, 1.0);
+    case Function::VvZmin:
+      return box.minimum.z;
+    default:
+      return box.maximum.z;
+  }
+}
+
+void Evaluator::print(const std::string& format, std::span<const double> arguments) const {
+  if (options_.messages) {
+    options_.messages(core::MessageKind::Printf, formatNumbers(format, arguments));
+  }
+}
+
+void Evaluator::warnOnce(std::uint32_t at, const std::string& message) {
+  if (hasWarned_[at] == 0) {
+    hasWarned_[at] = 1;
+    warn(message, program_->codeRanges[at]);
+  }
+}
+
+std::optional<std::pair<std::string, double>> Evaluator::variableRead(const language::Instruction& instruction) const {
+  const std::size_t index = instruction.operand;
+  switch (instruction.operation) {
+    case language::Operation::LoadStatic:
+      return std::pair(program_->staticNames[index], state_->statics[index]);
+    case language::Operation::LoadVariable:
+      return std::pair(system_->variables[index], instance_->variables[index]);
+    case language::Operation::LoadStep:
+      return std::pair(std::string("Q"), step_);
+    case language::Operation::LoadLength:
+      return std::pair(std::string("Z"), static_cast<double>(state_->derivationLength));
+    default:
+      return std::nullopt;
+  }
+}
+
+void Evaluator::warn(const std::string& message, core::SourceRange range) const {
+  if (!options_.messages) {
+    return;
+  }
+  core::Diagnostic diagnostic;
+  diagnostic.severity = core::Severity::Warning;
+  diagnostic.message = message;
+  if (range.begin < range.end) {
+    diagnostic.location = program_->sourceMap.locate(range);
+  }
+  options_.messages(core::MessageKind::Warning, core::formatDiagnostic(diagnostic));
+}
+
+void Evaluator::pollCancelled() const {
+  if (options_.cancelled != nullptr && options_.cancelled->load(std::memory_order_relaxed)) {
+    failHere(core::SimulationErrorCode::Cancelled, "cancelled");
+  }
+}
+
+}  // namespace espalier::derivation

@@ -1,0 +1,142 @@
+#include "engine/derivation/expressions/random_source.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace espalier::derivation {
+namespace {
+
+// a rejection method that gets arguments it cannot work for gives up after so many draws
+constexpr int kMaximumTries = 100'000;
+
+/// The integer part as 64 bits, negative numbers in two's complement; 0 for what no integer is.
+std::uint64_t integerSeed(double value) {
+  if (!(std::fabs(value) < 9.0e18)) {
+    return 0;
+  }
+  return static_cast<std::uint64_t>(static_cast<std::int64_t>(value));
+}
+
+/// The reference's main stream after srand of this number.
+core::SequentialRandom seededStream(double value) {
+  return core::SequentialRandom(((integerSeed(value) & 0xFFFFFFFFU) << 16U) | 0x330EU);
+}
+
+}  // namespace
+
+RandomSource::RandomSource(core::Compatibility compatibility, std::uint32_t plant)
+    : isSequential_(compatibility != core::Compatibility::Espalier), plant_(plant) {}
+
+void RandomSource::attach(RandomState& state) {
+  state_ = &state;
+  isPrivate_ = false;
+  if (!isSequential_) {
+    selection_ = core::CounterRandom(state.seed, plant_);
+    main_ = core::CounterRandom(state.mainSeed, plant_);
+    selectionBlock_ = ~std::uint64_t{0};
+  }
+}
+
+double RandomSource::uniform() {
+  return isSequential_ ? state_->main.uniform() : main_.uniform(domain_, step_, index_, draw_++);
+}
+
+double RandomSource::normal(double mean, double deviation) {
+  if (isSequential_ && state_->normalCacheFlag != 0.0) {
+    state_->normalCacheFlag = 0.0;
+    return mean + deviation * state_->normalCache;
+  }
+  // a point in the unit disc
+  double v1 = 0.0;
+  double v2 = 0.0;
+  double square = 0.0;
+  do {
+    v1 = 2.0 * uniform() - 1.0;
+    v2 = 2.0 * uniform() - 1.0;
+    square = v1 * v1 + v2 * v2;
+  } while (square >= 1.0 || square == 0.0);
+  const double factor = std::sqrt(-2.0 * std::log(square) / square);
+  if (isSequential_) {
+    state_->normalCache = v1 * factor;
+    state_->normalCacheFlag = 1.0;
+  }
+  return mean + deviation * v2 * factor;
+}
+
+double RandomSource::beta(double a, double b) {
+  const double sum = a + b;
+  const double smaller = std::min(a, b);
+  const double lambda = smaller <= 1.0 ? smaller : std::sqrt((2.0 * a * b - sum) / (sum - 2.0));
+  const double u = a + lambda;
+  double result = 0.0;
+  for (int i = 0; i < kMaximumTries; ++i) {
+    double u1 = uniform();
+    for (int j = 0; u1 == 0.0 && j < kMaximumTries; ++j) {
+      u1 = uniform();
+    }
+    double u2 = uniform();
+    for (int j = 0; u2 == 0.0 && j < kMaximumTries; ++j) {
+      u2 = uniform();
+    }
+    const double v = std::log(u1 / (1.0 - u1)) / lambda;
+    const double y = a * std::exp(v);
+    // for a very large y the quotient is 1
+    result = std::isinf(y) ? 1.0 : y / (b + y);
+    if (!(sum * std::log(sum / (b + y)) + u * v - std::log(4.0) < std::log(u1 * u1 * u2))) {
+      break;
+    }
+  }
+  return result;
+}
+
+double RandomSource::binomial(double count, double probability) {
+  double successes = 0.0;
+  for (double i = 0.0; i < count; i += 1.0) {
+    if (uniform() <= probability) {
+      successes += 1.0;
+    }
+  }
+  return successes;
+}
+
+void RandomSource::seed(double value) {
+  if (isSequential_) {
+    state_->main = seededStream(value);
+    state_->normalCacheFlag = 0.0;
+    return;
+  }
+  const std::uint64_t seed = integerSeed(value);
+  (isPrivate_ ? private_ : *state_).mainSeed = seed;
+  main_ = core::CounterRandom(seed, plant_);
+  draw_ = 0;
+}
+
+void RandomSource::loadSelectionBlock(std::uint64_t step, std::uint64_t block) {
+  selectionWords_ = selection_.block(core::DrawDomain::Selection, static_cast<std::uint32_t>(step), block, 0);
+  selectionStep_ = step;
+  selectionBlock_ = block;
+}
+
+void RandomSource::startPrivateStream(double seed) {
+  private_ = RandomState{};
+  private_.main = seededStream(seed);
+  private_.mainSeed = integerSeed(seed);
+  private_.normalCacheFlag = 0.0;
+}
+
+void RandomSource::usePrivateStream(bool isUsed) {
+  if (isUsed == isPrivate_) {
+    return;
+  }
+  isPrivate_ = isUsed;
+  if (isSequential_) {
+    std::swap(state_->main, private_.main);
+    std::swap(state_->normalCache, private_.normalCache);
+    std::swap(state_->normalCacheFlag, private_.normalCacheFlag);
+    return;
+  }
+  main_ = core::CounterRandom(isUsed ? private_.mainSeed : state_->mainSeed, plant_);
+}
+
+}  // namespace espalier::derivation

@@ -1,0 +1,286 @@
+#include "engine/derivation/matching/production_plan.h"
+
+#include <algorithm>
+
+#include "engine/language/arithmetic.h"
+
+namespace espalier::derivation {
+namespace {
+
+using language::Expression;
+using language::Instruction;
+using language::Operation;
+using language::Production;
+
+/// Operators that need no warning, so that they can be computed outside the Evaluator.
+bool isQuickOperator(Operation operation, bool isDivisorSafe) {
+  switch (operation) {
+    case Operation::Add:
+    case Operation::Subtract:
+    case Operation::Multiply:
+    case Operation::Equal:
+    case Operation::NotEqual:
+    case Operation::Less:
+    case Operation::LessEqual:
+    case Operation::Greater:
+    case Operation::GreaterEqual:
+      return true;
+    case Operation::Divide:
+      return isDivisorSafe;
+    default:
+      return false;
+  }
+}
+
+QuickValue makeQuickValue(const language::Program& program, const Expression& expression) {
+  QuickValue value;
+  value.expression = &expression;
+  value.form = QuickValue::Form::Code;
+  switch (expression.kind) {
+    case Expression::Kind::Constant:
+      value.form = QuickValue::Form::Constant;
+      value.constant = expression.constant;
+      return value;
+    case Expression::Kind::Slot:
+      value.form = QuickValue::Form::Slot;
+      value.a = expression.slot;
+      return value;
+    case Expression::Kind::Code:
+      break;
+  }
+  if (expression.code.end - expression.code.begin != 3) {
+    return value;
+  }
+  // two operands and an operator
+  const Instruction& first = program.code[expression.code.begin];
+  const Instruction& second = program.code[expression.code.begin + 1];
+  const Operation operation = program.code[expression.code.begin + 2].operation;
+  const bool isFirstSlot = first.operation == Operation::LoadSlot;
+  const bool isSecondSlot = second.operation == Operation::LoadSlot;
+  const bool isFirstConstant = first.operation == Operation::Constant;
+  const bool isSecondConstant = second.operation == Operation::Constant;
+  if ((!isFirstSlot && !isFirstConstant) || (!isSecondSlot && !isSecondConstant) ||
+      (isFirstConstant && isSecondConstant) ||
+      !isQuickOperator(operation, isSecondConstant && program.constants[second.operand] != 0.0)) {
+    return value;
+  }
+  value.operation = operation;
+  if (isFirstSlot && isSecondSlot) {
+    value.form = QuickValue::Form::SlotSlot;
+    value.a = first.operand;
+    value.b = second.operand;
+  } else if (isFirstSlot) {
+    value.form = QuickValue::Form::SlotConstant;
+    value.a = first.operand;
+    value.constant = program.constants[second.operand];
+  } else {
+    value.form = QuickValue::Form::ConstantSlot;
+    value.a = second.operand;
+    value.constant = program.constants[first.operand];
+  }
+  return value;
+}
+
+bool hasCandidates(const language::ProductionList& list, core::ModuleTypeId type) {
+  return !list.index.empty() && list.maximumDepth > 0 && !list.index.candidates(type).empty();
+}
+
+/// Whether only condition and weight decide, and nothing happens to the successor after it is made.
+bool isQuickProduction(const language::LSystem& system, const Production& production) {
+  if (production.predecessor.size() != 1 || production.predecessor[0].firstSlot != 0 ||
+      !production.leftContext.empty() || !production.rightContext.empty() || !production.newLeftContext.empty() ||
+      !production.newRightContext.empty() || !production.preBlock.empty() || !production.postBlock.empty()) {
+    return false;
+  }
+  return std::none_of(
+      production.successor.begin(), production.successor.end(),
+      [&](const language::SuccessorModule& module) { return hasCandidates(system.decomposition, module.type); });
+}
+
+bool canDraw(const Expression& expression) {
+  return !expression.isPure;
+}
+
+bool isCode(const QuickValue& value) {
+  return value.form == QuickValue::Form::Code;
+}
+
+/// Symbols that the scan treats specially when no production applies.
+bool isScanSymbol(const language::Program& program, core::ModuleTypeId type) {
+  return program.nameOf(type) == "%";
+}
+
+}  // namespace
+
+double quickValue(const QuickValue& value, const double* frame) {
+  double a = 0.0;
+  double b = 0.0;
+  switch (value.form) {
+    case QuickValue::Form::Constant:
+      return value.constant;
+    case QuickValue::Form::Slot:
+      return frame[value.a];
+    case QuickValue::Form::SlotConstant:
+      a = frame[value.a];
+      b = value.constant;
+      break;
+    case QuickValue::Form::ConstantSlot:
+      a = value.constant;
+      b = frame[value.a];
+      break;
+    case QuickValue::Form::SlotSlot:
+      a = frame[value.a];
+      b = frame[value.b];
+      break;
+    case QuickValue::Form::Code:
+      break;
+  }
+  switch (value.operation) {
+    case Operation::Add:
+      return a + b;
+    case Operation::Subtract:
+      return a - b;
+    case Operation::Multiply:
+      return a * b;
+    case Operation::Divide:
+      return a / b;
+    default: {
+      bool dividedByZero = false;
+      return language::applyBinary(value.operation, a, b, dividedByZero);
+    }
+  }
+}
+
+std::size_t chooseByWeight(std::span<const double> weights, double draw, bool usesFloats) {
+  if (usesFloats) {
+    float sum = 0.0F;
+    for (const double weight : weights) {
+      sum = static_cast<float>(static_cast<double>(sum) + weight);
+    }
+    auto remainder = static_cast<float>(static_cast<double>(sum) * draw);
+    for (std::size_t i = 0; i < weights.size(); ++i) {
+      remainder = static_cast<float>(static_cast<double>(remainder) - weights[i]);
+      if (remainder <= 0.0F) {
+        return i;
+      }
+    }
+    return weights.size() - 1;
+  }
+  double sum = 0.0;
+  for (const double weight : weights) {
+    sum += weight;
+  }
+  double remainder = sum * draw;
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    remainder -= weights[i];
+    if (remainder <= 0.0) {
+      return i;
+    }
+  }
+  return weights.size() - 1;
+}
+
+ProductionPlan::ProductionPlan(const language::Program& program, const language::LSystem& system)
+    : plans_(program.moduleTypeCount()) {
+  for (std::size_t type = 0; type < program.moduleTypeCount(); ++type) {
+    planType(program, system, static_cast<core::ModuleTypeId>(type));
+  }
+  types_.resize(types_.size() + TypePlan::kInlineTypes, 0);
+}
+
+void ProductionPlan::makeFixed(TypePlan& plan, std::uint32_t firstType, std::uint32_t length) {
+  plan.kind = TypePlan::Kind::Fixed;
+  plan.firstType = firstType;
+  plan.length = length;
+  std::copy_n(types_.data() + firstType, std::min<std::size_t>(length, TypePlan::kInlineTypes), plan.types.begin());
+  largestLength_ = std::max<std::uint64_t>(largestLength_, length);
+  largestParameterCount_ = std::max<std::uint64_t>(largestParameterCount_, plan.copied);
+}
+
+void ProductionPlan::planType(const language::Program& program, const language::LSystem& system,
+                              core::ModuleTypeId type) {
+  TypePlan& plan = plans_[type];
+  plan.arity = program.arity[type];
+  const std::span<const std::uint32_t> candidates =
+      system.productions.index.empty() ? std::span<const std::uint32_t>{} : system.productions.index.candidates(type);
+  const bool standsForItself = !hasCandidates(system.decomposition, type) && !isScanSymbol(program, type);
+
+  // no production: the module is copied
+  if (candidates.empty()) {
+    if (standsForItself) {
+      plan.copied = plan.arity;
+      types_.push_back(type);
+      makeFixed(plan, static_cast<std::uint32_t>(types_.size() - 1), 1);
+    }
+    return;
+  }
+  const bool isQuick = std::all_of(candidates.begin(), candidates.end(), [&](std::uint32_t index) {
+    return isQuickProduction(system, system.productions.productions[index]);
+  });
+  if (!isQuick) {
+    return;
+  }
+  plan.firstRule = static_cast<std::uint32_t>(rules_.size());
+  bool isUnmatchedPossible = true;
+  for (const std::uint32_t index : candidates) {
+    const Production& production = system.productions.productions[index];
+    plan.ruleCount += addRule(program, production, system.isStochastic);
+    const QuickRule& rule = rules_.back();
+    plan.drawsRandom = plan.drawsRandom || (production.condition && canDraw(*production.condition)) ||
+                       (rule.hasWeight && canDraw(*production.probability)) ||
+                       std::any_of(production.expressions.begin(), production.expressions.end(), canDraw);
+    plan.usesCode = plan.usesCode || isCode(rule.condition) || isCode(rule.weight) ||
+                    std::any_of(values_.begin() + rule.firstValue, values_.end(), isCode);
+    isUnmatchedPossible = isUnmatchedPossible && rule.hasCondition;
+    // without a condition the first match wins: later productions are never looked at
+    if (!system.isStochastic && !rule.hasCondition) {
+      break;
+    }
+  }
+  // what happens to an unmatched module is decided by the general way
+  if (isUnmatchedPossible && !standsForItself) {
+    plan.kind = TypePlan::Kind::General;
+    return;
+  }
+  plan.kind = system.isStochastic ? TypePlan::Kind::Weights : TypePlan::Kind::Rules;
+  const QuickRule& first = rules_[plan.firstRule];
+  if (plan.ruleCount == 1 && !first.hasCondition && !first.hasWeight && first.valueCount == 0) {
+    makeFixed(plan, first.firstType, first.length);
+    return;
+  }
+  for (std::uint32_t i = 0; i < plan.ruleCount; ++i) {
+    const QuickRule& rule = rules_[plan.firstRule + i];
+    largestLength_ = std::max<std::uint64_t>(largestLength_, rule.length);
+    largestParameterCount_ = std::max<std::uint64_t>(largestParameterCount_, rule.valueCount);
+  }
+  largestParameterCount_ = std::max<std::uint64_t>(largestParameterCount_, plan.arity);
+}
+
+std::uint32_t ProductionPlan::addRule(const language::Program& program, const Production& production,
+                                      bool usesWeights) {
+  QuickRule rule;
+  rule.production = &production;
+  rule.hasCondition = production.condition.has_value();
+  if (rule.hasCondition) {
+    rule.condition = makeQuickValue(program, *production.condition);
+  }
+  rule.hasWeight = usesWeights && production.probability.has_value();
+  rule.weight.constant = 1.0;
+  if (rule.hasWeight) {
+    rule.weight = makeQuickValue(program, *production.probability);
+  }
+  rule.firstType = static_cast<std::uint32_t>(types_.size());
+  rule.length = static_cast<std::uint32_t>(production.successor.size());
+  rule.firstValue = static_cast<std::uint32_t>(values_.size());
+  for (const language::SuccessorModule& module : production.successor) {
+    types_.push_back(module.type);
+    for (std::uint32_t i = 0; i < program.arity[module.type]; ++i) {
+      values_.push_back(makeQuickValue(program, production.expressions[module.firstExpression + i]));
+    }
+  }
+  rule.valueCount = static_cast<std::uint32_t>(values_.size()) - rule.firstValue;
+  rules_.push_back(rule);
+  return 1;
+}
+
+}  // namespace espalier::derivation

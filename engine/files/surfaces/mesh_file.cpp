@@ -1,0 +1,43 @@
+#include "engine/files/surfaces/mesh_file.h"
+
+#include <algorithm>
+#include <cctype>
+
+namespace espalier::language {
+namespace {
+
+bool endsIn(std::string_view name, std::string_view suffix) {
+  return name.size() > suffix.size() &&
+         std::ranges::equal(name.substr(name.size() - suffix.size()), suffix, {},
+                            [](char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); });
+}
+
+}  // namespace
+
+bool isMeshFile(std::string_view name) {
+  return endsIn(name, ".obj") || endsIn(name, ".glb") || endsIn(name, ".gltf");
+}
+
+SurfaceTriangle triangleOf(const std::array<MeshCorner, 3>& corners) {
+  SurfaceTriangle triangle;
+  const core::Vec3 side = core::normalised(
+      core::cross(corners[1].position - corners[0].position, corners[2].position - corners[0].position));
+  for (std::size_t k = 0; k < 3; ++k) {
+    const core::Vec3 normal = core::normalised(corners[k].normal.value_or(side));
+    triangle.points[k] = corners[k].position;
+    triangle.normals[k] = core::length(normal) > 0.0 ? normal : side;
+    triangle.coordinates[k] = corners[k].coordinates;
+  }
+  return triangle;
+}
+
+std::variant<std::vector<SurfaceTriangle>, std::string> readMeshFile(std::string_view name, const std::string& bytes) {
+  auto read = endsIn(name, ".obj") ? readObjMesh(bytes) : readGltfMesh(bytes);
+  const auto* triangles = std::get_if<std::vector<SurfaceTriangle>>(&read);
+  if (triangles != nullptr && triangles->empty()) {
+    return "it has no triangles";
+  }
+  return read;
+}
+
+}  // namespace espalier::language

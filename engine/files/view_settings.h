@@ -1,0 +1,226 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "engine/core/vec3.h"
+#include "engine/files/colour_files.h"
+#include "engine/files/image_file.h"
+
+namespace espalier::language {
+
+/// A tropism or torque of the view file, as stored: the direction already scaled by its intensity (FILES: tropism).
+struct Movement {
+  enum class Kind : std::uint8_t { Tropism, Torque };
+  Kind kind = Kind::Tropism;
+  core::Vec3 direction;
+  double angleDegrees = 0.0;
+  double elasticity = 0.0;
+  double elasticityStep = 0.0;
+};
+
+/// The old single tropism (`tropism direction`, symbol `_`).
+struct OldTropism {
+  bool isActive = false;  // any of its three commands is present
+  core::Vec3 direction{0.0, 1.0, 0.0};
+  double initialElasticity = 0.0;
+  double elasticityIncrement = 0.0;
+};
+
+/// A spline function of `function:` or `function set:`, the values of func(id, x).
+class SplineFunction {
+ public:
+  /// Control points with multiplicities already repeated (at least 4). sampleCount <= 2: no table, exact bisection.
+  SplineFunction(std::string name, std::vector<std::array<double, 2>> points, int sampleCount);
+  /// y at x, x clamped to [0, 1]: clamped uniform cubic B-spline, parameter by bisection to |x error| <= 0.001.
+  [[nodiscard]] double value(double x) const;
+  /// The `name:` of its file; of a function set: the macro, without a suffix.
+  [[nodiscard]] const std::string& name() const { return name_; }
+  void setName(std::string name) { name_ = std::move(name); }
+
+ private:
+  [[nodiscard]] std::array<double, 2> point(double parameter) const;
+  [[nodiscard]] double exactValue(double x) const;
+
+  std::string name_;
+  std::vector<std::array<double, 2>> points_;
+  std::vector<double> table_;  // y at equidistant x; empty: no table
+};
+
+/// A parametric curve of `curve:`, the values of curveX/Y/Z(id, t) and curveGAL(id).
+class ParametricCurve {
+ public:
+  enum class Kind : std::uint8_t { BSpline, BSplineEndPoint, BSplineClosed, BSplinePhantom, Bezier, BezierSurface };
+  ParametricCurve(Kind kind, std::vector<core::Vec3> points, int sampleCount);
+  /// The point at arc-length parameter t in [0, 1] (clamped).
+  [[nodiscard]] core::Vec3 point(double t) const;
+  /// Total chord length.
+  [[nodiscard]] double arcLength() const { return arcLength_; }
+
+ private:
+  [[nodiscard]] core::Vec3 rawPoint(double p) const;
+  Kind kind_;
+  std::vector<core::Vec3> points_;
+  std::vector<double> cumulative_;  // normalised chord lengths at equidistant raw parameters
+  double arcLength_ = 0.0;
+};
+
+/// One 4x4 bicubic Bezier patch of a surface, in the surface's local coordinates (FILES §6.1: components along L, H,
+/// U).
+struct SurfacePatch {
+  std::array<core::Vec3, 16> points;  // row by row; row index runs with s, column with t
+  int topColour = 0;                  // 0: the turtle's
+  int bottomColour = 0;
+};
+
+/// A predefined bicubic surface `~c` (`surface:` or `line:` command). All coordinates already relative to the contact
+/// point, scaled and turned (FILES §6.1, steps 1 to 3); the turtle multiplies by its scale.
+struct Surface {
+  char id = 0;
+  std::string file;
+  std::vector<SurfacePatch> patches;
+  core::Vec3 endPoint;  // local, as the patches
+  int subdivisionS = 5;
+  int subdivisionT = 5;
+  int texture = -1;  // -1: the turtle's current texture; 0: none
+};
+
+/// A texture of `texture:` (FILES §11.3): a picture on what the turtle draws while its texture is this one (`@Tx`).
+struct Texture {
+  /// How the picture meets the colour below it: multiplied with it; over it where the picture is opaque; or the share
+  /// of white that it gives that colour.
+  enum class Use : std::uint8_t { Modulate, Decal, Blend };
+  std::string file;
+  std::shared_ptr<const std::string> bytes;  // of the file
+  std::shared_ptr<const Image> image;
+  Use use = Use::Modulate;
+  bool isSmoothNear = false;            // magnified by linear interpolation, else by the nearest point
+  std::string_view minification = "n";  // n, l, mnn, mln, mnl or mll, as in the file; `m` is mll
+  bool isPerSurface = false;            // of a surface: once over the whole of it, else over each patch
+  double ratio = 1.0;                   // height by width of one picture on a cylinder
+};
+
+/// One triangle of a `tsurface:` or of a mesh file; local coordinates along L, H, U.
+struct SurfaceTriangle {
+  std::array<core::Vec3, 3> points;
+  std::array<core::Vec3, 3> normals;
+  std::array<std::array<double, 2>, 3> coordinates{};  // of a texture, v upward
+};
+
+struct TriangleSurface {
+  char id = 0;
+  std::string file;
+  std::vector<SurfaceTriangle> triangles;
+  int texture = -1;  // as of a Surface
+};
+
+/// A contour of `contour:` for generalized cylinders.
+struct Contour {
+  int id = 0;
+  bool isClosed = false;
+  std::vector<core::Vec3> points;  // control points with multiplicities repeated; z is 0 for plane contours
+};
+
+/// A field of `blob:`, the values of inblob(id, x, y, z): the sum over points and segments that fade to 0 at their
+/// radius.
+class BlobField {
+ public:
+  /// A segment; a point when both ends are equal.
+  struct Object {
+    core::Vec3 start, end;
+    double startRadius = 2.0;
+    double endRadius = 2.0;
+    bool isEllipsoid = false;          // a point whose distance is measured along `axes`; the radius is then 1
+    std::array<core::Vec3, 3> axes{};  // semi-axes
+    double weight = 1.0;
+  };
+  void add(const Object& object) { objects_.push_back(object); }
+  [[nodiscard]] const std::vector<Object>& objects() const { return objects_; }
+  /// The field at a point. O(objects).
+  [[nodiscard]] double value(const core::Vec3& point) const;
+
+ private:
+  std::vector<Object> objects_;
+};
+
+/// A box whose sides are parallel to the axes.
+struct Box {
+  core::Vec3 minimum;
+  core::Vec3 maximum;
+};
+
+enum class LineStyle : std::uint8_t { Pixel, Polygon, Cylinder };
+
+/// How a picture fills faces (`render mode:`).
+enum class RenderMode : std::uint8_t { Wireframe, Filled, Flat, Interpolated, Shaded, Fast, Shadows };
+
+/// A light of `light:`. Colours are 0 to 1 each.
+struct Light {
+  bool isDirectional = false;         // it shines from `place` as a direction, without weakening
+  core::Vec3 place{0.0, 0.0, 1.0};    // a point, or a direction toward the light
+  core::Vec3 ambient{1.0, 1.0, 1.0};  // red, green, blue
+  core::Vec3 diffuse{1.0, 1.0, 1.0};
+  core::Vec3 specular{1.0, 1.0, 1.0};
+  core::Vec3 spotDirection{0.0, 0.0, -1.0};
+  double spotExponent = 0.0;
+  double spotCutoffDegrees = 180.0;       // 180: not a spot
+  core::Vec3 attenuation{1.0, 0.0, 0.0};  // constant, linear, quadratic
+};
+
+/// Everything a view file says that changes turtle, geometry or derivation, with the reference's defaults (FILES §4.2).
+struct ViewSettings {
+  double angleIncrementDegrees = 45.0;
+  double initialLineWidth = 1.0;
+  double lineWidthIncrement = 0.0;
+  double initialScale = 1.0;
+  double scaleMultiplier = 1.0;
+  int initialColour = 128;
+  int initialBackColour = 128;
+  bool hasTwoSidedColour = false;
+  int colourIncrement = 1;
+  int backColourIncrement = 1;
+  LineStyle lineStyle = LineStyle::Pixel;
+  bool hasTaperedLines = true;
+  int contourSides = 8;
+  bool hasTwistOfCylinders = false;
+  bool interpretsPastCut = true;
+  bool hasEnvironmentDisplayBefore = false;
+  OldTropism oldTropism;
+  std::vector<Movement> movements;  // id - 1
+
+  std::vector<SplineFunction> functions;  // id - 1
+  bool functionSetDefinesMacros = false;  // a `function set:` not followed by a `function:`
+  std::vector<ParametricCurve> curves;    // id - 1
+  std::vector<Surface> surfaces;
+  std::vector<TriangleSurface> triangleSurfaces;
+  std::vector<Contour> contours;
+  std::vector<Texture> textures;      // id - 1; without an image: the file cannot be used
+  std::vector<BlobField> blobFields;  // id - 1
+
+  // where the turtle starts, in the plant's coordinates
+  core::Vec3 initialPosition{0.0, 0.0, 0.0};  // length units
+  core::Vec3 initialHeading{0.0, 1.0, 0.0};   // unit; left and up follow by the least rotation from +y
+  core::Vec3 displacement{0.0, 0.0, 0.0};     // of every drawn step and mesh, length units: gravity or wind
+  Palette palette;                            // of `color map entry:`; empty: the folder's, or Espalier's own
+
+  // camera and colour: pictures and the functions vvXmin ... only
+  bool isPerspective = false;
+  core::Vec3 viewpoint{0.0, 0.0, 1.0};
+  core::Vec3 viewReferencePoint{0.0, 0.0, 0.0};
+  double twistDegrees = 0.0;
+  double viewingAngleDegrees = 45.0;
+  double scaleFactor = 1.0;
+  std::optional<Box> box;                    // the view volume; nothing: the bounding box of what the turtle draws
+  std::optional<RenderMode> renderMode;      // nothing: the file does not say
+  std::vector<Light> lights;                 // of `light:`; at most 8 count
+  std::optional<core::Vec3> lightDirection;  // toward the light, unit
+  int postScriptLineCap = 1;                 // 0 butt, 1 round, 2 square
+};
+
+}  // namespace espalier::language

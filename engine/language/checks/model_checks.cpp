@@ -1,0 +1,384 @@
+#include "engine/language/checks/model_checks.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <functional>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine/language/checks/word_checks.h"
+#include "engine/language/constant_evaluation.h"
+
+namespace espalier::language {
+namespace {
+
+using Modules = std::vector<ModuleSyntax>;
+
+class Checks {
+ public:
+  Checks(std::string_view text, core::Compatibility compatibility, const ModelSyntax& model, MessageList& messages)
+      : text_(text), model_(model), messages_(messages), values_(foldConstants(model, compatibility)) {}
+
+  void run() {
+    checkSubSystems();
+    for (const LSystemSyntax& system : model_.systems) {
+      checkBrackets(system.axiom, "the axiom");
+      forLists(system, [&](const ProductionListSyntax& list) {
+        const bool isStochastic = system.isStochastic && &list == &system.productions;
+        if (isStochastic) {
+          checkWeights(list);
+        } else {
+          checkHidden(list);
+        }
+        for (const ProductionSyntax& production : list.productions) {
+          checkBrackets(production.successor, "the successor of " + textOf(production.predecessorRange));
+        }
+      });
+    }
+    // letters of words that were meant as names would only repeat the first message
+    if (!checkWords(text_, model_, messages_)) {
+      checkNeverMade();
+      checkUnread();
+    }
+  }
+
+ private:
+  template <typename Action>
+  static void forLists(const LSystemSyntax& system, Action action) {
+    for (const ProductionListSyntax* list : {&system.productions, &system.decomposition, &system.homomorphism}) {
+      action(*list);
+    }
+  }
+  template <typename Action>
+  void forModules(Action action) const {
+    for (const LSystemSyntax& system : model_.systems) {
+      action(system.axiom);
+      forLists(system, [&](const ProductionListSyntax& list) {
+        for (const ProductionSyntax& production : list.productions) {
+          action(production.successor);
+        }
+      });
+    }
+  }
+  template <typename Action>
+  static void forFormals(const ProductionSyntax& production, Action action) {
+    for (const FormalModuleSyntax& module : production.predecessor) {
+      action(module);
+    }
+    for (const auto* context :
+         {&production.leftContext, &production.rightContext, &production.newLeftContext, &production.newRightContext}) {
+      for (const ContextElementSyntax& element : *context) {
+        if (element.kind == ContextElement::Kind::Module) {
+          action(element.module);
+        }
+      }
+    }
+  }
+  [[nodiscard]] ModuleType typeOf(core::ModuleTypeId type) const { return model_.symbols.types()[type]; }
+  [[nodiscard]] char characterOf(core::ModuleTypeId type) const {
+    return model_.symbols[typeOf(type).symbol].character();
+  }
+  [[nodiscard]] const std::string& nameOf(core::ModuleTypeId type) const {
+    return model_.symbols[typeOf(type).symbol].name;
+  }
+  [[nodiscard]] std::string textOf(core::SourceRange range) const {
+    return foldBlanks(text_.substr(range.begin, range.end - range.begin));
+  }
+  [[nodiscard]] std::optional<double> valueOf(ExpressionIndex expression) const { return values_[expression]; }
+
+  // ---- branches
+
+  void checkBrackets(const Modules& modules, const std::string& place) {
+    std::vector<core::SourceRange> open;
+    for (const ModuleSyntax& module : modules) {
+      const char character = module.parameters.empty() ? characterOf(module.type) : '\0';
+      if (character == '[') {
+        open.push_back(module.range);
+      } else if (character == ']' && !open.empty()) {
+        open.pop_back();
+      } else if (character == ']') {
+        messages_.warning(module.range, "this ']' closes no '[' in " + place,
+                          "a branch is opened and closed in the same successor");
+        return;
+      }
+    }
+    if (!open.empty()) {
+      messages_.warning(open.back(), "this '[' is not closed in " + place,
+                        "a branch is opened and closed in the same successor");
+    }
+  }
+
+  // ---- productions that are never applied
+
+  static bool sameTypes(const FormalModuleSyntax& a, const FormalModuleSyntax& b) { return a.type == b.type; }
+  static bool sameElements(const ContextElementSyntax& a, const ContextElementSyntax& b) {
+    return a.kind == b.kind && a.module.type == b.module.type;
+  }
+  [[nodiscard]] bool isAlwaysTrue(const ProductionSyntax& production) const {
+    return production.condition == kNoExpression || valueOf(production.condition).value_or(0.0) != 0.0;
+  }
+  /// Whether `earlier` matches wherever `later` would.
+  [[nodiscard]] bool hides(const ProductionSyntax& earlier, const ProductionSyntax& later) const {
+    if (!isAlwaysTrue(earlier) || !earlier.newLeftContext.empty() || !earlier.newRightContext.empty() ||
+        earlier.predecessor.size() > later.predecessor.size() ||
+        earlier.leftContext.size() > later.leftContext.size() ||
+        earlier.rightContext.size() > later.rightContext.size() ||
+        (!earlier.rightContext.empty() && earlier.predecessor.size() != later.predecessor.size())) {
+      return false;
+    }
+    // the nearest module of a left context is the last
+    return std::equal(earlier.predecessor.begin(), earlier.predecessor.end(), later.predecessor.begin(), sameTypes) &&
+           std::equal(earlier.leftContext.rbegin(), earlier.leftContext.rend(), later.leftContext.rbegin(),
+                      sameElements) &&
+           std::equal(earlier.rightContext.begin(), earlier.rightContext.end(), later.rightContext.begin(),
+                      sameElements);
+  }
+
+  void checkHidden(const ProductionListSyntax& list) {
+    std::map<core::ModuleTypeId, std::vector<const ProductionSyntax*>> unconditional;
+    for (const ProductionSyntax& production : list.productions) {
+      std::vector<const ProductionSyntax*>& earlier = unconditional[production.predecessor.front().type];
+      const auto hiding = std::find_if(earlier.begin(), earlier.end(),
+                                       [&](const ProductionSyntax* other) { return hides(*other, production); });
+      if (hiding != earlier.end()) {
+        const core::SourceRange range = (*hiding)->range;
+        messages_.warning(production.predecessorRange,
+                          "this production is never applied: an earlier one matches wherever it would",
+                          "the earlier one is: " + textOf({range.begin, std::min(range.end, range.begin + 60)}) +
+                              "; put it after this one");
+      } else if (isAlwaysTrue(production)) {
+        earlier.push_back(&production);
+      }
+    }
+  }
+
+  void checkNeverMade() {
+    std::set<core::ModuleTypeId> made;
+    std::map<core::SymbolId, std::set<std::uint16_t>> arities;
+    forModules([&](const Modules& modules) {
+      for (const ModuleSyntax& module : modules) {
+        made.insert(module.type);
+        arities[typeOf(module.type).symbol].insert(typeOf(module.type).arity);
+      }
+    });
+    std::set<core::ModuleTypeId> reported;
+    const auto check = [&](const FormalModuleSyntax& module) {
+      // the engine itself makes %(p,index)
+      const bool isBracket = characterOf(module.type) == '[' || characterOf(module.type) == ']';
+      if (made.contains(module.type) || isBracket || characterOf(module.type) == '%' ||
+          !reported.insert(module.type).second) {
+        return;
+      }
+      const std::string written = textOf(module.range);
+      const auto others = arities.find(typeOf(module.type).symbol);
+      if (others == arities.end()) {
+        messages_.warning(module.range, "'" + written + "' never matches: no axiom or successor makes the module " +
+                                            nameOf(module.type));
+        return;
+      }
+      std::string found;
+      for (const std::uint16_t arity : others->second) {
+        found += (found.empty() ? "" : " or ") + (arity == 0 ? std::string("no") : std::to_string(arity));
+      }
+      messages_.warning(module.range,
+                        "'" + written + "' never matches: " + nameOf(module.type) + " is only made with " + found +
+                            (others->second == std::set<std::uint16_t>{1} ? " parameter" : " parameters"),
+                        "a production matches only modules with exactly as many parameters");
+    };
+    for (const LSystemSyntax& system : model_.systems) {
+      forLists(system, [&](const ProductionListSyntax& list) {
+        for (const ProductionSyntax& production : list.productions) {
+          forFormals(production, check);
+        }
+      });
+    }
+  }
+
+  // ---- parameters that nothing reads
+
+  void collectNames(ExpressionIndex expression, std::set<std::string>& names) const {
+    if (expression == kNoExpression) {
+      return;
+    }
+    const ExpressionNode& node = model_.expressions[expression];
+    if (node.kind == ExpressionKind::Name) {
+      names.insert(node.text);
+    }
+    for (const ExpressionIndex child : node.children) {
+      collectNames(child, names);
+    }
+  }
+  void collectNames(const std::vector<Statement>& statements, std::set<std::string>& names) const {
+    for (const Statement& statement : statements) {
+      collectNames(statement.value, names);
+      collectNames(statement.target, names);
+      collectNames(statement.body, names);
+      collectNames(statement.otherwise, names);
+    }
+  }
+  [[nodiscard]] std::set<std::string> namesRead(const ProductionSyntax& production) const {
+    std::set<std::string> names;
+    collectNames(production.preBlock.statements, names);
+    collectNames(production.postBlock.statements, names);
+    collectNames(production.condition, names);
+    collectNames(production.probability, names);
+    for (const ModuleSyntax& module : production.successor) {
+      for (const ExpressionIndex parameter : module.parameters) {
+        collectNames(parameter, names);
+      }
+    }
+    return names;
+  }
+
+  /// Modules whose parameters somebody outside the productions reads or writes: the turtle or the environment.
+  [[nodiscard]] std::set<core::ModuleTypeId> outsideTypes() const {
+    std::set<core::ModuleTypeId> types;
+    for (core::ModuleTypeId type = 0; type < model_.symbols.types().size(); ++type) {
+      const char c = characterOf(type);
+      const bool isLetter = c == '\0' || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z');
+      if (!isLetter || (c != '\0' && std::string_view("FfGgEs").find(c) != std::string_view::npos) ||
+          model_.symbols[typeOf(type).symbol].isQuery) {
+        types.insert(type);
+      }
+    }
+    forModules([&](const Modules& modules) {
+      for (std::size_t i = 1; i < modules.size(); ++i) {
+        const char before = modules[i - 1].parameters.empty() ? characterOf(modules[i - 1].type) : '\0';
+        if (before == '@' || before == '?' || before == '~') {
+          types.insert(modules[i].type);
+        }
+      }
+    });
+    return types;
+  }
+
+  void checkUnread() {
+    struct Use {
+      const FormalModuleSyntax* first = nullptr;
+      std::vector<bool> isRead;
+    };
+    std::map<core::ModuleTypeId, Use> uses;
+    for (const LSystemSyntax& system : model_.systems) {
+      forLists(system, [&](const ProductionListSyntax& list) {
+        for (const ProductionSyntax& production : list.productions) {
+          const std::set<std::string> names = namesRead(production);
+          forFormals(production, [&](const FormalModuleSyntax& module) {
+            Use& use = uses[module.type];
+            use.first = use.first == nullptr ? &module : use.first;
+            use.isRead.resize(module.parameters.size(), false);
+            for (std::size_t i = 0; i < module.parameters.size(); ++i) {
+              use.isRead[i] = use.isRead[i] || names.contains(module.parameters[i].text);
+            }
+          });
+        }
+      });
+    }
+    const std::set<core::ModuleTypeId> outside = outsideTypes();
+    for (const auto& [type, use] : uses) {
+      // one that is read shows that the module's values matter
+      if (outside.contains(type) || std::find(use.isRead.begin(), use.isRead.end(), true) == use.isRead.end()) {
+        continue;
+      }
+      for (std::size_t i = 0; i < use.isRead.size(); ++i) {
+        if (!use.isRead[i]) {
+          const NameSyntax& parameter = use.first->parameters[i];
+          messages_.warning(parameter.range,
+                            "no production reads the parameter '" + parameter.text + "' of " + textOf(use.first->range),
+                            "use it or leave it out");
+        }
+      }
+    }
+  }
+
+  // ---- weights
+
+  void checkWeights(const ProductionListSyntax& list) {
+    std::map<std::vector<core::ModuleTypeId>, std::vector<const ProductionSyntax*>> groups;
+    for (const ProductionSyntax& production : list.productions) {
+      std::vector<core::ModuleTypeId> key;
+      for (const FormalModuleSyntax& module : production.predecessor) {
+        key.push_back(module.type);
+      }
+      groups[key].push_back(&production);
+      if (production.probability != kNoExpression && valueOf(production.probability).value_or(0.0) < 0.0) {
+        messages_.warning(model_.expressions[production.probability].range, "this weight is negative",
+                          "weights are 0 (never) or greater; only their ratios count");
+      }
+    }
+    for (const auto& [key, productions] : groups) {
+      const bool areZero = std::all_of(productions.begin(), productions.end(), [&](const ProductionSyntax* production) {
+        return production->probability != kNoExpression && valueOf(production->probability) == 0.0;
+      });
+      if (areZero) {
+        const ProductionSyntax& first = *productions.front();
+        messages_.warning(model_.expressions[first.probability].range,
+                          "the weights of all productions of " + textOf(first.predecessorRange) + " are 0",
+                          "the first one that matches is applied always; give at least one a weight above 0");
+      }
+    }
+  }
+
+  // ---- L-systems and their calls
+
+  static std::int64_t labelOf(const LSystemSyntax& system) {
+    const double value = std::strtod(system.label.c_str(), nullptr);
+    return value > -9.0e15 && value < 9.0e15 ? static_cast<std::int64_t>(value) : 0;
+  }
+
+  void checkSubSystems() {
+    std::set<std::int64_t> labels;
+    std::string list;
+    for (const LSystemSyntax& system : model_.systems) {
+      list += (list.empty() ? "" : ", ") + std::to_string(labelOf(system));
+      if (!labels.insert(labelOf(system)).second) {
+        messages_.warning(
+            system.labelRange, "the label " + system.label + " is used twice",
+            "?(" + system.label + ") calls the first L-system of that label; give this one another number");
+      }
+    }
+    std::set<std::int64_t> called;
+    bool hasComputedCalls = false;
+    forModules([&](const Modules& modules) {
+      for (const ModuleSyntax& module : modules) {
+        if (characterOf(module.type) != '?' || module.parameters.empty()) {
+          continue;
+        }
+        const std::optional<double> id = valueOf(module.parameters.front());
+        hasComputedCalls = hasComputedCalls || !id.has_value();
+        if (id.has_value() && *id > -9.0e15 && *id < 9.0e15) {
+          const auto label = static_cast<std::int64_t>(*id);
+          called.insert(label);
+          if (!labels.contains(label)) {
+            messages_.warning(module.range, "there is no L-system " + std::to_string(label) + " to call",
+                              "the L-systems of this model: " + list);
+          }
+        }
+      }
+    });
+    for (std::size_t i = 1; i < model_.systems.size() && !hasComputedCalls; ++i) {
+      const LSystemSyntax& system = model_.systems[i];
+      if (!called.contains(labelOf(system))) {
+        messages_.warning(system.labelRange, "the L-system " + system.label + " is never called",
+                          "an axiom or successor calls it: ?(" + system.label + ")...$");
+      }
+    }
+  }
+
+  std::string_view text_;
+  const ModelSyntax& model_;
+  MessageList& messages_;
+  std::vector<std::optional<double>> values_;  // of constant expressions, by index
+};
+
+}  // namespace
+
+void checkModel(std::string_view text, core::Compatibility compatibility, const ModelSyntax& model,
+                MessageList& messages) {
+  Checks(text, compatibility, model, messages).run();
+}
+
+}  // namespace espalier::language

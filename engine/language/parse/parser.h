@@ -1,0 +1,113 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/core/limits.h"
+#include "engine/language/message_list.h"
+#include "engine/language/parse/lexer.h"
+#include "engine/language/parse/syntax.h"
+
+namespace espalier::language {
+
+/// Reads preprocessed text into a syntax tree by recursive descent. After a mistake reading goes on at the next
+/// statement or production, so that all mistakes of a file are found; what could not be read is left out of the tree.
+class Parser {
+ public:
+  /// All references must outlive the parser.
+  Parser(std::string_view text, const core::Limits& limits, ModelSyntax& model, MessageList& messages)
+      : limits_(limits), model_(model), messages_(messages), lexer_(text, model.symbols) {}
+
+  /// The whole file: file := lsystem+ (parser.cpp).
+  void parseFile();
+
+ private:
+  // parser.cpp: L-systems and their sections
+  void parseLSystem();
+  void parseItems(LSystemSyntax& system);
+  void parseAxiom(LSystemSyntax& system);
+  void parseProductions(LSystemSyntax& system, ProductionListSyntax& list, std::string_view name);
+  void parseSectionHead(ProductionListSyntax& list);
+
+  // parser_items.cpp: what stands before the axiom
+  void parseItem(LSystemSyntax& system);
+  void parseValueItem(ExpressionIndex& value, std::string_view name);
+  void parseSymbolList(std::vector<core::SymbolId>& symbols, std::string_view name);
+  void parseItemBlock(Block& block, std::string_view name);
+  void parseSyntaxItem();
+  void parseModuleItem();
+  bool parseModuleDeclaration();
+  void parseDefine(LSystemSyntax& system);
+  bool parseArrays(LSystemSyntax& system);
+  bool parseExternals(LSystemSyntax& system);
+
+  // parser_productions.cpp: productions and modules
+  struct Segment;
+  void parseProduction(ProductionListSyntax& list);
+  bool parseHead(ProductionSyntax& production);
+  bool parseSegments(std::vector<Segment>& segments, std::vector<Token>& separators);
+  bool assignSegments(std::vector<Segment>& segments, const std::vector<Token>& separators,
+                      ProductionSyntax& production);
+  bool checkContext(const Segment& segment, bool isRight);
+  bool parseGuard(ProductionSyntax& production);
+  bool parseSuccessor(ProductionSyntax& production);
+  bool parseFormalModule(FormalModuleSyntax& module);
+  bool parseModules(std::vector<ModuleSyntax>& modules);
+  bool parseModule(std::vector<ModuleSyntax>& modules);
+  bool internModule(core::SymbolId symbol, std::size_t arity, core::SourceRange range, core::ModuleTypeId& type);
+  bool expectedArrow(std::string_view what, const Token& token, std::uint32_t begin, std::string hint = {});
+  [[nodiscard]] std::string productionHint(std::uint32_t begin) const;
+  bool skipsNoProduction(std::string_view name);
+
+  // parser_hints.cpp: advice for mistakes that people make
+  [[nodiscard]] std::string adviceFor(const Token& token) const;
+  [[nodiscard]] std::string unclosedHint(core::SourceRange open, const Token& found) const;
+  [[nodiscard]] std::string_view lineAt(std::uint32_t position) const;
+
+  // parser_statements.cpp: blocks
+  bool parseBlock(Block& block);
+  bool parseStatements(std::vector<Statement>& statements);
+  bool parseStatement(Statement& statement);
+  bool parseSimpleStatement(Statement& statement);
+  bool parseIf(Statement& statement);
+  bool parseLoop(Statement& statement, bool isDo);
+  bool parseStatementCondition(ExpressionIndex& condition, std::string_view name);
+  void skipStatement(bool passesParentheses = false);
+
+  // parser_expressions.cpp
+  ExpressionIndex parseExpression();
+  ExpressionIndex parseBinary(int least);
+  ExpressionIndex parseUnary();
+  ExpressionIndex parsePrimary();
+  ExpressionIndex parseName();
+  ExpressionIndex parseParentheses();
+  bool parseArguments(std::vector<ExpressionIndex>& arguments, core::SourceRange open);
+  ExpressionIndex makeNode(ExpressionNode node);
+  [[nodiscard]] core::SourceRange rangeOf(ExpressionIndex index) const { return model_.expressions[index].range; }
+
+  // messages and recovery
+  /// Reports `token` where something else was expected. Always false, for `return`.
+  bool expected(std::string_view what, const Token& token, std::string hint = {});
+  [[nodiscard]] std::string describeReading() const;
+  bool expectExpressionToken(TokenKind kind, std::string_view what);
+  /// Consumes the end of an item or production; a file may also end.
+  bool expectLineEnd(const Token& token);
+  void recover();
+
+  const core::Limits& limits_;
+  ModelSyntax& model_;
+  MessageList& messages_;
+  Lexer lexer_;
+  std::string reading_ = "the model";  // what is being read, for messages
+  core::SourceRange predecessor_;      // of the production being read; empty: none
+  std::uint32_t expressionDepth_ = 0;  // recursion of the parser itself
+  std::uint32_t productionBegin_ = 0;  // of the production being read
+  bool skipsIndentedLines_ = false;    // the last message was about lines that start with blanks
+  bool hasReportedEnd_ = false;        // a message said that the file ended too early: one is enough
+};
+
+/// What a message says where a TAB was meant.
+[[nodiscard]] std::string tabHint();
+
+}  // namespace espalier::language

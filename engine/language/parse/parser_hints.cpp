@@ -1,0 +1,116 @@
+#include <algorithm>
+#include <array>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "engine/language/parse/parser.h"
+
+namespace espalier::language {
+namespace {
+
+// characters that text programs put in the place of ASCII ones, and what to write instead
+constexpr std::array<std::pair<std::string_view, std::string_view>, 20> kLookalikes{{
+    {"\xE2\x89\xA4", "write '<='"},
+    {"\xE2\x89\xA5", "write '>='"},
+    {"\xE2\x89\xA0", "write '!='"},
+    {"\xC3\x97", "write '*' for a product"},
+    {"\xC2\xB7", "write '*' for a product"},
+    {"\xC3\xB7", "write '/' for a quotient"},
+    {"\xE2\x88\x92", "write the minus sign of the keyboard, '-'"},
+    {"\xE2\x80\x93", "a text program has joined two hyphens into a dash: write the arrow as '-->'"},
+    {"\xE2\x80\x94", "a text program has joined two hyphens into a dash: write the arrow as '-->'"},
+    {"\xE2\x86\x92", "write the arrow as '-->'"},
+    {"\xE2\x80\x9C", "write the straight quote of the keyboard, '\"'"},
+    {"\xE2\x80\x9D", "write the straight quote of the keyboard, '\"'"},
+    {"\xE2\x80\x98", "write the straight quote of the keyboard"},
+    {"\xE2\x80\x99", "write the straight quote of the keyboard"},
+    {"\xC2\xB0", "angles are in degrees already: leave the sign out"},
+    {"\xC2\xA0", "this is a no-break space, which looks like a blank: type the blank again"},
+    {"\xC2\xB2", "write the square as '^2'"},
+    {"\xC2\xB3", "write the cube as '^3'"},
+    {"\xCF\x80", "write pi"},
+    {"\xEF\xBB\xBF", "the file starts with a byte order mark: save it as plain text without one"},
+}};
+
+}  // namespace
+
+std::string_view Parser::lineAt(std::uint32_t position) const {
+  const std::string_view rest = lexer_.text().substr(position);
+  return rest.substr(0, rest.find('\n'));
+}
+
+/// What to do about a token that nothing can use, by the habit that led to it. Empty: nothing special.
+std::string Parser::adviceFor(const Token& token) const {
+  const char before = token.range.begin > 0 ? lexer_.text()[token.range.begin - 1] : '\n';
+  if ((token.kind == TokenKind::Arrow || token.kind == TokenKind::Keyword) && !lexer_.isFreeSyntax()) {
+    const std::size_t newline =
+        token.range.begin == 0 ? std::string_view::npos : lexer_.text().rfind('\n', token.range.begin - 1);
+    if (newline != std::string_view::npos && lexer_.text()[newline + 1] == '\t') {
+      return "this line starts with a TAB and so continues the line before; start it in column 1";
+    }
+  }
+  switch (token.kind) {
+    case TokenKind::Invalid:
+      if (!token.hint.empty()) {
+        return token.hint;
+      }
+      for (const auto& [character, advice] : kLookalikes) {
+        if (token.text == character) {
+          return std::string(advice);
+        }
+      }
+      return token.text.empty() || static_cast<unsigned char>(token.text[0]) < 0x80U
+                 ? std::string()
+                 : "models are written in 7-bit ASCII; other characters may stand in comments and strings only";
+    case TokenKind::Assign:
+      if (std::string_view("+-*/").find(before) != std::string_view::npos) {
+        return "there is no '" + std::string(1, before) + "=': write n = n " + std::string(1, before) + " 1";
+      }
+      return lexer_.text().substr(token.range.begin).starts_with("=>") ? "did you mean '>='?"
+             : reading_ == "the condition"                             ? "'==' compares; '=' assigns, in blocks only"
+                                                                       : std::string();
+    case TokenKind::Operator:
+      if (token.text == ">" && before == '-') {
+        return "the arrow of a production has two strokes: '-->'";
+      }
+      return token.text == "+" && before == '+' ? "there is no '++': write n = n + 1" : std::string();
+    case TokenKind::Identifier:
+      return token.text == "and"   ? "write '&&'"
+             : token.text == "or"  ? "write '||'"
+             : token.text == "not" ? "write '!'"
+             : token.text == "if" && reading_ == "a production"
+                 ? "a condition stands behind ':', as in A(x) : x > 1 --> B"
+                 : std::string();
+    case TokenKind::EndOfLine:
+      return before == '%' ? "'%' is the remainder of a division; 50% is 0.5" : std::string();
+    default:
+      return {};
+  }
+}
+
+/// A parenthesis that was opened at `open` and is not closed where `found` stands.
+std::string Parser::unclosedHint(core::SourceRange open, const Token& found) const {
+  switch (found.kind) {
+    case TokenKind::Identifier:
+    case TokenKind::Number:
+    case TokenKind::OpenParenthesis:
+    case TokenKind::OpenBracket:
+    case TokenKind::Arrow:
+    case TokenKind::EndOfLine:
+    case TokenKind::EndOfFile:
+      break;
+    default:
+      return {};
+  }
+  // the text from the character before the parenthesis shows which one is meant
+  const std::uint32_t begin = open.begin > 0 && lexer_.text()[open.begin - 1] != '\n' ? open.begin - 1 : open.begin;
+  const std::uint32_t end = std::min(found.range.begin, begin + 30);
+  const bool isValue = found.kind == TokenKind::Identifier || found.kind == TokenKind::Number;
+  return "a ')' for '" + foldBlanks(lexer_.text().substr(begin, end - begin)) + "' is missing" +
+         (found.kind == TokenKind::OpenParenthesis ? ", or a '*' before this '('"
+          : isValue                                ? ", or an operator or a comma before this"
+                                                   : "");
+}
+
+}  // namespace espalier::language

@@ -1,0 +1,90 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "engine/core/limits.h"
+#include "engine/files/source_map.h"
+
+namespace espalier::language {
+
+/// One #define, or a definition given by the caller.
+struct Macro {
+  std::string name;
+  bool isFunctionLike = false;
+  bool isFixed = false;                          // an override: #define and #undef leave it alone
+  std::vector<std::string> parameters;           // of a function-like macro
+  std::string body;                              // comments are blanks, no blanks at the ends
+  std::uint32_t file = SourceMap::kNoExpansion;  // where it was defined; kNoExpansion: by the caller
+  std::uint32_t offset = 0;                      // of its name there
+};
+
+/// A part of an expanded line.
+struct ExpandedPiece {
+  std::size_t begin = 0;  // bytes [begin, end) of the input it stands for
+  std::size_t end = 0;
+  const Macro* macro = nullptr;  // null: the input itself
+  std::string text;              // replacement; empty for a copied piece
+};
+
+/// What went wrong in an expansion: where in the input, and a message with its hint.
+struct ExpansionProblem {
+  std::size_t begin = 0;
+  std::size_t end = 0;
+  std::string message;
+  std::string hint;
+  bool isFatal = false;  // a limit: reading cannot go on
+};
+
+/// The macros of one preprocessor run and their expansion: whole identifiers only, arguments expanded first, the result
+/// scanned again, no macro inside itself, nothing inside string literals.
+class MacroTable {
+ public:
+  explicit MacroTable(const core::Limits& limits) : limits_(limits) {}
+
+  /// Adds or replaces a macro. False: the name is fixed by the caller and nothing was changed.
+  bool define(Macro macro);
+  void undefine(std::string_view name);
+  [[nodiscard]] std::vector<std::string> names() const;
+  [[nodiscard]] const Macro* find(std::string_view name) const;
+
+  /// The pieces of `line` in order; `problem` is called for each mistake (the use is then copied as it is).
+  [[nodiscard]] std::vector<ExpandedPiece> expand(std::string_view line,
+                                                  const std::function<void(const ExpansionProblem&)>& problem);
+
+ private:
+  class Expansion;
+
+  core::Limits limits_;
+  std::map<std::string, Macro, std::less<>> macros_;
+  std::uint64_t expandedBytes_ = 0;  // bytes scanned in all expansions so far, against maximumSourceBytes
+};
+
+[[nodiscard]] constexpr bool isIdentifierStart(char c) {
+  return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '_';
+}
+[[nodiscard]] constexpr bool isDigit(char c) {
+  return c >= '0' && c <= '9';
+}
+[[nodiscard]] constexpr bool isIdentifierPart(char c) {
+  return isIdentifierStart(c) || isDigit(c);
+}
+[[nodiscard]] constexpr bool isBlank(char c) {
+  return c == ' ' || c == '\t';
+}
+
+/// The end of the string literal that opens at `begin`, after its closing quote; `begin` itself when the line has none,
+/// so that a quote used as a symbol protects nothing.
+[[nodiscard]] std::size_t stringLiteralEnd(std::string_view line, std::size_t begin);
+
+/// The end of the identifier or number that starts at `begin`; `begin` when there is none.
+[[nodiscard]] std::size_t wordEnd(std::string_view line, std::size_t begin);
+
+[[nodiscard]] std::string_view trimBlanks(std::string_view text);
+
+}  // namespace espalier::language

@@ -1,0 +1,455 @@
+#include "engine/language/preprocess/preprocessor.h"
+
+#include <algorithm>
+#include <deque>
+#include <map>
+
+#include "engine/files/file_name.h"
+#include "engine/language/preprocess/directive_expression.h"
+#include "engine/language/preprocess/line_reader.h"
+#include "engine/language/preprocess/macro_table.h"
+
+namespace espalier::language {
+namespace {
+
+/// An open #if.
+struct Conditional {
+  std::uint32_t offset = 0;
+  bool wasActive = true;  // the lines around it count
+  bool hasTaken = false;  // one of its branches counted already
+  bool isActive = true;
+  bool hasElse = false;
+};
+
+class Preprocessor {
+ public:
+  Preprocessor(const PreprocessInput& input, core::FileProvider& provider)
+      : input_(input), provider_(provider), macros_(input.limits) {}
+
+  PreprocessResult run() {
+    for (const auto& [name, value] : input_.macros) {
+      defineFromCaller(name, value, false);
+    }
+    for (const auto& [name, value] : input_.overrides) {
+      defineFromCaller(name, value, true);
+    }
+    const std::optional<std::uint32_t> file = open(input_.file);
+    if (file.has_value()) {
+      processFile(*file, 0);
+    } else {
+      result_.diagnostics.add({core::Severity::Error,
+                               "cannot read the file '" + input_.file + "'",
+                               {},
+                               "check the name and that the file may be read"});
+    }
+    result_.macros = macros_.names();
+    result_.isComplete = file.has_value() && !hasStopped_;
+    result_.sourceMap.files.assign(std::make_move_iterator(files_.begin()), std::make_move_iterator(files_.end()));
+    return std::move(result_);
+  }
+
+ private:
+  void defineFromCaller(const std::string& name, const std::string& value, bool isFixed) {
+    if (wordEnd(name, 0) != name.size() || name.empty() || !isIdentifierStart(name.front())) {
+      result_.diagnostics.add({isFixed ? core::Severity::Error : core::Severity::Warning,
+                               "'" + name + "' cannot be defined: it is not a macro name",
+                               {},
+                               "a name consists of letters, digits and '_' and does not start with a digit"});
+      return;
+    }
+    Macro macro;
+    macro.name = name;
+    macro.body = value;
+    macro.isFixed = isFixed;
+    macros_.define(std::move(macro));
+  }
+
+  // ---- files
+
+  std::optional<std::uint32_t> open(const std::string& name) {
+    const auto known = fileIndices_.find(name);
+    if (known != fileIndices_.end()) {
+      return known->second;
+    }
+    std::optional<std::string> text = provider_.read(name);
+    if (!text.has_value()) {
+      return std::nullopt;
+    }
+    const auto index = static_cast<std::uint32_t>(files_.size());
+    files_.push_back({name, std::move(*text)});
+    fileIndices_.emplace(name, index);
+    return index;
+  }
+
+  void processFile(std::uint32_t file, std::uint32_t depth) {
+    const std::string& text = files_[file].text;
+    readBytes_ += text.size();
+    if (readBytes_ > input_.limits.maximumSourceBytes) {
+      fatal(file, 0, 1,
+            "the files of the model are longer than the limit maximumSourceBytes (" +
+                std::to_string(input_.limits.maximumSourceBytes) + " bytes)");
+      return;
+    }
+    openFiles_.push_back(files_[file].name);
+    const std::size_t outerConditionals = conditionals_.size();
+    LineReader reader(text);
+    LogicalLine line;
+    while (!hasStopped_ && reader.next(line)) {
+      if (!line.startsInComment && line.text.starts_with('#')) {
+        directive(file, depth, line, outerConditionals);
+      } else if (isActive()) {
+        emitLine(file, line);
+      }
+    }
+    if (reader.isInComment()) {
+      result_.hasLostText = true;
+      error(file, static_cast<std::uint32_t>(reader.commentBegin()), 2,
+            "expected '*/' while reading a comment, found the end of the file",
+            "everything from here on is part of the comment");
+    }
+    while (conditionals_.size() > outerConditionals) {
+      error(file, conditionals_.back().offset, 1,
+            "expected #endif while reading this conditional, found the end of the file",
+            "every #if, #ifdef and #ifndef ends with #endif");
+      conditionals_.pop_back();
+    }
+    openFiles_.pop_back();
+    // the text of the including file starts on a line of its own
+    if (!result_.text.empty() && result_.text.back() != '\n') {
+      emit('\n', file, static_cast<std::uint32_t>(text.size()), SourceMap::kNoExpansion);
+    }
+  }
+
+  // ---- output
+
+  void emit(char c, std::uint32_t file, std::uint32_t offset, std::uint32_t expansion) {
+    const auto position = static_cast<std::uint32_t>(result_.text.size());
+    if (position >= input_.limits.maximumSourceBytes) {
+      fatal(file, offset, 1,
+            "the preprocessed text is longer than the limit maximumSourceBytes (" +
+                std::to_string(input_.limits.maximumSourceBytes) + " bytes)");
+      return;
+    }
+    std::vector<SourceMap::Segment>& segments = result_.sourceMap.segments;
+    const bool continues = !segments.empty() && segments.back().file == file &&
+                           segments.back().expansion == expansion &&
+                           (expansion != SourceMap::kNoExpansion ||
+                            segments.back().fileOffset + (position - segments.back().outputBegin) == offset);
+    if (!continues) {
+      segments.push_back({position, file, offset, expansion});
+    }
+    result_.text.push_back(c);
+  }
+
+  void emitLine(std::uint32_t file, const LogicalLine& line) {
+    const auto problem = [&](const ExpansionProblem& found) { reportExpansion(file, line, found); };
+    for (const ExpandedPiece& piece : macros_.expand(line.text, problem)) {
+      if (piece.macro == nullptr) {
+        for (std::size_t i = piece.begin; i < piece.end && !hasStopped_; ++i) {
+          emit(line.text[i], file, line.offsets[i], SourceMap::kNoExpansion);
+        }
+      } else if (!piece.text.empty()) {
+        const std::uint32_t use = line.offsets[piece.begin];
+        const auto expansion = static_cast<std::uint32_t>(result_.sourceMap.expansions.size());
+        result_.sourceMap.expansions.push_back(
+            {piece.macro->name, piece.macro->file, piece.macro->offset, line.offsets[piece.end - 1] + 1 - use});
+        for (std::size_t i = 0; i < piece.text.size() && !hasStopped_; ++i) {
+          emit(piece.text[i], file, use, expansion);
+        }
+      }
+    }
+    if (!hasStopped_) {
+      emit('\n', file, line.end, SourceMap::kNoExpansion);
+    }
+  }
+
+  // ---- messages
+
+  void add(core::Severity severity, std::uint32_t file, std::uint32_t offset, std::size_t length, std::string message,
+           std::string hint) {
+    // a place costs a walk through its file; beyond its limit the list only counts
+    const std::size_t count =
+        severity == core::Severity::Error ? result_.diagnostics.errorCount() : result_.diagnostics.warningCount();
+    if (count >= core::DiagnosticList::kLimit) {
+      result_.diagnostics.add({severity, {}, {}, {}});
+      return;
+    }
+    result_.diagnostics.add({severity, std::move(message),
+                             locateInFile(files_[file], offset, static_cast<std::uint32_t>(length)), std::move(hint)});
+  }
+  void error(std::uint32_t file, std::uint32_t offset, std::size_t length, std::string message, std::string hint) {
+    add(core::Severity::Error, file, offset, length, std::move(message), std::move(hint));
+  }
+  void fatal(std::uint32_t file, std::uint32_t offset, std::size_t length, std::string message, std::string hint = {}) {
+    if (!hasStopped_) {
+      error(file, offset, length, std::move(message), std::move(hint));
+    }
+    hasStopped_ = true;
+  }
+  void reportExpansion(std::uint32_t file, const LogicalLine& line, const ExpansionProblem& found) {
+    const std::uint32_t begin = line.offsetOf(found.begin);
+    const std::size_t length = found.end - found.begin;
+    if (found.isFatal) {
+      fatal(file, begin, length, found.message);
+    } else {
+      error(file, begin, length, found.message, found.hint);
+    }
+  }
+
+  // ---- directives
+
+  [[nodiscard]] bool isActive() const { return conditionals_.empty() || conditionals_.back().isActive; }
+
+  void directive(std::uint32_t file, std::uint32_t depth, const LogicalLine& line, std::size_t outerConditionals) {
+    std::size_t begin = 1;
+    while (begin < line.text.size() && isBlank(line.text[begin])) {
+      ++begin;
+    }
+    const std::size_t end = wordEnd(line.text, begin);
+    const std::string name = line.text.substr(begin, end - begin);
+    if (name == "if" || name == "ifdef" || name == "ifndef") {
+      openConditional(file, line, name, end);
+    } else if (name == "elif" || name == "else" || name == "endif") {
+      if (conditionals_.size() == outerConditionals) {
+        error(file, line.offsetOf(0), end, "#" + name + " without #if", "");
+      } else {
+        continueConditional(file, line, name, end);
+      }
+    } else if (!isActive()) {
+      return;
+    } else if (name == "define") {
+      define(file, line, end);
+    } else if (name == "undef") {
+      undefine(file, line, end);
+    } else if (name == "include") {
+      include(file, depth, line, end);
+    } else if (name == "error" || name == "warning") {
+      add(name == "error" ? core::Severity::Error : core::Severity::Warning, file, line.offsetOf(0), end,
+          "#" + name + " " + std::string(trimBlanks(std::string_view(line.text).substr(end))), "");
+    } else if (name.empty() ? !isNullDirective(line, begin) : !isIgnoredDirective(name)) {
+      unknownDirective(file, line, name, std::max(end, begin + 1));
+    }
+  }
+
+  static bool isNullDirective(const LogicalLine& line, std::size_t begin) { return begin >= line.text.size(); }
+
+  // #line, # 12 "file", #pragma and #ident say nothing here
+  static bool isIgnoredDirective(const std::string& name) {
+    return name == "line" || name == "pragma" || name == "ident" || isDigit(name.front());
+  }
+
+  void unknownDirective(std::uint32_t file, const LogicalLine& line, const std::string& name, std::size_t length) {
+    static const std::vector<std::string_view> kNames{"define", "undef", "include", "if",    "ifdef", "ifndef",
+                                                      "elif",   "else",  "endif",   "error", "line",  "pragma"};
+    const std::string_view near = core::nearestName(name, kNames);
+    error(
+        file, line.offsetOf(0), length,
+        "expected a directive after '#', found '" + line.text.substr(1, std::max<std::size_t>(length, 2) - 1) + "'",
+        name.empty() || near.empty()
+            ? "a '#' in column 1 starts a directive; for the symbol '#' put something before it, as in '* < #(w) --> *'"
+            : "did you mean '#" + std::string(near) + "'?");
+  }
+
+  void openConditional(std::uint32_t file, const LogicalLine& line, const std::string& name, std::size_t end) {
+    Conditional conditional;
+    conditional.offset = line.offsetOf(0);
+    conditional.wasActive = isActive();
+    bool isTaken = false;
+    if (conditional.wasActive) {
+      isTaken = name == "if" ? condition(file, line, end) : isDefinedName(file, line, name, end) == (name == "ifdef");
+    }
+    conditional.isActive = conditional.wasActive && isTaken;
+    conditional.hasTaken = conditional.isActive;
+    conditionals_.push_back(conditional);
+  }
+
+  void continueConditional(std::uint32_t file, const LogicalLine& line, const std::string& name, std::size_t end) {
+    Conditional& conditional = conditionals_.back();
+    if (name == "endif") {
+      conditionals_.pop_back();
+      return;
+    }
+    if (conditional.hasElse) {
+      error(file, line.offsetOf(0), end, "#" + name + " after #else", "");
+      return;
+    }
+    conditional.hasElse = name == "else";
+    const bool mayTake = conditional.wasActive && !conditional.hasTaken;
+    conditional.isActive = mayTake && (name == "else" || condition(file, line, end));
+    conditional.hasTaken = conditional.hasTaken || conditional.isActive;
+  }
+
+  // the macro name after a directive; empty with an error when there is none
+  std::string readName(std::uint32_t file, const LogicalLine& line, const std::string& directive,
+                       std::size_t& position) {
+    while (position < line.text.size() && isBlank(line.text[position])) {
+      ++position;
+    }
+    const std::size_t begin = position;
+    position = wordEnd(line.text, begin);
+    if (position == begin || !isIdentifierStart(line.text[begin])) {
+      const bool isAtEnd = begin >= line.text.size();
+      error(file, line.offsetOf(begin), 1,
+            "expected a name while reading #" + directive + ", found " +
+                (isAtEnd ? std::string("the end of the line") : "'" + line.text.substr(begin, 1) + "'"),
+            "");
+      return {};
+    }
+    return line.text.substr(begin, position - begin);
+  }
+
+  bool isDefinedName(std::uint32_t file, const LogicalLine& line, const std::string& directive, std::size_t position) {
+    return macros_.find(readName(file, line, directive, position)) != nullptr;
+  }
+
+  bool condition(std::uint32_t file, const LogicalLine& line, std::size_t begin) {
+    // `defined` looks at names before they are expanded
+    std::string text;
+    std::size_t i = begin;
+    while (i < line.text.size()) {
+      const std::size_t end = std::max(wordEnd(line.text, i), i + 1);
+      if (std::string_view(line.text).substr(i, end - i) == "defined") {
+        i = end;
+        while (i < line.text.size() && (isBlank(line.text[i]) || line.text[i] == '(')) {
+          ++i;
+        }
+        const bool hasParenthesis = line.text.find('(', end) < i;
+        const std::string name = readName(file, line, "if defined", i);
+        while (hasParenthesis && i < line.text.size() && line.text[i - 1] != ')') {
+          ++i;
+        }
+        text += macros_.find(name) != nullptr ? " 1 " : " 0 ";
+      } else {
+        text.append(line.text, i, end - i);
+        i = end;
+      }
+    }
+    std::string expanded;
+    for (const ExpandedPiece& piece : macros_.expand(text, [&](const ExpansionProblem& found) {
+           reportExpansion(file, line, {begin, line.text.size(), found.message, found.hint, found.isFatal});
+         })) {
+      expanded += piece.macro == nullptr ? text.substr(piece.begin, piece.end - piece.begin) : piece.text;
+    }
+    DirectiveProblem problem;
+    const std::optional<std::int64_t> value =
+        evaluateDirective(expanded, input_.limits.maximumExpressionDepth, problem);
+    if (!value.has_value()) {
+      const std::size_t first = line.text.find_first_not_of(" \t", begin);
+      error(file, line.offsetOf(first), first == std::string::npos ? 1 : line.text.size() - first, problem.message, "");
+    }
+    return value.value_or(0) != 0;
+  }
+
+  void define(std::uint32_t file, const LogicalLine& line, std::size_t position) {
+    Macro macro;
+    macro.name = readName(file, line, "define", position);
+    if (macro.name.empty()) {
+      return;
+    }
+    macro.file = file;
+    macro.offset = line.offsetOf(position - macro.name.size());
+    const std::size_t nameLength = macro.name.size();
+    if (position < line.text.size() && line.text[position] == '(' && !readParameters(file, line, position, macro)) {
+      return;
+    }
+    macro.body = trimBlanks(std::string_view(line.text).substr(position));
+    // a different second definition is probably a mistake
+    const Macro* old = macros_.find(macro.name);
+    if (old != nullptr && !old->isFixed && old->file != SourceMap::kNoExpansion &&
+        (old->body != macro.body || old->parameters != macro.parameters)) {
+      const core::SourceLocation first = locateInFile(files_[old->file], old->offset, 1);
+      add(core::Severity::Warning, file, macro.offset, nameLength,
+          "the macro '" + macro.name + "' is defined again; from here on this definition counts",
+          "first defined at " + first.file + ":" + std::to_string(first.line) +
+              "; #undef it before to say that this is meant");
+    }
+    macros_.define(std::move(macro));
+  }
+
+  bool readParameters(std::uint32_t file, const LogicalLine& line, std::size_t& position, Macro& macro) {
+    macro.isFunctionLike = true;
+    ++position;
+    const std::size_t close = line.text.find(')', position);
+    if (close == std::string::npos) {
+      error(file, line.offsetOf(position - 1), 1,
+            "expected ')' while reading the parameters of the macro '" + macro.name + "', found the end of the line",
+            "");
+      return false;
+    }
+    if (trimBlanks(std::string_view(line.text).substr(position, close - position)).empty()) {
+      position = close + 1;
+      return true;
+    }
+    while (position <= close) {
+      const std::size_t end = std::min(line.text.find(',', position), close);
+      const std::string name(trimBlanks(std::string_view(line.text).substr(position, end - position)));
+      if (name.empty() || !isIdentifierStart(name.front()) || wordEnd(name, 0) != name.size()) {
+        error(file, line.offsetOf(position), end - position,
+              "expected a parameter name while reading the macro '" + macro.name + "', found '" + name + "'", "");
+        return false;
+      }
+      if (std::find(macro.parameters.begin(), macro.parameters.end(), name) != macro.parameters.end()) {
+        error(file, line.offsetOf(position), end - position,
+              "the macro '" + macro.name + "' has two parameters named '" + name + "'", "");
+        return false;
+      }
+      macro.parameters.push_back(name);
+      position = end + 1;
+    }
+    return true;
+  }
+
+  void undefine(std::uint32_t file, const LogicalLine& line, std::size_t position) {
+    macros_.undefine(readName(file, line, "undef", position));
+  }
+
+  void include(std::uint32_t file, std::uint32_t depth, const LogicalLine& line, std::size_t position) {
+    std::string rest(trimBlanks(std::string_view(line.text).substr(position)));
+    const std::size_t first = std::min(line.text.find_first_not_of(" \t", position), line.text.size());
+    const bool hasBrackets = rest.starts_with('<');
+    const std::size_t close = rest.size() > 1 ? rest.find(hasBrackets ? '>' : '"', 1) : std::string::npos;
+    if ((!hasBrackets && !rest.starts_with('"')) || close == std::string::npos) {
+      error(file, line.offsetOf(first), std::max<std::size_t>(rest.size(), 1),
+            "expected \"file\" or <file> while reading #include, found " +
+                (rest.empty() ? std::string("the end of the line") : "'" + rest + "'"),
+            "");
+      return;
+    }
+    const std::string name = nameBeside(files_[file].name, rest.substr(1, close - 1));
+    if (depth + 1 > input_.limits.maximumIncludeDepth) {
+      fatal(file, line.offsetOf(first), close + 1,
+            "files are included deeper than the limit maximumIncludeDepth (" +
+                std::to_string(input_.limits.maximumIncludeDepth) + ")",
+            std::find(openFiles_.begin(), openFiles_.end(), name) != openFiles_.end()
+                ? "'" + name + "' includes itself, directly or through another file"
+                : "");
+      return;
+    }
+    const std::optional<std::uint32_t> included = open(name);
+    if (!included.has_value()) {
+      error(file, line.offsetOf(first), close + 1, "cannot read the included file '" + name + "'",
+            "included files are looked for beside the file that names them");
+      return;
+    }
+    processFile(*included, depth + 1);
+  }
+
+  const PreprocessInput& input_;
+  core::FileProvider& provider_;
+  MacroTable macros_;
+  PreprocessResult result_;
+  std::deque<SourceMap::File> files_;  // stable addresses while files are being read
+  std::map<std::string, std::uint32_t> fileIndices_;
+  std::vector<Conditional> conditionals_;
+  std::vector<std::string> openFiles_;  // being read, each included by the one before
+  std::uint64_t readBytes_ = 0;
+  bool hasStopped_ = false;  // a limit was reached
+};
+
+}  // namespace
+
+PreprocessResult preprocess(const PreprocessInput& input, core::FileProvider& files) {
+  return Preprocessor(input, files).run();
+}
+
+}  // namespace espalier::language

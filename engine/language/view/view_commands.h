@@ -1,0 +1,83 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/core/identifiers.h"
+#include "engine/core/streams.h"
+#include "engine/files/data_file.h"
+#include "engine/files/source_map.h"
+#include "engine/files/text_cursor.h"
+#include "engine/files/view_settings.h"
+#include "engine/language/view/view_file.h"
+#include "engine/language/view/view_lexer.h"
+
+namespace espalier::language {
+
+/// What the commands of a view file read from and write to.
+struct ViewCommandContext {
+  ViewLexer& lexer;
+  TextReport& report;
+  ViewFileResult& result;
+  core::FileProvider& files;
+  const std::string& viewFile;
+  core::Compatibility compatibility;
+
+  /// `contour:` commands, read after the whole view file.
+  struct NamedContour {
+    int id = 0;
+    std::string file;
+    core::SourceRange range;
+  };
+  std::vector<NamedContour> contours{};
+
+  // what the files named may still take
+  std::uint64_t remainingBytes = 0;
+  int openedFileCount = 0;
+  ReadingBudget budget{};
+  std::size_t remainingTexturePixels = kMostImagePixels;
+
+  [[nodiscard]] ViewSettings& settings() const { return result.settings; }
+  [[nodiscard]] bool isCompatible() const { return compatibility != core::Compatibility::Espalier; }
+  /// Writes down that a file of the present command cannot be used: an error if the model needs it.
+  void addUnusable(UnusableFile::Kind kind, int id, core::SourceRange range, std::string file) const {
+    result.unusable.push_back({kind, id, report.locate(range), std::move(file)});
+  }
+  void warn(std::string message, std::string hint = {}) const {
+    report.warn(lexer.commandRange(), std::move(message), std::move(hint));
+  }
+};
+
+/// One command of a view file.
+struct ViewCommand {
+  std::string_view label;  // with its colon
+  /// Reads the arguments and executes the command; false when an argument is missing (ViewLexer::expected()).
+  bool (*execute)(ViewCommandContext& context);
+};
+
+/// The commands that set numbers, flags and styles, the camera's, and those that only a picture needs.
+[[nodiscard]] std::span<const ViewCommand> valueCommands();
+/// The commands that name files of the model folder.
+[[nodiscard]] std::span<const ViewCommand> fileCommands();
+
+/// Reads the contours that the view file named.
+void readNamedContours(ViewCommandContext& context);
+
+/// Reads the line of a `tropism:` or `torque:` (FILES §4.3); nothing, with a warning, when the command is dropped.
+void readMovement(ViewCommandContext& context, Movement::Kind kind);
+
+/// A file beside the view file; nothing, with a warning that says the consequence, when it cannot be read.
+[[nodiscard]] std::optional<DataFile> openFile(ViewCommandContext& context, core::SourceRange range,
+                                               const std::string& name, const std::string& consequence);
+
+/// Reads the line of a `texture:` (FILES §11.3) and its picture.
+void readTexture(ViewCommandContext& context);
+
+/// Reads the line of a `light:` (FILES §4.4); nothing, with a warning, when the light is dropped.
+void readLight(ViewCommandContext& context);
+
+}  // namespace espalier::language

@@ -1,0 +1,138 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine/turtle/export/mesh/mesh_check.h"
+#include "engine/turtle/export/mesh/placed_meshes.h"
+
+namespace espalier::turtle {
+
+inline constexpr std::uint64_t kGlbVertexBytes = 32;  // position, normal, texture coordinates
+inline constexpr std::uint64_t kGlbIndexBytes = 4;
+inline constexpr std::uint64_t kGlbInstanceBytes = 40;  // translation, rotation, scale
+
+/// A run of parts of one scene that becomes one primitive: vertices and indices that follow each other in the file.
+struct Piece {
+  std::uint32_t material = 0;
+  std::size_t firstPart = 0;  // into the order of parts
+  std::size_t partCount = 0;
+  std::uint64_t vertexCount = 0;
+  std::uint64_t indexCount = 0;
+  Bounds bounds{};
+  std::uint64_t offset = 0;  // in the binary chunk
+
+  [[nodiscard]] std::uint64_t bytes() const { return vertexCount * kGlbVertexBytes + indexCount * kGlbIndexBytes; }
+  void add(const Mesh& mesh) {
+    vertexCount += mesh.positions.size();
+    indexCount += 3 * mesh.triangleCount();
+    bounds.add(mesh);
+  }
+};
+
+/// A mesh of the file: the pieces of one material of a plant, a shape that organs share in one material, or all of a
+/// scene that is placed several times.
+struct FileMesh {
+  std::string name;
+  std::size_t firstPiece = 0;
+  std::size_t pieceCount = 1;
+  std::optional<std::uint32_t> material = {};  // of a shape, whose piece is the same in every material
+};
+
+/// One part of one scene.
+struct PartOf {
+  std::uint32_t scene = 0;
+  std::uint32_t part = 0;
+};
+
+/// A plant of a copy, and what stands below its node.
+struct PlantNode {
+  std::uint32_t plant = 0;  // among all copies
+  const ScenePlacement* placement = nullptr;
+  std::optional<std::size_t> ownMesh = {};  // of a scene that is placed several times; nothing stands below then
+  std::vector<std::size_t> meshes = {};     // into the file's meshes
+  std::size_t firstOrgan = 0;               // into the parts drawn as nodes
+  std::size_t organCount = 0;
+  std::size_t firstChild = 0;  // node
+};
+
+/// Consecutive items of a list that belong to one scene.
+struct Range {
+  std::size_t begin = 0;
+  std::size_t end = 0;
+
+  /// Adds the next item of the list.
+  void add(std::size_t index) {
+    begin = begin == end ? index : begin;
+    end = index + 1;
+  }
+};
+
+/// Copies of one mesh that stand in one node by EXT_mesh_gpu_instancing.
+struct InstanceNode {
+  std::size_t mesh = 0;
+  std::vector<const ScenePlacement*> placements;
+};
+
+/// The range of a table of the binary chunk behind the meshes: instances and pictures.
+struct Block {
+  std::uint64_t offset = 0;
+  std::uint64_t byteCount = 0;
+};
+
+/// What is in a .glb, and where, without its meshes: made before anything is written.
+struct GlbPlan {
+  using Shape = std::pair<std::uint32_t, std::uint32_t>;  // scene and shared mesh
+
+  explicit GlbPlan(const PlacedScenes& placed) : meshes(placed), usesInstancing(placed.scenes[0].usesInstancing) {}
+
+  /// Makes each mesh once to count it; an error sentence when one cannot be written. `report` is told how many are
+  /// done.
+  [[nodiscard]] std::optional<std::string> make(const std::function<void(std::size_t)>& report);
+
+  [[nodiscard]] const SceneMeshes& sceneOf(const PartOf& part) const { return meshes.scene(part.scene); }
+  [[nodiscard]] const MeshPart& partOf(const PartOf& part) const { return sceneOf(part).parts()[part.part]; }
+  /// The material of a primitive.
+  [[nodiscard]] std::uint32_t materialOf(const FileMesh& mesh, std::size_t piece) const;
+
+  PlacedMeshes meshes;
+  bool usesInstancing;
+  std::vector<PartOf> own;     // parts with vertices of their own, by scene, plant and material
+  std::vector<PartOf> organs;  // parts drawn as nodes, by scene and plant
+  std::vector<Piece> pieces;   // own ones, then the shared shapes in use
+  std::size_t ownPieceCount = 0;
+  std::vector<FileMesh> files;
+  std::map<std::pair<Shape, std::uint32_t>, std::size_t> organMesh;  // by shape and material
+  std::vector<Shape> shapes;                                         // of the shared pieces, in order
+  std::vector<PlantNode> plants;
+  std::vector<InstanceNode> instances;
+  std::vector<Block> instanceBlocks, pictureBlocks;
+  std::map<std::uint32_t, std::size_t> materialIndex, textureIndex;  // in the file, of those of the table in use
+  std::uint64_t binaryBytes = 0;
+
+ private:
+  void sortParts();
+  [[nodiscard]] std::optional<std::string> measurePieces(const std::function<void(std::size_t)>& report);
+  void nameMeshes();
+  void planOrgans();
+  void planNodes();
+  void planPlants(const SceneCopy& copy);
+  void placeBlocks();
+  [[nodiscard]] bool isRepeated(std::uint32_t scene) const { return copyCount_[scene] > 1; }
+  [[nodiscard]] bool sharesMesh(const PartOf& a, const PartOf& b) const;
+
+  std::vector<std::uint32_t> copyCount_;   // by scene
+  std::vector<Range> filesOf_, organsOf_;  // own meshes and organs by scene
+};
+
+/// x, y, z, w of the rotation that takes x, y, z to left, heading, up; nothing when these are no rotation.
+[[nodiscard]] std::optional<std::array<double, 4>> rotationOf(const core::Frame& frame);
+
+}  // namespace espalier::turtle

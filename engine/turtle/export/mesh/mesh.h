@@ -1,0 +1,105 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "engine/core/frame.h"
+#include "engine/core/vec3.h"
+#include "engine/files/view_settings.h"
+#include "engine/turtle/scene/scene.h"
+
+namespace espalier::turtle {
+
+/// A small mesh of triangles and quads with a normal and texture coordinates for each vertex.
+struct Mesh {
+  static constexpr std::uint32_t kNoVertex = 0xFFFFFFFF;
+
+  std::vector<core::Vec3> positions;
+  std::vector<core::Vec3> normals;                  // (vertexCount), unit
+  std::vector<std::array<double, 2>> coordinates;   // (vertexCount)
+  std::vector<std::array<std::uint32_t, 4>> faces;  // a triangle's fourth is kNoVertex
+  // of tubes: the segment that a vertex and a face belong to, indices into Scene::segments (vertexCount, faceCount);
+  // empty for other meshes
+  std::vector<std::uint32_t> vertexSegments, faceSegments;
+
+  void clear();
+  [[nodiscard]] std::size_t triangleCount() const;
+};
+
+/// Where a mesh that several organs share stands: a point p of it is at position + scale.x p.x left + scale.y p.y
+/// heading + scale.z p.z up of the frame.
+struct OrganPlacement {
+  core::Vec3 position;
+  core::Frame frame;
+  core::Vec3 scale{1.0, 1.0, 1.0};
+};
+
+/// Appends a mesh as it is, without the segments of its vertices and faces.
+void append(Mesh& mesh, const Mesh& other);
+
+/// Appends a mesh where an organ is. A mirrored placement turns its faces round, as glTF's nodes do.
+void appendPlaced(Mesh& mesh, const Mesh& local, const OrganPlacement& placement);
+
+/// `count` times a level of detail, at least `least`.
+[[nodiscard]] int atDetail(int count, double detail, int least);
+
+/// The samples of a bicubic Bezier patch, rows along s.
+void appendPatch(Mesh& mesh, const std::array<core::Vec3, 16>& points, int subdivisionS, int subdivisionT);
+
+/// A surface `~c` of the view file in its own coordinates (along L, H, U), smooth across its patches. `detail`: factor
+/// of its subdivision. Texture coordinates are those of each patch, or go once over the whole surface in its x and y.
+void appendLocalSurface(Mesh& mesh, const language::Surface& surface, double detail = 1.0);
+void setWholeCoordinates(Mesh& mesh);
+void appendLocalSurface(Mesh& mesh, const language::TriangleSurface& surface);
+
+/// A surface `~c` where the turtle placed it (FILES §6.1).
+void appendSurface(Mesh& mesh, const SurfaceInstance& instance, const language::ViewSettings& view);
+
+/// A sphere of `rings` by `sides` quads.
+void appendSphere(Mesh& mesh, const core::Vec3& centre, double diameter, int rings, int sides);
+
+/// A disc in the plane of H and L.
+void appendDisc(Mesh& mesh, const Ball& ball, int sides);
+
+/// One ring of a tube: `sides + 1` vertices centre + cos(k) up + sin(k) side, the last at the place of the first (the
+/// seam of the texture). `up` and `side` hold the radius; at a bend they are those of an oblique section.
+struct TubeRing {
+  core::Vec3 centre;
+  core::Vec3 up;              // to the first vertex
+  core::Vec3 side;            // a quarter turn on
+  core::Vec3 normalUp;        // unit normals of the tube there, without its taper
+  core::Vec3 normalSide;      // (cross(normalUp, normalSide) is the tube's direction)
+  double slope = 0.0;         // radius lost per unit of length: tilts the normals
+  double along = 0.0;         // length of the tube up to here: the second texture coordinate
+  double turns = 0.0;         // the same in circumferences
+  std::uint32_t segment = 0;  // that ends here, an index into Scene::segments; of the first ring: that begins here
+};
+
+/// A tube through rings with shared vertices, closed at both ends by flat caps. `ratio` above 0: the second texture
+/// coordinate counts pictures of that height by the tube's circumference; else lengths.
+void appendTube(Mesh& mesh, const std::vector<TubeRing>& rings, int sides, double ratio = 0.0);
+
+/// Consecutive stretches of a generalized cylinder that have one colour. A stretch is a piece of its curve; its colour
+/// is that of the control point where it ends.
+struct CylinderRun {
+  std::size_t first = 0;  // stretch
+  std::size_t count = 0;
+  std::int32_t colour = 128;
+};
+[[nodiscard]] std::vector<CylinderRun> runsOf(const GeneralizedCylinder& cylinder);
+
+/// The stretches of a run of a generalized cylinder: Hermite or B-spline through its points, circular or with the
+/// contours of the view file, with the least twist unless the view file wants the turtle's. Runs meet in equal rings
+/// with equal normals. The second texture coordinate is the length along the axis, or, when the cylinder has a texture,
+/// that length in pictures as high as the texture's ratio says.
+void appendCylinder(Mesh& mesh, const GeneralizedCylinder& cylinder, const CylinderRun& run,
+                    const language::ViewSettings& view, double detail = 1.0);
+/// All runs.
+void appendCylinder(Mesh& mesh, const GeneralizedCylinder& cylinder, const language::ViewSettings& view,
+                    double detail = 1.0);
+
+/// `sides + 1` points of a contour at equal distances along it (FILES §8); a circle when `id` is not in the view file.
+[[nodiscard]] std::vector<core::Vec3> sampleContour(const language::ViewSettings& view, std::int32_t id, int sides);
+
+}  // namespace espalier::turtle

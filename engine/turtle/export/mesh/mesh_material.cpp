@@ -1,0 +1,94 @@
+#include "engine/turtle/export/mesh/mesh_material.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/core/streams.h"
+#include "engine/files/image_file.h"
+#include "engine/turtle/export/picture/png.h"
+
+namespace espalier::turtle {
+
+namespace {
+
+// `name`, or with a number behind it when another item has it
+template <typename Items>
+std::string uniqueName(const Items& items, const std::string& name) {
+  std::string unique = name;
+  for (int number = 2; std::ranges::any_of(items, [&](const auto& item) { return item.name == unique; }); ++number) {
+    unique = name + "_" + std::to_string(number);
+  }
+  return unique;
+}
+
+bool isEqual(const Colour& a, const Colour& b) {
+  return a.red == b.red && a.green == b.green && a.blue == b.blue;
+}
+
+}  // namespace
+
+std::string MeshTexture::fileBytes() const {
+  if (language::isPng(*texture->bytes) || language::isJpeg(*texture->bytes)) {
+    return *texture->bytes;
+  }
+  core::StringSink sink;
+  static_cast<void>(writePng(*texture->image, sink));
+  return sink.take();
+}
+
+std::string MeshTexture::suffix() const {
+  return language::isJpeg(*texture->bytes) ? ".jpg" : ".png";
+}
+
+bool MeshTexture::hasHoles() const {
+  const std::vector<std::uint8_t>& pixels = texture->image->pixels;
+  for (std::size_t at = 3; at < pixels.size(); at += 4) {
+    if (pixels[at] < 255) {
+      return true;
+    }
+  }
+  return false;
+}
+
+std::array<double, 3> MeshMaterial::diffuse() const {
+  return folder ? folder->diffuse : std::array{colour.red / 255.0, colour.green / 255.0, colour.blue / 255.0};
+}
+
+std::uint32_t MaterialTable::addTexture(const language::Texture& texture, std::int32_t number) {
+  const auto found = std::ranges::find_if(textures_, [&](const MeshTexture& other) {
+    return (other.texture->bytes == texture.bytes || *other.texture->bytes == *texture.bytes) &&
+           other.texture->use == texture.use && other.texture->isSmoothNear == texture.isSmoothNear &&
+           other.texture->minification == texture.minification;
+  });
+  if (found == textures_.end()) {
+    textures_.push_back({uniqueName(textures_, "texture_" + std::to_string(number)), &texture});
+    return static_cast<std::uint32_t>(textures_.size() - 1);
+  }
+  return static_cast<std::uint32_t>(found - textures_.begin());
+}
+
+std::uint32_t MaterialTable::add(const Palette& palette, std::int32_t number, const language::ViewSettings& view,
+                                 std::int32_t texture) {
+  MeshMaterial material{"colour_" + std::to_string(number), palette.ofMaterial(number), palette.folderMaterial(number)};
+  if (texture > 0) {
+    material.texture = addTexture(view.textures[static_cast<std::size_t>(texture) - 1], texture);
+    material.name += "_" + textures_[material.texture].name;
+  }
+  const auto found = std::ranges::find_if(materials_, [&](const MeshMaterial& other) {
+    return isEqual(other.colour, material.colour) && other.folder == material.folder &&
+           other.texture == material.texture && other.name.starts_with(material.name) &&
+           (other.name.size() == material.name.size() || other.name[material.name.size()] == '_');
+  });
+  if (found == materials_.end()) {
+    material.name = uniqueName(materials_, material.name);
+    materials_.push_back(std::move(material));
+    return static_cast<std::uint32_t>(materials_.size() - 1);
+  }
+  return static_cast<std::uint32_t>(found - materials_.begin());
+}
+
+double linearComponent(double component) {
+  return component <= 0.04045 ? component / 12.92 : std::pow((component + 0.055) / 1.055, 2.4);
+}
+
+}  // namespace espalier::turtle

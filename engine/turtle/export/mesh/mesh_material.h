@@ -1,0 +1,62 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "engine/files/colour_files.h"
+#include "engine/files/view_settings.h"
+#include "engine/turtle/export/palette.h"
+
+namespace espalier::turtle {
+
+/// A picture that meshes wear.
+struct MeshTexture {
+  std::string name;  // `texture_1`, unique in a file
+  const language::Texture* texture = nullptr;
+
+  /// The bytes of a file that holds the picture, and its suffix: the view file's own when it is PNG or JPEG, else PNG.
+  [[nodiscard]] std::string fileBytes() const;
+  [[nodiscard]] std::string suffix() const;
+  /// Some points of the picture are not opaque: it has holes.
+  [[nodiscard]] bool hasHoles() const;
+};
+
+/// What a mesh is painted with.
+struct MeshMaterial {
+  static constexpr std::uint32_t kNoTexture = 0xFFFFFFFF;
+
+  std::string name;  // `colour_12` or `colour_12_texture_1`, unique in a file
+  Colour colour;
+  std::optional<language::Material> folder;  // of the model folder
+  std::uint32_t texture = kNoTexture;        // index into MaterialTable::textures
+
+  /// Red, green, blue, 0 to 1.
+  [[nodiscard]] std::array<double, 3> diffuse() const;
+  [[nodiscard]] double opacity() const { return folder ? folder->opacity : 1.0; }
+};
+
+/// The materials of a file: each colour with each texture that it wears, once, also when several scenes have it.
+class MaterialTable {
+ public:
+  /// The material of a number of the palette (Palette::materialOf) with a texture of the view file, from 1; 0: none.
+  std::uint32_t add(const Palette& palette, std::int32_t number, const language::ViewSettings& view,
+                    std::int32_t texture);
+
+  [[nodiscard]] std::span<const MeshMaterial> materials() const { return materials_; }
+  [[nodiscard]] std::span<const MeshTexture> textures() const { return textures_; }
+
+ private:
+  std::uint32_t addTexture(const language::Texture& texture, std::int32_t number);
+
+  std::vector<MeshMaterial> materials_;
+  std::vector<MeshTexture> textures_;
+};
+
+/// A component of a colour as light: files of glTF and USD hold linear numbers.
+[[nodiscard]] double linearComponent(double component);
+
+}  // namespace espalier::turtle

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "engine/turtle/export/mesh/mesh.h"
+#include "engine/turtle/export/worker_team.h"
+
+namespace espalier::turtle {
+
+/// Makes the meshes 0 to count - 1 with several threads, a round of some thousands at a time, and hands them over in
+/// order on the calling thread: what is written does not depend on the threads. `make` gets a cleared mesh and must be
+/// thread-safe. Stops at the first sentence that `use` returns and returns it.
+[[nodiscard]] std::optional<std::string> forMeshes(
+    WorkerTeam& team, std::size_t count, const std::function<void(std::size_t, Mesh&)>& make,
+    const std::function<std::optional<std::string>(std::size_t, const Mesh&)>& use);
+
+}  // namespace espalier::turtle

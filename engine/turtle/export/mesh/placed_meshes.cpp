@@ -1,0 +1,97 @@
+#include "engine/turtle/export/mesh/placed_meshes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/core/check.h"
+#include "engine/turtle/export/mesh/mesh_check.h"
+#include "engine/turtle/export/mesh/mesh_rounds.h"
+
+namespace espalier::turtle {
+
+using core::Vec3;
+
+namespace {
+
+std::uint32_t plantCountOf(const SceneMeshes& scene) {
+  // parts are sorted by plant
+  return scene.parts().empty() ? 1 : scene.parts().back().plant + 1;
+}
+
+}  // namespace
+
+Vec3 placedDirection(const ScenePlacement& placement, const Vec3& v) {
+  if (placement.turnRadians == 0.0) {
+    return v;
+  }
+  const double c = std::cos(placement.turnRadians);
+  const double s = std::sin(placement.turnRadians);
+  return {c * v.x + s * v.z, v.y, c * v.z - s * v.x};
+}
+
+Vec3 placedPoint(const ScenePlacement& placement, const Vec3& point) {
+  return placement.position + placement.scale * placedDirection(placement, point);
+}
+
+core::Frame placedFrame(const ScenePlacement& placement, const core::Frame& frame) {
+  return {.heading = placedDirection(placement, frame.heading),
+          .left = placedDirection(placement, frame.left),
+          .up = placedDirection(placement, frame.up)};
+}
+
+void place(Mesh& mesh, const ScenePlacement& placement) {
+  if (placement.isIdentity()) {
+    return;
+  }
+  const double c = std::cos(placement.turnRadians);
+  const double s = std::sin(placement.turnRadians);
+  const auto turned = [c, s](const Vec3& v) { return Vec3{c * v.x + s * v.z, v.y, c * v.z - s * v.x}; };
+  for (Vec3& position : mesh.positions) {
+    position = placement.position + placement.scale * turned(position);
+  }
+  for (Vec3& normal : mesh.normals) {
+    normal = turned(normal);
+  }
+}
+
+PlacedMeshes::PlacedMeshes(const PlacedScenes& placed)
+    : team_(placed.scenes.empty() ? 1 : std::max(1U, placed.scenes[0].threads)) {
+  for (const ExportInput& input : placed.scenes) {
+    scenes_.emplace_back(input, table_);
+  }
+  std::uint32_t plants = 0;
+  firstParts_.push_back(0);
+  for (const ScenePlacement& placement : placed.placements) {
+    ESPALIER_CHECK(placement.scene < scenes_.size() && placement.scale > 0.0);
+    copies_.push_back({placement.scene, plants, placement});
+    plants += plantCountOf(scenes_[placement.scene]);
+    firstParts_.push_back(firstParts_.back() + scenes_[placement.scene].parts().size());
+  }
+}
+
+PlacedMeshes::Item PlacedMeshes::item(std::size_t index) const {
+  // the last copy that begins at or before it; copies without parts begin where the next one does
+  const auto after = std::upper_bound(firstParts_.begin(), firstParts_.end(), index);
+  const auto copy = static_cast<std::size_t>(after - firstParts_.begin()) - 1;
+  const SceneMeshes& scene = scenes_[copies_[copy].scene];
+  return {copies_[copy], scene, scene.parts()[index - firstParts_[copy]]};
+}
+
+std::optional<std::string> PlacedMeshes::forEach(const Use& use) {
+  return forMeshes(
+      team_, partCount(),
+      [this](std::size_t i, Mesh& mesh) {
+        const Item it = item(i);
+        it.scene.make(it.part, mesh);
+        place(mesh, it.copy.placement);
+      },
+      [&](std::size_t i, const Mesh& mesh) -> std::optional<std::string> {
+        const Item it = item(i);
+        if (auto problem = problemOf(mesh, it.scene, it.part)) {
+          return problem;
+        }
+        return use(it, mesh);
+      });
+}
+
+}  // namespace espalier::turtle

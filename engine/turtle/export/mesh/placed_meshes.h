@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "engine/turtle/export/exporters.h"
+#include "engine/turtle/export/mesh/mesh.h"
+#include "engine/turtle/export/mesh/mesh_material.h"
+#include "engine/turtle/export/mesh/scene_meshes.h"
+#include "engine/turtle/export/worker_team.h"
+
+namespace espalier::turtle {
+
+/// A copy of a scene, where it stands.
+struct SceneCopy {
+  std::uint32_t scene = 0;
+  std::uint32_t firstPlant = 0;  // number of the copy's plant 0 among the plants of all copies
+  ScenePlacement placement;
+};
+
+/// A placed point, and a placed normal or other direction, whose length stays.
+[[nodiscard]] core::Vec3 placedPoint(const ScenePlacement& placement, const core::Vec3& point);
+[[nodiscard]] core::Vec3 placedDirection(const ScenePlacement& placement, const core::Vec3& direction);
+[[nodiscard]] core::Frame placedFrame(const ScenePlacement& placement, const core::Frame& frame);
+void place(Mesh& mesh, const ScenePlacement& placement);
+
+/// The meshes of copies of scenes: what mesh formats are written from. Holds no mesh but the shared ones of each
+/// scene's organs.
+class PlacedMeshes {
+ public:
+  /// What is referred to must outlive the object.
+  explicit PlacedMeshes(const PlacedScenes& placed);
+
+  [[nodiscard]] std::span<const MeshMaterial> materials() const { return table_.materials(); }
+  [[nodiscard]] std::span<const MeshTexture> textures() const { return table_.textures(); }
+  [[nodiscard]] std::size_t sceneCount() const { return scenes_.size(); }
+  [[nodiscard]] const SceneMeshes& scene(std::size_t index) const { return scenes_[index]; }
+  [[nodiscard]] std::span<const SceneCopy> copies() const { return copies_; }
+  /// Of all copies.
+  [[nodiscard]] std::size_t partCount() const { return firstParts_.back(); }
+
+  /// One part of one copy.
+  struct Item {
+    const SceneCopy& copy;
+    const SceneMeshes& scene;
+    const MeshPart& part;
+
+    [[nodiscard]] std::uint32_t plant() const { return copy.firstPlant + part.plant; }
+  };
+  [[nodiscard]] Item item(std::size_t index) const;
+
+  /// Makes the mesh of every part of every copy in world coordinates and hands it over, copy after copy, each in the
+  /// order of its parts, on the calling thread. Refuses positions that files cannot hold. Stops at the first sentence,
+  /// which is returned.
+  using Use = std::function<std::optional<std::string>(const Item& item, const Mesh& mesh)>;
+  [[nodiscard]] std::optional<std::string> forEach(const Use& use);
+
+  /// The threads that make meshes.
+  [[nodiscard]] WorkerTeam& team() { return team_; }
+
+ private:
+  MaterialTable table_;
+  std::deque<SceneMeshes> scenes_;  // a deque: they hold references to what they are made from
+  std::vector<SceneCopy> copies_;
+  std::vector<std::size_t> firstParts_;  // number of each copy's first part; behind them their count (copyCount + 1)
+  WorkerTeam team_;
+};
+
+}  // namespace espalier::turtle

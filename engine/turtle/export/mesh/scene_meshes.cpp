@@ -1,0 +1,235 @@
+#include "engine/turtle/export/mesh/scene_meshes.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "engine/core/check.h"
+#include "engine/turtle/export/mesh/polygon_mesh.h"
+
+namespace espalier::turtle {
+
+using core::Vec3;
+
+namespace {
+
+constexpr int kLeastSphereSides = 12;
+constexpr double kPixelsAcross = 800.0;  // a pixel's width is this part of the scene's extent
+
+std::int32_t materialOfColour(std::int32_t colour) {
+  return ((colour % 256) + 256) % 256;
+}
+
+// world units per unit of line width: pixels have no size in the world, so one is a fixed part of the plant's extent
+double widthUnitOf(const Scene& scene) {
+  if (scene.lineStyle != language::LineStyle::Pixel || scene.segments.empty()) {
+    return 1.0;
+  }
+  Vec3 low = scene.segments[0].start;
+  Vec3 high = low;
+  for (const Segment& segment : scene.segments) {
+    for (const Vec3& p : {segment.start, segment.end}) {
+      low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+      high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+    }
+  }
+  const double extent = core::length(high - low);
+  return extent > 0.0 ? extent / kPixelsAcross : 1.0;
+}
+
+/// The frame in which a local x, y, z is a world x, y, z.
+constexpr core::Frame kWorldFrame{.heading = {0.0, 1.0, 0.0}, .left = {1.0, 0.0, 0.0}, .up = {0.0, 0.0, 1.0}};
+
+}  // namespace
+
+std::string_view organName(OrganKind kind) {
+  constexpr std::array<std::string_view, 6> kNames{"branches", "cylinders", "polygons", "surfaces", "patches", "balls"};
+  return kNames[static_cast<std::size_t>(kind)];
+}
+
+SceneMeshes::SceneMeshes(const ExportInput& input, MaterialTable& materials)
+    : input_(input),
+      scene_(input.scene),
+      view_(input.view),
+      palette_(input.scene, input.palette),
+      chains_(chainsOf(input.scene, palette_)),
+      widthUnit_(widthUnitOf(input.scene)),
+      detail_(input.detail),
+      sides_(atDetail(std::clamp(input.view.contourSides, 3, 64), input.detail, 3)) {
+  collectParts(materials);
+  makeSharedMeshes();
+}
+
+const language::Texture* SceneMeshes::textureOf(std::int32_t texture) const {
+  return texture > 0 ? &view_.textures[static_cast<std::size_t>(texture) - 1] : nullptr;
+}
+
+void SceneMeshes::collectParts(MaterialTable& materials) {
+  // numbers first: materials are listed by colour and texture, whatever was drawn first
+  using Look = std::pair<std::int32_t, std::int32_t>;
+  std::vector<Look> looks;
+  std::map<Look, std::uint32_t> indexOf;
+  const auto add = [&](OrganKind kind, std::size_t index, const Look& look, std::uint32_t plant, std::size_t run = 0) {
+    const auto known = indexOf.try_emplace(look, static_cast<std::uint32_t>(looks.size()));
+    if (known.second) {
+      looks.push_back(look);
+    }
+    parts_.push_back({kind, static_cast<std::uint32_t>(index), known.first->second, plant,
+                      static_cast<std::uint32_t>(run), look.first});
+  };
+  parts_.reserve(chains_.heads.size() + scene_.cylinders.size() + scene_.polygons.size() + scene_.surfaces.size() +
+                 scene_.patches.size() + scene_.balls.size());
+  for (const std::uint32_t head : chains_.heads) {
+    const Segment& segment = scene_.segments[head];
+    add(OrganKind::Branch, head, {palette_.materialOf(segment), segment.texture}, segment.plant);
+  }
+  for (std::size_t i = 0; i < scene_.cylinders.size(); ++i) {
+    const GeneralizedCylinder& cylinder = scene_.cylinders[i];
+    const std::vector<CylinderRun> runs = runsOf(cylinder);
+    for (std::size_t run = 0; run < runs.size(); ++run) {
+      add(OrganKind::Cylinder, i, {materialOfColour(runs[run].colour), cylinder.texture}, cylinder.plant, run);
+    }
+  }
+  const auto addAll = [&add](OrganKind kind, const auto& organs) {
+    for (std::size_t i = 0; i < organs.size(); ++i) {
+      std::int32_t texture = 0;
+      if constexpr (requires { organs[i].texture; }) {
+        texture = organs[i].texture;
+      }
+      add(kind, i, {materialOfColour(organs[i].colour), texture}, organs[i].plant);
+    }
+  };
+  addAll(OrganKind::Polygon, scene_.polygons);
+  addAll(OrganKind::Surface, scene_.surfaces);
+  addAll(OrganKind::Patch, scene_.patches);
+  addAll(OrganKind::Ball, scene_.balls);
+  std::ranges::stable_sort(parts_, {}, [](const MeshPart& part) { return std::pair(part.plant, part.kind); });
+
+  std::vector<std::uint32_t> inTable(looks.size());
+  for (const auto& [look, index] : indexOf) {
+    inTable[index] = materials.add(palette_, look.first, view_, look.second);
+  }
+  for (MeshPart& part : parts_) {
+    part.material = inTable[part.material];
+  }
+}
+
+void SceneMeshes::makeSharedMeshes() {
+  for (const language::Surface& surface : view_.surfaces) {
+    appendLocalSurface(shared_.emplace_back(), surface, detail_);
+  }
+  for (const language::TriangleSurface& surface : view_.triangleSurfaces) {
+    appendLocalSurface(shared_.emplace_back(), surface);
+  }
+  const int sides = std::max(sides_, atDetail(kLeastSphereSides, detail_, 3));
+  appendSphere(shared_.emplace_back(), {}, 1.0, std::max(2, sides * 2 / 3), sides);
+  appendDisc(shared_.emplace_back(), {.kind = Ball::Kind::Disc, .centre = {}, .frame = kWorldFrame}, sides);
+  if (std::ranges::any_of(view_.textures, &language::Texture::isPerSurface)) {
+    for (std::size_t i = 0; i < view_.surfaces.size(); ++i) {
+      shared_.push_back(shared_[i]);
+      setWholeCoordinates(shared_.back());
+    }
+  }
+}
+
+std::uint32_t SceneMeshes::sharedMeshOf(const MeshPart& part) const {
+  const std::size_t surfaces = view_.surfaces.size();
+  const std::size_t all = surfaces + view_.triangleSurfaces.size();
+  if (part.kind == OrganKind::Surface) {
+    const SurfaceInstance& instance = scene_.surfaces[part.index];
+    const std::size_t index = instance.surface + (instance.isTriangleSurface ? surfaces : 0);
+    ESPALIER_CHECK(index < (instance.isTriangleSurface ? all : surfaces));
+    const language::Texture* const texture = textureOf(instance.texture);
+    const bool isWhole = texture != nullptr && texture->isPerSurface && !instance.isTriangleSurface;
+    return static_cast<std::uint32_t>(isWhole ? all + 2 + index : index);
+  }
+  if (part.kind == OrganKind::Ball) {
+    const bool isSphere = scene_.balls[part.index].kind == Ball::Kind::Sphere;
+    return static_cast<std::uint32_t>(isSphere ? all : all + 1);
+  }
+  return kNotShared;
+}
+
+std::string SceneMeshes::sharedMeshName(std::uint32_t index) const {
+  const std::size_t surfaces = view_.surfaces.size();
+  const std::size_t all = surfaces + view_.triangleSurfaces.size();
+  if (index >= all + 2) {
+    return sharedMeshName(index - static_cast<std::uint32_t>(all + 2)) + " whole";
+  }
+  if (index >= all) {
+    return index == all ? "sphere" : "disc";
+  }
+  const char id = index < surfaces ? view_.surfaces[index].id : view_.triangleSurfaces[index - surfaces].id;
+  // any character may name a surface; files need letters
+  const bool isPlain = (id >= '0' && id <= '9') || (id >= 'A' && id <= 'Z') || (id >= 'a' && id <= 'z');
+  return isPlain ? std::string("surface ") + id : "surface " + std::to_string(static_cast<unsigned char>(id));
+}
+
+OrganPlacement SceneMeshes::placementOf(const MeshPart& part) const {
+  if (part.kind == OrganKind::Surface) {
+    const SurfaceInstance& instance = scene_.surfaces[part.index];
+    return {instance.position, instance.frame, instance.scale};
+  }
+  const Ball& ball = scene_.balls[part.index];
+  // a sphere looks the same in every frame
+  return {ball.centre,
+          ball.kind == Ball::Kind::Sphere ? kWorldFrame : ball.frame,
+          {ball.diameter, ball.diameter, ball.diameter}};
+}
+
+void SceneMeshes::make(const MeshPart& part, Mesh& mesh) const {
+  mesh.clear();
+  switch (part.kind) {
+    case OrganKind::Branch: {
+      const language::Texture* const texture = textureOf(scene_.segments[part.index].texture);
+      appendTube(mesh, ringsOf(scene_, palette_, chains_, part.index, widthUnit_), sides_,
+                 texture != nullptr ? texture->ratio : 0.0);
+      return;
+    }
+    case OrganKind::Cylinder: {
+      const GeneralizedCylinder& cylinder = scene_.cylinders[part.index];
+      appendCylinder(mesh, cylinder, runsOf(cylinder)[part.run], view_, detail_);
+      return;
+    }
+    case OrganKind::Polygon:
+      appendPolygon(mesh, scene_.polygons[part.index].vertices);
+      return;
+    case OrganKind::Patch: {
+      const Patch& patch = scene_.patches[part.index];
+      appendPatch(mesh, patch.points, atDetail(patch.subdivisionS, detail_, 1),
+                  atDetail(patch.subdivisionT, detail_, 1));
+      return;
+    }
+    case OrganKind::Surface:
+    case OrganKind::Ball:
+      appendPlaced(mesh, shared_[sharedMeshOf(part)], placementOf(part));
+      return;
+  }
+}
+
+Provenance SceneMeshes::provenanceOfSegment(std::uint32_t segment) const {
+  const Segment& of = scene_.segments[segment];
+  return {of.plant, of.module, of.branchOrder};
+}
+
+Provenance SceneMeshes::provenanceOf(const MeshPart& part) const {
+  const auto of = [](const auto& organ) { return Provenance{organ.plant, organ.module, organ.branchOrder}; };
+  switch (part.kind) {
+    case OrganKind::Branch:
+      return provenanceOfSegment(part.index);
+    case OrganKind::Cylinder:
+      return of(scene_.cylinders[part.index]);
+    case OrganKind::Polygon:
+      return of(scene_.polygons[part.index]);
+    case OrganKind::Patch:
+      return of(scene_.patches[part.index]);
+    case OrganKind::Surface:
+      return of(scene_.surfaces[part.index]);
+    case OrganKind::Ball:
+      return of(scene_.balls[part.index]);
+  }
+  return {};
+}
+
+}  // namespace espalier::turtle

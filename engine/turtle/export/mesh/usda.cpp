@@ -1,0 +1,286 @@
+#include "engine/turtle/export/mesh/usda.h"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine/turtle/export/mesh/mesh_check.h"
+#include "engine/turtle/export/mesh/mesh_rounds.h"
+#include "engine/turtle/export/mesh/placed_meshes.h"
+#include "engine/turtle/export/text_output.h"
+
+namespace espalier::turtle {
+
+using core::Vec3;
+
+namespace {
+
+constexpr std::size_t kPieceVertices = 100'000;  // about: pieces end with a part
+constexpr int kStepsPerSecond = 8;
+
+void writeTuple(const Vec3& v, TextOutput& out) {
+  (out << '(').vector(v, ',') << ')';
+}
+
+void writeHeader(const std::optional<GrowthRange>& range, TextOutput& out) {
+  out << "#usda 1.0\n(\n    defaultPrim = \"espalier\"\n    upAxis = \"Y\"\n    metersPerUnit = 1\n";
+  if (range) {
+    out << "    startTimeCode = ";
+    out.integer(static_cast<long long>(range->firstStep)) << "\n    endTimeCode = ";
+    out.integer(static_cast<long long>(range->lastStep)) << "\n    timeCodesPerSecond = ";
+    out.integer(kStepsPerSecond) << '\n';
+  }
+  out << ")\n\ndef Xform \"espalier\"\n{\n";
+}
+
+/// Writes the meshes of one scene below the prim of the given path.
+class SceneWriter {
+ public:
+  SceneWriter(const PlacedScenes& placed, std::string path, const ExportTarget& target, TextOutput& out)
+      : meshes_(placed), path_(std::move(path)), target_(target), out_(out) {}
+
+  [[nodiscard]] std::optional<std::string> write();
+  /// The pictures that the meshes wear go beside the file, those that are not among `written` yet.
+  void writePictures(std::set<std::string>& written) const;
+
+ private:
+  void writeMaterials();
+  void writeTexture(const MeshMaterial& material, const std::string& path);
+  void writePiece(std::uint32_t plant, std::uint32_t material);
+  template <typename Element, typename Write>
+  void writeArray(std::string_view declaration, const std::vector<Element>& elements, Write write);
+  [[nodiscard]] std::string pictureName(const MeshTexture& texture) const {
+    return withSuffix(target_.fileName, "_" + texture.name + texture.suffix());
+  }
+  [[nodiscard]] const std::string& materialName(std::uint32_t material) const {
+    return meshes_.materials()[material].name;
+  }
+
+  PlacedMeshes meshes_;
+  std::string path_;
+  const ExportTarget& target_;
+  TextOutput& out_;
+  Mesh piece_;
+  std::size_t pieceNumber_ = 0;  // among those of the same plant and material in a row
+};
+
+template <typename Element, typename Write>
+void SceneWriter::writeArray(std::string_view declaration, const std::vector<Element>& elements, Write write) {
+  out_ << "        " << declaration << " = [";
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    if (i > 0) {
+      out_ << ',';
+    }
+    write(elements[i]);
+  }
+  out_ << ']';
+}
+
+// the picture, its place on the mesh, and how it meets the colour
+void SceneWriter::writeTexture(const MeshMaterial& material, const std::string& path) {
+  const MeshTexture& texture = meshes_.textures()[material.texture];
+  const bool isCovered = texture.texture->use == language::Texture::Use::Decal;
+  const std::array<double, 3> diffuse = material.diffuse();
+  const auto scale = [&](std::size_t k) { return isCovered ? 1.0 : linearComponent(diffuse[k]); };
+  out_ << "            def Shader \"picture\"\n            {\n"
+       << "                uniform token info:id = \"UsdUVTexture\"\n                asset inputs:file = @./"
+       << pictureName(texture) << "@\n                float2 inputs:st.connect = <" << path
+       << "/place.outputs:result>\n"
+       << "                token inputs:wrapS = \"repeat\"\n                token inputs:wrapT = \"repeat\"\n"
+       << "                float4 inputs:scale = (";
+  (out_.vector({scale(0), scale(1), scale(2)}, ',') << ",1)\n")
+      << "                float3 outputs:rgb\n                float outputs:a\n            }\n"
+      << "            def Shader \"place\"\n            {\n"
+      << "                uniform token info:id = \"UsdPrimvarReader_float2\"\n"
+      << "                string inputs:varname = \"st\"\n                float2 outputs:result\n            }\n";
+}
+
+void SceneWriter::writeMaterials() {
+  out_ << "    def Scope \"materials\"\n    {\n";
+  for (const MeshMaterial& material : meshes_.materials()) {
+    const std::string path = path_ + "/materials/" + material.name;
+    const bool isTextured = material.texture != MeshMaterial::kNoTexture && target_.openCompanion != nullptr;
+    out_ << "        def Material \"" << material.name << "\"\n        {\n            token outputs:surface.connect = <"
+         << path << "/shader.outputs:surface>\n            def Shader \"shader\"\n            {\n"
+         << "                uniform token info:id = \"UsdPreviewSurface\"\n"
+         << "                color3f inputs:diffuseColor";
+    if (isTextured) {
+      out_ << ".connect = <" << path << "/picture.outputs:rgb>\n";
+      if (meshes_.textures()[material.texture].hasHoles()) {
+        out_ << "                float inputs:opacity.connect = <" << path << "/picture.outputs:a>\n"
+             << "                float inputs:opacityThreshold = 0.5\n";
+      }
+    } else {
+      const Colour& colour = material.colour;
+      writeTuple({linearComponent(colour.red / 255.0), linearComponent(colour.green / 255.0),
+                  linearComponent(colour.blue / 255.0)},
+                 out_ << " = ");
+      out_ << "\n                float inputs:opacity = ";
+      out_.single(material.opacity()) << '\n';
+    }
+    out_ << "                float inputs:roughness = 0.8\n"
+         << "                token outputs:surface\n            }\n";
+    if (isTextured) {
+      writeTexture(material, path);
+    }
+    out_ << "        }\n";
+  }
+  out_ << "    }\n";
+}
+
+void SceneWriter::writePiece(std::uint32_t plant, std::uint32_t material) {
+  if (piece_.faces.empty()) {
+    return;
+  }
+  out_ << "    def Mesh \"plant_";
+  out_.integer(plant) << '_' << materialName(material) << '_';
+  out_.integer(static_cast<long long>(pieceNumber_++))
+      << "\" (\n        prepend apiSchemas = [\"MaterialBindingAPI\"]\n    )\n    {\n"
+      << "        uniform token subdivisionScheme = \"none\"\n"
+      << "        uniform bool doubleSided = 1\n"
+      << "        rel material:binding = <" << path_ << "/materials/" << materialName(material) << ">\n";
+  Bounds bounds;
+  bounds.add(piece_);
+  out_ << "        float3[] extent = [";
+  writeTuple(bounds.low, out_);
+  writeTuple(bounds.high, out_ << ',');
+  out_ << "]\n";
+  const auto writeVector = [this](const Vec3& v) { writeTuple(v, out_); };
+  writeArray("point3f[] points", piece_.positions, writeVector);
+  out_ << '\n';
+  writeArray("normal3f[] normals", piece_.normals, [&](const Vec3& n) { writeVector(unitNormal(n)); });
+  out_ << " (\n            interpolation = \"vertex\"\n        )\n";
+  writeArray("texCoord2f[] primvars:st", piece_.coordinates, [this](const std::array<double, 2>& uv) {
+    (out_ << '(').single(uv[0]) << ',';
+    out_.single(uv[1]) << ')';
+  });
+  out_ << " (\n            interpolation = \"vertex\"\n        )\n";
+  writeArray("int[] faceVertexCounts", piece_.faces,
+             [this](const auto& face) { out_ << (face[3] == Mesh::kNoVertex ? '3' : '4'); });
+  out_ << '\n';
+  writeArray("int[] faceVertexIndices", piece_.faces, [this](const auto& face) {
+    const std::size_t corners = face[3] == Mesh::kNoVertex ? 3 : 4;
+    for (std::size_t k = 0; k < corners; ++k) {
+      (k == 0 ? out_ : out_ << ',').integer(face[k]);
+    }
+  });
+  out_ << "\n    }\n";
+  piece_.clear();
+}
+
+std::optional<std::string> SceneWriter::write() {
+  writeMaterials();
+  std::uint64_t done = 0;
+  WorkerTeam& team = meshes_.team();
+  for (const SceneCopy& copy : meshes_.copies()) {
+    // pieces of one plant and material
+    const SceneMeshes& scene = meshes_.scene(copy.scene);
+    const std::span<const MeshPart> parts = scene.parts();
+    std::vector<std::uint32_t> order(parts.size());
+    std::iota(order.begin(), order.end(), 0U);
+    const auto key = [&parts](std::uint32_t i) { return std::pair(parts[i].plant, parts[i].material); };
+    std::ranges::stable_sort(order, {}, key);
+    const auto make = [&](std::size_t i, Mesh& mesh) {
+      scene.make(parts[order[i]], mesh);
+      place(mesh, copy.placement);
+    };
+    auto problem =
+        forMeshes(team, order.size(), make, [&](std::size_t i, const Mesh& mesh) -> std::optional<std::string> {
+          const MeshPart& part = parts[order[i]];
+          if (auto wrong = problemOf(mesh, scene, part)) {
+            return wrong;
+          }
+          append(piece_, mesh);
+          const bool isLast = i + 1 == order.size() || key(order[i + 1]) != key(order[i]);
+          if (isLast || piece_.positions.size() >= kPieceVertices) {
+            writePiece(copy.firstPlant + part.plant, part.material);
+            pieceNumber_ = isLast ? 0 : pieceNumber_;
+          }
+          reportProgress(target_.progress, ++done, meshes_.partCount());
+          return std::nullopt;
+        });
+    if (problem) {
+      return problem;
+    }
+  }
+  return std::nullopt;
+}
+
+void SceneWriter::writePictures(std::set<std::string>& written) const {
+  for (const MeshTexture& texture : meshes_.textures()) {
+    const std::string name = pictureName(texture);
+    if (target_.openCompanion && written.insert(name).second) {
+      target_.openCompanion(name).write(texture.fileBytes());
+    }
+  }
+}
+
+class UsdaGrowth final : public GrowthExport {
+ public:
+  UsdaGrowth(const ExportTarget& target, const GrowthRange& range) : target_(target), range_(range), out_(target.sink) {
+    writeHeader(range, out_);
+  }
+
+  [[nodiscard]] std::optional<std::string> addFrame(const ExportInput& input, std::uint64_t step) override {
+    const std::string name = "step_" + std::to_string(step);
+    out_ << "def Xform \"" << name << "\"\n{\n    token visibility.timeSamples = {\n";
+    // hidden before its step and from the next frame on
+    if (step > range_.firstStep) {
+      writeSample(range_.firstStep, "invisible");
+    }
+    writeSample(step, "inherited");
+    if (step + range_.every <= range_.lastStep) {
+      writeSample(step + range_.every, "invisible");
+    }
+    out_ << "    }\n";
+    const ScenePlacement here;
+    SceneWriter writer({{&input, 1}, {&here, 1}}, "/espalier/" + name, target_, out_);
+    if (auto problem = writer.write()) {
+      return problem;
+    }
+    writer.writePictures(pictures_);
+    out_ << "}\n";
+    return std::nullopt;
+  }
+
+  void finish() override {
+    out_ << "}\n";
+    out_.flush();
+  }
+
+ private:
+  void writeSample(std::uint64_t step, std::string_view value) {
+    out_ << "        ";
+    out_.integer(static_cast<long long>(step)) << ": \"" << value << "\",\n";
+  }
+
+  const ExportTarget& target_;
+  std::set<std::string> pictures_;  // written
+  GrowthRange range_;
+  TextOutput out_;
+};
+
+}  // namespace
+
+std::optional<std::string> exportUsda(const PlacedScenes& placed, const ExportTarget& target) {
+  TextOutput out(target.sink);
+  writeHeader(std::nullopt, out);
+  SceneWriter writer(placed, "/espalier", target, out);
+  if (auto problem = writer.write()) {
+    return problem;
+  }
+  std::set<std::string> written;
+  writer.writePictures(written);
+  out << "}\n";
+  return std::nullopt;
+}
+
+std::unique_ptr<GrowthExport> beginUsdaGrowth(const ExportTarget& target, const GrowthRange& range) {
+  return std::make_unique<UsdaGrowth>(target, range);
+}
+
+}  // namespace espalier::turtle

@@ -1,0 +1,223 @@
+#include "engine/turtle/export/picture/picture.h"
+
+#include <algorithm>
+#include <atomic>
+#include <deque>
+#include <functional>
+#include <optional>
+#include <span>
+
+#include "engine/core/check.h"
+#include "engine/turtle/export/picture/projection.h"
+#include "engine/turtle/export/picture/raster_camera.h"
+#include "engine/turtle/export/picture/raster_geometry.h"
+#include "engine/turtle/export/picture/raster_shading.h"
+#include "engine/turtle/export/picture/raster_target.h"
+#include "engine/turtle/export/worker_team.h"
+
+namespace espalier::turtle {
+
+namespace {
+
+constexpr std::size_t kTaskParts = 64;   // parts of the scene that one task turns into triangles
+constexpr std::size_t kRoundTasks = 32;  // tasks before the triangles are drawn
+
+/// The parts of all copies of the scenes of a picture.
+class PlacedGeometry {
+ public:
+  explicit PlacedGeometry(const PlacedScenes& placed) : placements_(placed.placements) {
+    for (const ExportInput& input : placed.scenes) {
+      scenes_.emplace_back(input);
+    }
+    firstParts_.push_back(0);
+    for (const ScenePlacement& placement : placements_) {
+      ESPALIER_CHECK(placement.scene < scenes_.size() && placement.scale > 0.0);
+      firstParts_.push_back(firstParts_.back() + scenes_[placement.scene].geometry.partCount());
+    }
+  }
+
+  /// What one scene needs in a picture.
+  struct SceneParts {
+    explicit SceneParts(const ExportInput& input)
+        : palette(input.scene, input.palette), textures(input.view), geometry(input.scene, input.view, palette) {}
+    Palette palette;
+    RasterTextures textures;
+    RasterGeometry geometry;
+    std::optional<RasterShading> shading;  // when the camera is known
+  };
+  struct Item {
+    const SceneParts& scene;
+    const ScenePlacement& placement;
+    std::size_t part;
+  };
+
+  [[nodiscard]] std::deque<SceneParts>& scenes() { return scenes_; }
+  [[nodiscard]] std::size_t partCount() const { return firstParts_.back(); }
+  [[nodiscard]] Item item(std::size_t index) const {
+    // the last copy that begins at or before it
+    const auto after = std::upper_bound(firstParts_.begin(), firstParts_.end(), index);
+    const auto copy = static_cast<std::size_t>(after - firstParts_.begin()) - 1;
+    const ScenePlacement& placement = placements_[copy];
+    return {scenes_[placement.scene], placement, index - firstParts_[copy]};
+  }
+
+ private:
+  std::span<const ScenePlacement> placements_;
+  std::deque<SceneParts> scenes_;        // which do not move
+  std::vector<std::size_t> firstParts_;  // number of each copy's first part; behind them their count (copyCount + 1)
+};
+
+// calls `visit(part, task)` for all parts, in tasks of consecutive parts
+template <typename Visit>
+void forParts(WorkerTeam& team, std::size_t partCount, std::size_t partsInTask, const Visit& visit) {
+  const std::size_t tasks = (partCount + partsInTask - 1) / partsInTask;
+  team.run(tasks, [&](std::size_t task) {
+    for (std::size_t part = task * partsInTask; part < std::min(partCount, (task + 1) * partsInTask); ++part) {
+      visit(part, task);
+    }
+  });
+}
+
+// a perspective whose viewer stands inside the scene shows nothing sensible in a fitted picture: draw it in parallel
+Projection chosenProjection(const PlacedGeometry& geometry, const language::ViewSettings& view,
+                            const PictureOptions& options, WorkerTeam& team) {
+  Projection projection(view);
+  if (projection.isPerspective() && options.framing == PictureFraming::Fitted) {
+    std::atomic<bool> isClear{true};
+    forParts(team, geometry.partCount(), 4096, [&](std::size_t part, std::size_t) {
+      const PlacedGeometry::Item item = geometry.item(part);
+      if (isClear && !item.scene.geometry.isVisible(item.part, item.placement, projection)) {
+        isClear = false;
+      }
+    });
+    if (!isClear) {
+      projection.useParallel();
+    }
+  }
+  return projection;
+}
+
+PictureBounds boundsOf(const PlacedGeometry& geometry, const Projection& projection, WorkerTeam& team) {
+  constexpr std::size_t kParts = 4096;
+  std::vector<PictureBounds> bounds((geometry.partCount() + kParts - 1) / kParts);
+  forParts(team, geometry.partCount(), kParts, [&](std::size_t part, std::size_t task) {
+    const PlacedGeometry::Item item = geometry.item(part);
+    if (!projection.isPerspective() || item.scene.geometry.isVisible(item.part, item.placement, projection)) {
+      item.scene.geometry.include(item.part, item.placement, projection, bounds[task]);
+    }
+  });
+  PictureBounds all;
+  for (const PictureBounds& some : bounds) {
+    all.include(some);
+  }
+  return all;
+}
+
+// draws all parts into some rows of the picture, round by round: triangles are made, sorted into tiles, drawn
+void drawParts(const PlacedGeometry& geometry, const RasterCamera& camera, RasterTarget& target, WorkerTeam& team,
+               const std::function<void(std::size_t)>& report) {
+  struct Reference {
+    std::uint32_t task = 0;
+    std::uint32_t triangle = 0;
+  };
+  std::vector<std::vector<RasterTriangle>> made(kRoundTasks);
+  const auto columns = static_cast<std::size_t>(target.tileColumns());
+  std::vector<std::vector<Reference>> tiles(columns * static_cast<std::size_t>(target.tileRows()));
+  for (std::size_t first = 0; first < geometry.partCount(); first += kTaskParts * kRoundTasks) {
+    const std::size_t parts = std::min(kTaskParts * kRoundTasks, geometry.partCount() - first);
+    for (auto& triangles : made) {
+      triangles.clear();
+    }
+    forParts(team, parts, kTaskParts, [&](std::size_t part, std::size_t task) {
+      const PlacedGeometry::Item item = geometry.item(first + part);
+      item.scene.geometry.append(item.part, item.placement, camera, *item.scene.shading,
+                                 static_cast<std::uint32_t>(first + part), made[task]);
+    });
+    for (auto& tile : tiles) {
+      tile.clear();
+    }
+    for (std::uint32_t task = 0; task < made.size(); ++task) {
+      for (std::uint32_t i = 0; i < made[task].size(); ++i) {
+        const auto [left, right, upper, lower] = target.tilesOf(made[task][i]);
+        for (int row = upper; row <= lower; ++row) {
+          for (int column = left; column <= right; ++column) {
+            tiles[static_cast<std::size_t>(row) * columns + static_cast<std::size_t>(column)].push_back({task, i});
+          }
+        }
+      }
+    }
+    team.run(tiles.size(), [&](std::size_t tile) {
+      for (const Reference& reference : tiles[tile]) {
+        target.draw(made[reference.task][reference.triangle], static_cast<int>(tile % columns),
+                    static_cast<int>(tile / columns));
+      }
+    });
+    report(first + parts);
+  }
+}
+
+Colour backgroundOf(const Palette& palette, PictureBackground background) {
+  return background == PictureBackground::Model ? palette.background() : Colour{255, 255, 255};
+}
+
+}  // namespace
+
+PictureImage renderPicture(const Scene& scene, const language::ViewSettings& view, const PictureOptions& options) {
+  const ExportInput input{.scene = scene, .view = view, .palette = options.palette};
+  const ScenePlacement here;
+  return renderPlaced({{&input, 1}, {&here, 1}}, options);
+}
+
+PictureFrame pictureFrame(const PlacedScenes& placed, const PictureOptions& options) {
+  WorkerTeam team(std::max(1U, options.threads));
+  const PlacedGeometry geometry(placed);
+  const language::ViewSettings& view = placed.scenes[0].view;
+  const Projection projection = chosenProjection(geometry, view, options, team);
+  return {boundsOf(geometry, projection, team), Projection(view).isPerspective() && !projection.isPerspective()};
+}
+
+PictureImage renderPlaced(const PlacedScenes& placed, const PictureOptions& options, const ExportProgress& progress) {
+  ESPALIER_CHECK(options.widthPixels > 0 && options.widthPixels <= kMaximumPicturePixels);
+  ESPALIER_CHECK(options.heightPixels > 0 && options.heightPixels <= kMaximumPicturePixels);
+  WorkerTeam team(std::max(1U, options.threads));
+  PlacedGeometry geometry(placed);
+  const language::ViewSettings& view = placed.scenes[0].view;
+  const Colour background = backgroundOf(geometry.scenes()[0].palette, options.background);
+  const bool isFramed = options.frame && options.framing == PictureFraming::Fitted;
+  Projection projection = isFramed ? Projection(view) : chosenProjection(geometry, view, options, team);
+  if (isFramed && options.frame->isParallel) {
+    projection.useParallel();
+  }
+  const PictureBounds bounds = isFramed ? options.frame->bounds : boundsOf(geometry, projection, team);
+  const RasterCamera camera(projection, view, bounds, options);
+  for (PlacedGeometry::SceneParts& scene : geometry.scenes()) {
+    scene.shading.emplace(view, projection, scene.palette, scene.textures, bounds, background);
+  }
+
+  PictureImage image{options.widthPixels, options.heightPixels, {}};
+  const auto width = static_cast<std::size_t>(image.width);
+  image.pixels.resize(width * static_cast<std::size_t>(image.height) * 4);
+  // a large picture is made in strips of rows
+  const auto rowsAtOnce = static_cast<int>(
+      std::clamp<std::size_t>(options.sampleBytes / (width * RasterTarget::kBytesPerPixel), 1, kMaximumPicturePixels));
+  for (int first = 0; first < image.height; first += rowsAtOnce) {
+    const int rows = std::min(rowsAtOnce, image.height - first);
+    RasterTarget target(image.width, first, rows);
+    const std::size_t stripCount =
+        (static_cast<std::size_t>(image.height + rowsAtOnce) - 1) / static_cast<std::size_t>(rowsAtOnce);
+    const std::size_t strip = static_cast<std::size_t>(first / rowsAtOnce);
+    drawParts(geometry, camera, target, team, [&](std::size_t done) {
+      if (progress) {
+        progress(strip * geometry.partCount() + done, stripCount * geometry.partCount());
+      }
+    });
+    team.run(static_cast<std::size_t>(rows), [&](std::size_t row) {
+      const std::size_t at = (static_cast<std::size_t>(first) + row) * width * 4;
+      target.resolve(static_cast<int>(row), background, options.background == PictureBackground::Transparent,
+                     std::span(image.pixels).subspan(at, width * 4));
+    });
+  }
+  return image;
+}
+
+}  // namespace espalier::turtle

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "engine/core/streams.h"
+#include "engine/files/colour_files.h"
+#include "engine/files/image_file.h"
+#include "engine/files/view_settings.h"
+#include "engine/turtle/export/exporters.h"
+#include "engine/turtle/export/palette.h"
+#include "engine/turtle/export/picture/picture_bounds.h"
+#include "engine/turtle/scene/scene.h"
+
+namespace espalier::turtle {
+
+/// What is behind the plants of a picture.
+enum class PictureBackground : std::uint8_t { Model, White, Transparent };  // Model: Palette::background()
+
+/// Which part of the scene a picture shows. Both look from the view file's viewpoint, in its projection.
+enum class PictureFraming : std::uint8_t {
+  Fitted,  // everything drawn, as large as the page allows
+  View,    // what the view file says: `box`, `scale factor`, `viewing angle`
+};
+
+/// How a picture of points is made.
+struct PictureOptions {
+  int widthPixels = 800;
+  int heightPixels = 600;
+  double marginFraction = 0.05;  // of a fitted picture, at each edge
+  PictureBackground background = PictureBackground::Model;
+  PictureFraming framing = PictureFraming::Fitted;
+  std::optional<PictureFrame> frame = {};      // what a fitted picture shows; nothing: all that is drawn in it
+  std::uint64_t sampleBytes = 320'000'000;     // memory for samples; a larger picture is made in strips, with more time
+  unsigned threads = 1;                        // the picture does not depend on them
+  int maximumColours = 0;                      // 2 to 256: of the file; 0: as many as there are
+  const language::Palette* palette = nullptr;  // a model folder's colours; null or empty: Espalier's own
+};
+
+/// Largest width and height of a picture.
+inline constexpr int kMaximumPicturePixels = 16'384;
+
+using PictureImage = language::Image;
+
+/// Renders a scene: triangles with depth, shaded by the view file's lights, or by Espalier's own (a key light from the
+/// upper left, a weaker one from the right, light from the sky); lines in the view file's style; 16 samples a pixel.
+/// Needs 128 bytes for each pixel of a strip (PictureOptions::sampleBytes) and little more, whatever the size of the
+/// scene.
+[[nodiscard]] PictureImage renderPicture(const Scene& scene, const language::ViewSettings& view,
+                                         const PictureOptions& options);
+
+/// The same for copies of scenes. Colours are those of each scene's own palette, not of the options.
+[[nodiscard]] PictureImage renderPlaced(const PlacedScenes& placed, const PictureOptions& options,
+                                        const ExportProgress& progress = {});
+
+/// What a fitted picture of these scenes would show.
+[[nodiscard]] PictureFrame pictureFrame(const PlacedScenes& placed, const PictureOptions& options);
+
+}  // namespace espalier::turtle

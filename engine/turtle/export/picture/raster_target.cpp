@@ -1,0 +1,243 @@
+#include "engine/turtle/export/picture/raster_target.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace espalier::turtle {
+
+namespace {
+
+constexpr int kAcross = RasterTarget::kSamplesAcross;
+
+// an ordered dither of the sixteen samples of a pixel (Bayer 1973)
+constexpr std::array<int, 16> kOrder{0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5};
+
+std::uint32_t mixedBits(std::uint32_t x) {
+  x ^= x >> 16U;
+  x *= 0x7feb352dU;
+  x ^= x >> 15U;
+  x *= 0x846ca68bU;
+  return x ^ (x >> 16U);
+}
+
+/// A quantity that is linear over the page.
+struct Plane {
+  double atOrigin = 0.0;
+  double alongX = 0.0;
+  double alongY = 0.0;
+  double low = 0.0;  // its extremes over the triangle: samples of a sliver must not go beyond
+  double high = 0.0;
+};
+
+/// Corners in samples, relative to the first one, whose area is not zero.
+struct Corners {
+  std::array<double, 3> x, y;
+  double area = 0.0;
+};
+
+Plane planeThrough(const Corners& corners, double a, double b, double c) {
+  Plane plane;
+  const double db = b - a;
+  const double dc = c - a;
+  const double x1 = corners.x[1] - corners.x[0];
+  const double y1 = corners.y[1] - corners.y[0];
+  const double x2 = corners.x[2] - corners.x[0];
+  const double y2 = corners.y[2] - corners.y[0];
+  plane.alongX = (db * y2 - dc * y1) / corners.area;
+  plane.alongY = (dc * x1 - db * x2) / corners.area;
+  plane.atOrigin = a - plane.alongX * corners.x[0] - plane.alongY * corners.y[0];
+  plane.low = std::min({a, b, c});
+  plane.high = std::max({a, b, c});
+  return plane;
+}
+
+int clampedFloor(double value, int low, int high) {
+  return static_cast<int>(std::clamp(std::floor(value), static_cast<double>(low), static_cast<double>(high)));
+}
+
+int clampedCeil(double value, int low, int high) {
+  return static_cast<int>(std::clamp(std::ceil(value), static_cast<double>(low), static_cast<double>(high)));
+}
+
+}  // namespace
+
+RasterTarget::RasterTarget(int width, int firstRow, int rows)
+    : width_(width),
+      firstRow_(firstRow),
+      rows_(rows),
+      stride_(width * kAcross),
+      nearness_(static_cast<std::size_t>(stride_) * static_cast<std::size_t>(rows * kAcross),
+                -std::numeric_limits<float>::infinity()),
+      colours_(nearness_.size(), 0) {}
+
+std::array<int, 4> RasterTarget::tilesOf(const RasterTriangle& triangle) const {
+  const auto& [a, b, c] = triangle.corners;
+  const double left = std::min({a.x, b.x, c.x});
+  const double right = std::max({a.x, b.x, c.x});
+  const double upper = static_cast<double>(std::min({a.y, b.y, c.y})) - firstRow_;
+  const double lower = static_cast<double>(std::max({a.y, b.y, c.y})) - firstRow_;
+  if (!(right >= 0.0 && left <= width_ && lower >= 0.0 && upper <= rows_)) {
+    return {1, 0, 1, 0};
+  }
+  const auto tile = [](double pixel, int count) { return clampedFloor(pixel / kTilePixels, 0, count - 1); };
+  return {tile(left, tileColumns()), tile(right, tileColumns()), tile(upper, tileRows()), tile(lower, tileRows())};
+}
+
+void RasterTarget::draw(const RasterTriangle& triangle, int tileColumn, int tileRow) {
+  Corners corners;
+  for (std::size_t i = 0; i < 3; ++i) {
+    corners.x[i] = static_cast<double>(triangle.corners[i].x) * kAcross;
+    corners.y[i] = (static_cast<double>(triangle.corners[i].y) - firstRow_) * kAcross;
+  }
+  corners.area = (corners.x[1] - corners.x[0]) * (corners.y[2] - corners.y[0]) -
+                 (corners.x[2] - corners.x[0]) * (corners.y[1] - corners.y[0]);
+  if (!(std::abs(corners.area) > 0.0) || !std::isfinite(corners.area)) {
+    return;
+  }
+  // the corners from top to bottom
+  std::array<std::size_t, 3> order{0, 1, 2};
+  std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) {
+    return corners.y[i] != corners.y[j] ? corners.y[i] < corners.y[j] : corners.x[i] < corners.x[j];
+  });
+  const auto& [first, middle, last] = order;
+
+  const int left = tileColumn * kTilePixels * kAcross;
+  const int right = std::min(left + kTilePixels * kAcross, stride_);
+  const int upper = tileRow * kTilePixels * kAcross;
+  const int lower = std::min(upper + kTilePixels * kAcross, rows_ * kAcross);
+  // a sample belongs to the triangle when its centre does; on an edge it belongs to the right and lower neighbour
+  const int begin = clampedCeil(corners.y[first] - 0.5, upper, lower);
+  const int end = clampedCeil(corners.y[last] - 0.5, upper, lower);
+
+  const auto& v = triangle.corners;
+  const Plane nearness = planeThrough(corners, static_cast<double>(v[0].nearness), static_cast<double>(v[1].nearness),
+                                      static_cast<double>(v[2].nearness));
+  std::array<Plane, 3> channels;
+  bool isPlain = true;
+  for (std::size_t k = 0; k < 3; ++k) {
+    channels[k] = planeThrough(corners, static_cast<double>(v[0].colour[k]), static_cast<double>(v[1].colour[k]),
+                               static_cast<double>(v[2].colour[k]));
+    isPlain = isPlain && channels[k].low == channels[k].high;
+  }
+  const auto colourAt = [&](double x, double y) {
+    std::uint32_t colour = 0xFF000000U;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Plane& c = channels[k];
+      const double value = std::clamp(c.atOrigin + c.alongX * x + c.alongY * y, c.low, c.high);
+      colour |= static_cast<std::uint32_t>(value + 0.5) << (8U * static_cast<unsigned>(k));
+    }
+    return colour;
+  };
+  // texture coordinates, and the size at which the picture is looked at
+  std::array<Plane, 3> place;
+  std::size_t level = 0;
+  if (triangle.texture != nullptr) {
+    place[0] =
+        planeThrough(corners, static_cast<double>(v[0].u), static_cast<double>(v[1].u), static_cast<double>(v[2].u));
+    place[1] =
+        planeThrough(corners, static_cast<double>(v[0].v), static_cast<double>(v[1].v), static_cast<double>(v[2].v));
+    place[2] = planeThrough(corners, static_cast<double>(v[0].share), static_cast<double>(v[1].share),
+                            static_cast<double>(v[2].share));
+    std::array<std::array<double, 2>, 3> uv;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double share = static_cast<double>(v[i].share);
+      uv[i] = {static_cast<double>(v[i].u) / share, static_cast<double>(v[i].v) / share};
+    }
+    const double textureArea =
+        (uv[1][0] - uv[0][0]) * (uv[2][1] - uv[0][1]) - (uv[2][0] - uv[0][0]) * (uv[1][1] - uv[0][1]);
+    level = triangle.texture->levelOf(std::abs(textureArea), std::abs(corners.area));
+    isPlain = false;
+  }
+  // the colour with the texture's at a sample; 0 in a hole
+  const auto wornAt = [&](double x, double y) -> std::uint32_t {
+    const auto value = [&](const Plane& plane) { return plane.atOrigin + plane.alongX * x + plane.alongY * y; };
+    const double share = std::clamp(value(place[2]), place[2].low, place[2].high);
+    const std::array<float, 4> worn =
+        triangle.texture->at(std::clamp(value(place[0]), place[0].low, place[0].high) / share,
+                             std::clamp(value(place[1]), place[1].low, place[1].high) / share, level);
+    if (worn[3] < 0.5F) {
+      return 0;
+    }
+    std::uint32_t colour = 0xFF000000U;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double below = std::clamp(value(channels[k]), channels[k].low, channels[k].high);
+      colour |= static_cast<std::uint32_t>(below * static_cast<double>(worn[k]) + 0.5)
+                << (8U * static_cast<unsigned>(k));
+    }
+    return colour;
+  };
+  const std::uint32_t plainColour = colourAt(corners.x[0], corners.y[0]);
+  const std::uint32_t pattern = mixedBits(triangle.organ) & 15U;
+  const double coverage = static_cast<double>(triangle.opacity) * 16.0;
+  const auto isCovered = [&](int x, int y) {
+    const auto sample = static_cast<std::uint32_t>((y & 3) * 4 + (x & 3));
+    return kOrder[sample ^ pattern] + 0.5 < coverage;
+  };
+
+  // where an edge crosses a row of sample centres; both triangles at an edge compute it alike
+  const auto crossing = [&](std::size_t from, std::size_t to, double y) {
+    const double height = corners.y[to] - corners.y[from];
+    return height > 0.0 ? corners.x[from] + (corners.x[to] - corners.x[from]) * ((y - corners.y[from]) / height)
+                        : corners.x[from];
+  };
+  for (int row = begin; row < end; ++row) {
+    const double y = row + 0.5;
+    double from = crossing(first, last, y);
+    double to = y < corners.y[middle] ? crossing(first, middle, y) : crossing(middle, last, y);
+    if (from > to) {
+      std::swap(from, to);
+    }
+    const int beginX = clampedCeil(from - 0.5, left, right);
+    const int endX = clampedCeil(to - 0.5, left, right);
+    const std::size_t rowStart = static_cast<std::size_t>(row) * static_cast<std::size_t>(stride_);
+    const double rowNearness = nearness.atOrigin + nearness.alongY * y;
+    for (int x = beginX; x < endX; ++x) {
+      const double centre = x + 0.5;
+      const auto near =
+          static_cast<float>(std::clamp(rowNearness + nearness.alongX * centre, nearness.low, nearness.high));
+      const std::size_t at = rowStart + static_cast<std::size_t>(x);
+      if (near < nearness_[at] || (coverage < 16.0 && !isCovered(x, row))) {
+        continue;
+      }
+      const std::uint32_t colour =
+          isPlain ? plainColour : (triangle.texture != nullptr ? wornAt(centre, y) : colourAt(centre, y));
+      if (colour == 0) {
+        continue;
+      }
+      nearness_[at] = near;
+      colours_[at] = colour;
+    }
+  }
+}
+
+void RasterTarget::resolve(int row, const Colour& background, bool isTransparent,
+                           std::span<std::uint8_t> pixels) const {
+  constexpr std::uint32_t kSampleCount = kAcross * kAcross;
+  const std::array<std::uint32_t, 3> page{background.red, background.green, background.blue};
+  for (int column = 0; column < width_; ++column) {
+    std::array<std::uint32_t, 4> sum{};
+    for (int i = 0; i < kAcross; ++i) {
+      const std::size_t at = static_cast<std::size_t>(row * kAcross + i) * static_cast<std::size_t>(stride_) +
+                             static_cast<std::size_t>(column * kAcross);
+      for (std::size_t j = 0; j < kAcross; ++j) {
+        const std::uint32_t colour = colours_[at + j];
+        for (unsigned k = 0; k < 4; ++k) {
+          sum[k] += (colour >> (8U * k)) & 255U;
+        }
+      }
+    }
+    const std::uint32_t drawn = sum[3] / 255U;  // samples
+    std::uint8_t* pixel = &pixels[static_cast<std::size_t>(column) * 4];
+    for (std::size_t k = 0; k < 3; ++k) {
+      // colours are not multiplied by the opacity in a PNG
+      const std::uint32_t divisor = isTransparent ? drawn : kSampleCount;
+      const std::uint32_t total = isTransparent ? sum[k] : sum[k] + (kSampleCount - drawn) * page[k];
+      pixel[k] = static_cast<std::uint8_t>(divisor == 0 ? 0 : (total + divisor / 2) / divisor);
+    }
+    pixel[3] = isTransparent ? static_cast<std::uint8_t>(sum[3] / kSampleCount) : std::uint8_t{255};
+  }
+}
+
+}  // namespace espalier::turtle

@@ -1,0 +1,535 @@
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "engine/core/number_text.h"
+#include "engine/turtle/export/text/mtg.h"
+
+namespace espalier::turtle {
+
+namespace {
+
+constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+constexpr std::uint64_t kLongestSeries = 1'000'000;
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+
+bool isLetter(char c) {
+  return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z');
+}
+
+std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && (text.back() == ' ' || text.back() == '\t' || text.back() == '\r')) {
+    text.remove_suffix(1);
+  }
+  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) {
+    text.remove_prefix(1);
+  }
+  return text;
+}
+
+std::vector<std::string_view> columnsOf(std::string_view line) {
+  std::vector<std::string_view> columns;
+  for (std::size_t begin = 0;;) {
+    const std::size_t end = line.find('\t', begin);
+    columns.push_back(trimmed(line.substr(begin, end == std::string_view::npos ? end : end - begin)));
+    if (end == std::string_view::npos) {
+      return columns;
+    }
+    begin = end + 1;
+  }
+}
+
+std::vector<std::string_view> wordsOf(std::string_view line) {
+  std::vector<std::string_view> words;
+  for (std::size_t at = 0; at < line.size();) {
+    const std::size_t begin = line.find_first_not_of(" \t", at);
+    if (begin == std::string_view::npos) {
+      break;
+    }
+    at = std::min(line.find_first_of(" \t", begin), line.size());
+    words.push_back(line.substr(begin, at - begin));
+  }
+  return words;
+}
+
+/// An entity and what it is joined to.
+struct Vertex {
+  std::string entityClass;
+  int scale = 0;
+  char edge = '/';              // to the parent: < or +; / for the first of its complex
+  std::size_t parent = kNone;   // at the same scale
+  std::size_t complex = kNone;  // the entity of the next coarser scale that it is a part of
+  std::size_t origin = kNone;   // the entity of a finer scale that it grows on, where the file says
+  std::size_t firstPart = kNone;
+  std::uint64_t index = 0;  // behind the class; 0: none
+  std::optional<std::string> text;
+  std::vector<double> numbers;  // of the numeric features in the order of the columns, kUnknown where there is none
+  std::vector<std::size_t> children;
+};
+
+class MtgReader {
+ public:
+  explicit MtgReader(std::string_view text) : text_(text) {}
+  std::variant<MtgStrings, std::string> read();
+
+ private:
+  enum class Section : unsigned char { None, Classes, Description, Features, Graph };
+
+  [[nodiscard]] std::string problem(const std::string& what) const { return std::to_string(line_) + ": " + what; }
+  std::string readLine(std::string_view line);
+  std::string readGraphLine(std::string_view line);
+  std::string readCode(std::string_view code, std::size_t column);
+  std::string readLabel(std::string_view& code, Vertex& vertex) const;
+  std::string join(Vertex& vertex, std::size_t base) const;
+  void joinPart(Vertex& vertex, std::size_t base) const;
+  std::string addSeries(const Vertex& last, std::size_t& base);
+  void add(Vertex vertex);
+  void readFeatures(const std::vector<std::string_view>& columns, Vertex& vertex);
+  [[nodiscard]] std::size_t ancestorAt(std::size_t vertex, int scale) const;
+  [[nodiscard]] std::size_t endOf(std::size_t vertex, int scale) const;
+  void chooseParameters();
+  void appendModule(std::string& text, const Vertex& vertex) const;
+  [[nodiscard]] MtgStrings strings() const;
+  void appendTree(std::string& text, std::size_t root) const;
+
+  std::string_view text_;
+  std::size_t line_ = 0;
+  Section section_ = Section::None;
+  bool hasHeader_ = false;                 // of the section
+  std::map<std::string, int> scales_;      // by class
+  std::map<std::string, bool> isNumeric_;  // by feature
+  std::vector<std::string> features_;      // by column from featureColumn_
+  std::size_t featureColumn_ = kNone;
+  std::vector<Vertex> vertices_;
+  std::map<std::string, std::vector<std::size_t>> parameters_;  // by class: which numbers of a vertex
+  int coarsest_ = std::numeric_limits<int>::max();              // scale above 0 so far
+  std::vector<std::size_t> lastOfColumn_;                       // vertex of the last code in each column
+};
+
+std::string unescaped(std::string_view text) {
+  std::string result;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text.substr(i).starts_with("\\x23")) {
+      result += '#';
+      i += 3;
+    } else if (text.substr(i).starts_with("\\x5c")) {
+      result += '\\';
+      i += 3;
+    } else {
+      result += text[i];
+    }
+  }
+  return result;
+}
+
+std::size_t MtgReader::ancestorAt(std::size_t vertex, int scale) const {
+  while (vertex != kNone && vertices_[vertex].scale > scale) {
+    vertex = vertices_[vertex].complex;
+  }
+  return vertex != kNone && vertices_[vertex].scale == scale ? vertex : kNone;
+}
+
+// where the axis of a vertex's parts of a finer scale ends
+std::size_t MtgReader::endOf(std::size_t vertex, int scale) const {
+  std::size_t at = vertex;
+  while (at != kNone && vertices_[at].scale < scale) {
+    at = vertices_[at].firstPart;
+  }
+  if (at == kNone || vertices_[at].scale != scale) {
+    return kNone;
+  }
+  for (std::size_t next = at; next != kNone;) {
+    at = next;
+    next = kNone;
+    for (const std::size_t child : vertices_[at].children) {
+      if (vertices_[child].edge == '<' && ancestorAt(child, vertices_[vertex].scale) == vertex) {
+        next = child;
+      }
+    }
+  }
+  return at;
+}
+
+// a class of letters and an index of digits
+std::string MtgReader::readLabel(std::string_view& code, Vertex& vertex) const {
+  std::size_t letters = 0;
+  while (letters < code.size() && isLetter(code[letters])) {
+    ++letters;
+  }
+  std::size_t end = letters;
+  while (end < code.size() && code[end] >= '0' && code[end] <= '9') {
+    ++end;
+  }
+  vertex.entityClass = code.substr(0, letters);
+  const auto scale = scales_.find(vertex.entityClass);
+  if (letters == 0) {
+    return problem("expected the class of an entity, found '" + std::string(code.substr(0, 20)) + "'");
+  }
+  if (std::from_chars(code.data() + letters, code.data() + end, vertex.index).ec == std::errc::result_out_of_range) {
+    return problem("the number of '" + std::string(code.substr(0, end)) + "' is too large");
+  }
+  // some programs put the whole scene, which has the scale of `$`, above the plants without declaring it
+  if (scale == scales_.end() && vertex.entityClass == "Scene" && vertices_.empty()) {
+    code.remove_prefix(end);
+    return {};
+  }
+  if (scale == scales_.end()) {
+    return problem("the class '" + vertex.entityClass + "' is not in the section CLASSES");
+  }
+  vertex.scale = scale->second;
+  code.remove_prefix(end);
+  return {};
+}
+
+// a part of what its base belongs to; the first part of a branch grows where its complex does
+void MtgReader::joinPart(Vertex& vertex, std::size_t base) const {
+  // scales may be left out
+  vertex.complex = base;
+  while (vertex.complex != kNone && vertices_[vertex.complex].scale >= vertex.scale) {
+    vertex.complex = vertices_[vertex.complex].complex;
+  }
+  if (vertex.complex == kNone || vertices_[vertex.complex].firstPart != kNone) {
+    return;
+  }
+  const Vertex& complex = vertices_[vertex.complex];
+  if (complex.origin != kNone && vertices_[complex.origin].scale >= vertex.scale) {
+    vertex.parent = ancestorAt(complex.origin, vertex.scale);
+    vertex.origin = vertices_[complex.origin].scale > vertex.scale ? complex.origin : kNone;
+  } else if (complex.parent != kNone) {
+    vertex.parent = endOf(complex.parent, vertex.scale);
+  }
+  vertex.edge = vertex.parent != kNone ? complex.edge : vertex.edge;
+}
+
+std::string MtgReader::join(Vertex& vertex, std::size_t base) const {
+  if (vertex.edge == '/') {
+    joinPart(vertex, base);
+    return {};
+  }
+  if (base == kNone) {
+    return problem(std::string("'") + vertex.edge + vertex.entityClass + "' joins nothing");
+  }
+  const int baseScale = vertices_[base].scale;
+  vertex.parent = baseScale >= vertex.scale ? ancestorAt(base, vertex.scale) : endOf(base, vertex.scale);
+  // some programs write the first part of an entity as if it grew on it
+  if (vertex.parent == kNone && baseScale < vertex.scale) {
+    vertex.edge = '/';
+    joinPart(vertex, base);
+    return {};
+  }
+  if (vertex.parent == kNone) {
+    return problem(std::string("'") + vertex.edge + vertex.entityClass + "' joins nothing of its scale");
+  }
+  vertex.origin = baseScale > vertex.scale ? base : kNone;
+  vertex.complex = vertices_[vertex.parent].complex;
+  return {};
+}
+
+// the entities between the one before and `last`, and `last`: each joined to the one before it as `last` is
+std::string MtgReader::addSeries(const Vertex& last, std::size_t& base) {
+  const std::string name = last.entityClass + std::to_string(last.index);
+  const std::string signs(2, last.edge);
+  if (base == kNone || vertices_[base].entityClass != last.entityClass || vertices_[base].index >= last.index) {
+    return problem("'" + signs + name + "' continues no entity of its class with a smaller number");
+  }
+  if (last.index - vertices_[base].index > kLongestSeries) {
+    return problem("'" + signs + name + "' has more than " + std::to_string(kLongestSeries) + " entities");
+  }
+  for (std::uint64_t index = vertices_[base].index + 1; index <= last.index; ++index) {
+    Vertex vertex = last;
+    vertex.index = index;
+    vertex.parent = base;
+    vertex.complex = vertices_[base].complex;
+    base = vertices_.size();
+    add(std::move(vertex));
+  }
+  return {};
+}
+
+void MtgReader::add(Vertex vertex) {
+  coarsest_ = vertex.scale > 0 ? std::min(coarsest_, vertex.scale) : coarsest_;
+  if (vertex.parent != kNone) {
+    vertices_[vertex.parent].children.push_back(vertices_.size());
+  }
+  if (vertex.complex != kNone && vertices_[vertex.complex].firstPart == kNone) {
+    vertices_[vertex.complex].firstPart = vertices_.size();
+  }
+  vertices_.push_back(std::move(vertex));
+}
+
+std::string MtgReader::readCode(std::string_view code, std::size_t column) {
+  std::size_t base = column > 0 && column - 1 < lastOfColumn_.size() ? lastOfColumn_[column - 1] : kNone;
+  if (code.starts_with('^')) {
+    base = column < lastOfColumn_.size() ? lastOfColumn_[column] : kNone;
+    if (base == kNone) {
+      return problem("'^' follows no entity of its column");
+    }
+    code.remove_prefix(1);
+  }
+  while (!code.empty()) {
+    Vertex vertex;
+    vertex.edge = code.front();
+    if (vertex.edge != '/' && vertex.edge != '<' && vertex.edge != '+') {
+      return problem("expected '/', '<' or '+' before an entity, found '" + std::string(code.substr(0, 20)) + "'");
+    }
+    code.remove_prefix(1);
+    const bool isSeries = vertex.edge != '/' && code.starts_with(vertex.edge);
+    code.remove_prefix(isSeries ? 1 : 0);
+    if (std::string what = readLabel(code, vertex); !what.empty()) {
+      return what;
+    }
+    if (isSeries) {
+      if (std::string what = addSeries(vertex, base); !what.empty()) {
+        return what;
+      }
+      continue;
+    }
+    // in the first column only plants begin without `^`: anything finer goes on with the column, as older files have it
+    const bool goesOn = base == kNone && column == 0 && !lastOfColumn_.empty() && lastOfColumn_[0] != kNone;
+    if (goesOn && vertex.scale > coarsest_) {
+      base = lastOfColumn_[0];
+    }
+    if (std::string what = join(vertex, base); !what.empty()) {
+      return what;
+    }
+    base = vertices_.size();
+    add(std::move(vertex));
+  }
+  lastOfColumn_.resize(column + 1, kNone);
+  lastOfColumn_[column] = base;
+  return {};
+}
+
+void MtgReader::readFeatures(const std::vector<std::string_view>& columns, Vertex& vertex) {
+  vertex.numbers.resize(features_.size(), kUnknown);
+  for (std::size_t i = 0; i < features_.size(); ++i) {
+    const std::size_t column = featureColumn_ + i;
+    const std::string_view value = column < columns.size() ? columns[column] : std::string_view();
+    if (features_[i] == "Text") {
+      vertex.text = unescaped(value);
+    } else if (isNumeric_[features_[i]] && !value.empty()) {
+      double number = 0.0;
+      const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
+      if (error == std::errc() && end == value.data() + value.size() && std::isfinite(number)) {
+        vertex.numbers[i] = number;
+      }
+    }
+  }
+}
+
+std::string MtgReader::readGraphLine(std::string_view line) {
+  const std::vector<std::string_view> columns = columnsOf(line);
+  if (!hasHeader_) {
+    // ENTITY-CODE, then the features in the columns that their values have
+    hasHeader_ = true;
+    for (std::size_t i = 1; i < columns.size(); ++i) {
+      if (featureColumn_ == kNone && !columns[i].empty()) {
+        featureColumn_ = i;
+      }
+      if (featureColumn_ != kNone) {
+        features_.emplace_back(columns[i]);
+      }
+    }
+    return {};
+  }
+  std::size_t column = 0;
+  while (column < columns.size() && columns[column].empty()) {
+    ++column;
+  }
+  if (column >= columns.size() || column >= featureColumn_) {
+    return problem("there is no entity on this line");
+  }
+  // the last entity of its column, observed once more
+  if (columns[column] == "*") {
+    if (column >= lastOfColumn_.size() || lastOfColumn_[column] == kNone) {
+      return problem("'*' follows no entity of its column");
+    }
+    readFeatures(columns, vertices_[lastOfColumn_[column]]);
+    return {};
+  }
+  const std::size_t before = vertices_.size();
+  if (std::string what = readCode(columns[column], column); !what.empty()) {
+    return what;
+  }
+  if (vertices_.size() > before) {
+    readFeatures(columns, vertices_.back());
+  }
+  return {};
+}
+
+std::string MtgReader::readLine(std::string_view line) {
+  const std::string_view content = trimmed(line);
+  const std::vector<std::string_view> words = wordsOf(content);
+  const auto begins = [&](std::string_view name) {
+    return content.starts_with(name) && trimmed(content.substr(name.size())).starts_with(':');
+  };
+  if (begins("CODE")) {
+    return words.back() == "FORM-A" || words.back() == ":FORM-A"
+               ? std::string()
+               : problem("only the form FORM-A is read, not '" + std::string(words.back()) + "'");
+  }
+  constexpr std::pair<std::string_view, Section> kSections[] = {{"CLASSES", Section::Classes},
+                                                                {"DESCRIPTION", Section::Description},
+                                                                {"FEATURES", Section::Features},
+                                                                {"MTG", Section::Graph}};
+  for (const auto& [name, section] : kSections) {
+    if (begins(name)) {
+      section_ = section;
+      hasHeader_ = false;
+      return {};
+    }
+  }
+  if (section_ == Section::Graph) {
+    return readGraphLine(line);
+  }
+  if (!hasHeader_) {
+    hasHeader_ = true;
+    return section_ == Section::None ? problem("expected 'CODE:', 'CLASSES:', 'FEATURES:' or 'MTG:'") : std::string();
+  }
+  if (section_ == Section::Classes && words.size() >= 2) {
+    int scale = 0;
+    const auto [end, error] = std::from_chars(words[1].data(), words[1].data() + words[1].size(), scale);
+    if (error != std::errc() || end != words[1].data() + words[1].size()) {
+      return problem("the scale of class '" + std::string(words[0]) + "' is not a whole number");
+    }
+    scales_[std::string(words[0])] = scale;
+  } else if (section_ == Section::Features && words.size() >= 2) {
+    isNumeric_[std::string(words[0])] = words[1] == "REAL" || words[1] == "INT";
+  }
+  return {};
+}
+
+// which numbers are the parameters of each class of the finest scale
+void MtgReader::chooseParameters() {
+  for (const Vertex& vertex : vertices_) {
+    std::vector<std::size_t>& chosen = parameters_[vertex.entityClass];
+    for (std::size_t i = 0; i < vertex.numbers.size(); ++i) {
+      if (!std::isnan(vertex.numbers[i]) && std::ranges::find(chosen, i) == chosen.end()) {
+        chosen.push_back(i);
+      }
+    }
+  }
+  for (auto& [name, chosen] : parameters_) {
+    std::ranges::sort(chosen);
+  }
+}
+
+void MtgReader::appendModule(std::string& text, const Vertex& vertex) const {
+  text += vertex.text.value_or(vertex.entityClass);
+  const std::vector<std::size_t>& chosen = parameters_.at(vertex.entityClass);
+  if (vertex.text || chosen.empty()) {
+    return;
+  }
+  char separator = '(';
+  for (const std::size_t i : chosen) {
+    text += separator;
+    separator = ',';
+    const double number = i < vertex.numbers.size() ? vertex.numbers[i] : kUnknown;
+    core::appendNumber(text, std::isnan(number) ? 0.0 : number, core::NumberStyle::Shortest);
+  }
+  text += ')';
+}
+
+// a branch that ends, or an entity with what grows on it
+void MtgReader::appendTree(std::string& text, std::size_t root) const {
+  constexpr std::size_t kClose = kNone;
+  std::vector<std::size_t> waiting{root};
+  while (!waiting.empty()) {
+    const std::size_t at = waiting.back();
+    waiting.pop_back();
+    if (at == kClose) {
+      text += ']';
+      continue;
+    }
+    const Vertex& vertex = vertices_[at];
+    if (vertex.edge == '+') {
+      text += '[';
+    }
+    appendModule(text, vertex);
+    // branches first, then what goes on with the axis: the stack takes them in the opposite order
+    std::vector<std::size_t> order;
+    for (const char edge : {'+', '<'}) {
+      for (const std::size_t child : vertex.children) {
+        if (vertices_[child].edge == edge) {
+          order.push_back(child);
+        }
+      }
+    }
+    for (std::size_t i = order.size(); i-- > 0;) {
+      // a branch is closed behind its whole subtree
+      if (vertices_[order[i]].edge == '+') {
+        waiting.push_back(kClose);
+      }
+      waiting.push_back(order[i]);
+    }
+  }
+}
+
+MtgStrings MtgReader::strings() const {
+  int finest = 0;
+  for (const Vertex& vertex : vertices_) {
+    finest = std::max(finest, vertex.scale);
+  }
+  std::map<std::size_t, std::string> byPlant;
+  std::set<std::string> classes;
+  for (std::size_t i = 0; i < vertices_.size(); ++i) {
+    const Vertex& vertex = vertices_[i];
+    if (vertex.scale == finest && vertex.parent == kNone) {
+      const std::size_t plant = coarsest_ >= finest ? 0 : ancestorAt(i, coarsest_);
+      appendTree(byPlant[plant], i);
+    }
+    if (vertex.scale == finest && !vertex.text) {
+      classes.insert(vertex.entityClass);
+    }
+  }
+  MtgStrings result;
+  for (auto& [plant, text] : byPlant) {
+    result.strings.push_back(std::move(text));
+  }
+  for (const std::string& name : classes) {
+    result.modules += (result.modules.empty() ? "" : ", ") + name;
+    char separator = '(';
+    for (const std::size_t i : parameters_.at(name)) {
+      result.modules += separator + features_[i];
+      separator = ',';
+    }
+    result.modules += separator == ',' ? ")" : "";
+  }
+  return result;
+}
+
+std::variant<MtgStrings, std::string> MtgReader::read() {
+  while (!text_.empty()) {
+    const std::size_t end = text_.find('\n');
+    std::string_view line = text_.substr(0, end);
+    text_.remove_prefix(end == std::string_view::npos ? text_.size() : end + 1);
+    ++line_;
+    line = line.substr(0, line.find('#'));
+    if (trimmed(line).empty()) {
+      continue;
+    }
+    if (std::string what = readLine(line); !what.empty()) {
+      return what;
+    }
+  }
+  if (vertices_.empty()) {
+    return problem("the file has no entities: it is no MTG, or ends before its section MTG");
+  }
+  chooseParameters();
+  return strings();
+}
+
+}  // namespace
+
+std::variant<MtgStrings, std::string> readMtg(std::string_view text) {
+  return MtgReader(text).read();
+}
+
+}  // namespace espalier::turtle

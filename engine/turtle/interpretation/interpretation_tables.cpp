@@ -1,0 +1,69 @@
+#include "engine/turtle/interpretation/interpretation_tables.h"
+
+namespace espalier::turtle {
+namespace {
+
+// what a module of the command adds at most
+std::uint8_t addedBy(TurtleCommand command) {
+  using Tables = InterpretationTables;
+  switch (command) {
+    case TurtleCommand::DrawVertex:
+    case TurtleCommand::Draw:
+      return Tables::kSegment | Tables::kRecord;
+    case TurtleCommand::MoveVertex:
+    case TurtleCommand::Move:
+    case TurtleCommand::PolygonEnd:
+    case TurtleCommand::Surface:
+    case TurtleCommand::At:
+    case TurtleCommand::LegacyPosition:
+    case TurtleCommand::Query:
+      return Tables::kRecord;
+    default:
+      return 0;
+  }
+}
+
+InterpretationTables::Role roleFor(const language::Program& program, core::ModuleTypeId type, TurtleCommand command) {
+  using Role = InterpretationTables::Role;
+  if (type == program.openBranch) {
+    return Role::OpenBranch;
+  }
+  if (type == program.closeBranch) {
+    return Role::CloseBranch;
+  }
+  if (type == program.subSystemEnd) {
+    return Role::SystemEnd;
+  }
+  return command == TurtleCommand::Query && program.arity[type] > 0 ? Role::Call : Role::None;
+}
+
+}  // namespace
+
+InterpretationTables::InterpretationTables(const language::Program& program) {
+  const std::size_t typeCount = program.moduleTypeCount();
+  mayExpand.resize(typeCount, 0);
+  for (const language::LSystem& system : program.systems) {
+    for (const language::Production& production : system.homomorphism.productions) {
+      mayExpand[production.predecessor.front().type] = 1;
+      hasImages = true;
+    }
+  }
+  bool hasCalls = program.hasSubSystems;
+  for (std::size_t i = 0; i < typeCount; ++i) {
+    const auto type = static_cast<core::ModuleTypeId>(i);
+    const language::ModuleType& moduleType = program.types[i];
+    const TurtleCommand command = turtle::commandOf(program.symbols[moduleType.symbol].character(), moduleType.arity);
+    commandOf.push_back(command);
+    roleOf.push_back(roleFor(program, type, command));
+    isSkipped.push_back(command == TurtleCommand::None && mayExpand[i] == 0 && roleOf.back() == Role::None ? 1 : 0);
+    adds.push_back(addedBy(command));
+    // `@mc` cuts; no other command after `@` begins with m and has an effect
+    const bool mayCutAfterAt = program.symbols[moduleType.symbol].character() == 'm';
+    hasCut = hasCut || command == TurtleCommand::Cut || mayCutAfterAt;
+    // `$` restores the scale that an earlier `?(id,k)` changed, in whatever branch
+    hasCalls = hasCalls || roleOf.back() == Role::Call || roleOf.back() == Role::SystemEnd;
+  }
+  hasIndependentBranches = !hasImages && !hasCalls;
+}
+
+}  // namespace espalier::turtle

@@ -1,0 +1,108 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "engine/core/identifiers.h"
+#include "engine/turtle/interpretation/interpreter.h"
+#include "engine/turtle/scene/scene.h"
+#include "engine/turtle/turtle_state.h"
+
+namespace espalier::turtle {
+
+/// From here on a record's number names one before the part of a string that it is numbered in: the part's outer record
+/// at the number less kOuterRecord. Outer records are the one that the part's entry has, then those of the branches
+/// that it closes.
+inline constexpr std::uint32_t kOuterRecord = 0x80000000;
+
+/// How the turtle comes to a part of a string and how it leaves it. Where the same modules follow the same turtle
+/// again, the same comes of them, wherever they are in the string.
+struct TurtlePassage {
+  TurtleState entry;                // before it
+  std::vector<TurtleState> closed;  // at the branches open before it that it closes, the innermost first
+  TurtleState exit;                 // after it; records count from the part's first, or are outer ones
+  std::vector<TurtleState> opened;  // at the branches that it leaves open, the outermost first; records as above
+  bool endsString = false;          // nothing was behind it
+  std::uint64_t modules = 0;        // of the part
+  std::uint64_t parameters = 0;     // of its modules
+  std::uint32_t records = 0;        // that it gave
+};
+
+/// What the interpretation of a stretch of a plant's string, of about a hundred modules, gave.
+struct RecordStretch {
+  TurtlePassage passage;
+  std::vector<TurtleRecord> records;  // `module` counts from its first module; `parent` as in the passage
+  std::uint64_t bytes = 0;            // of memory
+};
+
+/// Stretches one after the other, with their modules. Where all of them come again, one look is enough.
+struct RecordGroup {
+  struct Link {
+    std::shared_ptr<const RecordStretch> stretch;
+    std::uint32_t entryHash = 0;    // of the turtle that it begins with (record_chain_builder.cpp)
+    std::uint32_t firstRecord = 0;  // among the group's
+    std::uint32_t firstOuter = 0;   // in `outer`: its outer records
+    std::uint64_t firstModule = 0;  // among the group's
+    std::uint64_t firstOffset = 0;  // among the group's parameters
+  };
+
+  TurtlePassage passage;
+  std::vector<core::ModuleTypeId> types;  // of its modules
+  std::vector<double> parameters;         // of its modules, concatenated
+  std::vector<Link> links;                // at most kMostStretches
+  std::vector<std::uint32_t> outer;       // records that stretches begin with, numbered as in the passage
+  std::uint64_t bytes = 0;                // of memory, its stretches' included
+};
+
+/// The most stretches of a group.
+inline constexpr std::size_t kMostStretches = 64;
+
+/// The turtle records of a simulation as stretches of its strings in groups, both shared with the chains of other steps
+/// that have them too. Never changes.
+struct RecordChain {
+  /// Which of the Programs a plant has, and where it stands.
+  struct Origin {
+    std::uint32_t program = 0;
+    PlantPlacement placement;
+    bool operator==(const Origin&) const = default;
+  };
+  struct Link {
+    std::shared_ptr<const RecordGroup> group;
+    std::uint64_t firstModule = 0;  // in its plant's string
+    std::uint32_t firstRecord = 0;  // among all records
+    std::uint32_t firstOuter = 0;   // in `outer`: its outer records
+  };
+  /// A stretch where it is in the whole.
+  struct Place {
+    const RecordStretch* stretch = nullptr;
+    const RecordGroup* group = nullptr;
+    std::size_t link = 0;           // of `links`
+    std::uint64_t firstModule = 0;  // in its plant's string
+    std::uint32_t firstRecord = 0;  // among all records
+    std::uint32_t firstOuter = 0;   // in the group's `outer`
+  };
+
+  std::vector<std::shared_ptr<const language::Program>> programs;    // that it was made with
+  std::vector<Origin> origins;                                       // by plant
+  std::vector<std::shared_ptr<const derivation::StringMark>> marks;  // of their strings, by plant; null: it is dead
+  std::vector<std::size_t> firstLink{0};                             // by plant (plantCount + 1)
+  std::vector<Link> links;                                           // of all plants, in order
+  std::vector<std::uint32_t> outer;                                  // records that groups begin with, or kNoParent
+  std::uint32_t recordCount = 0;
+  std::uint64_t bytes = 0;  // of memory, as if nothing were shared
+
+  /// The stretches of links [begin, end), in order.
+  [[nodiscard]] std::vector<Place> places(std::size_t begin, std::size_t end) const;
+  /// A record as a stretch numbers it, as it is in the whole; kNoParent stays.
+  [[nodiscard]] std::uint32_t recordOf(const Place& place, std::uint32_t number) const;
+  /// The k-th outer record of a stretch, as it is in the whole.
+  [[nodiscard]] std::uint32_t outerRecordOf(const Place& place, std::size_t k) const;
+};
+
+/// Whether what a module draws depends on the module and on the turtle alone: without homomorphism, or with one that
+/// has neither contexts nor chance nor blocks and reads no variable; without sub-L-systems and `?(id,k)`.
+[[nodiscard]] bool isRepeatable(const language::Program& program);
+
+}  // namespace espalier::turtle

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "engine/derivation/state/module_string.h"
+#include "engine/turtle/interpretation/record_chain.h"
+
+namespace espalier::turtle {
+
+/// Collects stretches that follow each other in a string and makes groups of them, at the end of a chain.
+class RecordGroupMaker {
+ public:
+  /// Both must outlive the object. `string` must have the modules of all stretches.
+  RecordGroupMaker(const derivation::ModuleString& string, RecordChain& chain) : string_(string), chain_(chain) {}
+
+  /// The next stretch; `entryHash` is that of RecordGroup::Link. `outer`: its outer records as they are in the whole.
+  void add(std::shared_ptr<const RecordStretch> stretch, std::uint32_t entryHash, std::span<const std::uint32_t> outer);
+  [[nodiscard]] std::size_t waiting() const { return waiting_.size(); }
+  /// The stretches that wait become a group; nothing when none do.
+  void finish() { makeGroup(waiting_.size()); }
+  /// What follows next in the string is a group that is there already.
+  void pass(const TurtlePassage& passage);
+
+ private:
+  struct Waiting {
+    std::shared_ptr<const RecordStretch> stretch;
+    std::uint32_t entryHash = 0;
+    std::size_t firstOuter = 0;  // in `outer_`
+  };
+
+  void makeGroup(std::size_t stretches);
+
+  const derivation::ModuleString& string_;
+  RecordChain& chain_;
+  std::vector<Waiting> waiting_;
+  std::vector<std::uint32_t> outer_;  // of all that wait, records as they are in the whole
+  // where those that wait begin: in the string, and among all records
+  std::uint64_t module_ = 0;
+  std::uint64_t offset_ = 0;
+};
+
+}  // namespace espalier::turtle

@@ -1,0 +1,323 @@
+#include "environment/competition/colonization.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "engine/core/random.h"
+#include "environment/base/replies.h"
+#include "environment/base/state_bytes.h"
+#include "environment/geometry/spatial_cells.h"
+#include "environment/obstacles/obstacle_scene.h"
+
+namespace espalier::environment {
+
+namespace {
+
+using core::Vec3;
+
+constexpr std::string_view kSummary = "Space that is marked by points, which buds occupy and compete for.";
+constexpr std::array kMarkerBox{-5.0, 0.0, -5.0, 5.0, 10.0, 5.0};
+constexpr double kMostMarkers = 1e7;
+constexpr std::uint64_t kTriesPerMarker = 1000;
+constexpr std::array kKeys{
+    ConfigurationKey{.name = "points",
+                     .kind = KeyKind::Rows,
+                     .description = "markers at given places x, y, z",
+                     .unit = "length",
+                     .minimumCount = 3,
+                     .maximumCount = 3},
+    ConfigurationKey{.name = "markerCount",
+                     .kind = KeyKind::Integer,
+                     .description = "random markers besides",
+                     .minimum = 0.0,
+                     .maximum = kMostMarkers},
+    ConfigurationKey{.name = "markerBox",
+                     .kind = KeyKind::Numbers,
+                     .description = "where the random markers are: the corner with the smallest coordinates and the "
+                                    "opposite one; only in the envelope when solids are given",
+                     .unit = "length",
+                     .defaultNumbers = kMarkerBox,
+                     .minimumCount = 6,
+                     .maximumCount = 6},
+    ConfigurationKey{.name = "occupancyRadius",
+                     .description = "distance up to which a bud or node takes the markers away",
+                     .unit = "length",
+                     .minimum = 0.0,
+                     .defaultNumber = 2.0},
+    ConfigurationKey{.name = "perceptionRadius",
+                     .description = "distance up to which a bud perceives markers",
+                     .unit = "length",
+                     .minimum = 0.0,
+                     .isMinimumExclusive = true,
+                     .defaultNumber = 4.0},
+    ConfigurationKey{.name = "perceptionAngle",
+                     .description = "full angle of the cone around the heading in which a bud perceives markers",
+                     .unit = "degree",
+                     .minimum = 0.0,
+                     .maximum = 360.0,
+                     .defaultNumber = 90.0},
+    kPlanesKey,
+    kBoxesKey,
+    kSpheresKey,
+    kCapsulesKey,
+    kHeightsKey,
+    kHeightsExtentKey,
+    kVerticesKey,
+    kTrianglesKey,
+    kMeshKey,
+    kSceneKey,
+};
+
+class Colonization final : public turtle::EnvironmentProcess {
+ public:
+  Colonization(ObstacleScene envelope, const Configuration& configuration)
+      : envelope_(std::move(envelope)),
+        markerCount_(static_cast<std::size_t>(configuration.integer("markerCount"))),
+        occupancyRadius_(configuration.number("occupancyRadius")),
+        perceptionRadius_(configuration.number("perceptionRadius")),
+        // half of the cone's angle; a full sphere has no cosine to fall below
+        leastCosine_(configuration.number("perceptionAngle") >= 360.0
+                         ? -2.0
+                         : std::cos(configuration.number("perceptionAngle") * 0.5 * 0.017453292519943295)) {
+    for (const auto& row : configuration.rows("points")) {
+      givenMarkers_.push_back({row[0], row[1], row[2]});
+    }
+    const auto& box = configuration.numbers("markerBox");
+    box_ = {{box[0], box[1], box[2]}, {box[3], box[4], box[5]}};
+  }
+
+  [[nodiscard]] turtle::EnvironmentDescription describe() const override {
+    return {.name = "colonization",
+            .summary = std::string(kSummary),
+            .needs = {.position = true, .heading = true, .parameters = true},
+            .inputs = {{"isBud", "1", ""}},
+            .outputs = {{"spaceQuality", "1", ""},
+                        {"directionX", "1", ""},
+                        {"directionY", "1", ""},
+                        {"directionZ", "1", ""},
+                        {"markerCount", "1", ""}},
+            .isStateful = true};
+  }
+
+  [[nodiscard]] std::optional<turtle::EnvironmentError> open(const turtle::EnvironmentContext& context) override {
+    std::vector<Vec3> markers = givenMarkers_;
+    // points of the box that lie in the envelope, tried in order: a pure function of the seed
+    const core::CounterRandom random(context.seed, 0);
+    const auto tries = static_cast<std::uint64_t>(markerCount_) * kTriesPerMarker;
+    const bool isEverywhere = envelope_.isEmpty();
+    for (std::uint64_t i = 0; i < tries && markers.size() < givenMarkers_.size() + markerCount_; ++i) {
+      const auto between = [&](double low, double high, std::uint32_t draw) {
+        return low + (high - low) * random.uniform(core::DrawDomain::Environment, 0, i, draw);
+      };
+      const Vec3 point{between(box_.low.x, box_.high.x, 0), between(box_.low.y, box_.high.y, 1),
+                       between(box_.low.z, box_.high.z, 2)};
+      if (isEverywhere || envelope_.isInside(point)) {
+        markers.push_back(point);
+      }
+    }
+    if (markers.size() < givenMarkers_.size() + markerCount_) {
+      return turtle::EnvironmentError{
+          "Environment 'colonization' finds hardly any place for its markers: less than a thousandth of 'markerBox' "
+          "lies "
+          "in the envelope. Put the box close around the solids.",
+          false};
+    }
+    lengthUnit_ = context.world.lengthUnit;
+    markers_ = std::move(markers);
+    isFree_.assign(markers_.size(), 1);
+    nearest_.assign(markers_.size(), 0.0);
+    cells_.emplace(markers_, std::max(occupancyRadius_, perceptionRadius_));
+    return std::nullopt;
+  }
+
+  [[nodiscard]] std::optional<turtle::EnvironmentError> step(const turtle::QueryBatch& queries,
+                                                             turtle::ReplyBatch& replies) override {
+    if (givenMarkers_.empty() && markerCount_ == 0 && queries.size() > 0) {
+      return turtle::EnvironmentError{
+          "Environment 'colonization' has no markers, so no bud would find space. Give 'points', or a 'markerCount' "
+          "and "
+          "the 'markerBox' to spread them in.",
+          false};
+    }
+    // everything that is there occupies its space
+    for (const Vec3& place : queries.position) {
+      visitWithin(place, occupancyRadius_, [&](std::uint32_t marker, double) { isFree_[marker] = 0; });
+    }
+    // how far the nearest bud is from each marker that is left
+    std::fill(nearest_.begin(), nearest_.end(), std::numeric_limits<double>::infinity());
+    for (std::size_t query = 0; query < queries.size(); ++query) {
+      if (isBud(queries, query)) {
+        visitPerceived(queries, query, [&](std::uint32_t marker, double squared) {
+          nearest_[marker] = std::min(nearest_[marker], squared);
+        });
+      }
+    }
+    for (std::size_t query = 0; query < queries.size(); ++query) {
+      answer(queries, query, replies);
+    }
+    countAnswers(queries, replies);
+    return std::nullopt;
+  }
+
+  [[nodiscard]] std::string save() const override {
+    StateWriter writer;
+    writer.integer(isFree_.size());
+    for (std::size_t begin = 0; begin < isFree_.size(); begin += 64) {
+      std::uint64_t word = 0;
+      for (std::size_t i = begin; i < std::min(begin + 64, isFree_.size()); ++i) {
+        word |= static_cast<std::uint64_t>(isFree_[i]) << (i - begin);
+      }
+      writer.integer(word);
+    }
+    return writer.take();
+  }
+
+  [[nodiscard]] std::optional<turtle::EnvironmentError> restore(std::string_view state) override {
+    StateReader reader(state);
+    std::vector<std::uint8_t> isFree;
+    const bool isOfThisSize = reader.integer() == isFree_.size();
+    while (isOfThisSize && isFree.size() < isFree_.size()) {
+      const std::uint64_t word = reader.integer();
+      const std::size_t left = std::min<std::size_t>(isFree_.size() - isFree.size(), 64);
+      for (std::size_t i = 0; i < left; ++i) {
+        isFree.push_back(static_cast<std::uint8_t>((word >> i) & 1U));
+      }
+    }
+    if (!isOfThisSize || !reader.isComplete()) {
+      return turtle::EnvironmentError{
+          "The saved state of environment 'colonization' is damaged or of another number of markers. Use a snapshot "
+          "that "
+          "is complete and was made with this configuration.",
+          false};
+    }
+    isFree_ = std::move(isFree);
+    return std::nullopt;
+  }
+
+ private:
+  [[nodiscard]] static bool isBud(const turtle::QueryBatch& queries, std::size_t query) {
+    const auto parameters = queries.parametersOf(query);
+    return !parameters.empty() && parameters[0] > 0.0;
+  }
+
+  /// Calls `visit(marker, squared distance)` for the free markers within a radius, in the order of cells and markers.
+  template <typename Visit>
+  void visitWithin(const Vec3& place, double radius, const Visit& visit) const {
+    const CellIndex low = cells_->cellOf({place.x - radius, place.y - radius, place.z - radius});
+    const CellIndex high = cells_->cellOf({place.x + radius, place.y + radius, place.z + radius});
+    for (std::int64_t x = low.x; x <= high.x; ++x) {
+      for (std::int64_t y = low.y; y <= high.y; ++y) {
+        const CellIndex last{x, y, high.z};
+        for (std::size_t cell = firstFrom({x, y, low.z}); cell < cells_->cellCount() && cells_->cell(cell) <= last;
+             ++cell) {
+          for (const std::uint32_t marker : cells_->pointsIn(cell)) {
+            const Vec3 offset = markers_[marker] - place;
+            const double squared = core::dot(offset, offset);
+            if (isFree_[marker] != 0 && squared <= radius * radius) {
+              visit(marker, squared);
+            }
+          }
+        }
+      }
+    }
+  }
+
+  /// The same for the free markers that a bud perceives.
+  template <typename Visit>
+  void visitPerceived(const turtle::QueryBatch& queries, std::size_t bud, const Visit& visit) const {
+    const Vec3& place = queries.position[bud];
+    const Vec3& heading = queries.heading[bud];
+    visitWithin(place, perceptionRadius_, [&](std::uint32_t marker, double squared) {
+      if (core::dot(markers_[marker] - place, heading) >= leastCosine_ * std::sqrt(squared)) {
+        visit(marker, squared);
+      }
+    });
+  }
+
+  /// Number of the first occupied cell that does not come before this one.
+  [[nodiscard]] std::size_t firstFrom(const CellIndex& cell) const {
+    std::size_t low = 0;
+    std::size_t high = cells_->cellCount();
+    while (low < high) {
+      const std::size_t middle = low + (high - low) / 2;
+      if (cells_->cell(middle) < cell) {
+        low = middle + 1;
+      } else {
+        high = middle;
+      }
+    }
+    return low;
+  }
+
+  void answer(const turtle::QueryBatch& queries, std::size_t query, turtle::ReplyBatch& replies) const {
+    const std::size_t parameterCount = queries.parametersOf(query).size();
+    if (parameterCount == 0) {
+      return;
+    }
+    Vec3 sum;
+    double own = 0.0;
+    if (isBud(queries, query)) {
+      visitPerceived(queries, query, [&](std::uint32_t marker, double squared) {
+        if (squared == nearest_[marker]) {
+          sum = sum + core::normalised(markers_[marker] - queries.position[query]);
+          own += 1.0;
+        }
+      });
+    }
+    // vectors that cancel leave rounding only
+    const Vec3 direction = core::length(sum) > 1e-9 * own ? core::normalised(sum) : Vec3{};
+    const std::array<double, 5> values{own > 0.0 ? 1.0 : 0.0, direction.x, direction.y, direction.z, own};
+    for (std::size_t k = 0; k < std::min(parameterCount, values.size()); ++k) {
+      replies.set(queries, query, k, values[k]);
+    }
+  }
+
+  ObstacleScene envelope_;
+  std::vector<Vec3> givenMarkers_;
+  Bounds box_;
+  std::size_t markerCount_;  // random ones
+  double occupancyRadius_;
+  double perceptionRadius_;
+  double leastCosine_;  // of the angle between heading and marker
+  std::string lengthUnit_ = "m";
+  std::vector<Vec3> markers_;
+  std::vector<std::uint8_t> isFree_;  // (markers)
+  std::vector<double> nearest_;       // squared distance of the nearest bud, in a step (markers)
+  std::optional<SpatialCells> cells_;
+};
+
+ProcessOrErrors makeColonization(const Configuration& configuration) {
+  auto read = readObstacles("colonization", configuration);
+  if (auto* errors = std::get_if<std::vector<core::Diagnostic>>(&read)) {
+    return std::move(*errors);
+  }
+  const auto& box = configuration.numbers("markerBox");
+  if (box[0] > box[3] || box[1] > box[4] || box[2] > box[5]) {
+    core::Diagnostic diagnostic;
+    diagnostic.message = "environment process 'colonization': 'markerBox' has a first corner beyond the second";
+    diagnostic.hint = "write the smallest x, y, z, then the largest x, y, z";
+    return std::vector{diagnostic};
+  }
+  return std::make_unique<Colonization>(ObstacleScene(std::get<ObstacleScene::Content>(std::move(read))),
+                                        configuration);
+}
+
+}  // namespace
+
+constinit const ProcessEntry kColonizationProcess{
+    .name = "colonization",
+    .summary = kSummary,
+    .source =
+        "Runions, Lane & Prusinkiewicz 2007, Modeling trees with a space colonization algorithm; Palubicki et al. "
+        "2009, Self-organizing tree models for image synthesis",
+    .aliases = {},
+    .keys = kKeys,
+    .fieldKeywords = {},
+    .make = makeColonization};
+
+}  // namespace espalier::environment

@@ -1,0 +1,103 @@
+#include "environment/competition/ornament.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "environment/base/replies.h"
+#include "environment/geometry/raster.h"
+
+namespace espalier::environment {
+
+namespace {
+
+constexpr std::string_view kSummary = "Counts objects stamped on a raster, which is empty again in every step.";
+constexpr std::array kKeys{
+    kRasterSizeKey,
+    kRasterRangeKey,
+    kRasterPositionKey,
+    kRasterPlaneKey,
+    kRasterLightKey,
+    kRasterSecondKey,
+    ConfigurationKey{.name = "compatible", .kind = KeyKind::Boolean, .description = "the published program's shape"},
+};
+constexpr std::array kFieldKeywords{
+    kRasterSizeKeyword, kRasterRangeKeyword, kRasterPositionKeyword, kRasterImageKeyword, kRasterUpKeyword,
+};
+
+class Ornament final : public turtle::EnvironmentProcess {
+ public:
+  explicit Ornament(const Configuration& configuration)
+      : raster_(configuration), isCompatible_(configuration.flag("compatible")), counts_(raster_.cellCount(), 0) {}
+
+  [[nodiscard]] turtle::EnvironmentDescription describe() const override {
+    return {.name = "ornament",
+            .summary = std::string(kSummary),
+            .needs = {.position = true, .parameters = true},
+            .inputs = {{"unused", "1", ""}, {"radius", lengthUnit_, ""}},
+            .outputs = {{"objects", "1", ""}, {"light", "1", ""}},
+            .isStateful = false};
+  }
+
+  [[nodiscard]] std::optional<turtle::EnvironmentError> open(const turtle::EnvironmentContext& context) override {
+    lengthUnit_ = context.world.lengthUnit;
+    return std::nullopt;
+  }
+
+  [[nodiscard]] std::optional<turtle::EnvironmentError> step(const turtle::QueryBatch& queries,
+                                                             turtle::ReplyBatch& replies) override {
+    // the cells touched in the step before are emptied, not the whole raster
+    for (const std::size_t cell : touched_) {
+      counts_[cell] = 0;
+    }
+    touched_.clear();
+    for (std::size_t query = 0; query < queries.size(); ++query) {
+      const auto parameters = queries.parametersOf(query);
+      if (parameters.size() > 1 && parameters[1] > 0.0) {
+        raster_.forEachCellOfDisc(queries.position[query], parameters[1], isCompatible_, [&](std::size_t cell) {
+          if (counts_[cell]++ == 0) {
+            touched_.push_back(cell);
+          }
+        });
+      }
+    }
+    for (std::size_t query = 0; query < queries.size(); ++query) {
+      const auto parameters = queries.parametersOf(query);
+      if (parameters.size() < 2) {
+        continue;
+      }
+      const auto cell = raster_.cellOf(queries.position[query]);
+      replies.set(queries, query, 0, cell ? static_cast<double>(counts_[*cell]) : 0.0);
+      replies.set(queries, query, 1, cell ? raster_.lightOf(*cell) : 0.0);
+    }
+    countAnswers(queries, replies);
+    return std::nullopt;
+  }
+
+ private:
+  Raster raster_;
+  bool isCompatible_;
+  std::vector<std::uint32_t> counts_;  // objects over a cell (cellCount)
+  std::vector<std::size_t> touched_;   // cells that are not 0
+  std::string lengthUnit_ = "m";
+};
+
+}  // namespace
+
+constinit const ProcessEntry kOrnamentProcess{.name = "ornament",
+                                              .summary = kSummary,
+                                              .source = "the published program ornament",
+                                              .aliases = {},
+                                              .keys = kKeys,
+                                              .fieldKeywords = kFieldKeywords,
+                                              .make = [](const Configuration& configuration) -> ProcessOrErrors {
+                                                if (auto problems = Raster::problemsOf("ornament", configuration);
+                                                    !problems.empty()) {
+                                                  return problems;
+                                                }
+                                                return std::make_unique<Ornament>(configuration);
+                                              }};
+
+}  // namespace espalier::environment

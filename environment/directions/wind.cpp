@@ -1,0 +1,197 @@
+#include "environment/directions/wind.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "environment/directions/direction_reply.h"
+
+namespace espalier::environment {
+
+namespace {
+
+using core::Vec3;
+
+constexpr std::string_view kSummary = "The velocity of the air, constant or by height above the ground.";
+constexpr std::array kEast{1.0, 0.0, 0.0};
+constexpr std::array<std::string_view, 4> kProfiles{"constant", "logarithmic", "power", "table"};
+constexpr std::array kKeys{
+    ConfigurationKey{.name = "direction",
+                     .kind = KeyKind::Numbers,
+                     .description = "x, y, z of the direction in which the wind blows, of any length but 0",
+                     .defaultNumbers = kEast,
+                     .minimumCount = 3,
+                     .maximumCount = 3},
+    ConfigurationKey{.name = "speed",
+                     .description = "speed, at the reference height if there is a profile",
+                     .unit = "length/s",
+                     .minimum = 0.0,
+                     .defaultNumber = 1.0},
+    ConfigurationKey{.name = "profile",
+                     .kind = KeyKind::Choice,
+                     .description = "how the speed changes with height",
+                     .defaultText = "constant",
+                     .choices = kProfiles},
+    ConfigurationKey{.name = "groundHeight", .description = "of the ground along the world's up", .unit = "length"},
+    ConfigurationKey{.name = "referenceHeight",
+                     .description = "height above the ground at which the speed is known",
+                     .unit = "length",
+                     .minimum = 0.0,
+                     .isMinimumExclusive = true,
+                     .defaultNumber = 10.0},
+    ConfigurationKey{.name = "roughness",
+                     .description = "z0 of the logarithmic profile",
+                     .unit = "length",
+                     .minimum = 0.0,
+                     .isMinimumExclusive = true,
+                     .defaultNumber = 0.1},
+    ConfigurationKey{.name = "displacement",
+                     .description = "d of the logarithmic profile, about two thirds of a canopy's height",
+                     .unit = "length",
+                     .minimum = 0.0},
+    ConfigurationKey{.name = "exponent",
+                     .description = "of the power profile",
+                     .minimum = 0.0,
+                     .maximum = 2.0,
+                     .defaultNumber = 0.143},
+    ConfigurationKey{.name = "heights",
+                     .kind = KeyKind::Numbers,
+                     .description = "ascending heights above the ground of the table profile",
+                     .unit = "length"},
+    ConfigurationKey{.name = "speeds",
+                     .kind = KeyKind::Numbers,
+                     .description = "speeds at the heights of the table profile",
+                     .unit = "length/s",
+                     .minimum = 0.0},
+};
+
+core::Diagnostic errorOf(const std::string& message, const std::string& hint) {
+  core::Diagnostic diagnostic;
+  diagnostic.message = "environment process 'wind': " + message;
+  diagnostic.hint = hint;
+  return diagnostic;
+}
+
+enum class Profile : std::uint8_t { Constant, Logarithmic, Power, Table };
+
+class Wind final : public turtle::EnvironmentProcess {
+ public:
+  explicit Wind(const Configuration& c)
+      : direction_(core::normalised({c.numbers("direction")[0], c.numbers("direction")[1], c.numbers("direction")[2]})),
+        speed_(c.number("speed")),
+        ground_(c.number("groundHeight")),
+        reference_(c.number("referenceHeight")),
+        roughness_(c.number("roughness")),
+        displacement_(c.number("displacement")),
+        exponent_(c.number("exponent")),
+        heights_(c.numbers("heights")),
+        speeds_(c.numbers("speeds")) {
+    const auto chosen = std::find(kProfiles.begin(), kProfiles.end(), c.text("profile"));
+    profile_ = static_cast<Profile>(chosen - kProfiles.begin());
+  }
+
+  [[nodiscard]] turtle::EnvironmentDescription describe() const override {
+    return {.name = "wind",
+            .summary = std::string(kSummary),
+            .needs = {.position = true},
+            .inputs = {},
+            .outputs = vectorOutputs("velocity", lengthUnit_ + "/s"),
+            .isStateful = false};
+  }
+
+  [[nodiscard]] std::optional<turtle::EnvironmentError> open(const turtle::EnvironmentContext& context) override {
+    if (!(core::length(context.world.up) > 0.0)) {
+      return turtle::EnvironmentError{
+          "Environment 'wind' needs to know where up is: the world's vector 'up' has no length. Set it to 0 1 0.",
+          false};
+    }
+    up_ = core::normalised(context.world.up);
+    lengthUnit_ = context.world.lengthUnit;
+    return std::nullopt;
+  }
+
+  [[nodiscard]] std::optional<turtle::EnvironmentError> step(const turtle::QueryBatch& queries,
+                                                             turtle::ReplyBatch& replies) override {
+    replyVectors(queries, replies,
+                 [this](const Vec3& place) { return direction_ * speedAt(core::dot(place, up_) - ground_); });
+    return std::nullopt;
+  }
+
+ private:
+  [[nodiscard]] double speedAt(double height) const {
+    switch (profile_) {
+      case Profile::Constant:
+        return speed_;
+      case Profile::Logarithmic:
+        return height <= displacement_ + roughness_ ? 0.0
+                                                    : speed_ * std::log((height - displacement_) / roughness_) /
+                                                          std::log((reference_ - displacement_) / roughness_);
+      case Profile::Power:
+        return height <= 0.0 ? 0.0 : speed_ * std::pow(height / reference_, exponent_);
+      case Profile::Table:
+        break;
+    }
+    const auto above = std::upper_bound(heights_.begin(), heights_.end(), height);
+    if (above == heights_.begin()) {
+      return speeds_.front();
+    }
+    if (above == heights_.end()) {
+      return speeds_.back();
+    }
+    const auto i = static_cast<std::size_t>(above - heights_.begin());
+    const double part = (height - heights_[i - 1]) / (heights_[i] - heights_[i - 1]);
+    return speeds_[i - 1] + part * (speeds_[i] - speeds_[i - 1]);
+  }
+
+  Vec3 direction_;
+  double speed_;
+  Profile profile_ = Profile::Constant;
+  double ground_;
+  double reference_;
+  double roughness_;
+  double displacement_;
+  double exponent_;
+  std::vector<double> heights_;  // ascending
+  std::vector<double> speeds_;   // as many
+  Vec3 up_{0.0, 1.0, 0.0};
+  std::string lengthUnit_ = "m";
+};
+
+ProcessOrErrors makeWind(const Configuration& configuration) {
+  if (!givenVector(configuration, "direction")) {
+    return std::vector{wrongDirection("wind", "direction")};
+  }
+  const auto& heights = configuration.numbers("heights");
+  const auto& speeds = configuration.numbers("speeds");
+  if (configuration.text("profile") == "logarithmic" &&
+      configuration.number("referenceHeight") <=
+          configuration.number("displacement") + configuration.number("roughness")) {
+    return std::vector{errorOf("'referenceHeight' must be above displacement + roughness, where the wind begins",
+                               "the usual reference height is 10 m")};
+  }
+  if (configuration.text("profile") == "table") {
+    if (heights.empty() || heights.size() != speeds.size()) {
+      return std::vector{errorOf(
+          "there are " + std::to_string(heights.size()) + " heights and " + std::to_string(speeds.size()) + " speeds",
+          "the table profile needs one speed for each of at least one height")};
+    }
+    if (std::adjacent_find(heights.begin(), heights.end(), [](double a, double b) { return a >= b; }) !=
+        heights.end()) {
+      return std::vector{errorOf("'heights' must be ascending", "sort them, each with its speed")};
+    }
+  }
+  return std::make_unique<Wind>(configuration);
+}
+
+}  // namespace
+
+constinit const ProcessEntry kWindProcess{.name = "wind",
+                                          .summary = kSummary,
+                                          .source = "Monteith & Unsworth 1990, Principles of Environmental Physics",
+                                          .aliases = {},
+                                          .keys = kKeys,
+                                          .fieldKeywords = {},
+                                          .make = makeWind};
+
+}  // namespace espalier::environment

@@ -1,0 +1,185 @@
+#include "environment/light/clover.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <optional>
+#include <vector>
+
+#include "environment/base/replies.h"
+#include "environment/base/state_bytes.h"
+#include "environment/geometry/raster.h"
+
+namespace espalier::environment {
+
+namespace {
+
+constexpr std::string_view kSummary = "Light from above on a raster that leaf discs shade.";
+constexpr std::array<std::string_view, 2> kYesOrOn{"yes", "on"};
+constexpr std::array kKeys{
+    kRasterSizeKey,
+    kRasterRangeKey,
+    kRasterPositionKey,
+    kRasterPlaneKey,
+    kRasterLightKey,
+    kRasterSecondKey,
+    ConfigurationKey{.name = "transmittance",
+                     .description = "part of the light that passes a leaf",
+                     .minimum = 0.0,
+                     .maximum = 1.0,
+                     .defaultNumber = 0.6},
+    ConfigurationKey{.name = "removeOldLeaves",
+                     .kind = KeyKind::Boolean,
+                     .description = "forget all leaves at the beginning of every step with queries"},
+    ConfigurationKey{.name = "compatible",
+                     .kind = KeyKind::Boolean,
+                     .description = "the published program's leaf shape and counts within 0 and 255"},
+};
+constexpr std::array kFieldKeywords{
+    kRasterSizeKeyword,
+    kRasterRangeKeyword,
+    kRasterPositionKeyword,
+    kRasterImageKeyword,
+    kRasterUpKeyword,
+    FieldKeyword{.keyword = "transmittance", .key = "transmittance"},
+    FieldKeyword{
+        .keyword = "remove old leaves", .kind = FieldKind::Switch, .key = "removeOldLeaves", .onWords = kYesOrOn},
+};
+
+class Clover final : public turtle::EnvironmentProcess {
+ public:
+  explicit Clover(const Configuration& configuration)
+      : raster_(configuration),
+        transmittance_(configuration.number("transmittance")),
+        forgets_(configuration.flag("removeOldLeaves")),
+        isCompatible_(configuration.flag("compatible")),
+        leaves_(raster_.cellCount(), 0) {}
+
+  [[nodiscard]] turtle::EnvironmentDescription describe() const override {
+    return {.name = "clover",
+            .summary = std::string(kSummary),
+            .needs = {.position = true, .parameters = true},
+            .inputs = {{"action", "1", ""}, {"leafArea", lengthUnit_ + "^2", ""}},
+            .outputs = {{"light", "1", ""}, {"second", "1", ""}},
+            .isStateful = true};
+  }
+
+  [[nodiscard]] std::optional<turtle::EnvironmentError> open(const turtle::EnvironmentContext& context) override {
+    lengthUnit_ = context.world.lengthUnit;
+    std::fill(leaves_.begin(), leaves_.end(), 0);
+    return std::nullopt;
+  }
+
+  [[nodiscard]] std::optional<turtle::EnvironmentError> step(const turtle::QueryBatch& queries,
+                                                             turtle::ReplyBatch& replies) override {
+    if (forgets_ && queries.size() > 0) {
+      std::fill(leaves_.begin(), leaves_.end(), 0);
+    }
+    // all leaves first, then all answers
+    for (std::size_t query = 0; query < queries.size(); ++query) {
+      const auto parameters = queries.parametersOf(query);
+      if (parameters.size() > 1 && parameters[0] != 0.0) {
+        stamp(queries.position[query], parameters[1], parameters[0] == 1.0 ? 1 : -1);
+      }
+    }
+    for (std::size_t query = 0; query < queries.size(); ++query) {
+      const auto parameters = queries.parametersOf(query);
+      if (parameters.size() == 1 || (parameters.size() > 1 && parameters[0] == 0.0)) {
+        answer(queries, query, replies);
+      }
+    }
+    countAnswers(queries, replies);
+    return std::nullopt;
+  }
+
+  [[nodiscard]] std::string save() const override {
+    // runs of equal counts
+    StateWriter writer;
+    for (std::size_t begin = 0; begin < leaves_.size();) {
+      std::size_t end = begin;
+      while (end < leaves_.size() && leaves_[end] == leaves_[begin]) {
+        ++end;
+      }
+      writer.integer(end - begin);
+      writer.integer(static_cast<std::uint64_t>(static_cast<std::int64_t>(leaves_[begin])));
+      begin = end;
+    }
+    return writer.take();
+  }
+
+  [[nodiscard]] std::optional<turtle::EnvironmentError> restore(std::string_view state) override {
+    StateReader reader(state);
+    std::vector<std::int32_t> leaves;
+    while (reader.isIntact() && leaves.size() < leaves_.size()) {
+      const std::uint64_t count = reader.integer();
+      const auto value = static_cast<std::int32_t>(static_cast<std::int64_t>(reader.integer()));
+      if (count == 0 || count > leaves_.size() - leaves.size()) {
+        break;
+      }
+      leaves.insert(leaves.end(), static_cast<std::size_t>(count), value);
+    }
+    if (!reader.isComplete() || leaves.size() != leaves_.size()) {
+      return turtle::EnvironmentError{
+          "The saved state of environment 'clover' is damaged or of a raster of another size. Use a snapshot that is "
+          "complete and was made with this configuration.",
+          false};
+    }
+    leaves_ = std::move(leaves);
+    return std::nullopt;
+  }
+
+ private:
+  void stamp(const core::Vec3& centre, double area, std::int32_t change) {
+    if (!(area > 0.0)) {
+      return;
+    }
+    raster_.forEachCellOfDisc(centre, std::sqrt(area / std::numbers::pi), isCompatible_, [&](std::size_t cell) {
+      std::int32_t& count = leaves_[cell];
+      count += change;
+      if (isCompatible_) {
+        count = std::clamp(count, 0, 255);
+      }
+    });
+  }
+
+  void answer(const turtle::QueryBatch& queries, std::size_t query, turtle::ReplyBatch& replies) const {
+    const auto cell = raster_.cellOf(queries.position[query]);
+    double light = 0.0;
+    double second = 0.0;
+    if (cell) {
+      light = raster_.lightOf(*cell) / 255.0 * std::pow(transmittance_, std::max(leaves_[*cell], 0));
+      second = raster_.secondOf(*cell) / 128.0;
+    }
+    replies.set(queries, query, 0, light);
+    if (queries.parametersOf(query).size() > 1) {
+      replies.set(queries, query, 1, second);
+    }
+  }
+
+  Raster raster_;
+  double transmittance_;
+  bool forgets_;
+  bool isCompatible_;
+  std::vector<std::int32_t> leaves_;  // leaves over a cell (cellCount)
+  std::string lengthUnit_ = "m";
+};
+
+}  // namespace
+
+constinit const ProcessEntry kCloverProcess{
+    .name = "clover",
+    .summary = kSummary,
+    .source = "the published program clover; Bell 1986, The simulation of branching patterns in modular organisms",
+    .aliases = {},
+    .keys = kKeys,
+    .fieldKeywords = kFieldKeywords,
+    .make = [](const Configuration& configuration) -> ProcessOrErrors {
+      if (auto problems = Raster::problemsOf("clover", configuration); !problems.empty()) {
+        return problems;
+      }
+      return std::make_unique<Clover>(configuration);
+    }};
+
+}  // namespace espalier::environment

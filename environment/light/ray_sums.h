@@ -1,0 +1,132 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "environment/geometry/sphere_tree.h"
+
+namespace espalier::environment {
+
+/// Sums over the spheres that each of many rays meets, kept from one set of spheres to the next. Amounts are whole
+/// numbers, so a sum does not depend on the order of its parts, and when few spheres came or went only these are asked
+/// for along the rays of all that stayed: the sums are those that a new beginning would give, bit by bit.
+class RaySums {
+ public:
+  /// Of a ray whose sum is beyond the limit.
+  static constexpr std::int64_t kBeyond = std::numeric_limits<std::int64_t>::max();
+  /// Largest limit.
+  static constexpr std::int64_t kMostLimit = std::int64_t{1} << 62;
+
+  /// What the rays are and what a sphere adds; the same from one update to the next.
+  template <typename RayOf, typename MarginOf, typename AmountOf>
+  struct Rays {
+    std::size_t count;   // from every sphere
+    std::int64_t limit;  // 0 … kMostLimit; a sum beyond it is kBeyond
+    RayOf rayOf;         // (sphere, k) → Ray
+    MarginOf marginOf;   // (sphere) → by how much boxes of spheres are enlarged for its rays
+    AmountOf amountOf;  // (own, other, ray) → whole number, at least 0; other spheres with the same numbers count, too
+  };
+
+  template <typename RayOf, typename MarginOf, typename AmountOf>
+  Rays(std::size_t, std::int64_t, RayOf, MarginOf, AmountOf) -> Rays<RayOf, MarginOf, AmountOf>;
+
+  /// Calls `visit(index, sums)` for every sphere of `now` with the sums along its rays (std::span, by ray). O(n · rays
+  /// · (log n + spheres met)); when c spheres came or went since the last update, O(n log n + n · rays · (log c +
+  /// changed spheres met) + c · rays · (log n + spheres met)).
+  template <typename RayOf, typename MarginOf, typename AmountOf, typename Visit>
+  void update(const DistinctSpheres& now, const Rays<RayOf, MarginOf, AmountOf>& rays, const Visit& visit);
+  /// Forgets everything: the next update begins anew. Needed when `rays` are to be others.
+  void clear();
+
+ private:
+  static constexpr std::uint32_t kNew = 0xFFFFFFFFU;
+  static constexpr std::size_t kMostKept = std::size_t{1} << 25;  // sums: 256 MB
+  static constexpr std::size_t kFewChanges = 4;                   // fewer than one of so many spheres
+
+  struct Change {
+    std::vector<Sphere> spheres;        // whose number is another than before
+    std::vector<std::int64_t> more;     // by how many, negative: fewer
+    std::vector<std::uint32_t> before;  // index before, by sphere of `now`; kNew: it was not there
+  };
+  [[nodiscard]] std::optional<Change> changeTo(const DistinctSpheres& now) const;
+
+  DistinctSpheres last_;
+  std::vector<std::int64_t> sums_;  // by sphere of last_ and ray; empty: nothing is kept
+};
+
+template <typename RayOf, typename MarginOf, typename AmountOf, typename Visit>
+void RaySums::update(const DistinctSpheres& now, const Rays<RayOf, MarginOf, AmountOf>& rays, const Visit& visit) {
+  const std::size_t count = now.spheres.size();
+  const auto change = sums_.size() == last_.spheres.size() * rays.count ? changeTo(now) : std::nullopt;
+  const bool isKept = count <= kMostKept / rays.count;
+  const SphereTree tree(now.spheres);
+  const SphereTree changed(change ? change->spheres : std::vector<Sphere>{});
+  std::vector<std::int64_t> next(isKept ? count * rays.count : rays.count);
+
+  // amount · times, or kBeyond
+  const auto product = [&](std::int64_t amount, std::int64_t times) {
+    return amount > 0 && times > rays.limit / amount ? kBeyond : amount * times;
+  };
+  const auto sumAnew = [&](std::uint32_t index, const Ray& ray, double margin) {
+    const Sphere& own = now.spheres[index];
+    std::int64_t sum = 0;
+    tree.visitRay(ray, margin, [&](std::uint32_t other, const Sphere& sphere) {
+      const std::int64_t times = static_cast<std::int64_t>(now.count[other]) - (other == index ? 1 : 0);
+      const std::int64_t part = times > 0 ? product(rays.amountOf(own, sphere, ray), times) : 0;
+      sum = part == kBeyond || sum + part > rays.limit ? kBeyond : sum + part;
+      return sum != kBeyond;
+    });
+    return sum;
+  };
+  // nothing: something is gone from a sum of which only is known that it was beyond the limit
+  const auto sumChanged = [&](std::int64_t before, const Sphere& own, const Ray& ray,
+                              double margin) -> std::optional<std::int64_t> {
+    std::int64_t added = 0;
+    std::int64_t removed = 0;
+    changed.visitRay(ray, margin, [&](std::uint32_t other, const Sphere& sphere) {
+      const std::int64_t amount = rays.amountOf(own, sphere, ray);
+      const std::int64_t more = change->more[other];
+      if (amount > 0 && more < 0) {
+        removed = before == kBeyond ? kBeyond : removed - amount * more;
+      } else if (amount > 0 && added != kBeyond) {
+        const std::int64_t part = product(amount, more);
+        added = part == kBeyond || added + part > rays.limit ? kBeyond : added + part;
+      }
+      return removed != kBeyond;
+    });
+    if (removed == kBeyond) {
+      return std::nullopt;
+    }
+    if (before == kBeyond || added == kBeyond) {
+      return kBeyond;
+    }
+    const std::int64_t sum = before - removed + added;
+    return sum > rays.limit ? kBeyond : sum;
+  };
+
+  for (const std::uint32_t index : tree.order()) {
+    const Sphere& own = now.spheres[index];
+    const double margin = rays.marginOf(own);
+    const std::uint32_t before = change ? change->before[index] : kNew;
+    std::int64_t* sums = next.data() + (isKept ? index * rays.count : 0);
+    for (std::size_t k = 0; k < rays.count; ++k) {
+      const Ray ray = rays.rayOf(own, k);
+      const auto kept = before == kNew ? std::nullopt : sumChanged(sums_[before * rays.count + k], own, ray, margin);
+      sums[k] = kept ? *kept : sumAnew(index, ray, margin);
+    }
+    visit(index, std::span<const std::int64_t>(sums, rays.count));
+  }
+  if (!isKept) {
+    clear();
+    return;
+  }
+  last_ = now;
+  sums_ = std::move(next);
+}
+
+}  // namespace espalier::environment

@@ -1,0 +1,102 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "engine/core/vec3.h"
+#include "environment/light/rays/ray_caster.h"
+#include "environment/light/rays/ray_directions.h"
+#include "environment/light/rays/surface_changes.h"
+
+namespace espalier::environment {
+
+/// What a surface does to the light of one band: diffuse (Lambertian) on both sides.
+struct LightMaterial {
+  double reflectance = 0.0;
+  double transmittance = 0.0;
+};
+
+/// Light of one band on triangles, by gathering along fixed directions (ray_directions.h), starting at points of the
+/// triangle that a low-discrepancy sequence (R2) gives. So a result is a pure function of the scene. Weights are scaled
+/// for every side of every triangle so that a uniform light from everywhere gives exactly its irradiance; hence a
+/// closed box of one radiance stays in balance to rounding.
+///
+/// Scattering: the light that a side gets, reflected and let through, leaves both sides evenly in all directions and is
+/// gathered in the next bounce. Rays are traced once for all bands and bounces.
+///
+/// A scene that follows another keeps the rays that cannot have changed: of triangles that were there before, those
+/// whose line misses every triangle that came or went. The light is the same, bit by bit, as that of a new LeafLight.
+class LeafLight {
+ public:
+  struct Options {
+    int directions = 128;   // of a triangle that is not thinned, over the whole sphere
+    bool keepsHits = true;  // for bounces and for emitting surfaces
+    unsigned threads = 1;
+    std::optional<RayCaster::Repetition> repetition{};
+  };
+  /// Parallel light: the unit vector towards it, and its irradiance on a plane that faces it, by band.
+  struct Sun {
+    core::Vec3 direction;
+    std::vector<double> irradiance;
+  };
+
+  /// Without triangles.
+  explicit LeafLight(const Options& options);
+  /// With a first scene.
+  LeafLight(LightSurfaces surfaces, std::vector<std::uint32_t> wanted, std::vector<Sun> suns, const Options& options);
+
+  /// Goes on to the next scene and traces the rays of the triangles in `wanted` (ascending; all when empty; a bounce
+  /// needs all). O(triangles · (directions + suns) · log n); of rays that are kept, log of the changed ones. Memory:
+  /// 4 bytes a ray, and as much again while it works.
+  void setScene(LightSurfaces surfaces, std::vector<std::uint32_t> wanted, std::vector<Sun> suns);
+
+  /// The directions of all triangles; the radiance of the sky is given for each of directions().all().
+  [[nodiscard]] const RayDirections& directions() const { return directions_; }
+
+  /// Irradiances of the two sides of every triangle in one band (2 · triangles; front first: the side from which the
+  /// corners run counterclockwise), with so many bounces. `sky` has the radiance by direction, `materials` those of the
+  /// band, `emitted` the radiant exitance of each side (empty: none). O(bounces · rays).
+  [[nodiscard]] std::vector<double> irradiances(std::size_t band, const std::vector<double>& sky,
+                                                const std::vector<LightMaterial>& materials,
+                                                const std::vector<double>& emitted, int bounces) const;
+
+  /// Irradiance of a plane facing `normal` at a point, from the sky and the suns only. Traces its rays anew.
+  [[nodiscard]] double irradianceAt(const core::Vec3& point, const core::Vec3& normal, std::size_t band,
+                                    const std::vector<double>& sky) const;
+
+  [[nodiscard]] double areaOf(std::size_t triangle) const { return areas_[triangle]; }
+  /// Rays of the scene, and how many of them were kept from the one before.
+  [[nodiscard]] std::uint64_t rayCount() const { return hits_.size() + isLit_.size(); }
+  [[nodiscard]] std::uint64_t keptCount() const { return keptCount_; }
+
+ private:
+  static constexpr std::uint32_t kSky = RayCaster::kMiss;
+  struct Earlier;
+
+  void measure();
+  void listRows(std::vector<std::uint32_t> wanted);
+  [[nodiscard]] std::vector<std::uint32_t> rowsInSpace() const;
+  /// Traces a row; how many of its rays were kept.
+  std::uint64_t traceRow(std::uint32_t row, const Earlier* earlier);
+  template <typename Work>
+  void inParallel(std::size_t count, const Work& work) const;
+
+  Options options_;
+  RayDirections directions_;
+  LightSurfaces surfaces_;
+  std::vector<Sun> suns_;
+  RayCaster caster_;
+  std::vector<core::Vec3> normals_;  // unit vectors, of the front sides (triangles)
+  std::vector<double> areas_;        // (triangles)
+  std::vector<std::uint32_t> wanted_;
+  std::vector<std::uint32_t> rowOf_;   // of a triangle; kMiss: not wanted (triangles)
+  std::vector<std::size_t> rowStart_;  // of the rows in hits_, then its size (wanted + 1)
+  /// What each ray of the wanted triangles meets: 2 · triangle + side, or kSky. Without keepsHits a hit is only told
+  /// from the sky.
+  std::vector<std::uint32_t> hits_;
+  std::vector<std::uint8_t> isLit_;  // by a sun (wanted, suns)
+  std::uint64_t keptCount_ = 0;
+};
+
+}  // namespace espalier::environment

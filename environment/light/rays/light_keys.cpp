@@ -1,0 +1,234 @@
+#include "environment/light/rays/light_keys.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "environment/light/rays/light.h"
+#include "environment/light/sky.h"
+
+namespace espalier::environment {
+
+namespace {
+
+constexpr std::array<std::string_view, 3> kSuns{"none", "direction", "position"};
+constexpr std::array<std::string_view, 2> kUnits{"W", "umol"};
+constexpr std::array kHigh{0.0, 1.0, 0.0};
+constexpr std::array kOne{1.0};
+constexpr std::array kPhotons{4.57};
+constexpr std::array kReflectance{0.08};
+constexpr std::array kTransmittance{0.05};
+constexpr std::array kStemReflectance{0.2};
+constexpr std::array kGroundReflectance{0.1};
+constexpr std::array kKeys{
+    ConfigurationKey{.name = "sky",
+                     .kind = KeyKind::Choice,
+                     .description = "brightness of the sky; overcast is (1 + 2 cos θ)/3, clear the CIE's with the sun",
+                     .defaultText = "overcast",
+                     .choices = kSkyNames},
+    ConfigurationKey{.name = "diffuseIrradiance",
+                     .description = "of a horizontal plane under the open sky, unless the sun is by position",
+                     .unit = "W/m^2",
+                     .minimum = 0.0,
+                     .defaultNumber = 200.0},
+    ConfigurationKey{
+        .name = "sun",
+        .kind = KeyKind::Choice,
+        .description = "none; direction: sunDirection; position: by the world's latitude, longitude and start",
+        .defaultText = "none",
+        .choices = kSuns},
+    ConfigurationKey{.name = "start",
+                     .kind = KeyKind::Text,
+                     .description = "date and universal time of step 0, with latitude and longitude, instead of the "
+                                    "world's; empty: the world's"},
+    ConfigurationKey{.name = "latitude",
+                     .description = "with start: north is positive",
+                     .unit = "degree",
+                     .minimum = -90.0,
+                     .maximum = 90.0},
+    ConfigurationKey{.name = "longitude",
+                     .description = "with start: east is positive",
+                     .unit = "degree",
+                     .minimum = -360.0,
+                     .maximum = 360.0},
+    ConfigurationKey{.name = "sunDirection",
+                     .kind = KeyKind::Numbers,
+                     .description = "x, y, z towards the sun",
+                     .defaultNumbers = kHigh,
+                     .minimumCount = 3,
+                     .maximumCount = 3},
+    ConfigurationKey{.name = "directIrradiance",
+                     .description = "of a plane that faces the sun, unless the sun is by position",
+                     .unit = "W/m^2",
+                     .minimum = 0.0,
+                     .defaultNumber = 800.0},
+    ConfigurationKey{.name = "atmosphere",
+                     .description = "τ, what clear air lets through from the zenith",
+                     .minimum = 0.0,
+                     .maximum = 1.0,
+                     .isMinimumExclusive = true,
+                     .defaultNumber = 0.7},
+    ConfigurationKey{.name = "sunSamples",
+                     .kind = KeyKind::Integer,
+                     .description = "positions of the sun in a step; 1: in its middle",
+                     .minimum = 1.0,
+                     .maximum = 1000.0,
+                     .defaultNumber = 24.0},
+    ConfigurationKey{.name = "bands",
+                     .kind = KeyKind::Numbers,
+                     .description = "part of the irradiance that is in each band of the spectrum",
+                     .minimum = 0.0,
+                     .defaultNumbers = kOne,
+                     .minimumCount = 1,
+                     .maximumCount = 16},
+    ConfigurationKey{.name = "unit",
+                     .kind = KeyKind::Choice,
+                     .description = "of what comes back: W or µmol/s",
+                     .defaultText = "W",
+                     .choices = kUnits},
+    ConfigurationKey{.name = "photonsPerJoule",
+                     .kind = KeyKind::Numbers,
+                     .description = "of each band, or one number for all; 4.57: PAR",
+                     .unit = "umol/J",
+                     .minimum = 0.0,
+                     .defaultNumbers = kPhotons,
+                     .minimumCount = 1},
+    ConfigurationKey{.name = "reflectance",
+                     .kind = KeyKind::Numbers,
+                     .description = "of organs, in each band, or one number for all",
+                     .minimum = 0.0,
+                     .maximum = 1.0,
+                     .defaultNumbers = kReflectance,
+                     .minimumCount = 1},
+    ConfigurationKey{.name = "transmittance",
+                     .kind = KeyKind::Numbers,
+                     .description = "of organs, in each band, or one number for all",
+                     .minimum = 0.0,
+                     .maximum = 1.0,
+                     .defaultNumbers = kTransmittance,
+                     .minimumCount = 1},
+    ConfigurationKey{.name = "stemReflectance",
+                     .kind = KeyKind::Numbers,
+                     .description = "of segments, which let nothing through, in each band, or one number for all",
+                     .minimum = 0.0,
+                     .maximum = 1.0,
+                     .defaultNumbers = kStemReflectance,
+                     .minimumCount = 1},
+    ConfigurationKey{.name = "materials",
+                     .kind = KeyKind::Rows,
+                     .description = "organs of a colour: its number, then reflectance and transmittance of each band",
+                     .minimum = 0.0,
+                     .maximum = 255.0,
+                     .minimumCount = 3},
+    ConfigurationKey{.name = "bounces",
+                     .kind = KeyKind::Integer,
+                     .description = "how often light is scattered between organs",
+                     .minimum = 0.0,
+                     .maximum = 100.0,
+                     .defaultNumber = 2.0},
+    ConfigurationKey{.name = "directions",
+                     .kind = KeyKind::Integer,
+                     .description = "of the rays of an organ at least, over the whole sphere; each of its "
+                                    "triangles has 16 or more",
+                     .minimum = 8.0,
+                     .maximum = 65536.0,
+                     .defaultNumber = 128.0},
+    ConfigurationKey{.name = "plot",
+                     .kind = KeyKind::Numbers,
+                     .description =
+                         "the stand repeats itself without end: smallest and largest of the first, then of the "
+                         "second horizontal coordinate (x and z when y is up); none: plants stand alone",
+                     .unit = "length",
+                     .maximumCount = 4},
+    ConfigurationKey{
+        .name = "ground", .kind = KeyKind::Boolean, .description = "a ground under the plot that reflects"},
+    ConfigurationKey{.name = "groundHeight", .description = "along the world's up", .unit = "length"},
+    ConfigurationKey{.name = "groundReflectance",
+                     .kind = KeyKind::Numbers,
+                     .description = "in each band, or one number for all",
+                     .minimum = 0.0,
+                     .maximum = 1.0,
+                     .defaultNumbers = kGroundReflectance,
+                     .minimumCount = 1},
+    ConfigurationKey{.name = "segmentSides",
+                     .kind = KeyKind::Integer,
+                     .description = "of the prisms that stand for segments",
+                     .minimum = 3.0,
+                     .maximum = 64.0,
+                     .defaultNumber = 5.0},
+    ConfigurationKey{.name = "threads",
+                     .kind = KeyKind::Integer,
+                     .description = "that trace rays; the light is the same for any number",
+                     .minimum = 1.0,
+                     .maximum = 256.0,
+                     .defaultNumber = 1.0},
+};
+
+}  // namespace
+
+constinit const ProcessEntry kLightProcess{
+    .name = "light",
+    .summary = kLightSummary,
+    .source = "Meeus 1998, Astronomical Algorithms; Moon & Spencer 1942; Kittler 1967; Liu & Jordan 1960",
+    .aliases = {},
+    .keys = kKeys,
+    .fieldKeywords = {},
+    .make = makeLight};
+
+double numberOfBand(const std::vector<double>& numbers, std::size_t band) {
+  return numbers[std::min(band, numbers.size() - 1)];
+}
+
+std::vector<core::Diagnostic> checkLight(const Configuration& configuration) {
+  std::vector<core::Diagnostic> errors;
+  const auto refuse = [&](const std::string& sentence, const std::string& hint) {
+    core::Diagnostic diagnostic;
+    diagnostic.message = "environment process 'light': " + sentence;
+    diagnostic.hint = hint;
+    errors.push_back(std::move(diagnostic));
+  };
+  const std::size_t bands = configuration.numbers("bands").size();
+  for (const std::string key :
+       {"photonsPerJoule", "reflectance", "transmittance", "stemReflectance", "groundReflectance"}) {
+    const std::size_t count = configuration.numbers(key).size();
+    if (count != 1 && count != bands) {
+      refuse("'" + key + "' has " + std::to_string(count) + " numbers for " + std::to_string(bands) + " bands",
+             "give one number for each band, or one for all");
+    }
+  }
+  for (std::size_t band = 0; band < bands && errors.empty(); ++band) {
+    if (numberOfBand(configuration.numbers("reflectance"), band) +
+            numberOfBand(configuration.numbers("transmittance"), band) >
+        1.0) {
+      refuse("'reflectance' and 'transmittance' add up to more than 1 in band " + std::to_string(band + 1),
+             "organs cannot scatter more light than they get");
+    }
+  }
+  for (const auto& row : configuration.rows("materials")) {
+    bool isWrong = row.size() != 1 + 2 * bands || row[0] != std::floor(row[0]);
+    for (std::size_t band = 0; !isWrong && band < bands; ++band) {
+      isWrong = row[1 + 2 * band] + row[2 + 2 * band] > 1.0;
+    }
+    if (isWrong) {
+      refuse("a row of 'materials' is not a colour number with reflectance and transmittance for each of " +
+                 std::to_string(bands) + " bands, together at most 1",
+             "write for example \"materials\": [[3, 0.1, 0.05]]");
+    }
+  }
+  const auto& plot = configuration.numbers("plot");
+  if (!plot.empty() && (plot.size() != 4 || !(plot[0] < plot[1] && plot[2] < plot[3]))) {
+    refuse("'plot' is not a smallest and a largest number for each of the two horizontal coordinates",
+           "write for example \"plot\": [-5, 5, -5, 5]");
+  }
+  if (configuration.flag("ground") && plot.empty()) {
+    refuse("a 'ground' needs a 'plot'", "write for example \"plot\": [-5, 5, -5, 5]");
+  }
+  if (configuration.text("sky") == "clear" && configuration.text("sun") == "none") {
+    refuse("a clear 'sky' is brightest around the sun, and 'sun' is none", "set sun to direction or position");
+  }
+  return errors;
+}
+
+}  // namespace espalier::environment

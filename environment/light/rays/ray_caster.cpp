@@ -1,0 +1,267 @@
+#include "environment/light/rays/ray_caster.h"
+
+#include <embree3/rtcore.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <type_traits>
+
+#include "environment/geometry/embree_memory.h"
+
+namespace espalier::environment {
+
+using core::Vec3;
+
+namespace {
+
+std::array<double, 3> componentsOf(const Vec3& v) {
+  return {v.x, v.y, v.z};
+}
+
+RTCRay rayOf(const Vec3& origin, const Vec3& direction, double from, double to) {
+  RTCRay ray{};
+  ray.org_x = static_cast<float>(origin.x);
+  ray.org_y = static_cast<float>(origin.y);
+  ray.org_z = static_cast<float>(origin.z);
+  ray.dir_x = static_cast<float>(direction.x);
+  ray.dir_y = static_cast<float>(direction.y);
+  ray.dir_z = static_cast<float>(direction.z);
+  ray.tnear = static_cast<float>(from);
+  ray.tfar = static_cast<float>(to);
+  ray.mask = 0xFFFFFFFFU;
+  return ray;
+}
+
+/// What a ray has met so far, behind Embree's part of it.
+struct HitContext {
+  RTCIntersectContext embree;
+  const std::uint32_t* originalOf = nullptr;  // of the scene's triangles; nullptr: the same
+  float nearest = HUGE_VALF;
+  std::uint32_t triangle = RayCaster::kMiss;
+};
+static_assert(std::is_standard_layout_v<HitContext>);
+
+/// Of triangles that a ray meets at the same distance the one with the smallest number counts.
+void takeSmallestNumber(const RTCFilterFunctionNArguments* arguments) {
+  if (arguments->valid[0] == 0) {
+    return;
+  }
+  // rays are cast one by one, so these are a context, a ray and a hit
+  auto* context = reinterpret_cast<HitContext*>(arguments->context);
+  const float distance = reinterpret_cast<const RTCRay*>(arguments->ray)->tfar;
+  const std::uint32_t number = reinterpret_cast<const RTCHit*>(arguments->hit)->primID;
+  const std::uint32_t triangle = context->originalOf == nullptr ? number : context->originalOf[number];
+  if (distance < context->nearest || (distance == context->nearest && triangle < context->triangle)) {
+    context->nearest = distance;
+    context->triangle = triangle;
+  } else {
+    arguments->valid[0] = 0;
+  }
+}
+
+}  // namespace
+
+struct RayCaster::Tree {
+  RTCDevice device = nullptr;
+  RTCScene scene = nullptr;
+  std::vector<std::uint32_t> originalOf;  // triangle by triangle of the scene; empty: the same
+  std::optional<Repetition> repetition;
+  double lowest = 0.0;  // along the third axis
+  double highest = 0.0;
+  double margin = 1e-6;
+
+  ~Tree() {
+    if (scene != nullptr) {
+      rtcReleaseScene(scene);
+    }
+    if (device != nullptr) {
+      rtcReleaseDevice(device);
+    }
+  }
+};
+
+RayCaster::RayCaster(std::span<const Vec3> vertices, std::span<const std::array<std::uint32_t, 3>> triangles,
+                     const std::optional<Repetition>& repetition, unsigned threads)
+    : tree_(std::make_unique<Tree>()) {
+  Tree& tree = *tree_;
+  tree.repetition = repetition;
+  std::vector<Vec3> places(vertices.begin(), vertices.end());
+  std::vector<std::array<std::uint32_t, 3>> corners(triangles.begin(), triangles.end());
+  if (repetition) {
+    // what sticks out of the plot comes in on the other side: copies of the triangles that reach into the plot
+    tree.originalOf.resize(triangles.size());
+    for (std::uint32_t i = 0; i < triangles.size(); ++i) {
+      tree.originalOf[i] = i;
+    }
+    for (std::uint32_t i = 0; i < triangles.size(); ++i) {
+      std::array<std::array<int, 2>, 2> shifts{};
+      for (std::size_t k = 0; k < 2; ++k) {
+        const auto axis = static_cast<std::size_t>(repetition->axes[k]);
+        double low = HUGE_VAL;
+        double high = -HUGE_VAL;
+        for (const std::uint32_t corner : triangles[i]) {
+          low = std::min(low, componentsOf(vertices[corner])[axis]);
+          high = std::max(high, componentsOf(vertices[corner])[axis]);
+        }
+        const double width = repetition->high[k] - repetition->low[k];
+        shifts[k] = {static_cast<int>(std::ceil((repetition->low[k] - high) / width)),
+                     static_cast<int>(std::floor((repetition->high[k] - low) / width))};
+      }
+      bool isFirst = true;
+      for (int a = shifts[0][0]; a <= shifts[0][1]; ++a) {
+        for (int b = shifts[1][0]; b <= shifts[1][1]; ++b) {
+          std::array<double, 3> shift{};
+          shift[static_cast<std::size_t>(repetition->axes[0])] = a * (repetition->high[0] - repetition->low[0]);
+          shift[static_cast<std::size_t>(repetition->axes[1])] = b * (repetition->high[1] - repetition->low[1]);
+          std::array<std::uint32_t, 3> copy{};
+          for (std::size_t corner = 0; corner < 3; ++corner) {
+            copy[corner] = static_cast<std::uint32_t>(places.size());
+            places.push_back(vertices[triangles[i][corner]] + Vec3{shift[0], shift[1], shift[2]});
+          }
+          if (isFirst) {
+            corners[i] = copy;
+          } else {
+            corners.push_back(copy);
+            tree.originalOf.push_back(i);
+          }
+          isFirst = false;
+        }
+      }
+    }
+  }
+  double largest = 1e-20;
+  const std::size_t upright = repetition ? static_cast<std::size_t>(3 - repetition->axes[0] - repetition->axes[1]) : 1;
+  tree.lowest = HUGE_VAL;
+  tree.highest = -HUGE_VAL;
+  for (const Vec3& place : places) {
+    largest = std::max({largest, std::abs(place.x), std::abs(place.y), std::abs(place.z)});
+    tree.lowest = std::min(tree.lowest, componentsOf(place)[upright]);
+    tree.highest = std::max(tree.highest, componentsOf(place)[upright]);
+  }
+  tree.margin = std::exp2(std::ceil(std::log2(2e-6 * largest)));
+  if (corners.empty()) {
+    return;
+  }
+  tree.device = rtcNewDevice(("threads=" + std::to_string(std::max(threads, 1U))).c_str());
+  throwWithoutMemory(tree.device);
+  tree.scene = rtcNewScene(tree.device);
+  throwWithoutMemory(tree.device);
+  RTCGeometry geometry = rtcNewGeometry(tree.device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  throwWithoutMemory(tree.device);
+  rtcAttachGeometry(tree.scene, geometry);
+  rtcReleaseGeometry(geometry);  // the scene keeps it
+  auto* position = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                                               3 * sizeof(float), places.size()));
+  throwWithoutMemory(tree.device);
+  for (const Vec3& place : places) {
+    *position++ = static_cast<float>(place.x);
+    *position++ = static_cast<float>(place.y);
+    *position++ = static_cast<float>(place.z);
+  }
+  auto* index = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
+      geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), corners.size()));
+  throwWithoutMemory(tree.device);
+  for (const auto& corner : corners) {
+    index = std::copy(corner.begin(), corner.end(), index);
+  }
+  rtcSetGeometryIntersectFilterFunction(geometry, takeSmallestNumber);
+  rtcCommitGeometry(geometry);
+  rtcSetSceneFlags(tree.scene, RTC_SCENE_FLAG_ROBUST);
+  rtcCommitScene(tree.scene);
+  throwWithoutMemory(tree.device);
+}
+
+RayCaster::~RayCaster() = default;
+RayCaster::RayCaster(RayCaster&&) noexcept = default;
+RayCaster& RayCaster::operator=(RayCaster&&) noexcept = default;
+
+double RayCaster::margin() const {
+  return tree_->margin;
+}
+
+template <typename Cast>
+RayCaster::Hit RayCaster::alongPlots(const Vec3& origin, const Vec3& direction, const Cast& cast) const {
+  const Repetition& repetition = *tree_->repetition;
+  auto place = componentsOf(origin);
+  const auto way = componentsOf(direction);
+  const auto upright = static_cast<std::size_t>(3 - repetition.axes[0] - repetition.axes[1]);
+  // into the plot
+  for (std::size_t k = 0; k < 2; ++k) {
+    const double width = repetition.high[k] - repetition.low[k];
+    double& p = place[static_cast<std::size_t>(repetition.axes[k])];
+    p -= width * std::floor((p - repetition.low[k]) / width);
+  }
+  // from border to border, until above or below everything
+  const double end = way[upright] == 0.0
+                         ? 0.0
+                         : ((way[upright] > 0.0 ? tree_->highest : tree_->lowest) - place[upright]) / way[upright];
+  double from = tree_->margin;
+  double passed = 0.0;
+  while (passed <= end) {
+    double nearest = HUGE_VAL;
+    std::size_t crossed = 0;
+    for (std::size_t k = 0; k < 2; ++k) {
+      const auto axis = static_cast<std::size_t>(repetition.axes[k]);
+      if (way[axis] != 0.0) {
+        const double border = way[axis] > 0.0 ? repetition.high[k] : repetition.low[k];
+        const double distance = std::max((border - place[axis]) / way[axis], 0.0);
+        if (distance < nearest) {
+          nearest = distance;
+          crossed = k;
+        }
+      }
+    }
+    const double length = std::min(nearest, end - passed + 2.0 * tree_->margin);
+    const Hit hit = cast(Vec3{place[0], place[1], place[2]}, from, length);
+    if (hit.triangle != kMiss || nearest == HUGE_VAL) {
+      return hit;
+    }
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      place[axis] += way[axis] * nearest;
+    }
+    const auto axis = static_cast<std::size_t>(repetition.axes[crossed]);
+    place[axis] = way[axis] > 0.0 ? repetition.low[crossed] : repetition.high[crossed];
+    passed += nearest;
+    from = 0.0;
+  }
+  return {};
+}
+
+RayCaster::Hit RayCaster::firstHit(const Vec3& origin, const Vec3& direction) const {
+  if (tree_->scene == nullptr) {
+    return {};
+  }
+  const auto cast = [&](const Vec3& start, double from, double to) {
+    RTCRayHit ray;
+    ray.ray = rayOf(start, direction, from, to);
+    ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    HitContext context;
+    rtcInitIntersectContext(&context.embree);
+    context.originalOf = tree_->originalOf.empty() ? nullptr : tree_->originalOf.data();
+    rtcIntersect1(tree_->scene, &context.embree, &ray);
+    // the normal that comes back is cross(b − a, c − a)
+    return ray.hit.geomID == RTC_INVALID_GEOMETRY_ID
+               ? Hit{}
+               : Hit{context.triangle,
+                     ray.hit.Ng_x * ray.ray.dir_x + ray.hit.Ng_y * ray.ray.dir_y + ray.hit.Ng_z * ray.ray.dir_z < 0.0F};
+  };
+  return tree_->repetition ? alongPlots(origin, direction, cast) : cast(origin, tree_->margin, HUGE_VAL);
+}
+
+bool RayCaster::isFree(const Vec3& origin, const Vec3& direction) const {
+  if (tree_->scene == nullptr) {
+    return true;
+  }
+  const auto cast = [&](const Vec3& start, double from, double to) {
+    RTCRay ray = rayOf(start, direction, from, to);
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcOccluded1(tree_->scene, &context, &ray);
+    return ray.tfar < 0.0F ? Hit{0, false} : Hit{};
+  };
+  return (tree_->repetition ? alongPlots(origin, direction, cast) : cast(origin, tree_->margin, HUGE_VAL)).triangle ==
+         kMiss;
+}
+
+}  // namespace espalier::environment

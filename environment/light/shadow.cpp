@@ -1,0 +1,299 @@
+#include "environment/light/shadow.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+
+#include "engine/core/random.h"
+#include "environment/base/replies.h"
+#include "environment/geometry/bricked_grid.h"
+#include "environment/geometry/grid_axes.h"
+
+namespace espalier::environment {
+
+namespace {
+
+using core::Vec3;
+
+constexpr std::string_view kSummary =
+    "Light by shadow propagation: every foliage element multiplies the light in a pyramid of voxels below it.";
+constexpr std::array<std::string_view, 1> kAliases{"shadowpyramid"};
+constexpr std::array kKeys{
+    ConfigurationKey{.name = "gridSize",
+                     .kind = KeyKind::Integer,
+                     .description = "voxels along each side of the grid",
+                     .minimum = 2,
+                     .maximum = 1000,
+                     .defaultNumber = 201},
+    ConfigurationKey{
+        .name = "gridSpan",
+        .description = "half the extent of the grid: it covers -span to span across and 0 to 2 span upwards",
+        .unit = "length",
+        .minimum = 0.0,
+        .isMinimumExclusive = true,
+        .defaultNumber = 200},
+    ConfigurationKey{.name = "shadowSpread",
+                     .description = "voxels by which the half-width of the pyramid grows per tier",
+                     .minimum = 0.0,
+                     .maximum = 10.0,
+                     .defaultNumber = 1},
+    ConfigurationKey{.name = "shadowDepth",
+                     .kind = KeyKind::Integer,
+                     .description = "tiers of the pyramid, the own voxel's included",
+                     .minimum = 1,
+                     .maximum = 100,
+                     .defaultNumber = 6},
+    ConfigurationKey{.name = "shadowWeight",
+                     .description = "C1: the part of the light taken in the own voxel",
+                     .minimum = 0.0,
+                     .maximum = 1.0,
+                     .defaultNumber = 0.58},
+    ConfigurationKey{.name = "shadowDissipation",
+                     .description = "C2: the factor by which a shadow weakens per voxel of distance",
+                     .minimum = 1.0,
+                     .defaultNumber = 6.9},
+    ConfigurationKey{.name = "lightRandomness",
+                     .description = "largest random number added to each component of the gradient",
+                     .unit = "1/length",
+                     .minimum = 0.0,
+                     .defaultNumber = 0},
+    ConfigurationKey{.name = "lightVerticalBias",
+                     .description = "added to the gradient's component along up",
+                     .unit = "1/length",
+                     .defaultNumber = 0},
+    ConfigurationKey{.name = "sampleRadius",
+                     .description = "distance on either side of a point at which light is sampled for the gradient",
+                     .unit = "length",
+                     .minimum = 0.0,
+                     .isMinimumExclusive = true,
+                     .defaultNumber = 1.6},
+};
+constexpr std::array kFieldKeywords{
+    FieldKeyword{.keyword = "grid size", .key = "gridSize"},
+    FieldKeyword{.keyword = "grid span", .key = "gridSpan"},
+    FieldKeyword{.keyword = "shadow spread", .key = "shadowSpread"},
+    FieldKeyword{.keyword = "shadow depth", .key = "shadowDepth"},
+    FieldKeyword{.keyword = "shadow weight", .key = "shadowWeight"},
+    FieldKeyword{.keyword = "shadow dissipation", .key = "shadowDissipation"},
+    FieldKeyword{.keyword = "light randomness", .key = "lightRandomness"},
+    FieldKeyword{.keyword = "light vertical bias", .key = "lightVerticalBias"},
+    FieldKeyword{.keyword = "sample radius", .key = "sampleRadius"},
+};
+
+struct ShadowParameters {
+  std::int64_t gridSize;
+  double gridSpan;
+  double spread;
+  std::int64_t depth;
+  double weight;
+  double dissipation;
+  double randomness;
+  double verticalBias;
+  double sampleRadius;
+};
+
+/// -log2 of a product of light factors in units of 2^-40: sums of these do not depend on their order. A sum stops at
+/// kDark, where the light has long vanished.
+using Darkness = std::int64_t;
+constexpr double kDarknessUnit = 1099511627776.0;  // 2^40
+constexpr Darkness kDark = Darkness{2000} << 40;
+
+class Shadow final : public turtle::EnvironmentProcess {
+ public:
+  explicit Shadow(const ShadowParameters& parameters)
+      : parameters_(parameters),
+        spacing_(2.0 * parameters.gridSpan / static_cast<double>(parameters.gridSize - 1)),
+        grid_(parameters.gridSize) {
+    // one factor for each squared distance in the pyramid
+    const std::int64_t reach = halfWidth(parameters_.depth - 1);
+    const std::int64_t last = (parameters_.depth - 1) * (parameters_.depth - 1) + 2 * reach * reach;
+    for (std::int64_t squared = 0; squared <= last; ++squared) {
+      const double distance = std::sqrt(static_cast<double>(squared));
+      const double factor = 1.0 - parameters_.weight * std::pow(parameters_.dissipation, -distance);
+      darknessOf_.push_back(factor > 0.0 ? static_cast<Darkness>(std::llround(-std::log2(factor) * kDarknessUnit))
+                                         : kDark);
+    }
+  }
+
+  [[nodiscard]] turtle::EnvironmentDescription describe() const override {
+    const std::string perLength = "1/" + lengthUnit_;
+    return {.name = "shadow",
+            .summary = std::string(kSummary),
+            .needs = {.position = true, .parameters = true},
+            .inputs = {{"castsShadow", "1", ""}},
+            .outputs = {{"light", "1", ""},
+                        {"gradientX", perLength, ""},
+                        {"gradientY", perLength, ""},
+                        {"gradientZ", perLength, ""}},
+            .isStateful = false};
+  }
+
+  [[nodiscard]] std::optional<turtle::EnvironmentError> open(const turtle::EnvironmentContext& context) override {
+    const auto axes = axesOf(context.world.up);
+    if (!axes) {
+      return turtle::EnvironmentError{
+          "Environment 'shadow' has a grid along the axes: the world's 'up' must be along x, y or z. Set it to 0 1 0.",
+          false};
+    }
+    axes_ = *axes;
+    seed_ = context.seed;
+    lengthUnit_ = context.world.lengthUnit;
+    return std::nullopt;
+  }
+
+  [[nodiscard]] std::optional<turtle::EnvironmentError> step(const turtle::QueryBatch& queries,
+                                                             turtle::ReplyBatch& replies) override {
+    // all shadows first, then all answers
+    grid_.clear();
+    for (std::size_t query = 0; query < queries.size(); ++query) {
+      const auto parameters = queries.parametersOf(query);
+      if (!parameters.empty() && parameters[0] > 0.0) {
+        castShadow(axes_.toGrid(queries.position[query]));
+      }
+    }
+    for (std::size_t query = 0; query < queries.size(); ++query) {
+      const std::size_t count = queries.parametersOf(query).size();
+      const Vec3 point = axes_.toGrid(queries.position[query]);
+      if (count > 0) {
+        replies.set(queries, query, 0, lightAt(point));
+      }
+      if (count > 1) {
+        setGradient(queries, query, gradientAt(point), std::min<std::size_t>(count - 1, 3), replies);
+      }
+    }
+    countAnswers(queries, replies);
+    return std::nullopt;
+  }
+
+ private:
+  [[nodiscard]] std::int64_t halfWidth(std::int64_t tier) const {
+    return static_cast<std::int64_t>(static_cast<double>(tier) * parameters_.spread);
+  }
+
+  /// A grid coordinate in voxels: 0 at the first voxel's centre.
+  [[nodiscard]] Vec3 voxelsOf(const Vec3& p) const {
+    const double span = parameters_.gridSpan;
+    return {(p.x + span) / spacing_, p.y / spacing_, (p.z + span) / spacing_};
+  }
+
+  /// The voxel nearest to a coordinate, half-way the one further from the grid's centre; far outside, some voxel
+  /// outside.
+  [[nodiscard]] std::int64_t nearestVoxel(double coordinate) const {
+    const double centre = static_cast<double>(parameters_.gridSize - 1) / 2.0;
+    const double bounded = std::clamp(coordinate, -1e6, 1e6);
+    const double lower = std::floor(bounded);
+    const double above = bounded - lower;
+    const bool isUpper = above > 0.5 || (above == 0.5 && bounded >= centre);
+    return static_cast<std::int64_t>(lower) + (isUpper ? 1 : 0);
+  }
+
+  void castShadow(const Vec3& point) {
+    const Vec3 voxels = voxelsOf(point);
+    const std::int64_t x = nearestVoxel(voxels.x);
+    const std::int64_t y = nearestVoxel(voxels.y);
+    const std::int64_t z = nearestVoxel(voxels.z);
+    const std::int64_t last = parameters_.gridSize - 1;
+    for (std::int64_t tier = 0; tier < parameters_.depth; ++tier) {
+      if (y - tier < 0 || y - tier > last) {
+        continue;
+      }
+      const std::int64_t width = halfWidth(tier);
+      for (std::int64_t i = std::max(x - width, std::int64_t{0}); i <= std::min(x + width, last); ++i) {
+        for (std::int64_t k = std::max(z - width, std::int64_t{0}); k <= std::min(z + width, last); ++k) {
+          const std::int64_t squared = tier * tier + (i - x) * (i - x) + (k - z) * (k - z);
+          Darkness& darkness = grid_.at(i, y - tier, k);
+          darkness = std::min(darkness + darknessOf_[static_cast<std::size_t>(squared)], kDark);
+        }
+      }
+    }
+  }
+
+  [[nodiscard]] double lightOfVoxel(std::int64_t x, std::int64_t y, std::int64_t z) const {
+    const Darkness darkness = grid_.get(x, y, z);
+    return darkness == 0 ? 1.0 : std::exp2(-static_cast<double>(darkness) / kDarknessUnit);
+  }
+
+  [[nodiscard]] double lightAt(const Vec3& point) const {
+    const Vec3 voxels = voxelsOf(point);
+    const double size = static_cast<double>(parameters_.gridSize);
+    if (!(voxels.x > -1.0 && voxels.x < size && voxels.y > -1.0 && voxels.y < size && voxels.z > -1.0 &&
+          voxels.z < size)) {
+      return 1.0;
+    }
+    const double x = std::floor(voxels.x);
+    const double y = std::floor(voxels.y);
+    const double z = std::floor(voxels.z);
+    double light = 0.0;
+    for (int corner = 0; corner < 8; ++corner) {
+      const int dx = corner & 1;
+      const int dy = (corner >> 1) & 1;
+      const int dz = (corner >> 2) & 1;
+      const double weight = (dx == 1 ? voxels.x - x : 1.0 - (voxels.x - x)) *
+                            (dy == 1 ? voxels.y - y : 1.0 - (voxels.y - y)) *
+                            (dz == 1 ? voxels.z - z : 1.0 - (voxels.z - z));
+      light += weight * lightOfVoxel(static_cast<std::int64_t>(x) + dx, static_cast<std::int64_t>(y) + dy,
+                                     static_cast<std::int64_t>(z) + dz);
+    }
+    return light;
+  }
+
+  /// In grid directions, with the bias, without the random part.
+  [[nodiscard]] Vec3 gradientAt(const Vec3& p) const {
+    const double r = parameters_.sampleRadius;
+    const double width = 2.0 * r;
+    return {(lightAt({p.x + r, p.y, p.z}) - lightAt({p.x - r, p.y, p.z})) / width,
+            (lightAt({p.x, p.y + r, p.z}) - lightAt({p.x, p.y - r, p.z})) / width + parameters_.verticalBias,
+            (lightAt({p.x, p.y, p.z + r}) - lightAt({p.x, p.y, p.z - r})) / width};
+  }
+
+  void setGradient(const turtle::QueryBatch& queries, std::size_t query, const Vec3& gridGradient, std::size_t count,
+                   turtle::ReplyBatch& replies) const {
+    const Vec3 gradient = axes_.toWorld(gridGradient);
+    const std::array<double, 3> components{gradient.x, gradient.y, gradient.z};
+    const core::CounterRandom random(seed_, queries.plant[query]);
+    for (std::uint32_t k = 0; k < count; ++k) {
+      double noise = 0.0;
+      if (parameters_.randomness > 0.0) {
+        const double draw = random.uniform(core::DrawDomain::Environment, static_cast<std::uint32_t>(queries.step),
+                                           queries.module[query], k);
+        noise = parameters_.randomness * (2.0 * draw - 1.0);
+      }
+      replies.set(queries, query, 1 + k, components[k] + noise);
+    }
+  }
+
+  ShadowParameters parameters_;
+  double spacing_;                    // between voxel centres
+  std::vector<Darkness> darknessOf_;  // of a shadow by squared distance in voxels
+  BrickedGrid<Darkness> grid_;        // x, y up, z
+  GridAxes axes_;
+  std::uint64_t seed_ = 0;
+  std::string lengthUnit_ = "m";
+};
+
+}  // namespace
+
+constinit const ProcessEntry kShadowProcess{
+    .name = "shadow",
+    .summary = kSummary,
+    .source =
+        "Palubicki et al. 2009, Self-organizing tree models for image synthesis, as the published program "
+        "shadowpyramid has it",
+    .aliases = kAliases,
+    .keys = kKeys,
+    .fieldKeywords = kFieldKeywords,
+    .make = [](const Configuration& c) -> ProcessOrErrors {
+      return std::make_unique<Shadow>(ShadowParameters{.gridSize = c.integer("gridSize"),
+                                                       .gridSpan = c.number("gridSpan"),
+                                                       .spread = c.number("shadowSpread"),
+                                                       .depth = c.integer("shadowDepth"),
+                                                       .weight = c.number("shadowWeight"),
+                                                       .dissipation = c.number("shadowDissipation"),
+                                                       .randomness = c.number("lightRandomness"),
+                                                       .verticalBias = c.number("lightVerticalBias"),
+                                                       .sampleRadius = c.number("sampleRadius")});
+    }};
+
+}  // namespace espalier::environment

@@ -1,0 +1,301 @@
+#include "environment/light/takenaka.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "environment/base/replies.h"
+#include "environment/geometry/sphere_tree.h"
+#include "environment/light/light_directions.h"
+#include "environment/light/light_sources.h"
+#include "environment/light/published_voxels.h"
+#include "environment/light/ray_sums.h"
+
+namespace espalier::environment {
+
+namespace {
+
+using core::Vec3;
+
+constexpr std::string_view kSummary = "Photosynthesis of balls of leaves that shade each other.";
+constexpr std::array kTwenties{20.0, 20.0, 20.0};
+constexpr double kDarkness = 1e-12;
+constexpr std::int64_t kManyBalls = 100'000;
+constexpr double kYearlyLight = 1000e-6 * 12 * 3600 * 200;  // mol m^-2 a year
+constexpr double kPublishedLight = 8.64;                    // of the published program, for a unit of area
+
+constexpr std::array kKeys{
+    ConfigurationKey{.name = "parameterS",
+                     .description = "s: the ball's radius relative to that of its leaves laid out as a sphere",
+                     .minimum = 0.0,
+                     .isMinimumExclusive = true,
+                     .defaultNumber = 1.5},
+    ConfigurationKey{.name = "transmittance",
+                     .description = "part of the light that passes a leaf",
+                     .minimum = 0.0,
+                     .maximum = 1.0,
+                     .defaultNumber = 0.1},
+    ConfigurationKey{.name = "efficiency",
+                     .description = "product made of a unit of light",
+                     .unit = "1/mol",
+                     .minimum = 0.0,
+                     .defaultNumber = 0.015},
+    ConfigurationKey{.name = "sources",
+                     .kind = KeyKind::Rows,
+                     .description = "light sources: position x, y, z and a weight; empty: straight above, far away",
+                     .minimumCount = 4,
+                     .maximumCount = 4},
+    ConfigurationKey{.name = "beamRadius",
+                     .description = "radius of a beam relative to the ball's that it reaches; it widens the others",
+                     .minimum = 0.0},
+    ConfigurationKey{.name = "gridSize",
+                     .kind = KeyKind::Numbers,
+                     .description = "voxels along x, y, z of the published traversal (only when compatible)",
+                     .minimum = 1.0,
+                     .maximum = 200.0,
+                     .isWhole = true,
+                     .defaultNumbers = kTwenties,
+                     .minimumCount = 3,
+                     .maximumCount = 3},
+    ConfigurationKey{.name = "compatible",
+                     .kind = KeyKind::Boolean,
+                     .description = "the published traversal, which misses balls, and its ten times too strong light"},
+};
+constexpr std::array kFieldKeywords{
+    FieldKeyword{.keyword = "grid size", .kind = FieldKind::Numbers, .key = "gridSize", .count = 3},
+    FieldKeyword{.keyword = "parameter s", .key = "parameterS"},
+    FieldKeyword{.keyword = "transmittance", .key = "transmittance"},
+    FieldKeyword{.keyword = "efficiency", .key = "efficiency"},
+    FieldKeyword{.keyword = "source", .kind = FieldKind::Row, .key = "sources", .count = 4},
+    FieldKeyword{.keyword = "beam radius", .key = "beamRadius"},
+};
+
+/// Metres in a length unit; nothing for one that is not known.
+std::optional<double> metresIn(std::string_view unit) {
+  constexpr std::array<std::pair<std::string_view, double>, 4> kUnits{
+      {{"m", 1.0}, {"dm", 0.1}, {"cm", 0.01}, {"mm", 0.001}}};
+  for (const auto& [name, metres] : kUnits) {
+    if (name == unit) {
+      return metres;
+    }
+  }
+  return std::nullopt;
+}
+
+class Takenaka final : public turtle::EnvironmentProcess {
+ public:
+  explicit Takenaka(const Configuration& configuration)
+      : s_(configuration.number("parameterS")),
+        efficiency_(configuration.number("efficiency")),
+        beamRadius_(configuration.number("beamRadius")),
+        isCompatible_(configuration.flag("compatible")) {
+    const double gap = 1.0 - (1.0 - configuration.number("transmittance")) / (s_ * s_);
+    passing_ = gap * gap;
+    // the most balls behind which it is not dark; as many as one likes where that is many
+    double left = 1.0;
+    while (left > kDarkness && limit_ < kManyBalls) {
+      left *= passing_;
+      limit_ += left > kDarkness ? 1 : 0;
+    }
+    limit_ = limit_ == kManyBalls ? RaySums::kMostLimit : limit_;
+    for (const auto& row : configuration.rows("sources")) {
+      // the place of a source, not yet a direction
+      sources_.push_back({{row[0], row[1], row[2]}, row[3]});
+      weight_ += row[3];
+    }
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      gridSize_[axis] = static_cast<std::size_t>(configuration.numbers("gridSize")[axis]);
+    }
+  }
+
+  [[nodiscard]] turtle::EnvironmentDescription describe() const override {
+    const std::string area = lengthUnit_ + "^2";
+    return {.name = "takenaka",
+            .summary = std::string(kSummary),
+            .needs = {.position = true, .parameters = true},
+            .inputs = {{"leafArea", area, ""}, {"maintenance", "1", ""}},
+            .outputs = {{"leafArea", area, ""}, {"product", "1", ""}},
+            .isStateful = false};
+  }
+
+  [[nodiscard]] std::optional<turtle::EnvironmentError> open(const turtle::EnvironmentContext& context) override {
+    if (!(core::length(context.world.up) > 0.0)) {
+      return turtle::EnvironmentError{
+          "Environment 'takenaka' needs to know where up is: the world's vector 'up' has no length. Set it to 0 1 0.",
+          false};
+    }
+    const auto metres = metresIn(context.world.lengthUnit);
+    if (!metres && !isCompatible_) {
+      return turtle::EnvironmentError{
+          "Environment 'takenaka' knows the light on an area in m, dm, cm and mm, not in the "
+          "world's length unit '" +
+              context.world.lengthUnit + "'. Set lengthUnit to one of these.",
+          false};
+    }
+    lengthUnit_ = context.world.lengthUnit;
+    hits_.clear();
+    light_ = isCompatible_ ? kPublishedLight : kYearlyLight * *metres * *metres;
+    up_ = core::normalised(context.world.up);
+    return std::nullopt;
+  }
+
+  [[nodiscard]] std::optional<turtle::EnvironmentError> step(const turtle::QueryBatch& queries,
+                                                             turtle::ReplyBatch& replies) override {
+    std::vector<Sphere> balls;
+    std::vector<std::size_t> queryOf;
+    for (std::size_t query = 0; query < queries.size(); ++query) {
+      const auto parameters = queries.parametersOf(query);
+      if (parameters.size() == 2) {
+        const double area = std::max(parameters[0], 0.0);
+        balls.push_back({queries.position[query], s_ * 0.5 * std::sqrt(area / std::numbers::pi)});
+        queryOf.push_back(query);
+      }
+    }
+    if (isCompatible_) {
+      PublishedVoxels voxels(balls, gridSize_);
+      for (std::size_t ball = 0; ball < balls.size(); ++ball) {
+        const double light = arrivingLight(balls[ball], [&](const Ray& ray, std::size_t) {
+          double left = 1.0;
+          voxels.visitRay(ray, [&](std::uint32_t other) {
+            left *= other != ball && isMet(ray, balls[ball], balls[other]) ? passing_ : 1.0;
+          });
+          return left;
+        });
+        setAnswer(queries, queryOf[ball], light, replies);
+      }
+    } else {
+      const DistinctSpheres distinct = distinctSpheres(balls);
+      const std::vector<double> light = lightOf(distinct);
+      for (std::size_t ball = 0; ball < balls.size(); ++ball) {
+        setAnswer(queries, queryOf[ball], light[distinct.indexOf[ball]], replies);
+      }
+    }
+    countAnswers(queries, replies);
+    return std::nullopt;
+  }
+
+ private:
+  /// Whether a ray from one ball meets another, ahead of its origin and before its end.
+  [[nodiscard]] bool isMet(const Ray& ray, const Sphere& own, const Sphere& other) const {
+    const Vec3 between = other.centre - ray.origin;
+    const double ahead = core::dot(between, ray.direction);
+    const double radius = other.radius + beamRadius_ * own.radius;
+    const double squared = core::dot(between, between) - ahead * ahead;
+    if (squared > radius * radius) {
+      return false;
+    }
+    const double half = std::sqrt(std::max(radius * radius - squared, 0.0));
+    return ahead + half > 0.0 && ahead - half < ray.reach;
+  }
+
+  /// The light of every ball, by the numbers of balls on its rays, which are kept from step to step.
+  [[nodiscard]] std::vector<double> lightOf(const DistinctSpheres& distinct) {
+    std::vector<double> light(distinct.spheres.size());
+    hits_.update(distinct,
+                 RaySums::Rays{std::max<std::size_t>(sources_.size(), 1), limit_,
+                               [&](const Sphere& own, std::size_t k) { return rayOf(own, k); },
+                               [&](const Sphere& own) { return beamRadius_ * own.radius; },
+                               [&](const Sphere& own, const Sphere& other, const Ray& ray) {
+                                 return static_cast<std::int64_t>(isMet(ray, own, other));
+                               }},
+                 [&](std::uint32_t index, std::span<const std::int64_t> hits) {
+                   light[index] = arrivingLight(distinct.spheres[index], [&](const Ray&, std::size_t source) {
+                     return lightAfter(hits[source]);
+                   });
+                 });
+    return light;
+  }
+
+  /// What is left behind so many balls.
+  [[nodiscard]] double lightAfter(std::int64_t hits) const {
+    if (hits == RaySums::kBeyond) {
+      return 0.0;
+    }
+    double left = 1.0;
+    for (std::int64_t k = 0; k < hits; ++k) {
+      left *= passing_;
+    }
+    return left;
+  }
+
+  /// From a ball to a source; without sources straight up.
+  [[nodiscard]] Ray rayOf(const Sphere& ball, std::size_t source) const {
+    constexpr double kFar = std::numeric_limits<double>::infinity();
+    if (sources_.empty()) {
+      return {ball.centre, up_, kFar};
+    }
+    const Vec3 way = sources_[source].direction - ball.centre;
+    return {ball.centre, core::normalised(way), isCompatible_ ? kFar : core::length(way)};
+  }
+
+  /// The part of all light that reaches a ball; `lightAlong` gives what is left along a ray to a source.
+  template <typename LightAlong>
+  [[nodiscard]] double arrivingLight(const Sphere& ball, const LightAlong& lightAlong) const {
+    if (sources_.empty()) {
+      return lightAlong(rayOf(ball, 0), 0);
+    }
+    double arriving = 0.0;
+    for (std::size_t k = 0; k < sources_.size(); ++k) {
+      const LightDirection& source = sources_[k];
+      arriving += source.direction == ball.centre ? source.weight : source.weight * lightAlong(rayOf(ball, k), k);
+    }
+    return weight_ != 0.0 ? arriving / weight_ : arriving;
+  }
+
+  void setAnswer(const turtle::QueryBatch& queries, std::size_t query, double light,
+                 turtle::ReplyBatch& replies) const {
+    const auto parameters = queries.parametersOf(query);
+    const double taken = 1.0 - passing_;
+    const double product = efficiency_ * parameters[0] / 4.0 * s_ * s_ * taken * light * light_ - parameters[1];
+    replies.set(queries, query, 0, parameters[0]);
+    replies.set(queries, query, 1, product);
+  }
+
+  double s_;
+  double efficiency_;
+  double beamRadius_;
+  bool isCompatible_;
+  double passing_ = 0.0;    // part of the light that a ball lets pass
+  std::int64_t limit_ = 0;  // of the number of balls on a ray
+  RaySums hits_;
+  std::vector<LightDirection> sources_;  // places and weights
+  double weight_ = 0.0;                  // of all sources
+  std::array<std::size_t, 3> gridSize_{};
+  double light_ = kPublishedLight;  // on a unit of area
+  Vec3 up_{0.0, 1.0, 0.0};
+  std::string lengthUnit_ = "m";
+};
+
+}  // namespace
+
+constinit const ProcessEntry kTakenakaProcess{
+    .name = "takenaka",
+    .summary = kSummary,
+    .source =
+        "Takenaka 1994, A simulation model of tree architecture development based on growth response to local light "
+        "environment",
+    .aliases = {},
+    .keys = kKeys,
+    .fieldKeywords = kFieldKeywords,
+    .make = [](const Configuration& configuration) -> ProcessOrErrors {
+      auto problems = problemsOfSources("takenaka", configuration.rows("sources"), false);
+      const double s = configuration.number("parameterS");
+      if (s * s < 1.0 - configuration.number("transmittance")) {
+        problems.push_back({core::Severity::Error,
+                            "environment process 'takenaka': 'parameterS' is too small for the 'transmittance': a ball "
+                            "would take more light than falls on it",
+                            {},
+                            "parameterS * parameterS must be at least 1 - transmittance"});
+      }
+      if (!problems.empty()) {
+        return problems;
+      }
+      return std::make_unique<Takenaka>(configuration);
+    }};
+
+}  // namespace espalier::environment

@@ -1,0 +1,70 @@
+#include "environment/light/voxels/leaf_angles.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace espalier::environment {
+
+namespace {
+
+using std::numbers::pi;
+
+/// Density of leaf area over α.
+double leafAngleDensity(LeafAngles angles, double alpha) {
+  switch (angles) {
+    case LeafAngles::Planophile:
+      return 2.0 / pi * (1.0 + std::cos(2.0 * alpha));
+    case LeafAngles::Erectophile:
+      return 2.0 / pi * (1.0 - std::cos(2.0 * alpha));
+    case LeafAngles::Plagiophile:
+      return 2.0 / pi * (1.0 - std::cos(4.0 * alpha));
+    case LeafAngles::Extremophile:
+      return 2.0 / pi * (1.0 + std::cos(4.0 * alpha));
+    default:
+      return 2.0 / pi;
+  }
+}
+
+/// Mean of |cos| of the angle between ray and normal over all azimuths of the normal (Warren Wilson 1960).
+double meanProjection(double cosZenith, double alpha) {
+  const double sinZenith = std::sqrt(std::max(0.0, 1.0 - cosZenith * cosZenith));
+  const double across = std::sin(alpha) * sinZenith;
+  const double along = std::cos(alpha) * cosZenith;
+  if (along >= across) {
+    return along;
+  }
+  const double psi = std::acos(along / across);
+  return along + 2.0 / pi * (std::sqrt(across * across - along * along) - along * psi);
+}
+
+}  // namespace
+
+double leafProjection(LeafAngles angles, double cosZenith, double ratio) {
+  switch (angles) {
+    case LeafAngles::Spherical:
+      return 0.5;
+    case LeafAngles::Horizontal:
+      return cosZenith;
+    case LeafAngles::Vertical:
+      return 2.0 / pi * std::sqrt(std::max(0.0, 1.0 - cosZenith * cosZenith));
+    case LeafAngles::Ellipsoidal: {
+      const double tangent = std::sqrt(std::max(0.0, 1.0 - cosZenith * cosZenith)) / cosZenith;
+      const double axes = ratio + 1.774 * std::pow(ratio + 1.182, -0.733);
+      return std::sqrt(ratio * ratio + tangent * tangent) / axes * cosZenith;
+    }
+    default:
+      break;
+  }
+  // midpoint rule
+  constexpr int kTerms = 2000;
+  const double width = pi / 2.0 / kTerms;
+  double sum = 0.0;
+  for (int i = 0; i < kTerms; ++i) {
+    const double alpha = (i + 0.5) * width;
+    sum += leafAngleDensity(angles, alpha) * meanProjection(cosZenith, alpha) * width;
+  }
+  return sum;
+}
+
+}  // namespace espalier::environment

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "environment/geometry/shapes.h"
+#include "environment/obstacles/obstacle_mesh.h"
+
+namespace espalier::environment {
+
+/// The solids and surfaces of a background scene of the field.
+struct SceneShapes {
+  std::vector<Sphere> spheres;
+  std::vector<MeshData> meshes;
+};
+
+/// Reads a background scene: keywords polygon, polygonuv, mesh, rectangle, prism (box), sphere, cylinder, cone,
+/// material, pushmatrix, popmatrix, translate, rotate, scale, multmatrix, each followed by its numbers; comments as in
+/// C. Cylinders and cones have 32 sides, as do spheres that a scale makes ellipsoids. A sentence with the line when a
+/// keyword has too few numbers; unknown keywords are passed over. O(text).
+[[nodiscard]] std::variant<SceneShapes, std::string> readScene(std::string_view text);
+
+}  // namespace espalier::environment

@@ -1,0 +1,119 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "environment/soil/soil_layer.h"
+
+namespace espalier::environment {
+
+/// What happens at the top and at the bottom of the ground in a time. Lengths per day, inwards positive.
+struct SoilBorders {
+  bool hasTopHead = false;
+  double topHead = 0.0;        // at the surface, length
+  double rain = 0.0;           // offered; what the soil cannot take runs off
+  double evaporation = 0.0;    // demanded; what the soil cannot give stays
+  double driestHead = -150.0;  // at the surface when it is dry, length
+  enum class Bottom : std::uint8_t { Closed, Free, Head };
+  Bottom bottom = Bottom::Free;  // Free: drainage by gravity alone
+  double bottomHead = 0.0;       // at the lower border, length
+};
+
+/// Water in unsaturated soil: Richards' equation ∂θ/∂t = ∇·(K(h) ∇(h + z)) in its mixed form, solved by modified Picard
+/// iteration, which conserves water (Celia, Bouloutas & Zarba, Water Resources Research 26, 1990), in a box of
+/// cells, each with a soil of its own or impermeable. Finite volumes; conductivities of faces are the mean of both
+/// sides; implicit in time with steps that adapt. The linear systems are solved by conjugate gradients, preconditioned
+/// with the exact solution of each column, so a single column needs one iteration.
+///
+/// A step ends when θ(h) is met to a tolerance. Water contents are then what the fluxes make of them, and the next step
+/// starts from these: what the iteration has left open is made good there, so the balance is exact to rounding.
+class RichardsSolver {
+ public:
+  struct Shape {
+    std::array<std::size_t, 2> columns{1, 1};  // along the two horizontal directions
+    std::size_t layers = 1;                    // of cells, the first one is the lowest
+    std::array<double, 3> cellSize{1, 1, 1};   // horizontal, horizontal, vertical; length
+  };
+  /// Amounts of water since the beginning, length³.
+  struct Balance {
+    double infiltrated = 0.0;  // through the surface; negative: evaporated
+    double drained = 0.0;      // through the bottom
+    double runOff = 0.0;       // rain that did not get in
+
+    bool operator==(const Balance&) const = default;
+  };
+  /// Everything that changes, cell by cell: the index is (layer * columns[0] + i) * columns[1] + k.
+  struct State {
+    std::vector<double> heads;     // length
+    std::vector<double> contents;  // volume of water per volume of soil, 0 in impermeable cells
+    double timeStep = 1e-4;        // tried next, days
+    Balance balance;
+  };
+
+  /// `soilOf` is the number of each cell's soil in `soils`, −1: impermeable.
+  RichardsSolver(const Shape& shape, std::vector<SoilLayer> soils, std::vector<int> soilOf);
+
+  [[nodiscard]] const Shape& shape() const { return shape_; }
+  [[nodiscard]] std::size_t cellCount() const { return soilOf_.size(); }
+  [[nodiscard]] double cellVolume() const { return shape_.cellSize[0] * shape_.cellSize[1] * shape_.cellSize[2]; }
+  [[nodiscard]] bool isSoil(std::size_t cell) const { return soilOf_[cell] >= 0; }
+  [[nodiscard]] const SoilLayer& soilOf(std::size_t cell) const {
+    return soils_[static_cast<std::size_t>(soilOf_[cell])];
+  }
+  [[nodiscard]] State& state() { return state_; }
+  [[nodiscard]] const State& state() const { return state_; }
+  /// Whether water can flow from a cell to the next one along an axis (2: upwards).
+  [[nodiscard]] bool hasFace(std::size_t cell, std::size_t axis) const { return hasFace_[axis][cell] != 0; }
+  /// Water content of a cell; 0 in impermeable ones.
+  [[nodiscard]] double contentOf(std::size_t cell) const { return state_.contents[cell]; }
+  /// Sets the head of a cell and the water content that belongs to it.
+  void setHead(std::size_t cell, double head);
+  /// Takes an amount of water (length³) out of a cell, or adds it when negative.
+  void take(std::size_t cell, double amount);
+  /// All water in the box, length³.
+  [[nodiscard]] double storedWater() const;
+
+  /// Lets time pass in one step of at most `days`, as long as converges: every cell's water content is what its
+  /// head stands for to `tolerance` (volume of water per volume of soil). Returns the days that passed; 0: not even the
+  /// shortest step of 10⁻⁹ days converged, and nothing has changed. Afterwards flux() tells what flowed.
+  [[nodiscard]] double advance(double days, const SoilBorders& borders, double tolerance);
+
+  /// Water that crossed the face above (axis 2), or towards higher i (axis 0) or k (axis 1) of a cell in the last
+  /// advance(), length³ per day, in that direction.
+  [[nodiscard]] double flux(std::size_t cell, std::size_t axis) const { return fluxes_[axis][cell]; }
+  /// Water that came in through the surface and left through the bottom of a cell in the last advance(), length³ per
+  /// day.
+  [[nodiscard]] double surfaceFlux(std::size_t cell) const { return surfaceFlux_[cell]; }
+  [[nodiscard]] double bottomFlux(std::size_t cell) const { return bottomFlux_[cell]; }
+
+ private:
+  [[nodiscard]] std::size_t stride(std::size_t axis) const {
+    return axis == 0 ? shape_.columns[1] : axis == 1 ? 1 : shape_.columns[0] * shape_.columns[1];
+  }
+  [[nodiscard]] bool isTopOfColumn(std::size_t cell) const;
+  [[nodiscard]] bool isBottomOfColumn(std::size_t cell) const;
+  void assemble(double days, const SoilBorders& borders);
+  void addSurface(std::size_t cell, const SoilBorders& borders);
+  void addBottom(std::size_t cell, const SoilBorders& borders);
+  [[nodiscard]] double largestResidual() const;
+  void solve();
+  void solveColumns(const std::vector<double>& right, std::vector<double>& result) const;
+  void multiply(const std::vector<double>& v, std::vector<double>& result) const;
+
+  Shape shape_;
+  std::vector<SoilLayer> soils_;
+  std::vector<int> soilOf_;
+  std::array<std::vector<std::uint8_t>, 3> hasFace_;  // an open face towards the next cell along an axis (cells)
+  std::vector<std::uint8_t> isSurface_;               // its upper face is the surface of the ground (cells)
+  State state_;
+  std::vector<double> heads_;                    // of the iteration (cells)
+  std::vector<double> conductivities_;           // at these heads (cells)
+  std::array<std::vector<double>, 3> coupling_;  // conductance of faces, length² per day (cells)
+  std::array<std::vector<double>, 3> fluxes_;    // (cells)
+  std::vector<double> surfaceFlux_, bottomFlux_, diagonal_, residual_, change_;
+  mutable std::vector<double> forward_;  // of a column elimination (layers)
+};
+
+}  // namespace espalier::environment

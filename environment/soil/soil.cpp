@@ -1,0 +1,545 @@
+#include "environment/soil/soil.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "environment/base/replies.h"
+#include "environment/base/state_numbers.h"
+#include "environment/obstacles/obstacle_scene.h"
+#include "environment/obstacles/scene_file.h"
+#include "environment/soil/soil_field.h"
+#include "environment/soil/soil_specification.h"
+
+namespace espalier::environment {
+
+namespace {
+
+using core::Vec3;
+
+constexpr std::string_view kSummary =
+    "Water or a nutrient in the ground: roots take it up, and it spreads by diffusion.";
+constexpr std::array kOnes{1.0, 1.0, 1.0};
+constexpr std::array kZeros{0.0, 0.0, 0.0};
+constexpr std::array kUnitRange{0.0, 1.0};
+constexpr std::array<std::string_view, 1> kOn{"on"};
+constexpr std::size_t kMaximumCellCount = std::size_t{1} << 26;
+
+constexpr std::array kKeys{
+    ConfigurationKey{.name = "domainSize",
+                     .kind = KeyKind::Numbers,
+                     .description = "size of the box along x, y, z",
+                     .unit = "length",
+                     .minimum = 0.0,
+                     .isMinimumExclusive = true,
+                     .defaultNumbers = kOnes,
+                     .minimumCount = 3,
+                     .maximumCount = 3},
+    ConfigurationKey{.name = "position",
+                     .kind = KeyKind::Numbers,
+                     .description = "corner of the box with the smallest coordinates",
+                     .unit = "length",
+                     .defaultNumbers = kZeros,
+                     .minimumCount = 3,
+                     .maximumCount = 3},
+    ConfigurationKey{.name = "concentration",
+                     .kind = KeyKind::Rows,
+                     .description = "concentrations by rows along x, the highest row first, slice after slice along z; "
+                                    "empty: uniformConcentration everywhere",
+                     .minimumCount = 1},
+    ConfigurationKey{.name = "sliceCount",
+                     .kind = KeyKind::Integer,
+                     .description = "number of slices along z in the rows; 1: a plane field",
+                     .minimum = 1,
+                     .maximum = 4096,
+                     .defaultNumber = 1},
+    ConfigurationKey{.name = "gridSize",
+                     .kind = KeyKind::Numbers,
+                     .description = "cells along x, y, z when no concentration is given",
+                     .minimum = 1.0,
+                     .maximum = 4096.0,
+                     .isWhole = true,
+                     .defaultNumbers = kOnes,
+                     .minimumCount = 3,
+                     .maximumCount = 3},
+    ConfigurationKey{.name = "uniformConcentration",
+                     .description = "concentration of every cell when no concentration is given",
+                     .defaultNumber = 1.0},
+    ConfigurationKey{.name = "concentrationRange",
+                     .kind = KeyKind::Numbers,
+                     .description = "the smallest and the largest concentration, to which gradients are relative",
+                     .defaultNumbers = kUnitRange,
+                     .minimumCount = 2,
+                     .maximumCount = 2},
+    ConfigurationKey{.name = "obstacleMap",
+                     .kind = KeyKind::Rows,
+                     .description = "1 where nothing passes, 0 elsewhere, laid out as concentration; empty: nowhere",
+                     .minimum = 0.0,
+                     .maximum = 1.0,
+                     .isWhole = true,
+                     .minimumCount = 1},
+    ConfigurationKey{
+        .name = "obstacleScene",
+        .kind = KeyKind::Text,
+        .description = "the text of a background scene: cells whose middle is in a solid of it are obstacles"},
+    ConfigurationKey{.name = "sourceMap",
+                     .kind = KeyKind::Rows,
+                     .description = "1 where the concentration is restored in every step, laid out as concentration",
+                     .minimum = 0.0,
+                     .maximum = 1.0,
+                     .isWhole = true,
+                     .minimumCount = 1},
+    ConfigurationKey{.name = "depletion", .kind = KeyKind::Boolean, .description = "what is taken up is gone"},
+    ConfigurationKey{.name = "diffusionSteps",
+                     .kind = KeyKind::Integer,
+                     .description = "diffusion steps in a step of the simulation",
+                     .minimum = 0,
+                     .maximum = 1000000},
+    ConfigurationKey{.name = "diffusionTolerance",
+                     .description = "stop the diffusion of a step when no cell changes by as much; 0: never",
+                     .minimum = 0.0},
+    ConfigurationKey{.name = "relaxationFactor",
+                     .description = "part of the way to the mean of the neighbours in a diffusion step",
+                     .minimum = 0.0,
+                     .maximum = 1.0,
+                     .defaultNumber = 0.5},
+    ConfigurationKey{.name = "layerThicknesses",
+                     .kind = KeyKind::Numbers,
+                     .description = "thickness of each layer from the top of the box downwards",
+                     .unit = "length",
+                     .minimum = 0.0},
+    ConfigurationKey{.name = "geotropicAngles",
+                     .kind = KeyKind::Numbers,
+                     .description = "angle between down and the direction in which gravity draws roots, of each layer",
+                     .unit = "degree",
+                     .minimum = -180.0,
+                     .maximum = 180.0},
+    ConfigurationKey{.name = "compatible",
+                     .kind = KeyKind::Boolean,
+                     .description = "uptake in string order, gradients, layers and diffusion as the published program"},
+};
+
+std::string countText(std::size_t count) {
+  return std::to_string(count);
+}
+
+constexpr std::array kFieldKeywords{
+    FieldKeyword{.keyword = "domain size", .kind = FieldKind::Numbers, .key = "domainSize", .count = 3},
+    FieldKeyword{.keyword = "position", .kind = FieldKind::Numbers, .key = "position", .count = 3},
+    FieldKeyword{.keyword = "array", .kind = FieldKind::Own, .key = {}, .read = readArray},
+    FieldKeyword{.keyword = "image", .kind = FieldKind::Own, .key = {}, .read = readConcentrationImage},
+    FieldKeyword{.keyword = "obstacles and sources", .kind = FieldKind::Own, .key = {}, .read = readObstacleImage},
+    FieldKeyword{.keyword = "3D primitives", .kind = FieldKind::Own, .key = {}, .read = readPrimitives},
+    FieldKeyword{.keyword = "diffusion", .kind = FieldKind::Own, .key = {}, .read = readDiffusion},
+    FieldKeyword{.keyword = "depletion", .kind = FieldKind::Switch, .key = "depletion", .onWords = kOn},
+    FieldKeyword{.keyword = "relaxation factor", .key = "relaxationFactor"},
+    FieldKeyword{.keyword = "layer thicknesses", .kind = FieldKind::Own, .key = {}, .read = readThicknesses},
+    FieldKeyword{.keyword = "geotropic angles", .kind = FieldKind::Own, .key = {}, .read = readAngles},
+};
+
+Vec3 rotated(const Vec3& v, const Vec3& axis, double radians) {
+  const double c = std::cos(radians);
+  const double s = std::sin(radians);
+  return v * c + core::cross(axis, v) * s + axis * (core::dot(axis, v) * (1.0 - c));
+}
+
+struct Layers {
+  std::vector<double> thicknesses;
+  std::vector<double> angles;  // degrees, as many as thicknesses
+};
+
+class Soil final : public turtle::EnvironmentProcess {
+ public:
+  Soil(SoilField field, const Configuration& configuration)
+      : field_(std::move(field)),
+        diffusion_{.stepCount = static_cast<int>(configuration.integer("diffusionSteps")),
+                   .tolerance = configuration.number("diffusionTolerance"),
+                   .relaxation = configuration.number("relaxationFactor"),
+                   .isAveraging = configuration.flag("compatible")},
+        layers_{configuration.numbers("layerThicknesses"), configuration.numbers("geotropicAngles")},
+        range_(configuration.numbers("concentrationRange")[1] - configuration.numbers("concentrationRange")[0]),
+        depletes_(configuration.flag("depletion")),
+        isCompatible_(configuration.flag("compatible")) {}
+
+  [[nodiscard]] turtle::EnvironmentDescription describe() const override {
+    turtle::EnvironmentDescription description{.name = "soil",
+                                               .summary = std::string(kSummary),
+                                               .needs = {.position = true, .heading = true, .parameters = true},
+                                               .inputs = {{"desiredAmount", "1", ""},
+                                                          {"gravityWeight", "1", ""},
+                                                          {"gradientWeight", "1", ""},
+                                                          {"unused", "1", ""},
+                                                          {"segmentLength", lengthUnit_, ""},
+                                                          {"divergence", "degree", ""}},
+                                               .outputs = {{"obtainedAmount", "1", ""},
+                                                           {"directionX", "1", ""},
+                                                           {"directionY", "1", ""},
+                                                           {"directionZ", "1", ""}},
+                                               .isStateful = true};
+    if (field_.isInSpace()) {
+      description.needs.left = true;
+      description.outputs.push_back({"avoidanceX", "1", ""});
+      description.outputs.push_back({"avoidanceY", "1", ""});
+      description.outputs.push_back({"avoidanceZ", "1", ""});
+    } else {
+      description.outputs.push_back({"avoidanceAngle", "degree", ""});
+    }
+    return description;
+  }
+
+  [[nodiscard]] std::optional<turtle::EnvironmentError> open(const turtle::EnvironmentContext& context) override {
+    if (!(core::length(context.world.up) > 0.0)) {
+      return turtle::EnvironmentError{
+          "Environment 'soil' needs to know where up is: the world's vector 'up' has no length. Set it to 0 1 0.",
+          false};
+    }
+    down_ = -core::normalised(context.world.up);
+    lengthUnit_ = context.world.lengthUnit;
+    field_.reset();
+    return std::nullopt;
+  }
+
+  [[nodiscard]] std::optional<turtle::EnvironmentError> step(const turtle::QueryBatch& queries,
+                                                             turtle::ReplyBatch& replies) override {
+    field_.prepareToSpread(diffusion_);
+    if (isCompatible_) {
+      for (std::size_t query = 0; query < queries.size(); ++query) {
+        takeAtOnce(queries, query, replies);
+        setDirections(queries, query, replies);
+      }
+    } else {
+      for (std::size_t query = 0; query < queries.size(); ++query) {
+        setDirections(queries, query, replies);
+      }
+      shareOut(queries, replies);
+    }
+    countAnswers(queries, replies);
+    field_.spread(diffusion_);
+    return std::nullopt;
+  }
+
+  [[nodiscard]] std::optional<turtle::EnvironmentError> tick(std::uint64_t) override {
+    field_.spread(diffusion_);
+    return std::nullopt;
+  }
+
+  [[nodiscard]] std::vector<turtle::Field> fields() const override { return {field_.field("concentration", "1")}; }
+  [[nodiscard]] std::string save() const override { return saveNumbers(field_.cells()); }
+  [[nodiscard]] std::optional<turtle::EnvironmentError> restore(std::string_view state) override {
+    return restoreNumbers(state, "soil", field_.cells());
+  }
+
+ private:
+  /// The published order: a query takes what is left by those before it.
+  void takeAtOnce(const turtle::QueryBatch& queries, std::size_t query, turtle::ReplyBatch& replies) {
+    const auto parameters = queries.parametersOf(query);
+    if (parameters.empty()) {
+      return;
+    }
+    const auto cell = field_.cellOf(queries.position[query]);
+    double obtained = 0.0;
+    if (cell) {
+      double& concentration = field_.cells()[*cell];
+      obtained = depletes_ ? std::min(parameters[0], concentration) : concentration;
+      concentration -= depletes_ ? obtained : 0.0;
+    }
+    replies.set(queries, query, 0, obtained);
+  }
+
+  /// All queries of a cell at once: all get what they want, or all the same share of it. What is given off (a negative
+  /// amount) is there only for the next step.
+  void shareOut(const turtle::QueryBatch& queries, turtle::ReplyBatch& replies) {
+    struct Want {
+      std::size_t cell;
+      double amount;
+      std::size_t query;
+    };
+    std::vector<Want> wants;
+    for (std::size_t query = 0; query < queries.size(); ++query) {
+      const auto parameters = queries.parametersOf(query);
+      const auto cell = field_.cellOf(queries.position[query]);
+      if (parameters.empty()) {
+        continue;
+      }
+      if (!cell) {
+        replies.set(queries, query, 0, 0.0);
+      } else if (!depletes_) {
+        replies.set(queries, query, 0, std::min(parameters[0], field_.cells()[*cell]));
+      } else {
+        wants.push_back({*cell, parameters[0], query});
+      }
+    }
+    // sorted by amount, sums do not depend on the order of queries
+    std::sort(wants.begin(), wants.end(),
+              [](const Want& a, const Want& b) { return std::pair(a.cell, a.amount) < std::pair(b.cell, b.amount); });
+    for (std::size_t begin = 0; begin < wants.size();) {
+      double given = 0.0;
+      double wanted = 0.0;
+      std::size_t end = begin;
+      for (; end < wants.size() && wants[end].cell == wants[begin].cell; ++end) {
+        (wants[end].amount < 0.0 ? given : wanted) += wants[end].amount;
+      }
+      double& concentration = field_.cells()[wants[begin].cell];
+      const double available = std::max(concentration, 0.0);
+      const bool isEnough = wanted <= available;
+      for (std::size_t k = begin; k < end; ++k) {
+        const double amount = wants[k].amount;
+        replies.set(queries, wants[k].query, 0, isEnough || amount < 0.0 ? amount : amount * (available / wanted));
+      }
+      concentration = (isEnough ? concentration - wanted : concentration - available) - given;
+      begin = end;
+    }
+  }
+
+  void setDirections(const turtle::QueryBatch& queries, std::size_t query, turtle::ReplyBatch& replies) const {
+    const auto parameters = queries.parametersOf(query);
+    const Vec3& position = queries.position[query];
+    const Vec3& heading = queries.heading[query];
+    if (parameters.size() > 1) {
+      const double gradientWeight = parameters.size() > 2 ? parameters[2] : 0.0;
+      Vec3 direction = geotropicDirection(position, heading) * parameters[1];
+      if (const auto cell = field_.cellOf(position)) {
+        direction = direction + gradientAt(*cell) * gradientWeight;
+      }
+      const std::array<double, 3> components{direction.x, direction.y, direction.z};
+      for (std::size_t k = 1; k < std::min<std::size_t>(parameters.size(), 4); ++k) {
+        replies.set(queries, query, k, components[k - 1]);
+      }
+    }
+    if (parameters.size() > 4) {
+      const double divergence = parameters.size() > 5 ? parameters[5] : 0.0;
+      const Vec3 normal = field_.isInSpace() ? core::normalised(queries.left[query]) : Vec3{0.0, 0.0, 1.0};
+      avoid(queries, query, parameters[4], rotated(heading, normal, divergence * kRadians), replies);
+    }
+  }
+
+  [[nodiscard]] Vec3 gradientAt(std::size_t cell) const {
+    Vec3 gradient = field_.differencesAt(cell);
+    if (!isCompatible_) {
+      const Vec3 size = field_.cellSize();
+      gradient = {gradient.x / size.x, gradient.y / size.y, gradient.z / size.z};
+    }
+    return range_ == 0.0 ? gradient : gradient * (1.0 / range_);
+  }
+
+  /// Where gravity draws a root: down, turned towards the side to which it grows by the angle of its layer.
+  [[nodiscard]] Vec3 geotropicDirection(const Vec3& position, const Vec3& heading) const {
+    const Vec3 axis = core::cross(down_, heading);
+    if (!(core::length(axis) > 1e-9)) {
+      return down_;
+    }
+    const auto layer = layerOf(position);
+    if (!layer) {
+      return isCompatible_ ? Vec3{} : down_;
+    }
+    const double angle = layers_.angles[*layer] * kRadians;
+    return rotated(down_, core::normalised(axis), isCompatible_ ? 2.0 * angle : angle);
+  }
+
+  [[nodiscard]] std::optional<std::size_t> layerOf(const Vec3& position) const {
+    const Vec3 top = field_.shape().position + field_.shape().size;
+    double depth = top.y - position.y;
+    for (std::size_t layer = 0; layer < layers_.thicknesses.size(); ++layer) {
+      depth -= layers_.thicknesses[layer];
+      if (depth < 0.0) {
+        return layer;
+      }
+    }
+    // the last layer goes on below
+    return layers_.thicknesses.empty() ? std::nullopt : std::optional(layers_.thicknesses.size() - 1);
+  }
+
+  /// The least turn, in steps of 2 degrees to both sides, after which the next segment meets no obstacle.
+  void avoid(const turtle::QueryBatch& queries, std::size_t query, double length, const Vec3& direction,
+             turtle::ReplyBatch& replies) const {
+    const Vec3& from = queries.position[query];
+    const Vec3 unit = core::normalised(direction);
+    const bool isInSpace = field_.isInSpace();
+    const auto isFree = [&](const Vec3& d) { return !field_.isBlocked(from, from + d * length); };
+    double angle = 0.0;
+    Vec3 found = unit;
+    if (!isFree(unit)) {
+      angle = 180.0;
+      found = -unit;
+      const Vec3 side = isInSpace ? core::normalised(core::cross(unit, queries.left[query])) : Vec3{0.0, 0.0, 1.0};
+      constexpr int kPlanes = 8;
+      for (int k = 1; k < 90 && angle == 180.0; ++k) {
+        for (int plane = 0; plane < (isInSpace ? kPlanes : 1) && angle == 180.0; ++plane) {
+          const Vec3 axis = isInSpace ? rotated(side, unit, std::numbers::pi * plane / kPlanes) : side;
+          for (const double sign : {1.0, -1.0}) {
+            const Vec3 turned = rotated(unit, axis, sign * 2.0 * k * kRadians);
+            if (isFree(turned)) {
+              angle = sign * 2.0 * k;
+              found = turned;
+              break;
+            }
+          }
+        }
+      }
+    }
+    if (!isInSpace) {
+      replies.set(queries, query, 4, angle);
+      return;
+    }
+    const std::array<double, 3> components{found.x, found.y, found.z};
+    for (std::size_t k = 4; k < std::min<std::size_t>(queries.parametersOf(query).size(), 7); ++k) {
+      replies.set(queries, query, k, components[k - 4]);
+    }
+  }
+
+  static constexpr double kRadians = std::numbers::pi / 180.0;
+
+  SoilField field_;
+  Diffusion diffusion_;
+  Layers layers_;
+  double range_;
+  bool depletes_;
+  bool isCompatible_;
+  Vec3 down_{0.0, -1.0, 0.0};
+  std::string lengthUnit_ = "m";
+};
+
+core::Diagnostic errorOf(std::string message, std::string hint) {
+  core::Diagnostic diagnostic;
+  diagnostic.message = "environment process 'soil': " + std::move(message);
+  diagnostic.hint = std::move(hint);
+  return diagnostic;
+}
+
+/// Values by cell from rows with the highest first; a message when the rows have another shape.
+template <typename Value>
+std::string layOut(const ConfigurationRows& rows, std::string_view key, const std::array<std::size_t, 3>& cells,
+                   std::vector<Value>& values) {
+  if (rows.empty()) {
+    return {};
+  }
+  if (rows.size() != cells[1] * cells[2]) {
+    return "'" + std::string(key) + "' must have " + countText(cells[1] * cells[2]) + " rows, found " +
+           countText(rows.size());
+  }
+  values.resize(cells[0] * cells[1] * cells[2]);
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    if (rows[row].size() != cells[0]) {
+      return "'" + std::string(key) + "[" + countText(row) + "]' must have " + countText(cells[0]) +
+             " numbers, found " + countText(rows[row].size());
+    }
+    const std::size_t slice = row / cells[1];
+    const std::size_t y = cells[1] - 1 - row % cells[1];
+    for (std::size_t x = 0; x < cells[0]; ++x) {
+      values[(slice * cells[1] + y) * cells[0] + x] = static_cast<Value>(rows[row][x]);
+    }
+  }
+  return {};
+}
+
+/// Marks the cells whose middle is in a solid of a scene; a message when the scene cannot be read.
+std::string markSolids(const std::string& text, const SoilField::Shape& shape, std::vector<std::uint8_t>& isObstacle) {
+  if (text.empty()) {
+    return {};
+  }
+  auto read = readScene(text);
+  if (const auto* problem = std::get_if<std::string>(&read)) {
+    return "'obstacleScene', " + *problem;
+  }
+  ObstacleScene::Content content;
+  content.spheres = std::get<SceneShapes>(read).spheres;
+  for (MeshData& mesh : std::get<SceneShapes>(read).meshes) {
+    if (const std::string problem = problemOf(mesh); !problem.empty()) {
+      return "'obstacleScene' " + problem;
+    }
+    content.meshes.push_back(std::move(mesh));
+  }
+  const ObstacleScene scene(std::move(content));
+  const auto [nx, ny, nz] = shape.cells;
+  isObstacle.resize(nx * ny * nz, 0);
+  const auto middle = [](double low, double size, std::size_t cell, std::size_t count) {
+    return low + size * (static_cast<double>(cell) + 0.5) / static_cast<double>(count);
+  };
+  for (std::size_t cell = 0; cell < isObstacle.size(); ++cell) {
+    const Vec3 place{middle(shape.position.x, shape.size.x, cell % nx, nx),
+                     middle(shape.position.y, shape.size.y, cell / nx % ny, ny),
+                     middle(shape.position.z, shape.size.z, cell / (nx * ny), nz)};
+    isObstacle[cell] = isObstacle[cell] != 0 || scene.isInside(place) ? 1 : 0;
+  }
+  return {};
+}
+
+ProcessOrErrors makeSoil(const Configuration& configuration) {
+  const ConfigurationRows& rows = configuration.rows("concentration");
+  const auto vectorOf = [&](const char* key) {
+    const auto& numbers = configuration.numbers(key);
+    return Vec3{numbers[0], numbers[1], numbers[2]};
+  };
+  SoilField::Shape shape{vectorOf("position"), vectorOf("domainSize"), {}};
+  const auto sliceCount = static_cast<std::size_t>(configuration.integer("sliceCount"));
+  if (rows.empty()) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      shape.cells[axis] = static_cast<std::size_t>(configuration.numbers("gridSize")[axis]);
+    }
+  } else if (rows.size() % sliceCount != 0) {
+    return std::vector{errorOf("'concentration' has " + countText(rows.size()) + " rows, which are not " +
+                                   countText(sliceCount) + " slices of equal size",
+                               "sliceCount: number of slices along z in the rows")};
+  } else {
+    shape.cells = {rows.front().size(), rows.size() / sliceCount, sliceCount};
+  }
+  const std::size_t cellCount = shape.cells[0] * shape.cells[1] * shape.cells[2];
+  if (cellCount > kMaximumCellCount) {
+    return std::vector{errorOf(
+        "a field of " + countText(cellCount) + " cells is larger than " + countText(kMaximumCellCount) + " cells",
+        "use fewer cells along x, y or z")};
+  }
+  if (configuration.numbers("layerThicknesses").size() != configuration.numbers("geotropicAngles").size()) {
+    return std::vector{errorOf("there are " + countText(configuration.numbers("layerThicknesses").size()) +
+                                   " layer thicknesses and " +
+                                   countText(configuration.numbers("geotropicAngles").size()) + " geotropic angles",
+                               "give one angle for each layer")};
+  }
+  const std::vector<double>& range = configuration.numbers("concentrationRange");
+  if (!(range[0] < range[1])) {
+    return std::vector{errorOf("'concentrationRange' must be a smaller and a larger number",
+                               "gradients are relative to the difference of the two")};
+  }
+  if (!rows.empty() && configuration.isGiven("gridSize")) {
+    return std::vector{errorOf("both 'concentration' and 'gridSize' are given",
+                               "the cells are those of 'concentration', or 'gridSize' of 'uniformConcentration'")};
+  }
+  std::vector<double> initial(cellCount, configuration.number("uniformConcentration"));
+  std::vector<std::uint8_t> isObstacle;
+  std::vector<std::uint8_t> isSource;
+  std::vector<core::Diagnostic> errors;
+  for (const std::string& problem : {layOut(rows, "concentration", shape.cells, initial),
+                                     layOut(configuration.rows("obstacleMap"), "obstacleMap", shape.cells, isObstacle),
+                                     markSolids(configuration.text("obstacleScene"), shape, isObstacle),
+                                     layOut(configuration.rows("sourceMap"), "sourceMap", shape.cells, isSource)}) {
+    if (!problem.empty()) {
+      errors.push_back(errorOf(problem, "all maps have one number for each cell"));
+    }
+  }
+  if (!errors.empty()) {
+    return errors;
+  }
+  return std::make_unique<Soil>(SoilField(shape, std::move(initial), std::move(isObstacle), std::move(isSource)),
+                                configuration);
+}
+
+}  // namespace
+
+constinit const ProcessEntry kSoilProcess{
+    .name = "soil",
+    .summary = kSummary,
+    .source =
+        "Clausnitzer & Hopmans 1994, Simultaneous modeling of transient three-dimensional root growth and soil water "
+        "flow; Mech & Prusinkiewicz 1996",
+    .aliases = {},
+    .keys = kKeys,
+    .fieldKeywords = kFieldKeywords,
+    .make = makeSoil};
+
+}  // namespace espalier::environment

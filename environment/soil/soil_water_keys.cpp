@@ -1,0 +1,303 @@
+#include "environment/soil/soil_water_keys.h"
+
+#include <cmath>
+#include <string>
+
+#include "environment/obstacles/obstacle_scene.h"
+#include "environment/soil/soil_water.h"
+
+namespace espalier::environment {
+
+namespace {
+
+constexpr std::array kGridSize{1.0, 20.0, 1.0};
+constexpr std::array kCellSize{1.0, 0.05, 1.0};
+constexpr std::array kPosition{-0.5, -1.0, -0.5};
+constexpr std::array<std::string_view, 2> kStarts{"head", "waterTable"};
+constexpr std::array<std::string_view, 2> kSurfaces{"weather", "head"};
+constexpr std::array<std::string_view, 3> kBottoms{"free", "closed", "head"};
+constexpr double kMaximumCellCount = 1 << 24;
+
+constexpr std::array kKeys{
+    ConfigurationKey{.name = "gridSize",
+                     .kind = KeyKind::Numbers,
+                     .description = "cells along x, y, z; one along both horizontal directions: a column",
+                     .minimum = 1.0,
+                     .maximum = 4096.0,
+                     .isWhole = true,
+                     .defaultNumbers = kGridSize,
+                     .minimumCount = 3,
+                     .maximumCount = 3},
+    ConfigurationKey{.name = "cellSize",
+                     .kind = KeyKind::Numbers,
+                     .description = "sides of a cell along x, y, z",
+                     .unit = "length",
+                     .minimum = 0.0,
+                     .isMinimumExclusive = true,
+                     .defaultNumbers = kCellSize,
+                     .minimumCount = 3,
+                     .maximumCount = 3},
+    ConfigurationKey{.name = "position",
+                     .kind = KeyKind::Numbers,
+                     .description = "corner of the ground with the smallest coordinates",
+                     .unit = "length",
+                     .defaultNumbers = kPosition,
+                     .minimumCount = 3,
+                     .maximumCount = 3},
+    ConfigurationKey{.name = "layers",
+                     .kind = KeyKind::Rows,
+                     .description =
+                         "from the top: thickness (length; the last one goes on below), residual and saturated "
+                         "water content, van Genuchten's α (1/length) and n, saturated conductivity "
+                         "(length/day); none: loam after Carsel and Parrish (1988), in metres",
+                     .minimum = 0.0,
+                     .minimumCount = 6,
+                     .maximumCount = 6},
+    ConfigurationKey{.name = "specificStorage",
+                     .description = "water that saturated soil takes up with the head",
+                     .unit = "1/length",
+                     .minimum = 0.0,
+                     .isMinimumExclusive = true,
+                     .defaultNumber = 1e-6},
+    ConfigurationKey{.name = "initially",
+                     .kind = KeyKind::Choice,
+                     .description =
+                         "head: initialHead everywhere; waterTable: hydrostatic equilibrium with a water table "
+                         "at waterTableDepth",
+                     .defaultText = "head",
+                     .choices = kStarts},
+    ConfigurationKey{.name = "initialHead", .description = "pressure head", .unit = "length", .defaultNumber = -1.0},
+    ConfigurationKey{.name = "initialHeads",
+                     .kind = KeyKind::Numbers,
+                     .description = "pressure head of every cell, x fastest, then y, then z, instead of 'initially'; a "
+                                    "\"fieldFile\" brings them; none: as 'initially' says",
+                     .unit = "length"},
+    ConfigurationKey{.name = "waterTableDepth",
+                     .description = "of the water table below the top of the ground",
+                     .unit = "length",
+                     .defaultNumber = 1.0},
+    ConfigurationKey{.name = "surface",
+                     .kind = KeyKind::Choice,
+                     .description = "weather: rain and evaporation; head: topHead",
+                     .defaultText = "weather",
+                     .choices = kSurfaces},
+    ConfigurationKey{.name = "topHead", .description = "pressure head at the surface", .unit = "length"},
+    ConfigurationKey{.name = "rain",
+                     .kind = KeyKind::Rows,
+                     .description = "day, rain (length/day) from then on; what cannot get in runs off",
+                     .minimum = 0.0,
+                     .minimumCount = 2,
+                     .maximumCount = 2},
+    ConfigurationKey{.name = "evaporation",
+                     .kind = KeyKind::Rows,
+                     .description = "day, potential evaporation (length/day) from then on",
+                     .minimum = 0.0,
+                     .minimumCount = 2,
+                     .maximumCount = 2},
+    ConfigurationKey{.name = "weatherPeriod",
+                     .description = "days after which rain and evaporation repeat; 0: never",
+                     .unit = "day",
+                     .minimum = 0.0},
+    ConfigurationKey{.name = "driestHead",
+                     .description = "pressure head of a surface that is dry: limits evaporation",
+                     .unit = "length",
+                     .maximum = 0.0,
+                     .defaultNumber = -150.0},
+    ConfigurationKey{.name = "bottom",
+                     .kind = KeyKind::Choice,
+                     .description = "free: drainage by gravity; closed; head: bottomHead at the lower border",
+                     .defaultText = "free",
+                     .choices = kBottoms},
+    ConfigurationKey{.name = "bottomHead", .description = "pressure head at the lower border", .unit = "length"},
+    ConfigurationKey{.name = "wiltingHead",
+                     .description = "pressure head down to which roots can take water",
+                     .unit = "length",
+                     .maximum = 0.0,
+                     .defaultNumber = -150.0},
+    ConfigurationKey{.name = "solutes",
+                     .kind = KeyKind::Rows,
+                     .description =
+                         "initial concentration and that of the rain (amount/length³ of water), diffusivity in "
+                         "water (length²/day), dispersivity (length), sorbed amount per volume of soil over the "
+                         "concentration (1), decay (1/day)",
+                     .minimum = 0.0,
+                     .minimumCount = 6,
+                     .maximumCount = 6},
+    ConfigurationKey{.name = "acidity",
+                     .kind = KeyKind::Boolean,
+                     .description = "carry H⁺ with the water, buffered by the soil, and answer its pH"},
+    ConfigurationKey{.name = "initialPh",
+                     .description = "pH at first",
+                     .unit = "1",
+                     .minimum = 0.0,
+                     .maximum = 14.0,
+                     .defaultNumber = 6.5},
+    ConfigurationKey{.name = "rainPh",
+                     .description = "pH of the rain",
+                     .unit = "1",
+                     .minimum = 0.0,
+                     .maximum = 14.0,
+                     .defaultNumber = 5.6},
+    ConfigurationKey{.name = "bufferCapacity",
+                     .description = "H⁺ that lowers the pH of a volume of soil by 1",
+                     .unit = "mol/length^3",
+                     .minimum = 0.0,
+                     .isMinimumExclusive = true,
+                     .defaultNumber = 20.0},
+    ConfigurationKey{.name = "protonDiffusivity",
+                     .description = "of H⁺ in water",
+                     .unit = "length^2/day",
+                     .minimum = 0.0,
+                     .defaultNumber = 8.04e-4},
+    ConfigurationKey{.name = "dispersivity", .description = "of H⁺", .unit = "length", .minimum = 0.0},
+    ConfigurationKey{.name = "tolerance",
+                     .description = "largest difference of a cell's water content from what its head stands for",
+                     .minimum = 1e-16,
+                     .defaultNumber = 1e-6},
+    kPlanesKey,
+    kBoxesKey,
+    kSpheresKey,
+    kCapsulesKey,
+    kHeightsKey,
+    kHeightsExtentKey,
+    kVerticesKey,
+    kTrianglesKey,
+    kMeshKey,
+    kSceneKey,
+};
+
+core::Diagnostic wrong(const std::string& sentence, const std::string& hint) {
+  core::Diagnostic diagnostic;
+  diagnostic.message = "environment process 'soil-water': " + sentence;
+  diagnostic.hint = hint;
+  return diagnostic;
+}
+
+}  // namespace
+
+constinit const ProcessEntry kSoilWaterProcess{
+    .name = "soil-water",
+    .summary = kSoilWaterSummary,
+    .source =
+        "Celia, Bouloutas & Zarba 1990, A general mass-conservative numerical solution for the unsaturated flow "
+        "equation; van Genuchten 1980; Mualem 1976; Millington & Quirk 1961",
+    .aliases = {},
+    .keys = kKeys,
+    .fieldKeywords = {},
+    .make = makeSoilWater};
+
+int SoilWaterKeys::layerAt(double depth) const {
+  double below = 0.0;
+  for (std::size_t layer = 0; layer < thicknesses.size(); ++layer) {
+    below += thicknesses[layer];
+    if (depth < below) {
+      return static_cast<int>(layer);
+    }
+  }
+  return static_cast<int>(thicknesses.size());
+}
+
+Solute SoilWaterKeys::protons(double litres) const {
+  return {.initialConcentration = std::pow(10.0, -initialPh) * litres,
+          .rainConcentration = std::pow(10.0, -rainPh) * litres,
+          .diffusivity = protonDiffusivity,
+          .dispersivity = dispersivity,
+          .bufferCapacity = bufferCapacity};
+}
+
+SoilWaterKeys readSoilWater(const Configuration& configuration) {
+  SoilWaterKeys keys;
+  const auto& size = configuration.numbers("gridSize");
+  const auto& cell = configuration.numbers("cellSize");
+  const auto& position = configuration.numbers("position");
+  keys.shape = {
+      {position[0], position[1], position[2]},
+      {static_cast<std::size_t>(size[0]), static_cast<std::size_t>(size[1]), static_cast<std::size_t>(size[2])},
+      {cell[0], cell[1], cell[2]}};
+  for (const auto& row : configuration.rows("layers")) {
+    keys.thicknesses.push_back(row[0]);
+    keys.soils.push_back({row[1], row[2], row[3], row[4], row[5], configuration.number("specificStorage")});
+  }
+  keys.hasOwnLayers = !keys.soils.empty();
+  if (keys.hasOwnLayers) {
+    keys.thicknesses.pop_back();
+  } else {
+    keys.soils.emplace_back();
+    keys.soils.back().specificStorage = configuration.number("specificStorage");
+  }
+  for (const auto& row : configuration.rows("solutes")) {
+    keys.solutes.push_back({row[0], row[1], row[2], row[3], row[4], row[5]});
+  }
+  keys.acidity = configuration.flag("acidity");
+  keys.initialPh = configuration.number("initialPh");
+  keys.rainPh = configuration.number("rainPh");
+  keys.bufferCapacity = configuration.number("bufferCapacity");
+  keys.protonDiffusivity = configuration.number("protonDiffusivity");
+  keys.dispersivity = configuration.number("dispersivity");
+  const std::string& bottom = configuration.text("bottom");
+  keys.borders = {.hasTopHead = configuration.text("surface") == "head",
+                  .topHead = configuration.number("topHead"),
+                  .driestHead = configuration.number("driestHead"),
+                  .bottom = bottom == "free"     ? SoilBorders::Bottom::Free
+                            : bottom == "closed" ? SoilBorders::Bottom::Closed
+                                                 : SoilBorders::Bottom::Head,
+                  .bottomHead = configuration.number("bottomHead")};
+  const double period = configuration.number("weatherPeriod");
+  keys.rain = RateSeries(configuration.rows("rain"), period);
+  keys.evaporation = RateSeries(configuration.rows("evaporation"), period);
+  keys.initialHead = configuration.number("initialHead");
+  keys.initialHeads = configuration.numbers("initialHeads");
+  if (configuration.text("initially") == "waterTable") {
+    keys.waterTableDepth = configuration.number("waterTableDepth");
+  }
+  keys.wiltingHead = configuration.number("wiltingHead");
+  keys.tolerance = configuration.number("tolerance");
+  return keys;
+}
+
+std::vector<core::Diagnostic> checkSoilWater(const Configuration& configuration) {
+  std::vector<core::Diagnostic> errors;
+  const auto& size = configuration.numbers("gridSize");
+  if (size[0] * size[1] * size[2] > kMaximumCellCount) {
+    errors.push_back(wrong("a field of " + std::to_string(static_cast<std::int64_t>(size[0] * size[1] * size[2])) +
+                               " cells is larger than " + std::to_string(static_cast<std::int64_t>(kMaximumCellCount)) +
+                               " cells",
+                           "use fewer cells along x, y or z"));
+  }
+  const std::size_t heads = configuration.numbers("initialHeads").size();
+  if (heads != 0 && static_cast<double>(heads) != size[0] * size[1] * size[2]) {
+    errors.push_back(wrong("'initialHeads' has " + std::to_string(heads) + " numbers for " +
+                               std::to_string(static_cast<std::int64_t>(size[0] * size[1] * size[2])) + " cells",
+                           "give one for every cell, or none"));
+  }
+  const auto& layers = configuration.rows("layers");
+  for (std::size_t i = 0; i < layers.size(); ++i) {
+    const auto& row = layers[i];
+    const std::string name = "layers[" + std::to_string(i) + "]";
+    if (!(row[1] < row[2] && row[2] <= 1.0)) {
+      errors.push_back(wrong(name + " has a residual water content that is not below the saturated one, or one above 1",
+                             "a row is thickness, residual content, saturated content, α, n, conductivity"));
+    } else if (!(row[3] > 0.0 && row[4] > 1.0 && row[5] > 0.0)) {
+      errors.push_back(wrong(name + " needs α and the conductivity above 0 and n above 1",
+                             "a row is thickness, residual content, saturated content, α, n, conductivity"));
+    }
+  }
+  for (const std::string key : {"rain", "evaporation"}) {
+    const auto& rows = configuration.rows(key);
+    for (std::size_t i = 1; i < rows.size(); ++i) {
+      if (!(rows[i - 1][0] < rows[i][0])) {
+        errors.push_back(wrong(
+            "'" + key + "' has day " + std::to_string(rows[i][0]) + " after day " + std::to_string(rows[i - 1][0]),
+            "write the rows in the order of their days, each day once"));
+      }
+    }
+    const double period = configuration.number("weatherPeriod");
+    if (period > 0.0 && !rows.empty() && rows.back()[0] >= period) {
+      errors.push_back(wrong("'" + key + "' has a day beyond the 'weatherPeriod' after which it repeats",
+                             "use days from 0 to below the period"));
+    }
+  }
+  return errors;
+}
+
+}  // namespace espalier::environment

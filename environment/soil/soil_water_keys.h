@@ -1,0 +1,56 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "engine/core/diagnostic.h"
+#include "environment/base/configuration.h"
+#include "environment/registry.h"
+#include "environment/soil/ground.h"
+#include "environment/soil/solutes.h"
+
+namespace espalier::environment {
+
+inline constexpr std::string_view kSoilWaterSummary =
+    "Water in unsaturated ground by Richards' equation, with solutes and acidity, and roots that take it up.";
+
+/// The configuration of `soil-water` as values.
+struct SoilWaterKeys {
+  Ground::Shape shape;
+  std::vector<SoilLayer> soils;     // from the top
+  std::vector<double> thicknesses;  // of all layers but the last, length
+  bool hasOwnLayers = false;        // layers were given
+  std::vector<Solute> solutes;      // without H⁺
+  bool acidity = false;
+  double initialPh = 7.0;
+  double rainPh = 5.6;
+  double bufferCapacity = 0.0;
+  double protonDiffusivity = 0.0;
+  double dispersivity = 0.0;  // of H⁺
+  SoilBorders borders;        // without the weather
+  RateSeries rain;
+  RateSeries evaporation;
+  double initialHead = -1.0;
+  std::vector<double> initialHeads;  // of the cells, x fastest; empty: none are given
+  std::optional<double> waterTableDepth;
+  double wiltingHead = -150.0;
+  double tolerance = 1e-6;
+
+  /// Number of the layer at a depth below the top of the box.
+  [[nodiscard]] int layerAt(double depth) const;
+  /// H⁺ as a solute, when a volume of one length unit cubed holds so many litres.
+  [[nodiscard]] Solute protons(double litres) const;
+};
+
+[[nodiscard]] SoilWaterKeys readSoilWater(const Configuration& configuration);
+
+/// What is wrong although every key is of its kind and range: rows that do not ascend, contents that contradict, a
+/// field that is too large.
+[[nodiscard]] std::vector<core::Diagnostic> checkSoilWater(const Configuration& configuration);
+
+/// The process of a configuration, or what is wrong with it.
+[[nodiscard]] ProcessOrErrors makeSoilWater(const Configuration& configuration);
+
+}  // namespace espalier::environment

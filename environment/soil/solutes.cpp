@@ -1,0 +1,147 @@
+#include "environment/soil/solutes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace espalier::environment {
+
+namespace {
+constexpr double kLogarithm10 = 2.302585092994045684;
+}
+
+SoluteTransport::SoluteTransport(std::vector<Solute> solutes, const RichardsSolver& water)
+    : solutes_(std::move(solutes)), water_(&water), balances_(solutes_.size()) {
+  for (const Solute& solute : solutes_) {
+    std::vector<double> amounts(water.cellCount(), 0.0);
+    for (std::size_t cell = 0; cell < amounts.size(); ++cell) {
+      if (water.isSoil(cell)) {
+        amounts[cell] = (water.contentOf(cell) + solute.sorption) * solute.initialConcentration;
+      }
+    }
+    amounts_.push_back(std::move(amounts));
+  }
+  contents_.assign(water.cellCount(), 0.0);
+  concentrations_.assign(water.cellCount(), 0.0);
+  changes_.assign(water.cellCount(), 0.0);
+}
+
+double SoluteTransport::concentration(std::size_t number, std::size_t cell, double content) const {
+  const Solute& solute = solutes_[number];
+  const double amount = amounts_[number][cell];
+  if (!(solute.bufferCapacity > 0.0)) {
+    return amount / (content + solute.sorption);
+  }
+  // θ c₀ e^x + β x/ln 10 = amount, with x = ln(c/c₀): both terms grow with x, so Newton's method from the side where
+  // the function is positive goes down to the only solution
+  const double linear = solute.bufferCapacity / kLogarithm10;
+  const double scale = content * solute.initialConcentration;
+  double x = amount / linear;
+  if (x > 0.0) {
+    x = std::min(x, std::log1p(amount / scale));
+  }
+  for (int round = 0; round < 100; ++round) {
+    const double dissolved = scale * std::exp(x);
+    const double change = (dissolved + linear * x - amount) / (dissolved + linear);
+    x -= change;
+    if (std::abs(change) <= 1e-15 * std::max(1.0, std::abs(x))) {
+      break;
+    }
+  }
+  return solute.initialConcentration * std::exp(x);
+}
+
+double SoluteTransport::coefficientOf(const Solute& solute, std::size_t cell, std::size_t axis) const {
+  const auto& shape = water_->shape();
+  const std::size_t next = cell + (axis == 0 ? shape.columns[1] : axis == 1 ? 1 : shape.columns[0] * shape.columns[1]);
+  const double area = water_->cellVolume() / shape.cellSize[axis];
+  const auto effective = [&](std::size_t one) {
+    const double full = water_->soilOf(one).saturatedContent;
+    return solute.diffusivity * std::pow(contents_[one], 10.0 / 3.0) / (full * full);
+  };
+  const double mean = 0.5 * (effective(cell) + effective(next));
+  return (mean * area + solute.dispersivity * std::abs(water_->flux(cell, axis))) / shape.cellSize[axis];
+}
+
+void SoluteTransport::follow(double days, const std::vector<double>& before) {
+  // no cell loses more than it has: the largest part of its water that leaves it, or spreads, in a step
+  const std::size_t count = water_->cellCount();
+  const auto& shape = water_->shape();
+  std::vector<double> after(count);
+  for (std::size_t cell = 0; cell < count; ++cell) {
+    after[cell] = water_->contentOf(cell);
+    contents_[cell] = std::min(before[cell], after[cell]);
+  }
+  for (std::size_t number = 0; number < solutes_.size(); ++number) {
+    const Solute& solute = solutes_[number];
+    std::vector<double>& leaving = changes_;
+    for (std::size_t cell = 0; cell < count; ++cell) {
+      leaving[cell] = std::max(water_->bottomFlux(cell), 0.0);
+    }
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const std::size_t stride = axis == 0 ? shape.columns[1] : axis == 1 ? 1 : shape.columns[0] * shape.columns[1];
+      for (std::size_t cell = 0; cell + stride < count; ++cell) {
+        if (!water_->hasFace(cell, axis)) {
+          continue;
+        }
+        const double flux = water_->flux(cell, axis);
+        const double spreading = coefficientOf(solute, cell, axis);
+        leaving[cell] += std::max(flux, 0.0) + spreading;
+        leaving[cell + stride] += std::max(-flux, 0.0) + spreading;
+      }
+    }
+    double fastest = 0.0;
+    for (std::size_t cell = 0; cell < count; ++cell) {
+      if (water_->isSoil(cell)) {
+        fastest = std::max(fastest, leaving[cell] / (water_->cellVolume() * (contents_[cell] + solute.sorption)));
+      }
+    }
+    const double steps = std::max(1.0, std::ceil(fastest * days / 0.9));
+    for (double step = 0.0; step < steps; step += 1.0) {
+      // concentrations at the water content with which the part begins
+      for (std::size_t cell = 0; cell < count; ++cell) {
+        const double part = step / steps;
+        const double content = before[cell] + (after[cell] - before[cell]) * part;
+        concentrations_[cell] = water_->isSoil(cell) ? concentration(number, cell, content) : 0.0;
+      }
+      move(number, days / steps);
+    }
+  }
+}
+
+void SoluteTransport::move(std::size_t number, double days) {
+  const Solute& solute = solutes_[number];
+  const std::size_t count = water_->cellCount();
+  const auto& shape = water_->shape();
+  Balance& balance = balances_[number];
+  for (std::size_t cell = 0; cell < count; ++cell) {
+    // in with the rain, out through the bottom; nothing with water that evaporates
+    const double in = std::max(water_->surfaceFlux(cell), 0.0) * solute.rainConcentration;
+    const double out = water_->bottomFlux(cell) * concentrations_[cell];
+    changes_[cell] = in - out;
+    balance.left += (out - in) * days;
+  }
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::size_t stride = axis == 0 ? shape.columns[1] : axis == 1 ? 1 : shape.columns[0] * shape.columns[1];
+    for (std::size_t cell = 0; cell + stride < count; ++cell) {
+      if (!water_->hasFace(cell, axis)) {
+        continue;
+      }
+      const double flux = water_->flux(cell, axis);
+      const double carried =
+          flux * concentrations_[flux > 0.0 ? cell : cell + stride] +
+          coefficientOf(solute, cell, axis) * (concentrations_[cell] - concentrations_[cell + stride]);
+      changes_[cell] -= carried;
+      changes_[cell + stride] += carried;
+    }
+  }
+  const double staying = std::exp(-solute.decayRate * days);
+  for (std::size_t cell = 0; cell < count; ++cell) {
+    double& amount = amounts_[number][cell];
+    amount += changes_[cell] * days / water_->cellVolume();
+    balance.decayed += amount * (1.0 - staying) * water_->cellVolume();
+    amount *= staying;
+  }
+}
+
+}  // namespace espalier::environment

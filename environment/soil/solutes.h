@@ -1,0 +1,63 @@
+#pragma once
+
+#include <vector>
+
+#include "environment/soil/richards.h"
+
+namespace espalier::environment {
+
+/// A dissolved substance. Amounts per length³ of water, or of soil where it says so.
+struct Solute {
+  double initialConcentration = 0.0;  // in the water
+  double rainConcentration = 0.0;     // of the water that comes in through the surface
+  double diffusivity = 0.0;           // in free water, length²/day
+  double dispersivity = 0.0;          // length
+  double sorption = 0.0;              // sorbed amount per volume of soil over the concentration
+  double decayRate = 0.0;             // 1/day
+  /// Above 0: the substance is H⁺, whose sorbed amount per volume of soil is −bufferCapacity · (pH − initial pH), a
+  /// soil with a constant buffer capacity (amount per length³ of soil and unit of pH).
+  double bufferCapacity = 0.0;
+};
+
+/// Transport of solutes with the water of a RichardsSolver: advection from the upwind cell, dispersion and diffusion
+/// with the tortuosity θ^(7/3)/θs² (Millington & Quirk 1961), sorption or buffering in equilibrium, decay. Explicit, in
+/// as many steps as stability needs, and conservative: what a face lets out of one cell enters the other. Water that
+/// evaporates leaves its solutes behind.
+class SoluteTransport {
+ public:
+  /// `water` must outlive the transport and hold the initial water contents.
+  SoluteTransport(std::vector<Solute> solutes, const RichardsSolver& water);
+
+  [[nodiscard]] std::size_t soluteCount() const { return solutes_.size(); }
+  [[nodiscard]] const Solute& solute(std::size_t number) const { return solutes_[number]; }
+  /// Amounts per volume of soil, in the water and sorbed; for H⁺ less by what the buffer held at first (cells).
+  [[nodiscard]] std::vector<double>& amounts(std::size_t solute) { return amounts_[solute]; }
+  [[nodiscard]] const std::vector<double>& amounts(std::size_t solute) const { return amounts_[solute]; }
+  /// Concentration in the water of a cell at a water content.
+  [[nodiscard]] double concentration(std::size_t solute, std::size_t cell, double content) const;
+
+  /// Follows the solver's last advance(), which took `days` and before which the water contents were `before`.
+  void follow(double days, const std::vector<double>& before);
+
+  /// What has left the box since the beginning through its borders, in all, and what has decayed.
+  struct Balance {
+    double left = 0.0;
+    double decayed = 0.0;
+  };
+  [[nodiscard]] std::vector<Balance>& balances() { return balances_; }
+  [[nodiscard]] const std::vector<Balance>& balances() const { return balances_; }
+
+ private:
+  [[nodiscard]] double coefficientOf(const Solute& solute, std::size_t cell, std::size_t axis) const;
+  void move(std::size_t number, double days);
+
+  std::vector<Solute> solutes_;
+  const RichardsSolver* water_;
+  std::vector<std::vector<double>> amounts_;  // by solute and cell
+  std::vector<Balance> balances_;             // by solute
+  std::vector<double> contents_;              // of water, in a step (cells)
+  std::vector<double> concentrations_;        // of one solute, in a step (cells)
+  std::vector<double> changes_;               // of one solute, in a step (cells)
+};
+
+}  // namespace espalier::environment

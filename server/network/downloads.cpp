@@ -1,0 +1,228 @@
+#include "server/network/downloads.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cstdlib>
+#include <vector>
+
+#include "engine/turtle/export/exporters.h"
+#include "protocol/codec.h"
+#include "server/running/simulation_trace.h"
+#include "server/server_core.h"
+#include "server/session/constant_time.h"
+
+namespace espalier::server {
+namespace {
+
+constexpr std::string_view kRoot = "/simulations";
+constexpr std::string_view kSnapshotSuffix = ".snapshot";
+constexpr std::string_view kBytes = "application/octet-stream";
+
+/// The download was larger than it may be.
+struct TooLarge {};
+
+/// Keeps up to so many bytes.
+class BoundedSink final : public core::ByteSink {
+ public:
+  explicit BoundedSink(std::uint64_t bound) : bound_(bound) {}
+  void write(std::string_view bytes) override {
+    if (text_.size() + bytes.size() > bound_) {
+      throw TooLarge{};
+    }
+    text_.append(bytes);
+  }
+  [[nodiscard]] std::string take() { return std::move(text_); }
+
+ private:
+  std::uint64_t bound_;
+  std::string text_;
+};
+
+std::optional<std::string> decoded(std::string_view text) {
+  std::string plain;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] != '%') {
+      plain += text[i];
+      continue;
+    }
+    unsigned value = 0;
+    if (i + 2 >= text.size()) {
+      return std::nullopt;
+    }
+    const auto [end, problem] = std::from_chars(text.data() + i + 1, text.data() + i + 3, value, 16);
+    if (problem != std::errc() || end != text.data() + i + 3) {
+      return std::nullopt;
+    }
+    plain += static_cast<char>(value);
+    i += 2;
+  }
+  return plain;
+}
+
+HttpPage problemPage(unsigned status, const std::string& message) {
+  return {status, "text/plain; charset=utf-8", message + "\n", {}};
+}
+
+HttpPage filePage(std::string bytes, std::string fileName) {
+  return {200, std::string(kBytes), std::move(bytes), std::move(fileName)};
+}
+
+HttpPage listPage(const ServerCore& core) {
+  protocol::JsonWriter json;
+  json.beginObject().key("simulations").beginArray();
+  for (const auto& runner : core.all()) {
+    write(json, runner->information());
+  }
+  return {200, "application/json", json.endArray().endObject().take() + "\n", {}};
+}
+
+std::string suffixes() {
+  std::string list(kSnapshotSuffix);
+  for (const turtle::ExportFormat& format : turtle::exportFormats()) {
+    list += " " + std::string(format.suffix);
+  }
+  return list;
+}
+
+HttpPage exportPage(const simulation::Simulation& simulation, const std::string& name, BoundedSink& sink) {
+  const turtle::ExportFormat* const format = turtle::findExportFormatOfFile(name);
+  turtle::Scene scene;
+  std::vector<turtle::TurtleRecord> records;
+  if (format->source == turtle::ExportSource::Scene) {
+    auto drawn = simulation.scene();
+    if (const auto* error = std::get_if<core::SimulationError>(&drawn)) {
+      return problemPage(500, error->message);
+    }
+    scene = std::move(std::get<turtle::Scene>(drawn));
+  }
+  std::vector<const derivation::ModuleString*> strings;
+  std::vector<const language::Program*> programs;
+  for (std::size_t plant = 0; plant < simulation.plantCount(); ++plant) {
+    strings.push_back(&simulation.string(plant));
+    programs.push_back(&simulation.program(plant));
+  }
+  const auto visitModules = [&simulation](const turtle::ModuleVisitor& visit) -> std::optional<std::string> {
+    const auto failure = simulation.visitModules(visit);
+    return failure ? std::optional(failure->message) : std::nullopt;
+  };
+  const turtle::ExportInput input{.scene = scene,
+                                  .view = simulation.view(),
+                                  .palette = &simulation.options().palette,
+                                  .program = &simulation.program(),
+                                  .programs = programs,
+                                  .strings = strings,
+                                  .visitModules = visitModules};
+  if (auto problem = format->write(input, {.fileName = name, .sink = sink, .openCompanion = {}, .progress = {}})) {
+    return problemPage(500, "cannot write " + name + ": " + *problem);
+  }
+  return filePage(sink.take(), name);
+}
+
+/// The page, on a worker that owns the simulation.
+HttpPage pageFor(SimulationRunner& runner, const DownloadPath& path, std::uint64_t bound) {
+  HostedSimulation& hosted = runner.hosted();
+  BoundedSink sink(bound);
+  switch (path.kind) {
+    case DownloadPath::Kind::Export:
+      return exportPage(hosted.simulation(), path.name, sink);
+    case DownloadPath::Kind::Snapshot:
+      hosted.simulation().save(sink);
+      return filePage(sink.take(), path.name);
+    case DownloadPath::Kind::Checkpoint: {
+      auto state = hosted.readCheckpoint(path.name);
+      return state.problem.empty() ? filePage(std::move(state.bytes), path.simulation + std::string(kSnapshotSuffix))
+                                   : problemPage(404, state.problem + ".");
+    }
+    case DownloadPath::Kind::Trace: {
+      auto trace = hosted.readTrace(std::strtoul(path.name.c_str(), nullptr, 10), bound);
+      return trace ? filePage(std::move(*trace), path.simulation + "-" + path.name + ".trace.zst")
+                   : problemPage(404, "There is no trace " + path.name + " of this simulation that may be downloaded.");
+    }
+    case DownloadPath::Kind::List:
+      break;
+  }
+  return problemPage(404, "There is nothing of that name.");
+}
+
+}  // namespace
+
+std::optional<DownloadPath> downloadPathOf(std::string_view target) {
+  target = target.substr(0, target.find('?'));
+  if (target == kRoot) {
+    return DownloadPath{};
+  }
+  if (!target.starts_with(kRoot) || target[kRoot.size()] != '/') {
+    return std::nullopt;
+  }
+  std::vector<std::string> parts;
+  for (std::string_view rest = target.substr(kRoot.size() + 1); parts.size() < 4;) {
+    const std::size_t slash = rest.find('/');
+    auto part = decoded(rest.substr(0, slash));
+    if (!part || part->empty()) {
+      return std::nullopt;
+    }
+    parts.push_back(std::move(*part));
+    if (slash == std::string_view::npos) {
+      break;
+    }
+    rest.remove_prefix(slash + 1);
+  }
+  if (parts.size() == 2) {
+    const bool isSnapshot = parts[1].ends_with(kSnapshotSuffix);
+    return DownloadPath{isSnapshot ? DownloadPath::Kind::Snapshot : DownloadPath::Kind::Export, parts[0], parts[1]};
+  }
+  if (parts.size() != 3) {
+    return std::nullopt;
+  }
+  const bool isNumber = std::all_of(parts[2].begin(), parts[2].end(), [](char c) { return c >= '0' && c <= '9'; });
+  if (parts[1] == "checkpoints") {
+    return DownloadPath{DownloadPath::Kind::Checkpoint, parts[0], parts[2]};
+  }
+  if (parts[1] == "traces" && isNumber && parts[2].size() < 10) {
+    return DownloadPath{DownloadPath::Kind::Trace, parts[0], parts[2]};
+  }
+  return std::nullopt;
+}
+
+void makeDownload(ServerCore& core, const DownloadPath& path, std::function<void(HttpPage)> done) {
+  if (path.kind == DownloadPath::Kind::List) {
+    done(listPage(core));
+    return;
+  }
+  const auto runner = core.find(path.simulation);
+  if (runner == nullptr) {
+    done(problemPage(404, "There is no simulation '" + path.simulation + "'. GET /simulations lists them."));
+    return;
+  }
+  if (path.kind == DownloadPath::Kind::Export && turtle::findExportFormatOfFile(path.name) == nullptr) {
+    done(problemPage(404, "'" + path.name + "' names no format. Suffixes: " + suffixes() + "."));
+    return;
+  }
+  auto command = std::make_shared<Command>();
+  command->owner = "http";
+  const std::uint64_t bound = core.options().limits.blockBytes;
+  command->advance = [path, bound, done](SimulationRunner& owner, Command&) {
+    try {
+      done(pageFor(owner, path, bound));
+    } catch (const TooLarge&) {
+      done(problemPage(413, "blockBytes is limited to " + std::to_string(bound) +
+                                ", and this is larger. Export less, or start the server with a higher --limit "
+                                "blockBytes=N."));
+    } catch (const std::exception& exception) {
+      done(problemPage(500, std::string("This failed: ") + exception.what() + "."));
+    }
+    return false;
+  };
+  command->fail = [done](const protocol::Error& error) { done(problemPage(503, error.message)); };
+  runner->submit(std::move(command));
+}
+
+bool mayDownload(std::string_view authorization, const std::string& token) {
+  constexpr std::string_view kScheme = "Bearer ";
+  if (token.empty()) {
+    return true;
+  }
+  return authorization.starts_with(kScheme) && isEqualInConstantTime(authorization.substr(kScheme.size()), token);
+}
+
+}  // namespace espalier::server

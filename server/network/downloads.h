@@ -1,0 +1,32 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "server/network/http_pages.h"
+
+namespace espalier::server {
+
+/// What the path of a download asks for: `/simulations` (a list), `/simulations/ID/NAME.SUFFIX` (an export in the
+/// format of the suffix, or the `.snapshot`), `/simulations/ID/checkpoints/NAME`, `/simulations/ID/traces/NUMBER`.
+struct DownloadPath {
+  enum class Kind { List, Export, Snapshot, Checkpoint, Trace };
+  Kind kind = Kind::List;
+  std::string simulation;
+  std::string name;  // of the export or checkpoint, or the number of the trace
+};
+
+/// The path of a target without its query, percent-decoded; nothing when it is not the path of a download.
+[[nodiscard]] std::optional<DownloadPath> downloadPathOf(std::string_view target);
+
+/// Makes a download on a worker and hands it on; from any thread, once. The bytes are bounded by blockBytes.
+void makeDownload(ServerCore& core, const DownloadPath& path, std::function<void(HttpPage)> done);
+
+/// Whether a request with this field `Authorization` may download: with a token of the server it must be
+/// `Bearer TOKEN`.
+[[nodiscard]] bool mayDownload(std::string_view authorization, const std::string& token);
+
+}  // namespace espalier::server

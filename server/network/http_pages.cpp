@@ -1,0 +1,80 @@
+#include "server/network/http_pages.h"
+
+#include <algorithm>
+
+#include "protocol/json_writer.h"
+#include "protocol/version.h"
+#include "server/server_core.h"
+
+namespace espalier::server {
+namespace {
+
+HttpPage healthPage(const ServerCore& core) {
+  protocol::JsonWriter json;
+  json.beginObject().key("status").text(core.isShuttingDown() ? "stopping" : "ok");
+  json.key("server").text("espalier " + std::string(protocol::kProgramVersion));
+  json.key("sessions").integer(core.sessionCount.load());
+  json.key("simulations").integer(std::uint64_t{core.all().size()}).endObject();
+  return {core.isShuttingDown() ? 503U : 200U, "application/json", json.take() + "\n"};
+}
+
+HttpPage metricsPage(const ServerCore& core) {
+  const auto runners = core.all();
+  Gauges gauges{.sessions = core.sessionCount,
+                .simulations = runners.size(),
+                .workers = core.pool().workers(),
+                .residentBytes = residentBytes(),
+                .outboxBytes = core.outboxBytes(),
+                .storeBytes = core.store().bytes()};
+  for (const auto& runner : runners) {
+    gauges.stringBytes += runner->stringBytes();
+    gauges.streamBytes += runner->streamBytes();
+  }
+  return {200, "text/plain; version=0.0.4; charset=utf-8", prometheusText(core.metrics, gauges)};
+}
+
+}  // namespace
+
+HttpPage pageOf(std::string_view target, const ServerCore& core) {
+  const std::string_view path = target.substr(0, target.find('?'));
+  for (const WebFile& file : core.options().pages) {
+    if (path == file.path) {
+      return {200, file.type, std::string(file.content)};
+    }
+  }
+  if (path == "/health") {
+    return healthPage(core);
+  }
+  if (path == "/metrics") {
+    return metricsPage(core);
+  }
+  if (path == "/espalier/1") {
+    return {426, "text/plain; charset=utf-8", "This is where WebSockets are opened: ask for an upgrade.\n"};
+  }
+  return {404, "text/plain; charset=utf-8",
+          "There is no such page. There are /health, /metrics, /simulations and /espalier/1.\n"};
+}
+
+bool isHostAllowed(std::string_view host, bool isLoopback) {
+  if (!isLoopback || host.empty()) {
+    return true;
+  }
+  // without the port
+  const std::size_t bracket = host.find(']');
+  const std::string_view name =
+      bracket != std::string_view::npos ? host.substr(0, bracket + 1) : host.substr(0, host.find(':'));
+  const bool isNumeric = name.find_first_not_of("0123456789.") == std::string_view::npos;
+  return name == "localhost" || name == "[::1]" || (isNumeric && name.starts_with("127."));
+}
+
+bool isOriginAllowed(std::string_view origin, std::string_view host, bool isLoopback,
+                     const std::vector<std::string>& allowed) {
+  if (origin.empty() || std::find(allowed.begin(), allowed.end(), origin) != allowed.end()) {
+    return true;
+  }
+  const std::size_t colon = origin.find("://");
+  return colon != std::string_view::npos && !host.empty() && origin.substr(colon + 3) == host &&
+         isHostAllowed(host, isLoopback);
+}
+
+}  // namespace espalier::server

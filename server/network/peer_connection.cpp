@@ -1,0 +1,255 @@
+#include "server/network/peer_connection.h"
+
+namespace espalier::server {
+namespace {
+
+constexpr std::chrono::seconds kGrace{1};
+// how long who sends no more is answered what it has asked, and how often it is looked whether all is
+constexpr std::chrono::seconds kLastAnswers{2};
+constexpr std::chrono::milliseconds kLook{10};
+// messages up to so many bytes are written at once where that is possible
+constexpr std::size_t kSmall = 65'536;
+
+}  // namespace
+
+PeerConnection::PeerConnection(asio::any_io_executor executor, ServerCore& core, std::string peerName, bool isLocal)
+    : executor_(std::move(executor)),
+      wake_(executor_),
+      handshake_(executor_),
+      heartbeat_(executor_),
+      reminder_(executor_),
+      core_(&core),
+      peerName_(std::move(peerName)),
+      isLocal_(isLocal) {
+  wake_.expires_at(std::chrono::steady_clock::time_point::max());
+}
+
+void PeerConnection::send(std::shared_ptr<const std::string> message) {
+  const std::lock_guard lock(mutex_);
+  if (isDeaf_) {
+    return;
+  }
+  if (isReady_ && !isWriting_ && !isHeld_ && outbox_.empty() && message->size() <= kSmall) {
+    const std::size_t bytes = writeNow(*message);
+    core_->metrics.bytesSent += bytes;
+    if (bytes == message->size()) {
+      return;
+    }
+    if (bytes > 0) {
+      message = std::make_shared<const std::string>(message->substr(bytes));
+    }
+  }
+  outboxBytes_ += message->size();
+  outbox_.push_back(std::move(message));
+  if (!isWakeComing_) {
+    isWakeComing_ = true;
+    asio::post(executor_, [self = shared_from_this()] { self->wakeWriter(); });
+  }
+}
+
+void PeerConnection::closeWhenSent() {
+  asio::post(executor_, [self = shared_from_this()] {
+    self->isClosing_ = true;
+    {
+      const std::lock_guard lock(self->mutex_);
+      self->isDeaf_ = true;
+    }
+    self->wake_.cancel();
+  });
+}
+
+void PeerConnection::remind(std::chrono::milliseconds delay) {
+  asio::post(executor_, [self = shared_from_this(), delay] {
+    const auto time = std::chrono::steady_clock::now() + delay;
+    // one timer, for the earliest; those that it comes too early for ask again
+    if (self->isClosed_ || (self->isReminderSet_ && self->reminder_.expiry() <= time)) {
+      return;
+    }
+    self->isReminderSet_ = true;
+    self->reminder_.expires_at(time);
+    self->reminder_.async_wait([self](const error_code& error) {
+      if (error || self->session_ == nullptr) {
+        return;
+      }
+      self->isReminderSet_ = false;
+      self->session_->onDrained();
+    });
+  });
+}
+
+void PeerConnection::start(std::shared_ptr<Session> session) {
+  session_ = std::move(session);
+  asio::co_spawn(
+      executor_, [self = shared_from_this()] { return self->readAll(); }, asio::detached);
+  asio::co_spawn(
+      executor_, [self = shared_from_this()] { return self->writeAll(); }, asio::detached);
+  handshake_.expires_after(std::chrono::milliseconds(core_->options().limits.handshakeMilliseconds));
+  handshake_.async_wait([self = shared_from_this()](const error_code& error) {
+    if (error || self->session_ == nullptr) {
+      return;
+    }
+    self->session_->onHandshakeTimeout();
+    if (!self->isReady_) {
+      // it cannot be told before the transport works
+      self->closeNow();
+    }
+  });
+}
+
+void PeerConnection::beat() {
+  const std::uint32_t milliseconds = core_->options().limits.heartbeatMilliseconds;
+  if (milliseconds == 0) {
+    return;
+  }
+  heartbeat_.expires_after(std::chrono::milliseconds(milliseconds));
+  heartbeat_.async_wait([self = shared_from_this()](const error_code& error) {
+    if (error || self->session_ == nullptr) {
+      return;
+    }
+    if (self->session_->onHeartbeat(std::exchange(self->wasHeard_, false))) {
+      self->beat();
+      return;
+    }
+    self->core_->log().info("session with " + self->peerName_ + " is closed: it does not answer ping");
+    self->closeNow();
+  });
+}
+
+void PeerConnection::closeNow() {
+  if (isClosed_) {
+    return;
+  }
+  isClosed_ = true;
+  {
+    const std::lock_guard lock(mutex_);
+    isDeaf_ = true;
+    outbox_.clear();
+    closeTransport();
+  }
+  wake_.cancel();
+  handshake_.cancel();
+  heartbeat_.cancel();
+  reminder_.cancel();
+  if (session_ != nullptr) {
+    const auto session = std::move(session_);
+    session_ = nullptr;
+    session->onClosed();
+  }
+  if (onClosed) {
+    onClosed();
+  }
+}
+
+protocol::FrameLimits PeerConnection::frameLimits() const {
+  const ServerLimits& limits = core_->options().limits;
+  return {static_cast<std::size_t>(limits.lineBytes), static_cast<std::size_t>(limits.blockBytes)};
+}
+
+void PeerConnection::hand(const protocol::MessageReader::Read& read, bool isMoreToCome) {
+  if (isMoreToCome != isHolding_) {
+    isHolding_ = isMoreToCome;
+    const std::lock_guard lock(mutex_);
+    isHeld_ = isMoreToCome;
+  }
+  session_->onRead(read);
+  if (session_ != nullptr && session_->isGreeted() && !isBeating_) {
+    isBeating_ = true;
+    handshake_.cancel();
+    beat();
+  }
+}
+
+void PeerConnection::lose(const protocol::Error& error) {
+  if (isReading()) {
+    session_->onLost(error);
+  }
+}
+
+void PeerConnection::wakeWriter() {
+  {
+    const std::lock_guard lock(mutex_);
+    isWakeComing_ = false;
+  }
+  // one answer may be as large as the bound while another is being sent
+  const std::uint64_t bound = core_->options().limits.outboxBytes;
+  if (outboxBytes_ > 2 * bound && !isClosing_) {
+    core_->log().warn(
+        "session with " + peerName_ +
+        " is closed: it does not read, and its outbox grew beyond twice outboxBytes=" + std::to_string(bound));
+    closeNow();
+    return;
+  }
+  wake_.cancel();
+}
+
+asio::awaitable<void> PeerConnection::readAll() {
+  const bool isWanted = co_await prepare();
+  {
+    const std::lock_guard lock(mutex_);
+    isReady_ = isWanted;
+  }
+  wake_.cancel();
+  bool goesOn = isWanted;
+  while (goesOn && !isClosed_) {
+    // not in the condition: g++ 12 makes wrong code of that
+    goesOn = co_await receive();
+  }
+  if (hasEnded_ && !isClosed_) {
+    co_await answerRest();
+  }
+  closeNow();
+}
+
+asio::awaitable<void> PeerConnection::answerRest() {
+  session_->onPeerEnded();
+  const auto end = std::chrono::steady_clock::now() + kLastAnswers;
+  asio::steady_timer look(executor_);
+  while (!isClosed_ && (session_->isAnswering() || outboxBytes_ > 0) && std::chrono::steady_clock::now() < end) {
+    look.expires_after(kLook);
+    co_await look.async_wait(kAsTuple);
+  }
+}
+
+PeerConnection::Batch PeerConnection::takeOutbox() {
+  const std::lock_guard lock(mutex_);
+  isWriting_ = isReady_ && !outbox_.empty();
+  return isWriting_ ? std::exchange(outbox_, {}) : Batch();
+}
+
+asio::awaitable<void> PeerConnection::writeAll() {
+  while (!isClosed_) {
+    // everything queued, in one system call where possible
+    const Batch sending = takeOutbox();
+    if (sending.empty()) {
+      if (isClosing_) {
+        break;
+      }
+      co_await wake_.async_wait(kAsTuple);
+      wake_.expires_at(std::chrono::steady_clock::time_point::max());
+      continue;
+    }
+    std::size_t bytes = 0;
+    for (const auto& message : sending) {
+      bytes += message->size();
+    }
+    const bool isSent = co_await write(sending);
+    outboxBytes_ -= bytes;
+    if (!isSent) {
+      break;
+    }
+    core_->metrics.bytesSent += bytes;
+    if (session_ != nullptr) {
+      session_->onDrained();
+    }
+  }
+  // the peer may still be sending: let it read the last message before the connection is reset
+  if (!isClosed_ && isClosing_) {
+    shutdownSend();
+    // the reader closes at once when the peer does, which also ends this wait
+    wake_.expires_after(kGrace);
+    co_await wake_.async_wait(kAsTuple);
+  }
+  closeNow();
+}
+
+}  // namespace espalier::server

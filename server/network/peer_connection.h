@@ -1,0 +1,113 @@
+#pragma once
+
+#include <atomic>
+#include <boost/asio.hpp>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "protocol/framing.h"
+#include "server/server_core.h"
+#include "server/session/connection.h"
+#include "server/session/session.h"
+
+namespace espalier::server {
+
+// For the files that know the network library only: network.cpp, stream_connection.cpp, http.cpp.
+
+namespace asio = boost::asio;
+using boost::system::error_code;
+inline constexpr auto kAsTuple = asio::as_tuple(asio::use_awaitable);
+
+/// One connected peer over any transport: a reader that hands messages to the session, a writer that empties the
+/// outbox. What nothing waits before is written by the thread that sends it, where the system takes it at once. Members
+/// run on the network thread unless they are Connection's.
+class PeerConnection : public Connection, public std::enable_shared_from_this<PeerConnection> {
+ public:
+  using Batch = std::deque<std::shared_ptr<const std::string>>;
+
+  PeerConnection(asio::any_io_executor executor, ServerCore& core, std::string peerName, bool isLocal);
+
+  // ---- Connection: any thread ----
+  void send(std::shared_ptr<const std::string> message) override;
+  void closeWhenSent() override;
+  void remind(std::chrono::milliseconds delay) override;
+  [[nodiscard]] std::size_t outboxBytes() const override { return outboxBytes_; }
+  [[nodiscard]] bool isLocal() const override { return isLocal_; }
+  [[nodiscard]] std::string peerName() const override { return peerName_; }
+
+  // ---- network thread ----
+  void start(std::shared_ptr<Session> session);
+  void closeNow();
+  std::function<void()> onClosed;
+
+ protected:
+  /// What comes before the first message (TLS). False: the peer is not wanted.
+  virtual asio::awaitable<bool> prepare() { co_return true; }
+  /// Waits for bytes and hands on what is complete. False: the peer has ended.
+  virtual asio::awaitable<bool> receive() = 0;
+  virtual asio::awaitable<bool> write(const Batch& messages) = 0;
+  /// Writes what the system takes at once of a message; how many bytes, 0 where the transport cannot tell. Any thread,
+  /// but neither beside write() nor after closeTransport().
+  virtual std::size_t writeNow(const std::string&) { return 0; }
+  /// No more is written; the peer may still be sending.
+  virtual void shutdownSend() = 0;
+  virtual void closeTransport() = 0;
+
+  [[nodiscard]] ServerCore& core() { return *core_; }
+  [[nodiscard]] bool isReading() const { return session_ != nullptr && !isClosing_; }
+  [[nodiscard]] protocol::FrameLimits frameLimits() const;
+  void count(std::size_t receivedBytes) {
+    core_->metrics.bytesReceived += receivedBytes;
+    wasHeard_ = true;
+  }
+  /// `isMoreToCome`: the bytes of another message are there.
+  void hand(const protocol::MessageReader::Read& read, bool isMoreToCome = false);
+  void lose(const protocol::Error& error);
+  /// Nothing more comes from the peer, which may still read.
+  void noteEnd() { hasEnded_ = true; }
+  /// Both sides agreed on blocks.
+  [[nodiscard]] bool areBlocksAgreed() const { return session_ != nullptr && session_->areBlocksAgreed(); }
+
+ private:
+  void beat();
+  void wakeWriter();
+  asio::awaitable<void> readAll();
+  asio::awaitable<void> writeAll();
+  /// After noteEnd().
+  asio::awaitable<void> answerRest();
+  /// What is to be written next; empty: nothing.
+  [[nodiscard]] Batch takeOutbox();
+
+  asio::any_io_executor executor_;
+  asio::steady_timer wake_;  // cancelled when the outbox has something
+  asio::steady_timer handshake_;
+  asio::steady_timer heartbeat_;
+  asio::steady_timer reminder_;
+  bool isReminderSet_ = false;
+  ServerCore* core_;
+  std::shared_ptr<Session> session_;  // null: closed
+  std::atomic<std::size_t> outboxBytes_{0};
+  std::string peerName_;
+  bool isLocal_ = false;
+  bool isBeating_ = false;  // heartbeats have begun: the peer was greeted
+  bool wasHeard_ = false;   // since the last heartbeat
+  bool hasEnded_ = false;
+  bool isHolding_ = false;  // isHeld_
+  bool isClosing_ = false;
+  bool isClosed_ = false;
+
+  std::mutex mutex_;  // guards what follows; the network thread alone changes the flags
+  Batch outbox_;
+  bool isReady_ = false;       // the transport works
+  bool isWriting_ = false;     // messages taken from the outbox
+  bool isHeld_ = false;        // answers to what comes with this message are written together
+  bool isWakeComing_ = false;  // the writer is to be woken
+  bool isDeaf_ = false;        // takes no more messages
+};
+
+}  // namespace espalier::server

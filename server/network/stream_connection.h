@@ -1,0 +1,102 @@
+#pragma once
+
+#include <sys/socket.h>
+
+#include <array>
+#include <boost/asio/ssl.hpp>
+
+#include "server/network/peer_connection.h"
+
+namespace espalier::server {
+
+/// Messages as lines and raw bytes over a stream of bytes: TCP, a Unix socket, or TLS over TCP. For the files that know
+/// the network library only.
+template <typename Stream>
+class StreamConnection final : public PeerConnection {
+ public:
+  StreamConnection(Stream stream, ServerCore& core, std::string peerName, bool isLocal)
+      : PeerConnection(stream.get_executor(), core, std::move(peerName), isLocal),
+        stream_(std::move(stream)),
+        socket_(lowest().native_handle()),
+        reader_(frameLimits()) {}
+
+ protected:
+  asio::awaitable<bool> prepare() override {
+    if constexpr (kIsEncrypted) {
+      const auto [error] = co_await stream_.async_handshake(asio::ssl::stream_base::server, kAsTuple);
+      co_return !error;
+    }
+    co_return true;
+  }
+
+  asio::awaitable<bool> receive() override {
+    const auto [error, count] = co_await stream_.async_read_some(asio::buffer(*bytes_), kAsTuple);
+    if (error == asio::error::eof) {
+      noteEnd();
+    }
+    if (error) {
+      co_return false;
+    }
+    PeerConnection::count(count);
+    if (!isReading()) {
+      co_return true;
+    }
+    reader_.feed({bytes_->data(), count});
+    while (isReading()) {
+      const auto read = reader_.next();
+      if (!read) {
+        break;
+      }
+      hand(*read, reader_.hasPartialMessage());
+      if (areBlocksAgreed()) {
+        reader_.allowBlocks();
+      }
+    }
+    if (reader_.lost()) {
+      lose(*reader_.lost());
+    }
+    co_return true;
+  }
+
+  asio::awaitable<bool> write(const Batch& messages) override {
+    buffers_.clear();
+    for (const auto& message : messages) {
+      buffers_.push_back(asio::buffer(*message));
+    }
+    const auto [error, count] = co_await asio::async_write(stream_, buffers_, kAsTuple);
+    co_return !error;
+  }
+
+  std::size_t writeNow(const std::string& message) override {
+    if constexpr (kIsEncrypted) {
+      return 0;
+    } else {
+      // not by Asio, whose sockets belong to one thread; what is wrong with the connection is met by write()
+      const ssize_t bytes = ::send(socket_, message.data(), message.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+      return bytes < 0 ? 0 : static_cast<std::size_t>(bytes);
+    }
+  }
+
+  void shutdownSend() override {
+    error_code ignored;
+    lowest().shutdown(asio::socket_base::shutdown_send, ignored);
+  }
+  void closeTransport() override {
+    error_code ignored;
+    lowest().shutdown(asio::socket_base::shutdown_both, ignored);
+    lowest().close(ignored);
+  }
+
+ private:
+  static constexpr bool kIsEncrypted = requires(Stream & stream) { stream.next_layer(); };
+
+  auto& lowest() { return stream_.lowest_layer(); }
+
+  Stream stream_;
+  const int socket_;  // of stream_, until that is closed
+  protocol::MessageReader reader_;
+  std::unique_ptr<std::array<char, 262'144>> bytes_ = std::make_unique_for_overwrite<std::array<char, 262'144>>();
+  std::vector<asio::const_buffer> buffers_;
+};
+
+}  // namespace espalier::server

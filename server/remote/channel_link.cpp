@@ -1,0 +1,260 @@
+#include "server/remote/channel_link.h"
+
+#include "protocol/codec.h"
+#include "protocol/version.h"
+
+namespace espalier::server {
+
+struct ChannelLink::Transport {
+  Transport(Descriptor input, Descriptor output, std::unique_ptr<ChildProcess> startedChild,
+            const protocol::FrameLimits& limits)
+      : child(std::move(startedChild)),
+        channel(std::move(input), std::move(output), limits.lineBytes),
+        reader(limits) {}
+  ~Transport() { channel.closeOutput(); }
+
+  // the channel closes first, so that the child reads the end of its input before it is waited for
+  std::unique_ptr<ChildProcess> child;  // null: a connection
+  LineChannel channel;
+  protocol::MessageReader reader;
+  std::string received;  // memory of the last bytes
+};
+
+std::unique_ptr<ChannelLink> ChannelLink::tcp(std::string address, const ChannelOptions& options) {
+  const protocol::FrameLimits limits = options.limits;
+  Dialer dialer = [address, limits](Deadline deadline) -> std::variant<std::unique_ptr<Transport>, std::string> {
+    auto dialled = dialTcp(address, deadline);
+    if (auto* problem = std::get_if<std::string>(&dialled)) {
+      return std::move(*problem);
+    }
+    return std::make_unique<Transport>(std::move(std::get<Descriptor>(dialled)), Descriptor(), nullptr, limits);
+  };
+  return std::unique_ptr<ChannelLink>(new ChannelLink("environment tcp://" + address,
+                                                      "Start it again at " + address + ", then ask for the step again.",
+                                                      std::move(dialer), options));
+}
+
+std::unique_ptr<ChannelLink> ChannelLink::unixSocket(std::string path, const ChannelOptions& options) {
+  const protocol::FrameLimits limits = options.limits;
+  Dialer dialer = [path, limits](Deadline) -> std::variant<std::unique_ptr<Transport>, std::string> {
+    auto dialled = dialUnix(path);
+    if (auto* problem = std::get_if<std::string>(&dialled)) {
+      return std::move(*problem);
+    }
+    return std::make_unique<Transport>(std::move(std::get<Descriptor>(dialled)), Descriptor(), nullptr, limits);
+  };
+  return std::unique_ptr<ChannelLink>(new ChannelLink("environment unix:" + path,
+                                                      "Start it again at " + path + ", then ask for the step again.",
+                                                      std::move(dialer), options));
+}
+
+std::unique_ptr<ChannelLink> ChannelLink::stdio(std::string command, const ChannelOptions& options) {
+  const protocol::FrameLimits limits = options.limits;
+  Dialer dialer = [command, limits](Deadline) -> std::variant<std::unique_ptr<Transport>, std::string> {
+    auto result = ChildProcess::start(command);
+    if (auto* problem = std::get_if<std::string>(&result)) {
+      return std::move(*problem);
+    }
+    auto& started = *std::get<std::unique_ptr<ChildProcess::Started>>(result);
+    return std::make_unique<Transport>(std::move(started.input), std::move(started.output),
+                                       std::make_unique<ChildProcess>(std::move(started.process)), limits);
+  };
+  return std::unique_ptr<ChannelLink>(
+      new ChannelLink("environment 'stdio:" + command + "'",
+                      "Run the command by hand to see what is wrong; asking for the step again starts it again.",
+                      std::move(dialer), options));
+}
+
+ChannelLink::ChannelLink(std::string label, std::string remedy, Dialer dialer, const ChannelOptions& options)
+    : label_(std::move(label)), remedy_(std::move(remedy)), dialer_(std::move(dialer)), options_(options) {}
+
+ChannelLink::~ChannelLink() = default;
+
+std::uint64_t ChannelLink::generation() const {
+  return transport_ != nullptr ? connectionCount_ : 0;
+}
+
+std::optional<LinkFailure> ChannelLink::connect() {
+  if (transport_ != nullptr) {
+    return std::nullopt;
+  }
+  auto dialled = dialer_(std::chrono::steady_clock::now() + options_.connectTimeout);
+  if (auto* problem = std::get_if<std::string>(&dialled)) {
+    return LinkFailure{LinkFailure::Kind::Away, "is not there: " + *problem, {}};
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    transport_ = std::move(std::get<std::unique_ptr<Transport>>(dialled));
+  }
+  ++connectionCount_;
+  return introduce();
+}
+
+std::optional<LinkFailure> ChannelLink::introduce() {
+  const protocol::HelloParams hello{.protocol = {protocol::kProtocolVersion},
+                                    .roles = {"controller"},
+                                    .name = "espalier",
+                                    .version = std::string(protocol::kProgramVersion),
+                                    .capabilities = ownCapabilities(),
+                                    .token = {},
+                                    .limits = ownLimits()};
+  terms_ = {};
+  auto outcome = call("hello", protocol::encode(hello), options_.introductionTimeout);
+  auto* failure = std::get_if<LinkFailure>(&outcome);
+  if (failure == nullptr) {
+    const auto decoded = protocol::decodeHelloResult(std::get<protocol::Payload>(outcome));
+    if (const auto* result = std::get_if<protocol::HelloResult>(&decoded)) {
+      agree(result->capabilities, result->limits);
+    }
+    return std::nullopt;
+  }
+  if (failure->kind == LinkFailure::Kind::Timeout) {
+    return std::nullopt;
+  }
+  if (failure->kind == LinkFailure::Kind::Refused && failure->error.code != protocol::ErrorCode::Version) {
+    return std::nullopt;
+  }
+  const std::lock_guard lock(mutex_);
+  transport_.reset();
+  return std::move(*failure);
+}
+
+std::vector<std::string> ChannelLink::ownCapabilities() const {
+  return options_.offersBlocks ? std::vector<std::string>{"bin"} : std::vector<std::string>{};
+}
+
+std::vector<std::pair<std::string, std::uint64_t>> ChannelLink::ownLimits() const {
+  return {{"lineBytes", options_.limits.lineBytes}, {"blockBytes", options_.limits.blockBytes}};
+}
+
+void ChannelLink::agree(const std::vector<std::string>& capabilities,
+                        const std::vector<std::pair<std::string, std::uint64_t>>& limits) {
+  terms_ = termsOf(capabilities, limits);
+  terms_.takesBlocks = terms_.takesBlocks && options_.offersBlocks;
+  if (terms_.takesBlocks) {
+    transport_->reader.allowBlocks();
+  }
+}
+
+LinkOutcome ChannelLink::call(std::string_view method, const protocol::Body& params,
+                              std::chrono::milliseconds timeout) {
+  if (transport_ == nullptr) {
+    if (auto failure = connect()) {
+      return std::move(*failure);
+    }
+  }
+  transport_->channel.clearInterruption();
+  const auto id = protocol::MessageId::of("s" + std::to_string(++requestCount_));
+  const Deadline deadline = std::chrono::steady_clock::now() + timeout;
+  auto outcome = exchange(id, protocol::encodeRequest(id, method, params), deadline, timeout);
+  if (const auto* failure = std::get_if<LinkFailure>(&outcome);
+      failure != nullptr &&
+      (failure->kind == LinkFailure::Kind::Closed || failure->kind == LinkFailure::Kind::Garbage)) {
+    const std::lock_guard lock(mutex_);
+    transport_.reset();
+  }
+  return outcome;
+}
+
+LinkOutcome ChannelLink::exchange(const protocol::MessageId& id, const std::string& line, Deadline deadline,
+                                  std::chrono::milliseconds timeout) {
+  LineChannel& channel = transport_->channel;
+  if (const auto status = channel.write(line, deadline); status != LineChannel::Status::Done) {
+    if (status != LineChannel::Status::Closed) {
+      // half a message was sent: the framing is lost
+      auto failure = failureOf(status, timeout);
+      const std::lock_guard lock(mutex_);
+      transport_.reset();
+      return failure;
+    }
+    return failureOf(status, timeout);
+  }
+  protocol::MessageReader& reader = transport_->reader;
+  while (true) {
+    auto read = reader.next();
+    if (!read) {
+      if (reader.lost()) {
+        return LinkFailure{LinkFailure::Kind::Garbage, "sent what cannot be read: " + reader.lost()->message, {}};
+      }
+      if (const auto status = channel.receive(transport_->received, deadline); status != LineChannel::Status::Done) {
+        return failureOf(status, timeout);
+      }
+      reader.feed(transport_->received);
+      continue;
+    }
+    if (auto* bad = std::get_if<protocol::BadMessage>(&*read)) {
+      return LinkFailure{LinkFailure::Kind::Garbage, "sent a line that is not a message: " + bad->error.message, {}};
+    }
+    auto& message = std::get<protocol::Message>(*read);
+    switch (message.kind) {
+      case protocol::Message::Kind::Notification:
+        break;
+      case protocol::Message::Kind::Request:
+        if (const auto status = answer(message, deadline); status != LineChannel::Status::Done) {
+          return failureOf(status, timeout);
+        }
+        break;
+      case protocol::Message::Kind::Result:
+        // answers to questions that timed out before are not ours any more
+        if (message.id == id) {
+          return std::move(message.payload);
+        }
+        break;
+      case protocol::Message::Kind::Error:
+        if (message.id == id || message.id.kind == protocol::MessageId::Kind::Null) {
+          return LinkFailure{LinkFailure::Kind::Refused, "answered with an error: " + message.error.message,
+                             std::move(message.error)};
+        }
+        break;
+    }
+  }
+}
+
+LineChannel::Status ChannelLink::answer(const protocol::Message& request, Deadline deadline) {
+  std::string line;
+  if (request.method == "hello") {
+    const auto decoded = protocol::decodeHelloParams(request.payload);
+    if (const auto* said = std::get_if<protocol::HelloParams>(&decoded)) {
+      agree(said->capabilities, said->limits);
+    }
+    const protocol::HelloResult hello{.protocol = protocol::kProtocolVersion,
+                                      .session = "1",
+                                      .server = "espalier " + std::string(protocol::kProgramVersion),
+                                      .capabilities = ownCapabilities(),
+                                      .limits = ownLimits()};
+    line = protocol::encodeResult(request.id, protocol::encode(hello));
+  } else if (request.method == "environment.offer") {
+    line = protocol::encodeResult(request.id, "{}");
+  } else {
+    line = protocol::encodeError(request.id, {protocol::ErrorCode::UnknownMethod,
+                                              "'" + request.method +
+                                                  "' cannot be asked on this connection; it serves an "
+                                                  "environment. Connect to the server as a controller.",
+                                              {}});
+  }
+  return transport_->channel.write(line, deadline);
+}
+
+LinkFailure ChannelLink::failureOf(LineChannel::Status status, std::chrono::milliseconds timeout) {
+  switch (status) {
+    case LineChannel::Status::Timeout:
+      return {LinkFailure::Kind::Timeout, "did not answer within " + std::to_string(timeout.count()) + " ms", {}};
+    case LineChannel::Status::Interrupted:
+      return {LinkFailure::Kind::Interrupted, "was not waited for: the step was given up", {}};
+    case LineChannel::Status::Overflow:
+    case LineChannel::Status::Closed:
+    case LineChannel::Status::Done:
+      break;
+  }
+  const std::string fate = transport_->child != nullptr ? transport_->child->fate() : std::string();
+  return {LinkFailure::Kind::Closed, fate.empty() ? "closed the connection" : fate, {}};
+}
+
+void ChannelLink::interrupt() {
+  const std::lock_guard lock(mutex_);
+  if (transport_ != nullptr) {
+    transport_->channel.interrupt();
+  }
+}
+
+}  // namespace espalier::server

@@ -1,0 +1,70 @@
+#include "server/remote/gallery.h"
+
+#include <algorithm>
+
+namespace espalier::server {
+
+namespace fs = std::filesystem;
+
+std::string galleryOfProgram() {
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  for (fs::path folder = program.parent_path(); !error && folder != folder.parent_path();
+       folder = folder.parent_path()) {
+    for (const char* const place : {"share/espalier/gallery", "clients/gallery"}) {
+      std::error_code missing;
+      if (fs::is_directory(folder / place, missing)) {
+        return (folder / place).string();
+      }
+    }
+  }
+  return {};
+}
+
+std::vector<std::string> galleryNames(const std::string& gallery) {
+  std::vector<std::string> names;
+  std::error_code error;
+  if (gallery.empty()) {
+    return names;
+  }
+  for (const auto& entry : fs::directory_iterator(gallery, error)) {
+    if (entry.is_directory(error)) {
+      names.push_back(entry.path().filename().string());
+    }
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+std::optional<fs::path> galleryFolderOf(const std::string& gallery, const std::string& name) {
+  const auto names = galleryNames(gallery);
+  if (!std::binary_search(names.begin(), names.end(), name)) {
+    return std::nullopt;
+  }
+  return fs::path(gallery) / name;
+}
+
+std::string fileWithSuffix(const fs::path& folder, const std::string& stem, const std::string& suffix) {
+  std::error_code error;
+  const fs::path named = folder / (stem + suffix);
+  if (fs::is_regular_file(named, error)) {
+    return named.string();
+  }
+  std::string found;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    if (entry.path().extension() == suffix) {
+      if (!found.empty()) {
+        return {};
+      }
+      found = entry.path().string();
+    }
+  }
+  return found;
+}
+
+std::string asEnvironmentList(const std::string& configuration) {
+  const std::size_t first = configuration.find_first_not_of(" \t\r\n");
+  return first != std::string::npos && configuration[first] == '{' ? "[" + configuration + "]" : configuration;
+}
+
+}  // namespace espalier::server

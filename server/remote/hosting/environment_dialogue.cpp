@@ -1,0 +1,251 @@
+#include "server/remote/hosting/environment_dialogue.h"
+
+#include <algorithm>
+
+#include "engine/core/hash.h"
+#include "protocol/codec.h"
+#include "protocol/version.h"
+#include "server/remote/translation/translate.h"
+#include "server/remote/translation/translate_environment.h"
+#include "server/remote/translation/translate_geometry.h"
+
+namespace espalier::server {
+namespace {
+
+protocol::Error failed(const turtle::EnvironmentError& error) {
+  protocol::JsonWriter data;
+  data.beginObject().key("retryable").boolean(error.isRetryable).endObject();
+  return {protocol::ErrorCode::EnvironmentFailed, error.message, data.take()};
+}
+
+template <typename T>
+void add(core::Hasher& hasher, std::span<const T> column) {
+  hasher.bytes({reinterpret_cast<const char*>(column.data()), column.size_bytes()});
+}
+
+/// Of everything that a process sees of a step.
+std::uint64_t hashOf(const protocol::EnvironmentStepParams& params) {
+  const protocol::QueryColumns& queries = params.queries;
+  core::Hasher hasher;
+  hasher.bytes({reinterpret_cast<const char*>(&params.timeDays), sizeof(params.timeDays)});
+  add(hasher, queries.plant);
+  add(hasher, queries.module);
+  add(hasher, queries.isTransient);
+  for (const std::uint32_t symbol : queries.symbol) {
+    hasher.bytes(queries.symbols[symbol]);
+  }
+  add(hasher, queries.offset);
+  add(hasher, queries.parameters);
+  for (const auto& column :
+       {queries.position, queries.heading, queries.left, queries.up, queries.width, queries.scale}) {
+    add(hasher, column);
+  }
+  for (const std::uint32_t symbol : queries.following) {
+    hasher.bytes(symbol == protocol::QueryColumns::kNoSymbol ? "" : queries.symbols[symbol]);
+  }
+  add(hasher, queries.followingOffset);
+  add(hasher, queries.followingParameters);
+  return hasher.value();
+}
+
+/// The answer as the question came: in blocks or as text.
+protocol::Body bodyOf(const protocol::ReplyColumns& replies, const protocol::Payload& question) {
+  return question.blocks() != nullptr ? protocol::encodeBlocks(replies) : protocol::Body(protocol::encode(replies));
+}
+
+}  // namespace
+
+std::optional<std::string> EnvironmentDialogue::answer(const protocol::MessageReader::Read& read) {
+  if (const auto* bad = std::get_if<protocol::BadMessage>(&read)) {
+    return protocol::encodeError(bad->id, bad->error);
+  }
+  const auto& message = std::get<protocol::Message>(read);
+  if (message.kind != protocol::Message::Kind::Request) {
+    return std::nullopt;
+  }
+  const Reply reply = handle(message);
+  if (const auto* error = std::get_if<protocol::Error>(&reply)) {
+    return protocol::encodeError(message.id, *error);
+  }
+  return protocol::encodeResult(message.id, std::get<protocol::Body>(reply));
+}
+
+EnvironmentDialogue::Reply EnvironmentDialogue::handle(const protocol::Message& request) {
+  try {
+    if (request.method == "hello") {
+      return hello(request.payload);
+    }
+    if (request.method == "environment.describe") {
+      return protocol::encode(toDescribeResult((*factory_)()->describe()));
+    }
+    if (request.method == "environment.open") {
+      return open(request.payload);
+    }
+    if (request.method == "environment.step") {
+      return step(request.payload);
+    }
+    if (request.method == "environment.save") {
+      return save(request.payload);
+    }
+    if (request.method == "environment.restore") {
+      return restore(request.payload);
+    }
+    if (request.method == "environment.close") {
+      return close(request.payload);
+    }
+  } catch (const protocol::NonFiniteNumber&) {
+    return protocol::Error{protocol::ErrorCode::NonFinite,
+                           "The environment computed a NaN or infinite value. Check the parameters sent to it.",
+                           {}};
+  } catch (const std::exception& exception) {
+    return protocol::Error{protocol::ErrorCode::Internal,
+                           std::string("The environment has a bug: ") + exception.what() + ". Please report it.",
+                           {}};
+  }
+  return protocol::Error{
+      protocol::ErrorCode::UnknownMethod,
+      "'" + request.method +
+          "' is unknown here. An environment answers hello, environment.describe, "
+          "environment.open, environment.step, environment.save, environment.restore and environment.close.",
+      {}};
+}
+
+EnvironmentDialogue::Reply EnvironmentDialogue::hello(const protocol::Payload& payload) {
+  const auto decoded = protocol::decodeHelloParams(payload);
+  if (const auto* error = std::get_if<protocol::Error>(&decoded)) {
+    return *error;
+  }
+  const auto& said = std::get<protocol::HelloParams>(decoded);
+  const auto& versions = said.protocol;
+  if (std::find(versions.begin(), versions.end(), protocol::kProtocolVersion) == versions.end()) {
+    return protocol::Error{protocol::ErrorCode::Version,
+                           "No common protocol version: this environment speaks 1. Use a peer that speaks espalier/1.",
+                           {}};
+  }
+  areBlocksAgreed_ = std::find(said.capabilities.begin(), said.capabilities.end(), "bin") != said.capabilities.end();
+  const protocol::HelloResult result{.protocol = protocol::kProtocolVersion,
+                                     .session = "1",
+                                     .server = "espalier " + std::string(protocol::kProgramVersion),
+                                     .capabilities = {"bin", "checkpoint"},
+                                     .limits = {{"lineBytes", limits_.lineBytes}, {"blockBytes", limits_.blockBytes}}};
+  return protocol::encode(result);
+}
+
+EnvironmentDialogue::Opened& EnvironmentDialogue::openedFor(const std::string& simulation) {
+  Opened& opened = opened_[simulation];
+  if (opened.process == nullptr) {
+    opened.process = (*factory_)();
+    const turtle::EnvironmentDescription description = opened.process->describe();
+    opened.isStateful = description.isStateful;
+    opened.needs = description.needs;
+  }
+  return opened;
+}
+
+EnvironmentDialogue::Reply EnvironmentDialogue::open(const protocol::Payload& payload) {
+  const auto decoded = protocol::decodeOpenParams(payload);
+  if (const auto* error = std::get_if<protocol::Error>(&decoded)) {
+    return *error;
+  }
+  const auto& params = std::get<protocol::OpenParams>(decoded);
+  if (!params.configurationJson.empty()) {
+    return protocol::fieldError("params.configuration",
+                                "this environment was configured when it was started (--configuration FILE); leave the "
+                                "configuration out");
+  }
+  opened_.erase(params.simulation);
+  Opened& opened = openedFor(params.simulation);
+  opened.symbols = params.symbols;
+  if (const auto error = opened.process->open(toContext(params))) {
+    opened_.erase(params.simulation);
+    return failed(*error);
+  }
+  return protocol::Body("{}");
+}
+
+EnvironmentDialogue::Reply EnvironmentDialogue::step(const protocol::Payload& payload) {
+  const auto decoded = protocol::decodeEnvironmentStepParams(payload);
+  if (const auto* error = std::get_if<protocol::Error>(&decoded)) {
+    return *error;
+  }
+  const auto& params = std::get<protocol::EnvironmentStepParams>(decoded);
+  Opened& opened = openedFor(params.simulation);
+
+  // a process with state must not advance twice for one step
+  const std::optional<std::uint64_t> before = opened.lastStep;
+  std::uint64_t hash = 0;
+  if (opened.isStateful) {
+    hash = hashOf(params);
+    const bool isSame = opened.lastStep == params.step && opened.lastIteration == params.iteration;
+    if (isSame && opened.lastQueriesHash == hash) {
+      return bodyOf(opened.columns, payload);
+    }
+    if (isSame || (opened.lastStep && params.step < *opened.lastStep)) {
+      return protocol::Error{
+          protocol::ErrorCode::StaleStep,
+          "Step " + std::to_string(params.step) + " was asked for, but the environment has made step " +
+              std::to_string(*opened.lastStep) + ". Open it again, or restore the state it had before that step.",
+          {}};
+    }
+  }
+
+  opened.lastStep.reset();
+  opened.queries = toBatch(params, opened.needs, opened.symbols);
+  if (params.geometry) {
+    auto geometry = std::make_shared<turtle::Geometry>();
+    const std::shared_ptr<const turtle::Geometry> last = std::exchange(opened.geometry, nullptr);
+    if (const auto problem = toGeometry(*params.geometry, last.get(), opened.symbols, *geometry)) {
+      opened.lastStep = before;
+      return protocol::fieldError("params.geometry", *problem + "; send the whole geometry");
+    }
+    opened.geometry = geometry;
+    opened.queries.geometry = std::move(geometry);
+  }
+  opened.replies.prepare(opened.queries);
+  const bool isTick = opened.queries.size() == 0 && !opened.needs.geometry;
+  const auto error = isTick ? opened.process->tick(params.step) : opened.process->step(opened.queries, opened.replies);
+  if (error) {
+    opened.lastStep = before;
+    return failed(*error);
+  }
+  opened.columns = toReplies(opened.queries, opened.replies);
+  if (opened.isStateful) {
+    opened.lastStep = params.step;
+    opened.lastIteration = params.iteration;
+    opened.lastQueriesHash = hash;
+  }
+  return bodyOf(opened.columns, payload);
+}
+
+EnvironmentDialogue::Reply EnvironmentDialogue::save(const protocol::Payload& payload) {
+  const auto decoded = protocol::decodeNameParams(payload, "simulation");
+  if (const auto* error = std::get_if<protocol::Error>(&decoded)) {
+    return *error;
+  }
+  return protocol::encodeSaveResult(openedFor(std::get<protocol::NameParams>(decoded).name).process->save());
+}
+
+EnvironmentDialogue::Reply EnvironmentDialogue::restore(const protocol::Payload& payload) {
+  const auto decoded = protocol::decodeRestoreStateParams(payload);
+  if (const auto* error = std::get_if<protocol::Error>(&decoded)) {
+    return *error;
+  }
+  const auto& params = std::get<protocol::RestoreStateParams>(decoded);
+  Opened& opened = openedFor(params.simulation);
+  if (const auto error = opened.process->restore(params.state)) {
+    return failed(*error);
+  }
+  opened.lastStep.reset();
+  return protocol::Body("{}");
+}
+
+EnvironmentDialogue::Reply EnvironmentDialogue::close(const protocol::Payload& payload) {
+  const auto decoded = protocol::decodeNameParams(payload, "simulation");
+  if (const auto* error = std::get_if<protocol::Error>(&decoded)) {
+    return *error;
+  }
+  opened_.erase(std::get<protocol::NameParams>(decoded).name);
+  return protocol::Body("{}");
+}
+
+}  // namespace espalier::server

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "engine/turtle/environment_process.h"
+#include "protocol/framing.h"
+#include "protocol/messages.h"
+#include "server/remote/hosting/environment_host.h"
+
+namespace espalier::server {
+
+/// The environment's side of one connection: answers hello and environment.* for a process of its own per simulation.
+/// Not thread-safe. Idempotent: a step that is asked again with the same queries gets the same replies, without
+/// advancing a process that has state.
+class EnvironmentDialogue {
+ public:
+  /// `factory` must outlive the object.
+  EnvironmentDialogue(const ProcessFactory& factory, const protocol::FrameLimits& limits)
+      : factory_(&factory), limits_(limits) {}
+
+  /// One message in; the bytes to send back, or nothing for notifications and answers.
+  [[nodiscard]] std::optional<std::string> answer(const protocol::MessageReader::Read& read);
+  /// Both sides named the capability `bin` in hello.
+  [[nodiscard]] bool areBlocksAgreed() const { return areBlocksAgreed_; }
+
+ private:
+  struct Opened {
+    std::unique_ptr<turtle::EnvironmentProcess> process;
+    std::vector<std::string> symbols;
+    bool isStateful = false;
+    turtle::EnvironmentNeeds needs;
+    std::optional<std::uint64_t> lastStep;  // of a process with state
+    std::uint32_t lastIteration = 0;
+    std::uint64_t lastQueriesHash = 0;
+    std::shared_ptr<const turtle::Geometry> geometry;  // that came last; null: none
+    // of the last step: its answer refers to them
+    turtle::QueryBatch queries;
+    turtle::ReplyBatch replies;
+    protocol::ReplyColumns columns;
+  };
+  /// The result, or an error.
+  using Reply = std::variant<protocol::Body, protocol::Error>;
+
+  [[nodiscard]] Reply handle(const protocol::Message& request);
+  [[nodiscard]] Reply hello(const protocol::Payload& payload);
+  [[nodiscard]] Reply open(const protocol::Payload& payload);
+  [[nodiscard]] Reply step(const protocol::Payload& payload);
+  [[nodiscard]] Reply save(const protocol::Payload& payload);
+  [[nodiscard]] Reply restore(const protocol::Payload& payload);
+  [[nodiscard]] Reply close(const protocol::Payload& payload);
+  [[nodiscard]] Opened& openedFor(const std::string& simulation);
+
+  const ProcessFactory* factory_;
+  protocol::FrameLimits limits_;
+  std::map<std::string, Opened> opened_;  // by simulation
+  bool areBlocksAgreed_ = false;
+};
+
+}  // namespace espalier::server

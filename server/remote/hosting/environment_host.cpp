@@ -1,0 +1,158 @@
+#include "server/remote/hosting/environment_host.h"
+
+#include <unistd.h>
+
+#include <array>
+#include <boost/asio.hpp>
+#include <memory>
+#include <thread>
+
+#include "protocol/framing.h"
+#include "server/remote/hosting/environment_dialogue.h"
+
+namespace espalier::server {
+namespace {
+
+namespace asio = boost::asio;
+using asio::ip::tcp;
+
+constexpr protocol::FrameLimits kLimits;
+
+constexpr std::size_t kReadBytes = 262'144;
+
+/// One connection: lines are answered in their order, one at a time.
+asio::awaitable<void> serveConnection(tcp::socket socket, const ProcessFactory& factory) {
+  boost::system::error_code ignored;
+  socket.set_option(tcp::no_delay(true), ignored);
+  EnvironmentDialogue dialogue(factory, kLimits);
+  protocol::MessageReader reader(kLimits);
+  auto bytes = std::make_unique_for_overwrite<std::array<char, kReadBytes>>();
+  const auto token = asio::as_tuple(asio::use_awaitable);
+  while (true) {
+    const auto [error, count] = co_await socket.async_read_some(asio::buffer(*bytes), token);
+    if (error) {
+      co_return;
+    }
+    reader.feed({bytes->data(), count});
+    while (const auto read = reader.next()) {
+      if (const auto reply = dialogue.answer(*read)) {
+        const auto [writeError, written] = co_await asio::async_write(socket, asio::buffer(*reply), token);
+        if (writeError) {
+          co_return;
+        }
+      }
+      if (dialogue.areBlocksAgreed()) {
+        reader.allowBlocks();
+      }
+    }
+    if (reader.lost()) {
+      const std::string reply = protocol::encodeError({}, *reader.lost());
+      co_await asio::async_write(socket, asio::buffer(reply), token);
+      co_return;
+    }
+  }
+}
+
+asio::awaitable<void> acceptConnections(tcp::acceptor& acceptor, const ProcessFactory& factory) {
+  while (true) {
+    // each connection computes on a strand of its own, so that one does not wait for another
+    auto [error, socket] =
+        co_await acceptor.async_accept(asio::make_strand(acceptor.get_executor()), asio::as_tuple(asio::use_awaitable));
+    if (error == asio::error::operation_aborted || !acceptor.is_open()) {
+      co_return;
+    }
+    if (!error) {
+      const auto executor = socket.get_executor();
+      asio::co_spawn(executor, serveConnection(std::move(socket), factory), asio::detached);
+    }
+  }
+}
+
+}  // namespace
+
+std::optional<std::string> hostEnvironment(const HostAddress& address, const ProcessFactory& factory,
+                                           const std::function<void(std::uint16_t)>& onListening) {
+  const auto& [host, port, isInsecureAllowed] = address;
+  const unsigned threadCount = std::max(2U, std::thread::hardware_concurrency());
+  asio::io_context context(static_cast<int>(threadCount));
+  tcp::acceptor acceptor(context);
+  boost::system::error_code error;
+  tcp::resolver resolver(context);
+  const auto found = resolver.resolve(host, std::to_string(port), tcp::resolver::passive, error);
+  if (error || found.empty()) {
+    return "the address '" + host + "' is unknown; use 127.0.0.1 or an address of this machine.";
+  }
+  const tcp::endpoint endpoint = found.begin()->endpoint();
+  if (!endpoint.address().is_loopback() && !isInsecureAllowed) {
+    return "'" + host +
+           "' can be reached from other machines, and an environment asks nobody who it is: add --insecure if that is "
+           "acceptable, or listen on 127.0.0.1.";
+  }
+  acceptor.open(endpoint.protocol(), error);
+  if (!error) {
+    acceptor.set_option(tcp::acceptor::reuse_address(true), error);
+    acceptor.bind(endpoint, error);
+  }
+  if (!error) {
+    acceptor.listen(asio::socket_base::max_listen_connections, error);
+  }
+  if (error) {
+    return "cannot listen on " + host + ":" + std::to_string(port) + ": " + error.message() +
+           ". Choose another port, or 0 for a free one.";
+  }
+
+  asio::signal_set signals(context, SIGINT, SIGTERM);
+  signals.async_wait([&](const boost::system::error_code& problem, int) {
+    if (!problem) {
+      context.stop();
+    }
+  });
+  asio::co_spawn(context, acceptConnections(acceptor, factory), asio::detached);
+  onListening(acceptor.local_endpoint().port());
+  std::vector<std::jthread> threads;
+  for (unsigned i = 1; i < threadCount; ++i) {
+    threads.emplace_back([&context] { context.run(); });
+  }
+  context.run();
+  return std::nullopt;
+}
+
+std::optional<std::string> hostEnvironmentOnStdio(const ProcessFactory& factory) {
+  EnvironmentDialogue dialogue(factory, kLimits);
+  protocol::MessageReader reader(kLimits);
+  const auto bytes = std::make_unique_for_overwrite<std::array<char, kReadBytes>>();
+  const auto writeAll = [](std::string_view text) {
+    while (!text.empty()) {
+      const ssize_t count = ::write(STDOUT_FILENO, text.data(), text.size());
+      if (count < 0 && errno != EINTR) {
+        return false;
+      }
+      text.remove_prefix(count > 0 ? static_cast<std::size_t>(count) : 0);
+    }
+    return true;
+  };
+  while (true) {
+    const ssize_t count = ::read(STDIN_FILENO, bytes->data(), bytes->size());
+    if (count < 0 && errno == EINTR) {
+      continue;
+    }
+    if (count <= 0) {
+      return std::nullopt;
+    }
+    reader.feed({bytes->data(), static_cast<std::size_t>(count)});
+    while (const auto read = reader.next()) {
+      if (const auto reply = dialogue.answer(*read); reply && !writeAll(*reply)) {
+        return std::nullopt;
+      }
+      if (dialogue.areBlocksAgreed()) {
+        reader.allowBlocks();
+      }
+    }
+    if (reader.lost()) {
+      (void)writeAll(protocol::encodeError({}, *reader.lost()));
+      return reader.lost()->message;
+    }
+  }
+}
+
+}  // namespace espalier::server

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/remote/environment_link.h"
+
+namespace espalier::server {
+
+/// One question to a peer on its way: the asking worker waits, the network thread completes it.
+class PendingCall {
+ public:
+  void complete(LinkOutcome outcome);
+  /// Nothing when the time is over.
+  [[nodiscard]] std::optional<LinkOutcome> wait(std::chrono::milliseconds timeout);
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::optional<LinkOutcome> outcome_;
+};
+
+/// A connected peer that can be asked: a session. Thread-safe.
+class AskedPeer {
+ public:
+  virtual ~AskedPeer() = default;
+  /// Sends a request and completes `call` with its answer, or at once when the connection is closed. Returns its id.
+  [[nodiscard]] virtual std::string ask(std::string_view method, const protocol::Body& params,
+                                        std::shared_ptr<PendingCall> call) = 0;
+  [[nodiscard]] virtual PeerTerms terms() const = 0;
+  /// The answer to the request is not waited for any more.
+  virtual void forget(const std::string& id) = 0;
+};
+
+/// The environments that connected and offered themselves, by name. The latest offer of a name is the one that is
+/// asked, so that an environment which comes back is used even while its old connection is not known to be dead.
+/// Thread-safe.
+class OfferedEnvironments {
+ public:
+  struct Offer {
+    std::weak_ptr<AskedPeer> peer;
+    std::uint64_t serial = 0;  // 1, 2, ... of all offers
+  };
+  /// Returns whether it replaces another peer's offer.
+  bool offer(const std::string& name, const std::shared_ptr<AskedPeer>& peer);
+  /// Forgets all offers of a peer.
+  void withdraw(const AskedPeer* peer);
+  [[nodiscard]] std::optional<Offer> find(const std::string& name) const;
+  [[nodiscard]] std::vector<std::string> names() const;
+
+ private:
+  mutable std::mutex mutex_;
+  std::map<std::string, Offer> offers_;
+  std::uint64_t lastSerial_ = 0;
+};
+
+/// A link to whoever offers a name now.
+class OfferedLink final : public EnvironmentLink {
+ public:
+  /// `offered` must outlive the link.
+  OfferedLink(std::string name, const OfferedEnvironments& offered) : name_(std::move(name)), offered_(&offered) {}
+
+  [[nodiscard]] std::string label() const override { return "environment '" + name_ + "'"; }
+  [[nodiscard]] std::string remedy() const override;
+  [[nodiscard]] std::optional<LinkFailure> connect() override;
+  [[nodiscard]] std::uint64_t generation() const override;
+  [[nodiscard]] PeerTerms terms() const override;
+  [[nodiscard]] LinkOutcome call(std::string_view method, const protocol::Body& params,
+                                 std::chrono::milliseconds timeout) override;
+  void interrupt() override;
+
+ private:
+  [[nodiscard]] LinkFailure away() const;
+
+  std::string name_;
+  const OfferedEnvironments* offered_;
+  std::mutex mutex_;  // guards current_
+  std::shared_ptr<PendingCall> current_;
+};
+
+}  // namespace espalier::server

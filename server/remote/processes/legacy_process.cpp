@@ -1,0 +1,433 @@
+#include "server/remote/processes/legacy_process.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <optional>
+#include <utility>
+
+#include "engine/core/number_text.h"
+#include "environment/published/field_file.h"
+#include "environment/published/field_text.h"
+#include "server/remote/processes/line_channel.h"
+
+namespace espalier::server {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using turtle::EnvironmentError;
+
+// of the word after `Control:`
+constexpr int kFirstChunk = 1;
+constexpr int kLastChunk = 4;
+constexpr int kExit = 8;
+// what the field's programs read of a line, and of a module
+constexpr std::size_t kLongestLine = 2000;
+constexpr std::size_t kMostParameters = 20;
+constexpr std::size_t kLongestAnswer = 1'000'000;
+constexpr std::string_view kReady = "\x01";
+
+/// A word as the shell reads it unchanged.
+std::string quoted(const std::string& word) {
+  std::string text = "'";
+  for (const char c : word) {
+    text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  }
+  return text + "'";
+}
+
+std::string fileNameOf(const std::string& path) {
+  return std::filesystem::path(path).filename().string();
+}
+
+/// `cd FOLDER && exec PROGRAM -e FILE ARGUMENTS`
+std::string shellCommand(const std::vector<std::string>& words, const std::string& fieldFile) {
+  const std::filesystem::path folder = std::filesystem::path(fieldFile).parent_path();
+  std::string text = folder.empty() ? std::string() : "cd " + quoted(folder.string()) + " && ";
+  text += "exec " + quoted(words.front());
+  if (words.size() < 2 || words[1] != "-e") {
+    text += " -e " + quoted(fileNameOf(fieldFile));
+  }
+  for (std::size_t i = 1; i < words.size(); ++i) {
+    text += " " + quoted(words[i]);
+  }
+  return text;
+}
+
+/// One number as `%g` prints it.
+void appendNumber(std::string& text, double value) {
+  char printed[32];
+  const int length = std::snprintf(printed, sizeof(printed), "%g", value);
+  text.append(printed, static_cast<std::size_t>(length));
+}
+
+void appendModule(std::string& text, std::string_view name, std::span<const double> parameters) {
+  text += name;
+  if (!parameters.empty()) {
+    for (std::size_t i = 0; i < parameters.size(); ++i) {
+      text += i == 0 ? '(' : ',';
+      appendNumber(text, parameters[i]);
+    }
+    text += ')';
+  }
+}
+
+/// A line of the turtle, by a format that readFieldFile checked: conversions of real numbers only, at most three.
+void appendTurtleLine(std::string& text, const std::string& format, double x, double y, double z) {
+  char printed[4000];
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wformat-nonliteral"
+  const int length = std::snprintf(printed, sizeof(printed), format.c_str(), x, y, z);
+#pragma GCC diagnostic pop
+  text.append(printed, static_cast<std::size_t>(std::clamp<int>(length, 0, sizeof(printed) - 1)));
+  text += '\n';
+}
+
+class LegacyProcess final : public turtle::EnvironmentProcess {
+ public:
+  LegacyProcess(environment::FieldFile field, std::string command, std::chrono::milliseconds stepTimeout)
+      : field_(std::move(field)), command_(std::move(command)), stepTimeout_(stepTimeout) {}
+
+  ~LegacyProcess() override { sayGoodbye(); }
+
+  [[nodiscard]] turtle::EnvironmentDescription describe() const override {
+    turtle::EnvironmentDescription description;
+    description.name = field_.program;
+    description.summary = "The program '" + field_.program + "' of the field, in a process of its own.";
+    description.needs = {.position = !field_.printed[0].empty(),
+                         .heading = !field_.printed[1].empty(),
+                         .left = !field_.printed[2].empty(),
+                         .up = !field_.printed[3].empty(),
+                         .width = !field_.printed[4].empty(),
+                         .scale = !field_.printed[5].empty(),
+                         .parameters = true,
+                         .following = field_.formats.isFollowingSent};
+    description.isStateful = true;
+    return description;
+  }
+
+  [[nodiscard]] std::optional<EnvironmentError> open(const turtle::EnvironmentContext& context) override {
+    symbols_ = context.symbols;
+    sayGoodbye();
+    hasAnswered_ = false;
+    return std::nullopt;
+  }
+
+  [[nodiscard]] std::optional<EnvironmentError> step(const turtle::QueryBatch& queries,
+                                                     turtle::ReplyBatch& replies) override {
+    if (queries.size() == 0) {
+      return std::nullopt;  // without a query nothing is transmitted
+    }
+    if (child_ == nullptr) {
+      if (auto error = start()) {
+        return error;
+      }
+    }
+    deadline_ = Clock::now() + stepTimeout_;
+    auto error = exchange(queries, replies);
+    if (error) {
+      stop();
+    } else {
+      hasAnswered_ = true;
+    }
+    return error;
+  }
+
+  [[nodiscard]] std::optional<EnvironmentError> tick(std::uint64_t) override { return std::nullopt; }
+
+ private:
+  [[nodiscard]] std::optional<EnvironmentError> start() {
+    auto started = ChildProcess::start(command_);
+    if (const auto* problem = std::get_if<std::string>(&started)) {
+      return EnvironmentError{"environment program " + *problem, false};
+    }
+    child_ = std::move(std::get<std::unique_ptr<ChildProcess::Started>>(started));
+    channel_ = std::make_unique<LineChannel>(std::move(child_->input), std::move(child_->output), kLongestAnswer);
+    isFirstLine_ = true;
+    return std::nullopt;
+  }
+
+  void stop() {
+    channel_.reset();
+    child_.reset();
+  }
+
+  /// Tells the program to end, and gives it the time that ChildProcess gives.
+  void sayGoodbye() {
+    if (channel_ != nullptr) {
+      const Deadline end = Clock::now() + std::chrono::seconds(1);
+      std::string line;
+      (void)channel_->write(controlLine(kExit, lastStep_), end);
+      // it confirms with one byte and ends
+      while (channel_->readLine(line, end) == LineChannel::Status::Done) {
+      }
+    }
+    stop();
+  }
+
+  static std::string controlLine(int flags, std::uint64_t step) {
+    return "Control: " + std::to_string(flags) + " " + std::to_string(step) + "\n";
+  }
+
+  /// 1 is the field's number for modules that a homomorphism made.
+  static std::uint64_t identifierOf(const turtle::QueryBatch& queries, std::size_t query) {
+    if (!queries.isTransient.empty() && queries.isTransient[query] != 0) {
+      return 1;
+    }
+    return query == 0 ? 0 : query + 1;
+  }
+
+  [[nodiscard]] std::optional<EnvironmentError> exchange(const turtle::QueryBatch& queries,
+                                                         turtle::ReplyBatch& replies) {
+    lastStep_ = queries.step;
+    const std::size_t count = queries.size();
+    std::string chunk;
+    for (std::size_t first = 0; first < count; first += field_.chunkModules) {
+      const std::size_t end = std::min(count, first + field_.chunkModules);
+      chunk.clear();
+      for (std::size_t query = first; query < end; ++query) {
+        if (auto error = appendRecord(chunk, queries, query)) {
+          return error;
+        }
+      }
+      const bool isLast = end == count;
+      chunk += controlLine((first == 0 ? kFirstChunk : 0) | (isLast ? kLastChunk : 0), queries.step);
+      if (auto error = write(chunk, queries.step)) {
+        return error;
+      }
+      // answers may come at any time; after a chunk that is not the last the program has its turn once
+      int flags = 0;
+      if (auto error = readChunk(queries, replies, flags)) {
+        return error;
+      }
+      while (isLast && (flags & kLastChunk) == 0) {
+        if (auto error = write(controlLine(0, queries.step), queries.step)) {
+          return error;
+        }
+        if (auto error = readChunk(queries, replies, flags)) {
+          return error;
+        }
+      }
+    }
+    return std::nullopt;
+  }
+
+  [[nodiscard]] std::optional<EnvironmentError> appendRecord(std::string& text, const turtle::QueryBatch& queries,
+                                                             std::size_t query) const {
+    const std::size_t begin = text.size();
+    const auto parameters = queries.parametersOf(query);
+    text += std::to_string(identifierOf(queries, query)) + " ";
+    appendModule(text, symbols_[queries.symbol[query]].substr(0, 4), parameters);
+    if (field_.formats.isFollowingSent && !queries.following.empty() && queries.following[query] != core::kNoSymbol) {
+      appendModule(text, symbols_[queries.following[query]].substr(0, 4), queries.followingParametersOf(query));
+    }
+    text += '\n';
+    if (parameters.size() > kMostParameters || text.size() - begin > kLongestLine) {
+      return failure(queries.step, "cannot be sent a module of " + std::to_string(parameters.size()) + " parameters (" +
+                                       std::to_string(text.size() - begin) +
+                                       " characters): the field's programs read at most " +
+                                       std::to_string(kMostParameters) + " and lines of " +
+                                       std::to_string(kLongestLine) + ". Give the communication module fewer.");
+    }
+    const std::array<const std::vector<core::Vec3>*, 4> vectors{&queries.position, &queries.heading, &queries.left,
+                                                                &queries.up};
+    for (std::size_t item = 0; item < vectors.size(); ++item) {
+      if (!field_.printed[item].empty()) {
+        const core::Vec3& v = (*vectors[item])[query];
+        appendTurtleLine(text, field_.printed[item], v.x, v.y, v.z);
+      }
+    }
+    if (!field_.printed[4].empty()) {
+      appendTurtleLine(text, field_.printed[4], queries.width[query], 0.0, 0.0);
+    }
+    if (!field_.printed[5].empty()) {
+      appendTurtleLine(text, field_.printed[5], queries.scale[query], 0.0, 0.0);
+    }
+    return std::nullopt;
+  }
+
+  [[nodiscard]] std::optional<EnvironmentError> write(std::string_view bytes, std::uint64_t step) {
+    const LineChannel::Status status = channel_->write(bytes, deadline_);
+    return status == LineChannel::Status::Done ? std::nullopt : std::optional(failureOf(status, step));
+  }
+
+  /// Reads answers up to the program's `Control:` line, whose flags are returned.
+  [[nodiscard]] std::optional<EnvironmentError> readChunk(const turtle::QueryBatch& queries,
+                                                          turtle::ReplyBatch& replies, int& flags) {
+    std::string line;
+    while (true) {
+      const LineChannel::Status status = channel_->readLine(line, deadline_);
+      if (status != LineChannel::Status::Done) {
+        return failureOf(status, queries.step);
+      }
+      std::string_view text = line;
+      if (isFirstLine_) {
+        // the byte with which it says that it is ready
+        text.remove_prefix(text.starts_with(kReady) ? 1 : 0);
+        isFirstLine_ = false;
+      }
+      if (text.ends_with('\r')) {
+        text.remove_suffix(1);
+      }
+      if (text.empty()) {
+        continue;
+      }
+      if (text.starts_with("Control:")) {
+        const auto numbers = environment::readFieldNumbers(text.substr(8));
+        flags = numbers.empty() ? kLastChunk : static_cast<int>(numbers[0]);
+        return std::nullopt;
+      }
+      if (!applyAnswer(text, queries, replies)) {
+        return failure(queries.step,
+                       "answered '" + std::string(text.substr(0, 80)) +
+                           "', which is no answer: expected '<id> E(value,,value)' for a module that was "
+                           "sent, or 'Control: <flags>'. What it prints for people belongs on its standard "
+                           "error.");
+      }
+    }
+  }
+
+  /// `<id> E(v1,,v3)`: empty values keep what was sent. False when it is not of this form.
+  [[nodiscard]] static bool applyAnswer(std::string_view text, const turtle::QueryBatch& queries,
+                                        turtle::ReplyBatch& replies) {
+    const std::size_t blank = text.find(' ');
+    const std::size_t open = text.find('(');
+    if (blank == std::string_view::npos) {
+      return false;
+    }
+    const auto identifier = core::parseNumber(text.substr(0, blank));
+    if (!identifier || *identifier < 0.0 ||
+        *identifier != static_cast<double>(static_cast<std::uint64_t>(*identifier))) {
+      return false;
+    }
+    const auto id = static_cast<std::uint64_t>(*identifier);
+    if (id == 1) {
+      return true;  // of a module that a homomorphism made: discarded
+    }
+    const std::size_t query = id == 0 ? 0 : static_cast<std::size_t>(id - 1);
+    if (query >= queries.size()) {
+      return false;
+    }
+    if (open == std::string_view::npos) {
+      return true;  // a module without parameters: nothing is set
+    }
+    const std::size_t close = text.rfind(')');
+    if (close == std::string_view::npos || close < open) {
+      return false;
+    }
+    std::string_view values = text.substr(open + 1, close - open - 1);
+    for (std::size_t k = 0; !values.empty() || k == 0; ++k) {
+      const std::size_t comma = std::min(values.find(','), values.size());
+      std::string_view value = values.substr(0, comma);
+      value.remove_prefix(std::min(value.find_first_not_of(' '), value.size()));
+      value = value.substr(0, value.find_last_not_of(' ') + 1);
+      if (!value.empty()) {
+        const auto number = core::parseNumber(value);
+        if (!number || !(*number - *number == 0.0)) {
+          return false;
+        }
+        replies.set(queries, query, k, *number);
+      }
+      if (comma == values.size()) {
+        break;
+      }
+      values.remove_prefix(comma + 1);
+    }
+    return true;
+  }
+
+  [[nodiscard]] EnvironmentError failureOf(LineChannel::Status status, std::uint64_t step) {
+    if (status == LineChannel::Status::Timeout) {
+      return failure(step, "did not answer within " + std::to_string(stepTimeout_.count()) + " ms.");
+    }
+    if (status == LineChannel::Status::Overflow) {
+      return failure(step, "sent a line of more than " + std::to_string(kLongestAnswer) + " bytes.");
+    }
+    const std::string fate = child_->process.fate();
+    return failure(step, (fate.empty() ? "closed its output" : fate) +
+                             " before it had answered. Run it by hand to see why: " + command_);
+  }
+
+  [[nodiscard]] EnvironmentError failure(std::uint64_t step, const std::string& what) const {
+    std::string text = "environment program '" + field_.program + "' " + what;
+    if (hasAnswered_) {
+      text += " If it remembers earlier steps, run from the start: the next step starts it anew at step " +
+              std::to_string(step) + ".";
+    }
+    return {text, true};
+  }
+
+  environment::FieldFile field_;
+  std::string command_;
+  std::chrono::milliseconds stepTimeout_;
+  std::vector<std::string> symbols_;
+  std::unique_ptr<ChildProcess::Started> child_;  // null: not running
+  std::unique_ptr<LineChannel> channel_;          // to it
+  Deadline deadline_;
+  std::uint64_t lastStep_ = 0;
+  bool isFirstLine_ = true;   // of what the program writes
+  bool hasAnswered_ = false;  // a step since open()
+};
+
+}  // namespace
+
+bool isExecutableThere(const std::string& program, const std::string& folder) {
+  namespace fs = std::filesystem;
+  const auto isExecutable = [](const fs::path& path) {
+    std::error_code error;
+    return fs::is_regular_file(path, error) && ::access(path.c_str(), X_OK) == 0;
+  };
+  if (program.find('/') != std::string::npos) {
+    return isExecutable(fs::path(program).is_absolute() ? fs::path(program) : fs::path(folder) / program);
+  }
+  const char* const variable = std::getenv("PATH");
+  std::string_view paths = variable == nullptr ? "" : variable;
+  while (!paths.empty()) {
+    const std::size_t colon = std::min(paths.find(':'), paths.size());
+    if (colon > 0 && isExecutable(fs::path(paths.substr(0, colon)) / program)) {
+      return true;
+    }
+    paths.remove_prefix(std::min(paths.size(), colon + 1));
+  }
+  return false;
+}
+
+std::variant<std::unique_ptr<turtle::EnvironmentProcess>, std::vector<core::Diagnostic>> makeLegacyProcess(
+    const std::string& fieldFile, core::FileProvider& files, const LegacyProcessOptions& options,
+    std::vector<core::Diagnostic>& warnings) {
+  const auto text = files.read(fieldFile);
+  if (!text) {
+    return std::vector{core::Diagnostic{core::Severity::Error,
+                                        "cannot read the environment file '" + fieldFile + "'",
+                                        {},
+                                        "check the name and that the file can be read"}};
+  }
+  std::vector<core::Diagnostic> errors;
+  environment::FieldFile field = environment::readFieldFile(fieldFile, *text, warnings, errors);
+  if (!options.executable.empty()) {
+    field.command = environment::readFieldWords(options.executable);
+    field.program = field.command.empty() ? std::string() : fileNameOf(field.command.front());
+  }
+  if (field.command.empty() && errors.empty()) {
+    errors.push_back(environment::missingProgram(fieldFile));
+  }
+  for (std::size_t item = 0; item < field.printed.size(); ++item) {
+    const auto all = environment::TurtleFormat::parse(field.printed[item], SIZE_MAX);
+    const auto* format = std::get_if<environment::TurtleFormat>(&all);
+    if (format != nullptr && format->conversionCount() > (item < 4 ? 3U : 1U)) {
+      errors.push_back({core::Severity::Error,
+                        "the format '" + field.printed[item] + "' prints more numbers than there are", field.executable,
+                        "at most three for a vector, one for line width and scale factor"});
+    }
+  }
+  if (!errors.empty()) {
+    return errors;
+  }
+  std::string command = shellCommand(field.command, fieldFile);
+  return std::make_unique<LegacyProcess>(std::move(field), std::move(command), options.stepTimeout);
+}
+
+}  // namespace espalier::server

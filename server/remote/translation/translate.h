@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/core/diagnostic.h"
+#include "engine/core/simulation_error.h"
+#include "engine/language/program.h"
+#include "engine/simulation/simulation.h"
+#include "engine/turtle/environment_process.h"
+#include "engine/turtle/scene/scene.h"
+#include "protocol/messages.h"
+
+namespace espalier::protocol {
+struct Error;
+}
+
+namespace espalier::server {
+
+// The only crossing between the protocol's structs and the engine's types.
+
+[[nodiscard]] protocol::DiagnosticRecord toRecord(const core::Diagnostic& diagnostic);
+[[nodiscard]] std::vector<protocol::DiagnosticRecord> toRecords(const std::vector<core::Diagnostic>& diagnostics);
+/// A failure of a simulation as an error of the wire. `data` has the last completed step, plant, module, place and
+/// whether it can be tried again; the limit by its name on the wire, with its bound among `limits`; the simulation's
+/// environments for an error of theirs.
+[[nodiscard]] protocol::Error toError(const core::SimulationError& error, std::uint64_t completedSteps,
+                                      const core::Limits& limits, const std::vector<std::string>& environment = {});
+/// A model that does not compile: all diagnostics in `data`.
+[[nodiscard]] protocol::Error toError(const std::vector<core::Diagnostic>& diagnostics);
+
+[[nodiscard]] protocol::Statistics toStatistics(const simulation::StepStatistics& statistics, double milliseconds);
+
+[[nodiscard]] protocol::DescribeResult toDescribeResult(const turtle::EnvironmentDescription& description);
+[[nodiscard]] turtle::EnvironmentDescription toDescription(const protocol::DescribeResult& result);
+[[nodiscard]] protocol::NeedsRecord toNeeds(const turtle::EnvironmentNeeds& needs);
+
+[[nodiscard]] protocol::OpenParams toOpenParams(const turtle::EnvironmentContext& context,
+                                                const std::string& configurationJson);
+[[nodiscard]] turtle::EnvironmentContext toContext(const protocol::OpenParams& params);
+
+/// What plants are made from; they choose among `models` by name. Without plants: none.
+[[nodiscard]] std::vector<simulation::PlantOrigin> plantOrigins(const std::vector<protocol::NamedModel>& models,
+                                                                const std::vector<protocol::PlantParams>& plants);
+[[nodiscard]] simulation::SeedRules seedRules(const protocol::SeedParams& seeds);
+
+/// "cpfg", "cpfg-batch" or empty.
+[[nodiscard]] core::Compatibility toCompatibility(const std::string& name);
+
+}  // namespace espalier::server

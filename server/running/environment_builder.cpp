@@ -1,0 +1,200 @@
+#include "server/running/environment_builder.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "engine/core/streams.h"
+#include "environment/environment_entries.h"
+#include "environment/environment_set.h"
+#include "environment/registry.h"
+#include "protocol/envelope.h"
+#include "protocol/json_writer.h"
+#include "server/remote/channel_link.h"
+#include "server/remote/disk_files.h"
+#include "server/remote/gallery.h"
+#include "server/remote/offered_environments.h"
+#include "server/remote/remote_process.h"
+#include "server/remote/remote_settings.h"
+
+namespace espalier::server {
+namespace {
+
+std::string sentences(const std::vector<core::Diagnostic>& diagnostics) {
+  std::string text;
+  for (const core::Diagnostic& diagnostic : diagnostics) {
+    text += (text.empty() ? "" : "; ") + diagnostic.message;
+    if (!diagnostic.hint.empty()) {
+      text += ": " + diagnostic.hint;
+    }
+  }
+  return text;
+}
+
+protocol::Error environmentFailed(const std::string& name, const turtle::EnvironmentError& error) {
+  protocol::JsonWriter data;
+  data.beginObject().key("environment").text(name).key("step").integer(std::uint64_t{0});
+  data.key("retryable").boolean(error.isRetryable).endObject();
+  return {protocol::ErrorCode::EnvironmentFailed, error.message, data.take()};
+}
+
+bool isRemote(const std::string& type) {
+  return type == "offered" || type == "tcp" || type == "stdio";
+}
+
+/// The link of a remote entry, or what is wrong with it.
+std::variant<std::shared_ptr<EnvironmentLink>, protocol::Error> makeLink(const environment::EnvironmentEntry& entry,
+                                                                         const std::string& path,
+                                                                         const EnvironmentServices& services) {
+  if (entry.type == "offered") {
+    if (entry.name == entry.type) {
+      return protocol::fieldError(path + ".name", "expected the name under which the environment offers itself");
+    }
+    return std::make_shared<OfferedLink>(entry.name, *services.offered);
+  }
+  const ChannelOptions options{.connectTimeout = services.connectTimeout, .limits = services.frames};
+  const std::string key = entry.type == "tcp" ? "address" : "command";
+  auto value = protocol::memberOf(entry.configuration, key);
+  if (!value || value->empty()) {
+    return protocol::fieldError(path + "." + key, entry.type == "tcp" ? "expected HOST:PORT" : "expected a command");
+  }
+  if (entry.type == "tcp") {
+    if (value->starts_with("tcp://")) {
+      value->erase(0, 6);
+    }
+    if (value->starts_with("unix:")) {
+      return protocol::fieldError(path + ".address",
+                                  "a socket of this machine's file system is dialled by the command line only; let the "
+                                  "environment offer itself, or listen on HOST:PORT");
+    }
+    return std::shared_ptr<EnvironmentLink>(ChannelLink::tcp(std::move(*value), options));
+  }
+  return std::shared_ptr<EnvironmentLink>(ChannelLink::stdio(std::move(*value), options));
+}
+
+/// The process that the field file of a gallery model names. `origin` receives the files that it was made from, by
+/// names in the gallery.
+environment::ProcessOrErrors makeFromGallery(const environment::EnvironmentEntry& entry,
+                                             core::Compatibility compatibility, const EnvironmentServices& services,
+                                             simulation::EnvironmentOrigin& origin) {
+  const auto model = protocol::memberOf(entry.configuration, "model").value_or("");
+  const auto folder = galleryFolderOf(services.galleryFolder, model);
+  const std::string file = folder ? fileWithSuffix(*folder, model, ".e") : std::string();
+  if (file.empty()) {
+    return std::vector{core::Diagnostic{
+        core::Severity::Error, "the gallery has no model '" + model + "' with a field file (.e)", {}, {}}};
+  }
+  DiskFileProvider disk;
+  core::RecordingFileProvider files(disk);
+  std::vector<core::Diagnostic> warnings;
+  auto made = environment::makeFromFieldFile(file, files, compatibility, warnings);
+  // where the gallery is on this machine is nobody's business
+  const auto inGallery = [&services](const std::string& name) {
+    return std::filesystem::path(name).lexically_relative(services.galleryFolder).generic_string();
+  };
+  origin = {inGallery(file), files.take()};
+  for (auto& [name, text] : origin.files) {
+    name = inGallery(name);
+  }
+  return made;
+}
+
+/// The process that a field file on the wire names; only the files that came with it can be read.
+std::variant<std::unique_ptr<turtle::EnvironmentProcess>, protocol::Error> makeFromSentFiles(
+    const environment::EnvironmentEntry& entry, const std::string& path, core::Compatibility compatibility,
+    simulation::EnvironmentOrigin& origin) {
+  const auto main = protocol::memberOf(entry.configuration, "main");
+  auto texts = protocol::textsOf(entry.configuration, "files");
+  if (!texts) {
+    return protocol::fieldError(path + ".files", "expected an object of file names and their texts");
+  }
+  if (!main || !texts->contains(*main)) {
+    return protocol::fieldError(path + ".main", "expected the name of the field file (.e) among \"files\"");
+  }
+  origin = {*main, {texts->begin(), texts->end()}};
+  core::MemoryFileProvider files(std::move(*texts));
+  std::vector<core::Diagnostic> warnings;
+  auto made = environment::makeFromFieldFile(*main, files, compatibility, warnings);
+  if (const auto* problems = std::get_if<std::vector<core::Diagnostic>>(&made)) {
+    return protocol::fieldError(path, sentences(*problems));
+  }
+  return std::move(std::get<std::unique_ptr<turtle::EnvironmentProcess>>(made));
+}
+
+}  // namespace
+
+std::variant<BuiltEnvironment, protocol::Error> buildEnvironment(const std::string& environmentJson,
+                                                                 core::Compatibility compatibility,
+                                                                 bool isAbsenceTolerated,
+                                                                 const EnvironmentServices& services) {
+  BuiltEnvironment built;
+  if (environmentJson.empty()) {
+    return built;
+  }
+  auto parsed = environment::parseEnvironmentEntries(environmentJson);
+  if (const auto* problems = std::get_if<std::vector<core::Diagnostic>>(&parsed)) {
+    return protocol::fieldError("params.environment", sentences(*problems));
+  }
+  const auto& entries = std::get<std::vector<environment::EnvironmentEntry>>(parsed);
+  std::vector<std::pair<std::string, std::unique_ptr<turtle::EnvironmentProcess>>> processes;
+  simulation::EnvironmentOrigin fieldOrigin;
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    const environment::EnvironmentEntry& entry = entries[i];
+    const std::string path = "params.environment[" + std::to_string(i) + "]";
+    std::unique_ptr<turtle::EnvironmentProcess> process;
+    if (isRemote(entry.type)) {
+      auto made = makeLink(entry, path, services);
+      if (auto* error = std::get_if<protocol::Error>(&made)) {
+        return std::move(*error);
+      }
+      const auto& link = std::get<std::shared_ptr<EnvironmentLink>>(made);
+      auto read = readRemoteSettings(entry.configuration);
+      if (const auto* problem = std::get_if<RemoteSettingProblem>(&read)) {
+        return protocol::fieldError(path + "." + problem->key, problem->message);
+      }
+      auto& settings = std::get<RemoteSettings>(read);
+      RemoteProcessOptions options;
+      options.stepTimeout = std::min(services.stepTimeout, settings.stepTimeout.value_or(services.stepTimeout));
+      options.configurationJson = std::move(settings.configurationJson);
+      options.isAbsenceTolerated = isAbsenceTolerated;
+      options.bounds = services.bounds;
+      options.runWaiting = services.runWaiting;
+      auto remote = std::make_unique<RemoteProcess>(link, std::move(options));
+      if (auto error = remote->introduce();
+          error && !((isAbsenceTolerated || settings.policy.isTolerant) && error->isRetryable)) {
+        return environmentFailed(entry.name, *error);
+      }
+      built.links.push_back(link);
+      built.names.push_back(entry.type == "offered" ? "offered:" + entry.name : entry.type);
+      process = settings.policy.around(std::move(remote), services.onFailure);
+    } else if (entry.type == "field") {
+      auto made = makeFromSentFiles(entry, path, compatibility, fieldOrigin);
+      if (auto* error = std::get_if<protocol::Error>(&made)) {
+        return std::move(*error);
+      }
+      process = std::move(std::get<std::unique_ptr<turtle::EnvironmentProcess>>(made));
+      built.names.push_back(entry.name == entry.type ? *protocol::memberOf(entry.configuration, "main") : entry.name);
+    } else {
+      auto made = entry.type == "gallery" ? makeFromGallery(entry, compatibility, services, fieldOrigin)
+                                          : environment::makeProcess(entry.type, entry.configuration);
+      if (const auto* problems = std::get_if<std::vector<core::Diagnostic>>(&made)) {
+        return protocol::fieldError(path, sentences(*problems));
+      }
+      process = std::move(std::get<std::unique_ptr<turtle::EnvironmentProcess>>(made));
+      built.names.push_back(entry.type);
+    }
+    built.processNames.push_back(entry.name);
+    // a single environment takes all queries, whatever they are called
+    processes.emplace_back(entries.size() == 1 ? std::string() : entry.name, std::move(process));
+  }
+  // a field file alone is an environment by itself; anything else is a configuration
+  const bool isFieldFile = entries.size() == 1 && !fieldOrigin.name.empty();
+  built.origin = isFieldFile
+                     ? std::move(fieldOrigin)
+                     : simulation::EnvironmentOrigin{"environment.json", {{"environment.json", environmentJson}}};
+  if (!processes.empty()) {
+    built.process = environment::makeEnvironmentSet(std::move(processes));
+  }
+  return built;
+}
+
+}  // namespace espalier::server

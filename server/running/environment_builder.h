@@ -1,0 +1,57 @@
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "engine/simulation/simulation.h"
+#include "engine/turtle/environment_process.h"
+#include "protocol/errors.h"
+#include "protocol/framing.h"
+#include "protocol/messages.h"
+#include "server/remote/environment_link.h"
+#include "server/remote/failure_policy.h"
+
+namespace espalier::server {
+
+class OfferedEnvironments;
+struct Metrics;
+
+/// What a simulation and its environment need of the server.
+struct EnvironmentServices {
+  const OfferedEnvironments* offered = nullptr;
+  std::function<void(const std::function<void()>&)> runWaiting;  // lets another worker compute
+  std::chrono::milliseconds connectTimeout{5'000};
+  std::chrono::milliseconds stepTimeout{60'000};
+  protocol::FrameLimits frames;  // of what environments that are dialled or spawned send
+  std::string galleryFolder;
+  Metrics* metrics = nullptr;                    // null: nothing is counted
+  std::string traceFolder;                       // empty: no traces
+  std::optional<protocol::BoundsRecord> bounds;  // told to environments in other processes
+  FailureSink onFailure;                         // hears of environments with a policy that failed
+  unsigned threads = 1;                          // of one step
+};
+
+struct BuiltEnvironment {
+  std::unique_ptr<turtle::EnvironmentProcess> process;  // null: none
+  std::vector<std::shared_ptr<EnvironmentLink>> links;  // to other processes, for interrupting
+  std::vector<std::string> names;                       // of the entries, for people: honda, offered:mylight
+  std::vector<std::string> processNames;                // by which queries address them, as many
+  simulation::EnvironmentOrigin origin;                 // for snapshots: how a command line makes it again
+};
+
+/// Makes the environment of a simulation from the `environment` array of simulation.create. `isAbsenceTolerated`:
+/// entries in other processes may be away (simulations loaded from disk). Besides the built-in processes there are the
+/// types `offered` {name}, `tcp` {address}, `stdio` {command}, `gallery` {model}: the field file (`.e`) of a gallery
+/// folder, and `field` {main, files}: a field file with the files it names, as texts. An
+/// entry in another process may have a `policy`: fail (the default), keep, or fallback:NAME of a built-in.
+[[nodiscard]] std::variant<BuiltEnvironment, protocol::Error> buildEnvironment(const std::string& environmentJson,
+                                                                               core::Compatibility compatibility,
+                                                                               bool isAbsenceTolerated,
+                                                                               const EnvironmentServices& services);
+
+}  // namespace espalier::server

@@ -1,0 +1,445 @@
+#include "server/running/hosted_simulation.h"
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+
+#include "engine/simulation/snapshot.h"
+#include "engine/simulation/snapshot_editing.h"
+#include "protocol/json_writer.h"
+#include "server/metrics.h"
+#include "server/remote/translation/translate.h"
+
+namespace espalier::server {
+namespace {
+
+/// The name that a line defines: `  # define NAME ...`; empty for any other line.
+std::string_view definedName(std::string_view line) {
+  constexpr std::string_view kBlanks = " \t";
+  const auto skip = [&line](std::string_view word) {
+    line.remove_prefix(std::min(line.size(), line.find_first_not_of(kBlanks)));
+    const bool isThere = line.starts_with(word);
+    line.remove_prefix(isThere ? word.size() : 0);
+    return isThere;
+  };
+  if (!skip("#") || !skip("define") || !skip("")) {
+    return {};
+  }
+  return line.substr(0, line.find_first_of(" \t\r("));
+}
+
+/// Whether a source of the model has a `#define` of the name.
+bool isDefined(const language::Program& program, std::string_view name) {
+  return std::any_of(program.sources.begin(), program.sources.end(), [name](const auto& file) {
+    const std::string_view text = file.text;
+    for (std::size_t begin = 0; begin < text.size();) {
+      const std::size_t end = std::min(text.find('\n', begin), text.size());
+      if (definedName(text.substr(begin, end - begin)) == name) {
+        return !name.empty();
+      }
+      begin = end + 1;
+    }
+    return false;
+  });
+}
+
+/// The model with other values of the names that it defines.
+language::CompileResult withDefines(const language::Program& program,
+                                    const std::vector<std::pair<std::string, std::string>>& defines,
+                                    const core::Limits& limits) {
+  language::CompileInput input;
+  input.modelFile = program.modelFile;
+  input.viewFile = program.viewFile;
+  input.compatibility = program.compatibility;
+  input.defines = program.defines;
+  input.limits = limits;
+  core::MemoryFileProvider files;
+  for (const auto& file : program.sources) {
+    files.add(file.name, file.text);
+  }
+  for (const auto& define : defines) {
+    if (isDefined(program, define.first)) {
+      std::erase_if(input.defines, [&define](const auto& old) { return old.first == define.first; });
+      input.defines.push_back(define);
+    }
+  }
+  return language::compile(input, files);
+}
+
+}  // namespace
+
+HostedSimulation::HostedSimulation(SimulationRecord record, const core::Limits& limits,
+                                   const EnvironmentServices& services, Store& store)
+    : record_(std::move(record)), limits_(limits), services_(services), store_(&store) {
+  if (record_.create.maximumModules) {
+    limits_.maximumModules = std::min(limits_.maximumModules, *record_.create.maximumModules);
+  }
+  if (record_.create.maximumQueries) {
+    limits_.maximumQueries = std::min(limits_.maximumQueries, *record_.create.maximumQueries);
+  }
+}
+
+std::optional<protocol::Error> HostedSimulation::build(simulation::Programs programs, bool isAbsenceTolerated) {
+  EnvironmentServices services = services_;
+  services.bounds = record_.create.bounds;
+  if (record_.create.isTraced) {
+    if (services_.traceFolder.empty()) {
+      return protocol::fieldError("params.trace", "this server keeps nothing; start it with --data to have traces");
+    }
+    auto trace = SimulationTrace::create(services_.traceFolder, record_.id);
+    if (auto* problem = std::get_if<std::string>(&trace)) {
+      return protocol::Error{protocol::ErrorCode::Storage, *problem, {}};
+    }
+    trace_ = std::move(std::get<std::unique_ptr<SimulationTrace>>(trace));
+    services.onFailure = [trace = trace_](std::uint64_t step, const std::string& message) {
+      trace->note(step, message);
+    };
+  }
+  auto built =
+      buildEnvironment(record_.create.environmentJson, programs.front()->compatibility, isAbsenceTolerated, services);
+  if (auto* error = std::get_if<protocol::Error>(&built)) {
+    return std::move(*error);
+  }
+  auto& environment = std::get<BuiltEnvironment>(built);
+  std::vector<simulation::PlantOrigin> plants = plantOrigins(record_.create.models, record_.create.plants);
+  if (plants.empty()) {
+    plants.emplace_back();
+  }
+  simulation::SimulationOptions options;
+  options.name = record_.id;
+  options.seed = record_.seed;
+  options.hasSeed = record_.hasSeed;
+  options.derivationLength = record_.create.derivationLength;
+  options.limits = limits_;
+  options.coupling = {record_.create.iterations, record_.create.tolerance};
+  options.threads = services_.threads;
+  options.seeds = seedRules(record_.create.seeds);
+  options.environmentOrigin = std::move(environment.origin);
+  auto process = trace_ == nullptr ? std::move(environment.process) : trace_->record(std::move(environment.process));
+  auto made = std::make_unique<simulation::Simulation>(
+      std::move(programs), std::move(plants), QueryRecorder::record(std::move(process), queries_), std::move(options));
+  const std::lock_guard lock(cancelMutex_);
+  simulation_.swap(made);
+  links_ = std::move(environment.links);
+  environmentNames_ = std::move(environment.names);
+  processNames_ = std::move(environment.processNames);
+  return std::nullopt;
+}
+
+std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> HostedSimulation::create(
+    SimulationRecord record, simulation::Programs programs, const core::Limits& limits,
+    const EnvironmentServices& services, Store& store, Interruption& interruption) {
+  std::unique_ptr<HostedSimulation> hosted(new HostedSimulation(std::move(record), limits, services, store));
+  if (auto error = hosted->build(std::move(programs), false)) {
+    return std::move(*error);
+  }
+  {
+    const Interruption::Scope scope(interruption, [&hosted] { hosted->setCancelled(true); });
+    if (auto error = hosted->simulation_->rewind()) {
+      return hosted->errorOf(*error);
+    }
+  }
+  hosted->setCancelled(false);
+  hosted->beginTrace();
+  if (auto error = hosted->save(true)) {
+    return std::move(*error);
+  }
+  return hosted;
+}
+
+std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> HostedSimulation::fork(
+    SimulationRecord record, const HostedSimulation& original, const core::Limits& limits,
+    const EnvironmentServices& services, Store& store) {
+  std::unique_ptr<HostedSimulation> hosted(new HostedSimulation(std::move(record), limits, services, store));
+  if (auto error = hosted->build(original.simulation_->programs(), false)) {
+    return std::move(*error);
+  }
+  if (auto error = hosted->simulation_->restore(original.snapshot())) {
+    return hosted->errorOf(*error);
+  }
+  if (auto error = hosted->save(true)) {
+    return std::move(*error);
+  }
+  return hosted;
+}
+
+std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> HostedSimulation::load(
+    SimulationRecord record, std::string_view snapshot, const core::Limits& limits, const EnvironmentServices& services,
+    Store& store) {
+  auto read = simulation::readSnapshotInfo(snapshot);
+  if (const auto* error = std::get_if<core::SimulationError>(&read)) {
+    return toError(*error, 0, limits);
+  }
+  auto& info = std::get<simulation::SnapshotInfo>(read);
+  auto compiled = simulation::compileModels(info, limits);
+  if (const auto* diagnostics = std::get_if<core::DiagnosticList>(&compiled)) {
+    return toError(diagnostics->entries());
+  }
+  std::unique_ptr<HostedSimulation> hosted(new HostedSimulation(std::move(record), limits, services, store));
+  if (auto error = hosted->build(std::move(std::get<simulation::Programs>(compiled)), true)) {
+    return std::move(*error);
+  }
+  if (auto error = hosted->simulation_->restore(snapshot)) {
+    return hosted->errorOf(*error);
+  }
+  hosted->beginTrace();
+  hosted->isSaved_ = true;
+  return hosted;
+}
+
+protocol::Error HostedSimulation::errorOf(const core::SimulationError& error) const {
+  return toError(error, simulation_->completedSteps(), limits_, environmentNames_);
+}
+
+protocol::Error HostedSimulation::storageError(const std::string& problem) const {
+  protocol::JsonWriter data;
+  data.beginObject().key("step").integer(simulation_->completedSteps()).key("retryable").boolean(true).endObject();
+  return {protocol::ErrorCode::Storage, problem, data.take()};
+}
+
+std::optional<protocol::Error> HostedSimulation::save(bool withRecord) {
+  isSaved_ = false;
+  if (!store_->isKept() || !record_.create.save.isKept) {
+    return std::nullopt;
+  }
+  const std::uint64_t step = simulation_->completedSteps();
+  const std::string state = snapshot();
+  const auto problem = withRecord ? store_->save({record_.id, toText(record_), step}, state)
+                                  : store_->saveState(record_.id, step, state);
+  isSaveDue_ = problem.has_value();
+  isSaved_ = !isSaveDue_;
+  if (problem) {
+    return storageError("Step " + std::to_string(step) + " is complete, but " + *problem +
+                        " No further step is made before it is saved.");
+  }
+  return std::nullopt;
+}
+
+std::optional<protocol::Error> HostedSimulation::saveChange() {
+  isSaved_ = false;
+  return record_.create.save.every > 0 ? save(false) : std::nullopt;
+}
+
+std::optional<protocol::Error> HostedSimulation::keep() {
+  return isSaved_ ? std::nullopt : save(false);
+}
+
+std::optional<protocol::Error> HostedSimulation::step(double& milliseconds) {
+  milliseconds = 0.0;
+  if (isSaveDue_) {
+    if (auto error = save(true)) {
+      return error;
+    }
+  }
+  const auto start = std::chrono::steady_clock::now();
+  const auto error = simulation_->step();
+  milliseconds = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  if (Metrics* metrics = services_.metrics) {
+    metrics->stepSeconds.observe(milliseconds * 1e-3);
+    metrics->queries += simulation_->statistics().queries;
+    ++(error ? metrics->failedSteps : metrics->steps);
+    metrics->modules += error ? 0 : simulation_->statistics().modules;
+  }
+  if (error) {
+    return errorOf(*error);
+  }
+  if (trace_ != nullptr) {
+    trace_->complete(*simulation_);
+  }
+  isSaved_ = false;
+  const std::uint64_t every = record_.create.save.every;
+  const bool isDue = every > 0 && (simulation_->completedSteps() % every == 0 || simulation_->isFinished());
+  return isDue ? save(false) : std::nullopt;
+}
+
+void HostedSimulation::beginTrace() {
+  if (trace_ != nullptr) {
+    trace_->begin(*simulation_);
+  }
+}
+
+std::optional<protocol::Error> HostedSimulation::reset(std::optional<std::uint64_t> seed) {
+  if (!seed) {
+    if (const auto error = simulation_->rewind()) {
+      return errorOf(*error);
+    }
+    beginTrace();
+    return saveChange();
+  }
+  // a simulation has its seed for life: make another, which takes the place of the old one when it is ready
+  SimulationRecord record = record_;
+  record.seed = *seed;
+  record.hasSeed = true;
+  HostedSimulation fresh(std::move(record), limits_, services_, *store_);
+  if (auto error = fresh.build(simulation_->programs(), false)) {
+    return error;
+  }
+  if (const auto failure = fresh.simulation_->rewind()) {
+    return errorOf(*failure);
+  }
+  adopt(fresh);
+  return save(true);
+}
+
+void HostedSimulation::adopt(HostedSimulation& fresh) {
+  record_ = fresh.record_;
+  {
+    const std::lock_guard lock(cancelMutex_);
+    simulation_.swap(fresh.simulation_);
+    links_.swap(fresh.links_);
+  }
+  trace_ = fresh.trace_;
+  beginTrace();
+}
+
+std::optional<protocol::Error> HostedSimulation::edit(const protocol::EditParams& params) {
+  simulation::StringEdit edit;
+  edit.kind = params.action == "prune"     ? simulation::StringEdit::Kind::Prune
+              : params.action == "replace" ? simulation::StringEdit::Kind::Replace
+                                           : simulation::StringEdit::Kind::Insert;
+  edit.plant = params.plant;
+  edit.module = params.module;
+  for (const protocol::ModuleRecord& module : params.modules) {
+    edit.modules.push_back({module.symbol, module.parameters});
+  }
+  const auto edited = simulation::editString(snapshot(), edit);
+  if (const auto* error = std::get_if<core::SimulationError>(&edited)) {
+    return errorOf(*error);
+  }
+  return restore(std::get<std::string>(edited));
+}
+
+std::optional<protocol::Error> HostedSimulation::set(const std::vector<std::pair<std::string, std::string>>& values) {
+  const simulation::Programs& programs = simulation_->programs();
+  const auto isVariable = [&programs](const std::string& name) {
+    return std::any_of(programs.begin(), programs.end(), [&name](const auto& program) {
+      const auto& names = program->systems.front().variables;
+      return std::find(names.begin(), names.end(), name) != names.end();
+    });
+  };
+  std::vector<std::pair<std::string, double>> variables;
+  std::vector<std::pair<std::string, std::string>> defines;
+  for (const auto& [name, text] : values) {
+    if (!isVariable(name)) {
+      defines.emplace_back(name, text);
+      continue;
+    }
+    double number = 0.0;
+    const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), number);
+    if (problem != std::errc() || end != text.data() + text.size()) {
+      return protocol::fieldError("params.parameters." + name, "expected a number for a variable");
+    }
+    variables.emplace_back(name, number);
+  }
+  // definitions first: they are what can fail
+  if (!defines.empty()) {
+    if (!variables.empty()) {
+      return protocol::fieldError(
+          "params.parameters", "variables and #defines in one call could fail half-way; set them one after the other");
+    }
+    return define(defines);
+  }
+  const auto edited = simulation::setVariables(snapshot(), programs, variables);
+  if (const auto* error = std::get_if<core::SimulationError>(&edited)) {
+    return errorOf(*error);
+  }
+  return restore(std::get<std::string>(edited));
+}
+
+std::optional<protocol::Error> HostedSimulation::define(
+    const std::vector<std::pair<std::string, std::string>>& defines) {
+  for (const auto& [name, value] : defines) {
+    const auto hasName = [&name](const auto& program) { return isDefined(*program, name); };
+    if (std::none_of(simulation_->programs().begin(), simulation_->programs().end(), hasName)) {
+      return protocol::fieldError("params.parameters." + name,
+                                  "the model has neither a variable nor a #define of that name");
+    }
+  }
+  // each model that defines a name takes the new value
+  simulation::Programs programs;
+  for (const auto& program : simulation_->programs()) {
+    auto compiled = withDefines(*program, defines, limits_);
+    if (compiled.program == nullptr) {
+      return toError(compiled.diagnostics.entries());
+    }
+    programs.push_back(std::move(compiled.program));
+  }
+  HostedSimulation fresh(record_, limits_, services_, *store_);
+  if (auto error = fresh.build(programs, false)) {
+    return error;
+  }
+  const auto edited = simulation::withPrograms(snapshot(), programs);
+  if (const auto* error = std::get_if<core::SimulationError>(&edited)) {
+    return errorOf(*error);
+  }
+  if (const auto error = fresh.simulation_->restore(std::get<std::string>(edited))) {
+    return errorOf(*error);
+  }
+  adopt(fresh);
+  return saveChange();
+}
+
+std::string HostedSimulation::snapshot() const {
+  core::StringSink sink;
+  simulation_->save(sink);
+  return sink.take();
+}
+
+std::optional<protocol::Error> HostedSimulation::restore(std::string_view snapshot) {
+  if (const auto error = simulation_->restore(snapshot)) {
+    return errorOf(*error);
+  }
+  beginTrace();
+  return saveChange();
+}
+
+std::optional<protocol::Error> HostedSimulation::saveCheckpoint(const std::string& name) {
+  if (!store_->isKept()) {
+    return storageError("This server keeps no checkpoints. Start it with --data DIR, or ask for the snapshot itself.");
+  }
+  const auto problem = store_->saveCheckpoint(record_.id, name, simulation_->completedSteps(), snapshot());
+  return problem ? std::optional(storageError(*problem)) : std::nullopt;
+}
+
+std::optional<protocol::Error> HostedSimulation::restoreCheckpoint(const std::string& name) {
+  const Store::State state = readCheckpoint(name);
+  if (!state.problem.empty()) {
+    return storageError("The simulation stays as it is: " + state.problem + ".");
+  }
+  return restore(state.bytes);
+}
+
+std::optional<protocol::Error> HostedSimulation::setTraced(bool isTraced) {
+  if (isTraced == (trace_ != nullptr)) {
+    return std::nullopt;
+  }
+  // the recorder stands between the simulation and its environment: make another simulation in the same state
+  SimulationRecord record = record_;
+  record.create.isTraced = isTraced;
+  HostedSimulation fresh(std::move(record), limits_, services_, *store_);
+  if (auto error = fresh.build(simulation_->programs(), false)) {
+    return error;
+  }
+  if (const auto error = fresh.simulation_->restore(snapshot())) {
+    return errorOf(*error);
+  }
+  adopt(fresh);
+  return save(true);
+}
+
+std::optional<protocol::Error> HostedSimulation::removeFromDisk() {
+  const auto problem = store_->remove(record_.id);
+  return problem ? std::optional(storageError(*problem)) : std::nullopt;
+}
+
+void HostedSimulation::setCancelled(bool isCancelled) {
+  const std::lock_guard lock(cancelMutex_);
+  simulation_->setCancelled(isCancelled);
+  if (isCancelled) {
+    for (const auto& link : links_) {
+      link->interrupt();
+    }
+  }
+}
+
+}  // namespace espalier::server

@@ -1,0 +1,119 @@
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "engine/simulation/simulation.h"
+#include "protocol/errors.h"
+#include "protocol/messages.h"
+#include "server/running/environment_builder.h"
+#include "server/running/interruption.h"
+#include "server/running/simulation_trace.h"
+#include "server/store/simulation_record.h"
+#include "server/store/store.h"
+#include "server/stream/query_recorder.h"
+
+namespace espalier::server {
+
+/// A simulation of the server with what is needed to make it again. One worker at a time, except where a member says
+/// otherwise.
+class HostedSimulation {
+ public:
+  /// Builds the environment, goes to step 0 and saves. `limits` are the server's; the record can lower them.
+  /// `interruption` ends it, as long as nothing is saved.
+  [[nodiscard]] static std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> create(
+      SimulationRecord record, simulation::Programs programs, const core::Limits& limits,
+      const EnvironmentServices& services, Store& store, Interruption& interruption);
+  /// Another simulation, by `record`, in the state of `original`, and saves it.
+  [[nodiscard]] static std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> fork(
+      SimulationRecord record, const HostedSimulation& original, const core::Limits& limits,
+      const EnvironmentServices& services, Store& store);
+  /// From the data folder. Environments in other processes may be away; stepping asks for them again.
+  [[nodiscard]] static std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> load(
+      SimulationRecord record, std::string_view snapshot, const core::Limits& limits,
+      const EnvironmentServices& services, Store& store);
+
+  [[nodiscard]] const SimulationRecord& record() const { return record_; }
+  [[nodiscard]] simulation::Simulation& simulation() { return *simulation_; }
+  [[nodiscard]] const std::vector<std::string>& environmentNames() const { return environmentNames_; }
+  /// The names by which queries address the environments.
+  [[nodiscard]] const std::vector<std::string>& processNames() const { return processNames_; }
+  [[nodiscard]] bool isSaved() const { return isSaved_; }
+  /// From now on what steps ask the environment is kept, or not.
+  void recordQueries(bool isRecorded) { queries_->want(isRecorded); }
+  /// Of the last step that was made while they were recorded; null: none.
+  [[nodiscard]] std::shared_ptr<const QueryRecord> lastQueries() const { return queries_->last(); }
+  /// A failure of this simulation for the wire.
+  [[nodiscard]] protocol::Error errorOf(const core::SimulationError& error) const;
+
+  /// One step and its copy on disk when one is due. `milliseconds` receives the wall time of the step alone. A step
+  /// that could not be saved is complete all the same: an error says so, and no further one is made before it is saved.
+  [[nodiscard]] std::optional<protocol::Error> step(double& milliseconds);
+  /// Back to step 0; with a new seed when given.
+  [[nodiscard]] std::optional<protocol::Error> reset(std::optional<std::uint64_t> seed);
+  [[nodiscard]] std::string snapshot() const;
+  /// Changes a plant's string. On failure nothing changes.
+  [[nodiscard]] std::optional<protocol::Error> edit(const protocol::EditParams& params);
+  /// Gives variables of the model, and names that it defines (#define), other values. On failure nothing changes.
+  [[nodiscard]] std::optional<protocol::Error> set(const std::vector<std::pair<std::string, std::string>>& values);
+  [[nodiscard]] std::optional<protocol::Error> restore(std::string_view snapshot);
+  /// Writes the present state to disk, unless the simulation is not kept or is saved already.
+  [[nodiscard]] std::optional<protocol::Error> keep();
+  /// Keeps the present state under a name.
+  [[nodiscard]] std::optional<protocol::Error> saveCheckpoint(const std::string& name);
+  [[nodiscard]] std::optional<protocol::Error> restoreCheckpoint(const std::string& name);
+  [[nodiscard]] std::vector<Store::Checkpoint> checkpoints() const { return store_->checkpoints(record_.id); }
+  [[nodiscard]] Store::State readCheckpoint(const std::string& name) const {
+    return store_->readCheckpoint(record_.id, name);
+  }
+  /// Begins a trace, or ends the one being written. On failure nothing changes.
+  [[nodiscard]] std::optional<protocol::Error> setTraced(bool isTraced);
+  [[nodiscard]] bool isTraced() const { return trace_ != nullptr; }
+  [[nodiscard]] std::vector<StoredTrace> traces() const {
+    return SimulationTrace::list(services_.traceFolder, record_.id);
+  }
+  /// The bytes of a trace so far; nothing when there is none of the number, or it is larger than `bound`.
+  [[nodiscard]] std::optional<std::string> readTrace(std::uint64_t number, std::uint64_t bound) const {
+    return SimulationTrace::read(services_.traceFolder, record_.id, number, bound);
+  }
+  [[nodiscard]] std::optional<protocol::Error> removeFromDisk();
+
+  /// From any thread: the step being made is given up, also while it waits for an environment; false makes steps
+  /// possible again.
+  void setCancelled(bool isCancelled);
+
+ private:
+  HostedSimulation(SimulationRecord record, const core::Limits& limits, const EnvironmentServices& services,
+                   Store& store);
+  [[nodiscard]] std::optional<protocol::Error> build(simulation::Programs programs, bool isAbsenceTolerated);
+  void beginTrace();
+  /// After a change that was asked for: saves unless only requests do.
+  [[nodiscard]] std::optional<protocol::Error> saveChange();
+  /// Saves state and, when `withRecord`, record.
+  [[nodiscard]] std::optional<protocol::Error> save(bool withRecord);
+  /// Takes over what another one, made from the same record, was built of.
+  void adopt(HostedSimulation& fresh);
+  /// Takes the model with other definitions.
+  [[nodiscard]] std::optional<protocol::Error> define(const std::vector<std::pair<std::string, std::string>>& defines);
+  [[nodiscard]] protocol::Error storageError(const std::string& problem) const;
+
+  SimulationRecord record_;
+  core::Limits limits_;
+  EnvironmentServices services_;
+  Store* store_;
+  std::mutex cancelMutex_;  // the next two change only with it held
+  std::unique_ptr<simulation::Simulation> simulation_;
+  std::vector<std::shared_ptr<EnvironmentLink>> links_;
+  std::vector<std::string> environmentNames_;
+  std::vector<std::string> processNames_;
+  std::shared_ptr<SimulationTrace> trace_;  // null: none
+  std::shared_ptr<QueryRecorder> queries_ = std::make_shared<QueryRecorder>();
+  bool isSaved_ = false;    // the copy on disk is of the present step
+  bool isSaveDue_ = false;  // it ought to be, and could not be written
+};
+
+}  // namespace espalier::server

@@ -1,0 +1,337 @@
+#include "server/running/simulation_runner.h"
+
+#include <algorithm>
+#include <new>
+#include <utility>
+
+#include "engine/core/check.h"
+#include "server/log.h"
+#include "server/remote/limits.h"
+
+namespace espalier::server {
+namespace {
+
+// waking another thread takes about half as long
+constexpr std::chrono::microseconds kQuickTurn{20};
+// a quick one that the system interrupted
+constexpr std::chrono::microseconds kInterruptedTurn{200};
+
+}  // namespace
+
+SimulationRunner::SimulationRunner(std::unique_ptr<HostedSimulation> hosted, WorkerPool& pool, const Log& log,
+                                   const ServerLimits& limits)
+    : id_(hosted->record().id),
+      hosted_(std::move(hosted)),
+      pool_(&pool),
+      log_(&log),
+      callSeconds_(limits.callSeconds),
+      streamBytesBound_(limits.streamBytes) {
+  publishInformation();
+}
+
+void SimulationRunner::publishInformation() {
+  const simulation::Simulation& simulation = hosted_->simulation();
+  const SimulationRecord& record = hosted_->record();
+  protocol::SimulationInformation information;
+  information.simulation = id_;
+  information.name = record.create.name;
+  information.step = simulation.completedSteps();
+  information.derivationLength = simulation.derivationLength();
+  information.seed = record.seed;
+  information.plants = static_cast<std::uint32_t>(simulation.plantCount());
+  information.isFinished = simulation.isFinished();
+  information.isSaved = hosted_->isSaved();
+  information.environment = hosted_->environmentNames();
+  information.lastError = lastError_;
+  stringBytes_ = simulation.statistics().bytes;
+  const std::lock_guard lock(mutex_);
+  information_ = std::move(information);
+}
+
+protocol::SimulationInformation SimulationRunner::information() const {
+  const std::lock_guard lock(mutex_);
+  auto information = information_;
+  const bool isOnlyEnding = queue_.empty() && current_ != nullptr && current_->isAnswered;
+  information.isRunning = isScheduled_ && !isOnlyEnding;
+  return information;
+}
+
+void SimulationRunner::publishEndOf(Command& command) {
+  command.isAnswered = true;
+  publishInformation();
+}
+
+bool SimulationRunner::isClosing() const {
+  const std::lock_guard lock(mutex_);
+  return closed_.has_value();
+}
+
+std::optional<std::string> SimulationRunner::saveAtEnd() {
+  {
+    const std::lock_guard lock(mutex_);
+    if (isScheduled_) {
+      return "it still computes; it will be at its last saved step";
+    }
+  }
+  if (hosted_->record().create.save.every == 0) {
+    return std::nullopt;
+  }
+  const auto error = hosted_->keep();
+  return error ? std::optional(error->message) : std::nullopt;
+}
+
+void SimulationRunner::submit(std::shared_ptr<Command> command) {
+  std::optional<protocol::Error> refusal;
+  {
+    const std::lock_guard lock(mutex_);
+    if (closed_) {
+      refusal = closed_;
+    } else {
+      queue_.push_back(std::move(command));
+      schedule();
+    }
+  }
+  if (refusal) {
+    command->fail(*refusal);
+  }
+}
+
+void SimulationRunner::schedule() {
+  if (!isScheduled_ && !queue_.empty()) {
+    isScheduled_ = true;
+    const Command& next = *queue_.front();
+    const auto self = shared_from_this();
+    pool_->post({.run = [self] { self->takeTurn(); },
+                 .lane = next.lane,
+                 .owner = next.owner,
+                 .isQuick = isQuick(next),
+                 .limit = std::chrono::seconds(callSeconds_),
+                 .onLimit = [self, turn = turnCount_ + 1] { self->giveUpTurn(turn); }});
+  }
+}
+
+bool SimulationRunner::isQuick(const Command& command) const {
+  const auto found =
+      std::find_if(turnTimes_.begin(), turnTimes_.end(), [&](const auto& times) { return times.kind == command.kind; });
+  return found != turnTimes_.end() &&
+         (found->last < kQuickTurn || (found->last < kInterruptedTurn && found->before < kQuickTurn));
+}
+
+void SimulationRunner::noteTime(const Command& command, std::chrono::steady_clock::duration time) {
+  if (command.kind.empty()) {
+    return;
+  }
+  const auto found =
+      std::find_if(turnTimes_.begin(), turnTimes_.end(), [&](const auto& times) { return times.kind == command.kind; });
+  if (found != turnTimes_.end()) {
+    found->before = std::exchange(found->last, time);
+  } else {
+    turnTimes_.push_back({command.kind, time, std::chrono::hours(1)});
+  }
+}
+
+void SimulationRunner::takeTurn() {
+  std::shared_ptr<Command> command;
+  {
+    const std::lock_guard lock(mutex_);
+    ++turnCount_;
+    if (queue_.empty()) {
+      isScheduled_ = false;
+      return;
+    }
+    command = std::move(queue_.front());
+    queue_.pop_front();
+    current_ = command;
+    command->isOverLimit = false;
+    hosted_->setCancelled(false);
+  }
+  bool wantsMore = false;
+  const auto begin = std::chrono::steady_clock::now();
+  runGuarded(*command, wantsMore);
+  const auto time = std::chrono::steady_clock::now() - begin;
+  const std::lock_guard lock(mutex_);
+  noteTime(*command, time);
+  current_.reset();
+  if (wantsMore) {
+    queue_.push_back(std::move(command));
+  }
+  isScheduled_ = false;
+  schedule();
+}
+
+void SimulationRunner::giveUpTurn(std::uint64_t turn) {
+  const std::lock_guard lock(mutex_);
+  if (current_ != nullptr && turnCount_ == turn) {
+    current_->isOverLimit = true;
+    hosted_->setCancelled(true);
+  }
+}
+
+void SimulationRunner::runGuarded(Command& command, bool& wantsMore) {
+  std::string bug;
+  try {
+    wantsMore = command.advance(*this, command);
+    if (!command.isAnswered) {
+      publishInformation();
+    }
+    return;
+  } catch (const std::bad_alloc&) {
+    command.fail({protocol::ErrorCode::Limit,
+                  "The server has not enough memory for this. Use a smaller model or fewer steps.",
+                  {}});
+    return;
+  } catch (const std::exception& exception) {
+    bug = exception.what();
+  }
+  // a bug of ours closes this simulation and nothing else
+  log_->error("closed after an internal error: " + bug, {.simulation = id_});
+  const protocol::Error error{protocol::ErrorCode::Internal,
+                              "Espalier has a bug: " + bug + ". This simulation is closed; please report it.",
+                              {}};
+  command.fail(error);
+  close(error, false);
+  endStreams(error.message);
+}
+
+void SimulationRunner::cancel(const std::shared_ptr<Command>& command) {
+  const std::lock_guard lock(mutex_);
+  command->isCancelled = true;
+  if (current_ == command) {
+    hosted_->setCancelled(true);
+  }
+}
+
+void SimulationRunner::close(const protocol::Error& reason, bool isInterrupting) {
+  std::deque<std::shared_ptr<Command>> dropped;
+  {
+    const std::lock_guard lock(mutex_);
+    closed_ = reason;
+    dropped.swap(queue_);
+    if (isInterrupting && current_ != nullptr) {
+      current_->isCancelled = true;
+      hosted_->setCancelled(true);
+    }
+  }
+  for (const auto& command : dropped) {
+    command->fail(reason);
+  }
+}
+
+void SimulationRunner::closeWith(std::shared_ptr<Command> last, const protocol::Error& reason) {
+  close(reason, true);
+  const std::lock_guard lock(mutex_);
+  queue_.push_back(std::move(last));
+  schedule();
+}
+
+std::size_t SimulationRunner::pauseWaiting() {
+  const std::lock_guard lock(mutex_);
+  std::size_t count = 0;
+  for (const auto& command : queue_) {
+    command->isPaused = true;
+    count += command->lane == Lane::Step ? 1U : 0U;
+  }
+  return count;
+}
+
+void SimulationRunner::addStream(std::shared_ptr<Stream> stream) {
+  const std::lock_guard lock(mutex_);
+  streams_.push_back(std::move(stream));
+}
+
+void SimulationRunner::publishFrames(bool isDue) {
+  std::vector<std::shared_ptr<Stream>> streams;
+  {
+    const std::lock_guard lock(mutex_);
+    std::erase_if(streams_, [](const auto& stream) { return stream->isClosed(); });
+    streams = streams_;
+  }
+  // queries are copied only for those who look
+  hosted_->recordQueries(std::any_of(streams.begin(), streams.end(),
+                                     [](const auto& stream) { return stream->params().what == "queries"; }));
+  FrameMaker maker = frameMaker();
+  for (const auto& stream : streams) {
+    if (isDue ? stream->wantsFrame(hosted_->simulation().completedSteps()) : stream->wantsToCatchUp()) {
+      publishTo(*stream, maker);
+    }
+  }
+  boundBases(streams);
+}
+
+void SimulationRunner::publishFirstFrame(Stream& stream) {
+  if (stream.params().what == "queries") {
+    hosted_->recordQueries(true);
+  }
+  FrameMaker maker = frameMaker();
+  publishTo(stream, maker);
+}
+
+FrameMaker SimulationRunner::frameMaker() const {
+  const simulation::Simulation& simulation = hosted_->simulation();
+  // those of the last step, not of one before a reset or of one that failed
+  auto queries = hosted_->lastQueries();
+  const bool isOfLastStep = queries != nullptr && queries->queries.step + 1 == simulation.completedSteps();
+  return {simulation, milliseconds_, isOfLastStep ? std::move(queries) : nullptr};
+}
+
+void SimulationRunner::publishTo(Stream& stream, FrameMaker& maker) {
+  const simulation::Simulation& simulation = hosted_->simulation();
+  auto frame = maker.make(stream.params(), stream.base());
+  if (const auto* error = std::get_if<core::SimulationError>(&frame)) {
+    stream.end(error->message);
+  } else {
+    stream.send(simulation.completedSteps(), simulation.isFinished(), std::move(std::get<StreamFrame>(frame)));
+  }
+}
+
+void SimulationRunner::boundBases(const std::vector<std::shared_ptr<Stream>>& streams) {
+  std::vector<FrameBase> bases;
+  std::uint64_t bytes = 0;
+  for (const auto& stream : streams) {
+    FrameBase base = stream->base();
+    if (base.isEmpty() || std::find(bases.begin(), bases.end(), base) != bases.end()) {
+      continue;
+    }
+    if (bytes + base.bytes() > streamBytesBound_) {
+      stream->forgetBase();
+      continue;
+    }
+    bytes += base.bytes();
+    bases.push_back(std::move(base));
+  }
+  streamBytes_ = bytes;
+}
+
+void SimulationRunner::catchUp() {
+  {
+    const std::lock_guard lock(mutex_);
+    if (isCatchingUp_ || closed_ || streams_.empty()) {
+      return;
+    }
+    isCatchingUp_ = true;
+  }
+  const auto command = std::make_shared<Command>();
+  command->advance = [](SimulationRunner& runner, Command&) {
+    {
+      const std::lock_guard lock(runner.mutex_);
+      runner.isCatchingUp_ = false;
+    }
+    runner.publishFrames(false);
+    return false;
+  };
+  command->fail = [](const protocol::Error&) {};
+  submit(command);
+}
+
+void SimulationRunner::endStreams(const std::string& reason) {
+  std::vector<std::shared_ptr<Stream>> streams;
+  {
+    const std::lock_guard lock(mutex_);
+    streams.swap(streams_);
+  }
+  for (const auto& stream : streams) {
+    stream->end(reason);
+  }
+}
+
+}  // namespace espalier::server

@@ -1,0 +1,128 @@
+#pragma once
+
+#include <atomic>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "protocol/errors.h"
+#include "protocol/messages.h"
+#include "server/running/hosted_simulation.h"
+#include "server/running/worker_pool.h"
+#include "server/stream/stream.h"
+
+namespace espalier::server {
+
+class Log;
+struct ServerLimits;
+class SimulationRunner;
+
+/// Something to do with a simulation. `advance` runs on a worker and returns whether it wants another turn: long
+/// commands do one step a turn, so that others get in between. `fail` is called instead when the simulation goes away.
+struct Command {
+  std::function<bool(SimulationRunner&, Command&)> advance;
+  std::function<void(const protocol::Error&)> fail;
+  Lane lane = Lane::Short;  // of its turns
+  std::string owner;        // the session whose share of the workers they take
+  std::string kind;         // what takes a simulation about as long each time; empty: nothing does
+  std::atomic<bool> isCancelled{false};
+  bool isPaused = false;                 // to be ended between two steps; the owner of the simulation's
+  std::atomic<bool> isAnswered{false};   // nobody waits for it any more, although its last turn may not be over
+  std::atomic<bool> isOverLimit{false};  // this turn took longer than a call may
+};
+
+/// Gives a simulation its turns on the pool: one worker owns it at a time, commands run in the order they came, and
+/// everyone else sees the published information. Lives as long as somebody holds it.
+class SimulationRunner final : public std::enable_shared_from_this<SimulationRunner> {
+ public:
+  /// A turn that computes longer than the limit callSeconds is given up.
+  SimulationRunner(std::unique_ptr<HostedSimulation> hosted, WorkerPool& pool, const Log& log,
+                   const ServerLimits& limits);
+
+  // thread-safe
+  void submit(std::shared_ptr<Command> command);
+  /// Gives a command up: at once when it runs, else when its turn comes.
+  void cancel(const std::shared_ptr<Command>& command);
+  /// Fails everything queued and all to come; the running turn is finished, or given up when `isInterrupting`.
+  void close(const protocol::Error& reason, bool isInterrupting);
+  /// The same, giving up what runs, with one last command after it.
+  void closeWith(std::shared_ptr<Command> last, const protocol::Error& reason);
+  [[nodiscard]] protocol::SimulationInformation information() const;
+  [[nodiscard]] const std::string& id() const { return id_; }
+  /// Bytes of what its streams keep to tell differences from.
+  [[nodiscard]] std::uint64_t streamBytes() const { return streamBytes_; }
+  /// Bytes of its strings after its last turn.
+  [[nodiscard]] std::uint64_t stringBytes() const { return stringBytes_; }
+  void addStream(std::shared_ptr<Stream> stream);
+  /// A stream may be ready for the frames it missed.
+  void catchUp();
+  /// Ends all streams with a reason.
+  void endStreams(const std::string& reason);
+  [[nodiscard]] bool isClosing() const;
+  /// Writes what its policy has not written yet, unless a turn still runs. An error sentence, or nothing.
+  [[nodiscard]] std::optional<std::string> saveAtEnd();
+
+  // inside Command::advance only
+  [[nodiscard]] HostedSimulation& hosted() { return *hosted_; }
+  [[nodiscard]] std::uint32_t callSeconds() const { return callSeconds_; }
+  /// What others are told about the simulation is what it is now, with this command behind it; before the answer to the
+  /// command, so that who has the answer and asks again does not hear of the state before it.
+  void publishEndOf(Command& command);
+  /// Sends frames of the present state to the streams that want one. `isDue`: a step was just completed.
+  void publishFrames(bool isDue);
+  /// A viewer that comes late sees the present state at once.
+  void publishFirstFrame(Stream& stream);
+  /// Marks every command that waits for a turn as paused; how many there are.
+  std::size_t pauseWaiting();
+  void setMilliseconds(double milliseconds) { milliseconds_ = milliseconds; }
+  [[nodiscard]] double milliseconds() const { return milliseconds_; }
+  void setLastError(std::string error) { lastError_ = std::move(error); }
+
+ private:
+  /// How long the last two turns of a kind took.
+  struct TurnTimes {
+    std::string kind;
+    std::chrono::steady_clock::duration last;
+    std::chrono::steady_clock::duration before;
+  };
+
+  void publishInformation();
+  void schedule();  // with mutex_ held
+  /// Expected to be over before another thread could be woken; with mutex_ held.
+  [[nodiscard]] bool isQuick(const Command& command) const;
+  void noteTime(const Command& command, std::chrono::steady_clock::duration time);  // with mutex_ held
+  void takeTurn();
+  void giveUpTurn(std::uint64_t turn);
+  void runGuarded(Command& command, bool& wantsMore);
+  void publishTo(Stream& stream, FrameMaker& maker);
+  [[nodiscard]] FrameMaker frameMaker() const;
+  /// Keeps what streams tell differences from within its bound.
+  void boundBases(const std::vector<std::shared_ptr<Stream>>& streams);
+
+  const std::string id_;
+  std::unique_ptr<HostedSimulation> hosted_;
+  WorkerPool* pool_;
+  const Log* log_;
+  const std::uint32_t callSeconds_;
+  const std::uint64_t streamBytesBound_;
+  double milliseconds_ = 0.0;  // of the last step; the owner's
+  std::string lastError_;      // the owner's
+  std::atomic<std::uint64_t> stringBytes_{0};
+  std::atomic<std::uint64_t> streamBytes_{0};
+
+  mutable std::mutex mutex_;
+  std::deque<std::shared_ptr<Command>> queue_;
+  std::shared_ptr<Command> current_;
+  bool isScheduled_ = false;
+  std::uint64_t turnCount_ = 0;  // turns begun
+  std::optional<protocol::Error> closed_;
+  protocol::SimulationInformation information_;
+  std::vector<std::shared_ptr<Stream>> streams_;
+  bool isCatchingUp_ = false;         // such a command is queued
+  std::vector<TurnTimes> turnTimes_;  // of each kind
+};
+
+}  // namespace espalier::server

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "engine/simulation/trace.h"
+#include "server/remote/trace_file.h"
+
+namespace espalier::server {
+
+/// A trace in the data folder.
+struct StoredTrace {
+  std::uint64_t number = 0;  // 1, 2, ... of the simulation
+  std::uint64_t bytes = 0;   // compressed
+};
+
+/// The trace of a simulation of the server: a compressed file in the data folder, readable up to the last completed
+/// step whenever the server ends.
+class SimulationTrace {
+ public:
+  /// `FOLDER/ID-N.trace.zst` with the first N that is free; the folder is made. An error sentence when that fails.
+  [[nodiscard]] static std::variant<std::unique_ptr<SimulationTrace>, std::string> create(const std::string& folder,
+                                                                                          const std::string& id);
+
+  /// Those of a simulation, by number. `folder` empty: nothing is kept.
+  [[nodiscard]] static std::vector<StoredTrace> list(const std::string& folder, const std::string& id);
+  /// The bytes of one, as far as it was written; nothing when it is not there or larger than `bound`.
+  [[nodiscard]] static std::optional<std::string> read(const std::string& folder, const std::string& id,
+                                                       std::uint64_t number, std::uint64_t bound);
+
+  /// The process with its dialogue recorded; null stays null.
+  [[nodiscard]] std::unique_ptr<turtle::EnvironmentProcess> record(
+      std::unique_ptr<turtle::EnvironmentProcess> process) {
+    return simulation::record(std::move(process), recorder_);
+  }
+  /// After rewind() or restore().
+  void begin(simulation::Simulation& simulation) {
+    recorder_->begin(simulation);
+    file_->flush();
+  }
+  void complete(const simulation::Simulation& simulation) {
+    recorder_->complete(simulation);
+    file_->flush();
+  }
+  /// What is done about an environment that failed.
+  void note(std::uint64_t step, const std::string& message) { recorder_->fail(step, message); }
+
+ private:
+  explicit SimulationTrace(std::unique_ptr<TraceFile> file)
+      : file_(std::move(file)), recorder_(std::make_shared<simulation::TraceRecorder>(*file_)) {}
+
+  std::unique_ptr<TraceFile> file_;
+  std::shared_ptr<simulation::TraceRecorder> recorder_;
+};
+
+}  // namespace espalier::server

@@ -1,0 +1,390 @@
+#include "server/session/session.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "protocol/codec.h"
+#include "protocol/version.h"
+#include "server/server_core.h"
+#include "server/session/constant_time.h"
+#include "server/session/methods.h"
+
+namespace espalier::server {
+Session::Session(std::string id, ServerCore& core, std::shared_ptr<Connection> connection)
+    : id_(std::move(id)), core_(&core), connection_(std::move(connection)) {
+  core_->enter(*this);
+}
+
+Session::~Session() {
+  core_->leave(*this);
+}
+
+void Session::send(std::string line) {
+  connection_->send(std::make_shared<const std::string>(std::move(line)));
+}
+
+void Session::respond(const protocol::MessageId& id, std::string_view resultJson) {
+  {
+    const std::lock_guard lock(mutex_);
+    inProgress_.erase(protocol::toText(id));
+  }
+  const std::uint64_t bound = core_->options().limits.outboxBytes;
+  if (resultJson.size() > bound) {
+    send(protocol::encodeError(id, protocol::limitError("outboxBytes", resultJson.size(), bound,
+                                                        "Ask for less at a time, or start the server with a higher "
+                                                        "--limit outboxBytes=N.")));
+    return;
+  }
+  send(protocol::encodeResult(id, std::string(resultJson)));
+}
+
+void Session::respondError(const protocol::MessageId& id, const protocol::Error& error) {
+  {
+    const std::lock_guard lock(mutex_);
+    inProgress_.erase(protocol::toText(id));
+  }
+  core_->log().debug("request " + protocol::toText(id) + ": " + error.message, {.session = id_});
+  send(protocol::encodeError(id, error));
+}
+
+void Session::notify(std::string_view method, const protocol::Body& params) {
+  send(protocol::encodeNotification(method, params));
+}
+
+void Session::refuse(const protocol::MessageId& id, const protocol::Error& error) {
+  core_->log().info(connection_->peerName() + " is refused: " + error.message, {.session = id_});
+  send(protocol::encodeError(id, error));
+  connection_->closeWhenSent();
+}
+
+void Session::onRead(const protocol::MessageReader::Read& read) {
+  if (const auto* bad = std::get_if<protocol::BadMessage>(&read)) {
+    respondError(bad->id, bad->error);
+    // it may have been the answer that a step is waiting for
+    failPendingCalls({LinkFailure::Kind::Garbage, "sent a line that is not a message: " + bad->error.message, {}});
+    return;
+  }
+  onMessage(std::get<protocol::Message>(read));
+}
+
+void Session::onMessage(const protocol::Message& message) {
+  ++core_->metrics.requests;
+  if (message.kind == protocol::Message::Kind::Result || message.kind == protocol::Message::Kind::Error) {
+    onAnswer(message);
+    return;
+  }
+  if (message.method == "hello") {
+    onHello(message);
+    return;
+  }
+  if (!isGreeted_) {
+    if (message.kind == protocol::Message::Kind::Request) {
+      respondError(message.id,
+                   {protocol::ErrorCode::HelloMissing,
+                    "Say hello first: {\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"hello\",\"params\":{\"protocol\":[1],"
+                    "\"roles\":[\"controller\"],\"name\":\"...\",\"version\":\"...\"}}.",
+                    {}});
+    }
+    return;
+  }
+  if (message.kind == protocol::Message::Kind::Request) {
+    std::optional<protocol::Error> refusal;
+    {
+      const std::lock_guard lock(mutex_);
+      const std::uint64_t bound = core_->options().limits.requestsPerSession;
+      if (inProgress_.size() >= bound) {
+        refusal = protocol::limitError("requestsPerSession", inProgress_.size() + 1, bound,
+                                       "Wait for answers before asking more.");
+      } else if (!inProgress_.emplace(protocol::toText(message.id), std::function<void()>()).second) {
+        refusal = protocol::Error{protocol::ErrorCode::InvalidRequest,
+                                  "The id " + protocol::toText(message.id) +
+                                      " belongs to a request in progress. Give each request an id of its own.",
+                                  {}};
+      }
+    }
+    if (refusal) {
+      send(protocol::encodeError(message.id, *refusal));
+      return;
+    }
+  }
+  dispatch(*this, message);
+}
+
+void Session::onAnswer(const protocol::Message& message) {
+  std::shared_ptr<PendingCall> call;
+  if (message.id.kind == protocol::MessageId::Kind::Text) {
+    const std::lock_guard lock(mutex_);
+    const auto found = pending_.find(message.id.text);
+    if (found != pending_.end()) {
+      call = found->second;
+      pending_.erase(found);
+    }
+  }
+  if (call == nullptr) {
+    // a late answer to a question that timed out, or to none: nobody waits for it
+    core_->log().debug("answers " + protocol::toText(message.id) + ", which nobody waits for", {.session = id_});
+    return;
+  }
+  if (message.kind == protocol::Message::Kind::Result) {
+    call->complete(message.payload);
+  } else {
+    call->complete(
+        LinkFailure{LinkFailure::Kind::Refused, "answered with an error: " + message.error.message, message.error});
+  }
+}
+
+void Session::onHello(const protocol::Message& message) {
+  if (message.kind != protocol::Message::Kind::Request) {
+    return;
+  }
+  if (isGreeted_) {
+    respondError(message.id, {protocol::ErrorCode::InvalidRequest,
+                              "Hello was said already on this connection. Go on with other requests.",
+                              {}});
+    return;
+  }
+  auto decoded = protocol::decodeHelloParams(message.payload);
+  if (const auto* error = std::get_if<protocol::Error>(&decoded)) {
+    respondError(message.id, *error);
+    return;
+  }
+  const auto& hello = std::get<protocol::HelloParams>(decoded);
+  if (std::find(hello.protocol.begin(), hello.protocol.end(), protocol::kProtocolVersion) == hello.protocol.end()) {
+    protocol::JsonWriter data;
+    data.beginObject().key("supported").beginArray().integer(protocol::kProtocolVersion).endArray().endObject();
+    refuse(message.id,
+           {protocol::ErrorCode::Version,
+            "No common protocol version: this server speaks 1. Use a client that speaks espalier/1.", data.take()});
+    return;
+  }
+  const ServerOptions& options = core_->options();
+  if (!options.token.empty() && !isEqualInConstantTime(hello.token, options.token)) {
+    refuse(message.id, {protocol::ErrorCode::Unauthorised,
+                        "The token is missing or wrong. Send the server's token as params.token.",
+                        {}});
+    return;
+  }
+  isGreeted_ = true;
+  {
+    const std::lock_guard lock(mutex_);
+    terms_ = termsOf(hello.capabilities, hello.limits);
+    takesHeartbeats_ =
+        std::find(hello.capabilities.begin(), hello.capabilities.end(), "heartbeat") != hello.capabilities.end();
+  }
+  core_->log().info((hello.name.empty() ? std::string("a peer") : hello.name) + " " + hello.version + " from " +
+                        connection_->peerName(),
+                    {.session = id_});
+  std::vector<std::pair<std::string, std::uint64_t>> limits;
+  for (const LimitEntry& entry : limitEntries()) {
+    limits.emplace_back(entry.name, entry.get(options.limits));
+  }
+  const protocol::HelloResult result{.protocol = protocol::kProtocolVersion,
+                                     .session = id_,
+                                     .server = "espalier " + std::string(protocol::kProgramVersion),
+                                     .capabilities = {"bin", "checkpoint", "cancel", "streams", "credits", "delta",
+                                                      "offer", "geometry", "iterate", "heartbeat"},
+                                     .limits = std::move(limits)};
+  respond(message.id, protocol::encode(result));
+}
+
+void Session::onLost(const protocol::Error& error) {
+  refuse({}, error);
+}
+
+void Session::onHandshakeTimeout() {
+  if (!isGreeted_) {
+    const std::uint32_t bound = core_->options().limits.handshakeMilliseconds;
+    protocol::JsonWriter data;
+    data.beginObject().key("milliseconds").integer(bound).endObject();
+    refuse({},
+           {protocol::ErrorCode::Timeout,
+            "No hello came within " + std::to_string(bound) + " ms. Connect again and say hello first.", data.take()});
+  }
+}
+
+bool Session::onHeartbeat(bool wasHeard) {
+  std::string id;
+  {
+    const std::lock_guard lock(mutex_);
+    // what computes a step may be silent; that has a limit of its own
+    if (!takesHeartbeats_ || wasHeard || !pending_.empty()) {
+      isHeartbeatOwed_ = false;
+      return true;
+    }
+    if (isHeartbeatOwed_) {
+      return false;
+    }
+    isHeartbeatOwed_ = true;
+    id = "h" + std::to_string(++heartbeatCount_);
+  }
+  send(protocol::encodeRequest(protocol::MessageId::of(id), "ping", "{}"));
+  return true;
+}
+
+void Session::onDrained() {
+  std::vector<std::shared_ptr<SimulationRunner>> runners;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [name, entry] : streams_) {
+      auto runner = entry.second.lock();
+      if (runner != nullptr && entry.first->wantsToCatchUp()) {
+        runners.push_back(std::move(runner));
+      }
+    }
+  }
+  for (const auto& runner : runners) {
+    runner->catchUp();
+  }
+}
+
+void Session::failPendingCalls(const LinkFailure& failure) {
+  std::map<std::string, std::shared_ptr<PendingCall>> calls;
+  {
+    const std::lock_guard lock(mutex_);
+    calls.swap(pending_);
+  }
+  for (const auto& [id, call] : calls) {
+    call->complete(failure);
+  }
+}
+
+void Session::onPeerEnded() {
+  {
+    const std::lock_guard lock(mutex_);
+    isEnded_ = true;
+  }
+  core_->offered().withdraw(this);
+  failPendingCalls({LinkFailure::Kind::Closed, "closed the connection", {}});
+}
+
+bool Session::isAnswering() const {
+  const std::lock_guard lock(mutex_);
+  return !inProgress_.empty();
+}
+
+void Session::onClosed() {
+  onPeerEnded();
+  std::map<std::string, std::function<void()>> requests;
+  {
+    const std::lock_guard lock(mutex_);
+    isClosed_ = true;
+    requests.swap(inProgress_);
+    for (const auto& [name, entry] : streams_) {
+      entry.first->close();
+    }
+    streams_.clear();
+  }
+  // requests end with the connection they came on, also within a step: who has left keeps no worker busy
+  for (const auto& [id, cancel] : requests) {
+    if (cancel) {
+      cancel();
+    }
+  }
+  core_->log().debug("closed", {.session = id_});
+}
+
+PeerTerms Session::terms() const {
+  const std::lock_guard lock(mutex_);
+  return terms_;
+}
+
+std::string Session::ask(std::string_view method, const protocol::Body& params, std::shared_ptr<PendingCall> call) {
+  const std::uint64_t bytes = params.json.size() + params.blocks.totalBytes();
+  if (const std::uint64_t bound = core_->options().limits.outboxBytes; bytes > bound) {
+    call->complete(LinkFailure{LinkFailure::Kind::Refused,
+                               "was not asked: " + std::to_string(bytes) +
+                                   " bytes are more than a session may have on their way (outboxBytes=" +
+                                   std::to_string(bound) + "; espalier serve --limit outboxBytes=N raises it)",
+                               {protocol::ErrorCode::InvalidParams, {}, {}}});
+    return {};
+  }
+  std::string id;
+  bool isGone = false;
+  {
+    const std::lock_guard lock(mutex_);
+    id = "s" + std::to_string(++askedCount_);
+    isGone = isClosed_ || isEnded_;
+    if (!isGone) {
+      pending_.emplace(id, call);
+    }
+  }
+  if (isGone) {
+    call->complete(LinkFailure{LinkFailure::Kind::Closed, "closed the connection", {}});
+  } else {
+    send(protocol::encodeRequest(protocol::MessageId::of(id), method, params));
+  }
+  return id;
+}
+
+void Session::forget(const std::string& id) {
+  const std::lock_guard lock(mutex_);
+  pending_.erase(id);
+}
+
+void Session::submit(const protocol::MessageId& id, std::shared_ptr<SimulationRunner> runner,
+                     std::shared_ptr<Command> command) {
+  onCancel(id, [weakRunner = std::weak_ptr(runner), weakCommand = std::weak_ptr(command)] {
+    const auto owner = weakRunner.lock();
+    const auto submitted = weakCommand.lock();
+    if (owner != nullptr && submitted != nullptr) {
+      owner->cancel(submitted);
+    }
+  });
+  runner->submit(std::move(command));
+}
+
+void Session::onCancel(const protocol::MessageId& id, std::function<void()> cancel) {
+  const std::lock_guard lock(mutex_);
+  inProgress_[protocol::toText(id)] = std::move(cancel);
+}
+
+void Session::cancelRequest(const protocol::MessageId& id) {
+  std::function<void()> cancel;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto found = inProgress_.find(protocol::toText(id));
+    if (found == inProgress_.end()) {
+      return;
+    }
+    cancel = found->second;
+  }
+  if (cancel) {
+    cancel();
+  }
+}
+
+std::shared_ptr<Stream> Session::openStream(protocol::StreamOpenParams params, SimulationRunner& runner) {
+  const ServerLimits& limits = core_->options().limits;
+  const std::lock_guard lock(mutex_);
+  // those that ended by themselves take no room
+  if (streams_.size() >= limits.streamsPerSession) {
+    std::erase_if(streams_, [](const auto& entry) { return entry.second.first->isClosed(); });
+  }
+  if (isClosed_ || streams_.size() >= limits.streamsPerSession) {
+    return nullptr;
+  }
+  std::string name = "stream-" + id_ + "-" + std::to_string(++streamCount_);
+  auto stream =
+      std::make_shared<Stream>(name, std::move(params), weak_from_this(), static_cast<std::size_t>(limits.outboxBytes));
+  streams_.emplace(std::move(name), std::pair(stream, runner.weak_from_this()));
+  return stream;
+}
+
+std::shared_ptr<Stream> Session::findStream(const std::string& id) {
+  const std::lock_guard lock(mutex_);
+  const auto found = streams_.find(id);
+  return found == streams_.end() ? nullptr : found->second.first;
+}
+
+bool Session::closeStream(const std::string& id) {
+  const std::lock_guard lock(mutex_);
+  const auto found = streams_.find(id);
+  if (found == streams_.end()) {
+    return false;
+  }
+  found->second.first->close();
+  streams_.erase(found);
+  return true;
+}
+
+}  // namespace espalier::server

@@ -1,0 +1,102 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <string_view>
+
+#include "protocol/framing.h"
+#include "protocol/messages.h"
+#include "server/remote/offered_environments.h"
+#include "server/running/simulation_runner.h"
+#include "server/session/connection.h"
+#include "server/stream/stream.h"
+
+namespace espalier::server {
+
+class ServerCore;
+
+/// One peer: handshake, its requests in progress, its streams, and the questions put to it when it offers environments.
+/// Lines come on the network thread; answers may come from any thread.
+class Session final : public AskedPeer, public std::enable_shared_from_this<Session> {
+ public:
+  Session(std::string id, ServerCore& core, std::shared_ptr<Connection> connection);
+  ~Session() override;
+
+  // network thread
+  void onRead(const protocol::MessageReader::Read& read);
+  /// The framing is lost: the peer is told why and the connection closed.
+  void onLost(const protocol::Error& error);
+  void onHandshakeTimeout();
+  /// A heartbeat has passed. `wasHeard`: something came from the peer meanwhile. False: the peer is given up, it did
+  /// not answer for a whole heartbeat although it owes no answer that may take longer.
+  [[nodiscard]] bool onHeartbeat(bool wasHeard);
+  /// Part of the outbox was sent: streams may have room again.
+  void onDrained();
+  /// The peer sends no more: what it owes will not come. What it has asked for it may still read.
+  void onPeerEnded();
+  /// It has asked for something that it has no answer to.
+  [[nodiscard]] bool isAnswering() const;
+  void onClosed();
+  [[nodiscard]] bool isGreeted() const { return isGreeted_; }
+  /// Both sides named the capability `bin`.
+  [[nodiscard]] bool areBlocksAgreed() const { return isGreeted_ && terms().takesBlocks; }
+
+  // any thread
+  void respond(const protocol::MessageId& id, std::string_view resultJson);
+  void respondError(const protocol::MessageId& id, const protocol::Error& error);
+  void notify(std::string_view method, const protocol::Body& params);
+  /// Has onDrained() called when that time has passed.
+  void remind(std::chrono::milliseconds delay) { connection_->remind(delay); }
+  [[nodiscard]] std::size_t outboxBytes() const { return connection_->outboxBytes(); }
+  [[nodiscard]] std::string ask(std::string_view method, const protocol::Body& params,
+                                std::shared_ptr<PendingCall> call) override;
+  [[nodiscard]] PeerTerms terms() const override;
+  void forget(const std::string& id) override;
+
+  // for the methods (methods.h), on the network thread
+  [[nodiscard]] const std::string& id() const { return id_; }
+  [[nodiscard]] ServerCore& core() { return *core_; }
+  [[nodiscard]] bool isLocal() const { return connection_->isLocal(); }
+  /// Sends a command to a simulation as the work of a request, so that $/cancel and a lost connection reach it.
+  void submit(const protocol::MessageId& id, std::shared_ptr<SimulationRunner> runner,
+              std::shared_ptr<Command> command);
+  /// How a request in progress is given up when it is cancelled or its connection is lost.
+  void onCancel(const protocol::MessageId& id, std::function<void()> cancel);
+  void cancelRequest(const protocol::MessageId& id);
+  /// Nothing when the session has as many streams as it may.
+  [[nodiscard]] std::shared_ptr<Stream> openStream(protocol::StreamOpenParams params, SimulationRunner& runner);
+  [[nodiscard]] std::shared_ptr<Stream> findStream(const std::string& id);
+  [[nodiscard]] bool closeStream(const std::string& id);
+
+ private:
+  void onMessage(const protocol::Message& message);
+  void onAnswer(const protocol::Message& message);
+  void onHello(const protocol::Message& message);
+  /// Refuses and closes.
+  void refuse(const protocol::MessageId& id, const protocol::Error& error);
+  void failPendingCalls(const LinkFailure& failure);
+  void send(std::string line);
+
+  const std::string id_;
+  ServerCore* core_;
+  std::shared_ptr<Connection> connection_;
+  bool isGreeted_ = false;    // network thread
+  mutable std::mutex mutex_;  // guards what follows
+  bool isClosed_ = false;
+  bool isEnded_ = false;          // the peer answers nothing more
+  bool takesHeartbeats_ = false;  // it named the capability
+  bool isHeartbeatOwed_ = false;  // it was asked and has not been heard since
+  std::uint64_t heartbeatCount_ = 0;
+  PeerTerms terms_;
+  std::uint64_t askedCount_ = 0;
+  std::uint64_t streamCount_ = 0;
+  std::map<std::string, std::shared_ptr<PendingCall>> pending_;  // questions to the peer, by id
+  std::map<std::string, std::function<void()>> inProgress_;      // how to cancel its requests, by the text of their id
+  std::map<std::string, std::pair<std::shared_ptr<Stream>, std::weak_ptr<SimulationRunner>>> streams_;
+};
+
+}  // namespace espalier::server

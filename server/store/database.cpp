@@ -1,0 +1,103 @@
+#include "server/store/database.h"
+
+#include <sqlite3.h>
+
+namespace espalier::server {
+
+Database::~Database() {
+  sqlite3_close(connection_);
+}
+
+void Database::fail() {
+  if (!problem_) {
+    problem_ = connection_ == nullptr ? "there is not enough memory" : sqlite3_errmsg(connection_);
+  }
+}
+
+void Database::open(const std::string& file) {
+  constexpr int kFlags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX;
+  if (sqlite3_open_v2(file.c_str(), &connection_, kFlags, nullptr) != SQLITE_OK) {
+    fail();
+    return;
+  }
+  execute("PRAGMA journal_mode = WAL");
+  // the log is forced to disk when it is moved into the database, so that a power failure costs moments, never the file
+  execute("PRAGMA synchronous = NORMAL");
+  // after a big state the log gives its space back
+  execute("PRAGMA journal_size_limit = 67108864");
+}
+
+void Database::execute(const char* sql) {
+  if (!problem_ && sqlite3_exec(connection_, sql, nullptr, nullptr, nullptr) != SQLITE_OK) {
+    fail();
+  }
+}
+
+bool Database::commit() {
+  execute("COMMIT");
+  if (!problem_) {
+    return true;
+  }
+  // some failures have rolled back already
+  if (connection_ != nullptr && sqlite3_get_autocommit(connection_) == 0) {
+    sqlite3_exec(connection_, "ROLLBACK", nullptr, nullptr, nullptr);
+  }
+  return false;
+}
+
+Database::Statement::Statement(Database& database, const char* sql) : database_(&database) {
+  if (!database.problem_ && sqlite3_prepare_v2(database.connection_, sql, -1, &statement_, nullptr) != SQLITE_OK) {
+    database.fail();
+  }
+}
+
+Database::Statement::~Statement() {
+  sqlite3_finalize(statement_);
+}
+
+Database::Statement& Database::Statement::bind(int index, std::int64_t value) {
+  sqlite3_bind_int64(statement_, index, value);
+  return *this;
+}
+
+Database::Statement& Database::Statement::bind(int index, std::string_view text) {
+  sqlite3_bind_text64(statement_, index, text.data(), text.size(), SQLITE_TRANSIENT, SQLITE_UTF8);
+  return *this;
+}
+
+Database::Statement& Database::Statement::bindBytes(int index, std::string_view bytes) {
+  sqlite3_bind_blob64(statement_, index, bytes.data(), bytes.size(), SQLITE_STATIC);
+  return *this;
+}
+
+bool Database::Statement::next() {
+  if (database_->problem_) {
+    return false;
+  }
+  const int outcome = sqlite3_step(statement_);
+  if (outcome != SQLITE_ROW && outcome != SQLITE_DONE) {
+    database_->fail();
+  }
+  return outcome == SQLITE_ROW;
+}
+
+void Database::Statement::run() {
+  while (next()) {
+  }
+}
+
+std::int64_t Database::Statement::integer(int column) const {
+  return sqlite3_column_int64(statement_, column);
+}
+
+std::string_view Database::Statement::text(int column) const {
+  const auto* begin = sqlite3_column_text(statement_, column);
+  return {reinterpret_cast<const char*>(begin), static_cast<std::size_t>(sqlite3_column_bytes(statement_, column))};
+}
+
+std::string_view Database::Statement::bytes(int column) const {
+  const auto* begin = static_cast<const char*>(sqlite3_column_blob(statement_, column));
+  return {begin, static_cast<std::size_t>(sqlite3_column_bytes(statement_, column))};
+}
+
+}  // namespace espalier::server

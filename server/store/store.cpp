@@ -1,0 +1,452 @@
+#include "server/store/store.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <filesystem>
+#include <functional>
+#include <mutex>
+#include <system_error>
+
+#include "server/store/compression.h"
+#include "server/store/database.h"
+
+namespace espalier::server {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kFile = "espalier.sqlite";
+constexpr std::int64_t kVersion = 1;
+/// Of the compressed state in one transaction.
+constexpr std::size_t kPartBytes = 1'000'000;
+/// A part's row is the number of its state times this, and its own number.
+constexpr std::int64_t kPartsPerState = 1 << 20;
+
+constexpr const char* kTables = R"(
+CREATE TABLE IF NOT EXISTS simulations(id TEXT PRIMARY KEY, record TEXT NOT NULL, step INTEGER NOT NULL,
+                                       state INTEGER NOT NULL) WITHOUT ROWID;
+CREATE TABLE IF NOT EXISTS checkpoints(simulation TEXT, name TEXT, step INTEGER NOT NULL, state INTEGER NOT NULL,
+                                       bytes INTEGER NOT NULL, PRIMARY KEY(simulation, name)) WITHOUT ROWID;
+CREATE TABLE IF NOT EXISTS models(id TEXT PRIMARY KEY, text TEXT NOT NULL) WITHOUT ROWID;
+CREATE TABLE IF NOT EXISTS parts(id INTEGER PRIMARY KEY, bytes BLOB NOT NULL);
+PRAGMA user_version = 1;
+)";
+
+std::int64_t signedOf(std::uint64_t value) {
+  return static_cast<std::int64_t>(value);
+}
+
+/// The descriptor of a file that is made and locked, or the errno.
+std::variant<std::shared_ptr<const int>, int> lockFile(const std::string& name) {
+  const int descriptor = ::open(name.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  if (descriptor < 0) {
+    return errno;
+  }
+  std::shared_ptr<const int> held(new int(descriptor), [](const int* last) {
+    ::close(*last);
+    delete last;
+  });
+  if (flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
+    return errno;
+  }
+  return held;
+}
+
+}  // namespace
+
+/// One connection for everybody, taken for one transaction at a time.
+class Store::Implementation {
+ public:
+  explicit Implementation(std::string folder) : folder_(std::move(folder)) {}
+
+  std::optional<std::string> open(std::uint64_t maximumBytes);
+
+  /// Writes a state's parts; `link` makes it somebody's in the transaction of the last one, and returns the number of
+  /// the state that it replaces, or 0.
+  std::optional<std::string> put(std::string_view state, const std::function<std::int64_t(std::int64_t)>& link);
+  State get(std::int64_t state);
+
+  /// Runs `work` in a transaction.
+  std::optional<std::string> change(const std::function<void()>& work);
+  /// Runs `work`, which reads.
+  std::optional<std::string> look(const std::function<void()>& work);
+
+  /// With the mutex held: a state is nobody's any more.
+  void discard(std::int64_t state) {
+    if (state != 0) {
+      discarded_.push_back(state);
+    }
+  }
+  /// Removes the parts of discarded states, a transaction each. A failure is left for the next time.
+  void sweep();
+
+  Database database_;
+  const std::string folder_;
+
+ private:
+  void putPart(std::int64_t state, std::int64_t number, std::string_view bytes);
+  /// With the mutex held; clears it.
+  std::optional<std::string> problem(const char* what);
+
+  std::mutex mutex_;
+  std::shared_ptr<const int> lock_;
+  std::int64_t lastState_ = 0;
+  std::vector<std::int64_t> discarded_;
+};
+
+std::optional<std::string> Store::Implementation::problem(const char* what) {
+  if (!database_.problem()) {
+    return std::nullopt;
+  }
+  std::string text = "the data folder '" + folder_ + "' cannot be " + what + ": " + *database_.problem() +
+                     ". Check that its disk has room and can be written, then ask again.";
+  database_.clearProblem();
+  return text;
+}
+
+std::optional<std::string> Store::Implementation::open(std::uint64_t maximumBytes) {
+  const auto failure = [this](const std::string& reason) {
+    return "cannot use the data folder '" + folder_ + "': " + reason + ". Give --data a folder that can be written.";
+  };
+  std::error_code error;
+  fs::create_directories(folder_, error);
+  if (error) {
+    return failure(error.message());
+  }
+  auto locked = lockFile((fs::path(folder_) / "lock").string());
+  if (const int* reason = std::get_if<int>(&locked)) {
+    return *reason == EWOULDBLOCK
+               ? "the data folder '" + folder_ + "' is used by another server. Stop it, or give --data another folder."
+               : failure(std::generic_category().message(*reason));
+  }
+  lock_ = std::move(std::get<std::shared_ptr<const int>>(locked));
+
+  database_.open((fs::path(folder_) / kFile).string());
+  std::int64_t version = 0;
+  {
+    Database::Statement statement(database_, "PRAGMA user_version");
+    version = statement.next() ? statement.integer(0) : 0;
+  }
+  if (version > kVersion) {
+    return "the data folder '" + folder_ + "' was made by a newer Espalier. Use that, or give --data another folder.";
+  }
+  database_.begin();
+  database_.execute(kTables);
+  // parts of states that were being written when the server was killed
+  database_.execute(
+      "DELETE FROM parts WHERE id / 1048576 NOT IN (SELECT state FROM simulations UNION SELECT state FROM "
+      "checkpoints)");
+  (void)database_.commit();
+  {
+    Database::Statement statement(database_, "SELECT max(id) / 1048576 FROM parts");
+    lastState_ = statement.next() ? statement.integer(0) : 0;
+  }
+  if (maximumBytes > 0) {
+    constexpr std::uint64_t kPageBytes = 4096;
+    database_.execute(("PRAGMA max_page_count = " + std::to_string(maximumBytes / kPageBytes + 1)).c_str());
+  }
+  if (database_.problem()) {
+    return failure(*database_.problem() + " (" + kFile + ")");
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string> Store::Implementation::change(const std::function<void()>& work) {
+  const std::lock_guard lock(mutex_);
+  database_.begin();
+  work();
+  (void)database_.commit();
+  return problem("written");
+}
+
+std::optional<std::string> Store::Implementation::look(const std::function<void()>& work) {
+  const std::lock_guard lock(mutex_);
+  work();
+  return problem("read");
+}
+
+void Store::Implementation::putPart(std::int64_t state, std::int64_t number, std::string_view bytes) {
+  Database::Statement insert(database_, "INSERT INTO parts(id, bytes) VALUES(?, ?)");
+  insert.bind(1, state * kPartsPerState + number).bindBytes(2, bytes).run();
+}
+
+std::optional<std::string> Store::Implementation::put(std::string_view state,
+                                                      const std::function<std::int64_t(std::int64_t)>& link) {
+  const std::string packed = compress(state);
+  std::string_view rest = packed;
+  std::int64_t number = 0;
+  std::int64_t made = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    made = ++lastState_;
+  }
+  std::optional<std::string> failure;
+  // all parts but the last: nobody's yet
+  while (rest.size() > kPartBytes && !failure) {
+    failure = change([&] { putPart(made, number, rest.substr(0, kPartBytes)); });
+    rest.remove_prefix(kPartBytes);
+    ++number;
+  }
+  std::int64_t replaced = 0;
+  if (!failure) {
+    failure = change([&] {
+      putPart(made, number, rest);
+      replaced = link(made);
+      // most states have one part: it goes in the same transaction
+      Database::Statement remove(database_, "DELETE FROM parts WHERE id = ?");
+      remove.bind(1, replaced * kPartsPerState).run();
+    });
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    discard(failure ? made : replaced);
+  }
+  sweep();
+  return failure;
+}
+
+void Store::Implementation::sweep() {
+  bool isDone = false;
+  while (!isDone) {
+    const std::lock_guard lock(mutex_);
+    if (discarded_.empty()) {
+      return;
+    }
+    const std::int64_t first = discarded_.back() * kPartsPerState;
+    std::int64_t part = -1;
+    {
+      Database::Statement find(database_, "SELECT max(id) FROM parts WHERE id >= ? AND id < ?");
+      find.bind(1, first).bind(2, first + kPartsPerState);
+      part = find.next() && find.integer(0) != 0 ? find.integer(0) : -1;
+    }
+    if (part < 0) {
+      discarded_.pop_back();
+    } else {
+      database_.begin();
+      {
+        Database::Statement remove(database_, "DELETE FROM parts WHERE id = ?");
+        remove.bind(1, part).run();
+      }
+      (void)database_.commit();
+    }
+    isDone = problem("written").has_value();
+  }
+}
+
+Store::State Store::Implementation::get(std::int64_t state) {
+  const std::int64_t first = state * kPartsPerState;
+  std::string packed;
+  for (std::int64_t id = first; id >= first;) {
+    const auto failure = look([&] {
+      Database::Statement read(database_, "SELECT bytes FROM parts WHERE id = ?");
+      read.bind(1, id);
+      if (read.next()) {
+        packed.append(read.bytes(0));
+        ++id;
+      } else {
+        id = -1;
+      }
+    });
+    if (failure) {
+      return {{}, *failure};
+    }
+  }
+  auto bytes = decompress(packed);
+  if (!bytes) {
+    return {{}, "its state in the data folder is damaged"};
+  }
+  return {std::move(*bytes), {}};
+}
+
+Store::Store(std::string folder, std::uint64_t maximumBytes)
+    : folder_(std::move(folder)), maximumBytes_(maximumBytes) {}
+
+Store::~Store() = default;
+
+std::optional<std::string> Store::open() {
+  if (!isKept()) {
+    return std::nullopt;
+  }
+  implementation_ = std::make_unique<Implementation>(folder_);
+  auto problem = implementation_->open(maximumBytes_);
+  if (problem) {
+    implementation_.reset();
+  }
+  return problem;
+}
+
+std::variant<std::vector<Store::Entry>, std::string> Store::simulations() const {
+  std::vector<Entry> entries;
+  if (implementation_ == nullptr) {
+    return entries;
+  }
+  const auto failure = implementation_->look([&] {
+    Database::Statement read(implementation_->database_, "SELECT id, record, step FROM simulations ORDER BY id");
+    while (read.next()) {
+      entries.push_back(
+          {std::string(read.text(0)), std::string(read.text(1)), static_cast<std::uint64_t>(read.integer(2))});
+    }
+  });
+  if (failure) {
+    return *failure;
+  }
+  return entries;
+}
+
+std::optional<std::string> Store::save(const Entry& entry, std::string_view state) {
+  if (implementation_ == nullptr) {
+    return std::nullopt;
+  }
+  return implementation_->put(state, [&](std::int64_t made) {
+    Database& database = implementation_->database_;
+    Database::Statement old(database, "SELECT state FROM simulations WHERE id = ?");
+    const std::int64_t replaced = old.bind(1, entry.id).next() ? old.integer(0) : 0;
+    Database::Statement write(database,
+                              "INSERT OR REPLACE INTO simulations(id, record, step, state) VALUES(?, ?, ?, ?)");
+    write.bind(1, entry.id).bind(2, entry.record).bind(3, signedOf(entry.step)).bind(4, made).run();
+    return replaced;
+  });
+}
+
+std::optional<std::string> Store::saveState(const std::string& simulation, std::uint64_t step, std::string_view state) {
+  if (implementation_ == nullptr) {
+    return std::nullopt;
+  }
+  return implementation_->put(state, [&](std::int64_t made) {
+    Database& database = implementation_->database_;
+    Database::Statement old(database, "SELECT state FROM simulations WHERE id = ?");
+    const std::int64_t replaced = old.bind(1, simulation).next() ? old.integer(0) : 0;
+    Database::Statement write(database, "UPDATE simulations SET step = ?, state = ? WHERE id = ?");
+    write.bind(1, signedOf(step)).bind(2, made).bind(3, simulation).run();
+    return replaced;
+  });
+}
+
+Store::State Store::readState(const std::string& simulation) const {
+  std::int64_t state = 0;
+  if (implementation_ != nullptr) {
+    const auto failure = implementation_->look([&] {
+      Database::Statement find(implementation_->database_, "SELECT state FROM simulations WHERE id = ?");
+      state = find.bind(1, simulation).next() ? find.integer(0) : 0;
+    });
+    if (failure) {
+      return {{}, *failure};
+    }
+  }
+  return state == 0 ? State{{}, "it has no state in the data folder"} : implementation_->get(state);
+}
+
+std::optional<std::string> Store::remove(const std::string& simulation) {
+  if (implementation_ == nullptr) {
+    return std::nullopt;
+  }
+  std::vector<std::int64_t> states;
+  auto failure = implementation_->change([&] {
+    Database& database = implementation_->database_;
+    Database::Statement find(database,
+                             "SELECT state FROM simulations WHERE id = ?1 "
+                             "UNION SELECT state FROM checkpoints WHERE simulation = ?1");
+    find.bind(1, simulation);
+    while (find.next()) {
+      states.push_back(find.integer(0));
+    }
+    Database::Statement(database, "DELETE FROM simulations WHERE id = ?").bind(1, simulation).run();
+    Database::Statement(database, "DELETE FROM checkpoints WHERE simulation = ?").bind(1, simulation).run();
+  });
+  if (!failure) {
+    (void)implementation_->look([&] {
+      for (const std::int64_t state : states) {
+        implementation_->discard(state);
+      }
+    });
+    implementation_->sweep();
+  }
+  return failure;
+}
+
+std::optional<std::string> Store::saveCheckpoint(const std::string& simulation, const std::string& name,
+                                                 std::uint64_t step, std::string_view state) {
+  if (implementation_ == nullptr) {
+    return std::nullopt;
+  }
+  return implementation_->put(state, [&](std::int64_t made) {
+    Database& database = implementation_->database_;
+    Database::Statement old(database, "SELECT state FROM checkpoints WHERE simulation = ? AND name = ?");
+    const std::int64_t replaced = old.bind(1, simulation).bind(2, name).next() ? old.integer(0) : 0;
+    Database::Statement write(
+        database, "INSERT OR REPLACE INTO checkpoints(simulation, name, step, state, bytes) VALUES(?, ?, ?, ?, ?)");
+    write.bind(1, simulation).bind(2, name).bind(3, signedOf(step)).bind(4, made);
+    write.bind(5, signedOf(state.size())).run();
+    return replaced;
+  });
+}
+
+std::vector<Store::Checkpoint> Store::checkpoints(const std::string& simulation) const {
+  std::vector<Checkpoint> all;
+  if (implementation_ != nullptr) {
+    (void)implementation_->look([&] {
+      Database::Statement read(implementation_->database_,
+                               "SELECT name, step, bytes FROM checkpoints WHERE simulation = ? ORDER BY name");
+      read.bind(1, simulation);
+      while (read.next()) {
+        all.push_back({std::string(read.text(0)), static_cast<std::uint64_t>(read.integer(1)),
+                       static_cast<std::uint64_t>(read.integer(2))});
+      }
+    });
+  }
+  return all;
+}
+
+Store::State Store::readCheckpoint(const std::string& simulation, const std::string& name) const {
+  std::int64_t state = 0;
+  if (implementation_ != nullptr) {
+    const auto failure = implementation_->look([&] {
+      Database::Statement find(implementation_->database_,
+                               "SELECT state FROM checkpoints WHERE simulation = ? AND name = ?");
+      state = find.bind(1, simulation).bind(2, name).next() ? find.integer(0) : 0;
+    });
+    if (failure) {
+      return {{}, *failure};
+    }
+  }
+  return state == 0 ? State{{}, "there is no checkpoint '" + name + "'"} : implementation_->get(state);
+}
+
+std::optional<std::string> Store::saveModel(const std::string& model, std::string_view text) {
+  if (implementation_ == nullptr) {
+    return std::nullopt;
+  }
+  return implementation_->change([&] {
+    Database::Statement write(implementation_->database_, "INSERT OR REPLACE INTO models(id, text) VALUES(?, ?)");
+    write.bind(1, model).bind(2, text).run();
+  });
+}
+
+std::vector<std::pair<std::string, std::string>> Store::models() const {
+  std::vector<std::pair<std::string, std::string>> all;
+  if (implementation_ != nullptr) {
+    (void)implementation_->look([&] {
+      Database::Statement read(implementation_->database_, "SELECT id, text FROM models");
+      while (read.next()) {
+        all.emplace_back(read.text(0), read.text(1));
+      }
+    });
+  }
+  return all;
+}
+
+std::uint64_t Store::bytes() const {
+  std::uint64_t sum = 0;
+  for (const char* suffix : {"", "-wal"}) {
+    std::error_code error;
+    const std::uintmax_t size = fs::file_size(fs::path(folder_) / (std::string(kFile) + suffix), error);
+    sum += error || folder_.empty() ? 0 : size;
+  }
+  return sum;
+}
+
+}  // namespace espalier::server

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "engine/core/simulation_error.h"
+#include "engine/simulation/simulation.h"
+#include "engine/turtle/scene/geometry.h"
+#include "protocol/messages.h"
+
+namespace espalier::server {
+
+/// The body of a `geometry` frame: the plants as they are drawn now, a binary glTF file in the block `glb` (its bytes
+/// as little-endian `<u4`; a file's length is a multiple of four). The model's materials and surfaces are in it.
+[[nodiscard]] std::variant<protocol::Body, core::SimulationError> geometryBody(
+    const simulation::Simulation& simulation);
+
+/// The plants as environments see them, with the names of the symbols. Never changes; kept by streams of differences
+/// until their next frame.
+struct GeometryFrame {
+  std::shared_ptr<const std::vector<std::string>> symbols;
+  std::shared_ptr<const turtle::Geometry> geometry;
+
+  /// Of memory, about.
+  [[nodiscard]] std::uint64_t bytes() const;
+};
+
+/// The segments and organs now that a selection takes. `symbols` are Simulation::symbolNames. O(modules + vertices).
+[[nodiscard]] std::variant<GeometryFrame, core::SimulationError> makeGeometryFrame(
+    const simulation::Simulation& simulation, std::shared_ptr<const std::vector<std::string>> symbols,
+    const protocol::StreamSelection& select);
+
+/// The body of a frame in columns, all of it. Throws protocol::NonFiniteNumber.
+[[nodiscard]] protocol::Body encodeGeometry(const std::shared_ptr<const GeometryFrame>& frame,
+                                            const protocol::StreamOpenParams& params);
+/// The same as what differs from `base`; nothing when there is none (null), or all of it is as short. Throws
+/// protocol::NonFiniteNumber.
+[[nodiscard]] std::optional<protocol::Body> encodeDifference(const std::shared_ptr<const GeometryFrame>& frame,
+                                                             const GeometryFrame* base,
+                                                             const protocol::StreamOpenParams& params);
+
+}  // namespace espalier::server

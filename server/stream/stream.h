@@ -1,0 +1,69 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "protocol/messages.h"
+#include "server/stream/stream_frame.h"
+
+namespace espalier::server {
+
+class Session;
+
+/// One viewer's stream of one simulation. A frame is made only when the viewer is ready for it, so a slow one costs the
+/// simulation nothing and the server no memory: steps in between are counted as missed, and the next frame shows the
+/// latest step and is complete in itself. Otherwise a frame may tell what differs from the one before. Thread-safe.
+class Stream {
+ public:
+  Stream(std::string id, protocol::StreamOpenParams params, std::weak_ptr<Session> session, std::size_t outboxBytes);
+
+  [[nodiscard]] const std::string& id() const { return id_; }
+  [[nodiscard]] const protocol::StreamOpenParams& params() const { return params_; }
+
+  /// A step was completed. Whether a frame is to be made of it now; if not, and it was due, it counts as missed.
+  [[nodiscard]] bool wantsFrame(std::uint64_t step);
+  /// Whether frames were left out and the viewer is ready again.
+  [[nodiscard]] bool wantsToCatchUp();
+  /// What the next frame may refer to.
+  [[nodiscard]] FrameBase base() const;
+  /// The next frame is complete in itself.
+  void forgetBase();
+  /// Sends the frame of a step.
+  void send(std::uint64_t step, bool isFinished, StreamFrame frame);
+  /// Sends the reason for the stream's end, once.
+  void end(const std::string& reason);
+  void acknowledge(const protocol::StreamAckParams& ack);
+  /// The viewer closed it: nothing is sent any more.
+  void close();
+  [[nodiscard]] bool isClosed() const;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  // with mutex_ held
+  [[nodiscard]] bool isReady() const;
+  /// Not so soon after the last frame that the viewer would get more of them a second than it wants. Sees to it that
+  /// the session asks again when it is time.
+  [[nodiscard]] bool isTimely();
+
+  const std::string id_;
+  const protocol::StreamOpenParams params_;
+  const std::weak_ptr<Session> session_;
+  const std::size_t outboxBytes_;  // that may be queued on the connection
+  mutable std::mutex mutex_;
+  std::uint64_t nextSequence_ = 0;
+  std::uint64_t allowedSequence_ = 0;  // frames below it may be sent, when there are credits
+  std::uint64_t missed_ = 0;           // since the last frame
+  std::optional<std::uint64_t> lastMissedStep_;
+  bool isBehind_ = false;         // a frame that was due was not sent, for whatever reason
+  bool isReminded_ = false;       // the session will ask again
+  Clock::time_point nextTime_{};  // no frame before it
+  FrameBase base_;
+  bool isClosed_ = false;
+};
+
+}  // namespace espalier::server

@@ -1,0 +1,230 @@
+#include "server/stream/stream_frame.h"
+
+#include <algorithm>
+
+#include "protocol/codec.h"
+#include "server/remote/translation/translate.h"
+#include "server/stream/chain_difference.h"
+#include "server/stream/geometry_frame.h"
+#include "server/stream/text_difference.h"
+#include "server/stream/translate_stream.h"
+
+namespace espalier::server {
+namespace {
+
+/// Whether two streams are sent the same.
+bool wantTheSame(const protocol::StreamOpenParams& a, const protocol::StreamOpenParams& b) {
+  return a.what == b.what && a.format == b.format && a.select == b.select && a.isInBlocks == b.isInBlocks &&
+         a.isSinglePrecision == b.isSinglePrecision && a.isDelta == b.isDelta;
+}
+
+/// A difference of most rows would be longer than all of them.
+bool isShort(const TurtleChange& change) {
+  return 2 * change.kept.size() + 10 * change.fresh->rows() < 10 * change.rows;
+}
+
+}  // namespace
+
+std::uint64_t FrameBase::bytes() const {
+  return (chain == nullptr ? 0 : chain->bytes) + (turtle == nullptr ? 0 : turtle->bytes()) +
+         (geometry == nullptr ? 0 : geometry->bytes()) + (text == nullptr ? 0 : text->size());
+}
+
+std::variant<StreamFrame, core::SimulationError> FrameMaker::make(const protocol::StreamOpenParams& params,
+                                                                  const FrameBase& base) {
+  const auto found = std::find_if(made_.begin(), made_.end(), [&](const Made& made) {
+    return wantTheSame(made.params, params) && made.base == base;
+  });
+  if (found != made_.end()) {
+    return found->frame;
+  }
+  auto frame = makeNew(params, base);
+  if (const auto* good = std::get_if<StreamFrame>(&frame)) {
+    made_.push_back({params, base, *good});
+  }
+  return frame;
+}
+
+std::variant<StreamFrame, core::SimulationError> FrameMaker::makeNew(const protocol::StreamOpenParams& params,
+                                                                     const FrameBase& base) {
+  if (params.what == "statistics") {
+    protocol::JsonWriter body;
+    write(body, toStatistics(simulation_.statistics(), milliseconds_));
+    return StreamFrame{protocol::Body(body.take()), true, {}};
+  }
+  if (params.what == "string") {
+    return makeText(params, base);
+  }
+  try {
+    if (params.what == "geometry") {
+      return makeGeometry(params, base);
+    }
+    if (params.what == "queries") {
+      return StreamFrame{encodeQueries(queries_, *symbols_, params), true, {}};
+    }
+    return makeTurtle(params, base);
+  } catch (const protocol::NonFiniteNumber&) {
+    return core::SimulationError{.code = core::SimulationErrorCode::NonFinite,
+                                 .message = "The turtle went to a position that is NaN or infinite. Correct the model.",
+                                 .step = simulation_.completedSteps()};
+  }
+}
+
+std::variant<StreamFrame, core::SimulationError> FrameMaker::makeTurtle(const protocol::StreamOpenParams& params,
+                                                                        const FrameBase& base) {
+  StreamFrame result;
+  if (params.isDelta && params.select == protocol::StreamSelection{}) {
+    auto made = chain(base);
+    if (auto* error = std::get_if<core::SimulationError>(&made)) {
+      return std::move(*error);
+    }
+    result.base.chain = std::get<std::shared_ptr<const turtle::RecordChain>>(made);
+    if (base.chain != nullptr && result.base.chain != nullptr && base.chain->programs == result.base.chain->programs) {
+      TurtleChange change = differenceOf(*base.chain, *result.base.chain, symbols_);
+      if (isShort(change)) {
+        result.isKey = false;
+        result.body = encodeTurtle(std::move(change), params);
+        return result;
+      }
+    }
+  }
+  auto made = turtle(params.select);
+  if (auto* error = std::get_if<core::SimulationError>(&made)) {
+    return std::move(*error);
+  }
+  const auto& frame = std::get<std::shared_ptr<const TurtleFrame>>(made);
+  if (params.isDelta && result.base.chain == nullptr) {
+    result.base.turtle = frame;
+    if (base.turtle != nullptr && *base.turtle->symbols == *frame->symbols) {
+      TurtleDifference difference = differenceOf(*base.turtle, *frame);
+      TurtleChange change{frame->rows(), std::move(difference.kept),
+                          std::make_shared<const TurtleFrame>(rowsOf(*frame, difference.fresh))};
+      if (isShort(change)) {
+        result.isKey = false;
+        result.body = encodeTurtle(std::move(change), params);
+        return result;
+      }
+    }
+  }
+  result.body = encodeTurtle(frame, params);
+  return result;
+}
+
+std::variant<std::shared_ptr<const turtle::RecordChain>, core::SimulationError> FrameMaker::chain(
+    const FrameBase& base) {
+  // one for all viewers; whatever base helps to make it, it is the same
+  if (!chain_) {
+    auto made = simulation_.recordChain(base.chain.get());
+    if (auto* error = std::get_if<core::SimulationError>(&made)) {
+      return std::move(*error);
+    }
+    chain_ = std::move(std::get<std::shared_ptr<const turtle::RecordChain>>(made));
+  }
+  return *chain_;
+}
+
+std::variant<std::shared_ptr<const TurtleFrame>, core::SimulationError> FrameMaker::turtle(
+    const protocol::StreamSelection& select) {
+  const auto found =
+      std::find_if(turtles_.begin(), turtles_.end(), [&](const Turtle& made) { return made.select == select; });
+  if (found != turtles_.end()) {
+    return found->frame;
+  }
+  if (chain_ && *chain_ != nullptr && select == protocol::StreamSelection{}) {
+    turtles_.push_back({select, std::make_shared<const TurtleFrame>(makeTurtleFrame(**chain_, symbols_))});
+    return turtles_.back().frame;
+  }
+  if (!records_) {
+    auto made = simulation_.turtleRecords();
+    if (auto* error = std::get_if<core::SimulationError>(&made)) {
+      return std::move(*error);
+    }
+    records_ = std::move(std::get<std::vector<turtle::TurtleRecord>>(made));
+  }
+  auto frame = std::make_shared<const TurtleFrame>(makeTurtleFrame(*records_, symbols_, select));
+  turtles_.push_back({select, frame});
+  return frame;
+}
+
+std::variant<StreamFrame, core::SimulationError> FrameMaker::makeGeometry(const protocol::StreamOpenParams& params,
+                                                                          const FrameBase& base) {
+  if (params.format == "glb") {
+    auto body = geometryBody(simulation_);
+    if (auto* error = std::get_if<core::SimulationError>(&body)) {
+      return std::move(*error);
+    }
+    return StreamFrame{std::move(std::get<protocol::Body>(body)), true, {}};
+  }
+  auto made = geometry(params.select);
+  if (auto* error = std::get_if<core::SimulationError>(&made)) {
+    return std::move(*error);
+  }
+  const auto& frame = std::get<std::shared_ptr<const GeometryFrame>>(made);
+  StreamFrame result;
+  if (params.isDelta) {
+    result.base.geometry = frame;
+    if (auto change = encodeDifference(frame, base.geometry.get(), params)) {
+      result.isKey = false;
+      result.body = std::move(*change);
+      return result;
+    }
+  }
+  result.body = encodeGeometry(frame, params);
+  return result;
+}
+
+std::variant<std::shared_ptr<const GeometryFrame>, core::SimulationError> FrameMaker::geometry(
+    const protocol::StreamSelection& select) {
+  const auto found =
+      std::find_if(geometries_.begin(), geometries_.end(), [&](const Geometry& made) { return made.select == select; });
+  if (found != geometries_.end()) {
+    return found->frame;
+  }
+  auto made = makeGeometryFrame(simulation_, symbols_, select);
+  if (auto* error = std::get_if<core::SimulationError>(&made)) {
+    return std::move(*error);
+  }
+  geometries_.push_back({select, std::make_shared<const GeometryFrame>(std::move(std::get<GeometryFrame>(made)))});
+  return geometries_.back().frame;
+}
+
+StreamFrame FrameMaker::makeText(const protocol::StreamOpenParams& params, const FrameBase& base) {
+  const std::uint32_t plant = params.select.plants.empty() ? 0 : params.select.plants.front();
+  auto found = std::find_if(texts_.begin(), texts_.end(), [plant](const auto& made) { return made.first == plant; });
+  if (found == texts_.end()) {
+    texts_.emplace_back(plant, std::make_shared<const std::string>(
+                                   plant < simulation_.plantCount() ? simulation_.stringText(plant) : std::string()));
+    found = std::prev(texts_.end());
+  }
+  const std::shared_ptr<const std::string>& text = found->second;
+  StreamFrame frame;
+  protocol::JsonWriter body;
+  if (params.isDelta) {
+    frame.base.text = text;
+    const auto isPlain = [](char c) { return static_cast<unsigned char>(c) < 0x80U; };
+    // where bytes are characters
+    if (base.text != nullptr && std::all_of(text->begin(), text->end(), isPlain) &&
+        std::all_of(base.text->begin(), base.text->end(), isPlain)) {
+      body.key("pieces").beginArray();
+      for (const TextPiece& piece : differenceOf(*base.text, *text)) {
+        if (piece.count > 0) {
+          body.beginArray().integer(std::uint64_t{piece.from}).integer(std::uint64_t{piece.count}).endArray();
+        } else {
+          body.text(piece.own);
+        }
+      }
+      body.endArray();
+      if (body.view().size() < text->size()) {
+        frame.isKey = false;
+        frame.body = protocol::Body(body.take());
+        return frame;
+      }
+      body = {};
+    }
+  }
+  body.key("string").text(*text);
+  frame.body = protocol::Body(body.take());
+  return frame;
+}
+
+}  // namespace espalier::server

@@ -1,0 +1,95 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "engine/core/simulation_error.h"
+#include "engine/simulation/simulation.h"
+#include "engine/turtle/interpretation/record_chain.h"
+#include "protocol/messages.h"
+#include "server/stream/geometry_frame.h"
+#include "server/stream/query_recorder.h"
+#include "server/stream/turtle_frame.h"
+
+namespace espalier::server {
+
+/// What a viewer was sent last, and from which it can be told differences. Null: nothing.
+struct FrameBase {
+  std::shared_ptr<const turtle::RecordChain> chain;  // of all records, where drawings are repeatable
+  std::shared_ptr<const TurtleFrame> turtle;         // of a selection, or where they are not
+  std::shared_ptr<const GeometryFrame> geometry;
+  std::shared_ptr<const std::string> text;
+
+  [[nodiscard]] bool isEmpty() const {
+    return chain == nullptr && turtle == nullptr && geometry == nullptr && text == nullptr;
+  }
+  [[nodiscard]] std::uint64_t bytes() const;
+  bool operator==(const FrameBase&) const = default;  // the same ones
+};
+
+/// One frame as it is sent.
+struct StreamFrame {
+  protocol::Body body;  // as in protocol::StreamData
+  bool isKey = true;
+  FrameBase base;  // for the next one; empty for streams without differences
+};
+
+/// Makes the frames of one state of a simulation for all its streams: what several of them need is made once. Refers to
+/// the simulation; to be used before its next step.
+class FrameMaker {
+ public:
+  FrameMaker(const simulation::Simulation& simulation, double milliseconds, std::shared_ptr<const QueryRecord> queries)
+      : simulation_(simulation),
+        milliseconds_(milliseconds),
+        queries_(std::move(queries)),
+        symbols_(std::make_shared<const std::vector<std::string>>(simulation.symbolNames())) {}
+
+  /// A frame that tells the difference from `base` when the stream wants that and it is shorter, else a complete one.
+  [[nodiscard]] std::variant<StreamFrame, core::SimulationError> make(const protocol::StreamOpenParams& params,
+                                                                      const FrameBase& base);
+
+ private:
+  struct Turtle {
+    protocol::StreamSelection select;
+    std::shared_ptr<const TurtleFrame> frame;
+  };
+  struct Geometry {
+    protocol::StreamSelection select;
+    std::shared_ptr<const GeometryFrame> frame;
+  };
+  struct Made {
+    protocol::StreamOpenParams params;
+    FrameBase base;
+    StreamFrame frame;
+  };
+
+  [[nodiscard]] std::variant<std::shared_ptr<const TurtleFrame>, core::SimulationError> turtle(
+      const protocol::StreamSelection& select);
+  [[nodiscard]] std::variant<StreamFrame, core::SimulationError> makeNew(const protocol::StreamOpenParams& params,
+                                                                         const FrameBase& base);
+  [[nodiscard]] std::variant<std::shared_ptr<const turtle::RecordChain>, core::SimulationError> chain(
+      const FrameBase& base);
+  [[nodiscard]] std::variant<StreamFrame, core::SimulationError> makeTurtle(const protocol::StreamOpenParams& params,
+                                                                            const FrameBase& base);
+  [[nodiscard]] std::variant<StreamFrame, core::SimulationError> makeGeometry(const protocol::StreamOpenParams& params,
+                                                                              const FrameBase& base);
+  [[nodiscard]] std::variant<std::shared_ptr<const GeometryFrame>, core::SimulationError> geometry(
+      const protocol::StreamSelection& select);
+  [[nodiscard]] StreamFrame makeText(const protocol::StreamOpenParams& params, const FrameBase& base);
+
+  const simulation::Simulation& simulation_;
+  double milliseconds_;
+  std::shared_ptr<const QueryRecord> queries_;
+  std::shared_ptr<const std::vector<std::string>> symbols_;
+  std::optional<std::vector<turtle::TurtleRecord>> records_;
+  std::optional<std::shared_ptr<const turtle::RecordChain>> chain_;  // null: the drawings are not repeatable
+  std::vector<Turtle> turtles_;
+  std::vector<Geometry> geometries_;
+  std::vector<std::pair<std::uint32_t, std::shared_ptr<const std::string>>> texts_;  // plant, its string
+  std::vector<Made> made_;
+};
+
+}  // namespace espalier::server

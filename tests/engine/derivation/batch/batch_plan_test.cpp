@@ -1,0 +1,144 @@
+#include "engine/derivation/batch/batch_plan.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "engine/derivation/system_tables.h"
+#include "tests/support/derived_model.h"
+
+namespace espalier {
+namespace {
+
+using derivation::BatchPlan;
+using derivation::BatchRule;
+using derivation::SystemTables;
+using test::DerivedModel;
+using test::modelText;
+
+/// A model and the plan of its L-system.
+struct Planned {
+  explicit Planned(const std::string& items, const std::string& productions)
+      : model(modelText(items, "AB(1)C(1)%", productions)), tables(model.program(), 0) {}
+  [[nodiscard]] const BatchPlan& plan() const { return tables.batches; }
+  [[nodiscard]] BatchPlan::Class classOf(const std::string& name, std::uint16_t arity) const {
+    return plan().classOf(model.program().findType(name, arity));
+  }
+  [[nodiscard]] core::ModuleTypeId type(const std::string& name, std::uint16_t arity) const {
+    return model.program().findType(name, arity);
+  }
+  DerivedModel model;
+  SystemTables tables;
+};
+
+TEST(BatchPlan, PureProductionsOfOneModuleMakeGroups) {
+  EXPECT_EQ(Planned("", "B(x) --> B(x+1)\n").classOf("B", 1), BatchPlan::Class::Group);
+  EXPECT_EQ(Planned("", "A < B(x) > C(y) : x>y && sqrt(x)<2 --> B(x+1)\n").classOf("B", 1), BatchPlan::Class::Group);
+  EXPECT_EQ(Planned("", "B(x) --> B(x != 0 && 1/x > 2 ? x : 3)\n").classOf("B", 1), BatchPlan::Class::Group);
+  EXPECT_EQ(Planned("", "B(x) --> B(ran(x))C(1-ran(2))\n").classOf("B", 1), BatchPlan::Class::Group);
+  EXPECT_EQ(Planned("Seed: 1\n", "A --> x : 1\nA --> y : 2\n").classOf("A", 0), BatchPlan::Class::Group);
+}
+
+TEST(BatchPlan, ModulesThatStayAndFixedBlocksAreNoGroups) {
+  const Planned planned("", "A --> AA\n");
+  EXPECT_EQ(planned.classOf("A", 0), BatchPlan::Class::Fixed);
+  EXPECT_EQ(planned.classOf("B", 1), BatchPlan::Class::Kept);
+  EXPECT_FALSE(planned.plan().isUseful());
+}
+
+TEST(BatchPlan, WhatHasSideEffectsOrReachesFurtherIsGeneral) {
+  EXPECT_EQ(Planned("", "B(x) : {n=x;} * --> A\n").classOf("B", 1), BatchPlan::Class::General);
+  EXPECT_EQ(Planned("", "AB(x) --> A\n").classOf("A", 0), BatchPlan::Class::General);
+  // how many draws a module makes must not depend on its parameters
+  EXPECT_EQ(Planned("", "B(x) --> B(x>1 ? ran(x) : 0)\n").classOf("B", 1), BatchPlan::Class::General);
+  EXPECT_EQ(Planned("", "B(x) : ran(x)>1 --> B(2)\n").classOf("B", 1), BatchPlan::Class::General);
+  EXPECT_EQ(Planned("", "B(x) --> B(nran(x,1))\n").classOf("B", 1), BatchPlan::Class::General);
+  EXPECT_EQ(Planned("", "A << B(x) --> A\n").classOf("B", 1), BatchPlan::Class::General);
+  EXPECT_EQ(Planned("", "A --> B(1)\ndecomposition\nB(x) --> A\n").classOf("A", 0), BatchPlan::Class::General);
+  EXPECT_EQ(Planned("", "A --> x\n").classOf("%", 0), BatchPlan::Class::General);
+  EXPECT_FALSE(Planned("", "A --> x\n").plan().isComplete());
+}
+
+TEST(BatchPlan, PairsOfNeighboursRuleOutProductions) {
+  const Planned planned("ignore: +\n", "A < B(x) --> A\nB(x) > C(y) --> +\n");
+  const BatchPlan& plan = planned.plan();
+  ASSERT_TRUE(plan.hasPairs());
+  const core::ModuleTypeId a = planned.type("A", 0);
+  const core::ModuleTypeId b = planned.type("B", 1);
+  const core::ModuleTypeId c = planned.type("C", 1);
+  const core::ModuleTypeId plus = planned.type("+", 0);
+  const std::size_t stride = plan.pairStride();
+  // the first production is bit 0 and needs A, the second is bit 1 and looks at nothing on the left
+  EXPECT_EQ(plan.leftBits()[a * stride + b], 3);
+  EXPECT_EQ(plan.leftBits()[c * stride + b], 2);
+  EXPECT_EQ(plan.rightBits()[b * stride + c], 3);
+  EXPECT_EQ(plan.rightBits()[b * stride + a], 1);
+  // what is ignored, a branch and the string's ends say nothing
+  EXPECT_EQ(plan.leftBits()[plus * stride + b], 3);
+  EXPECT_EQ(plan.leftBits()[planned.model.program().closeBranch * stride + b], 3);
+  EXPECT_EQ(plan.rightBits()[b * stride + planned.model.program().openBranch], 3);
+  EXPECT_EQ(plan.rightBits()[b * stride + planned.model.program().moduleTypeCount()], 3);
+  EXPECT_EQ(plan.rightBits()[b * stride + planned.model.program().closeBranch], 1);
+  // modules without productions stay, whatever stands beside them
+  EXPECT_EQ(plan.leftBits()[plus * stride + a], 0);
+}
+
+TEST(BatchPlan, OneModuleContextsAreNearAndOthersSearched) {
+  const auto contextOf = [](const std::string& items, const std::string& productions) {
+    return Planned(items, productions).plan().rules()[0].context;
+  };
+  EXPECT_EQ(contextOf("", "B(x) --> B(x+1)\n"), BatchRule::Context::None);
+  EXPECT_EQ(contextOf("", "A < B(x) > C(y) --> A\n"), BatchRule::Context::Near);
+  EXPECT_EQ(contextOf("", "B(x) > ] --> A\n"), BatchRule::Context::Near);
+  EXPECT_EQ(contextOf("", "A A < B(x) --> A\n"), BatchRule::Context::Searched);
+  EXPECT_EQ(contextOf("", "B(x) > [A --> A\n"), BatchRule::Context::Searched);
+  EXPECT_EQ(contextOf("Ring Lsystem\n", "A < B(x) --> A\n"), BatchRule::Context::Searched);
+}
+
+TEST(BatchPlan, ThresholdsChooseAsTheWeightsDo) {
+  for (const std::vector<std::string>& weights : std::vector<std::vector<std::string>>{{"1", "1", "1"},
+                                                                                       {"0.1", "0.2", "0.3", "0.4"},
+                                                                                       {"0", "5", "0"},
+                                                                                       {"0", "0"},
+                                                                                       {"1.0e-300", "1"},
+                                                                                       {"3", "1.0e-12"}}) {
+    std::string productions;
+    std::vector<double> numbers;
+    for (std::size_t i = 0; i < weights.size(); ++i) {
+      productions += "A --> " + std::string(1, static_cast<char>('a' + i)) + " : " + weights[i] + "\n";
+      numbers.push_back(std::stod(weights[i]));
+    }
+    const Planned planned("Seed: 1\n", productions);
+    const derivation::BatchGroup& group = planned.plan().groups().at(0);
+    ASSERT_TRUE(group.hasThresholds);
+    ASSERT_EQ(group.thresholds.size(), weights.size() - 1);
+    const auto chosen = [&group](std::uint64_t word) {
+      std::size_t count = 0;
+      for (const std::uint64_t threshold : group.thresholds) {
+        count += word < threshold ? 1U : 0U;
+      }
+      return count;
+    };
+    // around each threshold, and the ends
+    std::vector<std::uint64_t> words{0, 1, 0x7FFFFFFF, 0xFFFFFFFE, 0xFFFFFFFF};
+    for (const std::uint64_t threshold : group.thresholds) {
+      for (std::uint64_t word = threshold < 2 ? 0 : threshold - 2; word < threshold + 2 && word < (1ULL << 32U);
+           ++word) {
+        words.push_back(word);
+      }
+    }
+    for (const std::uint64_t word : words) {
+      EXPECT_EQ(chosen(word), derivation::chooseByWeight(numbers, 1.0 - static_cast<double>(word) * 0x1.0p-32, false))
+          << weights[0] << " " << word;
+    }
+  }
+}
+
+TEST(BatchPlan, WeightsThatDependOnParametersHaveNoThresholds) {
+  const Planned planned("Seed: 1\n", "B(x) --> A : x\nB(x) --> C(x) : 1\n");
+  EXPECT_FALSE(planned.plan().groups().at(0).hasThresholds);
+}
+
+}  // namespace
+}  // namespace espalier

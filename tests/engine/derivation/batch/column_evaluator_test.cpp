@@ -1,0 +1,158 @@
+#include "engine/derivation/batch/column_evaluator.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+#include <string>
+#include <vector>
+
+#include "engine/derivation/batch/column_plan.h"
+#include "engine/derivation/expressions/evaluator.h"
+#include "engine/derivation/expressions/random_source.h"
+#include "engine/derivation/system_tables.h"
+#include "tests/support/derived_model.h"
+
+namespace espalier {
+namespace {
+
+using derivation::ColumnEvaluator;
+using derivation::ColumnExpression;
+using derivation::ColumnValue;
+using derivation::SlotSource;
+using test::DerivedModel;
+using test::modelText;
+
+constexpr double kStep = 3.0;
+
+/// An expression over x and y for a few values of both, by columns and one by one.
+class Compared {
+ public:
+  explicit Compared(const std::string& expression)
+      : model_(modelText("", "A(1,2)", "A(x,y) --> A(" + expression + ",0)\n")),
+        expression_(model_.program().systems[0].productions.productions[0].expressions[0]) {}
+
+  [[nodiscard]] const language::Expression& expression() const { return expression_; }
+  [[nodiscard]] bool isUnusual() const { return isUnusual_; }
+
+  void expectEqual(bool hasWarned = false) {
+    const std::vector<double> numbers{-2.5, -1.0, 0.0, 0.5, 1.0, 3.0, 1e10};
+    std::vector<double> parameters;
+    for (const double x : numbers) {
+      for (const double y : numbers) {
+        parameters.insert(parameters.end(), {x, y});
+      }
+    }
+    std::vector<std::uint32_t> own(parameters.size() / 2);
+    for (std::size_t i = 0; i < own.size(); ++i) {
+      own[i] = static_cast<std::uint32_t>(2 * i);
+    }
+    const language::Program& program = model_.program();
+    const ColumnExpression column = derivation::makeColumnExpression(program, expression_);
+    ColumnEvaluator columns(program, 2, 16);
+    const std::vector<std::uint8_t> warned(program.code.size(), hasWarned ? 1 : 0);
+    columns.begin(kStep, static_cast<double>(model_.state().derivationLength), warned.data());
+    const std::vector<SlotSource> slots{{SlotSource::Kind::Own, 0}, {SlotSource::Kind::Own, 1}};
+    columns.setLanes({own.size(), slots.data(), parameters.data(), nullptr, nullptr, own.data(), nullptr, nullptr});
+    const ColumnValue made = columns.value(column);
+    isUnusual_ = columns.isUnusual();
+
+    derivation::RandomSource random(core::Compatibility::Espalier, 0);
+    derivation::Evaluator evaluator(program, random, {});
+    derivation::PlantState state = model_.state();
+    evaluator.attach(state);
+    evaluator.enter(state.instances.front());
+    evaluator.setStep(static_cast<std::uint64_t>(kStep), 0);
+    for (std::size_t i = 0; i < own.size(); ++i) {
+      std::vector<double> frame{parameters[2 * i], parameters[2 * i + 1], 0.0};
+      const double expected = evaluator.value(expression_, frame.data());
+      const double value = made.values == nullptr ? made.constant : made.values[i];
+      EXPECT_TRUE(value == expected || (std::isnan(value) && std::isnan(expected)))
+          << "x " << frame[0] << " y " << frame[1] << ": " << value << " instead of " << expected;
+      EXPECT_EQ(std::signbit(value), std::signbit(expected));
+    }
+  }
+
+ private:
+  DerivedModel model_;
+  const language::Expression& expression_;
+  bool isUnusual_ = false;
+};
+
+TEST(ColumnEvaluator, GivesWhatTheEvaluatorGives) {
+  for (const char* text : {"x",
+                           "7",
+                           "Q",
+                           "Z",
+                           "Q+Z*x",
+                           "x+y",
+                           "x-2",
+                           "2-x",
+                           "x*y",
+                           "x*0.5+y*0.5",
+                           "x/4",
+                           "4/(x*x+1)",
+                           "x/(y*y+1)",
+                           "x<y",
+                           "x<=y",
+                           "x>y",
+                           "x>=1",
+                           "x==y",
+                           "x!=y",
+                           "x&&y",
+                           "x||y",
+                           "!x",
+                           "-x",
+                           "-(x+y)*2",
+                           "x>1 ? y : x",
+                           "x^2",
+                           "x%3",
+                           "sqrt(x*x)",
+                           "sin(x)+cos(y)",
+                           "max(x,y)-min(x,1)",
+                           "clamp(x,0,y*y)",
+                           "atan2(x,y)",
+                           "hypot(x,y)",
+                           "floor(x/2)",
+                           "log(x)",
+                           "(x+1)*(y+1)-(x-1)*(y-1)",
+                           "x>0 && log(x)>0",
+                           "x<0 || sqrt(x)<1",
+                           "x>0 ? log(x) : exp(y)"}) {
+    SCOPED_TRACE(text);
+    Compared compared(text);
+    compared.expectEqual();
+    EXPECT_FALSE(compared.isUnusual());
+  }
+}
+
+TEST(ColumnEvaluator, DivisionsByZeroAreNotedUntilTheyHaveWarned) {
+  for (const char* text : {"x/y", "x%y", "mod(x,y)", "x>0 && x/y>1"}) {
+    SCOPED_TRACE(text);
+    Compared compared(text);
+    compared.expectEqual();
+    EXPECT_TRUE(compared.isUnusual());
+    compared.expectEqual(true);
+    EXPECT_FALSE(compared.isUnusual());
+  }
+}
+
+TEST(ColumnEvaluator, WhatIsNotEvaluatedDoesNotDivide) {
+  Compared compared("y!=0 && x/y>1");
+  compared.expectEqual();
+  EXPECT_FALSE(compared.isUnusual());
+}
+
+TEST(ColumnPlan, OnlyPureArithmeticIsForColumns) {
+  const auto isColumn = [](const std::string& expression) {
+    const DerivedModel model(modelText("", "A(1)", "A(x) --> A(" + expression + ")\n"));
+    return derivation::isColumnExpression(model.program(),
+                                          model.program().systems[0].productions.productions[0].expressions[0]);
+  };
+  EXPECT_TRUE(isColumn("sqrt(x)+1"));
+  EXPECT_FALSE(isColumn("ran(x)"));
+  EXPECT_FALSE(isColumn("func(1,x)"));
+}
+
+}  // namespace
+}  // namespace espalier

@@ -1,0 +1,90 @@
+#include "engine/language/checks/needed_files.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/engine/language/compile_text.h"
+
+namespace espalier::language {
+namespace {
+
+// errors of a model with a view file beside it, and how many warnings there are
+struct Result {
+  Messages errors;
+  std::size_t warningCount = 0;
+  bool isCompiled = false;
+};
+
+Result compiled(const std::string& view, const std::string& productions, const std::string& axiom = "A",
+                core::Compatibility mode = core::Compatibility::Espalier) {
+  core::MemoryFileProvider files({{"m.l", model(productions, axiom)},
+                                  {"m.v", view},
+                                  {"good.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"},
+                                  {"bad.s", "nothing"}});
+  CompileInput input;
+  input.modelFile = "m.l";
+  input.viewFile = "m.v";
+  input.compatibility = mode;
+  const CompileResult result = compile(input, files);
+  Result found;
+  for (const core::Diagnostic& diagnostic : result.diagnostics.entries()) {
+    if (diagnostic.severity == core::Severity::Error) {
+      found.errors.push_back(diagnostic.location.file + ":" + brief(diagnostic));
+    }
+  }
+  found.warningCount = result.diagnostics.warningCount();
+  found.isCompiled = result.program != nullptr;
+  return found;
+}
+
+TEST(NeededFiles, ASurfaceThatIsDrawnAndCannotBeReadIsAnErrorWithBothLines) {
+  const Result result = compiled("angle increment: 20\nsurface: l none.s 1\n", "A --> F ~l(2) A");
+  EXPECT_FALSE(result.isCompiled);
+  EXPECT_EQ(result.errors,
+            Messages{"m.v:2:1: error: the model draws with ~l, whose file 'none.s' cannot be used (warning above) | "
+                     "needed at m.l:3:10; mend or add the file, or take that out of the model"});
+  // as broken as missing, and wherever it stands
+  EXPECT_EQ(compiled("surface: l bad.s 1\n", "A --> F", "~l").errors.size(), 1U);
+  EXPECT_EQ(compiled("tsurface: l none.obj 1\n", "A --> F\nhomomorphism\nA --> ~l").errors.size(), 1U);
+}
+
+TEST(NeededFiles, WhatTheModelDoesNotDrawStaysAWarning) {
+  const Result result = compiled("surface: l none.s 1\ncontour: 2 none.con\ntexture: F none.png\n", "A --> F l");
+  EXPECT_TRUE(result.isCompiled);
+  EXPECT_EQ(result.errors, Messages{});
+  EXPECT_EQ(result.warningCount, 3U);
+}
+
+TEST(NeededFiles, AnotherFileOfTheSameNameServes) {
+  EXPECT_TRUE(compiled("surface: l none.s 1\nsurface: l good.obj 1\n", "A --> ~l").isCompiled);
+}
+
+TEST(NeededFiles, ContoursAndTexturesCountByTheirNumbers) {
+  const std::string view = "contour: 2 none.con\ntexture: F none.png\n";
+  const auto errors = [&view](const std::string& successor) { return compiled(view, "A --> " + successor).errors; };
+  EXPECT_EQ(errors("@#(2)F"),
+            Messages{"m.v:1:1: error: the model draws with contour 2, whose file 'none.con' cannot be "
+                     "used (warning above) | needed at m.l:3:8; mend or add the file, or take that "
+                     "out of the model"});
+  EXPECT_EQ(errors("@#(1)F@#"), Messages{});
+  EXPECT_EQ(errors("@Tx(1)F"), Messages{"m.v:2:1: error: the model draws with texture 1, whose file 'none.png' cannot "
+                                        "be used (warning above) | needed at m.l:3:9; mend or add the file, or take "
+                                        "that out of the model"});
+  EXPECT_EQ(errors("@Tx(2)F@Tx(0)"), Messages{});
+  // a number that is only known in the run
+  EXPECT_EQ(compiled(view, "A(i) --> @Tx(i)F", "A(1)").errors.size(), 1U);
+}
+
+TEST(NeededFiles, ATextureThatASurfaceInUseWearsIsNeeded) {
+  const std::string view = "texture: F none.png\nsurface: l good.obj 1 1\n";
+  EXPECT_EQ(compiled(view, "A --> ~l").errors.size(), 1U);
+  EXPECT_EQ(compiled(view, "A --> F").errors.size(), 0U);
+}
+
+TEST(NeededFiles, TheReferencesModesDrawNothingInstead) {
+  const Result result = compiled("surface: l none.s 1\n", "A --> ~l", "A", core::Compatibility::Cpfg);
+  EXPECT_TRUE(result.isCompiled);
+  EXPECT_EQ(result.errors, Messages{});
+}
+
+}  // namespace
+}  // namespace espalier::language

@@ -1,0 +1,318 @@
+#include "engine/language/preprocess/preprocessor.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/engine/language/compile_text.h"
+
+namespace espalier::language {
+namespace {
+
+PreprocessResult run(const std::string& text, PreprocessInput input = {},
+                     std::map<std::string, std::string> others = {}) {
+  core::MemoryFileProvider files(std::move(others));
+  files.add("m.l", text);
+  input.file = "m.l";
+  return preprocess(input, files);
+}
+
+std::string textOf(const std::string& text, PreprocessInput input = {},
+                   std::map<std::string, std::string> others = {}) {
+  const PreprocessResult result = run(text, std::move(input), std::move(others));
+  EXPECT_EQ(briefs(result.diagnostics), Messages{});
+  return result.text;
+}
+
+Messages problemsOf(const std::string& text, PreprocessInput input = {},
+                    std::map<std::string, std::string> others = {}) {
+  return briefs(run(text, std::move(input), std::move(others)).diagnostics);
+}
+
+TEST(Preprocessor, AFloodOfMistakesIsCountedButNotKept) {
+  std::string text;
+  for (int i = 0; i < 100'000; ++i) {
+    text += "#foo\n";
+  }
+  const PreprocessResult result = run(text);
+  EXPECT_EQ(result.diagnostics.errorCount(), 100'000U);
+  EXPECT_EQ(result.diagnostics.entries().size(), core::DiagnosticList::kLimit);
+}
+
+// ---- lines and comments
+
+TEST(Preprocessor, PlainTextIsUnchanged) {
+  EXPECT_EQ(textOf("A --> B\n\tC\n"), "A --> B\n\tC\n");
+}
+
+TEST(Preprocessor, AMissingFinalNewlineIsAdded) {
+  EXPECT_EQ(textOf("A"), "A\n");
+}
+
+TEST(Preprocessor, CarriageReturnsBeforeNewlinesAreDropped) {
+  EXPECT_EQ(textOf("A\r\nB\r\n"), "A\nB\n");
+}
+
+TEST(Preprocessor, BackslashNewlineJoinsLines) {
+  EXPECT_EQ(textOf("K --> \\\nL\n"), "K --> L\n");
+  EXPECT_EQ(textOf("K --> \\\r\nL\n"), "K --> L\n");
+  EXPECT_EQ(textOf("A\\B\n"), "A\\B\n");
+}
+
+TEST(Preprocessor, ACommentIsOneBlank) {
+  EXPECT_EQ(textOf("A/* K */B // N\n"), "A B  \n");
+}
+
+TEST(Preprocessor, ACommentOverLinesKeepsItsNewlines) {
+  EXPECT_EQ(textOf("A/* 1\n2 */B\n"), "A \nB\n");
+}
+
+TEST(Preprocessor, CommentsAndMacrosInsideStringsStay) {
+  EXPECT_EQ(textOf("#define n 3\nprintf(\"// n /* %g\\\" n\",n)\n"), "printf(\"// n /* %g\\\" n\",3)\n");
+}
+
+TEST(Preprocessor, AQuoteWithoutPartnerProtectsNothing) {
+  EXPECT_EQ(textOf("A\" // x\n"), "A\"  \n");
+}
+
+TEST(Preprocessor, AnOpenCommentIsAnError) {
+  EXPECT_EQ(problemsOf("A /* b\nc\n"), Messages{"1:3: error: expected '*/' while reading a comment, found the end of "
+                                                "the file | everything from here on is part "
+                                                "of the comment"});
+}
+
+// ---- macros
+
+TEST(Preprocessor, ObjectMacrosReplaceWholeIdentifiersOnly) {
+  EXPECT_EQ(textOf("#define K q\nK+K[K]AK K2 2K _K\n"), "q+q[q]AK K2 2K _K\n");
+}
+
+TEST(Preprocessor, FunctionMacrosNest) {
+  EXPECT_EQ(textOf("#define HALF(v) ((v)/2)\n#define GROW(v,w) HALF((v)+(w))*2\nGROW(n,HALF(m)) HALF\n"),
+            "(((n)+(((m)/2)))/2)*2 HALF\n");
+}
+
+TEST(Preprocessor, ArgumentsMayHoldParenthesesCommasAndStrings) {
+  EXPECT_EQ(textOf("#define F(a,b) <a|b>\nF(g(1,2), \",)\")\n"), "<g(1,2)|\",)\">\n");
+}
+
+TEST(Preprocessor, AMacroWithoutParametersIsCalledWithEmptyParentheses) {
+  EXPECT_EQ(textOf("#define F() x\nF() F( ) F\n"), "x x F\n");
+}
+
+TEST(Preprocessor, TheResultIsScannedAgainButNotForTheMacroItself) {
+  EXPECT_EQ(textOf("#define A B\n#define B A+C\n#define C 3\nA B\n"), "A+3 B+3\n");
+}
+
+TEST(Preprocessor, ANameThatResultsMayTakeFollowingArguments) {
+  EXPECT_EQ(textOf("#define F HALF\n#define HALF(v) v/2\nF(3)\n"), "3/2\n");
+}
+
+TEST(Preprocessor, UndefEndsAMacro) {
+  EXPECT_EQ(textOf("#define A 1\nA\n#undef A\nA\n"), "1\nA\n");
+}
+
+TEST(Preprocessor, CallersMacrosCanBeReplacedAndOverridesCannot) {
+  PreprocessInput input;
+  input.macros = {{"M", "1"}};
+  input.overrides = {{"N", "7"}};
+  EXPECT_EQ(textOf("M\n#define M 2\n#define N 3\n#undef N\nM N\n", input), "1\n2 7\n");
+}
+
+TEST(Preprocessor, AnotherDefinitionOfAMacroIsAWarning) {
+  EXPECT_EQ(
+      problemsOf("#define A 1\n#define A 1\n#define A 2\n"),
+      Messages{"3:9: warning: the macro 'A' is defined again; from here on this definition counts | first defined at "
+               "m.l:2; #undef it before to say that this is meant"});
+}
+
+TEST(Preprocessor, AWrongNumberOfArgumentsIsAnError) {
+  EXPECT_EQ(problemsOf("#define F(a,b) a\nx F(1)\n"),
+            Messages{"2:3: error: expected 2 arguments while reading the macro 'F', found 1"});
+}
+
+TEST(Preprocessor, OpenArgumentsAreAnError) {
+  EXPECT_EQ(
+      problemsOf("#define F(a) a\nF(1\n)\n"),
+      Messages{"2:1: error: expected ')' while reading the arguments of the macro 'F', found the end of the line | the "
+               "arguments of a macro stand on one line; a '\\' at its end joins the next line to it"});
+}
+
+TEST(Preprocessor, WrongDefinitionsAreErrors) {
+  EXPECT_EQ(
+      problemsOf("#define\n#define 3\n#define F(a\n#define G(1) x\n#define H(a,a) x\n#undef +\n"),
+      (Messages{"1:8: error: expected a name while reading #define, found the end of the line",
+                "2:9: error: expected a name while reading #define, found '3'",
+                "3:10: error: expected ')' while reading the parameters of the macro 'F', found the end of the line",
+                "4:11: error: expected a parameter name while reading the macro 'G', found '1'",
+                "5:13: error: the macro 'H' has two parameters named 'a'",
+                "6:8: error: expected a name while reading #undef, found '+'"}));
+}
+
+TEST(Preprocessor, ACallersNameThatIsNoNameIsAnError) {
+  PreprocessInput input;
+  input.overrides = {{"a-b", "1"}};
+  EXPECT_EQ(
+      problemsOf("A\n", input),
+      Messages{
+          "0:0: error: 'a-b' cannot be defined: it is not a macro name | a name consists of letters, digits and '_' "
+          "and does not start with a digit"});
+}
+
+// ---- conditionals
+
+TEST(Preprocessor, ConditionalsChooseLines) {
+  EXPECT_EQ(textOf("#define M 2\n#if M == 1\na\n#elif M == 2\nb\n#elif 1\nc\n#else\nd\n#endif\ne\n"), "b\ne\n");
+  EXPECT_EQ(textOf("#ifdef M\na\n#else\nb\n#endif\n#ifndef M\nc\n#endif\n"), "b\nc\n");
+}
+
+TEST(Preprocessor, ConditionalsNest) {
+  EXPECT_EQ(textOf("#if 0\n#if 1\na\n#else\nb\n#endif\n#else\nc\n#endif\n"), "c\n");
+}
+
+TEST(Preprocessor, ConditionsKnowDefinedAndTheOperatorsOfC) {
+  EXPECT_EQ(textOf("#define A\n#if defined(A) && !defined B && (1 << 3 | 2) == 10 && 7 % 4 == 3\nx\n#endif\n"), "x\n");
+  EXPECT_EQ(textOf("#if unknown || 0x10 - 020 || -1 + 1\na\n#else\nb\n#endif\n"), "b\n");
+  EXPECT_EQ(textOf("#if 1 ? 0 : 1\na\n#else\nb\n#endif\n"), "b\n");
+}
+
+TEST(Preprocessor, DirectivesLeaveNoLineSoThatAProductionGoesOnBehindThem) {
+  EXPECT_EQ(textOf("A --> B\n#if 1\n\tC\n#endif\n"), "A --> B\n\tC\n");
+}
+
+TEST(Preprocessor, WrongConditionsAreErrors) {
+  EXPECT_EQ(
+      problemsOf("#if 1 +\n#endif\n#if 1.5\n#endif\n#if 1/0\n#endif\n#if (1\n#endif\n#if 1 2\n#endif\n"),
+      (Messages{"1:5: error: expected an integer while reading the condition of a directive, found the end of the line",
+                "3:5: error: expected an integer while reading the condition of a directive, found '1.5'",
+                "5:5: error: division by zero in the condition of a directive",
+                "7:5: error: expected ')' while reading the condition of a directive, found the end of the line",
+                "9:5: error: expected an operator while reading the condition of a directive, found '2'"}));
+}
+
+TEST(Preprocessor, UnbalancedConditionalsAreErrors) {
+  EXPECT_EQ(
+      problemsOf("#else\n#endif\n#elif 1\n#if 1\n#else\n#else\n"),
+      (Messages{"1:1: error: #else without #if", "2:1: error: #endif without #if", "3:1: error: #elif without #if",
+                "6:1: error: #else after #else",
+                "4:1: error: expected #endif while reading this conditional, found the end of the file | every #if, "
+                "#ifdef and #ifndef ends with #endif"}));
+}
+
+// ---- directives
+
+TEST(Preprocessor, OnlyColumnOneStartsADirective) {
+  EXPECT_EQ(textOf(" #(2)F\n\t#(2)\n"), " #(2)F\n\t#(2)\n");
+}
+
+TEST(Preprocessor, LinesForToolsAreIgnored) {
+  EXPECT_EQ(textOf("#line 3 \"x\"\n# 4 \"y\"\n#pragma once\n#\n#ident \"x\"\nA\n"), "A\n");
+}
+
+TEST(Preprocessor, UnknownDirectivesAreErrors) {
+  EXPECT_EQ(
+      problemsOf("#(w) --> x\n#defin A\n"),
+      (Messages{"1:1: error: expected a directive after '#', found '(' | a '#' in column 1 starts a directive; for the "
+                "symbol '#' put something before it, as in '* < #(w) --> *'",
+                "2:1: error: expected a directive after '#', found 'defin' | did you mean '#define'?"}));
+}
+
+TEST(Preprocessor, ErrorAndWarningDirectivesSpeak) {
+  EXPECT_EQ(problemsOf("#error too  old\n#warning odd\n#if 0\n#error no\n#endif\n"),
+            (Messages{"1:1: error: #error too  old", "2:1: warning: #warning odd"}));
+}
+
+// ---- includes
+
+TEST(Preprocessor, IncludesAreLookedForBesideTheFileThatNamesThem) {
+  core::MemoryFileProvider files(
+      {{"d/m.l", "#include \"s/a.h\"\nM\n"}, {"d/s/a.h", "#include <b.h>\nA"}, {"d/s/b.h", "B\n"}});
+  PreprocessInput input;
+  input.file = "d/m.l";
+  const PreprocessResult result = preprocess(input, files);
+  EXPECT_EQ(briefs(result.diagnostics), Messages{});
+  EXPECT_EQ(result.text, "B\nA\nM\n");
+  ASSERT_EQ(result.sourceMap.files.size(), 3U);
+  EXPECT_EQ(result.sourceMap.files[2].name, "d/s/b.h");
+  EXPECT_EQ(result.sourceMap.locate({2, 3}).file, "d/s/a.h");
+}
+
+TEST(Preprocessor, AMissingIncludeIsAnError) {
+  EXPECT_EQ(
+      problemsOf("#include \"no.h\"\n#include no\n#include\n"),
+      (Messages{
+          "1:10: error: cannot read the included file 'no.h' | included files are looked for beside the file that "
+          "names them",
+          "2:10: error: expected \"file\" or <file> while reading #include, found 'no'",
+          "3:9: error: expected \"file\" or <file> while reading #include, found the end of the line"}));
+}
+
+TEST(Preprocessor, AMissingFileIsAnError) {
+  core::MemoryFileProvider files;
+  PreprocessInput input;
+  input.file = "no.l";
+  const PreprocessResult result = preprocess(input, files);
+  EXPECT_EQ(briefs(result.diagnostics),
+            Messages{"0:0: error: cannot read the file 'no.l' | check the name and that the file may be read"});
+  EXPECT_FALSE(result.isComplete);
+}
+
+// ---- places
+
+TEST(Preprocessor, PlacesSurviveCommentsContinuationAndMacros) {
+  const PreprocessResult result = run("#define R 0.5\nA /*c*/ B \\\nC R D\n");
+  ASSERT_EQ(result.text, "A   B C 0.5 D\n");
+  const auto placeOf = [&](std::string_view part) {
+    const auto begin = static_cast<std::uint32_t>(result.text.find(part));
+    const core::SourceLocation place = result.sourceMap.locate({begin, begin + 1});
+    return std::to_string(place.line) + ":" + std::to_string(place.column) + place.expansion;
+  };
+  EXPECT_EQ(placeOf("B"), "2:9");
+  EXPECT_EQ(placeOf("C"), "3:1");
+  EXPECT_EQ(placeOf("5"), "3:3in the expansion of R (m.l:1:9)");
+  EXPECT_EQ(placeOf("D"), "3:5");
+}
+
+// ---- limits
+
+TEST(Preprocessor, AnExpansionBombEndsAtALimit) {
+  std::string text = "#define A0 xxxxxxxxxx\n";
+  for (int i = 1; i < 40; ++i) {
+    const std::string below = "A" + std::to_string(i - 1);
+    text += "#define A" + std::to_string(i) + " " + below + " " + below + "\n";
+  }
+  PreprocessInput input;
+  input.limits.maximumSourceBytes = 100000;
+  const PreprocessResult result = run(text + "A39\n", input);
+  EXPECT_EQ(briefs(result.diagnostics),
+            Messages{"41:1: error: macros expand to more than the limit maximumSourceBytes (100000 bytes)"});
+  EXPECT_FALSE(result.isComplete);
+}
+
+TEST(Preprocessor, DeepMacrosEndAtALimit) {
+  std::string text = "#define A0 x\n";
+  for (int i = 1; i < 10; ++i) {
+    text += "#define A" + std::to_string(i) + " A" + std::to_string(i - 1) + "\n";
+  }
+  PreprocessInput input;
+  input.limits.maximumMacroDepth = 5;
+  EXPECT_EQ(problemsOf(text + "A9\n", input),
+            Messages{"11:1: error: the macro 'A4' is nested deeper than the limit maximumMacroDepth (5)"});
+}
+
+TEST(Preprocessor, AFileThatIncludesItselfEndsAtALimit) {
+  PreprocessInput input;
+  input.limits.maximumIncludeDepth = 3;
+  EXPECT_EQ(
+      problemsOf("#include \"m.l\"\n", input),
+      Messages{"1:10: error: files are included deeper than the limit maximumIncludeDepth (3) | 'm.l' includes itself, "
+               "directly or through another file"});
+}
+
+TEST(Preprocessor, TooMuchTextEndsAtALimit) {
+  PreprocessInput input;
+  input.limits.maximumSourceBytes = 20;
+  EXPECT_EQ(problemsOf(std::string(30, 'A'), input),
+            Messages{"1:1: error: the files of the model are longer than the limit maximumSourceBytes (20 bytes)"});
+}
+
+}  // namespace
+}  // namespace espalier::language

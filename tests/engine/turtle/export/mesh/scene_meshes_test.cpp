@@ -1,0 +1,342 @@
+#include "engine/turtle/export/mesh/scene_meshes.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "tests/engine/turtle/turtle_fixture.h"
+#include "tests/support/mesh_measures.h"
+
+namespace espalier::turtle {
+namespace {
+
+using core::Vec3;
+using test::measure;
+using test::MeshMeasures;
+
+language::ViewSettings cylinderView(int sides) {
+  language::ViewSettings view;
+  view.lineStyle = language::LineStyle::Cylinder;
+  view.contourSides = sides;
+  return view;
+}
+
+// all meshes of a string's scene
+std::vector<Mesh> meshesOf(const std::string& string, const language::ViewSettings& view, double detail = 1.0) {
+  TurtleRun run(string, view);
+  run.draw();
+  const ExportInput input{.scene = run.scene, .view = view, .detail = detail};
+  MaterialTable materials;
+  const SceneMeshes meshes(input, materials);
+  std::vector<Mesh> made;
+  for (const MeshPart& part : meshes.parts()) {
+    meshes.make(part, made.emplace_back());
+  }
+  return made;
+}
+
+// area of a regular polygon of unit circumradius, and its side
+double polygonArea(int sides) {
+  return 0.5 * sides * std::sin(2.0 * std::numbers::pi / sides);
+}
+double polygonSide(int sides) {
+  return 2.0 * std::sin(std::numbers::pi / sides);
+}
+
+void expectClosed(const Mesh& mesh, const std::string& what) {
+  const MeshMeasures measures = measure(mesh);
+  EXPECT_EQ(measures.openEdgeCount, 0U) << what;
+  EXPECT_GT(measures.triangleCount, 0U) << what;
+  EXPECT_GT(measures.signedVolume, 0.0) << what;
+  EXPECT_GT(measures.smallestFacing, 0.0) << what;
+  EXPECT_LT(measures.largestNormalError, 1e-9) << what;
+}
+
+TEST(SceneMeshes, AStraightTubeIsAPrismOfItsSides) {
+  // radius 0.5, length 3: volume A r² l, area of the sides n s r l and of two ends A r² each
+  const std::vector<Mesh> meshes = meshesOf("!(1)F(1)F(2)", cylinderView(7));
+  ASSERT_EQ(meshes.size(), 1U);
+  const MeshMeasures measures = measure(meshes[0]);
+  EXPECT_NEAR(measures.signedVolume, polygonArea(7) * 0.25 * 3.0, 1e-12);
+  EXPECT_NEAR(measures.area, 7.0 * polygonSide(7) * 0.5 * 3.0 + 2.0 * polygonArea(7) * 0.25, 1e-12);
+  expectClosed(meshes[0], "straight");
+}
+
+TEST(SceneMeshes, ABentTubeKeepsTheVolumeAndSideAreaOfItsLength) {
+  // cut obliquely through its axis, a prism keeps volume and side area: what one side gains the other loses. So bends
+  // neither pinch the tube nor fatten it
+  for (const std::string bend : {"+(20)", "+(45)", "&(60)", "+(30)&(30)"}) {
+    const std::vector<Mesh> meshes = meshesOf("!(0.4)F(2)" + bend + "F(3)" + bend + "F(2)", cylinderView(9));
+    ASSERT_EQ(meshes.size(), 1U);
+    const MeshMeasures measures = measure(meshes[0]);
+    EXPECT_NEAR(measures.signedVolume, polygonArea(9) * 0.04 * 7.0, 1e-9) << bend;
+    EXPECT_NEAR(measures.area, 9.0 * polygonSide(9) * 0.2 * 7.0 + 2.0 * polygonArea(9) * 0.04, 0.02 * measures.area)
+        << bend;
+    expectClosed(meshes[0], bend);
+  }
+}
+
+TEST(SceneMeshes, ATaperedTubeIsAFrustum) {
+  // radii 1 and 0.5 over length 6: A l (R² + R r + r²) / 3
+  const std::vector<Mesh> meshes = meshesOf("!(2)F(1e-9)!(1)F(6)", cylinderView(12));
+  ASSERT_EQ(meshes.size(), 1U);
+  EXPECT_NEAR(measure(meshes[0]).signedVolume, polygonArea(12) * 6.0 * (1.0 + 0.5 + 0.25) / 3.0, 1e-6);
+  // normals lean outward by the slope 0.5 / 6
+  const Vec3& normal = meshes[0].normals[13 * 2];
+  EXPECT_NEAR(normal.y / std::hypot(normal.x, normal.z), 0.5 / 6.0, 1e-9);
+}
+
+TEST(SceneMeshes, SweptLinesAreClosedAtAnyBend) {
+  for (const int angle : {0, 5, 59, 61, 90, 120, 150, 170, 180}) {
+    const std::string turn = "+(" + std::to_string(angle) + ")";
+    for (const Mesh& mesh : meshesOf("!(0.3)F(2)" + turn + "F(2)/(40)" + turn + "F(2)", cylinderView(8))) {
+      const MeshMeasures measures = measure(mesh);
+      EXPECT_EQ(measures.openEdgeCount, 0U) << angle;
+      EXPECT_GT(measures.signedVolume, 0.0) << angle;
+      EXPECT_LT(measures.largestNormalError, 1e-9) << angle;
+    }
+  }
+}
+
+TEST(SceneMeshes, AnElbowIsNoThinnerThanItsTube) {
+  // a right-angled bend of radius 0.5 at (0,2): the outer side goes round the joint at that distance
+  const std::vector<Mesh> meshes = meshesOf("!(1)F(2)-(90)F(2)", cylinderView(16));
+  ASSERT_EQ(meshes.size(), 1U);
+  double farthest = 0.0;
+  for (const Vec3& p : meshes[0].positions) {
+    if (p.x < 0.0 && p.y > 2.0) {
+      farthest = std::max(farthest, std::hypot(p.x, p.y - 2.0));
+    }
+  }
+  EXPECT_NEAR(farthest, 0.5, 1e-9);
+}
+
+TEST(SceneMeshes, AChangeOfWidthOrColourOnAnAxisLeavesNoGap) {
+  language::ViewSettings view = cylinderView(6);
+  view.hasTaperedLines = false;
+  for (const std::string string : {"!(1)F!(0.5)+(30)F", "!(1)F!(0.5)+(80)F"}) {
+    const std::vector<Mesh> meshes = meshesOf(string, view);
+    ASSERT_EQ(meshes.size(), 1U);
+    EXPECT_EQ(measure(meshes[0]).openEdgeCount, 0U) << string;
+  }
+  // one mesh for each colour; the second begins with the ring at which the first ends although the turtle has rolled
+  const std::vector<Mesh> pieces = meshesOf("!(0.2);(3)F+(30)/(77)F/(10);(4)&(20)F", view);
+  ASSERT_EQ(pieces.size(), 2U);
+  expectClosed(pieces[0], "first");
+  expectClosed(pieces[1], "second");
+  for (std::size_t k = 0; k < 7; ++k) {
+    const Vec3 difference = pieces[0].positions[14 + k] - pieces[1].positions[k];
+    EXPECT_LT(core::length(difference), 1e-12);
+  }
+  EXPECT_NEAR(pieces[1].coordinates[0][1], 2.0, 1e-12) << "the texture goes on along the axis";
+}
+
+TEST(SceneMeshes, TextureCoordinatesRunAroundAndAlongByLength) {
+  const std::vector<Mesh> meshes = meshesOf("F(1)F(2)", cylinderView(4));
+  ASSERT_EQ(meshes.size(), 1U);
+  for (std::size_t ring = 0; ring < 3; ++ring) {
+    for (std::size_t k = 0; k < 5; ++k) {
+      EXPECT_DOUBLE_EQ(meshes[0].coordinates[5 * ring + k][0], 0.25 * static_cast<double>(k));
+      EXPECT_DOUBLE_EQ(meshes[0].coordinates[5 * ring + k][1], ring == 0 ? 0.0 : ring == 1 ? 1.0 : 3.0);
+    }
+  }
+}
+
+TEST(SceneMeshes, AForkGoesOnIntoOneLimbAndTheOtherBeginsInThePlaneBetweenItAndItsParent) {
+  language::ViewSettings view = cylinderView(8);
+  view.initialColour = 3;  // all one colour
+  const std::vector<Mesh> meshes = meshesOf(";(3)!(0.2)F(1)[+(50)F(1)][-(50)F(1)]", view);
+  ASSERT_EQ(meshes.size(), 2U) << "trunk and first limb are one tube";
+  expectClosed(meshes[0], "trunk and limb");
+  const double half = 25.0 * std::numbers::pi / 180.0;
+  const Mesh& branch = meshes[1];
+  for (std::size_t k = 0; k < 8; ++k) {
+    const Vec3 offset = branch.positions[k] - Vec3{0.0, 1.0, 0.0};
+    EXPECT_NEAR(core::dot(offset, {std::sin(half), std::cos(half), 0.0}), 0.0, 1e-12);
+  }
+  expectClosed(branch, "branch");
+  // no ring of the first tube is flat across the trunk's end
+  bool hasFlatEnd = false;
+  for (std::size_t i = 0; i < meshes[0].positions.size(); ++i) {
+    const Vec3& p = meshes[0].positions[i];
+    hasFlatEnd =
+        hasFlatEnd || (std::abs(p.y - 1.0) < 1e-9 && core::length(meshes[0].normals[i] - Vec3{0, 1, 0}) < 1e-6);
+  }
+  EXPECT_FALSE(hasFlatEnd);
+}
+
+TEST(SceneMeshes, TheThickestLimbOfAForkGoesOnAndOfEqualOnesTheStraightest) {
+  const auto headsOf = [](const std::string& string) {
+    TurtleRun run(string, cylinderView(8));
+    run.draw();
+    return chainsOf(run.scene, Palette(run.scene)).heads;
+  };
+  // segments: trunk 0, first limb 1, second limb 2
+  EXPECT_EQ(headsOf(";(3)!(0.4)F[+(50)!(0.1)F][-(50)!(0.2)F]"), (std::vector<std::uint32_t>{0, 1}));
+  EXPECT_EQ(headsOf(";(3)!(0.4)F[+(50)F][-(20)F]"), (std::vector<std::uint32_t>{0, 1}));
+  EXPECT_EQ(headsOf(";(3)!(0.4)F[+(20)F][-(50)F]"), (std::vector<std::uint32_t>{0, 2}));
+  EXPECT_EQ(headsOf(";(3)!(0.4)F[+(20)F]F"), (std::vector<std::uint32_t>{0, 1})) << "the axis goes on, not the branch";
+}
+
+TEST(SceneMeshes, AtAForkTheTubeTakesTheLimbsWidthOverAShortWay) {
+  language::ViewSettings view = cylinderView(16);
+  view.hasTaperedLines = false;
+  const std::vector<Mesh> meshes = meshesOf(";(3)!(0.4)F(1)[!(0.2)F(2)]", view);
+  ASSERT_EQ(meshes.size(), 1U);
+  expectClosed(meshes[0], "a thinner limb");
+  // rings at heights 0, 1 (radius 0.2), 1.4 (two radii on, radius 0.1) and 3
+  const auto radiusAt = [&](double y) {
+    double largest = 0.0;
+    for (const Vec3& p : meshes[0].positions) {
+      largest = std::abs(p.y - y) < 1e-9 ? std::max(largest, std::hypot(p.x, p.z)) : largest;
+    }
+    return largest;
+  };
+  EXPECT_NEAR(radiusAt(1.0), 0.2, 1e-9);
+  EXPECT_NEAR(radiusAt(1.4), 0.1, 1e-9);
+  EXPECT_NEAR(radiusAt(3.0), 0.1, 1e-9);
+}
+
+TEST(SceneMeshes, AGeneralizedCylinderOfSeveralColoursIsClosedAndItsPartsMeet) {
+  TurtleRun run("!(1);(3){(1)f(1)+(20)f(1);(7)f(1)+(20)f(1)}(1)");
+  run.draw();
+  const ExportInput input{.scene = run.scene, .view = run.program.view};
+  MaterialTable table;
+  const SceneMeshes meshes(input, table);
+  ASSERT_EQ(meshes.parts().size(), 2U);
+  EXPECT_EQ(table.materials()[meshes.parts()[0].material].name, "colour_3");
+  EXPECT_EQ(table.materials()[meshes.parts()[1].material].name, "colour_7");
+  Mesh both;
+  Mesh mesh;
+  for (const MeshPart& part : meshes.parts()) {
+    meshes.make(part, mesh);
+    append(both, mesh);
+  }
+  expectClosed(both, "two colours");
+  EXPECT_EQ(run.scene.cylinders.size(), 1U);
+}
+
+TEST(SceneMeshes, PartsKnowTheirModules) {
+  TurtleRun run("F[+F@O(1)]F{.f+f+f}@c(1)");
+  run.draw();
+  const ExportInput input{.scene = run.scene, .view = run.program.view};
+  MaterialTable materials;
+  const SceneMeshes meshes(input, materials);
+  std::vector<std::pair<OrganKind, std::uint64_t>> seen;
+  for (const MeshPart& part : meshes.parts()) {
+    seen.emplace_back(part.kind, meshes.provenanceOf(part).module);
+  }
+  // modules: F 0, [ 1, + 2, F 3, @ 4, O 5, ] 6, F 7, { 8
+  ASSERT_EQ(seen.size(), 5U);
+  EXPECT_EQ(seen[0], std::pair(OrganKind::Branch, std::uint64_t{0}));
+  EXPECT_EQ(seen[1], std::pair(OrganKind::Branch, std::uint64_t{3}));
+  EXPECT_EQ(seen[2], std::pair(OrganKind::Polygon, std::uint64_t{8}));
+  EXPECT_EQ(run.scene.balls[0].branchOrder, 1U);
+  EXPECT_EQ(run.scene.balls[0].parent, 1U) << "the sphere grows on the branch's segment";
+  EXPECT_EQ(run.scene.balls[1].parent, 2U);
+  EXPECT_EQ(run.scene.polygons[0].branchOrder, 0U);
+  // each ring of a tube belongs to the segment that ends there
+  Mesh tube;
+  meshes.make(meshes.parts()[0], tube);
+  ASSERT_EQ(tube.vertexSegments.size(), tube.positions.size());
+  ASSERT_EQ(tube.faceSegments.size(), tube.faces.size());
+  EXPECT_EQ(meshes.provenanceOfSegment(tube.faceSegments[0]).module, 0U);
+  EXPECT_EQ(meshes.provenanceOfSegment(tube.faceSegments[8]).module, 7U);
+}
+
+TEST(SceneMeshes, DetailScalesSidesAndSubdivisions) {
+  const std::size_t full = meshesOf("F", cylinderView(12))[0].positions.size();
+  const std::size_t half = meshesOf("F", cylinderView(12), 0.5)[0].positions.size();
+  EXPECT_EQ(full, 2U * 13U + 2U * 12U);
+  EXPECT_EQ(half, 2U * 7U + 2U * 6U);
+  EXPECT_EQ(meshesOf("F", cylinderView(12), 0.01)[0].positions.size(), 2U * 4U + 2U * 3U);
+}
+
+TEST(SceneMeshes, PixelLinesAreSweptAtAFixedPartOfTheExtent) {
+  language::ViewSettings view = cylinderView(4);
+  view.lineStyle = language::LineStyle::Pixel;
+  const MeshMeasures measures = measure(meshesOf("!(2)F(400)", view)[0]);
+  // two of 800 pixels across
+  EXPECT_NEAR(measures.high.x - measures.low.x, 1.0, 1e-9);
+}
+
+TEST(SceneMeshes, GeneralizedCylindersAreClosed) {
+  language::ViewSettings view = cylinderView(8);
+  // a concave section, clockwise and counter-clockwise
+  std::vector<Vec3> section{{1, 0, 0}, {0.2, 0.2, 0}, {0, 1, 0}, {-0.2, 0.2, 0}, {-1, 0, 0}, {0, -1, 0}};
+  view.contours.push_back({.id = 1, .isClosed = true, .points = section});
+  std::ranges::reverse(section);
+  view.contours.push_back({.id = 2, .isClosed = true, .points = section});
+  const std::string path = "f(2)+(30)f(2)&(40)f(2)+(60)f(2)";
+  for (const std::string contour : {"", "@#(1)@!(24)", "@#(2)@!(24)"}) {
+    for (const std::string type : {"1", "2", "3", "4"}) {
+      const std::string string = "!(0.3)" + contour + "{(" + type + ",6)" + path + "}(" + type + ")";
+      const std::vector<Mesh> meshes = meshesOf(string, view);
+      ASSERT_EQ(meshes.size(), 1U) << string;
+      const MeshMeasures measures = measure(meshes[0]);
+      EXPECT_EQ(measures.openEdgeCount, 0U) << string;
+      EXPECT_GT(measures.signedVolume, 0.0) << string;
+      EXPECT_GT(measures.smallestFacing, 0.0) << string;
+      EXPECT_LT(measures.largestNormalError, 1e-9) << string;
+    }
+  }
+}
+
+TEST(SceneMeshes, AStraightGeneralizedCylinderIsAPrism) {
+  const std::vector<Mesh> meshes = meshesOf("!(1)@!(10)@Gs f(1)@Gc(3)f(2)@Ge(4)", cylinderView(8));
+  ASSERT_EQ(meshes.size(), 1U);
+  EXPECT_NEAR(measure(meshes[0]).signedVolume, polygonArea(10) * 0.25 * 3.0, 1e-12);
+}
+
+TEST(SceneMeshes, AGeneralizedCylinderWithALinearRadiusLeansItsNormals) {
+  // radius 1 to 0.5 along 2
+  const std::vector<Mesh> meshes = meshesOf("!(2)@!(8)@Gs f(2)!(1)@Ge(4)", cylinderView(8));
+  ASSERT_EQ(meshes.size(), 1U);
+  const Vec3& normal = meshes[0].normals[9 * 2];
+  EXPECT_NEAR(normal.y / std::hypot(normal.x, normal.z), 0.5 / 2.0, 0.1);
+  EXPECT_GT(normal.y, 0.1);
+}
+
+// along a helix the frame turns against the tangent only: up' has no part along tangent x up
+TEST(SceneMeshes, TheFrameOfAGeneralizedCylinderDoesNotTurnAboutItsAxis) {
+  std::string path;
+  for (int i = 0; i < 12; ++i) {
+    path += "/(20)+(30)f(1)";
+  }
+  const std::vector<Mesh> meshes = meshesOf("!(0.02)@!(4){(1,32)" + path + "}(1)", cylinderView(4));
+  ASSERT_EQ(meshes.size(), 1U);
+  const Mesh& mesh = meshes[0];
+  const std::size_t rings = (mesh.positions.size() - 8) / 5;
+  double turned = 0.0;
+  for (std::size_t i = 1; i < rings; ++i) {
+    const auto at = [&](std::size_t ring, std::size_t k) { return mesh.positions[5 * ring + k]; };
+    const auto up = [&](std::size_t ring) { return core::normalised(at(ring, 0) - at(ring, 2)); };
+    const auto side = [&](std::size_t ring) { return core::normalised(at(ring, 1) - at(ring, 3)); };
+    turned += core::dot(up(i) - up(i - 1), core::normalised(side(i) + side(i - 1)));
+  }
+  EXPECT_NEAR(turned, 0.0, 2e-3);
+}
+
+TEST(SceneMeshes, SpheresAreClosedAndDiscsLookAlongTheirNormal) {
+  const std::vector<Mesh> meshes = meshesOf("@O(2)@c(2)&(35)+(70)@c(1)", cylinderView(8));
+  ASSERT_EQ(meshes.size(), 3U);
+  expectClosed(meshes[0], "sphere");
+  const double ball = 4.0 / 3.0 * std::numbers::pi;
+  EXPECT_GT(measure(meshes[0]).signedVolume, 0.85 * ball);
+  EXPECT_LT(measure(meshes[0]).signedVolume, ball);
+  EXPECT_NEAR(measure(meshes[1]).smallestFacing, 1.0, 1e-12);
+  EXPECT_NEAR(measure(meshes[2]).smallestFacing, 1.0, 1e-12);
+}
+
+TEST(Mesh, AMirroredPlacementKeepsItsSidesOutward) {
+  Mesh sphere;
+  appendSphere(sphere, {}, 1.0, 8, 12);
+  for (const Vec3 scale : {Vec3{1, 2, 3}, Vec3{-1, 2, 3}, Vec3{-1, -2, -3}}) {
+    Mesh placed;
+    appendPlaced(placed, sphere, {.position = {5, 6, 7}, .frame = core::Frame{}, .scale = scale});
+    expectClosed(placed, "placed");
+    EXPECT_NEAR(measure(placed).signedVolume, 6.0 * measure(sphere).signedVolume, 1e-9);
+  }
+}
+
+}  // namespace
+}  // namespace espalier::turtle

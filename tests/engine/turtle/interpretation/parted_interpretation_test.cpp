@@ -1,0 +1,139 @@
+#include "engine/turtle/interpretation/parted_interpretation.h"
+
+#include <optional>
+
+#include "tests/engine/turtle/turtle_fixture.h"
+
+namespace espalier::turtle {
+namespace {
+
+constexpr EnvironmentNeeds kEverything{.position = true,
+                                       .heading = true,
+                                       .left = true,
+                                       .up = true,
+                                       .width = true,
+                                       .scale = true,
+                                       .parameters = true,
+                                       .following = true,
+                                       .geometry = false};
+
+// a tree of 2^(depth + 1) - 1 nodes with queries in front of, in and behind branches; `leaf` is at the tips
+std::string tree(int depth, const std::string& leaf) {
+  if (depth == 0) {
+    return leaf;
+  }
+  const std::string branch = tree(depth - 1, leaf);
+  return "F(1)!(0.5)?E(1,2)[+(25)" + branch + "]/(137)?P(0,0,0)[-(31)&(10)" + branch + "]f(0.5)?E(3)";
+}
+
+constexpr int kDepth = 12;  // about 70,000 modules
+const char* const kLeaf = "F(0.5)?E(7)A(1,2)?H(0,0,0)";
+
+std::optional<core::SimulationError> pass(TurtleRun& run, unsigned threads) {
+  run.threads = threads;
+  try {
+    run.pass(kEverything);
+  } catch (const core::SimulationFailure& failure) {
+    return failure.error();
+  }
+  return std::nullopt;
+}
+
+bool isSame(const std::vector<core::Vec3>& a, const std::vector<core::Vec3>& b) {
+  return a == b;
+}
+
+// one thread, then two and three: everything that a pass gives, and the string it leaves
+void expectSame(const std::string& text, std::uint64_t maximumQueries = 1'000'000) {
+  TurtleRun one(text);
+  one.limits.maximumQueries = maximumQueries;
+  const auto expected = pass(one, 1);
+  for (const unsigned threads : {2U, 3U}) {
+    TurtleRun several(text);
+    several.limits.maximumQueries = maximumQueries;
+    const auto found = pass(several, threads);
+    ASSERT_EQ(found.has_value(), expected.has_value());
+    if (expected) {
+      EXPECT_EQ(found->message, expected->message);
+      EXPECT_EQ(found->module, expected->module);
+    }
+    EXPECT_EQ(several.queries.plant, one.queries.plant);
+    EXPECT_EQ(several.queries.module, one.queries.module);
+    EXPECT_EQ(several.queries.symbol, one.queries.symbol);
+    EXPECT_EQ(several.queries.isTransient, one.queries.isTransient);
+    EXPECT_TRUE(isSame(several.queries.position, one.queries.position));
+    EXPECT_TRUE(isSame(several.queries.heading, one.queries.heading));
+    EXPECT_TRUE(isSame(several.queries.left, one.queries.left));
+    EXPECT_TRUE(isSame(several.queries.up, one.queries.up));
+    EXPECT_EQ(several.queries.width, one.queries.width);
+    EXPECT_EQ(several.queries.scale, one.queries.scale);
+    EXPECT_EQ(several.queries.parameterOffset, one.queries.parameterOffset);
+    EXPECT_EQ(several.queries.parameters, one.queries.parameters);
+    EXPECT_EQ(several.queries.following, one.queries.following);
+    EXPECT_EQ(several.queries.followingOffset, one.queries.followingOffset);
+    EXPECT_EQ(several.queries.followingParameters, one.queries.followingParameters);
+    EXPECT_EQ(several.offsets, one.offsets);
+    EXPECT_EQ(several.messages, one.messages);
+    ASSERT_EQ(several.changes.size(), one.changes.size());
+    for (std::size_t i = 0; i < one.changes.size(); ++i) {
+      ASSERT_EQ(several.changes[i].offset, one.changes[i].offset) << i;
+      ASSERT_EQ(several.changes[i].before, one.changes[i].before) << i;
+    }
+    const auto left = one.state.string.parameters();
+    const auto right = several.state.string.parameters();
+    EXPECT_TRUE(std::equal(left.begin(), left.end(), right.begin(), right.end()));
+  }
+}
+
+TEST(PartedInterpretation, TakesALongStringWithBranchesAndNoOther) {
+  const auto isTaken = [](const std::string& text, unsigned threads) {
+    TurtleRun run(text);
+    derivation::DerivationOptions options;
+    options.threads = threads;
+    derivation::Derivation derivation(run.program, options);
+    const InterpretationTables tables(run.program);
+    std::set<std::string> reported;
+    const PlantPlacement placement;
+    const Interpretation::Subject subject{run.program, tables, reported, derivation, run.state, 0, placement};
+    return PartedInterpretation().run(subject, {.queries = &run.queries, .queryParameterOffsets = nullptr});
+  };
+  EXPECT_TRUE(isTaken(tree(kDepth, kLeaf), 2));
+  EXPECT_FALSE(isTaken(tree(kDepth, kLeaf), 1));
+  EXPECT_FALSE(isTaken(tree(5, kLeaf), 2));
+  std::string axis;
+  for (int i = 0; i < 60'000; ++i) {
+    axis += 'F';
+  }
+  EXPECT_FALSE(isTaken(axis + "?E(1)", 2));
+  EXPECT_FALSE(isTaken(tree(kDepth, kLeaf) + "?(1,2)F$", 2));
+}
+
+TEST(PartedInterpretation, GivesWhatOneThreadGives) {
+  expectSame(tree(kDepth, kLeaf));
+  // cuts: one of them ends the walk before all branches to the right of it
+  expectSame("F[" + tree(kDepth, kLeaf) + "F[?E(1)%" + tree(3, kLeaf) + "]%" + tree(kDepth - 1, kLeaf) + "]?E(2)");
+}
+
+TEST(PartedInterpretation, WarnsInTheOrderOfTheString) {
+  const std::string text = "@Q[" + tree(kDepth, "F?E(1)@YA@Z") + "]@W[" + tree(kDepth - 1, "F?E(1)@VA@Q") + "]@U";
+  expectSame(text);
+  TurtleRun run(text);
+  ASSERT_FALSE(pass(run, 2));
+  ASSERT_EQ(run.messages.size(), 6U);
+  EXPECT_NE(run.messages[1].find("'@Y'"), std::string::npos);
+  EXPECT_NE(run.messages[5].find("'@U'"), std::string::npos);
+}
+
+TEST(PartedInterpretation, FailsAsOneThreadDoes) {
+  // two failures: the first in the string is told, though another thread may meet the second before
+  const std::string bad = "[F(1e308)F(1e308)?E(1)]";
+  expectSame(tree(kDepth, kLeaf) + bad + tree(kDepth, kLeaf));
+  std::string inside = tree(kDepth, kLeaf);
+  inside.insert(inside.rfind(kLeaf), bad);
+  inside.insert(inside.find(kLeaf), "[F(1e308)F(1e308)]");
+  expectSame(inside);
+  expectSame(tree(kDepth, kLeaf), 5'000);
+}
+
+}  // namespace
+}  // namespace espalier::turtle

@@ -1,0 +1,34 @@
+#include "environment/geometry/bricked_grid.h"
+
+#include <gtest/gtest.h>
+
+namespace espalier::environment {
+namespace {
+
+TEST(BrickedGrid, IsZeroUntilWrittenAndAfterClear) {
+  BrickedGrid<int> grid(20);
+  EXPECT_EQ(grid.get(19, 0, 8), 0);
+  grid.at(19, 0, 8) = 5;
+  grid.at(18, 1, 8) = 6;
+  grid.at(0, 0, 0) = 7;
+  EXPECT_EQ(grid.get(19, 0, 8), 5);
+  EXPECT_EQ(grid.get(18, 1, 8), 6);
+  EXPECT_EQ(grid.get(19, 1, 8), 0);
+  EXPECT_EQ(grid.usedBrickCount(), 2U);
+  grid.clear();
+  EXPECT_EQ(grid.get(19, 0, 8), 0);
+  grid.at(1, 0, 0) = 1;
+  EXPECT_EQ(grid.get(0, 0, 0), 0);
+  EXPECT_EQ(grid.usedBrickCount(), 1U);
+}
+
+TEST(BrickedGrid, OutsideReadsAsZero) {
+  const BrickedGrid<int> grid(3);
+  EXPECT_EQ(grid.get(-1, 0, 0), 0);
+  EXPECT_EQ(grid.get(0, 3, 0), 0);
+  EXPECT_FALSE(grid.contains(0, 0, 3));
+  EXPECT_TRUE(grid.contains(2, 2, 2));
+}
+
+}  // namespace
+}  // namespace espalier::environment

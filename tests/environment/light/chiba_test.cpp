@@ -1,0 +1,183 @@
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "environment/light/light_directions.h"
+#include "query_builder.h"
+
+namespace espalier::environment {
+namespace {
+
+constexpr const char* kZenith = R"({"transmittance":0.25,"sources":[[0,1,0,1]])";
+
+std::string zenith(const std::string& more = "") {
+  return kZenith + (more.empty() ? "" : "," + more) + "}";
+}
+
+TEST(Chiba, ASphereAboveTakesLightByItsChord) {
+  // Light from straight above. A sphere of radius 1 whose middle is 0.6 aside of the ray has the chord 2·√(1−0.36)
+  // = 1.6 of its diameter 2: t^0.8. Through its middle t; beside it nothing; below it nothing.
+  const auto process = openProcess("chiba", zenith());
+  const auto lightUnder = [&](const core::Vec3& other) {
+    return firstValues(answersOf(*process, QueryBuilder().add({0, 0, 0}, {0.5}).add(other, {1}).batch()))[0];
+  };
+  EXPECT_DOUBLE_EQ(lightUnder({0, 5, 0}), 0.25);
+  EXPECT_NEAR(lightUnder({0.6, 5, 0}), std::pow(0.25, 0.8), 1e-15);
+  EXPECT_EQ(lightUnder({1.01, 5, 0}), 1.0);
+  EXPECT_EQ(lightUnder({0, -5, 0}), 1.0);
+  // a sphere around the point: only the part of the chord above it
+  EXPECT_NEAR(lightUnder({0, 0.5, 0}), std::pow(0.25, 1.5 / 2.0), 1e-15);
+}
+
+TEST(Chiba, SeveralSpheresMultiply) {
+  const auto process = openProcess("chiba", zenith());
+  QueryBuilder builder;
+  for (int i = 0; i < 5; ++i) {
+    builder.add({0, 3.0 * i, 0}, {1});
+  }
+  const auto values = firstValues(answersOf(*process, builder.batch()));
+  for (std::size_t i = 0; i < 5; ++i) {
+    EXPECT_DOUBLE_EQ(values[i], std::pow(0.25, 4.0 - static_cast<double>(i)));
+  }
+}
+
+TEST(Chiba, ABeamWidensTheOtherSpheres) {
+  // beam radius 0.5 of an own radius of 2 widens a sphere of radius 1 to 2: 1.2 aside, chord 2·√(4−1.44) = 3.2 of 4
+  const auto process = openProcess("chiba", zenith(R"("beamRadius":0.5)"));
+  const auto table = answersOf(*process, QueryBuilder().add({0, 0, 0}, {2}).add({1.2, 9, 0}, {1}).batch());
+  EXPECT_NEAR(*table[0][0], std::pow(0.25, 0.8), 1e-15);
+}
+
+TEST(Chiba, TheAreaOfTheDiscsInCommonDecidesWhenAskedTo) {
+  // equal discs of radius 1 at distance 1: common area 2·(π/3 − √3/4) of π; a wholly covered one loses 1 − t
+  const auto process = openProcess("chiba", zenith(R"("estimateIntersectionArea":true)"));
+  const auto lightUnder = [&](const core::Vec3& other, double radius) {
+    return firstValues(answersOf(*process, QueryBuilder().add({0, 0, 0}, {1}).add(other, {radius}).batch()))[0];
+  };
+  const double common = 2.0 * (std::numbers::pi / 3.0 - std::sqrt(3.0) / 4.0);
+  EXPECT_NEAR(lightUnder({1, 7, 0}, 1), 1.0 - 0.75 * common / std::numbers::pi, 1e-15);
+  EXPECT_DOUBLE_EQ(lightUnder({0.5, 7, 0}, 3), 0.25);
+  EXPECT_DOUBLE_EQ(lightUnder({0.5, 7, 0}, 0.5), 1.0 - 0.75 * 0.25);
+  EXPECT_EQ(lightUnder({2.0, 7, 0}, 1), 1.0);
+  EXPECT_EQ(lightUnder({0, -7, 0}, 1), 1.0);
+}
+
+TEST(Chiba, WeightsAreSharesAndTheBrightestDirectionIsTheirMean) {
+  // 3 parts from above, shaded by t = 0.25, and 1 part from +x, free: light (0.75 + 1)/4, direction (1, 0.75)/1.25
+  const auto process = openProcess("chiba", R"({"transmittance":0.25,"sources":[[0,7,0,3],[2,0,0,1]]})");
+  const auto row = answersOf(*process, QueryBuilder().add({0, 0, 0}, {1, 0, 0, 0}).add({0, 9, 0}, {1}).batch())[0];
+  EXPECT_NEAR(*row[0], 1.75 / 4.0, 1e-15);
+  EXPECT_NEAR(*row[1], 0.8, 1e-15);
+  EXPECT_NEAR(*row[2], 0.6, 1e-15);
+  EXPECT_NEAR(*row[3], 0.0, 1e-15);
+}
+
+TEST(Chiba, WithoutARadiusTheConfiguredOneCounts) {
+  const auto process = openProcess("chiba", zenith(R"("radius":2)"));
+  EXPECT_EQ(
+      firstValues(answersOf(*process, QueryBuilder().add({1.9, 0, 0}, {0.1}).add({0, 9, 0}, {0}).batch()))[0] < 1.0,
+      true);
+  EXPECT_EQ(firstValues(answersOf(*process, QueryBuilder().add({2.1, 0, 0}, {0.1}).add({0, 9, 0}, {-1}).batch()))[0],
+            1.0);
+}
+
+TEST(Chiba, EqualsAllPairsOnRandomSpheres) {
+  // the tree against a plain loop over all spheres
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> place(-10, 10);
+  std::uniform_real_distribution<double> size(0.05, 1.5);
+  std::vector<std::pair<core::Vec3, double>> spheres;
+  QueryBuilder builder;
+  for (int i = 0; i < 500; ++i) {
+    spheres.push_back({{place(random), place(random), place(random)}, size(random)});
+    builder.add(spheres.back().first, {spheres.back().second});
+  }
+  const auto process = openProcess("chiba", R"({"transmittance":0.8,"sources":[[0.3,1,0.2,1],[-1,0.1,0,2]]})");
+  const auto values = firstValues(answersOf(*process, builder.batch()));
+  const std::vector<core::Vec3> directions{core::normalised({0.3, 1, 0.2}), core::normalised({-1, 0.1, 0})};
+  for (std::size_t i = 0; i < spheres.size(); ++i) {
+    double light = 0.0;
+    for (std::size_t d = 0; d < 2; ++d) {
+      double passing = 1.0;
+      for (std::size_t j = 0; j < spheres.size(); ++j) {
+        const core::Vec3 between = spheres[j].first - spheres[i].first;
+        const double ahead = core::dot(between, directions[d]);
+        const double r = spheres[j].second;
+        const double half2 = r * r - (core::dot(between, between) - ahead * ahead);
+        if (j != i && half2 > 0.0 && ahead + std::sqrt(half2) > 0.0) {
+          const double chord = ahead + std::sqrt(half2) - std::max(ahead - std::sqrt(half2), 0.0);
+          passing *= std::pow(0.8, chord / (2 * r));
+        }
+      }
+      light += (d == 0 ? 1.0 : 2.0) / 3.0 * passing;
+    }
+    ASSERT_NEAR(values[i], light, 1e-12) << i;
+  }
+}
+
+TEST(Chiba, TheCompatibleTraversalMissesSpheresWhereTheGridIsNotAtTheOrigin) {
+  // a slanted ray to a sphere on it: with the box of the scene 100 aside the published traversal takes all its steps
+  // along x first and leaves the box; the default finds the sphere anywhere
+  const std::string slanted = R"("sources":[[1,1,0,1]],"gridSize":[10,10,10],"transmittance":0.25)";
+  const auto lightAt = [&](double corner, const std::string& more) {
+    const auto process = openProcess("chiba", "{" + slanted + more + "}");
+    QueryBuilder builder;
+    builder.add({corner + 1, 0.5, 1}, {0.5}).add({corner + 8, 7.5, 1}, {0.5}).add({corner + 1, 8.5, 1}, {0.5});
+    return firstValues(answersOf(*process, builder.batch()))[0];
+  };
+  EXPECT_NEAR(lightAt(0, ""), 0.25, 1e-12);
+  EXPECT_NEAR(lightAt(100, ""), 0.25, 1e-12);
+  EXPECT_NEAR(lightAt(-0.5, R"(,"compatible":true)"), 0.25, 1e-12);
+  EXPECT_EQ(lightAt(100, R"(,"compatible":true)"), 1.0);
+}
+
+TEST(Chiba, CompatibleLeavesOutQueriesWithTwoOrThreeParameters) {
+  const auto process = openProcess("chiba", zenith(R"("compatible":true)"));
+  const auto table = answersOf(*process, QueryBuilder().add({0, 0, 0}, {1}).add({0, 5, 0}, {1, 0}).batch());
+  EXPECT_EQ(table[0][0], 1.0);
+  EXPECT_EQ(table[1][0], std::nullopt);
+}
+
+TEST(LightDirections, AreSpreadOverTheSphereAndSumTo1) {
+  for (const std::size_t wanted : {std::size_t{1}, std::size_t{20}, std::size_t{100}}) {
+    const auto directions = sampleSky({.sampleCount = wanted, .lowerToUpperRatio = 1.0}, {0, 1, 0});
+    EXPECT_EQ(directions.size(), wanted <= 8 ? 8U : wanted <= 32 ? 32U : 128U);
+    core::Vec3 mean;
+    double sum = 0.0;
+    for (const auto& light : directions) {
+      EXPECT_NEAR(core::length(light.direction), 1.0, 1e-12);
+      mean = mean + light.direction * light.weight;
+      sum += light.weight;
+    }
+    EXPECT_NEAR(core::length(mean), 0.0, 1e-12);
+    EXPECT_NEAR(sum, 1.0, 1e-12);
+  }
+}
+
+TEST(LightDirections, LightFromBelowIsWeakerByTheRatio) {
+  double above = 0.0;
+  double below = 0.0;
+  for (const auto& light : sampleSky({.sampleCount = 32, .lowerToUpperRatio = 0.7}, {0, 0, 1})) {
+    (light.direction.z > 0.0 ? above : below) += light.weight;
+  }
+  EXPECT_NEAR(below / above, 0.7, 1e-12);
+}
+
+TEST(LightDirections, AnOvercastSkyIsBrightestAbove) {
+  // (1 + cos)/3 · (8.6 cos + 0.123) of the zenith against the horizon's band
+  const auto directions = sampleSky({.sampleCount = 128, .lowerToUpperRatio = 0.0, .isOvercast = true}, {0, 1, 0});
+  for (const auto& a : directions) {
+    for (const auto& b : directions) {
+      if (a.direction.y > b.direction.y + 1e-9 && b.direction.y > 0.0) {
+        const auto luminance = [](double c) { return (1 + c) * (8.6 * c + 0.123); };
+        ASSERT_NEAR(a.weight / b.weight, luminance(a.direction.y) / luminance(b.direction.y), 1e-9);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace espalier::environment

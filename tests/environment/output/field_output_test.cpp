@@ -1,0 +1,127 @@
+#include "environment/output/field_output.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace espalier::environment {
+namespace {
+
+using turtle::Field;
+
+/// 3 by 2 by 2 cells with the values 0 … 11.
+Field small() {
+  Field field{"a<b", "mol/m^3", {3, 2, 2}, {-1.5, 0.1, 2}, {0.5, 1, 0.25}, {}};
+  for (int i = 0; i < 12; ++i) {
+    field.values.push_back(i);
+  }
+  return field;
+}
+
+TEST(FieldOutput, AVtiFileReadsBackExactly) {
+  Field second = small();
+  second.name = "tenths";
+  for (double& value : second.values) {
+    value = 0.1 * value - 1e-300;
+  }
+  const std::vector<Field> fields{small(), second};
+  const std::string text = writeVti(fields);
+  EXPECT_NE(text.find("WholeExtent=\"0 3 0 2 0 2\" Origin=\"-1.5 0.1 2\" Spacing=\"0.5 1 0.25\""), std::string::npos);
+  const auto read = readVti(text);
+  ASSERT_TRUE(std::holds_alternative<std::vector<Field>>(read)) << std::get<std::string>(read);
+  EXPECT_EQ(std::get<std::vector<Field>>(read), fields);
+}
+
+TEST(FieldOutput, AVtiFileOfOthersIsRead) {
+  // as VTK writes it in ascii, with an extent that does not begin at 0
+  const auto read = readVti(
+      "<VTKFile type=\"ImageData\" byte_order=\"LittleEndian\">\n<ImageData WholeExtent=\"2 4 0 1 0 1\" Origin=\"0 0 "
+      "0\" "
+      "Spacing=\"2 1 1\"><Piece Extent=\"2 4 0 1 0 1\"><PointData></PointData><CellData>"
+      "<DataArray type=\"Float32\" Name=\"c\" format=\"ascii\">\n 1 2.5 \n</DataArray></CellData></Piece></ImageData>"
+      "</VTKFile>");
+  ASSERT_TRUE(std::holds_alternative<std::vector<Field>>(read)) << std::get<std::string>(read);
+  const Field expected{"c", "1", {2, 1, 1}, {4, 0, 0}, {2, 1, 1}, {1, 2.5}};
+  EXPECT_EQ(std::get<std::vector<Field>>(read), std::vector<Field>{expected});
+}
+
+TEST(FieldOutput, WhatCannotBeReadIsSaid) {
+  const auto problem = [](const std::string& text) {
+    const auto read = readVti(text);
+    return std::holds_alternative<std::string>(read) ? std::get<std::string>(read) : "";
+  };
+  const std::string good = writeVti(std::vector<Field>{small()});
+  const auto changed = [&](const std::string& from, const std::string& to) {
+    std::string text = good;
+    text.replace(text.find(from), from.size(), to);
+    return text;
+  };
+  EXPECT_EQ(problem("<html></html>"), "is no VTK image data file with cell data");
+  EXPECT_EQ(problem(changed("version=\"1.0\" byte", "compressor=\"z\" byte")),
+            "is compressed or big-endian: write it little-endian without compression");
+  EXPECT_EQ(problem(changed("0 3 0 2 0 2", "0 3 0 2")),
+            "has no extent of six numbers, or an origin or spacing without three");
+  EXPECT_EQ(problem(changed("0 3 0 2 0 2", "0 3 0 2 0 0")), "has an extent without cells, or with too many");
+  EXPECT_EQ(problem(changed("0 3 0 2 0 2", "0 3 0 2 0 4")), "has 12 numbers in 'a<b' for 24 cells");
+  EXPECT_EQ(problem(changed("Float64", "Float99")), "has a data array of the unknown type 'Float99'");
+  EXPECT_EQ(problem(changed("format=\"binary\"", "format=\"appended\"")),
+            "has data of the format 'appended': write inline binary or ascii data");
+  EXPECT_EQ(problem(changed("\"binary\">\n", "\"binary\">\n*")), "has a data array that is no base64");
+}
+
+TEST(FieldOutput, RawNumbersReadBackWithTheirHeader) {
+  const Field field = small();
+  const auto read = readRaw(writeRawHeader(field), writeRaw(field));
+  ASSERT_TRUE(std::holds_alternative<Field>(read)) << std::get<std::string>(read);
+  EXPECT_EQ(std::get<Field>(read), field);
+  EXPECT_EQ(std::get<std::string>(readRaw(writeRawHeader(field), "abc")),
+            "has 3 bytes instead of 8 for each of its cells");
+  EXPECT_EQ(std::get<std::string>(readRaw("{", "")), "has a header that is no JSON");
+  EXPECT_EQ(std::get<std::string>(readRaw("{}", "")),
+            "has a header without three 'cells', a 'position' and a 'cellSize'");
+  std::string header = writeRawHeader(field);
+  header.replace(header.find("float64"), 7, "float32");
+  EXPECT_EQ(std::get<std::string>(readRaw(header, "")), "is not of the type float64, little-endian");
+  // words that are no text count as absent
+  header = writeRawHeader(field);
+  header.replace(header.find("\"float64\""), 9, "7");
+  EXPECT_EQ(std::get<Field>(readRaw(header, writeRaw(field))).values, field.values);
+}
+
+TEST(FieldOutput, SlicesAndMeansLieAsOneLooksAtThem) {
+  const Field field = small();
+  // along z: x to the right, y upwards; the slice at z = 2.1 holds the values 0 … 5
+  const auto slice = std::get<FieldPlane>(viewField(field, {2, 2.1}));
+  EXPECT_EQ(slice.width, 3U);
+  EXPECT_EQ(slice.values, (std::vector<double>{3, 4, 5, 0, 1, 2}));
+  EXPECT_EQ(std::get<FieldPlane>(viewField(field, {2, std::nullopt})).values, (std::vector<double>{6, 7, 8, 3, 4, 5}));
+  // along x: z to the right, y upwards; along y: x to the right, the smallest z at the top
+  EXPECT_EQ(std::get<FieldPlane>(viewField(field, {0, -1.4})).values, (std::vector<double>{3, 9, 0, 6}));
+  EXPECT_EQ(std::get<FieldPlane>(viewField(field, {1, 0.2})).values, (std::vector<double>{0, 1, 2, 6, 7, 8}));
+  EXPECT_EQ(std::get<std::string>(viewField(field, {1, 5})),
+            "'a<b' reaches from 0.1 to 2.1 along y: choose a slice there");
+}
+
+TEST(FieldOutput, ColoursGoFromDarkBlueToYellow) {
+  const auto pixels = colourPlane({3, 1, {2, 3, 4}}, 2, 4);
+  EXPECT_EQ(pixels, (std::vector<std::uint8_t>{68, 1, 84, 255, 35, 144, 140, 255, 253, 231, 37, 255}));
+  EXPECT_EQ(colourPlane({1, 1, {7}}, 7, 7).size(), 4U);
+}
+
+TEST(FieldOutput, TheRangeIsThatOfTheNumbersThatAreFinite) {
+  EXPECT_EQ(rangeOf({3, 1, {2, HUGE_VAL, -1}}), std::pair(-1.0, 2.0));
+  EXPECT_EQ(rangeOf({1, 1, {std::nan("")}}), std::pair(0.0, 0.0));
+  EXPECT_EQ(colourPlane({2, 1, {std::nan(""), HUGE_VAL}}, 0, 1),
+            (std::vector<std::uint8_t>{190, 190, 190, 255, 253, 231, 37, 255}));
+}
+
+TEST(FieldOutput, ASummaryHasTheIntegralOverTheBox) {
+  const FieldSummary summary = summaryOf(small());
+  EXPECT_EQ(summary.minimum, 0);
+  EXPECT_EQ(summary.maximum, 11);
+  EXPECT_EQ(summary.mean, 5.5);
+  EXPECT_EQ(summary.integral, 66 * 0.125);
+}
+
+}  // namespace
+}  // namespace espalier::environment

@@ -1,0 +1,50 @@
+#include "server/network/http_pages.h"
+
+#include <gtest/gtest.h>
+
+#include "server/server_core.h"
+
+namespace espalier::server {
+namespace {
+
+TEST(HttpPages, BrowsersConnectFromPagesOfTheHostItselfOrAnAllowedOne) {
+  EXPECT_TRUE(isOriginAllowed("", "127.0.0.1:8080", true, {}));  // a program
+  EXPECT_TRUE(isOriginAllowed("http://127.0.0.1:8080", "127.0.0.1:8080", true, {}));
+  EXPECT_TRUE(isOriginAllowed("https://plants.example", "plants.example", false, {}));
+  EXPECT_FALSE(isOriginAllowed("http://127.0.0.1:8081", "127.0.0.1:8080", true, {}));
+  EXPECT_FALSE(isOriginAllowed("null", "127.0.0.1:8080", true, {}));
+  EXPECT_FALSE(isOriginAllowed("http://", "", false, {}));
+  EXPECT_TRUE(isOriginAllowed("https://elsewhere.example", "127.0.0.1:8080", true, {"https://elsewhere.example"}));
+  EXPECT_FALSE(
+      isOriginAllowed("https://elsewhere.example.evil", "127.0.0.1:8080", true, {"https://elsewhere.example"}));
+}
+
+TEST(HttpPages, AForeignNameThatLeadsToThisMachineIsNotThisMachine) {
+  // a page of evil.example whose name was made to lead here after it was loaded
+  EXPECT_FALSE(isOriginAllowed("http://evil.example:8080", "evil.example:8080", true, {}));
+  EXPECT_TRUE(isOriginAllowed("http://localhost:8080", "localhost:8080", true, {}));
+  EXPECT_TRUE(isOriginAllowed("http://[::1]:8080", "[::1]:8080", true, {}));
+  EXPECT_FALSE(isHostAllowed("evil.example:8080", true));
+  EXPECT_FALSE(isHostAllowed("localhost.evil.example", true));
+  EXPECT_FALSE(isHostAllowed("127.0.0.1.evil.example", true));
+  EXPECT_TRUE(isHostAllowed("evil.example:8080", false));
+  EXPECT_TRUE(isHostAllowed("127.0.0.1", true));
+}
+
+TEST(HttpPages, ThePathDecidesAndWhatFollowsItDoesNot) {
+  ServerOptions options;
+  options.logLevel = "off";
+  options.pages = {{"/", "text/html", "the page"}, {"/a.js", "text/javascript", "its script"}};
+  ServerCore core(options);
+  EXPECT_EQ(pageOf("/", core).body, "the page");
+  EXPECT_EQ(pageOf("/a.js?x=1", core).body, "its script");
+  EXPECT_EQ(pageOf("/a.js", core).type, "text/javascript");
+  EXPECT_EQ(pageOf("/health?x=1", core).body.find("{\"status\":\"ok\""), 0U);
+  EXPECT_EQ(pageOf("/metrics", core).status, 200U);
+  EXPECT_EQ(pageOf("/../etc/passwd", core).status, 404U);
+  core.beginShutdown();
+  EXPECT_EQ(pageOf("/health", core).status, 503U);
+}
+
+}  // namespace
+}  // namespace espalier::server

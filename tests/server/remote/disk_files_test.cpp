@@ -1,0 +1,56 @@
+#include "server/remote/disk_files.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "server_fixture.h"
+
+namespace espalier::server {
+namespace {
+
+TEST(DiskFiles, ReadsBackWhatWasWrittenAndLeavesNoTemporaryFile) {
+  const TemporaryFolder folder;
+  const std::string name = folder.path() + "/a.bin";
+  const std::string content("one\0two\n", 8);
+  EXPECT_EQ(writeFileAtomically(name, content), std::nullopt);
+  EXPECT_EQ(writeFileAtomically(name, content + content), std::nullopt);
+  EXPECT_EQ(DiskFileProvider().read(name), content + content);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), std::filesystem::directory_iterator()),
+            1);
+}
+
+TEST(DiskFiles, WhatCannotBeReadIsNothing) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(DiskFileProvider().read(folder.path() + "/missing"), std::nullopt);
+  EXPECT_EQ(DiskFileProvider().read(folder.path()), std::nullopt);
+  EXPECT_EQ(writeFileAtomically(folder.path() + "/big", "12345"), std::nullopt);
+  EXPECT_EQ(DiskFileProvider(4).read(folder.path() + "/big"), std::nullopt);
+}
+
+TEST(DiskFiles, AModelReadsOnlyWhatReallyLiesInItsFolder) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directories(folder.path() + "/model/data");
+  ASSERT_EQ(writeFileAtomically(folder.path() + "/outside", "secret"), std::nullopt);
+  ASSERT_EQ(writeFileAtomically(folder.path() + "/model/data/in", "1"), std::nullopt);
+  std::filesystem::create_symlink("../outside", folder.path() + "/model/link");
+  std::filesystem::create_symlink("data/in", folder.path() + "/model/inner");
+  const std::string model = folder.path() + "/model/";
+  EXPECT_EQ(DiskFileProvider().readInside(model, model + "data/in"), "1");
+  EXPECT_EQ(DiskFileProvider().readInside(model, model + "inner"), "1");
+  EXPECT_EQ(DiskFileProvider().readInside(model, model + "link"), std::nullopt);
+  EXPECT_EQ(DiskFileProvider().readInside(model, model + "../outside"), std::nullopt);
+  EXPECT_EQ(DiskFileProvider().readInside(folder.path() + "/none/", model + "inner"), std::nullopt);
+}
+
+TEST(DiskFiles, AnUnwritableNameIsASentenceThatSaysWhatToDo) {
+  const TemporaryFolder folder;
+  const std::string name = folder.path() + "/missing/a";
+  EXPECT_EQ(writeFileAtomically(name, "x"),
+            "cannot write '" + name +
+                "': No such file or directory. Check that the folder exists, is writable and "
+                "has room.");
+}
+
+}  // namespace
+}  // namespace espalier::server

@@ -1,0 +1,304 @@
+#include "server/remote/hosting/environment_host.h"
+
+#include <csignal>
+#include <future>
+
+#include "engine/language/compiler.h"
+#include "engine/simulation/simulation.h"
+#include "engine/turtle/scene/geometry.h"
+#include "environment/registry.h"
+#include "raw_peer.h"
+#include "server/remote/hosting/environment_dialogue.h"
+#include "server/remote/remote_environment.h"
+#include "tests/support/places.h"
+
+namespace espalier::server {
+namespace {
+
+using turtle::EnvironmentProcess;
+
+std::unique_ptr<EnvironmentProcess> builtIn(const std::string& name, const std::string& configuration = "") {
+  auto made = environment::makeProcess(name, configuration);
+  EXPECT_TRUE(std::holds_alternative<std::unique_ptr<EnvironmentProcess>>(made)) << name;
+  return std::move(std::get<std::unique_ptr<EnvironmentProcess>>(made));
+}
+
+std::unique_ptr<EnvironmentProcess> remote(const std::string& address, bool isTextOnly = false) {
+  auto connected = connectRemoteEnvironment(address, {.isTextOnly = isTextOnly, .configurationJson = {}});
+  if (const auto* problem = std::get_if<std::string>(&connected)) {
+    ADD_FAILURE() << *problem;
+    return nullptr;
+  }
+  return std::move(std::get<std::unique_ptr<EnvironmentProcess>>(connected));
+}
+
+/// Tips that turn by irrational angles and ask on the way, so that every number has all its digits.
+constexpr std::string_view kBush =
+    "Lsystem: 1\nderivation length: 6\nAxiom: A(1,1)\n"
+    "A(l,v) --> F(l)[+(31.7)/(77.3)?E(v)B(l*0.83,v)][-(23.9)/(11.1)?E(v*0.9)B(l*0.79,v)]\n"
+    "?E(v) < B(l,w) : v > 0.05 --> A(l,w*0.97)\n?E(v) < B(l,w) : v <= 0.05 --> *\nendlsystem\n";
+
+/// The strings after each step.
+std::vector<std::string> grow(std::unique_ptr<EnvironmentProcess> process, std::string_view model = kBush) {
+  core::MemoryFileProvider files({{"model.l", std::string(model)}});
+  language::CompileInput input;
+  input.modelFile = "model.l";
+  const auto compiled = language::compile(input, files);
+  EXPECT_NE(compiled.program, nullptr);
+  simulation::Simulation simulation(compiled.program, {turtle::PlantPlacement{}}, std::move(process), {});
+  EXPECT_FALSE(simulation.rewind().has_value());
+  std::vector<std::string> strings;
+  while (!simulation.isFinished()) {
+    const auto error = simulation.step();
+    if (error) {
+      ADD_FAILURE() << error->message;
+      break;
+    }
+    strings.push_back(simulation.stringText());
+  }
+  return strings;
+}
+
+/// A built-in process served on a free port until the end of the scope.
+class Hosted {
+ public:
+  explicit Hosted(const std::string& name) : Hosted([name] { return builtIn(name); }) {}
+  explicit Hosted(ProcessFactory factory) {
+    std::promise<std::uint16_t> listening;
+    auto port = listening.get_future();
+    thread_ = std::thread([factory = std::move(factory), &listening] {
+      const auto problem = hostEnvironment({}, factory, [&listening](std::uint16_t p) { listening.set_value(p); });
+      EXPECT_EQ(problem, std::nullopt);
+    });
+    address_ = "tcp://127.0.0.1:" + std::to_string(port.get());
+  }
+  ~Hosted() {
+    ::kill(::getpid(), SIGTERM);
+    thread_.join();
+  }
+  [[nodiscard]] const std::string& address() const { return address_; }
+
+ private:
+  std::string address_;
+  std::thread thread_;
+};
+
+TEST(EnvironmentHost, TcpAndStdioGiveBitwiseTheSameStringsAsInProcess) {
+  for (const std::string name : {"honda", "shadow", "height"}) {
+    SCOPED_TRACE(name);
+    const auto inside = grow(builtIn(name));
+    EXPECT_EQ(inside.size(), 6U);
+    const Hosted hosted(name);
+    EXPECT_EQ(grow(remote(hosted.address())), inside);
+    EXPECT_EQ(grow(remote("stdio:exec '" + buildFolder() + "/bin/espalier' environment " + name + " --stdio")), inside);
+  }
+}
+
+/// Answers with what it sees of the geometry, in numbers with all their digits: the area and mean height of the organ
+/// behind the module, over the length of all segments.
+class Canopy final : public EnvironmentProcess {
+ public:
+  [[nodiscard]] turtle::EnvironmentDescription describe() const override {
+    turtle::EnvironmentDescription description;
+    description.name = "canopy";
+    description.needs.parameters = true;
+    description.needs.geometry = true;
+    return description;
+  }
+  [[nodiscard]] std::optional<turtle::EnvironmentError> open(const turtle::EnvironmentContext&) override {
+    return std::nullopt;
+  }
+  [[nodiscard]] std::optional<turtle::EnvironmentError> step(const turtle::QueryBatch& queries,
+                                                             turtle::ReplyBatch& replies) override {
+    if (queries.geometry == nullptr) {
+      return turtle::EnvironmentError{"no geometry came", false};
+    }
+    const turtle::Geometry& geometry = *queries.geometry;
+    double length = 0.0;
+    for (std::size_t i = 0; i < geometry.segments.size(); ++i) {
+      length += core::length(geometry.end[i] - geometry.start[i]) * geometry.startWidth[i];
+    }
+    for (std::size_t query = 0; query < queries.size(); ++query) {
+      for (std::size_t organ = 0; organ < geometry.organs.size(); ++organ) {
+        if (geometry.organs.plant[organ] != queries.plant[query] ||
+            geometry.organs.module[organ] != queries.module[query] + 1) {
+          continue;
+        }
+        double area = 0.0;
+        for (std::uint64_t t = geometry.triangleOffset[organ]; t < geometry.triangleOffset[organ + 1]; ++t) {
+          const auto& [a, b, c] = geometry.triangles[t];
+          const core::Vec3& origin = geometry.vertices[a];
+          area += core::length(core::cross(geometry.vertices[b] - origin, geometry.vertices[c] - origin)) + origin.y;
+        }
+        replies.set(queries, query, 0, area / (1.0 + length) + geometry.organs.colour[organ]);
+      }
+    }
+    return std::nullopt;
+  }
+};
+
+TEST(EnvironmentHost, GeometryCrossesWholeAndAsDifferencesWithTheSameBits) {
+  const ProcessFactory factory = [] { return std::make_unique<Canopy>(); };
+  const Hosted hosted(factory);
+  // leaves that grow, turn with what they get, and fall
+  const std::string model =
+      "Lsystem: 1\nderivation length: 7\nAxiom: A(1)\n"
+      "A(l) --> !(l*0.1);(3)F(l)[+(31.7)?E(0)L(l,0)]/(77.3)A(l*0.93)\n"
+      "?E(x) < L(s,n) : n < 3 --> L(s*1.1+x*0.01,n+1)\nL(s,n) : n >= 3 --> *\n"
+      "homomorphism\nL(s,n) --> ,(s*10){.f(s)-(70+n)f(s)-(60)f(s)}\nendlsystem\n";
+  const std::vector<std::string> inside = grow(std::make_unique<Canopy>(), model);
+  ASSERT_EQ(inside.size(), 7U);
+  EXPECT_NE(inside[6].find("?E(3"), std::string::npos) << inside[6];
+  EXPECT_EQ(grow(remote(hosted.address()), model), inside);
+  EXPECT_EQ(grow(remote(hosted.address(), true), model), inside);
+}
+
+TEST(EnvironmentDialogue, AGeometryThatDoesNotFitIsRefused) {
+  const ProcessFactory factory = [] { return std::make_unique<Canopy>(); };
+  EnvironmentDialogue dialogue(factory, {});
+  const auto ask = [&dialogue](const std::string& geometry) {
+    return dialogue.answer(protocol::decodeMessage(
+        R"({"jsonrpc":"2.0","id":1,"method":"environment.step","params":{"simulation":"s","step":0,"queries":[],)"
+        R"("geometry":{"widths":"world","symbols":[],"segmentPlant":[],"segmentModule":[],"segmentSymbol":[],)"
+        R"("segmentColour":[],"segmentOrder":[],"segmentStart":[],"segmentEnd":[],"segmentStartWidth":[],)"
+        R"("segmentEndWidth":[],"organPlant":[],"organModule":[],"organSymbol":[],"organColour":[],"organOrder":[],)"
+        R"("organKind":[],"organVertices":[],"organTriangles":[],"vertices":[],"triangles":[],)" +
+        geometry + "}}}"));
+  };
+  EXPECT_NE(ask(R"("form":"difference","segmentRuns":[],"organRuns":[])")
+                ->find("params.geometry: it is a difference, but no geometry came before it; send the whole geometry"),
+            std::string::npos);
+  EXPECT_NE(ask(R"("form":"whole")")->find(R"("replies":[])"), std::string::npos);
+  EXPECT_NE(ask(R"("form":"difference","segmentRuns":[[0,1,0]],"organRuns":[])")
+                ->find("params.geometry: the runs of segments take more rows than the 0 before and the 0 new ones"),
+            std::string::npos);
+}
+
+TEST(EnvironmentHost, AnAddressThatOtherMachinesReachIsRefusedUnlessAllowed) {
+  const auto problem = hostEnvironment(
+      {.host = "0.0.0.0"}, [] { return builtIn("height"); }, [](std::uint16_t) { ADD_FAILURE() << "listens"; });
+  EXPECT_EQ(
+      problem.value_or(""),
+      "'0.0.0.0' can be reached from other machines, and an environment asks nobody who it is: add --insecure if that "
+      "is acceptable, or listen on 127.0.0.1.");
+}
+
+TEST(EnvironmentHost, APortInUseIsAnErrorThatSaysWhatToDo) {
+  const RunningServer server;
+  const std::string address = server.address();
+  const auto port = static_cast<std::uint16_t>(std::stoi(address.substr(address.find(':') + 1)));
+  const auto problem = hostEnvironment(
+      {.port = port}, [] { return builtIn("height"); }, [](std::uint16_t) {});
+  ASSERT_TRUE(problem.has_value());
+  EXPECT_NE(problem->find("Choose another port, or 0 for a free one."), std::string::npos) << *problem;
+}
+
+// ---- the dialogue without a network ----
+
+std::string ask(EnvironmentDialogue& dialogue, const std::string& method, const std::string& params) {
+  return dialogue
+      .answer(
+          protocol::decodeMessage(R"({"jsonrpc":"2.0","id":1,"method":")" + method + R"(","params":)" + params + "}"))
+      .value_or("(nothing)");
+}
+
+TEST(EnvironmentDialogue, AMinimalControllerNeedsNeitherHelloNorOpen) {
+  const ProcessFactory factory = [] { return builtIn("height"); };
+  EnvironmentDialogue dialogue(factory, {});
+  EXPECT_EQ(
+      member(
+          ask(dialogue, "environment.step",
+              R"({"simulation":"a","step":0,"queries":[{"id":0,"symbol":"E","parameters":[5],"position":[1,2.5,3]}]})"),
+          "result"),
+      R"({"replies":[{"id":0,"parameters":[2.5]}]})");
+}
+
+TEST(EnvironmentDialogue, DescribesTheProcess) {
+  const ProcessFactory factory = [] { return builtIn("height"); };
+  EnvironmentDialogue dialogue(factory, {});
+  const std::string description = member(ask(dialogue, "environment.describe", "{}"), "result");
+  EXPECT_EQ(member(description, "name"), "height");
+  EXPECT_EQ(member(description, "needs"), R"(["position"])");
+}
+
+TEST(EnvironmentDialogue, ErrorsNameThePathAndTheMethods) {
+  const ProcessFactory factory = [] { return builtIn("height"); };
+  EnvironmentDialogue dialogue(factory, {});
+  EXPECT_EQ(member(member(ask(dialogue, "environment.step", R"({"simulation":"a","step":-1,"queries":[]})"), "error"),
+                   "message"),
+            "params.step: expected a whole number from 0 to 9007199254740992, found -1");
+  EXPECT_EQ(member(member(ask(dialogue, "simulation.step", "{}"), "error"), "code"), "-32601");
+  EXPECT_EQ(
+      member(member(ask(dialogue, "environment.open", R"({"simulation":"a","configuration":{"radius":1}})"), "error"),
+             "message")
+          .substr(0, 20),
+      "params.configuration");
+  EXPECT_EQ(dialogue.answer(protocol::decodeMessage(R"({"jsonrpc":"2.0","method":"environment.close","params":{}})")),
+            std::nullopt);
+}
+
+/// Counts its steps in what it answers: a process whose state shows.
+class Counter final : public EnvironmentProcess {
+ public:
+  [[nodiscard]] turtle::EnvironmentDescription describe() const override {
+    turtle::EnvironmentDescription description;
+    description.name = "counter";
+    description.isStateful = true;
+    return description;
+  }
+  [[nodiscard]] std::optional<turtle::EnvironmentError> open(const turtle::EnvironmentContext&) override {
+    count_ = 0;
+    return std::nullopt;
+  }
+  [[nodiscard]] std::optional<turtle::EnvironmentError> step(const turtle::QueryBatch& queries,
+                                                             turtle::ReplyBatch& replies) override {
+    ++count_;
+    for (std::size_t i = 0; i < queries.size(); ++i) {
+      replies.set(queries, i, 0, count_);
+    }
+    return std::nullopt;
+  }
+  [[nodiscard]] std::string save() const override { return std::to_string(count_); }
+  [[nodiscard]] std::optional<turtle::EnvironmentError> restore(std::string_view state) override {
+    count_ = std::stoi(std::string(state));
+    return std::nullopt;
+  }
+
+ private:
+  int count_ = 0;
+};
+
+std::string stepParams(int step) {
+  return R"({"simulation":"a","step":)" + std::to_string(step) +
+         R"(,"queries":[{"id":0,"symbol":"E","parameters":[0]}]})";
+}
+
+TEST(EnvironmentDialogue, AStepAskedAgainIsAnsweredTheSameWithoutAdvancing) {
+  const ProcessFactory factory = [] { return std::make_unique<Counter>(); };
+  EnvironmentDialogue dialogue(factory, {});
+  const std::string first = ask(dialogue, "environment.step", stepParams(0));
+  EXPECT_EQ(ask(dialogue, "environment.step", stepParams(0)), first);
+  EXPECT_EQ(member(ask(dialogue, "environment.step", stepParams(1)), "result"),
+            R"({"replies":[{"id":0,"parameters":[2]}]})");
+  EXPECT_EQ(member(member(ask(dialogue, "environment.step", stepParams(0)), "error"), "code"), "1007");
+}
+
+TEST(EnvironmentDialogue, SaveAndRestoreCarryTheStateOfASimulation) {
+  const ProcessFactory factory = [] { return std::make_unique<Counter>(); };
+  EnvironmentDialogue dialogue(factory, {});
+  (void)ask(dialogue, "environment.step", stepParams(0));
+  const std::string state =
+      member(member(ask(dialogue, "environment.save", R"({"simulation":"a"})"), "result"), "state");
+  (void)ask(dialogue, "environment.step", stepParams(1));
+  (void)ask(dialogue, "environment.restore", R"({"simulation":"a","state":")" + state + "\"}");
+  EXPECT_EQ(member(ask(dialogue, "environment.step", stepParams(1)), "result"),
+            R"({"replies":[{"id":0,"parameters":[2]}]})");
+  // another simulation has a process of its own
+  EXPECT_EQ(member(ask(dialogue, "environment.step",
+                       R"({"simulation":"b","step":0,"queries":[{"id":0,"symbol":"E","parameters":[0]}]})"),
+                   "result"),
+            R"({"replies":[{"id":0,"parameters":[1]}]})");
+}
+
+}  // namespace
+}  // namespace espalier::server
