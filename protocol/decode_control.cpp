@@ -27,10 +27,6 @@ std::vector<std::string> readTexts(const Field& field) {
   return texts;
 }
 
-std::string readOptionalText(const Field& field) {
-  return field.isAbsent() ? std::string() : field.text();
-}
-
 template <typename T>
 void readOptionalCount(const Field& field, std::optional<T>& value) {
   if (!field.isAbsent()) {
@@ -165,9 +161,9 @@ Decoded<HelloParams> decodeHelloParams(const Payload& payload) {
         roles.element(i).failExpected("\"controller\", \"environment\" or \"viewer\"");
       }
     }
-    hello.name = readOptionalText(params["name"]);
-    hello.version = readOptionalText(params["version"]);
-    hello.token = readOptionalText(params["token"]);
+    hello.name = params["name"].textOrEmpty();
+    hello.version = params["version"].textOrEmpty();
+    hello.token = params["token"].textOrEmpty();
     hello.capabilities = readTexts(params["capabilities"]);
     readLimits(params["limits"], hello.limits);
   });
@@ -208,7 +204,7 @@ Decoded<CreateParams> decodeCreateParams(const Payload& payload) {
       }
       readModels(params, readModelParams, create.models);
     }
-    create.name = readOptionalText(params["name"]);
+    create.name = params["name"].textOrEmpty();
     readOptionalCount(params["seed"], create.seed);
     readEnvironment(params["environment"], create);
     readOptionalCount(params["derivationLength"], create.derivationLength);
@@ -300,7 +296,7 @@ Decoded<ForkParams> decodeForkParams(const Payload& payload) {
   return decodePayload<ForkParams>(payload, [](const Field& params, ForkParams& fork) {
     params.requireObject();
     fork.simulation = readName(params["simulation"]);
-    fork.name = readOptionalText(params["name"]);
+    fork.name = params["name"].textOrEmpty();
   });
 }
 
@@ -445,8 +441,8 @@ Decoded<HelloResult> decodeHelloResult(const Payload& payload) {
   return decodePayload<HelloResult>(payload, [](const Field& result, HelloResult& hello) {
     result.requireObject();
     hello.protocol = result["protocol"].integer(0, kMaximumExactInteger);
-    hello.session = readOptionalText(result["session"]);
-    hello.server = readOptionalText(result["server"]);
+    hello.session = result["session"].textOrEmpty();
+    hello.server = result["server"].textOrEmpty();
     hello.capabilities = readTexts(result["capabilities"]);
     readLimits(result["limits"], hello.limits);
   });

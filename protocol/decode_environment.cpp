@@ -3,26 +3,16 @@
 #include "protocol/codec.h"
 #include "protocol/column_storage.h"
 #include "protocol/environment_blocks.h"
+#include "protocol/forest_fields.h"
 #include "protocol/json_tree.h"
 
 namespace espalier::protocol {
 namespace {
 
-std::array<double, 3> readVector(const Field& field) {
-  if (field.arraySize() != 3) {
-    field.failExpected("three numbers");
-  }
-  return {field.element(0).number(), field.element(1).number(), field.element(2).number()};
-}
-
 void readOptionalNumber(const Field& field, std::optional<double>& number) {
   if (!field.isAbsent()) {
     number = field.number();
   }
-}
-
-std::string readOptionalText(const Field& field) {
-  return field.isAbsent() ? std::string() : field.text();
 }
 
 template <typename Add>
@@ -153,7 +143,7 @@ std::vector<VariableRecord> readVariables(const Field& field) {
     if (const Field unit = element["unit"]; !unit.isAbsent()) {
       variable.unit = unit.text();
     }
-    variable.type = readOptionalText(element["type"]);
+    variable.type = element["type"].textOrEmpty();
     variables.push_back(std::move(variable));
   }
   return variables;
@@ -178,7 +168,7 @@ void readWorld(const Field& field, WorldRecord& world) {
   }
   readOptionalNumber(field["latitude"], world.latitudeDegrees);
   readOptionalNumber(field["longitude"], world.longitudeDegrees);
-  world.start = readOptionalText(field["start"]);
+  world.start = field["start"].textOrEmpty();
 }
 
 std::string readBytes(const Field& field) {
@@ -261,8 +251,8 @@ Decoded<RestoreStateParams> decodeRestoreStateParams(const Payload& payload) {
 Decoded<DescribeResult> decodeDescribeResult(const Payload& payload) {
   return decodePayload<DescribeResult>(payload, [](const Field& result, DescribeResult& description) {
     result.requireObject();
-    description.name = readOptionalText(result["name"]);
-    description.summary = readOptionalText(result["summary"]);
+    description.name = result["name"].textOrEmpty();
+    description.summary = result["summary"].textOrEmpty();
     readNeeds(result["needs"], description.needs);
     description.inputs = readVariables(result["inputs"]);
     description.outputs = readVariables(result["outputs"]);

@@ -59,6 +59,9 @@ class Field {
   /// Compact JSON of the value.
   [[nodiscard]] std::string dump() const;
 
+  /// Its text; empty when it is absent.
+  [[nodiscard]] std::string textOrEmpty() const { return isAbsent() ? std::string() : text(); }
+
   [[noreturn]] void fail(const std::string& what) const;
   /// "expected WHAT, found 'x'".
   [[noreturn]] void failExpected(std::string_view what) const;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cmath>
 
 namespace espalier::core {
@@ -27,6 +28,20 @@ constexpr Vec3 operator*(const Vec3& a, double s) {
 }
 constexpr Vec3 operator*(double s, const Vec3& a) {
   return a * s;
+}
+
+[[nodiscard]] inline bool isFinite(const Vec3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+/// x, y or z for the axes 0, 1 and 2.
+[[nodiscard]] constexpr double component(const Vec3& v, int axis) {
+  return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
+}
+
+/// x, y, z, for loops over axes.
+[[nodiscard]] constexpr std::array<double, 3> componentsOf(const Vec3& v) {
+  return {v.x, v.y, v.z};
 }
 
 [[nodiscard]] constexpr double dot(const Vec3& a, const Vec3& b) {

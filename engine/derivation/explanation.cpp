@@ -103,7 +103,7 @@ class Writer {
         break;
     }
     const core::ModuleTypeId type = state_.string.types()[record_.module];
-    if (record_.fate == ModuleRecord::Fate::Copied && hasCandidates(record_.system->homomorphism, type)) {
+    if (record_.fate == ModuleRecord::Fate::Copied && record_.system->homomorphism.mayApplyTo(type)) {
       line("The homomorphism has productions for it; they apply when the string is drawn and leave it as it is.");
     }
   }
@@ -116,10 +116,6 @@ class Writer {
 
   [[nodiscard]] bool isDecomposition(const SearchRecord& search) const {
     return search.list == &record_.system->decomposition;
-  }
-
-  static bool hasCandidates(const ProductionList& list, core::ModuleTypeId type) {
-    return !list.index.empty() && !list.index.candidates(type).empty();
   }
 
   // ---- searches

@@ -56,6 +56,7 @@ class SplineFunction {
 /// A parametric curve of `curve:`, the values of curveX/Y/Z(id, t) and curveGAL(id).
 class ParametricCurve {
  public:
+  static constexpr std::size_t kPatchPoints = 16;  // of a Bezier surface
   enum class Kind : std::uint8_t { BSpline, BSplineEndPoint, BSplineClosed, BSplinePhantom, Bezier, BezierSurface };
   ParametricCurve(Kind kind, std::vector<core::Vec3> points, int sampleCount);
   /// The point at arc-length parameter t in [0, 1] (clamped).

@@ -115,6 +115,11 @@ struct ProductionList {
   ProductionIndex index;
   std::uint32_t maximumDepth = 1;  // decomposition and homomorphism
   bool warnsAtDepth = true;
+
+  /// Whether a production of the list may apply to modules of the type.
+  [[nodiscard]] bool mayApplyTo(core::ModuleTypeId type) const {
+    return !index.empty() && maximumDepth > 0 && !index.candidates(type).empty();
+  }
 };
 
 struct ArrayVariable {

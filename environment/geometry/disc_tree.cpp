@@ -5,20 +5,13 @@
 #include <numeric>
 #include <utility>
 
+#include "environment/geometry/interval.h"
+
 namespace espalier::environment {
 
 namespace {
 
 using core::Vec3;
-
-double component(const Vec3& v, int axis) {
-  return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
-}
-
-/// Distance of a coordinate from an interval.
-double outside(double value, double low, double high) {
-  return value < low ? low - value : value > high ? value - high : 0.0;
-}
 
 }  // namespace
 

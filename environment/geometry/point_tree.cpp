@@ -6,20 +6,13 @@
 #include <utility>
 
 #include "engine/core/check.h"
+#include "environment/geometry/interval.h"
 
 namespace espalier::environment {
 
 namespace {
 
 using core::Vec3;
-
-double component(const Vec3& v, int axis) {
-  return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
-}
-
-double outside(double value, double low, double high) {
-  return value < low ? low - value : value > high ? value - high : 0.0;
-}
 
 /// Squared distance of a box: rounded, too, never more than that of a point in it.
 double squaredDistance(const Vec3& p, const Vec3& low, const Vec3& high) {

@@ -7,23 +7,17 @@
 
 namespace espalier::environment {
 
-namespace {
-
-auto keyOf(const Sphere& s) {
-  return std::tuple(s.centre.x, s.centre.y, s.centre.z, s.radius);
-}
-
-}  // namespace
+namespace {}  // namespace
 
 DistinctSpheres distinctSpheres(const std::vector<Sphere>& given) {
   std::vector<std::uint32_t> order(given.size());
   std::iota(order.begin(), order.end(), 0U);
   std::sort(order.begin(), order.end(),
-            [&](std::uint32_t a, std::uint32_t b) { return keyOf(given[a]) < keyOf(given[b]); });
+            [&](std::uint32_t a, std::uint32_t b) { return orderKeyOf(given[a]) < orderKeyOf(given[b]); });
   DistinctSpheres distinct;
   distinct.indexOf.resize(given.size());
   for (const std::uint32_t i : order) {
-    if (distinct.spheres.empty() || keyOf(distinct.spheres.back()) != keyOf(given[i])) {
+    if (distinct.spheres.empty() || orderKeyOf(distinct.spheres.back()) != orderKeyOf(given[i])) {
       distinct.spheres.push_back(given[i]);
       distinct.count.push_back(0);
     }
@@ -74,7 +68,8 @@ void SphereTree::build(std::uint32_t index) {
   }
   const auto isBefore = [&](std::uint32_t a, std::uint32_t b) {
     const auto along = [&](const Sphere& s) { return axis == 0 ? s.centre.x : axis == 1 ? s.centre.y : s.centre.z; };
-    return std::tuple(along(spheres_[a]), keyOf(spheres_[a])) < std::tuple(along(spheres_[b]), keyOf(spheres_[b]));
+    return std::tuple(along(spheres_[a]), orderKeyOf(spheres_[a])) <
+           std::tuple(along(spheres_[b]), orderKeyOf(spheres_[b]));
   };
   if (node.end - node.begin <= kLeafSize) {
     std::sort(begin, end, isBefore);

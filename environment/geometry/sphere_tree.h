@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <tuple>
 #include <vector>
 
 #include "engine/core/vec3.h"
@@ -13,6 +14,11 @@ struct Sphere {
   core::Vec3 centre;
   double radius = 0.0;
 };
+
+/// What spheres are sorted by: x, y, z, radius.
+[[nodiscard]] inline auto orderKeyOf(const Sphere& s) {
+  return std::tuple(s.centre.x, s.centre.y, s.centre.z, s.radius);
+}
 
 /// Spheres each of which occurs once, with the number of times it was given: what makes products over them independent
 /// of the order in which they were given, and equal ones cost one.

@@ -5,13 +5,7 @@
 
 namespace espalier::environment {
 
-namespace {
-
-std::array<double, 3> componentsOf(const core::Vec3& v) {
-  return {v.x, v.y, v.z};
-}
-
-}  // namespace
+namespace {}  // namespace
 
 PublishedVoxels::PublishedVoxels(std::span<const Sphere> spheres, const std::array<std::size_t, 3>& size)
     : members_(size[0] * size[1] * size[2]), lastRay_(spheres.size(), 0) {

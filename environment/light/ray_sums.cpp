@@ -4,13 +4,7 @@
 
 namespace espalier::environment {
 
-namespace {
-
-auto keyOf(const Sphere& s) {
-  return std::tuple(s.centre.x, s.centre.y, s.centre.z, s.radius);
-}
-
-}  // namespace
+namespace {}  // namespace
 
 void RaySums::clear() {
   last_ = {};
@@ -24,10 +18,11 @@ std::optional<RaySums::Change> RaySums::changeTo(const DistinctSpheres& now) con
   std::size_t before = 0;
   std::size_t after = 0;
   while (before < last_.spheres.size() || after < now.spheres.size()) {
-    const bool isGone = after == now.spheres.size() ||
-                        (before < last_.spheres.size() && keyOf(last_.spheres[before]) < keyOf(now.spheres[after]));
-    const bool isNew =
-        !isGone && (before == last_.spheres.size() || keyOf(now.spheres[after]) < keyOf(last_.spheres[before]));
+    const bool isGone =
+        after == now.spheres.size() ||
+        (before < last_.spheres.size() && orderKeyOf(last_.spheres[before]) < orderKeyOf(now.spheres[after]));
+    const bool isNew = !isGone && (before == last_.spheres.size() ||
+                                   orderKeyOf(now.spheres[after]) < orderKeyOf(last_.spheres[before]));
     std::int64_t more = 0;
     if (!isNew) {
       more -= last_.count[before];

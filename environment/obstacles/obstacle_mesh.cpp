@@ -36,10 +36,6 @@ double angleAt(const Vec3& at, const Vec3& b, const Vec3& c) {
   return std::atan2(core::length(core::cross(u, v)), core::dot(u, v));
 }
 
-bool isFinite(const Vec3& v) {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
 }  // namespace
 
 std::variant<MeshData, std::string> readMesh(std::string_view name, const std::string& bytes) {

@@ -17,7 +17,7 @@ namespace {
 
 using turtle::Field;
 
-constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+constexpr std::string_view kBase64Digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 /// More cells than any field here has.
 constexpr std::size_t kMostCells = std::size_t{1} << 30;
 
@@ -47,7 +47,7 @@ std::string toBase64(std::string_view bytes) {
       group = (group << 8U) | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0U);
     }
     for (std::size_t k = 0; k < 4; ++k) {
-      text.push_back(i + k <= bytes.size() ? kDigits[(group >> (18U - 6U * k)) & 63U] : '=');
+      text.push_back(i + k <= bytes.size() ? kBase64Digits[(group >> (18U - 6U * k)) & 63U] : '=');
     }
   }
   return text;
@@ -63,7 +63,7 @@ std::optional<std::string> fromBase64(std::string_view text) {
     if (character == ' ' || character == '\n' || character == '\r' || character == '\t') {
       continue;
     }
-    const std::size_t digit = character == '=' ? 0 : kDigits.find(character);
+    const std::size_t digit = character == '=' ? 0 : kBase64Digits.find(character);
     if (digit == std::string_view::npos) {
       return std::nullopt;
     }

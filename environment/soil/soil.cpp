@@ -125,10 +125,6 @@ constexpr std::array kKeys{
                      .description = "uptake in string order, gradients, layers and diffusion as the published program"},
 };
 
-std::string countText(std::size_t count) {
-  return std::to_string(count);
-}
-
 constexpr std::array kFieldKeywords{
     FieldKeyword{.keyword = "domain size", .kind = FieldKind::Numbers, .key = "domainSize", .count = 3},
     FieldKeyword{.keyword = "position", .kind = FieldKind::Numbers, .key = "position", .count = 3},
@@ -420,14 +416,14 @@ std::string layOut(const ConfigurationRows& rows, std::string_view key, const st
     return {};
   }
   if (rows.size() != cells[1] * cells[2]) {
-    return "'" + std::string(key) + "' must have " + countText(cells[1] * cells[2]) + " rows, found " +
-           countText(rows.size());
+    return "'" + std::string(key) + "' must have " + std::to_string(cells[1] * cells[2]) + " rows, found " +
+           std::to_string(rows.size());
   }
   values.resize(cells[0] * cells[1] * cells[2]);
   for (std::size_t row = 0; row < rows.size(); ++row) {
     if (rows[row].size() != cells[0]) {
-      return "'" + std::string(key) + "[" + countText(row) + "]' must have " + countText(cells[0]) +
-             " numbers, found " + countText(rows[row].size());
+      return "'" + std::string(key) + "[" + std::to_string(row) + "]' must have " + std::to_string(cells[0]) +
+             " numbers, found " + std::to_string(rows[row].size());
     }
     const std::size_t slice = row / cells[1];
     const std::size_t y = cells[1] - 1 - row % cells[1];
@@ -483,23 +479,23 @@ ProcessOrErrors makeSoil(const Configuration& configuration) {
       shape.cells[axis] = static_cast<std::size_t>(configuration.numbers("gridSize")[axis]);
     }
   } else if (rows.size() % sliceCount != 0) {
-    return std::vector{errorOf("'concentration' has " + countText(rows.size()) + " rows, which are not " +
-                                   countText(sliceCount) + " slices of equal size",
+    return std::vector{errorOf("'concentration' has " + std::to_string(rows.size()) + " rows, which are not " +
+                                   std::to_string(sliceCount) + " slices of equal size",
                                "sliceCount: number of slices along z in the rows")};
   } else {
     shape.cells = {rows.front().size(), rows.size() / sliceCount, sliceCount};
   }
   const std::size_t cellCount = shape.cells[0] * shape.cells[1] * shape.cells[2];
   if (cellCount > kMaximumCellCount) {
-    return std::vector{errorOf(
-        "a field of " + countText(cellCount) + " cells is larger than " + countText(kMaximumCellCount) + " cells",
-        "use fewer cells along x, y or z")};
+    return std::vector{errorOf("a field of " + std::to_string(cellCount) + " cells is larger than " +
+                                   std::to_string(kMaximumCellCount) + " cells",
+                               "use fewer cells along x, y or z")};
   }
   if (configuration.numbers("layerThicknesses").size() != configuration.numbers("geotropicAngles").size()) {
-    return std::vector{errorOf("there are " + countText(configuration.numbers("layerThicknesses").size()) +
-                                   " layer thicknesses and " +
-                                   countText(configuration.numbers("geotropicAngles").size()) + " geotropic angles",
-                               "give one angle for each layer")};
+    return std::vector{errorOf(
+        "there are " + std::to_string(configuration.numbers("layerThicknesses").size()) + " layer thicknesses and " +
+            std::to_string(configuration.numbers("geotropicAngles").size()) + " geotropic angles",
+        "give one angle for each layer")};
   }
   const std::vector<double>& range = configuration.numbers("concentrationRange");
   if (!(range[0] < range[1])) {

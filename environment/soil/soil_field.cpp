@@ -9,10 +9,6 @@ namespace espalier::environment {
 
 namespace {
 
-std::array<double, 3> componentsOf(const core::Vec3& v) {
-  return {v.x, v.y, v.z};
-}
-
 constexpr std::size_t kCacheBytes = std::size_t{5} << 19;  // that the layers of several steps may fill
 
 /// Cells of a run: the old concentrations from `from`, the new ones to `to`.

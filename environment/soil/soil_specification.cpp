@@ -12,10 +12,6 @@ namespace espalier::environment {
 
 namespace {
 
-std::string countText(std::size_t count) {
-  return std::to_string(count);
-}
-
 /// The file that the first word of a line names, as an image.
 std::variant<Image, std::string> imageOf(const FieldLineInput& input, std::vector<std::string>& words) {
   words = readFieldWords(input.line.value);
@@ -39,7 +35,7 @@ std::variant<Image, std::string> imageOf(const FieldLineInput& input, std::vecto
 std::string readArray(const FieldLineInput& input) {
   const std::vector<double> head = readFieldNumbers(input.line.value);
   if (head.size() < 5) {
-    return "needs 5 numbers, columns, rows, slices, smallest and largest value, found " + countText(head.size());
+    return "needs 5 numbers, columns, rows, slices, smallest and largest value, found " + std::to_string(head.size());
   }
   for (std::size_t i = 0; i < 3; ++i) {
     if (!(head[i] >= 1.0 && head[i] <= 4096.0) || head[i] != std::floor(head[i])) {
@@ -54,8 +50,8 @@ std::string readArray(const FieldLineInput& input) {
     numbers.insert(numbers.end(), more.begin(), more.end());
   }
   if (numbers.size() < columns * rowCount) {
-    return "needs " + countText(columns * rowCount) + " concentrations on the lines below, found " +
-           countText(numbers.size());
+    return "needs " + std::to_string(columns * rowCount) + " concentrations on the lines below, found " +
+           std::to_string(numbers.size());
   }
   ConfigurationRows rows;
   for (std::size_t row = 0; row < rowCount; ++row) {

@@ -27,7 +27,7 @@ constexpr std::string_view kUnix = "unix:";
 constexpr std::uint64_t kMostRefused = 1'000;
 // how long the thread of the network looks for the next event before it sleeps: the answer of a small step, and what a
 // program asks after it, come sooner than a thread sleeps and is woken
-constexpr std::chrono::microseconds kAwhile{50};
+constexpr std::chrono::microseconds kLookTime{50};
 // how long events may wait for a step that was expected to be short
 constexpr std::chrono::microseconds kPatience{2'000};
 // handlers in turn before anything else is looked at
@@ -166,7 +166,7 @@ class Network::Implementation {
     if (isAnyHandled) {
       lastHandled_ = now;
     }
-    if (hasCores_ && now - lastHandled_ < kAwhile) {
+    if (hasCores_ && now - lastHandled_ < kLookTime) {
       if (!isMore) {
         std::this_thread::yield();
       }

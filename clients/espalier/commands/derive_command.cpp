@@ -31,13 +31,13 @@ struct RunFigures {
   double environmentMilliseconds = 0.0;
 };
 
-using Outcome = std::optional<core::SimulationError>;
+using Failure = std::optional<core::SimulationError>;
 
 // runs one part of a step and adds its wall time
 template <typename Part>
-Outcome timed(double& milliseconds, const Part& part) {
+Failure timed(double& milliseconds, const Part& part) {
   const auto start = std::chrono::steady_clock::now();
-  Outcome outcome = part();
+  Failure outcome = part();
   milliseconds += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   return outcome;
 }
@@ -59,9 +59,9 @@ void printStep(const simulation::Simulation& simulation) {
 
 // steps until the end, or to step `last`, printing what was asked for; the strings after the queries' answers belong to
 // the step before
-Outcome runAllSteps(simulation::Simulation& simulation, DeriveOptions& options, const FolderSettings& folder,
+Failure runAllSteps(simulation::Simulation& simulation, DeriveOptions& options, const FolderSettings& folder,
                     RunFigures& figures) {
-  if (Outcome failure = simulation.rewind()) {
+  if (Failure failure = simulation.rewind()) {
     return failure;
   }
   options.trace.begin(simulation);
@@ -73,13 +73,13 @@ Outcome runAllSteps(simulation::Simulation& simulation, DeriveOptions& options, 
     printStep(simulation);
   }
   while (!isOver(simulation, last)) {
-    if (Outcome failure = timed(figures.environmentMilliseconds, [&] { return simulation.answer(); })) {
+    if (Failure failure = timed(figures.environmentMilliseconds, [&] { return simulation.answer(); })) {
       return failure;
     }
     if (options.printsAnswered) {
       printStep(simulation);
     }
-    if (Outcome failure = timed(figures.derivationMilliseconds, [&] { return simulation.step(); })) {
+    if (Failure failure = timed(figures.derivationMilliseconds, [&] { return simulation.step(); })) {
       return failure;
     }
     options.trace.complete(simulation);
@@ -90,7 +90,7 @@ Outcome runAllSteps(simulation::Simulation& simulation, DeriveOptions& options, 
   }
   // with `environment display: before` the last string is answered too
   if (options.printsAnswered && simulation.program().view.hasEnvironmentDisplayBefore) {
-    if (Outcome failure = timed(figures.environmentMilliseconds, [&] { return simulation.answer(); })) {
+    if (Failure failure = timed(figures.environmentMilliseconds, [&] { return simulation.answer(); })) {
       return failure;
     }
     printStep(simulation);
@@ -124,7 +124,7 @@ int derive(DeriveOptions& options) {
                                     std::move(loaded->simulationOptions));
   const TimeLimit time(simulation, options.model.seconds());
   RunFigures figures;
-  const Outcome failure = runAllSteps(simulation, options, loaded->folder, figures);
+  const Failure failure = runAllSteps(simulation, options, loaded->folder, figures);
   if (failure) {
     printError(formatSimulationError(time.explained(*failure)));
   }

@@ -17,9 +17,9 @@ namespace {
 constexpr std::uint32_t kLayoutDraws = 3;
 constexpr double kJitter = 0.4;  // of a cell: a fifth of it stays between two trees
 
-class Draws {
+class LayoutDraws {
  public:
-  explicit Draws(std::uint64_t seed) : random_(seed, 0) {}
+  explicit LayoutDraws(std::uint64_t seed) : random_(seed, 0) {}
   double uniform() { return random_.uniform(core::DrawDomain::Environment, kLayoutDraws, draw_++, 0); }
   std::size_t below(std::size_t count) { return static_cast<std::size_t>(uniform() * static_cast<double>(count)); }
 
@@ -28,12 +28,12 @@ class Draws {
   std::uint64_t draw_ = 0;
 };
 
-TreePlace placeAt(double x, double z, Draws& draws) {
+TreePlace placeAt(double x, double z, LayoutDraws& draws) {
   return {.position = {x, 0.0, z}, .turnRadians = 2.0 * std::numbers::pi * draws.uniform(), .size = 1.0};
 }
 
 // anywhere in the disc that has the area of a square of that side
-TreePlace somewhere(double side, Draws& draws) {
+TreePlace somewhere(double side, LayoutDraws& draws) {
   const double radius = side * std::sqrt(draws.uniform() / std::numbers::pi);
   const double angle = 2.0 * std::numbers::pi * draws.uniform();
   return placeAt(radius * std::cos(angle), radius * std::sin(angle), draws);
@@ -41,7 +41,7 @@ TreePlace somewhere(double side, Draws& draws) {
 
 // a half more points than trees, so that the grid has glades, the nearest to the middle; each tree up to `jitter` cells
 // off its point
-std::vector<TreePlace> onGrid(std::size_t count, double distance, double jitter, Draws& draws) {
+std::vector<TreePlace> onGrid(std::size_t count, double distance, double jitter, LayoutDraws& draws) {
   const auto most = static_cast<std::size_t>(std::ceil(1.5 * static_cast<double>(count)));
   const auto side =
       static_cast<std::size_t>(std::ceil(2.0 * std::sqrt(static_cast<double>(most) / std::numbers::pi))) + 2;
@@ -68,7 +68,7 @@ std::vector<TreePlace> onGrid(std::size_t count, double distance, double jitter,
 
 // darts, of which those too near to another are thrown again; a tree has 2.2 squared distances on average, far from the
 // densest that darts reach (about 1.45)
-std::vector<TreePlace> asPoissonDisc(std::size_t count, double distance, Draws& draws) {
+std::vector<TreePlace> asPoissonDisc(std::size_t count, double distance, LayoutDraws& draws) {
   const double side = distance * std::sqrt(2.2 * static_cast<double>(count));
   const double cell = distance / std::numbers::sqrt2;
   std::unordered_map<std::int64_t, std::size_t> cells;  // one place at most in each
@@ -127,7 +127,7 @@ std::vector<bool> dominated(turtle::EnvironmentProcess& ecosystem, const std::ve
 }
 
 // four seedlings for each tree grow until as many are left as trees are wanted
-std::vector<TreePlace> byCompetition(std::size_t count, double distance, Draws& draws) {
+std::vector<TreePlace> byCompetition(std::size_t count, double distance, LayoutDraws& draws) {
   auto made = environment::makeProcess("ecosystem", "");
   ESPALIER_CHECK(std::holds_alternative<std::unique_ptr<turtle::EnvironmentProcess>>(made));
   turtle::EnvironmentProcess& ecosystem = *std::get<std::unique_ptr<turtle::EnvironmentProcess>>(made);
@@ -176,7 +176,7 @@ std::vector<TreePlace> byCompetition(std::size_t count, double distance, Draws& 
 }  // namespace
 
 std::vector<TreePlace> layoutForest(Spacing spacing, std::size_t count, double distance, std::uint64_t seed) {
-  Draws draws(seed);
+  LayoutDraws draws(seed);
   switch (spacing) {
     case Spacing::Grid:
       return onGrid(count, distance, 0.0, draws);

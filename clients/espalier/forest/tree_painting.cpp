@@ -49,9 +49,9 @@ constexpr double kLeafWidest = 0.55;
 // cosine of the bend from which two lines are one
 constexpr double kStraight = 1.0 - 1e-9;
 
-class Draws {
+class PaintingDraws {
  public:
-  Draws(std::uint64_t seed, std::uint32_t domain, std::uint64_t index)
+  PaintingDraws(std::uint64_t seed, std::uint32_t domain, std::uint64_t index)
       : random_(seed, 0), domain_(domain), index_(index) {}
 
   double uniform() { return random_.uniform(core::DrawDomain::Environment, domain_, index_, draw_++); }
@@ -76,7 +76,7 @@ ForestColours::ForestColours(std::uint64_t seed) {
   // turtle colour n is entry n of block 1
   auto& map = palette_.maps[1];
   palette_.maps[0].fill(kSky);
-  Draws draws(seed, kColourDraws, 0);
+  PaintingDraws draws(seed, kColourDraws, 0);
   const auto shade = [&](std::int32_t colour, const ColourRange& range) {
     const std::uint8_t red = draws.within(range.red);
     const std::uint8_t green = draws.within(range.green);
@@ -175,7 +175,7 @@ void setFrame(turtle::Segment& segment, const core::Vec3& direction) {
 }  // namespace
 
 turtle::Scene paintTree(const TreePoints& tree, std::uint64_t seed, std::uint32_t index) {
-  Draws draws(seed, kTreeDraws, index);
+  PaintingDraws draws(seed, kTreeDraws, index);
   const std::int32_t trunk = ForestColours::trunk(draws.below(ForestColours::kTrunkShades));
   const std::int32_t branch = ForestColours::branch(draws.below(ForestColours::kBranchShades));
   const int group = draws.below(ForestColours::kFlowerGroups);

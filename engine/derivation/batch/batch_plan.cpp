@@ -27,10 +27,6 @@ bool canBeNext(const std::vector<ContextElement>& context, core::ModuleTypeId ne
          context[0].module.type == neighbour;
 }
 
-bool hasCandidates(const language::ProductionList& list, core::ModuleTypeId type) {
-  return !list.index.empty() && list.maximumDepth > 0 && !list.index.candidates(type).empty();
-}
-
 bool isBatchProduction(const language::Program& program, const language::LSystem& system,
                        const Production& production) {
   if (production.predecessor.size() != 1 || !production.newLeftContext.empty() || !production.newRightContext.empty() ||
@@ -48,7 +44,7 @@ bool isBatchProduction(const language::Program& program, const language::LSystem
   }
   return std::none_of(
       production.successor.begin(), production.successor.end(),
-      [&](const language::SuccessorModule& module) { return hasCandidates(system.decomposition, module.type); });
+      [&](const language::SuccessorModule& module) { return system.decomposition.mayApplyTo(module.type); });
 }
 
 bool hasContexts(const Production& production) {
@@ -136,7 +132,7 @@ void BatchPlan::planType(const language::Program& program, const language::LSyst
     }
   }
   // what happens to an unmatched module is decided by the general way
-  if (isUnmatchedPossible && (hasCandidates(system.decomposition, type) || program.nameOf(type) == "%")) {
+  if (isUnmatchedPossible && (system.decomposition.mayApplyTo(type) || program.nameOf(type) == "%")) {
     return;
   }
   for (std::size_t i = 0; i < used; ++i) {

@@ -20,15 +20,15 @@ bool isDigit(char c) {
 }
 
 /// One conversion of the format.
-struct Conversion {
+struct ScanConversion {
   bool isStored = true;
   std::size_t width = std::numeric_limits<std::size_t>::max();
   char letter = 'g';
 };
 
 /// Reads what follows a `%`; `i` moves behind the letter. Nothing: the format ends before it.
-std::optional<Conversion> readConversion(std::string_view format, std::size_t& i) {
-  Conversion conversion;
+std::optional<ScanConversion> readConversion(std::string_view format, std::size_t& i) {
+  ScanConversion conversion;
   if (i < format.size() && format[i] == '*') {
     conversion.isStored = false;
     ++i;
@@ -101,7 +101,7 @@ std::optional<double> realNumber(std::string_view field, std::size_t& length) {
   return value;
 }
 
-std::optional<double> readNumber(std::string_view field, const Conversion& conversion, std::size_t& length) {
+std::optional<double> readNumber(std::string_view field, const ScanConversion& conversion, std::size_t& length) {
   switch (conversion.letter) {
     case 'd':
     case 'u':
@@ -153,7 +153,7 @@ int scanNumbers(std::string_view text, std::size_t& position, std::string_view f
       ++position;
       continue;
     }
-    const std::optional<Conversion> conversion = readConversion(format, i);
+    const std::optional<ScanConversion> conversion = readConversion(format, i);
     if (!conversion) {
       break;
     }

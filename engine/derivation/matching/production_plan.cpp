@@ -81,10 +81,6 @@ QuickValue makeQuickValue(const language::Program& program, const Expression& ex
   return value;
 }
 
-bool hasCandidates(const language::ProductionList& list, core::ModuleTypeId type) {
-  return !list.index.empty() && list.maximumDepth > 0 && !list.index.candidates(type).empty();
-}
-
 /// Whether only condition and weight decide, and nothing happens to the successor after it is made.
 bool isQuickProduction(const language::LSystem& system, const Production& production) {
   if (production.predecessor.size() != 1 || production.predecessor[0].firstSlot != 0 ||
@@ -94,7 +90,7 @@ bool isQuickProduction(const language::LSystem& system, const Production& produc
   }
   return std::none_of(
       production.successor.begin(), production.successor.end(),
-      [&](const language::SuccessorModule& module) { return hasCandidates(system.decomposition, module.type); });
+      [&](const language::SuccessorModule& module) { return system.decomposition.mayApplyTo(module.type); });
 }
 
 bool canDraw(const Expression& expression) {
@@ -203,7 +199,7 @@ void ProductionPlan::planType(const language::Program& program, const language::
   plan.arity = program.arity[type];
   const std::span<const std::uint32_t> candidates =
       system.productions.index.empty() ? std::span<const std::uint32_t>{} : system.productions.index.candidates(type);
-  const bool standsForItself = !hasCandidates(system.decomposition, type) && !isScanSymbol(program, type);
+  const bool standsForItself = !system.decomposition.mayApplyTo(type) && !isScanSymbol(program, type);
 
   // no production: the module is copied
   if (candidates.empty()) {

@@ -13,7 +13,6 @@ namespace {
 using core::Vec3;
 
 constexpr std::size_t kLeastPoints = 4;
-constexpr std::size_t kPatchPoints = 16;
 
 ParametricCurve::Kind kindOf(std::string_view name) {
   if (name == "bspline-endpoint") {
@@ -53,7 +52,8 @@ class CurveReader {
         return std::nullopt;
       }
     }
-    const std::size_t least = kind_ == ParametricCurve::Kind::BezierSurface ? kPatchPoints : kLeastPoints;
+    const std::size_t least =
+        kind_ == ParametricCurve::Kind::BezierSurface ? ParametricCurve::kPatchPoints : kLeastPoints;
     if (!expectedLines_ || readLines_ < *expectedLines_) {
       file_.warnExpected(cursor_, expectedLines_ ? std::to_string(*expectedLines_) + " points" : "'points:'", "a curve",
                          kConsequence);

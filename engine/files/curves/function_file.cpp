@@ -8,7 +8,7 @@
 namespace espalier::language {
 namespace {
 
-constexpr int kLeastPoints = 4;
+constexpr int kLeastControlPoints = 4;
 
 /// Reads one function of a file, line by line, and warns about the first thing that is wrong.
 class FunctionReader {
@@ -88,7 +88,7 @@ class FunctionReader {
       return fail(line, "'points:' with a count", context());
     }
     // the count of lines decides, multiplicities do not help
-    if (*count < kLeastPoints) {
+    if (*count < kLeastControlPoints) {
       file_.warn(line.rangeFrom(lineBegin), "a function needs at least 4 lines of points, " + context() + " has " +
                                                 std::to_string(*count) + "; it is 0 everywhere");
       return std::nullopt;
@@ -99,7 +99,7 @@ class FunctionReader {
         return std::nullopt;
       }
     }
-    if (points.size() < kLeastPoints) {
+    if (points.size() < kLeastControlPoints) {
       file_.warn(line.rangeFrom(lineBegin), context() + " has fewer than 4 points; it is 0 everywhere");
       return std::nullopt;
     }
@@ -167,7 +167,7 @@ SplineFunction namedByMacro(SplineFunction function) {
 }  // namespace
 
 SplineFunction zeroFunction() {
-  return SplineFunction({}, std::vector<std::array<double, 2>>(kLeastPoints), 0);
+  return SplineFunction({}, std::vector<std::array<double, 2>>(kLeastControlPoints), 0);
 }
 
 SplineFunction readFunctionFile(const DataFile& file, std::optional<int> sampleCount) {
@@ -197,7 +197,7 @@ std::vector<SplineFunction> readFunctionSet(const DataFile& file, core::Compatib
       break;
     }
     // also a function that turns out to be 0 takes memory
-    if (!file.spendPoints(kLeastPoints)) {
+    if (!file.spendPoints(kLeastControlPoints)) {
       file.warnExpected(cursor, "fewer points", "the files of one view file");
       break;
     }

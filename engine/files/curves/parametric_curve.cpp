@@ -13,7 +13,6 @@ using core::Vec3;
 
 // the raw parameter ends this share before the end, so that the last segment is never left
 constexpr double kEndCut = 1e-6;
-constexpr std::size_t kPatchPoints = 16;
 
 Vec3 mix(const std::vector<Vec3>& points, const BSplineWeights& spline) {
   Vec3 sum;

@@ -15,10 +15,6 @@ namespace {
 
 constexpr std::size_t kMostCorners = 10'000;  // of one face: cutting it takes their square
 
-bool isFinite(const core::Vec3& v) {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
 // the vector number `index` of an array of threes; nothing when there is none
 std::optional<core::Vec3> vectorAt(const std::vector<tinyobj::real_t>& numbers, int index) {
   if (index < 0 || 3 * static_cast<std::size_t>(index) + 2 >= numbers.size()) {

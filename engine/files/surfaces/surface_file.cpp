@@ -154,10 +154,6 @@ class LocalFrame {
   Vec3 heading_, left_, up_;
 };
 
-bool isFinite(const Vec3& v) {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
 /// Whether every neighbour exists and names the patch back.
 bool areNeighboursMutual(const DataFile& file, const std::vector<NamedPatch>& patches) {
   std::map<std::string_view, const NamedPatch*> byName;

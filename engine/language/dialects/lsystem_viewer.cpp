@@ -22,7 +22,7 @@ struct NamedColour {
 };
 
 // the thirteen names; their values are those of the web's colours, the publication does not give them
-constexpr std::array kColours = {
+constexpr std::array kNamedColours = {
     NamedColour{"red", {255, 0, 0}},
     NamedColour{"blue", {0, 0, 255}},
     NamedColour{"green", {0, 128, 0}},
@@ -38,7 +38,7 @@ constexpr std::array kColours = {
     NamedColour{"purple", {128, 0, 128}},
 };
 constexpr int kLineColour = 1;
-constexpr double kMostGenerations = 1e6;
+constexpr double kMostIterations = 1e6;
 
 struct Command {
   std::string name;  // in small letters
@@ -116,7 +116,7 @@ class LsystemViewerReader {
       return refuse("a number", "write it with a point, or as a fraction such as 1/3");
     }
     if (name == "generations") {
-      if (*number < 0.0 || *number != std::floor(*number) || *number > kMostGenerations) {
+      if (*number < 0.0 || *number != std::floor(*number) || *number > kMostIterations) {
         return refuse("a whole number from 0 to 1000000", "it says how often the axiom is rewritten");
       }
       model_.derivationLength = static_cast<std::uint64_t>(*number);
@@ -139,11 +139,11 @@ class LsystemViewerReader {
 
   void readColour(const Command& command) {
     const std::string name = lowered(command.value.text);
-    const auto found =
-        std::find_if(kColours.begin(), kColours.end(), [&](const NamedColour& colour) { return colour.name == name; });
-    if (found == kColours.end()) {
+    const auto found = std::find_if(kNamedColours.begin(), kNamedColours.end(),
+                                    [&](const NamedColour& colour) { return colour.name == name; });
+    if (found == kNamedColours.end()) {
       std::vector<std::string_view> names;
-      for (const NamedColour& colour : kColours) {
+      for (const NamedColour& colour : kNamedColours) {
         names.push_back(colour.name);
       }
       report_.error(command.value.offset, command.value.text.size(), "unknown color '" + name.substr(0, 40) + "'",
@@ -277,7 +277,7 @@ class LsystemViewerReader {
     model_.drawing.emplace_back("f --> f(" + length + ")", 0);
     silence(used_, "Ff+-", model_);
     model_.colour = kLineColour;
-    model_.palette.try_emplace(kLineColour, kColours.front().colour);
+    model_.palette.try_emplace(kLineColour, kNamedColours.front().colour);
     model_.palette[0] = {255, 255, 255};
     model_.lost.emplace_back("the color of the lines, which a colour map beside the model would have to hold");
   }

@@ -44,20 +44,20 @@ constexpr std::array kLabels = {
 constexpr std::array<std::string_view, 2> kSpecies{"Espécie ", "Species "};
 constexpr double kMostGenerations = 1000.0;
 
-struct Statement {
+struct SpeciesStatement {
   Label label = Label::Species;
   TextPiece value;
   TextPiece line;
 };
 
 // what a line with a label says; a line without one goes on with the rules before it
-std::optional<Statement> statementOf(const TextPiece& line) {
+std::optional<SpeciesStatement> statementOf(const TextPiece& line) {
   const TextPiece code = line.trimmed();
   for (const std::string_view word : kSpecies) {
     if (code.text.starts_with(word)) {
       TextPiece name = code.from(word.size()).trimmed();
       name = name.text.ends_with(':') ? name.to(name.text.size() - 1) : name;
-      return Statement{Label::Species, name, code};
+      return SpeciesStatement{Label::Species, name, code};
     }
   }
   const std::size_t colon = code.text.find(':');
@@ -66,7 +66,7 @@ std::optional<Statement> statementOf(const TextPiece& line) {
   }
   for (const LabelName& label : kLabels) {
     if (code.to(colon).trimmed().text == label.name) {
-      return Statement{label.label, code.from(colon + 1).trimmed(), code};
+      return SpeciesStatement{label.label, code.from(colon + 1).trimmed(), code};
     }
   }
   return std::nullopt;
@@ -87,7 +87,7 @@ class SpeciesReader {
     bool isInRules = false;
     for (const TextPiece& line : linesOf(text_)) {
       const TextPiece code = line.trimmed();
-      const std::optional<Statement> statement = statementOf(line);
+      const std::optional<SpeciesStatement> statement = statementOf(line);
       if (statement && statement->label == Label::Species) {
         isInside = entry.empty() || statement->value.text == entry;
         isInRules = false;
@@ -121,7 +121,7 @@ class SpeciesReader {
                   core::suggestName(word, names));
   }
 
-  void execute(const Statement& statement) {
+  void execute(const SpeciesStatement& statement) {
     const TextPiece& value = statement.value;
     switch (statement.label) {
       case Label::Variables:
@@ -356,7 +356,7 @@ bool recognisesSpecies(std::string_view text) {
   bool hasSpecies = false;
   bool hasRules = false;
   for (const TextPiece& line : linesOf(text)) {
-    if (const std::optional<Statement> statement = statementOf(line)) {
+    if (const std::optional<SpeciesStatement> statement = statementOf(line)) {
       hasSpecies = hasSpecies || statement->label == Label::Species;
       hasRules = hasRules || statement->label == Label::Rules;
     }
@@ -367,7 +367,7 @@ bool recognisesSpecies(std::string_view text) {
 std::vector<DialectEntry> speciesEntries(std::string_view text) {
   std::vector<DialectEntry> entries;
   for (const TextPiece& line : linesOf(text)) {
-    const std::optional<Statement> statement = statementOf(line);
+    const std::optional<SpeciesStatement> statement = statementOf(line);
     if (statement && statement->label == Label::Species) {
       entries.push_back({std::string(statement->value.text), statement->line.offset});
     }

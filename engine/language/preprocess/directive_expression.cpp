@@ -9,30 +9,30 @@
 namespace espalier::language {
 namespace {
 
-struct BinaryOperator {
+struct DirectiveOperator {
   std::string_view text;
   int precedence;
 };
 
 // longer spellings first
-constexpr std::array<BinaryOperator, 18> kOperators{{{"||", 1},
-                                                     {"&&", 2},
-                                                     {"==", 6},
-                                                     {"!=", 6},
-                                                     {"<=", 7},
-                                                     {">=", 7},
-                                                     {"<<", 8},
-                                                     {">>", 8},
-                                                     {"|", 3},
-                                                     {"^", 4},
-                                                     {"&", 5},
-                                                     {"<", 7},
-                                                     {">", 7},
-                                                     {"+", 9},
-                                                     {"-", 9},
-                                                     {"*", 10},
-                                                     {"/", 10},
-                                                     {"%", 10}}};
+constexpr std::array<DirectiveOperator, 18> kOperators{{{"||", 1},
+                                                        {"&&", 2},
+                                                        {"==", 6},
+                                                        {"!=", 6},
+                                                        {"<=", 7},
+                                                        {">=", 7},
+                                                        {"<<", 8},
+                                                        {">>", 8},
+                                                        {"|", 3},
+                                                        {"^", 4},
+                                                        {"&", 5},
+                                                        {"<", 7},
+                                                        {">", 7},
+                                                        {"+", 9},
+                                                        {"-", 9},
+                                                        {"*", 10},
+                                                        {"/", 10},
+                                                        {"%", 10}}};
 
 // two's complement arithmetic that cannot overflow
 std::int64_t wrap(std::uint64_t value) {
@@ -120,18 +120,19 @@ class Evaluator {
     return takesFirst ? first : second;
   }
 
-  const BinaryOperator* peekOperator() {
+  const DirectiveOperator* peekOperator() {
     skipBlanks();
     const std::string_view rest = text_.substr(position_);
-    const auto found = std::find_if(kOperators.begin(), kOperators.end(),
-                                    [&](const BinaryOperator& candidate) { return rest.starts_with(candidate.text); });
+    const auto found = std::find_if(kOperators.begin(), kOperators.end(), [&](const DirectiveOperator& candidate) {
+      return rest.starts_with(candidate.text);
+    });
     return found == kOperators.end() ? nullptr : &*found;
   }
 
   std::optional<std::int64_t> binary(int least) {
     auto left = unary();
     while (left.has_value()) {
-      const BinaryOperator* next = peekOperator();
+      const DirectiveOperator* next = peekOperator();
       if (next == nullptr || next->precedence < least) {
         return left;
       }

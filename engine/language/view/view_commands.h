@@ -18,6 +18,9 @@
 
 namespace espalier::language {
 
+/// What stands between the numbers of a command.
+inline constexpr std::string_view kNumberSeparators = " \t\r,:";
+
 /// What the commands of a view file read from and write to.
 struct ViewCommandContext {
   ViewLexer& lexer;

@@ -245,7 +245,7 @@ bool texture(Context& c) {
   return true;
 }
 
-constexpr std::array kCommands = {
+constexpr std::array kFileCommands = {
     ViewCommand{"contour:", contour},   ViewCommand{"surface:", surface},
     ViewCommand{"line:", surface},      ViewCommand{"tsurface:", triangleSurface},
     ViewCommand{"function:", function}, ViewCommand{"function set:", functionSet},
@@ -283,7 +283,7 @@ std::optional<DataFile> openFile(ViewCommandContext& c, core::SourceRange range,
 }
 
 std::span<const ViewCommand> fileCommands() {
-  return kCommands;
+  return kFileCommands;
 }
 
 void readNamedContours(ViewCommandContext& context) {

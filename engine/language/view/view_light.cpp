@@ -8,15 +8,13 @@
 namespace espalier::language {
 namespace {
 
-constexpr std::string_view kSeparators = " \t\r,:";
-
 bool isLetter(char c) {
   return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z');
 }
 
 /// The first letter of the next word, passed with the rest of the word; 0 when none is next.
 char takeKey(TextCursor& line) {
-  line.skip(kSeparators);
+  line.skip(kNumberSeparators);
   const char key = isLetter(line.peek()) ? line.peek() : '\0';
   while (isLetter(line.peek())) {
     line.setPosition(line.position() + 1);
@@ -75,7 +73,7 @@ void readLight(ViewCommandContext& context) {
   const core::SourceRange range = context.lexer.commandRange();
   Light light;
   TextCursor line = context.lexer.line();
-  for (line.skip(kSeparators); !line.atEnd(); line.skip(kSeparators)) {
+  for (line.skip(kNumberSeparators); !line.atEnd(); line.skip(kNumberSeparators)) {
     const std::string found = line.found();
     const char key = takeKey(line);
     const int count = argumentCount(key);
@@ -86,7 +84,7 @@ void readLight(ViewCommandContext& context) {
     }
     std::array<double, 5> numbers{};
     for (int i = 0; i < count; ++i) {
-      line.skip(kSeparators);
+      line.skip(kNumberSeparators);
       const std::optional<double> number = line.number();
       if (!number) {
         context.report.warn(range, "the light is dropped: expected " + std::to_string(count) + " numbers after '" +

@@ -8,13 +8,12 @@
 namespace espalier::language {
 namespace {
 
-constexpr std::string_view kSeparators = " \t\r,:";
 constexpr std::size_t kReferenceMovements = 10;
 
 /// Reads `count` numbers; false when there are fewer.
 bool readNumbers(TextCursor& line, double* numbers, int count) {
   for (int i = 0; i < count; ++i) {
-    line.skip(kSeparators);
+    line.skip(kNumberSeparators);
     const std::optional<double> number = line.number();
     if (!number) {
       return false;
@@ -38,7 +37,7 @@ void readMovement(ViewCommandContext& context, Movement::Kind kind) {
   double intensity = 0.0;
   bool hasIntensity = false;
   TextCursor line = context.lexer.line();
-  for (line.skip(kSeparators); !line.atEnd(); line.skip(kSeparators)) {
+  for (line.skip(kNumberSeparators); !line.atEnd(); line.skip(kNumberSeparators)) {
     const std::string found = line.found();
     const char key = line.peek();
     // the key is the first letter of a word; its numbers may follow without a blank

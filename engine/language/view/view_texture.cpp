@@ -12,7 +12,7 @@
 namespace espalier::language {
 namespace {
 
-constexpr std::string_view kSeparators = " \t\r:";
+constexpr std::string_view kTextureSeparators = " \t\r:";
 constexpr std::size_t kMostTextures = 20;
 constexpr std::array<std::string_view, 6> kMinifications{"n", "l", "mnn", "mln", "mnl", "mll"};
 
@@ -23,9 +23,9 @@ struct TextureLine {
 };
 
 std::string_view nextWord(TextCursor& line) {
-  line.skip(kSeparators);
+  line.skip(kTextureSeparators);
   const std::size_t begin = line.position();
-  while (!line.atEnd() && kSeparators.find(line.peek()) == std::string_view::npos) {
+  while (!line.atEnd() && kTextureSeparators.find(line.peek()) == std::string_view::npos) {
     line.setPosition(line.position() + 1);
   }
   return line.textBetween(begin, line.position());

@@ -388,7 +388,7 @@ bool rayshadeObjects(Context& c) {
   return passLine(c);
 }
 
-constexpr std::array kCommands = {
+constexpr std::array kValueCommands = {
     ViewCommand{"angle increment:", setNumber<&ViewSettings::angleIncrementDegrees>},
     ViewCommand{"angle factor:", angleFactor},
     ViewCommand{"initial line width:", initialLineWidth},
@@ -451,7 +451,7 @@ constexpr std::array kCommands = {
 }  // namespace
 
 std::span<const ViewCommand> valueCommands() {
-  return kCommands;
+  return kValueCommands;
 }
 
 }  // namespace espalier::language

@@ -3,6 +3,8 @@
 namespace espalier::turtle {
 namespace {
 
+using Role = InterpretationTables::Role;
+
 // what a module of the command adds at most
 std::uint8_t addedBy(TurtleCommand command) {
   using Tables = InterpretationTables;
@@ -23,8 +25,7 @@ std::uint8_t addedBy(TurtleCommand command) {
   }
 }
 
-InterpretationTables::Role roleFor(const language::Program& program, core::ModuleTypeId type, TurtleCommand command) {
-  using Role = InterpretationTables::Role;
+Role roleFor(const language::Program& program, core::ModuleTypeId type, TurtleCommand command) {
   if (type == program.openBranch) {
     return Role::OpenBranch;
   }

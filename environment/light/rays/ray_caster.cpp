@@ -15,10 +15,6 @@ using core::Vec3;
 
 namespace {
 
-std::array<double, 3> componentsOf(const Vec3& v) {
-  return {v.x, v.y, v.z};
-}
-
 RTCRay rayOf(const Vec3& origin, const Vec3& direction, double from, double to) {
   RTCRay ray{};
   ray.org_x = static_cast<float>(origin.x);

@@ -15,7 +15,7 @@ constexpr int kDirectionsOfAllTurns = 2048;  // more are not needed: a lattice o
 
 const double kGolden = (3.0 - std::sqrt(5.0)) / 2.0;  // part of the circle between one direction and the next
 
-double fraction(double x) {
+double fractionAboveFloor(double x) {
   return x - std::floor(x);
 }
 
@@ -24,7 +24,7 @@ double fraction(double x) {
 int strideFor(int turns) {
   int best = 0;
   for (int stride = 1; stride < turns; ++stride) {
-    const auto missed = [&](int s) { return std::abs(fraction((turns + s) * kGolden) - kGolden); };
+    const auto missed = [&](int s) { return std::abs(fractionAboveFloor((turns + s) * kGolden) - kGolden); };
     best = missed(stride) < missed(best) ? stride : best;
   }
   return best;
@@ -45,7 +45,7 @@ RayDirections::RayDirections(int count) {
         const int number = zone * turns + (turn + zone * stride) % turns;
         const double height = 1.0 - (2.0 * number + 1.0) / (size * turns);
         const double width = std::sqrt(1.0 - height * height);
-        const double angle = 2.0 * pi * fraction(number * kGolden);
+        const double angle = 2.0 * pi * fractionAboveFloor(number * kGolden);
         all_.push_back({width * std::cos(angle), height, width * std::sin(angle)});
       }
     }

@@ -18,10 +18,6 @@ constexpr std::size_t kMostStepsOfLine = 1U << 14U;
 constexpr std::int64_t kReach = 2;
 constexpr double kStep = 0.5;
 
-bool isFinite(const Vec3& place) {
-  return std::isfinite(place.x) && std::isfinite(place.y) && std::isfinite(place.z);
-}
-
 }  // namespace
 
 void TurbidMemory::clear() {

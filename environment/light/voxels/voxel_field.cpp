@@ -10,10 +10,6 @@ namespace {
 
 using core::Vec3;
 
-std::array<double, 3> componentsOf(const Vec3& v) {
-  return {v.x, v.y, v.z};
-}
-
 std::int64_t wrapped(std::int64_t value, std::int64_t count) {
   const std::int64_t rest = value % count;
   return rest < 0 ? rest + count : rest;

@@ -14,10 +14,6 @@ std::array<double, 3> toArray(const core::Vec3& v) {
   return {v.x, v.y, v.z};
 }
 
-core::Vec3 toVec3(const std::array<double, 3>& a) {
-  return {a[0], a[1], a[2]};
-}
-
 std::vector<protocol::VariableRecord> toVariables(const std::vector<turtle::EnvironmentVariable>& variables) {
   std::vector<protocol::VariableRecord> records;
   for (const auto& variable : variables) {
@@ -35,6 +31,10 @@ std::vector<turtle::EnvironmentVariable> fromVariables(const std::vector<protoco
 }
 
 }  // namespace
+
+core::Vec3 toVec3(const std::array<double, 3>& numbers) {
+  return {numbers[0], numbers[1], numbers[2]};
+}
 
 protocol::DiagnosticRecord toRecord(const core::Diagnostic& diagnostic) {
   protocol::DiagnosticRecord record;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -7,6 +8,7 @@
 
 #include "engine/core/diagnostic.h"
 #include "engine/core/simulation_error.h"
+#include "engine/core/vec3.h"
 #include "engine/language/program.h"
 #include "engine/simulation/simulation.h"
 #include "engine/turtle/environment_process.h"
@@ -20,6 +22,8 @@ struct Error;
 namespace espalier::server {
 
 // The only crossing between the protocol's structs and the engine's types.
+
+[[nodiscard]] core::Vec3 toVec3(const std::array<double, 3>& numbers);
 
 [[nodiscard]] protocol::DiagnosticRecord toRecord(const core::Diagnostic& diagnostic);
 [[nodiscard]] std::vector<protocol::DiagnosticRecord> toRecords(const std::vector<core::Diagnostic>& diagnostics);

@@ -34,7 +34,7 @@ std::vector<double> numbersFor(std::span<const double> numbers, std::size_t coun
 }
 
 /// What had to be converted for the wire.
-struct Converted {
+struct ConvertedQueries {
   std::vector<std::uint32_t> symbol, following;
 };
 
@@ -70,7 +70,7 @@ protocol::EnvironmentStepParams toStepParams(const std::string& simulation, cons
     }
     return static_cast<std::uint32_t>(symbols.size());
   };
-  auto converted = std::make_shared<Converted>();
+  auto converted = std::make_shared<ConvertedQueries>();
   if (queries.symbol.size() == count) {
     converted->symbol.reserve(count);
     for (const core::SymbolId symbol : queries.symbol) {

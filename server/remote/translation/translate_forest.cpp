@@ -8,10 +8,6 @@
 namespace espalier::server {
 namespace {
 
-core::Vec3 toVec3(const std::array<double, 3>& a) {
-  return {a[0], a[1], a[2]};
-}
-
 // the turtle's frame turned by the shortest way to the heading, then about it
 core::Frame frameOf(const protocol::PlantParams& plant) {
   core::Frame frame;

@@ -24,7 +24,7 @@ std::vector<core::Vec3> vectorsOf(std::span<const double> numbers) {
 }
 
 /// What had to be converted for the wire, and the geometry that the rest refers to.
-struct Converted {
+struct ConvertedGeometry {
   std::shared_ptr<const turtle::Geometry> geometry;
   turtle::GeometryDifference difference;
   std::vector<std::uint32_t> segmentRuns, organRuns;
@@ -149,7 +149,7 @@ std::vector<core::SymbolId> idsOf(const std::vector<std::string>& names, std::ve
 
 protocol::GeometryColumns toColumns(std::shared_ptr<const turtle::Geometry> geometry, const turtle::Geometry* before,
                                     const std::vector<std::string>& symbols) {
-  auto converted = std::make_shared<Converted>();
+  auto converted = std::make_shared<ConvertedGeometry>();
   protocol::GeometryColumns columns;
   columns.isDifference = before != nullptr;
   converted->geometry = std::move(geometry);

@@ -60,6 +60,7 @@ void appendSurface(Mesh& mesh, const SurfaceInstance& instance, const language::
 void appendSphere(Mesh& mesh, const core::Vec3& centre, double diameter, int rings, int sides);
 
 /// A disc in the plane of H and L.
+inline constexpr int kDiscSides = 24;  // of the discs in pictures
 void appendDisc(Mesh& mesh, const Ball& ball, int sides);
 
 /// One ring of a tube: `sides + 1` vertices centre + cos(k) up + sin(k) side, the last at the place of the first (the

@@ -15,7 +15,6 @@ using core::Vec3;
 namespace {
 
 constexpr double kThinnestLine = 0.5;  // page units
-constexpr int kDiscSides = 24;
 constexpr Colour kShade{22, 26, 30};
 constexpr Colour kShine{255, 255, 250};
 

@@ -17,7 +17,6 @@ using core::Vec3;
 
 namespace {
 
-constexpr int kDiscSides = 24;
 constexpr int kLeastTubeSides = 12;
 constexpr int kMostTubeSides = 64;
 constexpr double kSharpestJoint = -0.7;  // cosine of the largest turn that two pieces of a line can share a ring at

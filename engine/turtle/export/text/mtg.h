@@ -10,6 +10,11 @@
 
 namespace espalier::turtle {
 
+/// Whether a class of an MTG may contain the character: A to Z and a to z.
+[[nodiscard]] constexpr bool isLetter(char c) {
+  return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z');
+}
+
 /// Writes a multiscale tree graph (Godin & Caraglio 1998) in the text form FORM-A of AMAPmod and OpenAlea: plants at
 /// scale 1, at scale 2 an entity for every module whose symbol begins with a letter, joined by `<` along an axis and by
 /// `+` to a branch. Features of an entity: `Text`, the string from the entity before it to this one without brackets,

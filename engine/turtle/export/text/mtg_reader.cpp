@@ -16,13 +16,9 @@ namespace espalier::turtle {
 
 namespace {
 
-constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+constexpr std::size_t kNoVertex = std::numeric_limits<std::size_t>::max();
 constexpr std::uint64_t kLongestSeries = 1'000'000;
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-
-bool isLetter(char c) {
-  return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z');
-}
 
 std::string_view trimmed(std::string_view text) {
   while (!text.empty() && (text.back() == ' ' || text.back() == '\t' || text.back() == '\r')) {
@@ -63,11 +59,11 @@ std::vector<std::string_view> wordsOf(std::string_view line) {
 struct Vertex {
   std::string entityClass;
   int scale = 0;
-  char edge = '/';              // to the parent: < or +; / for the first of its complex
-  std::size_t parent = kNone;   // at the same scale
-  std::size_t complex = kNone;  // the entity of the next coarser scale that it is a part of
-  std::size_t origin = kNone;   // the entity of a finer scale that it grows on, where the file says
-  std::size_t firstPart = kNone;
+  char edge = '/';                  // to the parent: < or +; / for the first of its complex
+  std::size_t parent = kNoVertex;   // at the same scale
+  std::size_t complex = kNoVertex;  // the entity of the next coarser scale that it is a part of
+  std::size_t origin = kNoVertex;   // the entity of a finer scale that it grows on, where the file says
+  std::size_t firstPart = kNoVertex;
   std::uint64_t index = 0;  // behind the class; 0: none
   std::optional<std::string> text;
   std::vector<double> numbers;  // of the numeric features in the order of the columns, kUnknown where there is none
@@ -106,7 +102,7 @@ class MtgReader {
   std::map<std::string, int> scales_;      // by class
   std::map<std::string, bool> isNumeric_;  // by feature
   std::vector<std::string> features_;      // by column from featureColumn_
-  std::size_t featureColumn_ = kNone;
+  std::size_t featureColumn_ = kNoVertex;
   std::vector<Vertex> vertices_;
   std::map<std::string, std::vector<std::size_t>> parameters_;  // by class: which numbers of a vertex
   int coarsest_ = std::numeric_limits<int>::max();              // scale above 0 so far
@@ -130,24 +126,24 @@ std::string unescaped(std::string_view text) {
 }
 
 std::size_t MtgReader::ancestorAt(std::size_t vertex, int scale) const {
-  while (vertex != kNone && vertices_[vertex].scale > scale) {
+  while (vertex != kNoVertex && vertices_[vertex].scale > scale) {
     vertex = vertices_[vertex].complex;
   }
-  return vertex != kNone && vertices_[vertex].scale == scale ? vertex : kNone;
+  return vertex != kNoVertex && vertices_[vertex].scale == scale ? vertex : kNoVertex;
 }
 
 // where the axis of a vertex's parts of a finer scale ends
 std::size_t MtgReader::endOf(std::size_t vertex, int scale) const {
   std::size_t at = vertex;
-  while (at != kNone && vertices_[at].scale < scale) {
+  while (at != kNoVertex && vertices_[at].scale < scale) {
     at = vertices_[at].firstPart;
   }
-  if (at == kNone || vertices_[at].scale != scale) {
-    return kNone;
+  if (at == kNoVertex || vertices_[at].scale != scale) {
+    return kNoVertex;
   }
-  for (std::size_t next = at; next != kNone;) {
+  for (std::size_t next = at; next != kNoVertex;) {
     at = next;
-    next = kNone;
+    next = kNoVertex;
     for (const std::size_t child : vertices_[at].children) {
       if (vertices_[child].edge == '<' && ancestorAt(child, vertices_[vertex].scale) == vertex) {
         next = child;
@@ -192,20 +188,20 @@ std::string MtgReader::readLabel(std::string_view& code, Vertex& vertex) const {
 void MtgReader::joinPart(Vertex& vertex, std::size_t base) const {
   // scales may be left out
   vertex.complex = base;
-  while (vertex.complex != kNone && vertices_[vertex.complex].scale >= vertex.scale) {
+  while (vertex.complex != kNoVertex && vertices_[vertex.complex].scale >= vertex.scale) {
     vertex.complex = vertices_[vertex.complex].complex;
   }
-  if (vertex.complex == kNone || vertices_[vertex.complex].firstPart != kNone) {
+  if (vertex.complex == kNoVertex || vertices_[vertex.complex].firstPart != kNoVertex) {
     return;
   }
   const Vertex& complex = vertices_[vertex.complex];
-  if (complex.origin != kNone && vertices_[complex.origin].scale >= vertex.scale) {
+  if (complex.origin != kNoVertex && vertices_[complex.origin].scale >= vertex.scale) {
     vertex.parent = ancestorAt(complex.origin, vertex.scale);
-    vertex.origin = vertices_[complex.origin].scale > vertex.scale ? complex.origin : kNone;
-  } else if (complex.parent != kNone) {
+    vertex.origin = vertices_[complex.origin].scale > vertex.scale ? complex.origin : kNoVertex;
+  } else if (complex.parent != kNoVertex) {
     vertex.parent = endOf(complex.parent, vertex.scale);
   }
-  vertex.edge = vertex.parent != kNone ? complex.edge : vertex.edge;
+  vertex.edge = vertex.parent != kNoVertex ? complex.edge : vertex.edge;
 }
 
 std::string MtgReader::join(Vertex& vertex, std::size_t base) const {
@@ -213,21 +209,21 @@ std::string MtgReader::join(Vertex& vertex, std::size_t base) const {
     joinPart(vertex, base);
     return {};
   }
-  if (base == kNone) {
+  if (base == kNoVertex) {
     return problem(std::string("'") + vertex.edge + vertex.entityClass + "' joins nothing");
   }
   const int baseScale = vertices_[base].scale;
   vertex.parent = baseScale >= vertex.scale ? ancestorAt(base, vertex.scale) : endOf(base, vertex.scale);
   // some programs write the first part of an entity as if it grew on it
-  if (vertex.parent == kNone && baseScale < vertex.scale) {
+  if (vertex.parent == kNoVertex && baseScale < vertex.scale) {
     vertex.edge = '/';
     joinPart(vertex, base);
     return {};
   }
-  if (vertex.parent == kNone) {
+  if (vertex.parent == kNoVertex) {
     return problem(std::string("'") + vertex.edge + vertex.entityClass + "' joins nothing of its scale");
   }
-  vertex.origin = baseScale > vertex.scale ? base : kNone;
+  vertex.origin = baseScale > vertex.scale ? base : kNoVertex;
   vertex.complex = vertices_[vertex.parent].complex;
   return {};
 }
@@ -236,7 +232,7 @@ std::string MtgReader::join(Vertex& vertex, std::size_t base) const {
 std::string MtgReader::addSeries(const Vertex& last, std::size_t& base) {
   const std::string name = last.entityClass + std::to_string(last.index);
   const std::string signs(2, last.edge);
-  if (base == kNone || vertices_[base].entityClass != last.entityClass || vertices_[base].index >= last.index) {
+  if (base == kNoVertex || vertices_[base].entityClass != last.entityClass || vertices_[base].index >= last.index) {
     return problem("'" + signs + name + "' continues no entity of its class with a smaller number");
   }
   if (last.index - vertices_[base].index > kLongestSeries) {
@@ -255,20 +251,20 @@ std::string MtgReader::addSeries(const Vertex& last, std::size_t& base) {
 
 void MtgReader::add(Vertex vertex) {
   coarsest_ = vertex.scale > 0 ? std::min(coarsest_, vertex.scale) : coarsest_;
-  if (vertex.parent != kNone) {
+  if (vertex.parent != kNoVertex) {
     vertices_[vertex.parent].children.push_back(vertices_.size());
   }
-  if (vertex.complex != kNone && vertices_[vertex.complex].firstPart == kNone) {
+  if (vertex.complex != kNoVertex && vertices_[vertex.complex].firstPart == kNoVertex) {
     vertices_[vertex.complex].firstPart = vertices_.size();
   }
   vertices_.push_back(std::move(vertex));
 }
 
 std::string MtgReader::readCode(std::string_view code, std::size_t column) {
-  std::size_t base = column > 0 && column - 1 < lastOfColumn_.size() ? lastOfColumn_[column - 1] : kNone;
+  std::size_t base = column > 0 && column - 1 < lastOfColumn_.size() ? lastOfColumn_[column - 1] : kNoVertex;
   if (code.starts_with('^')) {
-    base = column < lastOfColumn_.size() ? lastOfColumn_[column] : kNone;
-    if (base == kNone) {
+    base = column < lastOfColumn_.size() ? lastOfColumn_[column] : kNoVertex;
+    if (base == kNoVertex) {
       return problem("'^' follows no entity of its column");
     }
     code.remove_prefix(1);
@@ -292,7 +288,7 @@ std::string MtgReader::readCode(std::string_view code, std::size_t column) {
       continue;
     }
     // in the first column only plants begin without `^`: anything finer goes on with the column, as older files have it
-    const bool goesOn = base == kNone && column == 0 && !lastOfColumn_.empty() && lastOfColumn_[0] != kNone;
+    const bool goesOn = base == kNoVertex && column == 0 && !lastOfColumn_.empty() && lastOfColumn_[0] != kNoVertex;
     if (goesOn && vertex.scale > coarsest_) {
       base = lastOfColumn_[0];
     }
@@ -302,7 +298,7 @@ std::string MtgReader::readCode(std::string_view code, std::size_t column) {
     base = vertices_.size();
     add(std::move(vertex));
   }
-  lastOfColumn_.resize(column + 1, kNone);
+  lastOfColumn_.resize(column + 1, kNoVertex);
   lastOfColumn_[column] = base;
   return {};
 }
@@ -330,10 +326,10 @@ std::string MtgReader::readGraphLine(std::string_view line) {
     // ENTITY-CODE, then the features in the columns that their values have
     hasHeader_ = true;
     for (std::size_t i = 1; i < columns.size(); ++i) {
-      if (featureColumn_ == kNone && !columns[i].empty()) {
+      if (featureColumn_ == kNoVertex && !columns[i].empty()) {
         featureColumn_ = i;
       }
-      if (featureColumn_ != kNone) {
+      if (featureColumn_ != kNoVertex) {
         features_.emplace_back(columns[i]);
       }
     }
@@ -348,7 +344,7 @@ std::string MtgReader::readGraphLine(std::string_view line) {
   }
   // the last entity of its column, observed once more
   if (columns[column] == "*") {
-    if (column >= lastOfColumn_.size() || lastOfColumn_[column] == kNone) {
+    if (column >= lastOfColumn_.size() || lastOfColumn_[column] == kNoVertex) {
       return problem("'*' follows no entity of its column");
     }
     readFeatures(columns, vertices_[lastOfColumn_[column]]);
@@ -439,7 +435,7 @@ void MtgReader::appendModule(std::string& text, const Vertex& vertex) const {
 
 // a branch that ends, or an entity with what grows on it
 void MtgReader::appendTree(std::string& text, std::size_t root) const {
-  constexpr std::size_t kClose = kNone;
+  constexpr std::size_t kClose = kNoVertex;
   std::vector<std::size_t> waiting{root};
   while (!waiting.empty()) {
     const std::size_t at = waiting.back();
@@ -481,7 +477,7 @@ MtgStrings MtgReader::strings() const {
   std::set<std::string> classes;
   for (std::size_t i = 0; i < vertices_.size(); ++i) {
     const Vertex& vertex = vertices_[i];
-    if (vertex.scale == finest && vertex.parent == kNone) {
+    if (vertex.scale == finest && vertex.parent == kNoVertex) {
       const std::size_t plant = coarsest_ >= finest ? 0 : ancestorAt(i, coarsest_);
       appendTree(byPlant[plant], i);
     }

@@ -14,10 +14,6 @@ namespace espalier::turtle {
 
 namespace {
 
-bool isLetter(char c) {
-  return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z');
-}
-
 bool isEntity(std::string_view symbol) {
   return !symbol.empty() && isLetter(symbol.front());
 }

@@ -1,0 +1,1 @@
+// Compiled with the header that all test programs share; holds nothing of its own.
