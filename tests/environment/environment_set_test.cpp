@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/turtle/scene/geometry.h"
-#include "query_builder.h"
+#include "tests/environment/query_builder.h"
 
 namespace espalier::environment {
 namespace {

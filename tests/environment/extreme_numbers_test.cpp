@@ -6,8 +6,8 @@
 #include <limits>
 #include <random>
 
-#include "candidates.h"
-#include "query_builder.h"
+#include "tests/environment/candidates.h"
+#include "tests/environment/query_builder.h"
 
 namespace espalier::environment {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "engine/turtle/scene/geometry.h"
-#include "query_builder.h"
+#include "tests/environment/query_builder.h"
 
 namespace espalier::environment {
 namespace {

@@ -7,8 +7,8 @@
 #include <numeric>
 #include <random>
 
-#include "candidates.h"
-#include "query_builder.h"
+#include "tests/environment/candidates.h"
+#include "tests/environment/query_builder.h"
 
 namespace espalier::environment {
 namespace {

@@ -7,7 +7,7 @@
 #include "server/remote/hosting/environment_dialogue.h"
 #include "server/server_core.h"
 #include "server/session/session.h"
-#include "server_fixture.h"
+#include "tests/server/server_fixture.h"
 
 // the errors that only a bug or a moment brings about; the others are tested where they arise
 namespace espalier::server {

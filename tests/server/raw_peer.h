@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "server/remote/processes/line_channel.h"
-#include "server_fixture.h"
+#include "tests/server/server_fixture.h"
 
 namespace espalier::server {
 

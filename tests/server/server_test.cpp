@@ -5,8 +5,8 @@
 
 #include <filesystem>
 
-#include "raw_peer.h"
 #include "server/store/store.h"
+#include "tests/server/raw_peer.h"
 
 namespace espalier::server {
 namespace {

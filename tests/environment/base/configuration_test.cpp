@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "query_builder.h"
+#include "tests/environment/query_builder.h"
 
 namespace espalier::environment {
 namespace {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "query_builder.h"
+#include "tests/environment/query_builder.h"
 
 namespace espalier::environment {
 namespace {

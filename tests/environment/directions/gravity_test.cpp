@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "query_builder.h"
+#include "tests/environment/query_builder.h"
 
 namespace espalier::environment {
 namespace {

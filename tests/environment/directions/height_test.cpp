@@ -2,7 +2,7 @@
 
 #include "engine/language/compiler.h"
 #include "engine/simulation/simulation.h"
-#include "query_builder.h"
+#include "tests/environment/query_builder.h"
 
 namespace espalier::environment {
 namespace {

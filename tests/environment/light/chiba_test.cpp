@@ -6,7 +6,7 @@
 #include <random>
 
 #include "environment/light/light_directions.h"
-#include "query_builder.h"
+#include "tests/environment/query_builder.h"
 
 namespace espalier::environment {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-#include "query_builder.h"
+#include "tests/environment/query_builder.h"
 
 namespace espalier::environment {
 namespace {

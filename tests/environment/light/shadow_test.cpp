@@ -5,7 +5,7 @@
 #include <numeric>
 #include <random>
 
-#include "query_builder.h"
+#include "tests/environment/query_builder.h"
 
 namespace espalier::environment {
 namespace {

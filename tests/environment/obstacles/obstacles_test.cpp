@@ -9,7 +9,7 @@
 #include "engine/turtle/scene/geometry.h"
 #include "environment/geometry/shapes.h"
 #include "environment/obstacles/mesh_embedding.h"
-#include "query_builder.h"
+#include "tests/environment/query_builder.h"
 
 namespace espalier::environment {
 namespace {

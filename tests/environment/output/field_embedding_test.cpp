@@ -6,7 +6,7 @@
 
 #include "engine/core/streams.h"
 #include "environment/output/field_output.h"
-#include "query_builder.h"
+#include "tests/environment/query_builder.h"
 
 namespace espalier::environment {
 namespace {

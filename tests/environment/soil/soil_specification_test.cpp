@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/core/streams.h"
-#include "query_builder.h"
+#include "tests/environment/query_builder.h"
 
 namespace espalier::environment {
 namespace {

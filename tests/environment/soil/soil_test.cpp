@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "environment/soil/soil_field.h"
-#include "query_builder.h"
+#include "tests/environment/query_builder.h"
 
 namespace espalier::environment {
 namespace {

@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "server_fixture.h"
+#include "tests/server/server_fixture.h"
 
 namespace espalier::server {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <string>
 
-#include "raw_peer.h"
-#include "server_fixture.h"
+#include "tests/server/raw_peer.h"
+#include "tests/server/server_fixture.h"
 
 namespace espalier::server {
 namespace {

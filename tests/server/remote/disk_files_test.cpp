@@ -4,7 +4,7 @@
 
 #include <fstream>
 
-#include "server_fixture.h"
+#include "tests/server/server_fixture.h"
 
 namespace espalier::server {
 namespace {

@@ -3,8 +3,8 @@
 #include <filesystem>
 
 #include "engine/simulation/trace.h"
-#include "raw_peer.h"
 #include "server/remote/trace_file.h"
+#include "tests/server/raw_peer.h"
 
 namespace espalier::server {
 namespace {

@@ -7,8 +7,8 @@
 
 #include "environment/registry.h"
 #include "protocol/codec.h"
-#include "raw_peer.h"
 #include "server/remote/remote_environment.h"
+#include "tests/server/raw_peer.h"
 
 namespace espalier::server {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "server_fixture.h"
+#include "tests/server/server_fixture.h"
 
 namespace espalier::server {
 namespace {

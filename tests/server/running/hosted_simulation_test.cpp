@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server_fixture.h"
+#include "tests/server/server_fixture.h"
 
 namespace espalier::server {
 namespace {

@@ -1,6 +1,6 @@
 #include "server/running/simulation_runner.h"
 
-#include "server_fixture.h"
+#include "tests/server/server_fixture.h"
 
 namespace espalier::server {
 namespace {

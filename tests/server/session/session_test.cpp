@@ -6,8 +6,8 @@
 #include "engine/simulation/trace.h"
 #include "protocol/base64.h"
 #include "protocol/codec.h"
-#include "raw_peer.h"
 #include "server/remote/trace_file.h"
+#include "tests/server/raw_peer.h"
 
 namespace espalier::server {
 namespace {

@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "server/store/compression.h"
-#include "server_fixture.h"
+#include "tests/server/server_fixture.h"
 
 namespace espalier::server {
 namespace {

@@ -1,6 +1,6 @@
 #include "server/stream/stream.h"
 
-#include "raw_peer.h"
+#include "tests/server/raw_peer.h"
 
 namespace espalier::server {
 namespace {

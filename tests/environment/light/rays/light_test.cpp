@@ -6,7 +6,7 @@
 #include "engine/turtle/field.h"
 #include "engine/turtle/scene/geometry.h"
 #include "environment/light/sun_position.h"
-#include "query_builder.h"
+#include "tests/environment/query_builder.h"
 
 namespace espalier::environment {
 namespace {

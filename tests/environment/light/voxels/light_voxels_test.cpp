@@ -5,7 +5,7 @@
 #include <random>
 
 #include "engine/turtle/field.h"
-#include "query_builder.h"
+#include "tests/environment/query_builder.h"
 
 namespace espalier::environment {
 namespace {

@@ -1,6 +1,6 @@
 #include "server/remote/hosting/dial_bridge.h"
 
-#include "server_fixture.h"
+#include "tests/server/server_fixture.h"
 
 namespace espalier::server {
 namespace {

@@ -7,9 +7,9 @@
 #include "engine/simulation/simulation.h"
 #include "engine/turtle/scene/geometry.h"
 #include "environment/registry.h"
-#include "raw_peer.h"
 #include "server/remote/hosting/environment_dialogue.h"
 #include "server/remote/remote_environment.h"
+#include "tests/server/raw_peer.h"
 #include "tests/support/places.h"
 
 namespace espalier::server {
