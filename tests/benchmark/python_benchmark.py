@@ -13,6 +13,8 @@ import time
 from pathlib import Path
 from typing import Any, Dict, List, Sequence
 
+import results_page
+
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "clients" / "python"))
 
 from espalier import Columns, Environment, Query, Simulation, local, wire  # noqa: E402
@@ -93,6 +95,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument("--espalier", required=True, help="the program")
     parser.add_argument("--json", type=Path, help="file that receives the figures")
+    parser.add_argument("--results", help="page that receives a table behind those of run_benchmarks.py")
     options = parser.parse_args()
     figures: Dict[str, Dict[str, float]] = {}
     if numpy is not None:
@@ -107,6 +110,12 @@ def main() -> int:
     found = figures["stream/turtle"] = stream(options.espalier)
     print(f"turtle stream of {found['modules']:,.0f} modules ({found['MB']:.0f} MB in single precision): {found['ms']:.0f} ms a frame, "
           f"{found['modules/s'] / MILLION:.1f} M modules/s, {found['objects']:.0f} Python objects a frame")
+    if options.results:
+        rows = [["the Python package", "queries or modules", "M a second"]]
+        for name, found in figures.items():
+            rows.append([name, f"{found.get('queries', found['modules']):,.0f}",
+                         f"{found.get('queries/s', found.get('modules/s', 0.0)) / MILLION:.2f}"])
+        results_page.append_table(options.results, "The Python package", rows)
     if options.json:
         options.json.write_text(json.dumps(figures, indent=1) + "\n", encoding="utf-8")
     return 0

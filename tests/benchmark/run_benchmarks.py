@@ -12,6 +12,8 @@ import subprocess
 import sys
 import time
 
+import results_page
+
 MILLION = 1e6
 
 # benchmark, counter, what it counts, target, figure of the reference program: README.md says where they are from
@@ -49,10 +51,11 @@ OTHER_COLUMNS = (
 )
 
 
-def print_table(title: str, rows: list[list[str]]) -> None:
+def print_table(title: str, rows: list[list[str]], page: results_page.Page) -> None:
     """The first row holds the titles; columns that no row fills are left out."""
     if len(rows) < 2:
         return
+    page.add_table(title, rows)
     used = [i for i in range(len(rows[0])) if any(row[i] for row in rows[1:])]
     widths = {i: max(len(row[i]) for row in rows) for i in used}
     print(f"\n{title}")
@@ -249,6 +252,7 @@ def main() -> int:
     parser.add_argument("--models", required=True, help="folder of the models")
     parser.add_argument("--json", required=True, help="file that receives all figures")
     parser.add_argument("--baseline", help="JSON of an earlier run: adds the column `x baseline`, above 1 is faster now")
+    parser.add_argument("--results", help="page that receives the tables")
     parser.add_argument("names", nargs="*", help="only benchmarks whose name contains one of these")
     options = parser.parse_args()
 
@@ -273,20 +277,23 @@ def main() -> int:
     failed = {name: entry for name, entry in entries.items() if entry.get("error_occurred")}
     entries = {name: entry for name, entry in entries.items() if name not in failed}
 
+    page = results_page.Page(options.espalier)
     commands = time_commands(options.espalier, options.models, entries)
-    print_table("Targets, one core", target_rows(entries, baseline, commands))
+    print_table("Targets, one core", target_rows(entries, baseline, commands), page)
     if not options.names or "derive" in options.names:
-        print_table("Start-up, the process from start to end", start_up_rows(options.espalier, options.models))
-    print_table("Memory, one core", memory_rows(entries))
-    print_table("Two threads over one", thread_rows(entries))
-    print_table("A server in another process", server_rows(entries))
-    print_table("Viewers: what changed, and the whole", stream_rows(entries))
+        print_table("Start-up, the process from start to end", start_up_rows(options.espalier, options.models), page)
+    print_table("Memory, one core", memory_rows(entries), page)
+    print_table("Two threads over one", thread_rows(entries), page)
+    print_table("A server in another process", server_rows(entries), page)
+    print_table("Viewers: what changed, and the whole", stream_rows(entries), page)
     print_table("No cliff: small strings, many productions and parameters, nesting, contexts",
-                cliff_rows(entries, baseline))
-    print_table("Fields, beside plain copies of as many bytes", field_rows(entries))
-    print_table("Work proportional to what changed", change_rows(entries))
-    print_table("Everything else", other_rows(entries, baseline))
-    print_table("Growth with the number of queries", growth_rows(entries))
+                cliff_rows(entries, baseline), page)
+    print_table("Fields, beside plain copies of as many bytes", field_rows(entries), page)
+    print_table("Work proportional to what changed", change_rows(entries), page)
+    print_table("Everything else", other_rows(entries, baseline), page)
+    print_table("Growth with the number of queries", growth_rows(entries), page)
+    if options.results:
+        page.write(options.results)
     for name, entry in failed.items():
         print(f"{name} failed: {entry['error_message']}")
     return 1 if failed else 0

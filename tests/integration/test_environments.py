@@ -106,7 +106,7 @@ class Transports(unittest.TestCase):
         stem = self.write("stem.l", "Lsystem: 1\nderivation length: 9\nAxiom: A?E(1)\n"
                                     "A > ?E(x) : x > 0 --> FA\nendlsystem\n")
         done = espalier("derive", stem, "--quiet", "--environment", stdio(python(EXAMPLES / "ceiling.py")))
-        self.assertEqual(done.stdout.strip(), "FFFA?E(0)")
+        self.assertEqual(done.stdout.strip(), "FFFFFFA?E(0)")
 
 
 # grows like honda, and ends without a word in the middle of the step it is told

@@ -75,9 +75,11 @@ class Examples(unittest.TestCase):
             script.write_text(lines, encoding="utf-8")
             arguments = (shlex.split(command.replace("clients/python/examples/ceiling.py", str(script))
                                      .replace("python3", sys.executable).replace("clients/gallery", str(GALLERY))
-                                     .replace("tree.svg", f"{folder}/tree.svg")))
-            espalier(*arguments[1:])
-            self.assertIn("<svg", (Path(folder) / "tree.svg").read_text(encoding="utf-8"))
+                                     .replace("tree.png", f"{folder}/tree.png")))
+            done = espalier(*arguments[1:])
+            self.assertEqual((Path(folder) / "tree.png").read_bytes()[:8], b"\x89PNG\r\n\x1a\n")
+            # a tree, not a stump
+            self.assertGreater(int(done.stderr.split(", ")[-1].split()[0]), 10_000)
 
     def test_shade_thins_the_light_tree(self) -> None:
         def buds(*arguments: str) -> int:

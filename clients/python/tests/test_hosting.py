@@ -408,8 +408,8 @@ class Programs(unittest.TestCase):
     def test_answers_over_standard_input_and_output(self) -> None:
         requests = [wire.request(1, "environment.open", {"simulation": "s"}),
                     wire.request(2, "environment.step", {"simulation": "s", "step": 0, "queries": [
-                        {"id": 0, "symbol": "E", "position": [0.0, 2.9, 0.0]},
-                        {"id": 1, "symbol": "E", "position": [0.0, 3.0, 0.0]}]})]
+                        {"id": 0, "symbol": "E", "position": [0.0, 5.9, 0.0]},
+                        {"id": 1, "symbol": "E", "position": [0.0, 6.0, 0.0]}]})]
         done = subprocess.run(self.command, input=b"".join(map(wire.encode, requests)), stdout=subprocess.PIPE,
                               env=self.variables, timeout=60, check=True)
         answers = [json.loads(line) for line in done.stdout.splitlines()]

@@ -1,0 +1,238 @@
+"""The pages of the repository: links, anchors, citations, lengths, and the facts that a program can check."""
+
+import os
+import re
+import subprocess
+import sys
+import unittest
+from pathlib import Path
+from typing import Dict, Iterator, List, Tuple
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tests" / "support"))
+
+import generated_pages  # noqa: E402
+
+SKIPPED_FOLDERS = {".git", "build", "out", "node_modules", "__pycache__", ".setup", ".mypy_cache"}
+TEXT_SUFFIXES = {".md", ".h", ".cpp", ".c", ".py", ".txt", ".cmake", ".js", ".ts", ".R", ".def", ".json", ".html", ".l", ""}
+LONGEST_README = 120
+# the wire specification, pages of models, and the recorded suite may be longer
+LONG_READMES = ("protocol/", "clients/gallery/", "tests/conformance/")
+# pages that readers of the repository do not have
+FOREIGN_PAGES = re.compile(r"\b(?:LANGUAGE|ENVIRONMENTS|FIDELITY|DIALECTS|PANELS|USERS)\b(?!_)|\b(?:FILES|PROTOCOL|STYLE|ARCHITECTURE) §"
+                           r"|\bSTYLE\.md\b|\bPROTOCOL\.md\b|\bFILES\.md\b")
+# what other changes on their way bring; empty when they are here
+UNFINISHED_PAGES = {"docs/environments.md", "docs/library.md", "tests/benchmark/RESULTS.md"}
+UNFINISHED_FOLDERS = ("engine/", "environment/", "server/", "clients/", "tests/engine/")
+SHARED_FOLDER = re.compile(r"\.\./shared\b")
+
+
+def program() -> str:
+    return os.environ.get("ESPALIER_PROGRAM", str(ROOT / "build" / "release" / "bin" / "espalier"))
+
+
+def files() -> Iterator[Path]:
+    for folder, folders, names in os.walk(ROOT):
+        folders[:] = [name for name in folders if name not in SKIPPED_FOLDERS]
+        for name in names:
+            yield Path(folder) / name
+
+
+def pages() -> List[Path]:
+    return sorted(path for path in files() if path.suffix == ".md")
+
+
+def relative(path: Path) -> str:
+    return path.relative_to(ROOT).as_posix()
+
+
+def read(path: Path) -> str:
+    return path.read_text(encoding="utf-8", errors="replace")
+
+
+def without_code(text: str) -> str:
+    """Fenced blocks and code spans hold no links."""
+    text = re.sub(r"^```.*?^```", "", text, flags=re.MULTILINE | re.DOTALL)
+    return re.sub(r"``[^\n]*?``|`[^`\n]*`", "", text)
+
+
+def headings(text: str) -> List[str]:
+    text = re.sub(r"^```.*?^```", "", text, flags=re.MULTILINE | re.DOTALL)
+    return [match.strip() for match in re.findall(r"^#{1,6} +(.+)$", text, re.MULTILINE)]
+
+
+def anchor(heading: str) -> str:
+    """As GitHub makes it."""
+    plain = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", heading).lower()
+    return re.sub(r"[^\w\- ]", "", plain).replace(" ", "-")
+
+
+def anchors(text: str) -> List[str]:
+    found: Dict[str, int] = {}
+    result = []
+    for heading in headings(text):
+        slug = anchor(heading)
+        count = found.get(slug, 0)
+        found[slug] = count + 1
+        result.append(slug if count == 0 else f"{slug}-{count}")
+    return result
+
+
+def links(text: str) -> List[str]:
+    plain = without_code(text)
+    targets = re.findall(r"\]\(([^)\s]+)\)", plain) + re.findall(r'\b(?:src|href)="([^"]+)"', plain)
+    return [target for target in targets if not re.match(r"[a-z]+:", target)]
+
+
+def broken_links(page: Path, text: str) -> List[str]:
+    breaches = []
+    for target in links(text):
+        name, _, fragment = target.partition("#")
+        path = (page.parent / name) if name else page
+        if os.path.relpath(path, ROOT) in UNFINISHED_PAGES and not path.exists():
+            continue
+        if not path.exists():
+            breaches.append(f"{relative(page)}: no such file: {target}")
+        elif fragment and (path.suffix != ".md" or fragment not in anchors(read(path))):
+            breaches.append(f"{relative(page)}: no such section: {target}")
+    return breaches
+
+
+CITATION = re.compile(r"\b((?:[\w-]+/)*[\w-]+\.md), (\d+(?:\.\d+)*)")
+
+
+def broken_citations(name: str, text: str, base: Path) -> List[str]:
+    """`docs/language.md, 1.5` in any file, and `language.md, 1.5` in a page beside it."""
+    breaches = []
+    for page, section in CITATION.findall(text):
+        path = next((place / page for place in (ROOT, base) if (place / page).exists()), None)
+        if path is None and any(page.split("/")[-1] == name.split("/")[-1] for name in UNFINISHED_PAGES):
+            continue
+        if path is None:
+            breaches.append(f"{name}: cites {page}, which does not exist")
+        elif not any(re.match(rf"{re.escape(section)}(?![\d])\.?", heading) for heading in headings(read(path))):
+            breaches.append(f"{name}: {page} has no section {section}")
+    return breaches
+
+
+def source_texts() -> Iterator[Tuple[Path, str]]:
+    for path in files():
+        if path.suffix in TEXT_SUFFIXES and path != Path(__file__).resolve() and path.stat().st_size < 1_000_000:
+            yield path, read(path)
+
+
+class Pages(unittest.TestCase):
+    maxDiff = None
+
+    def test_every_link_leads_somewhere(self) -> None:
+        self.assertGreater(len(pages()), 40)
+        self.assertEqual([breach for page in pages() for breach in broken_links(page, read(page))], [])
+
+    def test_every_citation_of_a_section_leads_to_it(self) -> None:
+        self.assertEqual([breach for path, text in source_texts()
+                          for breach in broken_citations(relative(path), text, path.parent)], [])
+
+    def test_nothing_cites_a_page_that_is_not_in_the_repository(self) -> None:
+        breaches = []
+        for path, text in source_texts():
+            # the tests look for validation data that may not be published
+            is_exempt = relative(path).startswith(("tests/conformance/cases/", *UNFINISHED_FOLDERS)) or path.name == "package-lock.json"
+            for pattern in (FOREIGN_PAGES, SHARED_FOLDER):
+                if is_exempt or (pattern is SHARED_FOLDER and relative(path).startswith("tests/")):
+                    continue
+                for match in pattern.finditer(text):
+                    line = text.count("\n", 0, match.start()) + 1
+                    breaches.append(f"{relative(path)}:{line}: {match.group()}")
+        self.assertEqual(breaches, [])
+
+    def test_readmes_are_short(self) -> None:
+        lengths = {relative(page): read(page).count("\n") for page in pages()
+                   if page.name == "README.md" and not relative(page).startswith((*LONG_READMES, *UNFINISHED_FOLDERS))}
+        self.assertEqual({name: length for name, length in lengths.items() if length > LONGEST_README}, {})
+
+    def test_every_library_folder_has_a_readme(self) -> None:
+        libraries = [path.parent for path in files()
+                     if path.name == "CMakeLists.txt" and path.parent != ROOT and "tests" not in path.relative_to(ROOT).parts]
+        self.assertGreater(len(libraries), 10)
+        # an example is described by its library's page
+        without = [relative(folder) for folder in libraries
+                   if folder.name != "example" and not (folder / "README.md").exists()
+                   and relative(folder) not in ("engine", "server/remote")]
+        self.assertEqual(without, [])
+
+
+class Rules(unittest.TestCase):
+    """The rules see what they are there for."""
+
+    def test_a_broken_link_is_seen(self) -> None:
+        page = ROOT / "README.md"
+        self.assertEqual(len(broken_links(page, "[a](nothing.md) [b](docs/language.md#nowhere) [c](CHANGELOG.md)")), 2)
+        self.assertEqual(broken_links(page, "`[a](nothing.md)` [b](docs/language.md#2-turtle-interpretation)"), [])
+
+    def test_a_broken_citation_is_seen(self) -> None:
+        self.assertEqual(broken_citations("x", "docs/language.md, 1.5; docs/model-files.md, 4.3", ROOT), [])
+        self.assertEqual(len(broken_citations("x", "docs/language.md, 7.5; docs/nothing.md, 1", ROOT)), 2)
+
+    def test_foreign_pages_are_seen(self) -> None:
+        for text in ("LANG" "UAGE §1.3", "LANG" "UAGE: modes", "FIL" "ES §4"):
+            self.assertIsNotNone(FOREIGN_PAGES.search(text))
+        for text in ("project(a LANG" "UAGES CXX)", "FIL" "ES_MATCHING", "docs/language.md, 1.3"):
+            self.assertIsNone(FOREIGN_PAGES.search(text))
+
+    def test_anchors_are_those_of_github(self) -> None:
+        self.assertEqual(anchor("4.3 `tropism:` and `torque:`"), "43-tropism-and-torque")
+
+
+class Facts(unittest.TestCase):
+    maxDiff = None
+
+    def test_the_table_of_limits_is_the_program_s(self) -> None:
+        page = read(generated_pages.PAGE)
+        self.assertEqual(page, generated_pages.with_limits(page, generated_pages.limits_table(program())),
+                         "run ./dev pages")
+
+    def test_no_page_contradicts_a_limit(self) -> None:
+        """As in: the limit `outboxBytes` (256 MB)."""
+        limits = generated_pages.limits_of_server(program())
+        factors = {"": 1, "KB": 1_000, "MB": 1_000_000, "GB": 1_000_000_000}
+        breaches = []
+        for page in pages():
+            for name, number, unit in re.findall(r"`(\w+)` \((\d[\d,]*) ?(KB|MB|GB|)\)", read(page)):
+                stated = int(number.replace(",", "")) * factors[unit]
+                if name in limits and int(limits[name][0]) != stated:
+                    breaches.append(f"{relative(page)}: {name} is {limits[name][0]}, not {stated}")
+        self.assertEqual(breaches, [])
+
+    def test_the_page_names_every_metric(self) -> None:
+        metrics = set(re.findall(r'"(espalier_\w+)"', read(ROOT / "server" / "metrics.cpp")))
+        self.assertGreater(len(metrics), 10)
+        self.assertEqual(metrics, set(re.findall(r"`(espalier_\w+)`", read(generated_pages.PAGE))))
+
+    def test_one_version_everywhere(self) -> None:
+        version = re.search(r"project\(Espalier VERSION ([\d.]+)", read(ROOT / "CMakeLists.txt"))
+        assert version is not None
+        said = subprocess.run([program(), "--version"], capture_output=True, text=True, check=True).stdout.split()[-1]
+        found = {"espalier --version": said}
+        for name, pattern in (("protocol/version.h", r'kProgramVersion = "([^"]+)"'),
+                              ("clients/python/espalier/version.py", r'VERSION = "([^"]+)"'),
+                              ("clients/python/pyproject.toml", r'^version = "([^"]+)"'),
+                              ("CHANGELOG.md", r"^## (\d[\d.]*)")):
+            match = re.search(pattern, read(ROOT / name), re.MULTILINE)
+            found[name] = match.group(1) if match else "none"
+        found.update({"clients/cpp/client.h": other for other in re.findall(r'"(\d+\.\d+\.\d+)"', read(ROOT / "clients/cpp/client.h"))})
+        self.assertEqual({name: other for name, other in found.items() if other != version.group(1)}, {})
+
+    def test_the_newest_version_of_the_changelog_is_dated(self) -> None:
+        self.assertRegex(read(ROOT / "CHANGELOG.md"), r"(?m)^## \d[\d.]* \(\d{4}-\d{2}-\d{2}\)")
+
+    def test_dev_help_names_every_stage_that_the_page_names(self) -> None:
+        said = subprocess.run([str(ROOT / "dev"), "help"], capture_output=True, text=True, check=True).stdout
+        stages = re.search(r"--all STAGE.*?stages?: ([\w, \n]+?)\.", said, re.DOTALL)
+        assert stages is not None, "./dev help lists no stages"
+        named = set(re.findall(r"\w+", stages.group(1)))
+        page = set(re.findall(r"^\| `(\w+)` \|", read(ROOT / "tests" / "README.md").split("## Stages")[1], re.MULTILINE))
+        self.assertEqual(named, page)
+
+
+if __name__ == "__main__":
+    unittest.main()

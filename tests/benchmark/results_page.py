@@ -1,0 +1,63 @@
+"""Writes tests/benchmark/RESULTS.md: the machine, the date, the version, and the tables of a whole run."""
+
+import datetime
+import os
+import platform
+import re
+import subprocess
+from pathlib import Path
+
+HEAD = """# Benchmark results
+
+`./dev bench` writes this page; do not edit it. A ratio of one run counts, an absolute time does not: [README.md](README.md) says what
+each benchmark times and what the columns compare.
+
+"""
+
+
+def first_match(pattern: str, file: str) -> str:
+    try:
+        found = re.search(pattern, Path(file).read_text(encoding="utf-8"), re.MULTILINE)
+    except OSError:
+        return "unknown"
+    return found.group(1).strip() if found else "unknown"
+
+
+def machine() -> list[list[str]]:
+    memory = first_match(r"^MemTotal: +(\d+)", "/proc/meminfo")
+    processor = first_match(r"^model name\s*: (.+)$", "/proc/cpuinfo")
+    system = first_match(r'^PRETTY_NAME="(.+)"', "/etc/os-release")
+    load = os.getloadavg()[0]
+    return [["", ""],
+            ["date", datetime.date.today().isoformat()],
+            ["processor", f"{processor}, {len(os.sched_getaffinity(0))} cores"],
+            ["memory", f"{int(memory) / 1e6:.0f} GB" if memory.isdigit() else memory],
+            ["system", f"{system}, {platform.libc_ver()[0]} {platform.libc_ver()[1]}"],
+            ["load when the tables were made", f"{load:.1f}" + (" (not idle: compare ratios only)" if load > 2.0 else "")]]
+
+
+def table(rows: list[list[str]]) -> str:
+    """As Markdown, without the columns that no row fills."""
+    used = [i for i in range(len(rows[0])) if any(row[i] for row in rows[1:])]
+    lines = ["| " + " | ".join(row[i] for i in used) + " |" for row in rows]
+    lines.insert(1, "|" + "|".join("---" if i == used[0] else "---:" for i in used) + "|")
+    return "\n".join(lines) + "\n"
+
+
+class Page:
+    """Collects tables and writes them as one page."""
+
+    def __init__(self, espalier: str) -> None:
+        version = subprocess.run([espalier, "--version"], capture_output=True, text=True, check=True).stdout.strip()
+        self.parts = [HEAD + table([*machine(), ["version", version]])]
+
+    def add_table(self, title: str, rows: list[list[str]]) -> None:
+        self.parts.append(f"## {title}\n\n{table(rows)}")
+
+    def write(self, file: str) -> None:
+        Path(file).write_text("\n".join(self.parts), encoding="utf-8")
+
+
+def append_table(file: str, title: str, rows: list[list[str]]) -> None:
+    with open(file, "a", encoding="utf-8") as page:
+        page.write(f"\n## {title}\n\n{table(rows)}")
