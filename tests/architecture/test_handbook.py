@@ -136,7 +136,7 @@ class Pages(unittest.TestCase):
         breaches = []
         for path, text in source_texts():
             # the tests look for validation data that may not be published
-            is_exempt = relative(path).startswith(("tests/conformance/cases/", *UNFINISHED_FOLDERS)) or path.name == "package-lock.json"
+            is_exempt = relative(path).startswith(UNFINISHED_FOLDERS)
             for pattern in (FOREIGN_PAGES, SHARED_FOLDER):
                 if is_exempt or (pattern is SHARED_FOLDER and relative(path).startswith("tests/")):
                     continue
@@ -224,6 +224,12 @@ class Facts(unittest.TestCase):
 
     def test_the_newest_version_of_the_changelog_is_dated(self) -> None:
         self.assertRegex(read(ROOT / "CHANGELOG.md"), r"(?m)^## \d[\d.]* \(\d{4}-\d{2}-\d{2}\)")
+
+    def test_the_page_of_integration_tests_names_each(self) -> None:
+        folder = ROOT / "tests" / "integration"
+        page = read(folder / "README.md")
+        self.assertEqual([path.name for path in sorted(folder.glob("*test*")) if path.suffix in (".py", ".cpp")
+                          and f"`{path.name}`" not in page], [])
 
     def test_dev_help_names_every_stage_that_the_page_names(self) -> None:
         said = subprocess.run([str(ROOT / "dev"), "help"], capture_output=True, text=True, check=True).stdout
