@@ -4,6 +4,7 @@ import os
 import re
 import subprocess
 import sys
+import tempfile
 import unittest
 from pathlib import Path
 from typing import Dict, Iterator, List, Tuple
@@ -224,6 +225,19 @@ class Facts(unittest.TestCase):
 
     def test_the_newest_version_of_the_changelog_is_dated(self) -> None:
         self.assertRegex(read(ROOT / "CHANGELOG.md"), r"(?m)^## \d[\d.]* \(\d{4}-\d{2}-\d{2}\)")
+
+    def test_the_models_of_the_handbook_are_models(self) -> None:
+        checked = 0
+        for page in sorted((ROOT / "docs").glob("*.md")):
+            for block in re.findall(r"^```\n(.*?)^```", read(page), re.MULTILINE | re.DOTALL):
+                if re.match(r"(Lsystem|Module|Syntax):", block):
+                    with tempfile.TemporaryDirectory() as folder:
+                        model = Path(folder) / "model.l"
+                        model.write_text(block, encoding="utf-8")
+                        done = subprocess.run([program(), "check", str(model)], capture_output=True, text=True, check=False)
+                    self.assertEqual((done.returncode, done.stderr), (0, ""), f"{relative(page)}: {block}")
+                    checked += 1
+        self.assertGreater(checked, 0)
 
     def test_the_page_of_integration_tests_names_each(self) -> None:
         folder = ROOT / "tests" / "integration"
