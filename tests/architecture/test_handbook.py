@@ -151,6 +151,11 @@ class Pages(unittest.TestCase):
                    if page.name == "README.md" and not relative(page).startswith((*LONG_READMES, *UNFINISHED_FOLDERS))}
         self.assertEqual({name: length for name, length in lengths.items() if length > LONGEST_README}, {})
 
+    def test_the_handbook_s_index_names_every_page(self) -> None:
+        index = links(read(ROOT / "docs" / "README.md"))
+        self.assertEqual([page.name for page in sorted((ROOT / "docs").glob("*.md"))
+                          if page.name != "README.md" and page.name not in index], [])
+
     def test_every_library_folder_has_a_readme(self) -> None:
         libraries = [path.parent for path in files()
                      if path.name == "CMakeLists.txt" and path.parent != ROOT and "tests" not in path.relative_to(ROOT).parts]
@@ -244,6 +249,13 @@ class Facts(unittest.TestCase):
         page = read(folder / "README.md")
         self.assertEqual([path.name for path in sorted(folder.glob("*test*")) if path.suffix in (".py", ".cpp")
                           and f"`{path.name}`" not in page], [])
+
+    def test_the_page_for_contributors_names_every_verb(self) -> None:
+        said = subprocess.run([str(ROOT / "dev"), "help"], capture_output=True, text=True, check=True).stdout
+        verbs = re.findall(r"^  ([a-z]+)  ", said.split("Environment variables")[0], re.MULTILINE)
+        self.assertGreater(len(verbs), 10)
+        table = read(ROOT / "CONTRIBUTING.md")
+        self.assertEqual([verb for verb in verbs if not re.search(rf"^\|.*`{verb}[` ]", table, re.MULTILINE)], [])
 
     def test_dev_help_names_every_stage_that_the_page_names(self) -> None:
         said = subprocess.run([str(ROOT / "dev"), "help"], capture_output=True, text=True, check=True).stdout
