@@ -50,7 +50,7 @@ class Viewing(unittest.TestCase):
     def test_says_what_is_missing(self) -> None:
         with self.assertRaisesRegex(EspalierError, "at least one frame"):
             View([])
-        with mock.patch.object(viewing, "SCRIPTS", (Path("nowhere.js"),)), self.assertRaisesRegex(EspalierError, "install the package"):
+        with mock.patch.object(viewing, "SCRIPTS", (Path("nowhere.js"),)), self.assertRaisesRegex(EspalierError, "install Node.js 18 or newer.*install the package again"):
             View([b"glTF"]).html()
 
 

@@ -4,10 +4,11 @@ from .asynchronous import AsyncClient, AsyncSimulation, AsyncStream
 from .breeding import BredPlant, serve_fitness
 from .client import Client, Simulation, Stream
 from .shapes import Frame, Model, StepResult, TurtleRecord
-from .environment import Answer, Columns, Environment, Following, Opening, Query, Variable
+from .environment import Environment
 from .errors import ConnectionLost, EspalierError, ProtocolError, ServerError, ServerFailed
 from .geometry import Geometry
 from .local_server import Local, local
+from .queries import Answer, Columns, Following, Opening, Query, Variable
 from .server import Server
 from .viewing import View
 from .version import VERSION as __version__

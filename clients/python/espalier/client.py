@@ -13,16 +13,15 @@ from __future__ import annotations
 
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, Callable, Dict, Iterator, List, Mapping, Optional, Sequence, Type, Union
+from typing import Any, Callable, Dict, Iterator, List, Mapping, Optional, Sequence, Type, Union
 
 from . import requests, wire
+from .connecting import connect
 from .errors import ConnectionLost, EspalierError
 from .hosting import hello_parameters
 from .requests import Inbox, NewModule, Process, Request, Result, result_of
 from .shapes import Frame, Model, StepResult, TurtleRecord, Vector, step_of
-
-if TYPE_CHECKING:
-    from .viewing import View
+from .viewing import View, geometry_of
 
 
 class Client:
@@ -37,7 +36,7 @@ class Client:
                  timeout: Optional[float] = None, connect_timeout: float = 10.0) -> None:
         """Connects to HOST:PORT, tls://HOST:PORT, unix:PATH, ws://HOST:PORT or wss://HOST:PORT and says hello. `timeout`
         (seconds, None: none) bounds the wait for each answer."""
-        self._attach(wire.connect(address, connect_timeout), name, token, timeout)
+        self._attach(connect(address, connect_timeout), name, token, timeout)
 
     @classmethod
     def over(cls, channel: wire.Channel, *, name: str = "python", token: Optional[str] = None,
@@ -387,11 +386,9 @@ class Simulation:
         """Removes the simulation from the server."""
         self._do(requests.delete(self.identifier))
 
-    def view(self, snapshots: Optional[Sequence[bytes]] = None, *, height: int = 480) -> "View":
+    def view(self, snapshots: Optional[Sequence[bytes]] = None, *, height: int = 480) -> View:
         """The plant in a page, which a notebook shows: as it is now, or one frame for each of `snapshots` (what save()
         returned), which the program `espalier` on this machine draws. `height` is that of the notebook's cell, in pixels."""
-        from .viewing import View, geometry_of
-
         frames = [self.geometry()] if snapshots is None else geometry_of(snapshots)
         return View(frames, str(self.created.get("name", "Espalier")), height)
 

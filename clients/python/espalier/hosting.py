@@ -1,4 +1,4 @@
-"""Runs an Environment class as a program: over a connection to a server, for servers that connect, or over pipes."""
+"""Runs an environment as a program: over a connection to a server, for servers that connect, or over pipes."""
 
 from __future__ import annotations
 
@@ -18,9 +18,11 @@ from typing import Any, Dict, List, Optional, Sequence, Tuple, Type
 
 from . import wire
 from .blocks import Blocks, numpy
-from .environment import Answer, Columns, Environment, Query, read_columns, read_opening, read_query
+from .connecting import connect
+from .environment_process import EnvironmentProcess
 from .errors import ConnectionLost, EspalierError, ProtocolError, ServerError
 from .geometry import NAMES, Geometry, read_geometry
+from .queries import Answer, Columns, Query, read_columns, read_opening, read_query
 from .version import VERSION
 
 PROTOCOL = 1
@@ -47,7 +49,7 @@ class _Refusal(Exception):
 class _Simulation:
     """The environment's object for one simulation, and the reply of its last step."""
 
-    def __init__(self, environment: Environment) -> None:
+    def __init__(self, environment: EnvironmentProcess) -> None:
         self.environment = environment
         self.last_request: Optional[Tuple[int, int, Any]] = None  # step, iteration, queries
         self.last_reply: "Reply" = Reply({})
@@ -65,7 +67,7 @@ class Reply:
 class Host:
     """Answers the protocol's requests to an environment. Keeps one object of the class for every simulation."""
 
-    def __init__(self, environment: Type[Environment]) -> None:
+    def __init__(self, environment: Type[EnvironmentProcess]) -> None:
         self._class = environment
         self._simulations: Dict[str, _Simulation] = {}
 
@@ -180,7 +182,7 @@ class Host:
             before, simulation.geometry = simulation.geometry, None
             simulation.geometry = read_geometry(parameters["geometry"], blocks, before)
             environment.geometry = simulation.geometry
-        if type(environment).step_columns is not Environment.step_columns:
+        if type(environment).step_columns is not EnvironmentProcess.step_columns:
             reply = self._step_columns(environment, parameters, blocks)
         else:
             queries = (read_columns(parameters, blocks).queries() if blocks else
@@ -191,7 +193,7 @@ class Host:
         simulation.last_request = key
         return reply
 
-    def _step_columns(self, environment: Environment, parameters: Dict[str, Any], blocks: Blocks) -> Reply:
+    def _step_columns(self, environment: EnvironmentProcess, parameters: Dict[str, Any], blocks: Blocks) -> Reply:
         """A step of an environment that works with whole columns. Answered as it was asked: in arrays or as text."""
         step = environment.completed_steps
         columns = read_columns(parameters, blocks)
@@ -403,7 +405,7 @@ def call(channel: wire.Channel, identifier: int, method: str, parameters: Dict[s
 
 def open_offer(name: str, address: str, token: Optional[str] = None) -> wire.Channel:
     """Connects to a server and offers an environment under a name; the server's requests then arrive on the channel."""
-    channel = wire.connect(address, CONNECT_SECONDS)
+    channel = connect(address, CONNECT_SECONDS)
     try:
         channel.agree(call(channel, 1, "hello", hello_parameters(name, "environment", token)) or {})
         call(channel, 2, "environment.offer", {"name": name})
@@ -423,7 +425,7 @@ def offer(host: Host, name: str, address: str, token: Optional[str] = None) -> N
         channel.close()
 
 
-def listen(environment: Type[Environment], address: str) -> None:
+def listen(environment: Type[EnvironmentProcess], address: str) -> None:
     """Answers every server that connects, each with simulations of its own. Ends only by an interrupt."""
     host, port = wire.parse_address(address)
     try:
@@ -439,7 +441,7 @@ def listen(environment: Type[Environment], address: str) -> None:
             threading.Thread(target=_serve_connection, args=(environment, channel), daemon=True).start()
 
 
-def _serve_connection(environment: Type[Environment], channel: wire.SocketChannel) -> None:
+def _serve_connection(environment: Type[EnvironmentProcess], channel: wire.SocketChannel) -> None:
     try:
         answer_all(Host(environment), channel)
     except EspalierError as error:
@@ -448,7 +450,7 @@ def _serve_connection(environment: Type[Environment], channel: wire.SocketChanne
         channel.close()
 
 
-def serve_pipes(environment: Type[Environment]) -> None:
+def serve_pipes(environment: Type[EnvironmentProcess]) -> None:
     """Answers on standard input and output until the input ends."""
     channel = wire.PipeChannel(sys.stdin.buffer, sys.stdout.buffer, "the server")
     # standard output carries messages only: what the subclass prints goes to standard error
@@ -456,7 +458,7 @@ def serve_pipes(environment: Type[Environment]) -> None:
     answer_all(Host(environment), channel)
 
 
-def main(environment: Type[Environment], arguments: Sequence[str]) -> int:
+def main(environment: Type[EnvironmentProcess], arguments: Sequence[str]) -> int:
     """The program of an environment. Returns its exit status: 0 success, 1 failure; wrong usage exits with 2."""
     parser = argparse.ArgumentParser(description=(environment.__doc__ or "").strip() or None)
     way = parser.add_mutually_exclusive_group()

@@ -2,39 +2,16 @@
 
 from __future__ import annotations
 
-import os
-import shutil
 import threading
-from pathlib import Path
 from typing import Dict, List, Optional, Sequence, Type
 
 from . import wire
 from .client import Client
 from .environment import Environment
-from .errors import EspalierError, ServerFailed
+from .errors import EspalierError
 from .hosting import Host, answer_all, open_offer
+from .program import find_program
 from .server import Server
-
-PROGRAM_VARIABLE = "ESPALIER_PROGRAM"
-
-
-def find_program() -> str:
-    """The program `espalier`: what ESPALIER_PROGRAM names, the one on the PATH, or the release build of the source tree
-    that holds the working folder or this package. Raises ServerFailed when there is none."""
-    named = os.environ.get(PROGRAM_VARIABLE)
-    if named:
-        return named
-    on_path = shutil.which("espalier")
-    if on_path:
-        return on_path
-    for start in (Path.cwd(), Path(__file__).resolve().parent):
-        for folder in (start, *start.parents):
-            built = folder / "build" / "release" / "bin" / "espalier"
-            if os.access(built, os.X_OK):
-                return str(built)
-    raise ServerFailed("There is no program 'espalier'. Build it with './dev build' in the source tree, and put it on the PATH "
-                       f"or name it in the variable {PROGRAM_VARIABLE}.")
-
 
 class Local(Client):
     """A client together with the server that it started; both end with close() or the `with` block."""

@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import List, Sequence, Union
 
 from .errors import EspalierError
-from .local_server import find_program
+from .program import find_program
 
 # in an installed package, and in the source tree
 SCRIPTS = (Path(__file__).parent / "viewer" / "espalier.js", Path(__file__).parents[2] / "web" / "espalier.js")
@@ -47,7 +47,9 @@ class View:
         """The page as a text; it loads nothing from elsewhere."""
         script = next((path.read_text(encoding="utf-8") for path in SCRIPTS if path.is_file()), None)
         if script is None:
-            raise EspalierError("The viewer's script is not there: install the package from the source tree again.")
+            raise EspalierError("The viewer's script espalier.js is missing, so no page can show the plant. The build makes it "
+                                "with Node.js: install Node.js 18 or newer with npm (Debian: apt-get install nodejs npm), run "
+                                "./dev build in the source tree, then install the package again.")
         frames = json.dumps([base64.b64encode(frame).decode("ascii") for frame in self.frames])
         # the end of a script element must not stand inside one
         return PAGE.format(title=html.escape(self.title), script=script.replace("</script", "<\\\\/script"), frames=frames)

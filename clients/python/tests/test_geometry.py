@@ -5,7 +5,6 @@ from typing import Any, ClassVar, Dict, List, Sequence, Tuple
 from unittest import mock
 
 from espalier import Answer, Environment, Geometry, ProtocolError, Query, blocks, geometry, hosting, wire
-from espalier import environment as environment_module
 
 WHOLE: Dict[str, Any] = {
     "form": "whole", "widths": "world", "symbols": ["F", "L"],
@@ -118,7 +117,7 @@ class Hosting(unittest.TestCase):
 
     def test_says_how_it_takes_geometry(self) -> None:
         self.assertEqual(Watcher.description()["geometry"], "whole" if blocks.numpy is None else "difference")
-        self.assertNotIn("geometry", environment_module.Environment.description())
+        self.assertNotIn("geometry", Environment.description())
 
     @unittest.skipIf(blocks.numpy is None, "NumPy is not installed")
     def test_the_environment_sees_all_of_it_in_every_step(self) -> None:

@@ -17,7 +17,7 @@ from unittest import mock
 
 from espalier import (Answer, Columns, ConnectionLost, Environment, ProtocolError, Query, Variable, blocks, hosting,
                       wire)
-from espalier import environment as environment_module
+from espalier import queries
 
 PACKAGE_FOLDER = Path(__file__).resolve().parents[1]
 
@@ -329,7 +329,7 @@ class Arrays(unittest.TestCase):
     def each(self, check: Callable[[], None]) -> None:
         for module in self.modules:
             with mock.patch.object(blocks, "numpy", module), mock.patch.object(hosting, "numpy", module), \
-                    mock.patch.object(environment_module, "numpy", module):
+                    mock.patch.object(queries, "numpy", module):
                 check()
 
     def opened(self, environment: Type[Environment]) -> hosting.Host:

@@ -1,0 +1,28 @@
+"""Connects to a server by its address, whatever the transport."""
+
+from __future__ import annotations
+
+import socket
+
+from .websocket import WebSocketChannel
+from .wire import Channel, SocketChannel, encrypted, nothing_answers, parse_address
+
+
+def connect(address: str, timeout: float) -> Channel:
+    """A channel to a server: HOST:PORT (or tcp://…), tls://HOST:PORT, unix:PATH, or ws://HOST:PORT and wss://HOST:PORT of
+    its HTTP side. The certificate of tls and wss must be one that this machine trusts; SSL_CERT_FILE names another."""
+    if address.startswith("unix:"):
+        path = address[len("unix:"):]
+        connection = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+        try:
+            connection.connect(path)
+        except OSError as error:
+            connection.close()
+            raise nothing_answers(address, error) from None
+        return SocketChannel(connection, address)
+    scheme, separator, rest = address.partition("://")
+    if separator and scheme in ("ws", "wss"):
+        return WebSocketChannel.open(rest.rstrip("/"), timeout, scheme == "wss")
+    if separator and scheme == "tls":
+        return SocketChannel(encrypted(rest, timeout), address)
+    return SocketChannel.connect(*parse_address(address), timeout)
