@@ -1,5 +1,5 @@
 # A light model in R as an environment of an Espalier server: Rscript light.R HOST PORT
-# The light at a point falls by Beer's law with the number of queries (buds) above it in a column 0.6 m wide.
+# By Beer's law the light at a point falls with the number of queries (buds) above it in a column 0.6 m wide.
 arguments <- commandArgs(trailingOnly = TRUE)
 server <- socketConnection(arguments[1], as.integer(arguments[2]), open = "r+b", blocking = TRUE, timeout = 3600)
 say <- function(...) writeLines(paste0('{"jsonrpc":"2.0",', ..., "}"), server)
@@ -23,7 +23,7 @@ while (length(line <- readLines(server, 1)) == 1) {
                                              '"outputs":[{"name":"light","unit":"1"}]}')),
     environment.step = {
       queries <- values(line, '(?<=\\{"id":)[0-9]+(?=,"plant")')
-      if (length(queries) == 0) {  # a step without queries passes too
+      if (length(queries) == 0) {  # a step without queries needs an answer too
         answer(id, '{"replies":[]}')
         next
       }

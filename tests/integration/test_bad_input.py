@@ -89,7 +89,7 @@ class BadInput(unittest.TestCase):
 
     def test_too_few_answers(self) -> None:
         for error in self.row_failure([[1]]):
-            self.assertIn("step() gave 1 answers to 2 queries. Return one answer for every query, None for none.", error)
+            self.assertIn("step() gave 1 answers to 2 queries. Return one answer for every query, or None.", error)
 
     def test_no_list_at_all(self) -> None:
         for error in self.row_failure(7):

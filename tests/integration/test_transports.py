@@ -261,7 +261,7 @@ class EveryTransport(unittest.TestCase):
             # who does not speak TLS gets nothing
             with self.assertRaises(ConnectionLost):
                 Client(server.address, token="secret", timeout=30)
-            with self.assertRaisesRegex(ConnectionLost, "cannot be spoken to encrypted"):
+            with self.assertRaisesRegex(ConnectionLost, "does not accept an encrypted connection"):
                 Client("tls://" + server.address, token="secret")
             wrong = espalier("serve", "--listen", "127.0.0.1:0", "--certificate", key, "--key", key, status=1)
             self.assertIn("./dev certificate makes one for tests", wrong.stderr)

@@ -24,7 +24,7 @@ class AsyncChannel:
         self.takes_blocks = False
 
     def agree(self, hello: Mapping[str, Any]) -> None:
-        """Takes in what the other side answered to hello."""
+        """Reads the capabilities in the answer to hello."""
         self.takes_blocks = has_blocks(hello)
 
     async def send(self, message: Message) -> None:

@@ -1,4 +1,4 @@
-"""The client for asyncio: the methods of client.py, to be awaited. Many calls and streams may be under way at once.
+"""The client for asyncio: the methods of client.py as coroutines. Many calls and streams may be active at once.
 
     async with AsyncClient("127.0.0.1:4321") as client:
         simulation = await client.create(gallery="branch-tiers", seed=7)
@@ -133,7 +133,7 @@ class AsyncClient:
             self._opening.pop(identifier, None)
 
     def _abandon(self, identifier: int) -> None:
-        """Tells the server that nobody waits for an answer any more."""
+        """Tells the server that the client no longer waits for an answer."""
         if self._channel is not None and self._lost is None:
             self._channel.post(wire.notification("$/cancel", {"id": identifier}))
 
@@ -145,7 +145,7 @@ class AsyncClient:
         return self._channel
 
     async def _read(self, channel: async_channel.AsyncChannel) -> None:
-        """Hands out what comes until the connection ends."""
+        """Distributes messages until the connection ends."""
         try:
             while True:
                 message = await channel.receive()
@@ -181,7 +181,7 @@ class AsyncClient:
         self._readers.clear()
 
     def _end(self, error: EspalierError) -> None:
-        """Everybody who waits learns that the connection is lost."""
+        """Ends every waiting call and every reader with the error."""
         if self._lost is None:
             self._lost = error
         for answer in list(self._waiting.values()):
@@ -243,13 +243,13 @@ class AsyncClient:
 
 
 class AsyncSimulation:
-    """One simulation on the server; the methods of Simulation, to be awaited."""
+    """One simulation on the server, with the methods of Simulation as coroutines."""
 
     def __init__(self, client: AsyncClient, identifier: str, created: Mapping[str, Any]) -> None:
         self._client = client
         self.identifier = identifier
-        self.created = created  # what the server said when it was created or found
-        self.history: List[StepResult] = []  # what the calls of step() and run() made, in order
+        self.created = created  # the answer of the server when the simulation was created or found
+        self.history: List[StepResult] = []  # results of step() and run(), in order
 
     async def _do(self, request: Request[Result]) -> Result:
         return await self._client._do(request)
@@ -292,7 +292,7 @@ class AsyncSimulation:
                         shown = frame.step
                 return running.result()
             finally:
-                # what `progress` raised, or a cancelled task, ends the run too
+                # an exception of `progress` or a cancelled task ends the run too
                 for task in (running, reading):
                     task.cancel()
                 await asyncio.wait([running, reading])

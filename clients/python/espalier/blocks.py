@@ -58,7 +58,7 @@ def read_blocks(table: Any, raw: bytearray) -> Dict[str, Any]:
         if offset % _ALIGNMENT != 0 or offset + size > len(raw):
             raise ProtocolError(f"{path}.offset: expected a multiple of 8 within binBytes={len(raw)}, found {offset}.")
         if entry["name"] in found:
-            raise ProtocolError(f"{path}.name: '{entry['name']}' is there twice.")
+            raise ProtocolError(f"{path}.name: '{entry['name']}' occurs twice.")
         piece = view[offset:offset + size]
         if numpy is not None:
             found[entry["name"]] = numpy.frombuffer(piece, dtype=kind).reshape(shape)
@@ -70,7 +70,7 @@ def read_blocks(table: Any, raw: bytearray) -> Dict[str, Any]:
 
 
 def pack(blocks: Blocks) -> Tuple[List[Dict[str, Any]], List[Any], int]:
-    """The table of arrays to be sent, their bytes with what aligns them, and how many bytes that is."""
+    """The table of the arrays of a message, their bytes with padding, and the number of bytes."""
     table: List[Dict[str, Any]] = []
     pieces: List[Any] = []
     offset = 0

@@ -12,10 +12,10 @@ from typing import Any, Callable, Dict, List, TextIO
 
 @dataclass(frozen=True)
 class BredPlant:
-    """A grown plant that waits for its fitness. Lengths are in the model's unit, y is up, the base is at the origin.
+    """A grown plant without a fitness. Lengths are in the unit of the model, y is up, the base is at the origin.
 
     `segments` holds for each drawn line x, y, z of its start, x, y, z of its end, both diameters and the index of the
-    line that it grows from (-1: none): nine numbers. `measures` are those that the command line has names for.
+    line that it grows from (-1: none): nine numbers. `measures` has the measures of the command line by name.
     """
 
     generation: int
@@ -29,17 +29,17 @@ class BredPlant:
 
     @property
     def height(self) -> float:
-        """Of its highest point above the base."""
+        """Height of the highest point above the base."""
         return self.measures["height"]
 
     @property
     def light(self) -> float:
-        """The ground that it shades from light straight above, in square units."""
+        """The ground shaded from light straight above, in square units."""
         return self.measures["light"]
 
     @property
     def symmetry(self) -> float:
-        """Bilateral, from 0 (nothing has its mirror image) to 1."""
+        """Bilateral symmetry, from 0 (no part has its mirror image) to 1."""
         return self.measures["symmetry"]
 
 
@@ -48,9 +48,9 @@ def serve_fitness(
 ) -> None:
     """Answers for every plant on standard input with `fitness(plant)`, until the input ends.
 
-    The fitness must be a finite number, greater is better; the same plant must get the same. What the function prints
-    goes to standard error. An exception ends the breeding: its traceback is printed, and `evolve --resume` goes on
-    after it was mended.
+    The fitness must be a finite number; greater is better. Equal plants must get equal numbers. The output of the function
+    goes to standard error. An exception ends the breeding and prints its traceback. `evolve --resume` continues after
+    the correction.
 
     >>> import io
     >>> plant = dict(generation=0, individual=1, modules=3, parameters={}, productions={}, segments=[], string="F",
@@ -71,7 +71,7 @@ def serve_fitness(
                 answer = {"fitness": value}
                 if not math.isfinite(value):
                     answer = {"error": f"the fitness is {value}, not a finite number"}
-            except Exception as error:  # whatever the user's function does
+            except Exception as error:  # the function may raise anything
                 traceback.print_exc(file=sys.stderr)
                 answer = {"error": f"{type(error).__name__}: {error}"}
             target.write(json.dumps(answer) + "\n")

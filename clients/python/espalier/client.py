@@ -1,4 +1,4 @@
-"""A controller and viewer of a running server, whose calls wait. asynchronous.py has the same for asyncio.
+"""A controller and viewer of a running server with blocking calls. asynchronous.py has the same for asyncio.
 
     with Client("127.0.0.1:4321") as client:
         simulation = client.create(gallery="branch-tiers", seed=7)
@@ -6,7 +6,7 @@
             while not simulation.step().finished:
                 print(len(stream.read().records), "turtle records")
 
-In the examples below, which the tests run, `client` is what `espalier.local()` returns.
+The tests run the examples below. There `client` is the result of `espalier.local()`.
 """
 
 from __future__ import annotations
@@ -27,9 +27,9 @@ from .viewing import View, geometry_of
 class Client:
     """A connection to a server. Use it as a context manager, from one thread.
 
-    Whatever the server refuses raises ServerError with its `code`, `message` and `data`; a lost connection, or no answer
-    in time, raises ConnectionLost. An interrupt (Ctrl-C, or a notebook's stop button) while a call waits cancels it on the
-    server: the simulation stays at its last completed step.
+    A refused request raises ServerError with `code`, `message` and `data`. A lost connection, or no answer in time, raises
+    ConnectionLost. An interrupt (Ctrl-C, or the stop button of a notebook) during a call cancels the call on the server:
+    the simulation stays at its last completed step.
     """
 
     def __init__(self, address: str, *, name: str = "python", token: Optional[str] = None,
@@ -103,26 +103,26 @@ class Client:
         except EspalierError:
             raise
         except BaseException:
-            # an interrupt, or what `meanwhile` raised: nobody waits any more
+            # an interrupt or an exception of `meanwhile`: the client no longer waits
             self.notify("$/cancel", {"id": identifier})
             raise
         return result_of(message)
 
     def _receive(self, timeout: Optional[float], what: str) -> wire.Received:
-        """The next message. A frame is put aside for its stream on the way."""
+        """The next message. Keeps a frame for its stream."""
         try:
             message = self._channel.receive(timeout)
         except TimeoutError:
             raise ConnectionLost(f"{self._channel.peer} did not answer {what} within {timeout:g} seconds.") from None
         if message is None:
-            raise ConnectionLost(f"{self._channel.peer} closed the connection while {what} was waited for.")
+            raise ConnectionLost(f"{self._channel.peer} closed the connection before it answered {what}.")
         self._inbox.take(message)
         return message
 
     # ---- models ------------------------------------------------------------------------------------------------
 
     def check(self, source: str) -> Model:
-        """Compiles a model without keeping it; the diagnostics say what is wrong and where.
+        """Compiles a model without keeping it. The diagnostics name every error with its place.
 
         >>> wrong = client.check("Lsystem: 1")
         >>> wrong.valid, len(wrong.diagnostics) > 0
@@ -147,12 +147,12 @@ class Client:
                derivation_length: Optional[int] = None, plants: Optional[Sequence[Vector]] = None,
                parameters: Optional[Mapping[str, Any]] = None, limits: Optional[Mapping[str, int]] = None,
                save: bool = True) -> "Simulation":
-        """Creates a simulation of a model: its source text, a folder of the gallery, `files` by name with `main`, or what
-        load() returned.
+        """Creates a simulation of a model. The model is a source text, a folder of the gallery, `files` by name with `main`,
+        or a result of load().
 
-        `environment` lists processes, as in [{"type": "honda", "radius": 0.5}]; one that offered itself is {"type":
-        "offered", "name": …}. `parameters` override #define; `plants` are positions (x, y, z) in the model's unit of
-        length, one plant at each. A model with errors raises ServerError, whose `diagnostics` list all of them.
+        `environment` lists processes, such as [{"type": "honda", "radius": 0.5}]. {"type": "offered", "name": …} is an
+        offered environment. `parameters` override #define. `plants` are positions (x, y, z) in the unit of the model, with a
+        plant at each. A model with errors raises ServerError with all `diagnostics`.
 
         >>> client.create(gallery="branch-tiers", environment=[{"type": "honda", "radius": 0.5}], seed=7).step().step
         1
@@ -180,7 +180,7 @@ class Client:
         return Simulation(self, str(created["simulation"]), created)
 
     def simulation(self, identifier: str) -> "Simulation":
-        """A simulation that is on the server already; ServerError with the code 1011 when there is none."""
+        """An existing simulation of the server. ServerError with the code 1011: the simulation does not exist."""
         return Simulation(self, identifier, self._do(requests.information(identifier)))
 
     def gallery(self) -> List[str]:
@@ -192,11 +192,11 @@ class Client:
         return self._do(requests.gallery())
 
     def simulations(self) -> List[Mapping[str, Any]]:
-        """What the server says about each of its simulations."""
+        """A description of each simulation of the server."""
         return self._do(requests.simulations())
 
     def environments(self) -> List[Mapping[str, Any]]:
-        """The server's built-in processes and those that are offered to it.
+        """The built-in and the offered environment processes of the server.
 
         >>> "honda" in [process["name"] for process in client.environments()]
         True
@@ -204,13 +204,13 @@ class Client:
         return self._do(requests.environments())
 
     def status(self) -> Mapping[str, Any]:
-        """How busy the server is and what it holds."""
+        """The load and the contents of the server."""
         return self._do(requests.status())
 
 
 class Simulation:
-    """One simulation on the server. Its methods return when the server has done what they ask; a call that fails changes
-    nothing (of several steps, those before the failure count).
+    """One simulation on the server. Its methods return when the server has finished the request. A failed call changes
+    nothing; of several steps, those before the failure remain.
 
     >>> algae = client.create(gallery="classic-algae")
     >>> algae.step(4).step, algae.string()
@@ -220,15 +220,15 @@ class Simulation:
     def __init__(self, client: Client, identifier: str, created: Mapping[str, Any]) -> None:
         self._client = client
         self.identifier = identifier
-        self.created = created  # what the server said when it was created or found
-        self.history: List[StepResult] = []  # what the calls of step() and run() made, in order
+        self.created = created  # the answer of the server when the simulation was created or found
+        self.history: List[StepResult] = []  # results of step() and run(), in order
 
     def _do(self, request: Request[Result]) -> Result:
         return self._client._do(request)
 
     def step(self, steps: int = 1, *, until: Optional[int] = None) -> StepResult:
-        """Makes steps, or as many as are missing to `until` completed steps. When the environment fails, ServerError is
-        raised and the simulation stays at its last completed step; the same call goes on once the environment is back."""
+        """Makes `steps` steps, or all steps up to step `until`. A failure of the environment raises ServerError, and the
+        simulation stays at its last completed step. The same call continues when the environment works again."""
         made = self._do(requests.step(self.identifier, steps, until))
         self.history.append(made)
         return made
@@ -246,9 +246,9 @@ class Simulation:
                 return
 
     def run(self, progress: Optional[Callable[[Frame], None]] = None) -> StepResult:
-        """Makes all steps until the model is finished. `progress` is called with a statistics frame (`step`,
-        `statistics`) of the state now and of each step, or of the latest when they come faster than they are read; what
-        it raises ends the run between two steps and is raised here. With it `history` has every step, else the whole run.
+        """Makes all steps until the model is finished. `progress` receives a statistics frame (`step`, `statistics`) of the
+        state now and of each step; a slow function misses frames. An exception of `progress` ends the run between two
+        steps and is raised here. With `progress` the `history` has every step, else one entry for the whole run.
 
         >>> algae = client.create(gallery="classic-algae", derivation_length=5)
         >>> algae.run(lambda frame: None).step
@@ -283,11 +283,11 @@ class Simulation:
         return made
 
     def pause(self) -> int:
-        """Ends, between two steps, whatever steps the simulation (a run of another client); how many calls that were."""
+        """Ends all calls that step the simulation (also of other clients) between two steps. Returns the number of calls."""
         return self._do(requests.pause(self.identifier))
 
     def get(self, what: str, **parameters: Any) -> Mapping[str, Any]:
-        """string, statistics, state-hash, turtle, model, information or checkpoints, as the protocol has it.
+        """One part of the state as in the protocol: string, statistics, state-hash, turtle, model, information, checkpoints.
 
         >>> client.create(gallery="classic-algae").get("statistics")["statistics"]["modules"]
         1
@@ -303,8 +303,7 @@ class Simulation:
         return self._do(requests.turtle(self.identifier))
 
     def set(self, parameters: Mapping[str, Union[float, str]]) -> None:
-        """Gives variables of the model, or names that it has by #define (the two in calls of their own), other values
-        from the next step on.
+        """Sets variables of the model, or names from #define, for the next steps. One call sets either variables or names.
 
         >>> tiers = client.create(gallery="branch-tiers", environment=[{"type": "honda", "radius": 0.5}])
         >>> tiers.set({"ALPHA2": 30})
@@ -312,7 +311,7 @@ class Simulation:
         self._do(requests.set_parameters(self.identifier, parameters))
 
     def prune(self, module: int, plant: int = 0) -> None:
-        """Takes away a module (its index in the plant's string, as TurtleRecord.module) and everything it carries.
+        """Removes a module and everything that it carries. `module` is the index in the string, as TurtleRecord.module.
 
         >>> algae = client.create(gallery="classic-algae")
         >>> algae.step(3).step, algae.string()
@@ -324,8 +323,8 @@ class Simulation:
         self._do(requests.edit(self.identifier, "prune", module, (), plant))
 
     def insert(self, module: int, modules: Sequence[NewModule], plant: int = 0) -> None:
-        """Puts modules, each a symbol or (symbol, parameter…), before a module: a rotation there bends the shoot. They are
-        of types that the model has.
+        """Inserts modules before a module: a rotation there bends the shoot. Each is a symbol or (symbol, parameter…) of a
+        type that the model has.
 
         >>> weed = client.create(gallery="classic-weed")
         >>> weed.insert(0, ["[", "+", "F", "]"])
@@ -335,11 +334,11 @@ class Simulation:
         self._do(requests.edit(self.identifier, "insert", module, modules, plant))
 
     def replace(self, module: int, modules: Sequence[NewModule], plant: int = 0) -> None:
-        """Puts modules in the place of one module."""
+        """Replaces one module by modules."""
         self._do(requests.edit(self.identifier, "replace", module, modules, plant))
 
     def save(self) -> bytes:
-        """The complete state: the bytes of a snapshot, which `espalier run --resume` reads too."""
+        """The complete state as the bytes of a snapshot. `espalier run --resume` reads it too."""
         return self._do(requests.save(self.identifier))
 
     def save_to(self, path: Union[str, Path]) -> None:
@@ -351,11 +350,11 @@ class Simulation:
         self._do(requests.save_checkpoint(self.identifier, name))
 
     def checkpoints(self) -> List[Mapping[str, Any]]:
-        """What checkpoint() kept: `checkpoint` (the name), `step` and `bytes` of each."""
+        """The checkpoints of the simulation, each with `checkpoint` (the name), `step` and `bytes`."""
         return self._do(requests.checkpoints(self.identifier))
 
     def restore(self, snapshot: Optional[bytes] = None, *, checkpoint: Optional[str] = None) -> None:
-        """Goes back, or forward, to the state of a snapshot of the same model, or to a checkpoint of the server.
+        """Restores the state of a snapshot of the same model, or of a checkpoint of the server.
 
         >>> algae = client.create(gallery="classic-algae")
         >>> start = algae.save()
@@ -368,11 +367,11 @@ class Simulation:
         self._do(requests.restore(self.identifier, snapshot, checkpoint))
 
     def reset(self, seed: Optional[int] = None) -> None:
-        """Goes back to step 0, with another seed when one is given."""
+        """Goes back to step 0, with another seed if given."""
         self._do(requests.reset(self.identifier, seed))
 
     def fork(self, name: Optional[str] = None) -> "Simulation":
-        """A second simulation in the same state, which goes its own way from here.
+        """A second, independent simulation in the same state.
 
         >>> algae = client.create(gallery="classic-algae")
         >>> other = algae.fork()
@@ -387,13 +386,13 @@ class Simulation:
         self._do(requests.delete(self.identifier))
 
     def view(self, snapshots: Optional[Sequence[bytes]] = None, *, height: int = 480) -> View:
-        """The plant in a page, which a notebook shows: as it is now, or one frame for each of `snapshots` (what save()
-        returned), which the program `espalier` on this machine draws. `height` is that of the notebook's cell, in pixels."""
+        """The plant in a page, for a notebook or a file: the present state, or one frame for each of `snapshots` (results of
+        save()), which the program `espalier` on this machine draws. `height` of the notebook cell is in pixels."""
         frames = [self.geometry()] if snapshots is None else geometry_of(snapshots)
         return View(frames, str(self.created.get("name", "Espalier")), height)
 
     def geometry(self) -> bytes:
-        """The plants as they are drawn now, with the model's materials: a binary glTF file (.glb).
+        """The present drawing of the plants with the materials of the model: a binary glTF file (.glb).
 
         >>> client.create(gallery="classic-weed").geometry()[:4]
         b'glTF'
@@ -417,16 +416,16 @@ class Simulation:
     def stream(self, what: str = "turtle", *, every: int = 1, symbols: Optional[Sequence[str]] = None,
                credits: Optional[int] = 8, arrays: bool = False, single: bool = False, delta: bool = True,
                max_hz: Optional[float] = None, columns: bool = False) -> "Stream":
-        """Opens a stream of frames: turtle, string, statistics, geometry or queries. The first frame is the state now. At
-        most `credits` frames are under way (None: as many as the connection takes); a reader that is slower misses frames
-        and never slows the simulation.
+        """Opens a stream of frames: turtle, string, statistics, geometry or queries. The first frame is the state now. The
+        server sends at most `credits` frames that are not acknowledged (None: no limit). A slow reader misses frames and
+        never slows the simulation.
 
-        With `arrays` the turtle's records come as columns (Frame.columns: NumPy arrays when NumPy is there), in single
+        With `arrays` the turtle records come as columns (Frame.columns: NumPy arrays when NumPy is installed), in single
         precision when `single`. Geometry needs `arrays`: a binary glTF file in columns["glb"], unsigned (bytes / 4); or with
         `columns` it comes as Frame.geometry, the segments and triangles that an environment sees.
 
-        With `delta` the server sends only what changed since the frame before; every Frame is
-        complete all the same. At most `max_hz` frames come a second, the last of them always.
+        With `delta` the server sends only changes since the previous frame; every Frame is complete all the same. With
+        `max_hz` the server sends at most so many frames per second, and always the last frame.
 
         >>> algae = client.create(gallery="classic-algae")
         >>> with algae.stream("string") as stream:
@@ -450,8 +449,8 @@ class Stream:
         self._is_open = True
 
     def read(self, timeout: Optional[float] = None) -> Frame:
-        """The next frame; waits for it at most `timeout` seconds (None: as long as it takes). It is acknowledged, which
-        lets the server send another."""
+        """The next frame; waits at most `timeout` seconds (None: no limit). Acknowledges the frame, so that the server sends
+        another."""
         frame = self.poll()
         while frame is None:
             self._client._receive(timeout, "stream.data")
@@ -459,7 +458,7 @@ class Stream:
         return frame
 
     def poll(self) -> Optional[Frame]:
-        """The next frame if one has come, without waiting."""
+        """The next frame if it has arrived, without waiting."""
         frame = self._client._inbox.next(self.identifier)
         if frame is not None:
             self._client.notify(*requests.acknowledgement(self.identifier, frame))
@@ -474,7 +473,7 @@ class Stream:
                 return
 
     def close(self) -> None:
-        """Ends the stream; frames that were not read are dropped."""
+        """Ends the stream and drops unread frames."""
         if self._is_open:
             self._is_open = False
             try:
@@ -487,6 +486,6 @@ class Stream:
 
     def __exit__(self, kind: Optional[Type[BaseException]], error: Optional[BaseException],
                  trace: Optional[TracebackType]) -> None:
-        # a connection that is lost has no stream to close; the first error is the one to see
+        # a lost connection has no stream to close; the first error is the useful one
         if error is None or not isinstance(error, ConnectionLost):
             self.close()

@@ -1,4 +1,4 @@
-"""Connects to a server by its address, whatever the transport."""
+"""Connects to a server by its address, over any transport."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from .wire import Channel, SocketChannel, encrypted, nothing_answers, parse_addr
 
 def connect(address: str, timeout: float) -> Channel:
     """A channel to a server: HOST:PORT (or tcp://…), tls://HOST:PORT, unix:PATH, or ws://HOST:PORT and wss://HOST:PORT of
-    its HTTP side. The certificate of tls and wss must be one that this machine trusts; SSL_CERT_FILE names another."""
+    its HTTP side. This machine must trust the certificate of tls and wss; SSL_CERT_FILE names another certificate."""
     if address.startswith("unix:"):
         path = address[len("unix:"):]
         connection = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)

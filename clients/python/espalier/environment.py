@@ -1,4 +1,4 @@
-"""An environment in Python: a subclass with one method, and it is a program that grows plants talk to.
+"""An environment in Python: a subclass with one method is a complete program.
 
     from espalier import Environment
 
@@ -28,9 +28,9 @@ class Environment(EnvironmentProcess):
 
     @classmethod
     def serve(cls, arguments: Optional[Sequence[str]] = None) -> NoReturn:
-        """Runs the environment as a program and does not return; the command line says how it meets the server.
+        """Runs the environment as a program and does not return. The command line chooses the connection.
 
-        `--offer HOST:PORT` connects to a server and offers itself, `--listen HOST:PORT` waits for a server to connect,
-        and without either the messages go through standard input and output, for a server that starts the program.
+        `--offer HOST:PORT` connects to a server and offers the environment. `--listen HOST:PORT` waits for servers. Without
+        both, messages use standard input and output, for a server that starts the program.
         """
         sys.exit(main(cls, sys.argv[1:] if arguments is None else arguments))

@@ -1,4 +1,4 @@
-"""The base of environments: what a subclass may define, and what it is told. environment.py adds the program around it."""
+"""The base class of environments, without the program that environment.py adds."""
 
 from __future__ import annotations
 
@@ -12,35 +12,36 @@ class EnvironmentProcess:
     """Base class of environments. One object is made for every simulation, so attributes are a simulation's own.
 
     A subclass defines `answer` (one query at a time), `step` (all queries of all plants together) or `step_columns`
-    (the same as arrays: a million queries a second), and may define `opened` (to read its configuration), `save` and `restore` (when it changes from step to step).
+    (the same as arrays, for many queries). It may define `opened` (to read its configuration), and `save` and `restore`
+    (when it changes from step to step).
     """
 
-    # what the server sends with each query: position heading left up width scale parameters following; and geometry,
-    # what all plants look like
+    # parts of a query that the server sends: position heading left up width scale parameters following; and geometry,
+    # the shape of all plants
     needs: ClassVar[Sequence[str]] = ("position", "heading", "left", "up", "width", "scale", "parameters", "following")
     inputs: ClassVar[Sequence[Variable]] = ()
     outputs: ClassVar[Sequence[Variable]] = ()
     # True for an environment that changes from step to step; it then defines save and restore
     is_stateful: ClassVar[bool] = False
 
-    # set before opened(): who asks
+    # set before opened(): the simulation
     opening: Opening = Opening("")
-    # set before every step: completed steps of the plants, and their age in days
+    # set before every step: completed steps, and the age of the plants in days
     completed_steps: int = 0
     days: float = 0.0
-    # all plants as they are when they ask; None unless `needs` has geometry
+    # the shape of all plants at their queries; None unless `needs` has geometry
     geometry: Optional[Geometry] = None
 
     @classmethod
     def name(cls) -> str:
-        """The name it is offered under: by default the class's name in lower case."""
+        """The name of the environment on a server: by default the class name in lower case."""
         return cls.__name__.lower()
 
     def opened(self) -> None:
         """Called once before the first step, and again on a new object after a simulation starts over."""
 
     def answer(self, query: Query) -> Answer:
-        """The values the query's module gets, in order; None keeps what it sent.
+        """The new values of the parameters of the module, in order; None keeps a parameter.
 
         >>> class Ceiling(espalier.Environment):
         ...     def answer(self, query):
@@ -52,15 +53,15 @@ class EnvironmentProcess:
         raise NotImplementedError(f"{type(self).__name__} defines neither answer(self, query) nor step(self, queries).")
 
     def step(self, queries: Sequence[Query]) -> Sequence[Answer]:
-        """Answers of all queries of one step, in their order. Called also for a step without queries. Whatever it raises
-        fails the step: the trace goes to standard error here, a sentence to who runs the simulation, and the same step is
-        asked again when the simulation is stepped again."""
+        """The answers to all queries of one step, in order. Called also for a step without queries. An exception fails the
+        step: its trace goes to standard error here, and the user of the simulation gets a sentence. The next step of the
+        simulation sends the same queries again."""
         return [self.answer(query) for query in queries]
 
     def step_columns(self, queries: Columns) -> Any:
-        """Instead of `step`, for many queries: all of them as arrays. Returns an array of one number for every query
-        (queries), or of rows of numbers (queries, values), which set the module's parameters in order; None keeps all.
-        Numbers of any kind are taken, as doubles; they must be finite.
+        """Replaces `step` for many queries: all queries as arrays. Returns an array of one number for every query (queries),
+        or of rows of numbers (queries, values), which set the parameters of the module in order; None keeps all. Numbers
+        of any type become doubles and must be finite.
 
         >>> class Height(espalier.Environment):
         ...     needs = ("position",)
@@ -77,11 +78,11 @@ class EnvironmentProcess:
         """Goes back to a state that save() returned."""
 
     def closed(self) -> None:
-        """Called when the simulation goes away."""
+        """Called when the simulation ends."""
 
     @classmethod
     def description(cls) -> Dict[str, Any]:
-        """What `environment.describe` answers."""
+        """The answer to `environment.describe`."""
         summary = (cls.__doc__ or "").strip().split("\n")[0]
         asked = {"geometry": form()} if "geometry" in cls.needs else {}
         return {

@@ -1,4 +1,4 @@
-"""What can go wrong, as exceptions."""
+"""The exceptions of the package."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ class EspalierError(Exception):
 
 
 class ConnectionLost(EspalierError):
-    """The other side is not there, went away, or did not answer in time."""
+    """The other side cannot be reached, ended the connection, or did not answer in time."""
 
 
 class ProtocolError(EspalierError):
@@ -24,7 +24,7 @@ class ServerFailed(EspalierError):
 class ServerError(EspalierError):
     """The server refused a request.
 
-    `code` is the protocol's number, `data` what the server says beyond the message (or None).
+    `code` is the error code of the protocol, `data` its further information (or None).
     """
 
     def __init__(self, code: int, message: str, data: Any = None) -> None:
@@ -33,22 +33,22 @@ class ServerError(EspalierError):
         self.message = message
         self.data = data
 
-    def _field(self, name: str) -> Any:
+    def _member(self, name: str) -> Any:
         return self.data.get(name) if isinstance(self.data, dict) else None
 
     @property
     def is_retryable(self) -> bool:
         """The same request may succeed later (an environment that is away may come back)."""
-        return self._field("retryable") is True
+        return self._member("retryable") is True
 
     @property
     def diagnostics(self) -> List[Dict[str, Any]]:
-        """What is wrong with the model, when that is the reason."""
-        found = self._field("diagnostics")
+        """The errors of the model, if the model is the reason."""
+        found = self._member("diagnostics")
         return [item for item in found if isinstance(item, dict)] if isinstance(found, list) else []
 
     @property
     def step(self) -> Optional[int]:
         """The step that failed, when one did."""
-        found = self._field("step")
+        found = self._member("step")
         return found if isinstance(found, int) else None

@@ -1,4 +1,4 @@
-"""Frames of streams that tell what differs from the frame before, put together again."""
+"""Assembles complete frames of streams from differences."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .geometry import read_geometry
 from .shapes import Frame, TurtleRecord, read_frame, read_record
 
 NO_PARENT = 0xFFFFFFFF
-# columns whose numbers count records or modules: a run of kept rows says what is added to them
+# columns that count records or modules: a run of kept rows has an offset for their numbers
 _SHIFTED = ("module", "parent", "index")
 
 
@@ -27,7 +27,7 @@ class _Segment(NamedTuple):
 
 
 def read_next(previous: Optional[Frame], shape: Mapping[str, Any], blocks: Blocks = MappingProxyType({})) -> Frame:
-    """The complete frame of the params of `stream.data`; `previous` is the one that came before on the stream."""
+    """The complete frame of the params of `stream.data`; `previous` is the frame before on the stream."""
     if "geometry" in shape:
         before = previous.geometry if previous is not None else None
         return replace(read_frame(shape), geometry=read_geometry(shape["geometry"], blocks, before))
@@ -122,7 +122,7 @@ def _joined(before: Any, fresh: Any, pieces: Sequence[Tuple[bool, int, int]]) ->
 
 
 def _shift(column: Any, runs: Sequence[Tuple[int, int]], skips_none: bool) -> None:
-    """Adds to the numbers of each run, modulo 2^32; where there is no parent there is none afterwards."""
+    """Adds an offset to the numbers of each run, modulo 2^32; a row without a parent stays without."""
     row = 0
     for rows, shift in runs:
         if shift != 0 and numpy is not None:

@@ -1,4 +1,4 @@
-"""What the plants look like, for environments that need `geometry`: segments and organ triangles as arrays."""
+"""The shape of plants, for environments that need `geometry`: segments and organ triangles as arrays."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ NAMES = frozenset([entry[0] for entry in (*_SEGMENTS, *_ORGANS, *_MESHES, *_RUNS
 
 @dataclass(frozen=True)
 class Geometry:
-    """All plants as they are when they ask: s segments (the lines) and o organs (everything else) made of v vertices
-    and t triangles. Arrays of NumPy when it is there, else memoryviews. The organ behind a communication module has the
+    """The shape of all plants at their queries: s segments (the lines) and o organs (everything else) of v vertices and t
+    triangles. NumPy arrays when NumPy is installed, else memoryviews. The organ behind a communication module has the
     module index of its query plus one."""
 
     symbols: Tuple[str, ...]  # names that segment_symbol and organ_symbol refer to
@@ -38,7 +38,7 @@ class Geometry:
     segment_plant: Any  # (s)
     segment_module: Any  # index in the plant's string (s)
     segment_symbol: Any  # (s)
-    segment_colour: Any  # what the model tags it with, 0 to 255 (s)
+    segment_colour: Any  # colour index of the model, 0 to 255 (s)
     segment_order: Any  # branch order (s)
     segment_start: Any  # (s, 3)
     segment_end: Any  # (s, 3)
@@ -67,7 +67,7 @@ def _listed(value: Any) -> Any:
 
 
 def form() -> str:
-    """How the geometry is asked for: differences are put together by NumPy."""
+    """The form of geometry to request. Only with NumPy can this package assemble differences."""
     return "whole" if numpy is None else "difference"
 
 
@@ -124,7 +124,7 @@ def _absolute(triangles: Any, vertex_offset: Any, triangle_counts: Any) -> Any:
 
 
 def _rows_of(runs: Any, before: int, added: int, name: str) -> Tuple[Any, Any]:
-    """For each row its row among those before and the new ones, and what is added to its module index."""
+    """For each row its row among the old and the new rows, and the offset of its module index."""
     rows = []
     shifts = []
     next_row = before
@@ -177,7 +177,7 @@ def _continued(before: Geometry, rows: "Dict[str, Any]", runs: "Dict[str, Any]")
 
 
 def read_geometry(shape: Any, blocks: Blocks, before: Optional[Geometry]) -> Geometry:
-    """The geometry of the params of `environment.step`. `before`: the one that came before, for a difference."""
+    """The geometry of the params of `environment.step`. `before` is the previous geometry, for a difference."""
     if not isinstance(shape, dict) or shape.get("form") not in ("whole", "difference"):
         raise ProtocolError("params.geometry.form: expected whole or difference.")
     names = shape.get("symbols")

@@ -1,4 +1,4 @@
-"""Runs an environment as a program: over a connection to a server, for servers that connect, or over pipes."""
+"""Runs an environment as a program: connected to a server, waiting for servers, or on pipes."""
 
 from __future__ import annotations
 
@@ -138,7 +138,7 @@ class Host:
 
     def _open(self, parameters: Dict[str, Any]) -> Dict[str, Any]:
         opening = read_opening(parameters)
-        # opened again in the middle of a run after a lost connection: what is still here goes on
+        # opened again in the middle of a run after a lost connection: an existing object continues
         if parameters.get("resume") is not None and opening.simulation in self._simulations:
             return {}
         simulation = _Simulation(self._run("__init__()", self._class))
@@ -229,10 +229,10 @@ class Host:
             answers = list(answers)
         except TypeError:
             raise self._mistake(f"step() returned {_described(answers)}; expected a list with one answer for every "
-                                "query, None for none.", step) from None
+                                "query, or None.", step) from None
         if len(answers) != len(queries):
             raise self._mistake(f"step() gave {len(answers)} answers to {len(queries)} queries. Return one answer for "
-                                "every query, None for none.", step)
+                                "every query, or None.", step)
         replies = []
         for query, answer in zip(queries, answers):
             if answer is None:
@@ -244,7 +244,7 @@ class Host:
                 listed = []
             if not listed and not _is_empty(answer):
                 raise self._mistake(f"query {query.id} was answered with {_described(answer)}; expected a list of the "
-                                    "module's values, as in [0.5], or None to keep what it sent.", step)
+                                    "module's values, as in [0.5], or None to keep its values.", step)
             for index, value in enumerate(listed):
                 if value is not None:
                     try:
@@ -259,7 +259,7 @@ class Host:
         return replies
 
     def _mistake(self, what: str, step: int) -> _Refusal:
-        """A wrong answer of the subclass: for the server, and for the person at this program."""
+        """A wrong answer of the subclass: prints it here and returns the error for the server."""
         print(f"{self._class.name()}: step {step}: {what}", file=sys.stderr, flush=True)
         return _Refusal(ENVIRONMENT_FAILED, f"{self._class.name()}: {what}",
                         {"environment": self._class.name(), "step": step, "retryable": False})
@@ -271,10 +271,10 @@ class Host:
         return mistake
 
     def _run(self, what: str, call: Any, step: Optional[int] = None) -> Any:
-        """Calls the subclass; what it raises goes to standard error in full and to the server in a sentence."""
+        """Calls the subclass. The trace of an exception goes to standard error, a sentence goes to the server."""
         try:
             return call()
-        except Exception as error:  # any mistake of the subclass must reach the person who runs the simulation
+        except Exception as error:  # any error of the subclass must reach the user of the simulation
             traceback.print_exception(type(error), error, _own(error.__traceback__), file=sys.stderr)
             frames = traceback.extract_tb(error.__traceback__)
             place = f"{os.path.basename(frames[-1].filename)}:{frames[-1].lineno}" if frames else "unknown place"
@@ -346,7 +346,7 @@ def unpack_state(packed: Any) -> Any:
 
 
 def hello_parameters(name: str, role: str, token: Optional[str] = None) -> Dict[str, Any]:
-    # an environment answers whatever comes while it waits, so it can be asked whether it is there
+    # an environment answers while it waits, so the server may send heartbeats
     capabilities = [*wire.CAPABILITIES, *(["heartbeat"] if role == "environment" else [])]
     parameters: Dict[str, Any] = {"protocol": [PROTOCOL], "roles": [role], "name": name, "version": VERSION,
                                   "capabilities": capabilities, "limits": dict(wire.LIMITS)}
@@ -359,13 +359,13 @@ def hello_result(name: str, parameters: Dict[str, Any]) -> Dict[str, Any]:
     """The answer of an environment that was connected to."""
     offered = parameters.get("protocol")
     if not isinstance(offered, list) or PROTOCOL not in offered:
-        raise _Refusal(VERSION_UNKNOWN, f"No common protocol version: asked for {json.dumps(offered)}, "
+        raise _Refusal(VERSION_UNKNOWN, f"No common protocol version: the request has {json.dumps(offered)}, "
                        f"this environment speaks [{PROTOCOL}].", {"supported": [PROTOCOL]})
     return {"protocol": PROTOCOL, "session": name, "server": f"{name} {VERSION}",
             "capabilities": list(wire.CAPABILITIES), "limits": dict(wire.LIMITS)}
 
 
-# ---- the three ways to meet a server ------------------------------------------------------------------------------
+# ---- the three kinds of connection ---------------------------------------------------------------------------------
 
 
 def answer_all(host: Host, channel: wire.Channel) -> None:
@@ -386,7 +386,7 @@ def answer_all(host: Host, channel: wire.Channel) -> None:
 
 
 def call(channel: wire.Channel, identifier: int, method: str, parameters: Dict[str, Any]) -> Any:
-    """Sends a request and waits for its response, skipping what else arrives."""
+    """Sends a request and waits for its response. Ignores other messages."""
     channel.send(wire.request(identifier, method, parameters))
     while True:
         try:
@@ -453,7 +453,7 @@ def _serve_connection(environment: Type[EnvironmentProcess], channel: wire.Socke
 def serve_pipes(environment: Type[EnvironmentProcess]) -> None:
     """Answers on standard input and output until the input ends."""
     channel = wire.PipeChannel(sys.stdin.buffer, sys.stdout.buffer, "the server")
-    # standard output carries messages only: what the subclass prints goes to standard error
+    # standard output carries only messages; the output of the subclass goes to standard error
     sys.stdout = sys.stderr
     answer_all(Host(environment), channel)
 
@@ -463,12 +463,12 @@ def main(environment: Type[EnvironmentProcess], arguments: Sequence[str]) -> int
     parser = argparse.ArgumentParser(description=(environment.__doc__ or "").strip() or None)
     way = parser.add_mutually_exclusive_group()
     way.add_argument("--offer", metavar="ADDRESS",
-                     help="connect to a server and offer this environment: HOST:PORT, tls://, unix:PATH, ws:// or wss://")
-    way.add_argument("--listen", metavar="HOST:PORT", help="wait for servers to connect; port 0 takes a free one")
-    parser.add_argument("--name", default=environment.name(), help="the name to offer it under (default: %(default)s)")
-    parser.add_argument("--token", default=None, help="what the server asks for when it is not on this machine")
-    parser.add_argument("--reconnect", action="store_true", help="with --offer: come back when the connection is lost")
-    parser.add_argument("--describe", action="store_true", help="print what it is as one JSON object and end")
+                     help="connect to a server and offer the environment: HOST:PORT, tls://, unix:PATH, ws:// or wss://")
+    way.add_argument("--listen", metavar="HOST:PORT", help="wait for servers; port 0 takes a free port")
+    parser.add_argument("--name", default=environment.name(), help="name of the offered environment (default: %(default)s)")
+    parser.add_argument("--token", default=None, help="token of the server, if the server needs one")
+    parser.add_argument("--reconnect", action="store_true", help="with --offer: connect again after a lost connection")
+    parser.add_argument("--describe", action="store_true", help="print the description as one JSON object and exit")
     options = parser.parse_args(arguments)
     try:
         if options.describe:
@@ -488,7 +488,7 @@ def main(environment: Type[EnvironmentProcess], arguments: Sequence[str]) -> int
 
 
 def _offer_again(host: Host, options: argparse.Namespace) -> None:
-    """Offers once, or again and again with the same objects, so that simulations go on where they were."""
+    """Offers once, or again with the same objects after a lost connection, so that simulations continue."""
     while True:
         try:
             offer(host, options.name, options.offer, options.token)

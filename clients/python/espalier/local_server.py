@@ -1,4 +1,4 @@
-"""A server of one's own, for notebooks and scripts: started when it is needed, ended with the program."""
+"""A private server for notebooks and scripts. It starts on demand and ends with the program."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class Local(Client):
     def __init__(self, program: Optional[str] = None, *, arguments: Sequence[str] = (),
                  timeout: Optional[float] = None) -> None:
         """Starts `espalier serve` on a free port of this machine and connects to it. `program`: find_program() by
-        default. `arguments` follow `serve`; the gallery that came with the program is there unless they name another."""
+        default. `arguments` follow `serve`; without --gallery the server has the gallery of the program."""
         found = find_program() if program is None else program
         more: List[str] = list(arguments)
         if "--log-level" not in more:
@@ -41,8 +41,8 @@ class Local(Client):
         return self._server.address
 
     def attach(self, environment: Type[Environment], name: Optional[str] = None) -> Dict[str, str]:
-        """Runs an environment of this program beside it and returns what goes into `environment=[…]` of create. A thread
-        answers the server while this one waits for a step; an exception in it is printed and fails that step."""
+        """Runs an environment of this program in a thread and returns its entry for `environment=[…]` of create. The thread
+        answers while the caller waits for a step. An exception in it is printed and fails the step."""
         chosen = environment.name() if name is None else name
         channel = open_offer(chosen, self.address)
         self._offers.append(channel)
@@ -53,7 +53,7 @@ class Local(Client):
             except (EspalierError, OSError):
                 pass  # the connection ends when this object is closed
             finally:
-                # whatever ends the thread, the server is not left waiting
+                # the server never waits for a thread that has ended
                 channel.close()
 
         threading.Thread(target=answer, name=f"environment {chosen}", daemon=True).start()

@@ -12,8 +12,8 @@ PROGRAM_VARIABLE = "ESPALIER_PROGRAM"
 
 
 def find_program() -> str:
-    """The program `espalier`: what ESPALIER_PROGRAM names, the one on the PATH, or the release build of the source tree
-    that holds the working folder or this package. Raises ServerFailed when there is none."""
+    """The program `espalier`: the value of ESPALIER_PROGRAM, the program on the PATH, or the release build of the source
+    tree around the working folder or this package. Raises ServerFailed when none of them exists."""
     named = os.environ.get(PROGRAM_VARIABLE)
     if named:
         return named
@@ -25,5 +25,5 @@ def find_program() -> str:
             built = folder / "build" / "release" / "bin" / "espalier"
             if os.access(built, os.X_OK):
                 return str(built)
-    raise ServerFailed("There is no program 'espalier'. Build it with './dev build' in the source tree, and put it on the PATH "
+    raise ServerFailed("There is no program 'espalier'. Build it with './dev build' in the source tree, then put it on the PATH "
                        f"or name it in the variable {PROGRAM_VARIABLE}.")

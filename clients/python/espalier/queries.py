@@ -1,4 +1,4 @@
-"""What an environment is told, and how it is read from the messages of the protocol."""
+"""The queries and openings that an environment receives, and how they are read from the protocol."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from .blocks import Blocks, numpy, offsets_of
 from .errors import ProtocolError
 
 Vector = Tuple[float, float, float]
-# the values a query's module gets, in order; None keeps what the module sent
+# the new values of the parameters of a module, in order; None keeps a value
 Answer = Optional[Sequence[Optional[float]]]
 
 
@@ -24,7 +24,7 @@ class Following:
 
 @dataclass(frozen=True)
 class Query:
-    """One communication module `?E(…)` and the turtle's state there. Only what the environment needs is filled.
+    """One communication module `?E(…)` and the state of the turtle there. Only the needs of the environment are filled.
 
     Lengths are in the world's unit (`opening.world["lengthUnit"]`, as "m"), directions are unit vectors.
     """
@@ -46,8 +46,8 @@ class Query:
 
 @dataclass(frozen=True)
 class Columns:
-    """All queries of one step as arrays, row after row: NumPy arrays when NumPy is there, else memoryviews. They look
-    at the bytes that came; nothing is copied. What the environment does not need is None."""
+    """All queries of one step as arrays, row after row: NumPy arrays when NumPy is installed, else memoryviews. They are
+    views of the received bytes. Arrays outside the needs of the environment are None."""
 
     count: int  # queries
     plant: Any  # (count)
@@ -98,7 +98,7 @@ NO_SYMBOL = 0xFFFFFFFF
 
 @dataclass(frozen=True)
 class Opening:
-    """What an environment is told when a simulation opens it."""
+    """The information that an environment gets when a simulation opens it."""
 
     simulation: str  # its identifier on the server
     plants: int = 1
@@ -112,7 +112,7 @@ class Opening:
 
 @dataclass(frozen=True)
 class Variable:
-    """A value that is sent or comes back, with its unit ("1": it has none)."""
+    """A value of a query or an answer with its unit ("1": no unit)."""
 
     name: str
     unit: str = "1"

@@ -1,4 +1,4 @@
-"""What a client asks a server: the method and parameters of each request and how its answer is read.
+"""The requests of a client: method, parameters, and how the answer is read.
 
 The blocking client and the one for asyncio differ only in how they wait, so everything else is here.
 """
@@ -46,7 +46,7 @@ class Inbox:
 
     def __init__(self) -> None:
         self.frames: Dict[str, Deque[Frame]] = {}
-        self.latest: Dict[str, Frame] = {}  # what the next frame of a stream may refer to
+        self.latest: Dict[str, Frame] = {}  # the base of the next difference of a stream
         self.ended: Dict[str, str] = {}  # why, by stream
 
     def open(self, stream: str) -> None:
@@ -58,7 +58,7 @@ class Inbox:
         self.ended.pop(stream, None)
 
     def take(self, message: wire.Received) -> None:
-        """Puts a frame aside for its stream. An error that answers no request raises ServerError."""
+        """Keeps a frame for its stream. An error without a request raises ServerError."""
         if message.get("method") == "stream.data":
             parameters = message.get("params")
             if not isinstance(parameters, dict) or not isinstance(parameters.get("stream"), str):
@@ -76,7 +76,7 @@ class Inbox:
             result_of(message)
 
     def next(self, stream: str) -> Optional[Frame]:
-        """The oldest frame that was not read, or None. A stream that has ended raises EspalierError."""
+        """The oldest unread frame, or None. A stream that has ended raises EspalierError."""
         frames = self.frames.get(stream)
         if frames is None:
             raise EspalierError("The stream is closed.")
@@ -196,7 +196,7 @@ def checkpoints(simulation: str) -> Request[List[Mapping[str, Any]]]:
 
 def restore(simulation: str, snapshot: Optional[bytes], checkpoint: Optional[str]) -> Request[None]:
     if (snapshot is None) == (checkpoint is None):
-        raise EspalierError("Give either a snapshot (what save() returned) or checkpoint=… (the name given to checkpoint()).")
+        raise EspalierError("Give either a snapshot (the result of save()) or checkpoint=… (the name for checkpoint()).")
     where = ({"checkpoint": checkpoint} if snapshot is None else
              {"snapshot": base64.b64encode(snapshot).decode("ascii")})
     return Request("simulation.restore", {"simulation": simulation, **where}, _nothing)
@@ -222,7 +222,7 @@ def open_stream(simulation: str, what: str, every: int, symbols: Optional[Sequen
                                   "delta": delta, "precision": "single" if single else "double"}
     if columns:
         parameters["format"] = "columns"
-        # put together by NumPy
+        # NumPy assembles differences
         parameters["delta"] = delta and geometry.form() == "difference"
     if credits is not None:
         parameters["credits"] = credits

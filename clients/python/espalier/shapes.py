@@ -19,14 +19,14 @@ class StepResult:
 
     step: int  # completed steps
     finished: bool  # the derivation length is reached or the model stopped itself
-    truncated: bool  # fewer steps than asked for were made, although the model is not finished
+    truncated: bool  # fewer steps than requested, although the model is not finished
     saved: bool  # the state is on the server's disk
     statistics: Mapping[str, Any]
 
 
 @dataclass(frozen=True)
 class Model:
-    """A model that the server has compiled, or what is wrong with it."""
+    """A model that the server has compiled, or its errors."""
 
     model: str  # identifier; empty when the model was only checked
     valid: bool
@@ -41,7 +41,7 @@ class Model:
 class TurtleRecord:
     """One module of a string and the turtle's state after it."""
 
-    index: int  # among all records of the frame; what `parent` refers to
+    index: int  # among all records of the frame; `parent` is such an index
     plant: int
     module: int  # index in the plant's string
     symbol: str
@@ -72,7 +72,7 @@ class Frame:
     # heading, left, up, width, colour, branchOrder, parent (2^32 - 1: none), parameters and parameterOffset (count + 1)
     columns: Blocks = field(default_factory=dict)
     symbols: Tuple[str, ...] = ()
-    # of a stream of queries: what the last step asked its environment, and the answers, in the shapes of environment.step
+    # of a stream of queries: the queries and answers of the last step, as in environment.step
     queries: Sequence[Mapping[str, Any]] = ()
     replies: Sequence[Mapping[str, Any]] = ()
     # of a stream of geometry with columns=True: the plants as environments see them
@@ -117,7 +117,7 @@ def read_step(shape: Mapping[str, Any]) -> StepResult:
 
 
 def step_of(frame: Frame) -> StepResult:
-    """A statistics frame as what one step made."""
+    """The result of one step from a statistics frame."""
     return StepResult(frame.step, frame.finished, False, False, frame.statistics)
 
 

@@ -1,4 +1,4 @@
-"""Plants in a page: self-contained HTML for notebooks and files, drawn by three.js.
+"""Plants in a page: complete HTML for notebooks and files, drawn by three.js.
 
     with espalier.local() as client:
         plant = client.create(gallery="light-tree", seed=7, environment=[…])
@@ -44,14 +44,14 @@ class View:
         self.height = height
 
     def html(self) -> str:
-        """The page as a text; it loads nothing from elsewhere."""
+        """The page as a text. It loads nothing from other places."""
         script = next((path.read_text(encoding="utf-8") for path in SCRIPTS if path.is_file()), None)
         if script is None:
             raise EspalierError("The viewer's script espalier.js is missing, so no page can show the plant. The build makes it "
                                 "with Node.js: install Node.js 18 or newer with npm (Debian: apt-get install nodejs npm), run "
                                 "./dev build in the source tree, then install the package again.")
         frames = json.dumps([base64.b64encode(frame).decode("ascii") for frame in self.frames])
-        # the end of a script element must not stand inside one
+        # a script must not contain the end of its element
         return PAGE.format(title=html.escape(self.title), script=script.replace("</script", "<\\\\/script"), frames=frames)
 
     def save(self, path: Union[str, "Path"]) -> None:

@@ -1,4 +1,4 @@
-"""Messages over the WebSocket of a server's HTTP side (RFC 6455): where only HTTP gets through."""
+"""Messages over the WebSocket of the HTTP side of a server (RFC 6455), for networks that allow only HTTP."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def _masked(data: bytes, mask: bytes) -> bytes:
 
 
 class Frames:
-    """Frames of one WebSocket without the socket: bytes to be sent, and what the bytes that come mean.
+    """Frames of one WebSocket without the socket: the bytes to send, and the messages in received bytes.
 
     `message` is a generator so that a blocking and a waiting socket can both feed it: it yields how many bytes it needs
     and is sent them (None: the other side has ended), or yields bytes that are to be sent.
@@ -106,7 +106,7 @@ class Frames:
 
 
 class Upgrade:
-    """The HTTP request that turns a connection into a WebSocket, and what the server's answer must be."""
+    """The HTTP request that turns a connection into a WebSocket, and the expected answer."""
 
     def __init__(self, address: str, peer: str) -> None:
         self._peer = peer

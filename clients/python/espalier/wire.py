@@ -1,7 +1,7 @@
 """Messages as lines: one UTF-8 JSON object per line, JSON-RPC 2.0 inside; behind it raw numbers when both sides agreed.
 
-Numbers must be finite. Python prints a double with the fewest digits that read back as the same double, which is what
-the protocol asks for, so a value that crosses the wire keeps all its bits.
+Numbers must be finite. Python prints a double with the fewest digits that read back as the same double, as the
+protocol requires. A value therefore keeps all its bits.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ Message = Dict[str, Any]
 
 
 class Received(Dict[str, Any]):
-    """A message that came, with the arrays that followed it, by name."""
+    """A received message with its arrays by name."""
 
     blocks: Blocks = {}
 
@@ -33,7 +33,7 @@ INTERNAL_ERROR = -32603
 MAXIMUM_LINE_BYTES = 256_000_000
 MAXIMUM_BLOCK_BYTES = 1_000_000_000
 
-# what this side says in its hello
+# sent in the hello of this side
 CAPABILITIES = ("bin",)
 LIMITS = {"lineBytes": MAXIMUM_LINE_BYTES, "blockBytes": MAXIMUM_BLOCK_BYTES}
 
@@ -135,7 +135,7 @@ def encrypted(address: str, timeout: float) -> socket.socket:
     try:
         return ssl.create_default_context().wrap_socket(channel.release(), server_hostname=host)
     except (ssl.SSLError, OSError) as error:
-        raise ConnectionLost(f"{address} cannot be spoken to encrypted ({error}).") from None
+        raise ConnectionLost(f"{address} does not accept an encrypted connection ({error}).") from None
 
 
 class Channel:
@@ -146,7 +146,7 @@ class Channel:
     takes_blocks = False
 
     def agree(self, hello: Mapping[str, Any]) -> None:
-        """Takes in what the other side said in its hello, or answered to it."""
+        """Reads the capabilities in the hello of the other side, or in its answer."""
         self.takes_blocks = has_blocks(hello)
 
     def send(self, message: Message, blocks: Optional[Blocks] = None) -> None:

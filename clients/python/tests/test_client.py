@@ -148,7 +148,7 @@ class Talking(unittest.TestCase):
 
     def test_a_server_that_goes_away_is_a_lost_connection(self) -> None:
         client = self.client({"server.status": RuntimeError()})
-        with self.assertRaisesRegex(ConnectionLost, "closed the connection while server.status was waited for"):
+        with self.assertRaisesRegex(ConnectionLost, "closed the connection before it answered server.status"):
             client.status()
 
     def test_a_server_that_is_silent_is_a_timeout(self) -> None:
