@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "engine/core/worker_team.h"
 #include "engine/derivation/batch/batch_scan.h"
 #include "engine/derivation/batch/type_sum.h"
 #include "engine/derivation/derivation.h"
@@ -14,7 +15,6 @@
 #include "engine/derivation/rewriter.h"
 #include "engine/derivation/state/string_index.h"
 #include "engine/derivation/system_tables.h"
-#include "engine/derivation/worker_team.h"
 
 namespace espalier::derivation {
 
@@ -166,7 +166,7 @@ class Derivation::Implementation {
   std::uint64_t modulesAlone_ = 0;           // that one at a time is to do, over steps, before batches are tried again
   std::uint64_t generalModules_ = 1;         // how many that is behind a module of the general way
   unsigned threadCount_ = 1;                 // DerivationOptions::threads, or as many as the machine has
-  std::unique_ptr<WorkerTeam> team_;         // made when a string is long enough for several threads
+  std::unique_ptr<core::WorkerTeam> team_;   // made when a string is long enough for several threads
   TypeSum parameterSum_;                     // of a stretch of the string
   std::uint64_t chunkModules_ = 0;           // of a chunk of the string that several threads read
   std::vector<std::uint64_t> chunkOffsets_;  // by chunk: its first parameter in the string that is read; one more

@@ -140,7 +140,7 @@ void Simulation::Implementation::deriveTogether(const std::vector<std::size_t>& 
   // plants are taken in order; when one fails no further ones are taken, and those before it have been
   const auto threads = static_cast<unsigned>(std::min<std::size_t>(threadCount(), plants.size()));
   if (!team_ || team_->size() < threads) {
-    team_ = std::make_unique<derivation::WorkerTeam>(threads);
+    team_ = std::make_unique<core::WorkerTeam>(threads);
   }
   heldMessages_.assign(plants_.size(), {});
   std::vector<std::exception_ptr> failures(plants.size());
@@ -160,7 +160,7 @@ void Simulation::Implementation::deriveTogether(const std::vector<std::size_t>& 
       hasFailed = true;
     }
   };
-  team_->run([&](unsigned) {
+  team_->onEveryWorker([&](unsigned) {
     while (!hasFailed) {
       const std::size_t i = next++;
       if (i >= plants.size()) {

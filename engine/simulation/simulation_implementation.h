@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "engine/core/hash.h"
-#include "engine/derivation/worker_team.h"
+#include "engine/core/worker_team.h"
 #include "engine/simulation/model_set.h"
 #include "engine/simulation/seed_bed.h"
 #include "engine/simulation/simulation.h"
@@ -134,10 +134,10 @@ class Simulation::Implementation {
   turtle::QueryBatch queries_;
   std::vector<std::uint64_t> queryOffsets_;  // of each query's parameters in its plant's string (queryCount)
   Pending pending_;
-  std::vector<Seed> seeds_;                       // of the step under way
-  std::vector<std::uint32_t> dying_;              // plants that end in it, by number
-  std::vector<Seedling> seedlings_;               // made in it
-  std::unique_ptr<derivation::WorkerTeam> team_;  // derives plants side by side; null: not needed yet
+  std::vector<Seed> seeds_;                 // of the step under way
+  std::vector<std::uint32_t> dying_;        // plants that end in it, by number
+  std::vector<Seedling> seedlings_;         // made in it
+  std::unique_ptr<core::WorkerTeam> team_;  // derives plants side by side; null: not needed yet
   // what plants that are derived side by side have to say, by plant; empty: it is passed on at once
   std::vector<std::vector<std::pair<core::MessageKind, std::string>>> heldMessages_;
   std::atomic<std::uint64_t> derivedModules_{0};  // of the plants that were derived in the step under way

@@ -32,7 +32,7 @@ bool Derivation::Implementation::canScanInParallel(const ModuleString& old) {
 
 void Derivation::Implementation::makeTeam() {
   if (team_ == nullptr) {
-    team_ = std::make_unique<WorkerTeam>(threadCount_);
+    team_ = std::make_unique<core::WorkerTeam>(threadCount_);
   }
 }
 
@@ -52,7 +52,7 @@ void Derivation::Implementation::findChunkOffsets(const ModuleString& old, std::
   }
   // each part on its own
   std::atomic<std::uint64_t> next{0};
-  team_->run([&](unsigned) {
+  team_->onEveryWorker([&](unsigned) {
     const core::ModuleTypeId* types = old.types().data();
     for (std::uint64_t part = next++; part < partCount; part = next++) {
       const std::uint64_t firstChunk = part * kPartChunks;
@@ -85,7 +85,7 @@ std::uint64_t Derivation::Implementation::scanRound(const ModuleString& old, con
   round.parameters = working_.parameterCount();
   SharedOutput output(working_);
 
-  team_->run([&](unsigned worker) {
+  team_->onEveryWorker([&](unsigned worker) {
     std::uint64_t chunk = 0;
     try {
       BatchScan& batch = *batches_[worker];

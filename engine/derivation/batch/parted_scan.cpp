@@ -94,7 +94,7 @@ std::uint64_t Derivation::Implementation::scanPartRound(const PlantState& state,
   round.parameters = working_.parameterCount();
   SharedOutput output(working_);
 
-  team_->run([&](unsigned worker) {
+  team_->onEveryWorker([&](unsigned worker) {
     Implementation& helper = *helpers_[worker];
     const ModuleString& made = helper.working_;
     for (std::uint64_t chunk = 0; round.take(chunk);) {

@@ -1,10 +1,10 @@
 #include "engine/turtle/interpretation/parted_interpretation.h"
 
 #include <algorithm>
-#include <atomic>
 #include <new>
-#include <thread>
 #include <utility>
+
+#include "engine/core/worker_team.h"
 
 namespace espalier::turtle {
 namespace {
@@ -143,23 +143,15 @@ void PartedInterpretation::walkAround(const Interpretation::Subject& subject, co
 
 void PartedInterpretation::walkBranches(const Interpretation::Subject& subject, const InterpretationOutput& output,
                                         unsigned threads) {
-  std::atomic<std::size_t> next{0};
-  const auto work = [&] {
-    for (std::size_t i = next++; i < branches_.size(); i = next++) {
-      // behind a cut or a failure there is nothing to do
-      if (!starts_[i].isReached) {
-        continue;
-      }
+  core::WorkerTeam team(threads);
+  team.forEach(branches_.size(), [&](std::size_t i) {
+    // behind a cut or a failure there is nothing to do
+    if (starts_[i].isReached) {
       interpretInto(parts_[i], subject, output, [this, i](Interpretation& interpretation) {
         interpretation.runBranch(branches_[i], starts_[i], parts_[i].warnings);
       });
     }
-  };
-  std::vector<std::jthread> helpers;
-  for (unsigned i = 1; i < threads; ++i) {
-    helpers.emplace_back(work);
-  }
-  work();
+  });
 }
 
 bool PartedInterpretation::hasFailed() const {

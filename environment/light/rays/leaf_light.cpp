@@ -6,10 +6,10 @@
 #include <numbers>
 #include <numeric>
 #include <optional>
-#include <thread>
 #include <utility>
 
 #include "engine/core/check.h"
+#include "engine/core/worker_team.h"
 
 namespace espalier::environment {
 
@@ -191,19 +191,12 @@ template <typename Work>
 void LeafLight::inParallel(std::size_t count, const Work& work) const {
   constexpr std::size_t kBlock = 256;
   const std::size_t threads = std::clamp<std::size_t>(count / kBlock, 1, std::max(options_.threads, 1U));
-  std::atomic<std::size_t> next = 0;
-  const auto part = [&] {
-    for (std::size_t begin = next.fetch_add(kBlock); begin < count; begin = next.fetch_add(kBlock)) {
-      for (std::size_t i = begin; i < std::min(begin + kBlock, count); ++i) {
-        work(i);
-      }
+  core::WorkerTeam team(static_cast<unsigned>(threads));
+  team.forEach((count + kBlock - 1) / kBlock, [&](std::size_t block) {
+    for (std::size_t i = block * kBlock; i < std::min((block + 1) * kBlock, count); ++i) {
+      work(i);
     }
-  };
-  std::vector<std::jthread> team;
-  for (std::size_t number = 1; number < threads; ++number) {
-    team.emplace_back(part);
-  }
-  part();
+  });
 }
 
 std::uint64_t LeafLight::traceRow(std::uint32_t row, const Earlier* earlier) {

@@ -12,10 +12,10 @@ constexpr std::size_t kRoundMeshes = 2048;
 
 }  // namespace
 
-std::optional<std::string> forMeshes(WorkerTeam& team, std::size_t count,
+std::optional<std::string> forMeshes(core::WorkerTeam& team, std::size_t count,
                                      const std::function<void(std::size_t, Mesh&)>& make,
                                      const std::function<std::optional<std::string>(std::size_t, const Mesh&)>& use) {
-  if (team.threadCount() == 1) {
+  if (team.size() == 1) {
     Mesh mesh;
     for (std::size_t i = 0; i < count; ++i) {
       mesh.clear();
@@ -29,7 +29,7 @@ std::optional<std::string> forMeshes(WorkerTeam& team, std::size_t count,
   std::vector<Mesh> meshes(std::min(count, kRoundMeshes));
   for (std::size_t first = 0; first < count; first += kRoundMeshes) {
     const std::size_t here = std::min(kRoundMeshes, count - first);
-    team.run((here + kTaskMeshes - 1) / kTaskMeshes, [&](std::size_t task) {
+    team.forEach((here + kTaskMeshes - 1) / kTaskMeshes, [&](std::size_t task) {
       for (std::size_t i = task * kTaskMeshes; i < std::min(here, (task + 1) * kTaskMeshes); ++i) {
         meshes[i].clear();
         make(first + i, meshes[i]);

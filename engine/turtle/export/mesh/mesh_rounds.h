@@ -5,8 +5,8 @@
 #include <optional>
 #include <string>
 
+#include "engine/core/worker_team.h"
 #include "engine/turtle/export/mesh/mesh.h"
-#include "engine/turtle/export/worker_team.h"
 
 namespace espalier::turtle {
 
@@ -14,7 +14,7 @@ namespace espalier::turtle {
 /// order on the calling thread: what is written does not depend on the threads. `make` gets a cleared mesh and must be
 /// thread-safe. Stops at the first sentence that `use` returns and returns it.
 [[nodiscard]] std::optional<std::string> forMeshes(
-    WorkerTeam& team, std::size_t count, const std::function<void(std::size_t, Mesh&)>& make,
+    core::WorkerTeam& team, std::size_t count, const std::function<void(std::size_t, Mesh&)>& make,
     const std::function<std::optional<std::string>(std::size_t, const Mesh&)>& use);
 
 }  // namespace espalier::turtle

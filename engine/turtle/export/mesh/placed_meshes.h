@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
+#include "engine/core/worker_team.h"
 #include "engine/turtle/export/exporters.h"
 #include "engine/turtle/export/mesh/mesh.h"
 #include "engine/turtle/export/mesh/mesh_material.h"
 #include "engine/turtle/export/mesh/scene_meshes.h"
-#include "engine/turtle/export/worker_team.h"
 
 namespace espalier::turtle {
 
@@ -62,14 +62,14 @@ class PlacedMeshes {
   [[nodiscard]] std::optional<std::string> forEach(const Use& use);
 
   /// The threads that make meshes.
-  [[nodiscard]] WorkerTeam& team() { return team_; }
+  [[nodiscard]] core::WorkerTeam& team() { return team_; }
 
  private:
   MaterialTable table_;
   std::deque<SceneMeshes> scenes_;  // a deque: they hold references to what they are made from
   std::vector<SceneCopy> copies_;
   std::vector<std::size_t> firstParts_;  // number of each copy's first part; behind them their count (copyCount + 1)
-  WorkerTeam team_;
+  core::WorkerTeam team_;
 };
 
 }  // namespace espalier::turtle

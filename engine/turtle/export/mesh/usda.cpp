@@ -175,7 +175,7 @@ void SceneWriter::writePiece(std::uint32_t plant, std::uint32_t material) {
 std::optional<std::string> SceneWriter::write() {
   writeMaterials();
   std::uint64_t done = 0;
-  WorkerTeam& team = meshes_.team();
+  core::WorkerTeam& team = meshes_.team();
   for (const SceneCopy& copy : meshes_.copies()) {
     // pieces of one plant and material
     const SceneMeshes& scene = meshes_.scene(copy.scene);

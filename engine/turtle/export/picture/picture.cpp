@@ -8,12 +8,12 @@
 #include <span>
 
 #include "engine/core/check.h"
+#include "engine/core/worker_team.h"
 #include "engine/turtle/export/picture/projection.h"
 #include "engine/turtle/export/picture/raster_camera.h"
 #include "engine/turtle/export/picture/raster_geometry.h"
 #include "engine/turtle/export/picture/raster_shading.h"
 #include "engine/turtle/export/picture/raster_target.h"
-#include "engine/turtle/export/worker_team.h"
 
 namespace espalier::turtle {
 
@@ -69,9 +69,9 @@ class PlacedGeometry {
 
 // calls `visit(part, task)` for all parts, in tasks of consecutive parts
 template <typename Visit>
-void forParts(WorkerTeam& team, std::size_t partCount, std::size_t partsInTask, const Visit& visit) {
+void forParts(core::WorkerTeam& team, std::size_t partCount, std::size_t partsInTask, const Visit& visit) {
   const std::size_t tasks = (partCount + partsInTask - 1) / partsInTask;
-  team.run(tasks, [&](std::size_t task) {
+  team.forEach(tasks, [&](std::size_t task) {
     for (std::size_t part = task * partsInTask; part < std::min(partCount, (task + 1) * partsInTask); ++part) {
       visit(part, task);
     }
@@ -80,7 +80,7 @@ void forParts(WorkerTeam& team, std::size_t partCount, std::size_t partsInTask, 
 
 // a perspective whose viewer stands inside the scene shows nothing sensible in a fitted picture: draw it in parallel
 Projection chosenProjection(const PlacedGeometry& geometry, const language::ViewSettings& view,
-                            const PictureOptions& options, WorkerTeam& team) {
+                            const PictureOptions& options, core::WorkerTeam& team) {
   Projection projection(view);
   if (projection.isPerspective() && options.framing == PictureFraming::Fitted) {
     std::atomic<bool> isClear{true};
@@ -97,7 +97,7 @@ Projection chosenProjection(const PlacedGeometry& geometry, const language::View
   return projection;
 }
 
-PictureBounds boundsOf(const PlacedGeometry& geometry, const Projection& projection, WorkerTeam& team) {
+PictureBounds boundsOf(const PlacedGeometry& geometry, const Projection& projection, core::WorkerTeam& team) {
   constexpr std::size_t kParts = 4096;
   std::vector<PictureBounds> bounds((geometry.partCount() + kParts - 1) / kParts);
   forParts(team, geometry.partCount(), kParts, [&](std::size_t part, std::size_t task) {
@@ -114,7 +114,7 @@ PictureBounds boundsOf(const PlacedGeometry& geometry, const Projection& project
 }
 
 // draws all parts into some rows of the picture, round by round: triangles are made, sorted into tiles, drawn
-void drawParts(const PlacedGeometry& geometry, const RasterCamera& camera, RasterTarget& target, WorkerTeam& team,
+void drawParts(const PlacedGeometry& geometry, const RasterCamera& camera, RasterTarget& target, core::WorkerTeam& team,
                const std::function<void(std::size_t)>& report) {
   struct Reference {
     std::uint32_t task = 0;
@@ -146,7 +146,7 @@ void drawParts(const PlacedGeometry& geometry, const RasterCamera& camera, Raste
         }
       }
     }
-    team.run(tiles.size(), [&](std::size_t tile) {
+    team.forEach(tiles.size(), [&](std::size_t tile) {
       for (const Reference& reference : tiles[tile]) {
         target.draw(made[reference.task][reference.triangle], static_cast<int>(tile % columns),
                     static_cast<int>(tile / columns));
@@ -169,7 +169,7 @@ PictureImage renderPicture(const Scene& scene, const language::ViewSettings& vie
 }
 
 PictureFrame pictureFrame(const PlacedScenes& placed, const PictureOptions& options) {
-  WorkerTeam team(std::max(1U, options.threads));
+  core::WorkerTeam team(std::max(1U, options.threads));
   const PlacedGeometry geometry(placed);
   const language::ViewSettings& view = placed.scenes[0].view;
   const Projection projection = chosenProjection(geometry, view, options, team);
@@ -179,7 +179,7 @@ PictureFrame pictureFrame(const PlacedScenes& placed, const PictureOptions& opti
 PictureImage renderPlaced(const PlacedScenes& placed, const PictureOptions& options, const ExportProgress& progress) {
   ESPALIER_CHECK(options.widthPixels > 0 && options.widthPixels <= kMaximumPicturePixels);
   ESPALIER_CHECK(options.heightPixels > 0 && options.heightPixels <= kMaximumPicturePixels);
-  WorkerTeam team(std::max(1U, options.threads));
+  core::WorkerTeam team(std::max(1U, options.threads));
   PlacedGeometry geometry(placed);
   const language::ViewSettings& view = placed.scenes[0].view;
   const Colour background = backgroundOf(geometry.scenes()[0].palette, options.background);
@@ -211,7 +211,7 @@ PictureImage renderPlaced(const PlacedScenes& placed, const PictureOptions& opti
         progress(strip * geometry.partCount() + done, stripCount * geometry.partCount());
       }
     });
-    team.run(static_cast<std::size_t>(rows), [&](std::size_t row) {
+    team.forEach(static_cast<std::size_t>(rows), [&](std::size_t row) {
       const std::size_t at = (static_cast<std::size_t>(first) + row) * width * 4;
       target.resolve(static_cast<int>(row), background, options.background == PictureBackground::Transparent,
                      std::span(image.pixels).subspan(at, width * 4));

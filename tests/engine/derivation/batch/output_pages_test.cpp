@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "engine/core/buffer.h"
-#include "engine/derivation/worker_team.h"
+#include "engine/core/worker_team.h"
 
 namespace espalier {
 namespace {
@@ -17,10 +17,10 @@ TEST(OutputPages, PreparingKeepsWhatIsWrittenAndEndsOnEveryThread) {
   buffer.resize(5'000'000);
   derivation::OutputPages pages;
   pages.cover(buffer.data(), buffer.size() * 4);
-  derivation::WorkerTeam team(3);
+  core::WorkerTeam team(3);
   constexpr std::size_t kPiece = 10'000;
   std::atomic<std::size_t> next{0};
-  team.run([&](unsigned) {
+  team.onEveryWorker([&](unsigned) {
     for (std::size_t begin = next.fetch_add(kPiece); begin < buffer.size(); begin = next.fetch_add(kPiece)) {
       pages.prepare(begin * 4, (begin + kPiece) * 4);
       for (std::size_t i = begin; i < begin + kPiece; ++i) {
