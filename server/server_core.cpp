@@ -39,6 +39,11 @@ ServerCore::ServerCore(ServerOptions options)
       models_(options_.galleryFolder, store_),
       pool_({.workers = options_.workers}) {}
 
+ServerCore::~ServerCore() {
+  // workers destroy the simulations, so before the pool goes
+  simulations_.clear();
+}
+
 EnvironmentServices ServerCore::environmentServices() {
   EnvironmentServices services;
   services.offered = &offered_;
@@ -159,7 +164,12 @@ std::variant<std::string, protocol::Error> ServerCore::reserve(const std::string
 }
 
 void ServerCore::add(const std::string& simulation, std::unique_ptr<HostedSimulation> hosted) {
-  auto runner = std::make_shared<SimulationRunner>(std::move(hosted), pool_, log_, options_.limits);
+  // the thread that drops it last may be the network's, and a spawned environment takes long to end
+  const auto destroyOnWorker = [this](SimulationRunner* done) {
+    pool_.post({.run = [this, done] { pool_.blockWhile([done] { delete done; }); }, .owner = "closing"});
+  };
+  std::shared_ptr<SimulationRunner> runner(new SimulationRunner(std::move(hosted), pool_, log_, options_.limits),
+                                           destroyOnWorker);
   const std::lock_guard lock(mutex_);
   simulations_.insert_or_assign(simulation, std::move(runner));
 }

@@ -30,6 +30,9 @@ class Session;
 class ServerCore {
  public:
   explicit ServerCore(ServerOptions options);
+  ~ServerCore();
+  ServerCore(const ServerCore&) = delete;
+  ServerCore& operator=(const ServerCore&) = delete;
 
   [[nodiscard]] const ServerOptions& options() const { return options_; }
   [[nodiscard]] const Log& log() const { return log_; }

@@ -7,13 +7,11 @@
 #include <chrono>
 #include <csignal>
 #include <set>
-#include <thread>
 
 #include "protocol/envelope.h"
 #include "protocol/json_writer.h"
 #include "server/network/http.h"
 #include "server/network/stream_connection.h"
-#include "server/running/leader_follower.h"
 #include "server/server_core.h"
 #include "server/session/session.h"
 
@@ -25,13 +23,6 @@ using asio::ip::tcp;
 constexpr std::string_view kUnix = "unix:";
 // peers at a time that are told that there is no room; more are closed without a word
 constexpr std::uint64_t kMostRefused = 1'000;
-// how long the thread of the network looks for the next event before it sleeps: the answer of a small step, and what a
-// program asks after it, come sooner than a thread sleeps and is woken
-constexpr std::chrono::microseconds kLookTime{50};
-// how long events may wait for a step that was expected to be short
-constexpr std::chrono::microseconds kPatience{2'000};
-// handlers in turn before anything else is looked at
-constexpr int kMostHandlers = 64;
 
 }  // namespace
 
@@ -45,10 +36,7 @@ class Network::Implementation {
         httpAcceptor_(context_),
         encryption_(asio::ssl::context::tls_server),
         signals_(context_),
-        patience_(context_),
-        threads_({.handle = [this] { return handleSome(); },
-                  .compute = [this] { core_->pool().doQuickTask([this] { threads_.giveWay(); }); }},
-                 kPatience) {}
+        patience_(context_) {}
 
   ~Implementation() {
     if (!unixPath_.empty()) {
@@ -99,7 +87,7 @@ class Network::Implementation {
       asio::co_spawn(context_, accept(httpAcceptor_, [this](tcp::socket socket) { admitHttp(std::move(socket)); }),
                      asio::detached);
     }
-    threads_.run();
+    context_.run();
   }
 
   void stopAccepting() {
@@ -143,40 +131,6 @@ class Network::Implementation {
   }
 
  private:
-  using Clock = std::chrono::steady_clock;
-
-  /// Events, until one has brought a step that this thread may make itself; waits for one when none has come for long.
-  LeaderFollower::Next handleSome() {
-    WorkerPool& pool = core_->pool();
-    pool.takeQuickTasks(threads_.hasFollower());
-    bool isMore = true;
-    bool isAnyHandled = false;
-    for (int i = 0; i < kMostHandlers && isMore && !pool.hasQuickTask(); ++i) {
-      isMore = context_.poll_one() > 0;
-      isAnyHandled = isAnyHandled || isMore;
-    }
-    if (context_.stopped()) {
-      pool.takeQuickTasks(false);
-      return LeaderFollower::Next::End;
-    }
-    if (pool.hasQuickTask()) {
-      return LeaderFollower::Next::Compute;
-    }
-    const Clock::time_point now = Clock::now();
-    if (isAnyHandled) {
-      lastHandled_ = now;
-    }
-    if (hasCores_ && now - lastHandled_ < kLookTime) {
-      if (!isMore) {
-        std::this_thread::yield();
-      }
-    } else {
-      context_.run_one();
-      lastHandled_ = Clock::now();
-    }
-    return LeaderFollower::Next::Handle;
-  }
-
   void endWhenEmpty() {
     if (isClosing_ && connections_.empty()) {
       patience_.cancel();
@@ -375,9 +329,6 @@ class Network::Implementation {
   std::uint64_t admittedCount_ = 0;  // of connections_
   std::uint64_t refusedCount_ = 0;   // of connections_, which are being closed because there are too many
   bool isClosing_ = false;
-  const bool hasCores_ = std::thread::hardware_concurrency() > 1;
-  Clock::time_point lastHandled_;  // an event
-  LeaderFollower threads_;
 };
 
 Network::Network(ServerCore& core) : implementation_(std::make_unique<Implementation>(core)) {}

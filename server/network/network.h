@@ -11,8 +11,8 @@ namespace espalier::server {
 
 class ServerCore;
 
-/// The listeners and their connections. All of it happens on one thread at a time, "the network thread", which also
-/// makes steps that are expected to be short; while one turns out not to be, another thread is it (LeaderFollower).
+/// The listeners and their connections. Everything runs on the thread that called run(), "the network thread". It
+/// reads, decodes small messages and writes; a worker makes every step.
 class Network {
  public:
   explicit Network(ServerCore& core);

@@ -9,14 +9,6 @@
 #include "server/remote/limits.h"
 
 namespace espalier::server {
-namespace {
-
-// waking another thread takes about half as long
-constexpr std::chrono::microseconds kQuickTurn{20};
-// a quick one that the system interrupted
-constexpr std::chrono::microseconds kInterruptedTurn{200};
-
-}  // namespace
 
 SimulationRunner::SimulationRunner(std::unique_ptr<HostedSimulation> hosted, WorkerPool& pool, const Log& log,
                                    const ServerLimits& limits)
@@ -88,7 +80,7 @@ void SimulationRunner::submit(std::shared_ptr<Command> command) {
       refusal = closed_;
     } else {
       queue_.push_back(std::move(command));
-      schedule();
+      schedule(false);
     }
   }
   if (refusal) {
@@ -96,37 +88,22 @@ void SimulationRunner::submit(std::shared_ptr<Command> command) {
   }
 }
 
-void SimulationRunner::schedule() {
-  if (!isScheduled_ && !queue_.empty()) {
-    isScheduled_ = true;
-    const Command& next = *queue_.front();
-    const auto self = shared_from_this();
-    pool_->post({.run = [self] { self->takeTurn(); },
-                 .lane = next.lane,
-                 .owner = next.owner,
-                 .isQuick = isQuick(next),
-                 .limit = std::chrono::seconds(callSeconds_),
-                 .onLimit = [self, turn = turnCount_ + 1] { self->giveUpTurn(turn); }});
-  }
-}
-
-bool SimulationRunner::isQuick(const Command& command) const {
-  const auto found =
-      std::find_if(turnTimes_.begin(), turnTimes_.end(), [&](const auto& times) { return times.kind == command.kind; });
-  return found != turnTimes_.end() &&
-         (found->last < kQuickTurn || (found->last < kInterruptedTurn && found->before < kQuickTurn));
-}
-
-void SimulationRunner::noteTime(const Command& command, std::chrono::steady_clock::duration time) {
-  if (command.kind.empty()) {
+void SimulationRunner::schedule(bool isAtEndOfTurn) {
+  if (isScheduled_ || queue_.empty()) {
     return;
   }
-  const auto found =
-      std::find_if(turnTimes_.begin(), turnTimes_.end(), [&](const auto& times) { return times.kind == command.kind; });
-  if (found != turnTimes_.end()) {
-    found->before = std::exchange(found->last, time);
+  isScheduled_ = true;
+  const Command& next = *queue_.front();
+  const auto self = shared_from_this();
+  WorkerPool::Task task{.run = [self] { self->takeTurn(); },
+                        .lane = next.lane,
+                        .owner = next.owner,
+                        .limit = std::chrono::seconds(callSeconds_),
+                        .onLimit = [self, turn = turnCount_ + 1] { self->giveUpTurn(turn); }};
+  if (isAtEndOfTurn) {
+    pool_->postAtEnd(std::move(task));
   } else {
-    turnTimes_.push_back({command.kind, time, std::chrono::hours(1)});
+    pool_->post(std::move(task));
   }
 }
 
@@ -146,17 +123,14 @@ void SimulationRunner::takeTurn() {
     hosted_->setCancelled(false);
   }
   bool wantsMore = false;
-  const auto begin = std::chrono::steady_clock::now();
   runGuarded(*command, wantsMore);
-  const auto time = std::chrono::steady_clock::now() - begin;
   const std::lock_guard lock(mutex_);
-  noteTime(*command, time);
   current_.reset();
   if (wantsMore) {
     queue_.push_back(std::move(command));
   }
   isScheduled_ = false;
-  schedule();
+  schedule(true);
 }
 
 void SimulationRunner::giveUpTurn(std::uint64_t turn) {
@@ -221,7 +195,7 @@ void SimulationRunner::closeWith(std::shared_ptr<Command> last, const protocol::
   close(reason, true);
   const std::lock_guard lock(mutex_);
   queue_.push_back(std::move(last));
-  schedule();
+  schedule(false);
 }
 
 std::size_t SimulationRunner::pauseWaiting() {

@@ -27,7 +27,6 @@ struct Command {
   std::function<void(const protocol::Error&)> fail;
   Lane lane = Lane::Short;  // of its turns
   std::string owner;        // the session whose share of the workers they take
-  std::string kind;         // what takes a simulation about as long each time; empty: nothing does
   std::atomic<bool> isCancelled{false};
   bool isPaused = false;                 // to be ended between two steps; the owner of the simulation's
   std::atomic<bool> isAnswered{false};   // nobody waits for it any more, although its last turn may not be over
@@ -82,18 +81,8 @@ class SimulationRunner final : public std::enable_shared_from_this<SimulationRun
   void setLastError(std::string error) { lastError_ = std::move(error); }
 
  private:
-  /// How long the last two turns of a kind took.
-  struct TurnTimes {
-    std::string kind;
-    std::chrono::steady_clock::duration last;
-    std::chrono::steady_clock::duration before;
-  };
-
   void publishInformation();
-  void schedule();  // with mutex_ held
-  /// Expected to be over before another thread could be woken; with mutex_ held.
-  [[nodiscard]] bool isQuick(const Command& command) const;
-  void noteTime(const Command& command, std::chrono::steady_clock::duration time);  // with mutex_ held
+  void schedule(bool isAtEndOfTurn);  // with mutex_ held
   void takeTurn();
   void giveUpTurn(std::uint64_t turn);
   void runGuarded(Command& command, bool& wantsMore);
@@ -121,8 +110,7 @@ class SimulationRunner final : public std::enable_shared_from_this<SimulationRun
   std::optional<protocol::Error> closed_;
   protocol::SimulationInformation information_;
   std::vector<std::shared_ptr<Stream>> streams_;
-  bool isCatchingUp_ = false;         // such a command is queued
-  std::vector<TurnTimes> turnTimes_;  // of each kind
+  bool isCatchingUp_ = false;  // such a command is queued
 };
 
 }  // namespace espalier::server

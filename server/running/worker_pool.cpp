@@ -8,14 +8,10 @@ namespace {
 
 /// How often the keeper looks while tasks run, at most.
 constexpr std::chrono::milliseconds kLongestLook{50};
-/// How long a thread looks for the next task before it sleeps. Who steps a small plant again and again asks within
-/// microseconds, less than it takes to sleep and to be woken.
-constexpr std::chrono::microseconds kAwhile{50};
 
 }  // namespace
 
 thread_local WorkerPool::Running* WorkerPool::current_ = nullptr;
-thread_local const WorkerPool* WorkerPool::quickPool_ = nullptr;
 
 WorkerPool::WorkerPool(const WorkerPoolOptions& options)
     : workers_(options.workers > 0 ? options.workers : std::max(1U, std::thread::hardware_concurrency())),
@@ -44,59 +40,25 @@ WorkerPool::~WorkerPool() {
 void WorkerPool::post(Task task) {
   {
     const std::lock_guard lock(mutex_);
-    if (task.isQuick && quickPool_ == this && !quick_) {
-      quick_ = std::move(task);
-      hasQuickTask_.store(true, std::memory_order_release);
-      return;
-    }
     enqueue(std::move(task));
-    if (isOneLooking_) {
-      return;
-    }
+    startThreadIfNeeded();
   }
   wake_.notify_one();
+}
+
+void WorkerPool::postAtEnd(Task task) {
+  if (current_ == nullptr) {
+    post(std::move(task));
+    return;
+  }
+  const std::lock_guard lock(mutex_);
+  enqueue(std::move(task));
 }
 
 void WorkerPool::enqueue(Task task) {
   LaneState& lane = laneOf(task);
   ++lane.waiting;
   lane.owners[task.owner].tasks.push_back(std::move(task));
-  startThreadIfNeeded();
-  postedCount_.fetch_add(1, std::memory_order_release);
-}
-
-void WorkerPool::takeQuickTasks(bool takes) {
-  quickPool_ = takes ? this : nullptr;
-  if (takes || !hasQuickTask()) {
-    return;
-  }
-  {
-    const std::lock_guard lock(mutex_);
-    enqueue(*std::exchange(quick_, std::nullopt));
-    hasQuickTask_.store(false, std::memory_order_release);
-  }
-  wake_.notify_one();
-}
-
-void WorkerPool::doQuickTask(std::function<void()> onBlocked) {
-  const WorkerPool* const pool = std::exchange(quickPool_, nullptr);
-  std::list<Running> done;
-  bool isMoreReady = false;
-  {
-    std::unique_lock lock(mutex_);
-    if (std::optional<Task> task = std::exchange(quick_, std::nullopt)) {
-      hasQuickTask_.store(false, std::memory_order_release);
-      done = carryOut(*std::move(task), std::move(onBlocked), lock);
-      // a worker that found no place while this was counted may sleep
-      startThreadIfNeeded();
-      isMoreReady = readyLane() != nullptr;
-    }
-  }
-  if (isMoreReady) {
-    wake_.notify_one();
-  }
-  done.clear();
-  quickPool_ = pool;
 }
 
 WorkerPool::Owner* WorkerPool::nextOwner(LaneState& lane) {
@@ -133,7 +95,7 @@ void WorkerPool::startThreadIfNeeded() {
 }
 
 bool WorkerPool::isIdle() const {
-  return running_.empty() && !quick_ &&
+  return running_.empty() &&
          std::all_of(lanes_.begin(), lanes_.end(), [](const LaneState& lane) { return lane.waiting == 0; });
 }
 
@@ -167,30 +129,24 @@ void WorkerPool::end(Running& running) {
 void WorkerPool::work() {
   std::unique_lock lock(mutex_);
   while (true) {
-    lookAwhile(lock);
     wake_.wait(lock, [this] { return isStopping_ || readyLane() != nullptr; });
-    if (isStopping_) {
+    // what the destructor of the last task posted is still carried out
+    LaneState* const lane = readyLane();
+    if (lane == nullptr) {
       return;
     }
-    LaneState& lane = *readyLane();
-    Owner& owner = *nextOwner(lane);
+    Owner& owner = *nextOwner(*lane);
     Task task = std::move(owner.tasks.front());
     owner.tasks.pop_front();
-    --lane.waiting;
-    --freeThreads_;
-    std::list<Running> done = carryOut(std::move(task), nullptr, lock);
-    ++freeThreads_;
-    lock.unlock();
-    done.clear();
-    lock.lock();
+    --lane->waiting;
+    carryOut(std::move(task), lock);
   }
 }
 
-std::list<WorkerPool::Running> WorkerPool::carryOut(Task task, std::function<void()> onBlocked,
-                                                    std::unique_lock<std::mutex>& lock) {
+void WorkerPool::carryOut(Task task, std::unique_lock<std::mutex>& lock) {
+  --freeThreads_;
   const auto running = running_.emplace(running_.end());
   running->task = std::move(task);
-  running->onBlocked = std::move(onBlocked);
   begin(*running);
   // more tasks than threads that look for one, or than those that were woken
   startThreadIfNeeded();
@@ -210,22 +166,10 @@ std::list<WorkerPool::Running> WorkerPool::carryOut(Task task, std::function<voi
   if (isIdle()) {
     idle_.notify_all();
   }
-  return done;
-}
-
-void WorkerPool::lookAwhile(std::unique_lock<std::mutex>& lock) {
-  if (isOneLooking_ || isStopping_ || workers_ < 2 || readyLane() != nullptr) {
-    return;
-  }
-  isOneLooking_ = true;
-  const std::uint64_t before = postedCount_.load(std::memory_order_acquire);
+  ++freeThreads_;
   lock.unlock();
-  const Clock::time_point end = Clock::now() + kAwhile;
-  while (postedCount_.load(std::memory_order_acquire) == before && Clock::now() < end) {
-    std::this_thread::yield();
-  }
+  done.clear();
   lock.lock();
-  isOneLooking_ = false;
 }
 
 void WorkerPool::blockWhile(const std::function<void()>& wait) {
@@ -233,9 +177,6 @@ void WorkerPool::blockWhile(const std::function<void()>& wait) {
   if (running == nullptr) {
     wait();
     return;
-  }
-  if (running->onBlocked) {
-    running->onBlocked();
   }
   const Clock::time_point before = Clock::now();
   {

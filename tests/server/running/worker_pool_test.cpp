@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <latch>
+#include <memory>
 
 namespace espalier::server {
 namespace {
@@ -43,10 +44,10 @@ TEST(WorkerPool, NeverComputesOnMoreThreadsThanWorkers) {
   EXPECT_LE(most, 2);
 }
 
-TEST(WorkerPool, TasksThatComeWhileAThreadLooksForOneAllGetAThread) {
+TEST(WorkerPool, TasksThatComeWhileAThreadEndsAllGetAThread) {
   WorkerPool pool({.workers = 2, .overtime = kNever});
   for (int round = 0; round < 2'000; ++round) {
-    // the threads that ended the last round look for tasks or sleep; these two end only together
+    // the threads that ended the last round may not sleep yet; these two end only together
     std::latch areBothRunning(2);
     for (const char* owner : {"1", "2"}) {
       pool.post({.run = [&] { areBothRunning.arrive_and_wait(); }, .lane = Lane::Step, .owner = owner});
@@ -116,105 +117,29 @@ TEST(WorkerPool, ATaskBeyondItsLimitIsTold) {
   EXPECT_TRUE(pool.waitUntilIdle(kPatience));
 }
 
-TEST(WorkerPool, QuickTasksWaitForTheThreadThatTakesThem) {
-  WorkerPool pool({.workers = 2, .overtime = kNever});
-  std::thread::id quick;
-  std::thread::id following;
-  pool.takeQuickTasks(true);
-  pool.post({.run =
-                 [&] {
-                   quick = std::this_thread::get_id();
-                   // a thread that takes quick tasks is there for events: what goes on goes on elsewhere
-                   pool.post(
-                       {.run = [&] { following = std::this_thread::get_id(); }, .lane = Lane::Step, .isQuick = true});
-                 },
-             .lane = Lane::Step,
-             .isQuick = true});
-  EXPECT_TRUE(pool.hasQuickTask());
-  EXPECT_FALSE(pool.waitUntilIdle(std::chrono::milliseconds(1)));
-  pool.doQuickTask({});
-  EXPECT_EQ(quick, std::this_thread::get_id());
-  EXPECT_FALSE(pool.hasQuickTask());
-  EXPECT_TRUE(pool.waitUntilIdle(kPatience));
-  EXPECT_NE(following, std::thread::id());
-  EXPECT_NE(following, std::this_thread::get_id());
-  pool.takeQuickTasks(false);
-}
-
-TEST(WorkerPool, OneQuickTaskWaitsTheOthersGoToTheWorkers) {
-  WorkerPool pool({.workers = 2, .overtime = kNever});
-  std::latch areDone(2);
-  std::atomic<int> onThisThread{0};
-  pool.takeQuickTasks(true);
-  for (int i = 0; i < 3; ++i) {
-    pool.post({.run =
-                   [&, caller = std::this_thread::get_id()] {
-                     if (std::this_thread::get_id() == caller) {
-                       ++onThisThread;
-                     } else {
-                       areDone.count_down();
-                     }
-                   },
-               .lane = Lane::Step,
-               .isQuick = true});
-  }
-  areDone.wait();
-  EXPECT_EQ(onThisThread, 0);
-  pool.doQuickTask({});
-  EXPECT_EQ(onThisThread, 1);
-  EXPECT_TRUE(pool.waitUntilIdle(kPatience));
-  pool.takeQuickTasks(false);
-}
-
-TEST(WorkerPool, QuickTasksThatNobodyTakesGoToTheWorkers) {
-  WorkerPool pool({.workers = 2});
-  std::atomic<int> count{0};
-  const auto post = [&] { pool.post({.run = [&] { ++count; }, .lane = Lane::Step, .isQuick = true}); };
-  post();
-  pool.takeQuickTasks(true);
-  std::thread(post).join();
-  EXPECT_FALSE(pool.hasQuickTask());
-  post();
-  EXPECT_TRUE(pool.hasQuickTask());
-  pool.takeQuickTasks(false);
-  EXPECT_FALSE(pool.hasQuickTask());
-  EXPECT_TRUE(pool.waitUntilIdle(kPatience));
-  EXPECT_EQ(count, 3);
-}
-
-TEST(WorkerPool, AQuickTaskThatWaitsSaysSoBefore) {
+TEST(WorkerPool, ATaskPostedAtTheEndOfAnotherIsRunByItsThread) {
   WorkerPool pool({.workers = 1, .overtime = kNever});
-  std::latch isDone(1);
-  pool.takeQuickTasks(true);
-  pool.post({.run = [&] { pool.blockWhile([&] { isDone.wait(); }); }, .lane = Lane::Step, .isQuick = true});
-  int blocked = 0;
-  pool.doQuickTask([&] {
-    ++blocked;
-    isDone.count_down();
-  });
-  EXPECT_EQ(blocked, 1);
-  pool.takeQuickTasks(false);
-}
-
-TEST(WorkerPool, AQuickTaskThatIsNoneIsTimedLikeAnyOther) {
-  WorkerPool pool({.workers = 1, .overtime = std::chrono::milliseconds(1)});
-  std::latch isTold(1);
-  std::latch isServed(1);
-  pool.takeQuickTasks(true);
+  std::thread::id first;
+  std::thread::id second;
   pool.post({.run =
                  [&] {
-                   isTold.wait();
-                   isServed.wait();
+                   first = std::this_thread::get_id();
+                   pool.postAtEnd({.run = [&] { second = std::this_thread::get_id(); }, .lane = Lane::Step});
                  },
-             .lane = Lane::Step,
-             .owner = "1",
-             .isQuick = true,
-             .limit = std::chrono::milliseconds(1),
-             .onLimit = [&] { isTold.count_down(); }});
-  pool.post({.run = [&] { isServed.count_down(); }, .lane = Lane::Step, .owner = "2"});
-  pool.doQuickTask({});
-  EXPECT_TRUE(pool.waitUntilIdle(kPatience));
-  pool.takeQuickTasks(false);
+             .lane = Lane::Step});
+  ASSERT_TRUE(pool.waitUntilIdle(kPatience));
+  EXPECT_EQ(first, second);
+}
+
+TEST(WorkerPool, ATaskThatADestructorPostsIsRunAlsoWhenThePoolIsBeingDestroyed) {
+  std::atomic<bool> isRun{false};
+  {
+    WorkerPool pool({.workers = 1});
+    const auto posting = [&pool, &isRun](void*) { pool.post({.run = [&isRun] { isRun = true; }}); };
+    std::shared_ptr<void> held(nullptr, posting);
+    pool.post({.run = [] {}, .limit = std::chrono::hours(1), .onLimit = [held = std::move(held)] {}});
+  }
+  EXPECT_TRUE(isRun);
 }
 
 TEST(WorkerPool, WaitUntilIdleGivesUpInTime) {
