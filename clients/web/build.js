@@ -1,14 +1,46 @@
-// Bundles src/espalier.js with three.js into espalier.js, the one script of all pages. It is in the repository, so that
-// nothing but a C++ compiler is needed to build the program; a test bundles again and compares.
-import { build } from "esbuild";
+// Bundles src/espalier.js with three.js into espalier.js, the one script of all pages. The build of the program calls it,
+// and so does the build of the Python package.
+//
+//     node build.js              bundle; fetch the packages first when they are missing
+//     node build.js --packages   only fetch the packages
+import { spawnSync } from "node:child_process";
+import { existsSync, statSync } from "node:fs";
+import { dirname } from "node:path";
+import { fileURLToPath } from "node:url";
 
-await build({
-  entryPoints: ["src/espalier.js"],
-  bundle: true,
-  minify: true,
-  format: "iife",
-  globalName: "espalier",
-  legalComments: "eof",
-  target: "es2020",
-  outfile: process.argv[2] ?? "espalier.js",
-});
+const OLDEST_NODE = 18;
+
+function fail(message) {
+  console.error(message);
+  process.exit(1);
+}
+
+// npm writes this file after it has installed everything
+function arePackagesThere() {
+  const installed = "node_modules/.package-lock.json";
+  return existsSync(installed) && statSync(installed).mtimeMs >= statSync("package-lock.json").mtimeMs;
+}
+
+process.chdir(dirname(fileURLToPath(import.meta.url)));
+if (Number.parseInt(process.versions.node, 10) < OLDEST_NODE) {
+  fail(`Node.js ${process.versions.node} is too old: install version ${OLDEST_NODE} or newer.`);
+}
+if (!arePackagesThere()) {
+  const done = spawnSync("npm", ["ci", "--loglevel=error"], { stdio: ["ignore", "ignore", "inherit"] });
+  if (done.status !== 0) {
+    fail("npm could not fetch three.js and esbuild: look whether the npm registry can be reached, then try again.");
+  }
+}
+if (!process.argv.includes("--packages")) {
+  const { build } = await import("esbuild");
+  await build({
+    entryPoints: ["src/espalier.js"],
+    bundle: true,
+    minify: true,
+    format: "iife",
+    globalName: "espalier",
+    legalComments: "eof",
+    target: "es2020",
+    outfile: "espalier.js",
+  });
+}

@@ -1,15 +1,14 @@
 #include "clients/web/pages.h"
 
-// The assembler copies the files into the program: C++20 has no way to, and half a megabyte as an array of numbers
-// takes seconds to compile.
-#define ESPALIER_EMBED(name, file)                                                                  \
-  __asm__(".section .rodata\n" #name "Begin:\n.incbin \"" ESPALIER_WEB_FOLDER "/" file "\"\n" #name \
-          "End:\n.byte 0\n.previous\n");                                                            \
-  extern "C" const char name##Begin[];                                                              \
+// The assembler copies the files into the program. C++20 cannot embed files, and an array of 600,000 numbers compiles
+// for seconds.
+#define ESPALIER_EMBED(name, file)                                                                         \
+  __asm__(".section .rodata\n" #name "Begin:\n.incbin \"" file "\"\n" #name "End:\n.byte 0\n.previous\n"); \
+  extern "C" const char name##Begin[];                                                                     \
   extern "C" const char name##End[]
 
-ESPALIER_EMBED(espalierPage, "page.html");
-ESPALIER_EMBED(espalierScript, "espalier.js");
+ESPALIER_EMBED(espalierPage, ESPALIER_WEB_PAGE);
+ESPALIER_EMBED(espalierScript, ESPALIER_WEB_SCRIPT);
 
 namespace espalier::web {
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""An environment program as the field wrote them in the 1990s, for tests: text records on pipes, answers in chunks.
+"""A test program like the published environment programs of the 1990s: text records on pipes, answers in chunks.
 
     legacy_program.py -e FILE.e MODE
 

@@ -1,4 +1,4 @@
-"""Mistakes in somebody's environment: what they see, what the person who runs the simulation sees, and going on after a fix."""
+"""Errors of a Python environment: messages for its author and for the user of the simulation, and continuing after a fix."""
 
 import contextlib
 import importlib.util

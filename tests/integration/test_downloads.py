@@ -1,4 +1,4 @@
-"""Files of a server over HTTP: exports, states, checkpoints and traces, for who may have them."""
+"""Files of a server over HTTP: exports, states, checkpoints and traces, for clients with permission."""
 
 import base64
 import http.client

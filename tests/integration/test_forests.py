@@ -101,7 +101,7 @@ class Forests(unittest.TestCase):
             strings = [forest.get("string", plant=plant)["string"] for plant in range(count)]
             self.assertEqual([line.split("\t")[1] for line in lines(self.forest)],
                              [string for string in strings if string])
-            # back to the beginning, with who was there then
+            # back to the beginning, with the plants of the beginning
             forest.reset()
             self.assertEqual(forest.step(1).statistics["plants"], 3)
             with self.assertRaises(ServerError) as caught:

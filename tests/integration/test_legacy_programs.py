@@ -1,4 +1,4 @@
-"""Existing environment programs of the field, spoken to on pipes: chunks, unset values, and everything that can go wrong."""
+"""Published environment programs on pipes: chunks, unset values, and failures."""
 
 import shutil
 import tempfile

@@ -125,7 +125,7 @@ class ManyAtOnce(unittest.TestCase):
             status = prober.status()
         self.assertGreaterEqual(status["sessions"], idle + viewers)
         self.assertEqual(status["simulations"], simulations + 1)
-        # the viewer who reads nothing: at most a quarter of its outbox, not 60 frames for ever
+        # the viewer that reads nothing gets at most a quarter of its outbox, not 60 frames
         self.assertLess(status["memory"]["outboxBytes"], 64_000_000)
         waits.sort()
         print(f"{idle} idle sessions, {simulations} running simulations, {viewers} viewers: two short requests took "

@@ -2,6 +2,7 @@
 
 import os
 import shlex
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -51,6 +52,26 @@ class Installing(unittest.TestCase):
         self.run_in_venv("-m", "pip", "install", "--quiet", str(PACKAGE))
         described = self.run_in_venv(str(EXAMPLES / "canopy_light.py"), "--describe")
         self.assertIn('"name": "canopy"', described)
+
+    def test_the_installed_package_carries_the_viewer_that_the_build_made(self) -> None:
+        self.run_in_venv("-m", "pip", "uninstall", "--quiet", "--yes", "espalier")
+        self.run_in_venv("-m", "pip", "install", "--quiet", str(PACKAGE))
+        page = self.run_in_venv("-c", "import espalier; print(espalier.View([b'glTF']).html())")
+        self.assertIn("Three.js Authors", page)
+
+    def test_the_package_installs_without_the_viewer_where_there_is_no_node(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            copy = Path(folder) / "clients" / "python"
+            shutil.copytree(PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__", ".mypy_cache"))
+            done = subprocess.run([self.python, "-c", "import espalier_build; print(espalier_build.build_wheel('.'))"],
+                                  capture_output=True, text=True, timeout=SECONDS, check=True, cwd=folder,
+                                  env={"PYTHONPATH": str(copy / "build_backend"), "PATH": ""})
+            self.assertIn("Install Node.js 18 or newer", done.stderr)
+            self.run_in_venv("-m", "pip", "install", "--quiet", "--force-reinstall", str(Path(folder) / done.stdout.strip()))
+            said = self.run_in_venv("-c", "import espalier\n"
+                                    "try:\n  espalier.View([b'glTF']).html()\n"
+                                    "except espalier.EspalierError as error:\n  print(error)")
+        self.assertIn("The viewer's script espalier.js is missing", said)
 
 
 class Examples(unittest.TestCase):

@@ -1,6 +1,8 @@
 """The pages in a real browser: the one of a server, where a plant grows, and those that hold a plant."""
 
 import os
+import shutil
+import subprocess
 import tempfile
 import unittest
 import urllib.request
@@ -8,14 +10,14 @@ from pathlib import Path
 from typing import List
 
 from browser import PROGRAM, Browser
-from support import GALLERY, program
+from support import GALLERY, REPOSITORY, SECONDS, program
 
 import espalier
 from espalier import Server
 
 
 def keep(picture: bytes, name: str) -> None:
-    """Leaves a picture for people who look, when they named a folder."""
+    """Writes a picture for people when ESPALIER_PICTURES names a folder."""
     folder = os.environ.get("ESPALIER_PICTURES")
     if folder:
         Path(folder, f"{name}.png").write_bytes(picture)
@@ -41,10 +43,21 @@ class Pages(unittest.TestCase):
             self.assertEqual(answer.headers["Content-Type"], "text/javascript; charset=utf-8")
             self.assertIn(b"Three.js Authors", answer.read())
 
+    @unittest.skipUnless(shutil.which("cmake"), "there is no cmake")
+    def test_the_pages_are_built_without_node_and_say_what_is_missing(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            for command in (["cmake", "-S", str(REPOSITORY), "-B", folder, "-G", "Ninja", "-DESPALIER_WEB=OFF", "-DESPALIER_TESTS=OFF"],
+                            ["cmake", "--build", folder, "--target", "espalier_web"]):
+                done = subprocess.run(command, capture_output=True, text=True, timeout=SECONDS, check=False)
+                self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+            library = next(Path(folder).rglob("libespalier_web.a")).read_bytes()
+        self.assertIn((REPOSITORY / "clients" / "web" / "missing.js").read_bytes(), library)
+        self.assertNotIn(b"Three.js Authors", library)
+
 
 @unittest.skipUnless(PROGRAM, "Chromium is not installed (Debian: chromium)")
 class InABrowser(unittest.TestCase):
-    def test_a_plant_grows_before_ones_eyes(self) -> None:
+    def test_a_plant_grows_on_the_page(self) -> None:
         server, address = start()
         self.addCleanup(server.stop)
         with Browser(address) as page:
@@ -77,6 +90,17 @@ class InABrowser(unittest.TestCase):
             keep(turned, "page-turned")
             self.assertNotEqual(turned, grown)
 
+    def test_a_page_without_its_script_says_what_is_missing(self) -> None:
+        web = REPOSITORY / "clients" / "web"
+        with tempfile.TemporaryDirectory() as folder:
+            page = (web / "page.html").read_text(encoding="utf-8")
+            self.assertEqual(page.count('src="/espalier.js"'), 1)
+            (Path(folder) / "page.html").write_text(page.replace('src="/espalier.js"', 'src="missing.js"'), encoding="utf-8")
+            shutil.copy(web / "missing.js", folder)
+            with Browser(f"file://{folder}/page.html") as shown:
+                said = shown.wait_for('document.getElementById("message").textContent')
+        self.assertIn("Install Node.js 18 or newer with npm", said)
+
     def test_shows_what_another_program_steps(self) -> None:
         server, address = start()
         self.addCleanup(server.stop)
@@ -108,7 +132,7 @@ class InABrowser(unittest.TestCase):
         self.addCleanup(server.stop)
         with Browser(address) as page:
             page.wait_for('!document.getElementById("token-form").hidden')
-            self.assertEqual(page.evaluate('document.getElementById("message").textContent'), "This server asks for its token.")
+            self.assertEqual(page.evaluate('document.getElementById("message").textContent'), "This server needs a token.")
             page.evaluate('document.getElementById("token").value = "wrong"')
             page.evaluate('document.querySelector("#token-form button").click()')
             page.wait_for('document.getElementById("message").textContent.includes("token")')
@@ -127,7 +151,7 @@ class InABrowser(unittest.TestCase):
             view = tiers.view(snapshots)
         with tempfile.TemporaryDirectory() as folder:
             view.save(Path(folder) / "plant.html")
-            # a proxy that is not there: whatever the page wanted to load would fail
+            # a missing proxy: every request of the page would fail
             with Browser(f"file://{folder}/plant.html", "--proxy-server=127.0.0.1:1") as page:
                 page.wait_for('document.getElementById("plant")?.dataset.state === "shown"')
                 self.assertEqual(page.evaluate('performance.getEntriesByType("resource").length'), 0)

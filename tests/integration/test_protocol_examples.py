@@ -35,7 +35,7 @@ def examples() -> List[Dict[str, Any]]:
 
 
 class Player:
-    """One connection, with whatever the text says on it."""
+    """One connection with the messages of the text."""
 
     def __init__(self, test: unittest.TestCase, address: str) -> None:
         self.test = test

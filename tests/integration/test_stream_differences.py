@@ -1,4 +1,4 @@
-"""A viewer who follows differences holds, bit for bit, what a viewer of whole frames holds."""
+"""A viewer of differences holds bitwise the same state as a viewer of whole frames."""
 
 import unittest
 from dataclasses import fields

@@ -258,7 +258,7 @@ class EveryTransport(unittest.TestCase):
                 self.assertIn("verify failed", espalier("connect", address, "--token", "secret", "list", status=1).stderr)
                 self.assertIn("The token is missing or wrong", espalier(
                     "connect", address, "--trust", certificate, "--token", "guess", "list", status=1).stderr)
-            # who does not speak TLS gets nothing
+            # a peer without TLS gets nothing
             with self.assertRaises(ConnectionLost):
                 Client(server.address, token="secret", timeout=30)
             with self.assertRaisesRegex(ConnectionLost, "does not accept an encrypted connection"):

@@ -10,6 +10,9 @@ import base64
 import hashlib
 import io
 import re
+import shutil
+import subprocess
+import sys
 import tarfile
 import zipfile
 from pathlib import Path
@@ -96,9 +99,25 @@ def package_files() -> List[Path]:
 
 
 def viewer() -> List[Tuple[str, bytes]]:
-    """The script of the pages that show plants: of clients/web, or in the package already when this is a source archive."""
-    script = ROOT.parent / "web" / "espalier.js"
-    return [(f"{PACKAGE}/viewer/espalier.js", script.read_bytes())] if script.is_file() else []
+    """The script of the pages that show plants, of clients/web. A source archive has it in the package already."""
+    web = ROOT.parent / "web"
+    script = web / "espalier.js"
+    sources = [web / "build.js", *(web / "src").glob("*.js")]
+    if not script.is_file() or any(script.stat().st_mtime < path.stat().st_mtime for path in sources if path.is_file()):
+        bundle(web)
+    if script.is_file():
+        return [(f"{PACKAGE}/viewer/espalier.js", script.read_bytes())]
+    if not (ROOT / PACKAGE / "viewer").is_dir():
+        print("The package is built without its viewer: Simulation.view() cannot show plants. Install Node.js 18 or newer "
+              "with npm (Debian: apt-get install nodejs npm), then install the package again.", file=sys.stderr)
+    return []
+
+
+def bundle(web: Path) -> None:
+    """Makes the script from its sources where Node.js is there, as the build of the program does."""
+    node = shutil.which("node")
+    if node is not None and shutil.which("npm") is not None and (web / "build.js").is_file():
+        subprocess.run([node, "build.js"], cwd=web, stdout=sys.stderr, stdin=subprocess.DEVNULL, check=False)
 
 
 def source_files() -> List[Path]:

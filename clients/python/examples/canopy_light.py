@@ -1,4 +1,4 @@
-"""Light under a canopy: every bud and leaf that asks also shades what is below it (Beer-Lambert).
+"""Light under a canopy: every querying bud and leaf shades the space below it (Beer-Lambert).
 
     python3 clients/python/examples/canopy_light.py --offer 127.0.0.1:4321
 

@@ -141,7 +141,12 @@ def draw(growing: Growing, program: str, out: Path) -> List[Path]:
     if done.returncode != 0:
         raise DemoFailed(f"The picture of {growing.plant.model} could not be drawn: {done.stderr.strip()}")
     page = out / f"{growing.plant.model}.html"
-    View(growing.drawn, growing.plant.model).save(page)
+    try:
+        View(growing.drawn, growing.plant.model).save(page)
+    except EspalierError as error:
+        # a program that was built without Node.js
+        print(f"{shown(page)} is not written. {error}", file=sys.stderr)
+        return files
     return [page, *files]
 
 

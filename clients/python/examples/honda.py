@@ -31,7 +31,7 @@ class Honda(Environment):
         self.radius = float(self.opening.configuration.get("radius", self.radius))
 
     def step(self, queries: Sequence[Query]) -> Sequence[Answer]:
-        # squares as wide as the radius: who collides is in the same or a neighbouring one
+        # squares as wide as the radius: colliding tips are in the same or a neighbouring square
         width = self.radius if self.radius > 0 else 1.0
         cells: DefaultDict[Cell, List[int]] = defaultdict(list)
         points = [tuple(query.position[axis] for axis in self.axes) for query in queries]

@@ -3,7 +3,7 @@
     python3 clients/python/examples/parameter_sweep.py --table sweep.csv --plot sweep.svg
 
 How many leaf clusters do two tiers of branches carry? Varies the branching angle of the gallery's branch-tiers and the radius in
-which a cluster suffers no other (Honda, Tomlinson & Fisher 1981 asked it first).
+which a cluster allows no other cluster (a question of Honda, Tomlinson & Fisher 1981).
 """
 
 from __future__ import annotations

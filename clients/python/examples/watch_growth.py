@@ -1,4 +1,4 @@
-"""Grows a gallery model on a running server and prints what the turtle stream says about every step.
+"""Grows a gallery model on a running server and prints the turtle stream of every step.
 
     espalier serve --listen 127.0.0.1:4321 --gallery clients/gallery &
     python3 clients/python/examples/watch_growth.py 127.0.0.1:4321 growth-to-a-height height

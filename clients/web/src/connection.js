@@ -1,8 +1,8 @@
-// A connection to the server of this page: JSON-RPC over its WebSocket, and arrays behind a message.
+// A connection to the server of this page: JSON-RPC over a WebSocket, with binary arrays after a message.
 
 const READERS = { "<f8": Float64Array, "<f4": Float32Array, "<u4": Uint32Array };
 
-/** An answer of the server that is an error: code, message, data. */
+/** An error that the server answered: code, message, data. */
 export class ServerError extends Error {
   constructor(error) {
     super(error.message);
@@ -25,7 +25,7 @@ function readBinary(buffer) {
 }
 
 export class Connection {
-  /** Connects and says hello. `onNotification(method, params, blocks)`; `onClosed()` once, when it is lost after that. */
+  /** Connects and sends hello. Calls `onNotification(method, params, blocks)`, and `onClosed()` when the connection is lost. */
   static async open(address, token, onNotification, onClosed) {
     const connection = new Connection();
     connection.waiting = new Map();

@@ -1,4 +1,4 @@
-// What the pages use: espalier.showPlant, and for the page of a server a script element with data-page="server".
+// The interface for pages: espalier.showPlant; a script element with data-page="server" makes the page of a server.
 import { showServer } from "./live_page.js";
 
 export { showPlant } from "./plant_view.js";

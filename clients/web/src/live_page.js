@@ -1,4 +1,4 @@
-// The page of a server: chooses or creates a simulation, steps and runs it, and shows it growing.
+// The page of a server: it chooses or creates a simulation, steps and runs it, and shows its growth.
 import { Connection } from "./connection.js";
 import { PlantScene, boxOf } from "./plant_scene.js";
 
@@ -9,10 +9,10 @@ const part = (id) => document.getElementById(id);
 
 class LivePage {
   constructor() {
-    this.simulation = null; // identifier of the one that is shown
+    this.simulation = null; // identifier of the shown simulation
     this.streams = {}; // identifiers: geometry, statistics
     this.isRunning = false;
-    this.isStepping = false; // by this page
+    this.isStepping = false; // this page waits for a step
     this.shownStep = -1;
     this.drawing = Promise.resolve();
     try {
@@ -35,7 +35,7 @@ class LivePage {
     part("message").className = isError ? "error" : "";
   }
 
-  /** Does what a person asked for; what goes wrong is said on the page. */
+  /** Runs an action of the user and shows its error on the page. */
   async handle(event, action) {
     event?.preventDefault();
     this.say("");
@@ -53,16 +53,16 @@ class LivePage {
       this.connection = await Connection.open(
         address, token, (method, params, blocks) => this.notified(method, params, blocks), () => this.lost());
     } catch (error) {
-      // 1003: the server wants a token
+      // 1003: the server needs a token
       part("token-form").hidden = error.code !== 1003;
-      throw error.code === 1003 && !token ? new Error("This server asks for its token.") : error;
+      throw error.code === 1003 && !token ? new Error("This server needs a token.") : error;
     }
     part("token-form").hidden = true;
     part("controls").hidden = false;
     part("server").textContent = this.connection.server.server;
     const { gallery } = await this.connection.call("model.list");
     part("gallery").replaceChildren(
-      ...gallery.map((name) => new Option(name, name)), new Option("a model of your own …", ""));
+      ...gallery.map((name) => new Option(name, name)), new Option("your own model …", ""));
     this.chooseModel();
     await this.list();
     const named = new URLSearchParams(location.hash.slice(1)).get("simulation");
@@ -74,7 +74,7 @@ class LivePage {
 
   lost() {
     document.body.dataset.state = "lost";
-    this.say("The connection to the server is lost; trying again …", true);
+    this.say("The connection to the server is lost. Trying again …", true);
     this.streams = {};
     const again = async () => {
       try {
@@ -94,7 +94,7 @@ class LivePage {
     part("source").hidden = part("gallery").value !== "";
   }
 
-  /** Renews the list of simulations: other programs make and delete them too. */
+  /** Updates the list of simulations: other programs make and delete them too. */
   async list() {
     const { simulations } = await this.connection.call("simulation.list");
     const options = simulations.map(({ simulation, name, step, running, damaged }) => {
@@ -104,7 +104,7 @@ class LivePage {
     const none = new Option(options.length ? "choose …" : "none yet", "", !this.simulation, !this.simulation);
     part("simulations").replaceChildren(none, ...options);
     const shown = simulations.find(({ simulation }) => simulation === this.simulation);
-    // a step that was asked for here is no run to be paused
+    // a step of this page is not a run that can be paused
     this.isRunning = !this.isStepping && (shown?.running ?? false);
     this.showButtons();
   }
@@ -136,7 +136,7 @@ class LivePage {
     this.view?.show(null);
     if (this.simulation) {
       location.hash = `simulation=${encodeURIComponent(simulation)}`;
-      // the newest frame is enough: one is under way at a time, steps in between are left out
+      // with one credit the server sends one frame at a time and skips steps in between
       const open = async (what, more) => {
         const { stream } = await this.connection.call("stream.open", { simulation, what, ...more });
         this.streams[what] = stream;
@@ -179,7 +179,7 @@ class LivePage {
     const row = document.createElement("tr");
     row.append(
       ...cells.map((value) => Object.assign(document.createElement("td"), { textContent: Number(value).toLocaleString("en") })));
-    // back at an earlier step: what came after it never happened
+    // back at an earlier step: remove the later rows
     if (step <= this.shownStep) {
       part("steps").replaceChildren();
     }
@@ -224,7 +224,7 @@ class LivePage {
 
   async reset() {
     await this.act("simulation.reset");
-    // anew: the picture is fitted to the small plant again
+    // choose it again, so that the picture fits the small plant
     await this.choose(this.simulation);
   }
 
@@ -243,11 +243,11 @@ class LivePage {
   }
 }
 
-/** Makes the document the page of its server. */
+/** Turns the document into the page of its server. */
 export function showServer() {
   const page = new LivePage();
   page.handle(null, () => page.connect());
-  // others step and delete simulations too
+  // other programs step and delete simulations too
   setInterval(() => {
     if (page.connection?.socket.readyState === WebSocket.OPEN && document.activeElement !== part("simulations")) {
       page.list().catch(() => {});

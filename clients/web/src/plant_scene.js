@@ -1,4 +1,4 @@
-// A canvas that shows plants from binary glTF files: light, a camera that fits them, and a mouse that turns them.
+// A canvas that shows plants from binary glTF files, with light, a fitting camera, and rotation by the mouse.
 import {
   AmbientLight,
   Box3,
@@ -74,7 +74,7 @@ export class PlantScene {
     return scene;
   }
 
-  /** Shows a plant instead of the one before, which is freed unless it is to be shown again. */
+  /** Shows a plant. Frees the plant before it, unless that plant is kept to be shown again. */
   show(plant, isKept = false) {
     if (this.plant) {
       this.scene.remove(this.plant);
@@ -89,7 +89,7 @@ export class PlantScene {
     this.draw();
   }
 
-  /** Moves the camera so far away that the whole box is in view, a little above. */
+  /** Places the camera a little above the plant, so far away that the whole box is visible. */
   fit(box) {
     if (box.isEmpty()) {
       return;
@@ -99,10 +99,10 @@ export class PlantScene {
     const size = box.getSize(new Vector3());
     const slope = Math.tan((camera.fov * Math.PI) / 360);
     const radius = Math.max(size.length() / 2, 1e-6);
-    // the camera may be turned about the vertical: the box is as wide as its diagonal
+    // the camera may turn about the vertical, so the diagonal is the width of the box
     const width = Math.hypot(size.x, size.z);
     const distance = 1.08 * Math.max(size.y / 2 / slope, width / 2 / slope / camera.aspect, radius) + width / 2;
-    // as seen now, or from the front at first
+    // keep the present direction; begin at the front
     const direction = this.hasCamera ? camera.position.clone().sub(controls.target) : new Vector3(0, 0.18, 1);
     this.hasCamera = true;
     camera.position.copy(centre).add(direction.normalize().multiplyScalar(distance));
@@ -114,7 +114,7 @@ export class PlantScene {
     this.draw();
   }
 
-  /** Zooms out when a box has grown beyond what was fitted. */
+  /** Zooms out when the plant has grown beyond the fitted box. */
   fitGrown(box) {
     if (!this.fitted || !this.fitted.containsBox(box)) {
       this.fitted = box.clone().expandByScalar(0.15 * box.getSize(new Vector3()).length());

@@ -1,4 +1,4 @@
-// A plant in a page that holds its geometry: one frame, or several with a slider and a button that plays the growth.
+// A page with the geometry of a plant: one frame, or several frames with a slider and a button that plays the growth.
 import { Box3 } from "three";
 import { PlantScene, boxOf } from "./plant_scene.js";
 
@@ -11,7 +11,7 @@ function bytesOf(base64) {
   return bytes.buffer;
 }
 
-/** Shows frames (base64 texts of .glb files) in an element; more than one get a slider and a button that plays them. */
+/** Shows frames (base64 texts of .glb files) in an element. Several frames get a slider and a button that plays them. */
 export async function showPlant(element, frames, background = "#f7f7f2") {
   const fail = (text) => {
     element.textContent = text;

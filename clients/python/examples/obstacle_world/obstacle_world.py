@@ -1,4 +1,4 @@
-"""A bush grows around obstacles that come from an OBJ file: every tip hears how far the nearest surface is, and where.
+"""A bush grows around obstacles that come from an OBJ file: every tip gets the distance and direction of the nearest surface.
 
     python3 clients/python/examples/obstacle_world/obstacle_world.py --snapshot bush.snapshot
     espalier run --resume bush.snapshot -o bush.svg

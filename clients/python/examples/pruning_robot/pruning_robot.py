@@ -2,8 +2,8 @@
 
     python3 clients/python/examples/pruning_robot/pruning_robot.py --picture trained.png
 
-Every season the robot sees the greatest shoots and says which to cut; then the tree grows for a season. Cutting opens the crown for
-light, and what sticks out of the wall's bed costs. With the package gymnasium, `PruningEnv` is a `gymnasium.Env`.
+Every season the robot sees the largest shoots and decides which to cut; then the tree grows for a season. Cutting opens the crown for
+light, and shoots outside the bed have a cost. With the package gymnasium, `PruningEnv` is a `gymnasium.Env`.
 """
 
 from __future__ import annotations

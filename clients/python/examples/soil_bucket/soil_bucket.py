@@ -2,8 +2,8 @@
 
     python3 clients/python/examples/soil_bucket/soil_bucket.py
 
-Starts a server, attaches the soil, grows the plant one day a step and prints a line a week: what fell, what is in the bucket,
-how much the plant got of what it wanted, and its leaf area.
+Starts a server, attaches the soil, grows the plant one day a step and prints a line per week: rain, water in the bucket,
+the supplied part of the demand, and the leaf area.
 """
 
 from __future__ import annotations

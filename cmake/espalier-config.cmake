@@ -1,0 +1,42 @@
+# The CMake package `espalier`. Its components and their targets:
+#   client        espalier::client        connections to a server
+#   engine        espalier::simulation    models, plants and steps in the process of the caller (with every library below it)
+#   environment   espalier::environment   the built-in environment processes (with the engine)
+# Without COMPONENTS the package looks for the dependencies of all three.
+include(CMakeFindDependencyMacro)
+
+set(_espalier_components client engine environment)
+foreach(_component ${espalier_FIND_COMPONENTS})
+  if(NOT _component IN_LIST _espalier_components)
+    set(espalier_FOUND FALSE)
+    set(espalier_NOT_FOUND_MESSAGE "espalier has no component '${_component}'. Available: client, engine, environment.")
+    return()
+  endif()
+  set(espalier_${_component}_FOUND TRUE)
+endforeach()
+if(espalier_FIND_COMPONENTS)
+  set(_espalier_components ${espalier_FIND_COMPONENTS})
+endif()
+
+# the libraries are static: a program links what they use
+find_dependency(Threads)
+find_dependency(tl-expected 1.0)
+if("client" IN_LIST _espalier_components)
+  find_dependency(Boost 1.81)
+  find_dependency(nlohmann_json 3.11)
+  find_dependency(simdjson 3.0)
+endif()
+if("engine" IN_LIST _espalier_components OR "environment" IN_LIST _espalier_components)
+  find_dependency(tinyobjloader)
+  find_dependency(TinyGLTF)
+  find_dependency(PNG 1.6.22)
+  find_dependency(JPEG)
+endif()
+if("environment" IN_LIST _espalier_components)
+  find_dependency(nlohmann_json 3.11)
+  find_dependency(embree 3.13)
+endif()
+unset(_espalier_components)
+unset(_component)
+
+include(${CMAKE_CURRENT_LIST_DIR}/espalier-targets.cmake)
