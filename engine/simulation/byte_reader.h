@@ -48,6 +48,8 @@ class ByteReader {
     return values;
   }
 
+  /// What was read has no meaning.
+  void fail() { hasFailed_ = true; }
   [[nodiscard]] bool hasFailed() const { return hasFailed_; }
   [[nodiscard]] std::uint64_t remaining() const { return hasFailed_ ? 0 : bytes_.size() - position_; }
 

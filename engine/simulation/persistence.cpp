@@ -4,6 +4,8 @@
 #include "engine/derivation/state/string_text.h"
 #include "engine/simulation/simulation_implementation.h"
 #include "engine/simulation/snapshot.h"
+#include "engine/simulation/snapshot_check.h"
+#include "engine/turtle/guarded_call.h"
 
 namespace espalier::simulation {
 
@@ -140,7 +142,7 @@ Simulation::Implementation::Outcome Simulation::Implementation::restore(std::str
     return failed(std::move(*error));
   }
   SnapshotContent& content = std::get<SnapshotContent>(read);
-  if (std::string problem = adoptPrograms(content, models_.programs()); !problem.empty()) {
+  if (std::string problem = adoptPrograms(content, models_.programs(), options_.limits); !problem.empty()) {
     return failed(snapshotError(std::move(problem)));
   }
   const std::string ownName = environment_ ? description_.name : std::string();
@@ -181,10 +183,10 @@ Simulation::Implementation::Outcome Simulation::Implementation::restore(std::str
     const std::string oldState = wasStarted ? environment_->save() : std::string();
     std::optional<turtle::EnvironmentError> error;
     if (!wasStarted || members_.size() != oldMembers.size()) {
-      error = environment_->open(environmentContext());
+      error = turtle::guardedCall(ownName, [&] { return environment_->open(environmentContext()); });
     }
     if (!error) {
-      error = environment_->restore(content.environmentState);
+      error = turtle::guardedCall(ownName, [&] { return environment_->restore(content.environmentState); });
     }
     if (error) {
       adopt(oldOptions, oldMembers);

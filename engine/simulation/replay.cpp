@@ -203,8 +203,8 @@ std::optional<Divergence> differenceOf(const TraceEvent& recorded, const Simulat
 /// The run of a trace, made again event by event.
 class Replay {
  public:
-  Replay(std::string_view trace, unsigned threads, const ReplayWitness& witness)
-      : reader_(trace), threads_(threads), witness_(witness) {}
+  Replay(std::string_view trace, unsigned threads, const ReplayWitness& witness, const core::Limits& limits)
+      : reader_(trace), threads_(threads), witness_(witness), limits_(limits) {}
 
   /// Nothing, or an error sentence.
   [[nodiscard]] std::optional<std::string> run() {
@@ -273,7 +273,7 @@ class Replay {
       return error->message;
     }
     auto& info = std::get<SnapshotInfo>(read);
-    auto compiled = compileModels(info, core::Limits{});
+    auto compiled = compileModels(info, limits_);
     if (const auto* diagnostics = std::get_if<core::DiagnosticList>(&compiled)) {
       return "the model in the trace does not compile with this program: " +
              (diagnostics->entries().empty() ? std::string("no reason was given")
@@ -285,6 +285,7 @@ class Replay {
     options.seed = info.seed;
     options.hasSeed = info.hasSeed;
     options.threads = threads_;
+    options.limits = limits_;
     options.world = event.context.world;
     std::unique_ptr<ReplayProcess> process;
     if (event.hasEnvironment) {
@@ -332,6 +333,7 @@ class Replay {
   TraceReader reader_;
   unsigned threads_;
   const ReplayWitness& witness_;
+  core::Limits limits_;
   std::unique_ptr<Simulation> simulation_;
   ReplayProcess* process_ = nullptr;  // the simulation's; null: it has none
   std::vector<TraceEvent> asked_;     // the questions of the step under way
@@ -340,8 +342,8 @@ class Replay {
 }  // namespace
 
 std::variant<ReplayResult, std::string> replayTrace(std::string_view trace, unsigned threads,
-                                                    const ReplayWitness& witness) {
-  Replay replay(trace, threads, witness);
+                                                    const ReplayWitness& witness, const core::Limits& limits) {
+  Replay replay(trace, threads, witness, limits);
   if (auto problem = replay.run()) {
     return std::move(*problem);
   }

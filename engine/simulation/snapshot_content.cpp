@@ -7,6 +7,7 @@
 #include "engine/simulation/byte_reader.h"
 #include "engine/simulation/byte_writer.h"
 #include "engine/simulation/snapshot.h"
+#include "engine/simulation/snapshot_check.h"
 
 namespace espalier::simulation {
 
@@ -28,6 +29,7 @@ enum class Section : std::uint32_t {
   Coupling = 10,
   Forest = 11
 };
+constexpr std::size_t kSectionCount = 12;  // tags below it
 
 void writeVector(ByteWriter& writer, const Vec3& v) {
   writer.real(v.x);
@@ -72,7 +74,11 @@ void writeModel(ByteWriter& writer, const SnapshotModel& model, core::Compatibil
 void readModel(ByteReader& reader, SnapshotModel& model, core::Compatibility& compatibility) {
   model.modelFile = reader.text();
   model.viewFile = reader.text();
-  compatibility = static_cast<core::Compatibility>(reader.byte() % 3);
+  const std::uint8_t mode = reader.byte();
+  if (mode > static_cast<std::uint8_t>(core::Compatibility::CpfgBatch)) {
+    reader.fail();
+  }
+  compatibility = static_cast<core::Compatibility>(mode);
   model.defines = readPairs(reader);
   model.sources = readPairs(reader);
   model.programHash = reader.number64();
@@ -418,8 +424,19 @@ core::SimulationError cutOff() {
   return snapshotError("The snapshot is cut off: it ends in the middle of a section. Use a complete copy of the file.");
 }
 
-core::SimulationError damaged() {
-  return snapshotError("The snapshot is damaged: its checksum does not agree with its content. Use an intact copy.");
+core::SimulationError damaged(const std::string& what) {
+  return snapshotError("The snapshot is damaged: " + what + ". Use an intact copy.");
+}
+
+/// Whether the last bytes are the checksum of everything before them.
+bool hasItsChecksum(std::string_view snapshot) {
+  constexpr std::size_t kChecksumBytes = 8;
+  if (snapshot.size() < kChecksumBytes) {
+    return false;
+  }
+  core::Hasher hasher;
+  hasher.bytes(snapshot.substr(0, snapshot.size() - kChecksumBytes));
+  return ByteReader(snapshot.substr(snapshot.size() - kChecksumBytes)).number64() == hasher.value();
 }
 
 }  // namespace
@@ -473,6 +490,101 @@ void writeSnapshot(const SnapshotContent& content, core::ByteSink& sink) {
   sink.write(checksum.bytes());
 }
 
+namespace {
+
+/// Reads the sections of a snapshot one after the other. Every section but those of plants and their files comes at
+/// most once.
+class SectionReader {
+ public:
+  explicit SectionReader(bool headOnly) : headOnly_(headOnly) {}
+
+  /// False: the section is wrong by itself or at its place. Tags that are not known are skipped.
+  [[nodiscard]] bool read(std::uint32_t tag, ByteReader& section);
+  [[nodiscard]] bool hasEnded() const { return hasRead(Section::End); }
+  /// Whether every section was there that has to be, and as many plants as the run has.
+  [[nodiscard]] bool isWhole() const {
+    return hasRead(Section::Model) && hasRead(Section::Run) && hasRead(Section::Types) && hasRead(Section::Pending) &&
+           (headOnly_ || content.plants.size() == content.members.size());
+  }
+
+  SnapshotContent content;
+
+ private:
+  [[nodiscard]] bool hasRead(Section section) const { return isRead_[static_cast<std::size_t>(section)]; }
+  [[nodiscard]] bool readState(Section tag, ByteReader& section);
+
+  bool headOnly_;
+  std::array<bool, kSectionCount> isRead_{};  // by tag
+};
+
+bool SectionReader::read(std::uint32_t tag, ByteReader& section) {
+  if (tag >= kSectionCount) {
+    return true;
+  }
+  bool& isRead = isRead_[tag];
+  const auto kind = static_cast<Section>(tag);
+  if (isRead && kind != Section::Plant && kind != Section::Files) {
+    return false;
+  }
+  isRead = true;
+  switch (kind) {
+    case Section::Model:
+      readModel(section, content.models.front(), content.compatibility);
+      break;
+    case Section::Run:
+      readRun(section, content);
+      break;
+    case Section::Types:
+      readTypes(section, content.models.front());
+      break;
+    case Section::Colours:
+      readColours(section, content.palette);
+      break;
+    case Section::Coupling:
+      content.coupling.iterations = section.number32();
+      content.coupling.tolerance = section.real();
+      break;
+    case Section::Forest:
+      // further models and what the plants of the run are beside their places
+      if (!hasRead(Section::Model) || !hasRead(Section::Run) || !readForest(section, content)) {
+        return false;
+      }
+      break;
+    default:
+      if (!headOnly_ && !readState(kind, section)) {
+        return false;
+      }
+      break;
+  }
+  return !section.hasFailed();
+}
+
+/// The sections that the head leaves out.
+bool SectionReader::readState(Section tag, ByteReader& section) {
+  switch (tag) {
+    case Section::Plant:
+      content.plants.push_back(readPlant(section));
+      return true;
+    case Section::Files:
+      // of the plant before it
+      if (content.plants.empty()) {
+        return false;
+      }
+      content.plants.back().files = readFiles(section);
+      return true;
+    case Section::Environment:
+      content.environmentState = section.text();
+      return true;
+    case Section::Pending:
+      readPending(section, content);
+      return true;
+    default:
+      return true;
+  }
+}
+
+}  // namespace
+
 std::variant<SnapshotContent, core::SimulationError> readSnapshot(std::string_view snapshot, bool headOnly) {
   // magic and version, before anything else is believed
   if (!snapshot.starts_with(kSnapshotMagic)) {
@@ -492,154 +604,33 @@ std::variant<SnapshotContent, core::SimulationError> readSnapshot(std::string_vi
                          "; this Espalier reads versions 1 to " + std::to_string(kSnapshotVersion) +
                          ". Use the Espalier that made it, or a newer one.");
   }
-  // sections until the end, then the checksum
-  SnapshotContent content;
-  bool hasEnded = false;
-  std::array<bool, 4> isPresent{};
-  while (!hasEnded) {
+  // sections until the end; without the right checksum that is the reason for whatever else is wrong
+  const bool isIntact = hasItsChecksum(snapshot);
+  const auto wrong = [isIntact](const std::string& what) {
+    return damaged(isIntact ? what : "its checksum does not agree with its content");
+  };
+  SectionReader sections(headOnly);
+  while (!sections.hasEnded()) {
     const std::uint32_t tag = reader.number32();
     ByteReader section(reader.raw(reader.number64()));
     if (reader.hasFailed()) {
       return cutOff();
     }
-    switch (static_cast<Section>(tag)) {
-      case Section::Model:
-        readModel(section, content.models.front(), content.compatibility);
-        isPresent[0] = true;
-        break;
-      case Section::Run:
-        readRun(section, content);
-        isPresent[1] = true;
-        break;
-      case Section::Types:
-        readTypes(section, content.models.front());
-        isPresent[2] = true;
-        break;
-      case Section::Plant:
-        if (!headOnly) {
-          content.plants.push_back(readPlant(section));
-        }
-        break;
-      case Section::Files:
-        // of the plant before it
-        if (!headOnly && !content.plants.empty()) {
-          content.plants.back().files = readFiles(section);
-        }
-        break;
-      case Section::Environment:
-        if (!headOnly) {
-          content.environmentState = section.text();
-        }
-        break;
-      case Section::Pending:
-        if (!headOnly) {
-          readPending(section, content);
-        }
-        isPresent[3] = true;
-        break;
-      case Section::Colours:
-        readColours(section, content.palette);
-        break;
-      case Section::Coupling:
-        content.coupling.iterations = section.number32();
-        content.coupling.tolerance = section.real();
-        break;
-      case Section::Forest:
-        if (!isPresent[1] || !readForest(section, content)) {
-          return damaged();
-        }
-        break;
-      case Section::End:
-        hasEnded = true;
-        break;
-      default:
-        break;
-    }
-    if (section.hasFailed()) {
-      return damaged();
+    if (!sections.read(tag, section)) {
+      return wrong("its section " + std::to_string(tag) + " is too short, comes twice or does not fit those before it");
     }
   }
-  const std::size_t hashedBytes = snapshot.size() - reader.remaining();
-  const std::uint64_t checksum = reader.number64();
+  static_cast<void>(reader.number64());  // the checksum
   if (reader.hasFailed()) {
     return cutOff();
   }
-  core::Hasher hasher;
-  hasher.bytes(snapshot.substr(0, hashedBytes));
-  const bool isWhole = isPresent[0] && isPresent[1] && isPresent[2] && isPresent[3];
-  const bool hasPlants = headOnly || content.plants.size() == content.members.size();
-  if (hasher.value() != checksum || reader.remaining() != 0 || !isWhole || !hasPlants) {
-    return damaged();
+  if (!isIntact || reader.remaining() != 0 || !sections.isWhole()) {
+    return wrong("sections are missing, or bytes follow the last one");
   }
-  return content;
-}
-
-namespace {
-
-/// Turns the types of a plant into the Program's; whether everything fits.
-bool adopt(derivation::PlantState& plant, const std::vector<core::ModuleTypeId>& typeOf,
-           const language::Program& program) {
-  std::uint64_t parameterCount = 0;
-  for (core::ModuleTypeId& type : plant.string.typeBuffer().span()) {
-    if (type >= typeOf.size() || typeOf[type] == core::kNoModuleType) {
-      return false;
-    }
-    type = typeOf[type];
-    parameterCount += program.arity[type];
+  if (const std::string problem = problemOfRun(sections.content); !problem.empty()) {
+    return damaged(problem);
   }
-  if (parameterCount != plant.string.parameterCount() || plant.statics.size() != program.staticCount ||
-      plant.instances.empty()) {
-    return false;
-  }
-  const derivation::FileState& files = plant.files;
-  const auto isForeign = [&](const auto& file) { return file.file >= program.files.size(); };
-  if (std::any_of(files.open.begin(), files.open.end(), isForeign) ||
-      std::any_of(files.kept.begin(), files.kept.end(), isForeign)) {
-    return false;
-  }
-  return std::all_of(plant.instances.begin(), plant.instances.end(), [&](const derivation::InstanceState& instance) {
-    if (instance.system >= program.systems.size()) {
-      return false;
-    }
-    const language::LSystem& system = program.systems[instance.system];
-    const bool isEmpty = instance.variables.empty() && instance.elements.empty();
-    return isEmpty || (instance.variables.size() == system.variables.size() &&
-                       instance.elements.size() == system.arrayElementCount);
-  });
-}
-
-}  // namespace
-
-std::string adoptPrograms(SnapshotContent& content, const Programs& programs) {
-  if (content.models.size() != programs.size()) {
-    return "The snapshot has " + std::to_string(content.models.size()) + " models and the simulation " +
-           std::to_string(programs.size()) + ". Resume it without naming a model, or with the files it was made with.";
-  }
-  constexpr const char* kForeign =
-      "The snapshot does not fit the model although their sources agree. It was made by another build of Espalier.";
-  if (content.replies.values.size() != content.replies.isSet.size()) {
-    return kForeign;
-  }
-  // module types by name and arity: another build may number them otherwise
-  std::vector<std::vector<core::ModuleTypeId>> typesOf;
-  for (std::size_t model = 0; model < programs.size(); ++model) {
-    const language::Program& program = *programs[model];
-    if (content.models[model].programHash != program.hash || content.compatibility != program.compatibility) {
-      return "The snapshot was made with another model, other definitions or in another mode than '" +
-             program.modelFile + "'. Resume it without naming a model, or with the files it was made with.";
-    }
-    std::vector<core::ModuleTypeId>& types = typesOf.emplace_back();
-    for (const auto& [name, arity] : content.models[model].types) {
-      types.push_back(program.findType(name, arity));
-    }
-  }
-  for (std::size_t i = 0; i < content.plants.size(); ++i) {
-    const Plant& member = content.members[i];
-    if (member.isAlive() && !adopt(content.plants[i], typesOf[member.origin.model], *programs[member.origin.model])) {
-      return kForeign;
-    }
-  }
-  return {};
+  return std::move(sections.content);
 }
 
 }  // namespace espalier::simulation

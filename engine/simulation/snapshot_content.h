@@ -60,14 +60,10 @@ struct SnapshotContent {
 void writeSnapshot(const SnapshotContent& content, core::ByteSink& sink);
 
 /// Reads a snapshot. With `headOnly` the plants, the environment's state and the replies are left out. Errors name what
-/// is wrong: not a snapshot, a newer version, cut off, damaged. Nothing of the content is checked against a Program
-/// here.
+/// is wrong: not a snapshot, a newer version, cut off, damaged. The values are right by themselves; whether they fit
+/// a Program is for adoptPrograms (snapshot_check.h).
 [[nodiscard]] std::variant<SnapshotContent, core::SimulationError> readSnapshot(std::string_view snapshot,
                                                                                 bool headOnly);
-
-/// Checks a content against the Programs it is to run with and turns its types into the Programs'. An error sentence,
-/// or an empty string.
-[[nodiscard]] std::string adoptPrograms(SnapshotContent& content, const Programs& programs);
 
 /// A SimulationError of code Snapshot.
 [[nodiscard]] core::SimulationError snapshotError(std::string message);

@@ -9,6 +9,7 @@
 #include <variant>
 #include <vector>
 
+#include "engine/core/limits.h"
 #include "engine/core/simulation_error.h"
 #include "engine/core/streams.h"
 #include "engine/simulation/simulation.h"
@@ -129,8 +130,9 @@ struct ReplayWitness {
 
 /// Makes the recorded run again without its environment: the model comes from the trace, the replies too. Stops at the
 /// first difference in a query, a reply or a string. An error sentence when the trace cannot be read or its model does
-/// not compile. `threads` as in SimulationOptions.
+/// not compile. `threads` and `limits` as in SimulationOptions.
 [[nodiscard]] std::variant<ReplayResult, std::string> replayTrace(std::string_view trace, unsigned threads,
-                                                                  const ReplayWitness& witness = {});
+                                                                  const ReplayWitness& witness = {},
+                                                                  const core::Limits& limits = {});
 
 }  // namespace espalier::simulation

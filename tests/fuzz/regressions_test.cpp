@@ -1,22 +1,19 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
-#include <iterator>
+#include <random>
 #include <string>
 
 #include "engine/language/view/view_file.h"
 #include "tests/fuzz/bundle.h"
+#include "tests/fuzz/model_bundles.h"
+#include "tests/fuzz/pieces.h"
+#include "tests/fuzz/run_files.h"
 #include "tests/fuzz/targets.h"
 #include "tests/support/places.h"
 
 namespace espalier::fuzz {
 namespace {
-
-std::string contentOf(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
 
 // a finding ends the test program or throws
 TEST(FuzzRegressions, EveryFormerFindingIsAnsweredNow) {
@@ -49,6 +46,43 @@ TEST(FuzzRegressions, SeedsOfMessagesCrossTheWireUnchanged) {
     ++count;
   }
   EXPECT_GT(count, 5U);
+}
+
+/// The file with one byte of one of its pieces changed; the model, which is most of it, stays.
+std::string withChangedByte(Pieces pieces, std::mt19937& random) {
+  std::string& bytes = pieces.pieces[1 + random() % (pieces.pieces.size() - 1)].bytes;
+  if (!bytes.empty()) {
+    bytes[random() % bytes.size()] ^= static_cast<char>(1U << (random() % 8U));
+  }
+  return joinPieces(pieces);
+}
+
+// what the fuzzers of stored runs begin with: the files of a run of every small model here
+TEST(FuzzRegressions, SnapshotsAndTracesWithAChangedByteAreAnswered) {
+  std::mt19937 random(1);
+  int runs = 0;
+  for (const char* models : {"tests/conformance/cases", "clients/gallery"}) {
+    for (const ModelBundle& bundle : modelBundles(std::filesystem::path(sourceFolder()) / models)) {
+      SCOPED_TRACE(bundle.name);
+      const auto files = bundle.text.empty() ? std::nullopt : runFilesOf(bundle.text);
+      if (!files) {
+        continue;
+      }
+      ++runs;
+      const auto snapshot = cutIntoPieces(files->snapshot);
+      const auto trace = cutIntoPieces(files->trace);
+      ASSERT_TRUE(snapshot && trace);
+      EXPECT_EQ(joinPieces(*snapshot), files->snapshot);
+      EXPECT_EQ(joinPieces(*trace), files->trace);
+      EXPECT_NO_THROW(fuzzSnapshot(files->snapshot));
+      EXPECT_NO_THROW(fuzzTrace(files->trace));
+      EXPECT_NO_THROW(fuzzString(files->string + "\n" + bundleHead("model.l") + bundle.text));
+      for (int round = 0; round < 10; ++round) {
+        EXPECT_NO_THROW(fuzzSnapshot(withChangedByte(*snapshot, random))) << "round " << round;
+      }
+    }
+  }
+  EXPECT_GT(runs, 150);
 }
 
 TEST(FuzzRegressions, TargetsAcceptTextsWithoutMeaning) {

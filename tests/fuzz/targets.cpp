@@ -15,30 +15,13 @@
 #include "engine/simulation/simulation.h"
 #include "engine/simulation/snapshot.h"
 #include "tests/fuzz/bundle.h"
+#include "tests/fuzz/small_limits.h"
 
 namespace espalier::fuzz {
 namespace {
 
 constexpr const char* kModel = "model.l";
 constexpr const char* kView = "model.v";
-
-/// Small enough that a text which stays within them takes well under a second.
-core::Limits smallLimits() {
-  core::Limits limits;
-  limits.maximumModules = 5'000;
-  limits.maximumStringBytes = 1'000'000;
-  limits.maximumArity = 100;
-  limits.maximumLoopIterations = 200;
-  limits.maximumRecursion = 50;
-  limits.maximumQueries = 5'000;
-  limits.maximumTurtleStack = 1'000;
-  limits.maximumSourceBytes = 200'000;
-  limits.maximumIncludeDepth = 8;
-  limits.maximumMacroDepth = 32;
-  limits.maximumArrayElements = 10'000;
-  limits.maximumExpressionDepth = 200;
-  return limits;
-}
 
 constexpr core::Compatibility kModes[] = {core::Compatibility::Espalier, core::Compatibility::Cpfg,
                                           core::Compatibility::CpfgBatch};

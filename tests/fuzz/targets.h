@@ -14,14 +14,25 @@ void fuzzCompile(std::string_view text);     // a model, in every mode; what com
 void fuzzViewFile(std::string_view text);    // a view file with the files it names, in the Espalier and the Cpfg mode
 void fuzzDerivation(std::string_view text);  // a model, a few steps and its scene, within small limits; then a snapshot
 void fuzzMessages(std::string_view bytes);   // the wire: bytes cut into messages, every decoder; text and blocks agree
+void fuzzSnapshot(std::string_view bytes);   // a snapshot, its checksum made right: compiled, restored, two more steps
+void fuzzTrace(std::string_view bytes);      // a trace, its checksums made right, replayed
+void fuzzString(std::string_view text);      // a bundle of a string and its model: the run begins with the string
+void fuzzMtg(std::string_view text);         // a multiscale tree graph, read into strings
 
 struct NamedTarget {
   std::string_view name;  // as its folder of regressions and its program
   Target run;
 };
 inline constexpr NamedTarget kTargets[] = {
-    {"preprocessor", fuzzPreprocessor}, {"compile", fuzzCompile},   {"view_file", fuzzViewFile},
-    {"derivation", fuzzDerivation},     {"messages", fuzzMessages},
+    {"preprocessor", fuzzPreprocessor},
+    {"compile", fuzzCompile},
+    {"view_file", fuzzViewFile},
+    {"derivation", fuzzDerivation},
+    {"messages", fuzzMessages},
+    {"snapshot", fuzzSnapshot},
+    {"trace", fuzzTrace},
+    {"string", fuzzString},
+    {"mtg", fuzzMtg},
 };
 
 }  // namespace espalier::fuzz

@@ -95,7 +95,8 @@ ModelFiles::Written ModelFiles::write(double handle, std::string_view text) {
   if (file == nullptr) {
     return Written::NotOpen;
   }
-  if (!file->mode.canWrite) {
+  // a restored plant can hold a file that was opened where models may write
+  if (!canWrite_ || !file->mode.canWrite) {
     return Written::NotForWriting;
   }
   if (program_->files[file->file].isRead) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <utility>
 #include <vector>
@@ -94,7 +95,9 @@ class StringReader {
     if (known != types_.end()) {
       return known->second;
     }
-    const core::ModuleTypeId type = program_.findType(name, static_cast<std::uint16_t>(parameters_.size()));
+    const bool isArity = parameters_.size() <= std::numeric_limits<std::uint16_t>::max();
+    const core::ModuleTypeId type =
+        isArity ? program_.findType(name, static_cast<std::uint16_t>(parameters_.size())) : core::kNoModuleType;
     types_.emplace(key, type);
     return type;
   }

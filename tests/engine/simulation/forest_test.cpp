@@ -9,6 +9,7 @@
 #include "engine/simulation/snapshot.h"
 #include "engine/simulation/snapshot_editing.h"
 #include "engine/simulation/trace.h"
+#include "tests/engine/simulation/crafted_snapshot.h"
 #include "tests/engine/simulation/simulation_fixture.h"
 
 namespace espalier::simulation {
@@ -90,12 +91,6 @@ std::vector<PlantOrigin> stand() {
 std::unique_ptr<Simulation> makeForest(std::vector<PlantOrigin> plants, SimulationOptions options = {}) {
   return std::make_unique<Simulation>(Programs{compileText(kTree), compileText(kShrub)}, std::move(plants),
                                       std::make_unique<Neighbours>(), std::move(options));
-}
-
-std::string snapshotOf(const Simulation& simulation) {
-  core::StringSink sink;
-  simulation.save(sink);
-  return sink.take();
 }
 
 TEST(Forest, PlantsOfDifferentModelsShareOneEnvironment) {

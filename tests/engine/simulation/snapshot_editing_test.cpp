@@ -1,5 +1,6 @@
 #include "engine/simulation/snapshot_editing.h"
 
+#include "tests/engine/simulation/crafted_snapshot.h"
 #include "tests/engine/simulation/simulation_fixture.h"
 
 namespace espalier::simulation {
@@ -8,12 +9,6 @@ namespace {
 constexpr const char* kTree =
     "Lsystem: 1\nderivation length: 9\nStart: {size = 1; rate = 2;}\n"
     "Axiom: F(1)[+(30)F(2)A]F(3)A\nA : {size = size + rate;} * --> F(size)A\nendlsystem\n";
-
-std::string snapshotOf(const Simulation& simulation) {
-  core::StringSink sink;
-  simulation.save(sink);
-  return sink.take();
-}
 
 /// The string after the edit, or the message of its error.
 std::string edited(const StringEdit& edit) {

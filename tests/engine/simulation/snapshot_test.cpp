@@ -2,16 +2,11 @@
 
 #include <random>
 
+#include "tests/engine/simulation/crafted_snapshot.h"
 #include "tests/engine/simulation/simulation_fixture.h"
 
 namespace espalier::simulation {
 namespace {
-
-std::string snapshotOf(const Simulation& simulation) {
-  core::StringSink sink;
-  simulation.save(sink);
-  return sink.take();
-}
 
 std::string messageOf(const std::variant<SnapshotInfo, core::SimulationError>& result) {
   const auto* error = std::get_if<core::SimulationError>(&result);
@@ -167,7 +162,8 @@ TEST(Snapshot, CutOffAnywhereIsAnError) {
   EXPECT_EQ(run.simulation.stateHash(), hash);
 }
 
-TEST(Snapshot, ADamagedByteIsAnErrorAndNeverACrash) {
+// behind the checksum: snapshot_check_test.cpp
+TEST(Snapshot, ADamagedByteIsFoundByTheChecksum) {
   const auto program = compileText(kAskingModel);
   TestRun run(program);
   expectSuccess(run.simulation.rewind());

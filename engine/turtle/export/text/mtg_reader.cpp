@@ -104,6 +104,7 @@ class MtgReader {
   std::vector<std::string> features_;      // by column from featureColumn_
   std::size_t featureColumn_ = kNoVertex;
   std::vector<Vertex> vertices_;
+  std::uint64_t seriesEntities_ = 0;                            // of all series so far
   std::map<std::string, std::vector<std::size_t>> parameters_;  // by class: which numbers of a vertex
   int coarsest_ = std::numeric_limits<int>::max();              // scale above 0 so far
   std::vector<std::size_t> lastOfColumn_;                       // vertex of the last code in each column
@@ -235,8 +236,11 @@ std::string MtgReader::addSeries(const Vertex& last, std::size_t& base) {
   if (base == kNoVertex || vertices_[base].entityClass != last.entityClass || vertices_[base].index >= last.index) {
     return problem("'" + signs + name + "' continues no entity of its class with a smaller number");
   }
-  if (last.index - vertices_[base].index > kLongestSeries) {
-    return problem("'" + signs + name + "' has more than " + std::to_string(kLongestSeries) + " entities");
+  // a few bytes can ask for many entities: they share one bound
+  seriesEntities_ += last.index - vertices_[base].index;
+  if (seriesEntities_ > kLongestSeries) {
+    return problem("with '" + signs + name + "' the series of the file have more than " +
+                   std::to_string(kLongestSeries) + " entities");
   }
   for (std::uint64_t index = vertices_[base].index + 1; index <= last.index; ++index) {
     Vertex vertex = last;

@@ -58,6 +58,12 @@ TEST(StringText, MistakesInATextAreNamedWithTheirPlace) {
   EXPECT_EQ(problem("A(1,2)"), "1:1: the model has no module 'A' with 2 parameters");
   EXPECT_EQ(problem("A(1"), "1:4: expected a number, ',' or ')' in the parameters of 'A'");
   EXPECT_EQ(problem("A()"), "1:3: expected a number, ',' or ')' in the parameters of 'A'");
+  // 65,537 parameters are not one of a 16-bit count
+  std::string many = "A(1";
+  for (int i = 0; i < 65'536; ++i) {
+    many += ",1";
+  }
+  EXPECT_EQ(problem(many + ")"), "1:1: the model has no module 'A' with 65537 parameters");
   EXPECT_EQ(problem("A(nan)"), "1:3: expected a number, ',' or ')' in the parameters of 'A'");
 }
 

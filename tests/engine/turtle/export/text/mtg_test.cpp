@@ -229,7 +229,11 @@ TEST(Mtg, MistakesAreNamedWithTheirLine) {
   EXPECT_EQ(problem("*\n"), "16: '*' follows no entity of its column");
   EXPECT_EQ(problem("/P1/U3<<U3\n"), "16: '<<U3' continues no entity of its class with a smaller number");
   EXPECT_EQ(problem("/P1++U3\n"), "16: '++U3' continues no entity of its class with a smaller number");
-  EXPECT_EQ(problem("/P1/U3<<U1000004\n"), "16: '<<U1000004' has more than 1000000 entities");
+  EXPECT_EQ(problem("/P1/U3<<U1000004\n"),
+            "16: with '<<U1000004' the series of the file have more than 1000000 entities");
+  // several series share the bound
+  EXPECT_EQ(problem("/P1/U1<<U600001\n/P2/U1<<U600001\n"),
+            "17: with '<<U600001' the series of the file have more than 1000000 entities");
   EXPECT_EQ(problem("/P1/U99999999999999999999\n"), "16: the number of 'U99999999999999999999' is too large");
   EXPECT_EQ(read("CLASSES:\nSYMBOL\tSCALE\nP\tone\n").front(), "3: the scale of class 'P' is not a whole number");
 }

@@ -1,0 +1,46 @@
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "engine/core/check.h"
+#include "engine/language/compiler.h"
+#include "engine/simulation/simulation.h"
+#include "engine/turtle/export/text/mtg.h"
+#include "tests/fuzz/bundle.h"
+#include "tests/fuzz/small_limits.h"
+#include "tests/fuzz/targets.h"
+
+namespace espalier::fuzz {
+
+void fuzzString(std::string_view text) {
+  constexpr const char* kString = "string.txt";
+  constexpr const char* kModel = "model.l";
+  core::MemoryFileProvider files = unbundle(text, kString);
+  language::CompileInput input;
+  input.modelFile = kModel;
+  input.limits = smallLimits();
+  const language::CompileResult compiled = language::compile(input, files);
+  if (compiled.program == nullptr) {
+    return;
+  }
+  simulation::SimulationOptions options;
+  options.limits = smallLimits();
+  options.startString = files.read(kString).value_or("");
+  simulation::Simulation simulation(compiled.program, std::vector<turtle::PlantPlacement>(1), nullptr, options);
+  if (const auto error = simulation.rewind()) {
+    ESPALIER_CHECK(!error->message.empty());
+    return;
+  }
+  (void)simulation.scene();
+  (void)simulation.step();
+  (void)simulation.stringText();
+}
+
+void fuzzMtg(std::string_view text) {
+  const auto read = turtle::readMtg(text);
+  if (const auto* strings = std::get_if<turtle::MtgStrings>(&read)) {
+    ESPALIER_CHECK(!strings->strings.empty());
+  }
+}
+
+}  // namespace espalier::fuzz
