@@ -68,14 +68,14 @@ void readEntry(json object, const std::string& path, std::vector<EnvironmentEntr
 
 }  // namespace
 
-std::variant<std::vector<EnvironmentEntry>, std::vector<core::Diagnostic>> parseEnvironmentEntries(
+tl::expected<std::vector<EnvironmentEntry>, std::vector<core::Diagnostic>> parseEnvironmentEntries(
     std::string_view text) {
   auto parsed = parseJson(text, "environment");
-  if (auto* error = std::get_if<core::Diagnostic>(&parsed)) {
-    error->message = "the environment " + error->message;
-    return std::vector<core::Diagnostic>{std::move(*error)};
+  if (!parsed) {
+    parsed.error().message = "the environment " + parsed.error().message;
+    return tl::unexpected(std::vector{std::move(parsed.error())});
   }
-  auto& value = std::get<json>(parsed);
+  json& value = *parsed;
   std::vector<EnvironmentEntry> entries;
   std::vector<core::Diagnostic> errors;
   if (value.is_array()) {
@@ -89,7 +89,7 @@ std::variant<std::vector<EnvironmentEntry>, std::vector<core::Diagnostic>> parse
                              std::string(kExample)));
   }
   if (!errors.empty()) {
-    return errors;
+    return tl::unexpected(std::move(errors));
   }
   return entries;
 }

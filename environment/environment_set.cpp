@@ -36,7 +36,7 @@ class EnvironmentSet final : public turtle::EnvironmentProcess {
     if (auto error = assign(queries)) {
       return error;
     }
-    // one process answers everything: nothing to split
+    // a single process answers all queries
     return group_.size() == 1 ? group_.process(0).step(queries, replies) : group_.step(queries, assigned_, 0, replies);
   }
 
@@ -90,7 +90,7 @@ class EnvironmentSet final : public turtle::EnvironmentProcess {
   ProcessGroup group_;
   std::vector<std::vector<std::size_t>> assigned_;  // queries of this step by member
   std::vector<std::string> symbols_;                // names by SymbolId
-  std::vector<std::size_t> memberOfSymbol_;         // by SymbolId; kNoMember: no process has this name
+  std::vector<std::size_t> memberOfSymbol_;         // by SymbolId; kNoMember: unknown name
 };
 
 }  // namespace

@@ -4,8 +4,8 @@
 #include <string>
 #include <utility>
 
-#include "engine/core/number_text.h"
 #include "engine/turtle/field.h"
+#include "environment/base/number_text.h"
 #include "environment/environment_entries.h"
 #include "environment/process_group.h"
 #include "environment/registry.h"
@@ -14,15 +14,16 @@ namespace espalier::environment {
 
 namespace {
 
-constexpr std::string_view kSummary = "Several fields at once: parameter 1 of a query is the number of its field.";
+constexpr std::string_view kSummary =
+    "Several environments at once: parameter 1 of a query is the number of its environment.";
 constexpr std::array kKeys{
     ConfigurationKey{
         .name = "fields",
         .kind = KeyKind::Entries,
-        .description = "the fields in the order of their numbers, each an object with a 'type' and its keys"},
+        .description = "the environments in the order of their numbers, each an object with a 'type' and its keys"},
     ConfigurationKey{.name = "compatible",
                      .kind = KeyKind::Boolean,
-                     .description = "leave a query for a field that does not exist unanswered instead of failing"},
+                     .description = "leave a query with an unknown number unanswered instead of failing"},
 };
 
 class Multiple final : public turtle::EnvironmentProcess {
@@ -54,7 +55,7 @@ class Multiple final : public turtle::EnvironmentProcess {
       if (number >= 1.0 && number < static_cast<double>(group_.size()) + 1.0) {
         assigned_[static_cast<std::size_t>(number) - 1].push_back(query);
       } else if (!isCompatible_) {
-        return unknownField(number, queries.module[query]);
+        return unknownNumber(number, queries.module[query]);
       }
     }
     return group_.step(queries, assigned_, 1, replies);
@@ -68,79 +69,66 @@ class Multiple final : public turtle::EnvironmentProcess {
   }
 
  private:
-  [[nodiscard]] turtle::EnvironmentError unknownField(double number, std::uint64_t module) const {
-    std::string fields;
+  [[nodiscard]] turtle::EnvironmentError unknownNumber(double number, std::uint64_t module) const {
+    std::string members;
     for (std::size_t i = 0; i < group_.size(); ++i) {
-      fields += (i == 0 ? "" : ", ") + std::to_string(i + 1) + " " + group_.process(i).describe().name;
+      members += (i == 0 ? "" : ", ") + std::to_string(i + 1) + " " + group_.process(i).describe().name;
     }
-    std::string text;
-    core::appendNumber(text, number, core::NumberStyle::Shortest);
-    return {"Environment 'multiple' has no field " + text + ", which module " + std::to_string(module) +
-                " asks. Fields: " + (fields.empty() ? "none" : fields) +
+    return {"Environment 'multiple' has no environment with the number " + numberText(number) + ", which module " +
+                std::to_string(module) + " asks. Available: " + (members.empty() ? "none" : members) +
                 ". Parameter 1 of the query must be one of these numbers.",
             false};
   }
 
   ProcessGroup group_;
   bool isCompatible_;
-  std::vector<std::vector<std::size_t>> assigned_;  // queries of this step by field
+  std::vector<std::vector<std::size_t>> assigned_;  // queries of this step by environment
 };
 
-core::Diagnostic fieldError(std::size_t index, core::Diagnostic error) {
-  error.message = "environment process 'multiple': fields[" + std::to_string(index) + "]: " + error.message;
-  return error;
-}
-
-/// One field of the configuration.
-ProcessOrErrors makeField(std::size_t index, const std::string& json) {
+/// One environment of the configuration, without its place in the messages.
+ProcessOrErrors makeMember(const std::string& json) {
   auto parsed = parseEnvironmentEntries(json);
-  auto* errors = std::get_if<std::vector<core::Diagnostic>>(&parsed);
-  ProcessOrErrors made;
-  if (errors == nullptr) {
-    const EnvironmentEntry& entry = std::get<std::vector<EnvironmentEntry>>(parsed).front();
-    if (findProcess(entry.type) == &kMultipleProcess) {
-      core::Diagnostic error;
-      error.message = "a field cannot be 'multiple' itself";
-      error.hint = "list its fields here";
-      return std::vector<core::Diagnostic>{fieldError(index, std::move(error))};
-    }
-    made = makeProcess(entry.type, entry.configuration);
-    errors = std::get_if<std::vector<core::Diagnostic>>(&made);
+  if (!parsed) {
+    return tl::unexpected(std::move(parsed.error()));
   }
-  if (errors != nullptr) {
-    for (core::Diagnostic& error : *errors) {
-      error = fieldError(index, std::move(error));
-    }
-    return std::move(*errors);
+  const EnvironmentEntry& entry = parsed->front();
+  if (findProcess(entry.type) == &kMultipleProcess) {
+    core::Diagnostic error;
+    error.message = "an environment of 'multiple' cannot be 'multiple' itself";
+    error.hint = "list its environments here";
+    return tl::unexpected(std::vector{std::move(error)});
   }
-  return made;
+  return makeProcess(entry.type, entry.configuration);
 }
 
 ProcessOrErrors makeFromConfiguration(const Configuration& configuration) {
-  std::vector<std::unique_ptr<turtle::EnvironmentProcess>> fields;
+  std::vector<std::unique_ptr<turtle::EnvironmentProcess>> members;
   std::vector<core::Diagnostic> errors;
   const std::vector<std::string>& entries = configuration.entries("fields");
   for (std::size_t index = 0; index < entries.size(); ++index) {
-    auto made = makeField(index, entries[index]);
-    if (auto* wrong = std::get_if<std::vector<core::Diagnostic>>(&made)) {
-      errors.insert(errors.end(), wrong->begin(), wrong->end());
-    } else {
-      fields.push_back(std::get<std::unique_ptr<turtle::EnvironmentProcess>>(std::move(made)));
+    auto made = makeMember(entries[index]);
+    if (made) {
+      members.push_back(std::move(*made));
+      continue;
+    }
+    for (core::Diagnostic& error : made.error()) {
+      error.message = "environment process 'multiple': fields[" + std::to_string(index) + "]: " + error.message;
+      errors.push_back(std::move(error));
     }
   }
   if (!errors.empty()) {
-    return errors;
+    return tl::unexpected(std::move(errors));
   }
-  return makeMultiple(std::move(fields), configuration.flag("compatible"));
+  return makeMultiple(std::move(members), configuration.flag("compatible"));
 }
 
 }  // namespace
 
 std::unique_ptr<turtle::EnvironmentProcess> makeMultiple(
-    std::vector<std::unique_ptr<turtle::EnvironmentProcess>> fields, bool isCompatible) {
+    std::vector<std::unique_ptr<turtle::EnvironmentProcess>> members, bool isCompatible) {
   ProcessGroup group;
-  for (std::size_t i = 0; i < fields.size(); ++i) {
-    group.add(std::to_string(i + 1), std::move(fields[i]));
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    group.add(std::to_string(i + 1), std::move(members[i]));
   }
   return std::make_unique<Multiple>(std::move(group), isCompatible);
 }
@@ -148,9 +136,7 @@ std::unique_ptr<turtle::EnvironmentProcess> makeMultiple(
 constinit const ProcessEntry kMultipleProcess{.name = "multiple",
                                               .summary = kSummary,
                                               .source = "the published program multiple",
-                                              .aliases = {},
                                               .keys = kKeys,
-                                              .fieldKeywords = {},
                                               .make = makeFromConfiguration};
 
 }  // namespace espalier::environment

@@ -211,7 +211,7 @@ class PluginProcess final : public turtle::EnvironmentProcess {
   std::string name_;
 };
 
-/// What is missing in a table; null: nothing.
+/// The missing part of a table; null when it is complete.
 const char* missingIn(const espalier_plugin& plugin) {
   if (plugin.name == nullptr || *plugin.name == '\0') {
     return "a name";
@@ -220,32 +220,34 @@ const char* missingIn(const espalier_plugin& plugin) {
     return "create, destroy and step";
   }
   if (plugin.is_stateful != 0 && (plugin.save == nullptr || plugin.restore == nullptr)) {
-    return "save and restore, since it says that it has a state";
+    return "save and restore, which it needs because it has a state";
   }
   return nullptr;
 }
 
 }  // namespace
 
-std::variant<std::unique_ptr<turtle::EnvironmentProcess>, std::string> makePluginProcess(
+tl::expected<std::unique_ptr<turtle::EnvironmentProcess>, std::string> makePluginProcess(
     const espalier_plugin& plugin, std::shared_ptr<void> library, std::string_view configurationJson) {
   if (plugin.version != ESPALIER_PLUGIN_VERSION) {
-    return "it speaks version " + std::to_string(plugin.version) +
-           " of the plug-in interface and this program version " + std::to_string(ESPALIER_PLUGIN_VERSION) +
-           ": compile it with this program's environment/plugin.h";
+    return tl::unexpected("it has version " + std::to_string(plugin.version) +
+                          " of the plug-in interface, and this program has version " +
+                          std::to_string(ESPALIER_PLUGIN_VERSION) +
+                          ": compile it with this program's environment/plugin.h");
   }
   if (plugin.size < sizeof(espalier_plugin)) {
-    return "its table has " + std::to_string(plugin.size) + " bytes instead of " +
-           std::to_string(sizeof(espalier_plugin)) + ": compile it with this program's environment/plugin.h";
+    return tl::unexpected("its table has " + std::to_string(plugin.size) + " bytes instead of " +
+                          std::to_string(sizeof(espalier_plugin)) +
+                          ": compile it with this program's environment/plugin.h");
   }
   if (const char* missing = missingIn(plugin)) {
-    return "its table lacks " + std::string(missing);
+    return tl::unexpected("its table lacks " + std::string(missing));
   }
   Message message{};
   const std::string configuration = configurationJson.empty() ? std::string("{}") : std::string(configurationJson);
   void* const instance = plugin.create(configuration.c_str(), message.data(), message.size());
   if (instance == nullptr) {
-    return "'" + std::string(plugin.name) + "' refuses its configuration: " + textOf(message);
+    return tl::unexpected("'" + std::string(plugin.name) + "' refuses its configuration: " + textOf(message));
   }
   return std::make_unique<PluginProcess>(plugin, std::move(library), instance);
 }

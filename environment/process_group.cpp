@@ -132,7 +132,7 @@ std::optional<EnvironmentError> ProcessGroup::restore(std::string_view state) {
       return otherEnvironment();
     }
   }
-  // all or none: on a failure the ones before go back
+  // all or none: after a failure the members before it go back
   std::vector<std::string> before(members_.size());
   for (std::size_t i = 0; i < members_.size(); ++i) {
     before[i] = members_[i].process->save();
@@ -176,7 +176,7 @@ std::optional<EnvironmentError> ProcessGroup::advanceAll(
       before.emplace_back(index, members_[index].process->save());
       error = guarded();
       if (error) {
-        before.pop_back();  // a process that fails is as it was
+        before.pop_back();  // a process that fails keeps its state
       }
     } else {
       error = guarded();

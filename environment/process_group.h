@@ -22,24 +22,24 @@ class ProcessGroup {
   /// "soil, light".
   [[nodiscard]] std::string names() const;
 
-  /// The union of needs; variables are named "soil.sum".
+  /// The union of the members' needs and variables; variables are named "soil.sum".
   [[nodiscard]] turtle::EnvironmentDescription describe() const;
   [[nodiscard]] std::optional<turtle::EnvironmentError> open(const turtle::EnvironmentContext& context);
 
-  /// Gives each member the queries assigned to it in one batch, without their parameters before `firstParameter`, or a
-  /// tick when it has none and needs no geometry, and merges the replies. If one fails, all have their state from
-  /// before. `assigned` holds indices into `queries` (size()). O(queries + parameters) and a copy of the state of all
-  /// stateful members but one.
+  /// Gives each member its assigned queries in one batch, without their parameters before `firstParameter`, and merges
+  /// the replies. A member without queries gets a tick unless it needs geometry. If one member fails, all go back to
+  /// their state before the step. `assigned` holds indices into `queries` by member (size()). O(queries + parameters)
+  /// and a copy of the state of all stateful members but one.
   [[nodiscard]] std::optional<turtle::EnvironmentError> step(const turtle::QueryBatch& queries,
                                                              const std::vector<std::vector<std::size_t>>& assigned,
                                                              std::size_t firstParameter, turtle::ReplyBatch& replies);
   [[nodiscard]] std::optional<turtle::EnvironmentError> tick(std::uint64_t step);
 
-  /// The states of all; empty when all are.
+  /// The states of all members; empty when all are empty.
   [[nodiscard]] std::string save() const;
-  /// All or none.
+  /// Restores all members or none.
   [[nodiscard]] std::optional<turtle::EnvironmentError> restore(std::string_view state);
-  /// Those of all members, named "soil.waterContent".
+  /// The fields of all members, named "soil.waterContent".
   [[nodiscard]] std::vector<turtle::Field> fields() const;
 
  private:

@@ -4,44 +4,19 @@
 #include <array>
 #include <utility>
 
-#include "environment/base/process_entry.h"
-#include "environment/competition/colonization.h"
-#include "environment/competition/crowding.h"
-#include "environment/competition/density.h"
-#include "environment/competition/density3d.h"
-#include "environment/competition/ecosystem.h"
-#include "environment/competition/honda.h"
-#include "environment/competition/meadow.h"
-#include "environment/competition/ornament.h"
-#include "environment/directions/attractors.h"
-#include "environment/directions/constant.h"
-#include "environment/directions/gravity.h"
-#include "environment/directions/height.h"
-#include "environment/directions/wind.h"
-#include "environment/light/chiba.h"
-#include "environment/light/clover.h"
-#include "environment/light/rays/light.h"
-#include "environment/light/shadow.h"
-#include "environment/light/takenaka.h"
-#include "environment/light/voxels/light_voxels.h"
-#include "environment/multiple.h"
-#include "environment/obstacles/arvo.h"
-#include "environment/obstacles/obstacles.h"
-#include "environment/soil/emission.h"
-#include "environment/soil/soil.h"
-#include "environment/soil/soil_water.h"
-
 namespace espalier::environment {
+
+#define ESPALIER_PROCESS(entry) extern const ProcessEntry entry;
+#include "environment/processes.def"
+#undef ESPALIER_PROCESS
 
 namespace {
 
-// sorted by name
 constexpr std::array kProcesses{
-    &kArvoProcess,        &kAttractorsProcess, &kChibaProcess,     &kCloverProcess,    &kColonizationProcess,
-    &kConstantProcess,    &kCrowdingProcess,   &kDensityProcess,   &kDensity3dProcess, &kEcosystemProcess,
-    &kEmissionProcess,    &kGravityProcess,    &kHeightProcess,    &kHondaProcess,     &kLightProcess,
-    &kLightVoxelsProcess, &kMeadowProcess,     &kMultipleProcess,  &kObstaclesProcess, &kOrnamentProcess,
-    &kShadowProcess,      &kSoilProcess,       &kSoilWaterProcess, &kTakenakaProcess,  &kWindProcess};
+#define ESPALIER_PROCESS(entry) &entry,
+#include "environment/processes.def"
+#undef ESPALIER_PROCESS
+};
 
 }  // namespace
 
@@ -96,17 +71,17 @@ std::string configurationSchema(std::string_view name) {
 ProcessOrErrors makeProcess(std::string_view name, std::string_view configurationJson) {
   const ProcessEntry* entry = findProcess(name);
   if (entry == nullptr) {
-    return std::vector<core::Diagnostic>{unknownProcess(name)};
+    return tl::unexpected(std::vector{unknownProcess(name)});
   }
   auto configuration = readConfiguration(entry->name, entry->keys, configurationJson);
-  if (auto* errors = std::get_if<std::vector<ConfigurationError>>(&configuration)) {
+  if (!configuration) {
     std::vector<core::Diagnostic> diagnostics;
-    for (ConfigurationError& error : *errors) {
+    for (ConfigurationError& error : configuration.error()) {
       diagnostics.push_back(std::move(error.diagnostic));
     }
-    return diagnostics;
+    return tl::unexpected(std::move(diagnostics));
   }
-  return entry->make(std::get<Configuration>(configuration));
+  return entry->make(*configuration);
 }
 
 }  // namespace espalier::environment

@@ -10,9 +10,10 @@
 #include "engine/language/checks/model_queries.h"
 #include "environment/environment_entries.h"
 #include "environment/environment_set.h"
-#include "environment/obstacles/mesh_embedding.h"
 #include "environment/output/field_embedding.h"
-#include "environment/published/field_file.h"
+#include "environment/output/mesh_embedding.h"
+#include "environment/published/environment_file.h"
+#include "environment/published/published_environment.h"
 #include "environment/registry.h"
 #include "protocol/envelope.h"
 #include "server/remote/processes/legacy_process.h"
@@ -32,17 +33,16 @@ bool startsWith(const std::string& text, const char* prefix) {
 
 // the process, or null after its errors were printed, each after the name of the file it is about
 Process orPrintErrors(environment::ProcessOrErrors&& made, const std::string& file) {
-  if (const auto* errors = std::get_if<std::vector<core::Diagnostic>>(&made)) {
-    std::vector<core::Diagnostic> located = *errors;
-    for (core::Diagnostic& error : located) {
-      if (error.location.file.empty() && !file.empty()) {
-        error.message = file + ": " + error.message;
-      }
-    }
-    printDiagnostics(located, false);
-    return nullptr;
+  if (made) {
+    return std::move(*made);
   }
-  return std::move(std::get<Process>(made));
+  for (core::Diagnostic& error : made.error()) {
+    if (error.location.file.empty() && !file.empty()) {
+      error.message = file + ": " + error.message;
+    }
+  }
+  printDiagnostics(made.error(), false);
+  return nullptr;
 }
 
 /// What making an environment needs to know of the command line.
@@ -118,8 +118,7 @@ Process makeBuiltIn(const std::string& name, const std::string& configurationJso
   }
   const auto again = [name, configurationJson]() -> Process {
     auto fresh = environment::makeProcess(name, configurationJson);
-    auto* const process = std::get_if<Process>(&fresh);
-    return process == nullptr ? nullptr : std::move(*process);
+    return fresh ? std::move(*fresh) : nullptr;
   };
   return server::supervised(
       std::move(made), {.stepTimeout = timeOfStep(making, std::nullopt, std::chrono::seconds(60)), .again = again});
@@ -166,10 +165,10 @@ Process loadConfiguration(const std::string& file, core::FileProvider& files, st
     return nullptr;
   }
   auto parsed = environment::parseEnvironmentEntries(*json);
-  if (const auto* errors = std::get_if<std::vector<core::Diagnostic>>(&parsed)) {
-    return orPrintErrors(*errors, file);
+  if (!parsed) {
+    return orPrintErrors(tl::unexpected(std::move(parsed.error())), file);
   }
-  auto& entries = std::get<std::vector<environment::EnvironmentEntry>>(parsed);
+  std::vector<environment::EnvironmentEntry>& entries = *parsed;
   for (environment::EnvironmentEntry& entry : entries) {
     auto problem = environment::embedMeshFile(entry, file, files);
     problem = problem ? problem : environment::embedFieldFile(entry, file, files);
@@ -197,12 +196,12 @@ Process loadConfiguration(const std::string& file, core::FileProvider& files, st
   return environment::makeEnvironmentSet(std::move(processes));
 }
 
-// the program of a field file that is not built in but there, started; null: it is for makeFromFieldFile
+// the program of an environment file that is not built in but there, started; null: it is for makeFromEnvironmentFile
 Process loadLegacyProgram(const std::string& file, bool isQuiet, core::FileProvider& files) {
   std::vector<core::Diagnostic> warnings;
   std::vector<core::Diagnostic> errors;
-  const environment::FieldFile field =
-      environment::readFieldFile(file, files.read(file).value_or(std::string()), warnings, errors);
+  const environment::EnvironmentFile field =
+      environment::readEnvironmentFile(file, files.read(file).value_or(std::string()), warnings, errors);
   if (field.command.empty() || !environment::configurationSchema(field.program).empty() ||
       !server::isExecutableThere(field.command.front(), std::filesystem::path(file).parent_path().string())) {
     return nullptr;
@@ -226,7 +225,7 @@ Process loadFieldFile(const std::string& file, core::Compatibility compatibility
   if (auto process = loadLegacyProgram(file, isQuiet, files)) {
     return process;
   }
-  environment::ProcessOrErrors made = environment::makeFromFieldFile(file, files, compatibility, warnings);
+  environment::ProcessOrErrors made = environment::makeFromEnvironmentFile(file, files, compatibility, warnings);
   printDiagnostics(warnings, isQuiet);
   return orPrintErrors(std::move(made), "");
 }

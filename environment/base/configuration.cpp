@@ -8,20 +8,14 @@
 #include <utility>
 
 #include "engine/core/check.h"
-#include "engine/core/number_text.h"
 #include "environment/base/json_text.h"
+#include "environment/base/number_text.h"
 
 namespace espalier::environment {
 
 namespace {
 
 using nlohmann::json;
-
-std::string numberText(double value) {
-  std::string text;
-  core::appendNumber(text, value, core::NumberStyle::Shortest);
-  return text;
-}
 
 std::string rangeText(const ConfigurationKey& key) {
   const bool hasMaximum = std::isfinite(key.maximum);
@@ -95,13 +89,13 @@ json defaultJson(const ConfigurationKey& key) {
   return nullptr;
 }
 
-/// Reads the values of one object and collects what is wrong.
+/// Reads the values of one object and collects the errors.
 class ConfigurationReader {
  public:
   ConfigurationReader(std::string_view process, std::span<const ConfigurationKey> keys)
       : process_(process), keys_(keys) {}
 
-  std::variant<Configuration, std::vector<ConfigurationError>> read(const json& object) {
+  tl::expected<Configuration, std::vector<ConfigurationError>> read(const json& object) {
     std::vector<std::string> given;
     for (const auto& [name, value] : object.items()) {
       given.push_back(name);
@@ -113,7 +107,7 @@ class ConfigurationReader {
       }
     }
     if (!errors_.empty()) {
-      return std::move(errors_);
+      return tl::unexpected(takeErrors());
     }
     for (const ConfigurationKey& key : keys_) {
       values_.try_emplace(std::string(key.name), readDefault(key));
@@ -121,11 +115,8 @@ class ConfigurationReader {
     return Configuration(std::move(values_), std::move(given));
   }
 
-  void add(std::string key, std::string message, std::string hint = {}) {
-    core::Diagnostic diagnostic;
-    diagnostic.message = "environment process '" + std::string(process_) + "': " + std::move(message);
-    diagnostic.hint = std::move(hint);
-    errors_.push_back({std::move(key), std::move(diagnostic)});
+  void add(std::string key, const std::string& message, std::string hint = {}) {
+    errors_.push_back({std::move(key), wrongConfiguration(process_, message, std::move(hint))});
   }
   std::vector<ConfigurationError> takeErrors() { return std::move(errors_); }
 
@@ -375,7 +366,11 @@ bool Configuration::isGiven(std::string_view key) const {
   return std::find(givenKeys_.begin(), givenKeys_.end(), key) != givenKeys_.end();
 }
 
-std::variant<Configuration, std::vector<ConfigurationError>> readConfiguration(std::string_view process,
+core::Diagnostic wrongConfiguration(std::string_view process, const std::string& message, std::string hint) {
+  return {core::Severity::Error, "environment process '" + std::string(process) + "': " + message, {}, std::move(hint)};
+}
+
+tl::expected<Configuration, std::vector<ConfigurationError>> readConfiguration(std::string_view process,
                                                                                std::span<const ConfigurationKey> keys,
                                                                                std::string_view text) {
   ConfigurationReader reader(process, keys);
@@ -383,16 +378,16 @@ std::variant<Configuration, std::vector<ConfigurationError>> readConfiguration(s
     return reader.read(json::object());
   }
   auto parsed = parseJson(text, "configuration");
-  if (auto* error = std::get_if<core::Diagnostic>(&parsed)) {
-    error->message = "environment process '" + std::string(process) + "': the configuration " + error->message;
-    return std::vector<ConfigurationError>{{"", std::move(*error)}};
+  if (!parsed) {
+    core::Diagnostic error = wrongConfiguration(process, "the configuration " + parsed.error().message, {});
+    error.location = parsed.error().location;
+    return tl::unexpected(std::vector<ConfigurationError>{{"", std::move(error)}});
   }
-  const auto& object = std::get<json>(parsed);
-  if (!object.is_object()) {
-    reader.add("", "the configuration must be an object of keys and values, found " + foundText(object));
-    return reader.takeErrors();
+  if (!parsed->is_object()) {
+    reader.add("", "the configuration must be an object of keys and values, found " + foundText(*parsed));
+    return tl::unexpected(reader.takeErrors());
   }
-  return reader.read(object);
+  return reader.read(*parsed);
 }
 
 std::string writeSchema(std::string_view process, std::string_view summary, std::span<const ConfigurationKey> keys) {

@@ -1,11 +1,14 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <map>
 #include <span>
 #include <string>
 #include <string_view>
+#include <tl/expected.hpp>
 #include <variant>
 #include <vector>
 
@@ -13,7 +16,7 @@
 
 namespace espalier::environment {
 
-/// What a configuration key holds.
+/// The type of a configuration key.
 enum class KeyKind : std::uint8_t {
   Number,   // a finite number
   Integer,  // a whole number
@@ -62,7 +65,7 @@ class Configuration {
   [[nodiscard]] const std::vector<double>& numbers(std::string_view key) const;
   [[nodiscard]] const ConfigurationRows& rows(std::string_view key) const;
   [[nodiscard]] const std::vector<std::string>& entries(std::string_view key) const;
-  /// The key was written by the user, not filled by default.
+  /// Whether the text has the key; otherwise its value is the default.
   [[nodiscard]] bool isGiven(std::string_view key) const;
 
  private:
@@ -70,17 +73,30 @@ class Configuration {
   std::vector<std::string> givenKeys_;
 };
 
-/// What is wrong with one key, for callers that know where the key was written.
+/// An error in one key. A caller that knows where the key was written sets the location.
 struct ConfigurationError {
   std::string key;  // empty: the whole text
   core::Diagnostic diagnostic;
 };
 
-/// Reads the JSON text of an object against a table of keys; empty or blank text means all defaults. All errors are
-/// returned, each naming `process` and the key's path ("values[2]"): malformed JSON (with line and column), unknown key
-/// (with the nearest one), key written twice, wrong type, value out of range. O(text).
-[[nodiscard]] std::variant<Configuration, std::vector<ConfigurationError>> readConfiguration(
+/// The error "environment process 'wind': MESSAGE" with a hint.
+[[nodiscard]] core::Diagnostic wrongConfiguration(std::string_view process, const std::string& message,
+                                                  std::string hint);
+
+/// Reads the JSON text of an object by a table of keys; empty or blank text means all defaults. Returns all errors,
+/// each with the name of the process and the key's path ("values[2]"): malformed JSON (with line and column), unknown
+/// key (with the nearest one), key written twice, wrong type, value out of range. O(text).
+[[nodiscard]] tl::expected<Configuration, std::vector<ConfigurationError>> readConfiguration(
     std::string_view process, std::span<const ConfigurationKey> keys, std::string_view json);
+
+/// Tables of keys, or of published keywords, one after another.
+template <typename Row, std::size_t... n>
+[[nodiscard]] constexpr auto joinTables(const std::array<Row, n>&... tables) {
+  std::array<Row, (n + ...)> joined;
+  auto next = joined.begin();
+  ((next = std::copy(tables.begin(), tables.end(), next)), ...);
+  return joined;
+}
 
 /// The JSON Schema (draft 2020-12) of a table of keys, with units and defaults.
 [[nodiscard]] std::string writeSchema(std::string_view process, std::string_view summary,

@@ -4,7 +4,7 @@
 #include <set>
 #include <vector>
 
-#include "engine/core/number_text.h"
+#include "environment/base/number_text.h"
 
 namespace espalier::environment {
 
@@ -38,7 +38,7 @@ std::string reasonOf(std::string_view what) {
 
 }  // namespace
 
-std::variant<json, core::Diagnostic> parseJson(std::string_view text, const std::string& file) {
+tl::expected<json, core::Diagnostic> parseJson(std::string_view text, const std::string& file) {
   std::vector<std::set<std::string>> names;  // keys seen in each open object
   std::string duplicate;
   const json::parser_callback_t watch = [&](int, json::parse_event_t event, json& value) {
@@ -72,7 +72,7 @@ std::variant<json, core::Diagnostic> parseJson(std::string_view text, const std:
     const std::size_t found = end == std::string_view::npos ? end : text.find(what.substr(quote + 1, end - quote - 1));
     diagnostic.location = locate(text, found == std::string_view::npos ? 0 : found, file);
   }
-  return diagnostic;
+  return tl::unexpected(std::move(diagnostic));
 }
 
 std::string foundText(const json& value) {
@@ -89,11 +89,8 @@ std::string foundText(const json& value) {
       return value.get<bool>() ? "true" : "false";
     case json::value_t::number_integer:
     case json::value_t::number_unsigned:
-    case json::value_t::number_float: {
-      std::string text = "the number ";
-      core::appendNumber(text, value.get<double>(), core::NumberStyle::Shortest);
-      return text;
-    }
+    case json::value_t::number_float:
+      return "the number " + numberText(value.get<double>());
     case json::value_t::binary:
     case json::value_t::discarded:
       break;

@@ -3,7 +3,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
-#include <variant>
+#include <tl/expected.hpp>
 
 #include "engine/core/diagnostic.h"
 
@@ -11,11 +11,11 @@
 
 namespace espalier::environment {
 
-/// Parses JSON text. On failure a Diagnostic at line and column of the text (called `file`) whose message is "is not
-/// valid JSON: ..." or "has the key 'radius' twice", for the caller to complete. O(text).
-[[nodiscard]] std::variant<nlohmann::json, core::Diagnostic> parseJson(std::string_view text, const std::string& file);
+/// Parses JSON text. The error has the line and column in the text (called `file`); the caller completes its message,
+/// which is "is not valid JSON: ..." or "has the key 'radius' twice". O(text).
+[[nodiscard]] tl::expected<nlohmann::json, core::Diagnostic> parseJson(std::string_view text, const std::string& file);
 
-/// What a value is, for "found ...": "the text 'big'", "a list", "true", "the number 2.5", ...
+/// The value in words, for "found ...": "the text 'big'", "a list", "true", "the number 2.5", ...
 [[nodiscard]] std::string foundText(const nlohmann::json& value);
 
 }  // namespace espalier::environment

@@ -28,7 +28,8 @@ class StateWriter {
   std::string bytes_;
 };
 
-/// Reads what a StateWriter wrote. After the first item that is cut off, isIntact() is false and everything reads as 0.
+/// Reads the bytes of a StateWriter. After the first item that is cut off, isIntact() is false and everything reads as
+/// 0.
 class StateReader {
  public:
   /// `bytes` must outlive the reader.

@@ -27,8 +27,8 @@ std::optional<turtle::EnvironmentError> restoreNumbers(std::string_view state, s
   }
   if (!reader.isComplete() || read.size() != numbers.size()) {
     return turtle::EnvironmentError{"The saved state of environment '" + std::string(process) +
-                                        "' is damaged or of a field of another size. Use a snapshot that is complete "
-                                        "and was made with this configuration.",
+                                        "' is damaged, or it has another size. Use a complete snapshot "
+                                        "of this configuration.",
                                     false};
   }
   numbers = std::move(read);

@@ -9,10 +9,10 @@
 
 namespace espalier::environment {
 
-/// The state of a process that is a list of numbers whose length its configuration fixes. O(numbers).
+/// Saves a state that is a list of numbers; the configuration of the process fixes its length. O(numbers).
 [[nodiscard]] std::string saveNumbers(const std::vector<double>& numbers);
 
-/// Reads it back; an error that names the process when it is damaged or of another length, and then changes nothing.
+/// Reads it back. A damaged state, or one of another length, is an error that names the process and changes nothing.
 [[nodiscard]] std::optional<turtle::EnvironmentError> restoreNumbers(std::string_view state, std::string_view process,
                                                                      std::vector<double>& numbers);
 

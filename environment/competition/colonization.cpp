@@ -1,4 +1,8 @@
-#include "environment/competition/colonization.h"
+// The process `colonization` (docs/environments.md): buds compete for space that is marked by points.
+//
+// First all queries of a step take the markers around them away, then all buds perceive, so the order of queries does
+// not matter. Random markers depend on the simulation's seed only. O(n · markers within reach); memory and the base
+// cost of a step are O(markers).
 
 #include <algorithm>
 #include <array>
@@ -9,6 +13,7 @@
 #include <vector>
 
 #include "engine/core/random.h"
+#include "environment/base/process_entry.h"
 #include "environment/base/replies.h"
 #include "environment/base/state_bytes.h"
 #include "environment/geometry/spatial_cells.h"
@@ -24,7 +29,7 @@ constexpr std::string_view kSummary = "Space that is marked by points, which bud
 constexpr std::array kMarkerBox{-5.0, 0.0, -5.0, 5.0, 10.0, 5.0};
 constexpr double kMostMarkers = 1e7;
 constexpr std::uint64_t kTriesPerMarker = 1000;
-constexpr std::array kKeys{
+constexpr std::array kOwnKeys{
     ConfigurationKey{.name = "points",
                      .kind = KeyKind::Rows,
                      .description = "markers at given places x, y, z",
@@ -33,12 +38,12 @@ constexpr std::array kKeys{
                      .maximumCount = 3},
     ConfigurationKey{.name = "markerCount",
                      .kind = KeyKind::Integer,
-                     .description = "random markers besides",
+                     .description = "number of random markers",
                      .minimum = 0.0,
                      .maximum = kMostMarkers},
     ConfigurationKey{.name = "markerBox",
                      .kind = KeyKind::Numbers,
-                     .description = "where the random markers are: the corner with the smallest coordinates and the "
+                     .description = "box of the random markers: the corner with the smallest coordinates and the "
                                     "opposite one; only in the envelope when solids are given",
                      .unit = "length",
                      .defaultNumbers = kMarkerBox,
@@ -61,17 +66,8 @@ constexpr std::array kKeys{
                      .minimum = 0.0,
                      .maximum = 360.0,
                      .defaultNumber = 90.0},
-    kPlanesKey,
-    kBoxesKey,
-    kSpheresKey,
-    kCapsulesKey,
-    kHeightsKey,
-    kHeightsExtentKey,
-    kVerticesKey,
-    kTrianglesKey,
-    kMeshKey,
-    kSceneKey,
 };
+constexpr auto kKeys = joinTables(kOwnKeys, kObstacleKeys);
 
 class Colonization final : public turtle::EnvironmentProcess {
  public:
@@ -144,11 +140,11 @@ class Colonization final : public turtle::EnvironmentProcess {
           "the 'markerBox' to spread them in.",
           false};
     }
-    // everything that is there occupies its space
+    // every query occupies its space
     for (const Vec3& place : queries.position) {
       visitWithin(place, occupancyRadius_, [&](std::uint32_t marker, double) { isFree_[marker] = 0; });
     }
-    // how far the nearest bud is from each marker that is left
+    // the distance of the nearest bud from each marker that is left
     std::fill(nearest_.begin(), nearest_.end(), std::numeric_limits<double>::infinity());
     for (std::size_t query = 0; query < queries.size(); ++query) {
       if (isBud(queries, query)) {
@@ -269,7 +265,7 @@ class Colonization final : public turtle::EnvironmentProcess {
         }
       });
     }
-    // vectors that cancel leave rounding only
+    // the sum of vectors that cancel is only rounding
     const Vec3 direction = core::length(sum) > 1e-9 * own ? core::normalised(sum) : Vec3{};
     const std::array<double, 5> values{own > 0.0 ? 1.0 : 0.0, direction.x, direction.y, direction.z, own};
     for (std::size_t k = 0; k < std::min(parameterCount, values.size()); ++k) {
@@ -293,31 +289,26 @@ class Colonization final : public turtle::EnvironmentProcess {
 
 ProcessOrErrors makeColonization(const Configuration& configuration) {
   auto read = readObstacles("colonization", configuration);
-  if (auto* errors = std::get_if<std::vector<core::Diagnostic>>(&read)) {
-    return std::move(*errors);
+  if (!read) {
+    return tl::unexpected(std::move(read.error()));
   }
   const auto& box = configuration.numbers("markerBox");
   if (box[0] > box[3] || box[1] > box[4] || box[2] > box[5]) {
-    core::Diagnostic diagnostic;
-    diagnostic.message = "environment process 'colonization': 'markerBox' has a first corner beyond the second";
-    diagnostic.hint = "write the smallest x, y, z, then the largest x, y, z";
-    return std::vector{diagnostic};
+    return refuse("colonization", "'markerBox' has a first corner beyond the second",
+                  "write the smallest x, y, z, then the largest x, y, z");
   }
-  return std::make_unique<Colonization>(ObstacleScene(std::get<ObstacleScene::Content>(std::move(read))),
-                                        configuration);
+  return std::make_unique<Colonization>(ObstacleScene(std::move(*read)), configuration);
 }
 
 }  // namespace
 
-constinit const ProcessEntry kColonizationProcess{
+extern constinit const ProcessEntry kColonizationProcess{
     .name = "colonization",
     .summary = kSummary,
     .source =
         "Runions, Lane & Prusinkiewicz 2007, Modeling trees with a space colonization algorithm; Palubicki et al. "
         "2009, Self-organizing tree models for image synthesis",
-    .aliases = {},
     .keys = kKeys,
-    .fieldKeywords = {},
     .make = makeColonization};
 
 }  // namespace espalier::environment

@@ -1,4 +1,8 @@
-#include "environment/competition/crowding.h"
+// The process `crowding` (docs/environments.md): plants share the ground by zones of influence, thin themselves out and
+// sow.
+//
+// A plant's share is the mean over sample points that are spread evenly in its zone. Random numbers depend on seed,
+// step, plant and module only. Nothing outlasts a step. O(n · samples · zones over a point · log n).
 
 #include <algorithm>
 #include <array>
@@ -10,9 +14,10 @@
 #include <vector>
 
 #include "engine/core/random.h"
+#include "environment/base/process_entry.h"
 #include "environment/base/replies.h"
 #include "environment/geometry/box_tree.h"
-#include "environment/geometry/grid_axes.h"
+#include "environment/geometry/world_up.h"
 
 namespace espalier::environment {
 
@@ -31,29 +36,30 @@ constexpr std::array kKeys{
                          "strongest",
                      .defaultText = "weighted",
                      .choices = kModes},
-    ConfigurationKey{.name = "asymmetry",
-                     .description = "a: 0 shares alike, 1 by strength, more favours the strong",
-                     .minimum = 0.0,
-                     .maximum = 100.0,
-                     .defaultNumber = 1.0},
+    ConfigurationKey{
+        .name = "asymmetry",
+        .description = "exponent a of the strengths: 0 shares equally, 1 by strength, more favours the strong",
+        .minimum = 0.0,
+        .maximum = 100.0,
+        .defaultNumber = 1.0},
     ConfigurationKey{.name = "leastShare",
-                     .description = "of its zone that a plant needs to live, when it does not say so itself",
+                     .description = "share of its zone that a plant needs to live, unless its query sends another",
                      .minimum = 0.0,
                      .maximum = 1.0,
                      .defaultNumber = 0.3},
     ConfigurationKey{.name = "deathProbability",
-                     .description = "with which a plant with less dies in a step",
+                     .description = "probability that a plant with less than its least share dies in a step",
                      .minimum = 0.0,
                      .maximum = 1.0,
                      .defaultNumber = 1.0},
     ConfigurationKey{.name = "germination",
-                     .description = "probability with which a seed germinates on free ground of site quality 1",
+                     .description = "probability that a seed germinates on free ground of site quality 1",
                      .minimum = 0.0,
                      .maximum = 1.0,
                      .defaultNumber = 1.0},
     ConfigurationKey{.name = "samples",
                      .kind = KeyKind::Integer,
-                     .description = "points in a zone",
+                     .description = "number of sample points in a zone",
                      .minimum = 1.0,
                      .maximum = 100000.0,
                      .defaultNumber = 128.0},
@@ -125,13 +131,9 @@ class Crowding final : public turtle::EnvironmentProcess {
   }
 
   [[nodiscard]] std::optional<turtle::EnvironmentError> open(const turtle::EnvironmentContext& context) override {
-    const auto axes = axesOf(context.world.up);
+    const auto axes = gridAxesOf("crowding", context.world);
     if (!axes) {
-      return turtle::EnvironmentError{
-          "Environment 'crowding' has a plane ground along the axes: the world's 'up' must be along x, y or z. Set it "
-          "to 0 "
-          "1 0.",
-          false};
+      return axes.error();
     }
     axes_ = *axes;
     seed_ = context.seed;
@@ -244,7 +246,7 @@ class Crowding final : public turtle::EnvironmentProcess {
     std::sort(strengths.begin(), strengths.end());
   }
 
-  /// What a zone of this strength gets of a point.
+  /// The share of a point that a zone of this strength gets.
   [[nodiscard]] double shareOf(double strength, const std::vector<double>& strengths) const {
     if (takesAll_) {
       const auto equals = std::equal_range(strengths.begin(), strengths.end(), strength);
@@ -271,7 +273,7 @@ class Crowding final : public turtle::EnvironmentProcess {
     std::vector<double> strengths;
     for (const Place& sample : samples_) {
       strengthsAt(wrapped({middle.x + radius * sample.x, middle.z + radius * sample.z}), tree, strengths);
-      // rounding at the border of the own zone must not leave the point to nobody
+      // rounding at the border of the own zone must not leave the point without a zone
       sum += strengths.empty() ? 1.0 : shareOf(strength, strengths);
     }
     const double share = sum / static_cast<double>(samples_.size());
@@ -356,25 +358,20 @@ ProcessOrErrors makeCrowding(const Configuration& configuration) {
     wrong = "'periodic' and 'siteQuality' need the 'extent' of the plot";
   }
   if (!wrong.empty()) {
-    core::Diagnostic diagnostic;
-    diagnostic.message = "environment process 'crowding': " + wrong;
-    diagnostic.hint = "write for example \"extent\": [-5, 5, -5, 5]";
-    return std::vector{diagnostic};
+    return refuse("crowding", wrong, "write for example \"extent\": [-5, 5, -5, 5]");
   }
   return std::make_unique<Crowding>(configuration);
 }
 
 }  // namespace
 
-constinit const ProcessEntry kCrowdingProcess{
+extern constinit const ProcessEntry kCrowdingProcess{
     .name = "crowding",
     .summary = kSummary,
     .source =
         "Gates & Westcott 1978; Weiner et al. 2001, The effects of density, spatial pattern, and competitive symmetry "
         "on size variation in simulated plant populations; Deussen et al. 1998",
-    .aliases = {},
     .keys = kKeys,
-    .fieldKeywords = {},
     .make = makeCrowding};
 
 }  // namespace espalier::environment

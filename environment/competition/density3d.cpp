@@ -1,4 +1,8 @@
-#include "environment/competition/density3d.h"
+// The process `density3d` (docs/environments.md): counts that queries leave in the voxels of a box.
+//
+// The counts are the state. By default all amounts of a step are added before any sum is read; with `order` "published"
+// the sum is read right after the query's own amount, in string order. O(1) a query; memory grows with the touched
+// voxels.
 
 #include <algorithm>
 #include <array>
@@ -9,8 +13,10 @@
 #include <utility>
 #include <vector>
 
+#include "environment/base/process_entry.h"
 #include "environment/base/replies.h"
 #include "environment/base/state_bytes.h"
+#include "environment/geometry/grid_keys.h"
 
 namespace espalier::environment {
 
@@ -18,34 +24,10 @@ namespace {
 
 constexpr std::string_view kSummary = "Counts in the voxels of a box: a query adds to its voxel and reads the sum.";
 constexpr std::array<std::string_view, 2> kOrders{"independent", "published"};
-constexpr std::array kOnes{1.0, 1.0, 1.0};
-constexpr std::array kZeros{0.0, 0.0, 0.0};
 constexpr std::array kKeys{
-    ConfigurationKey{.name = "range",
-                     .kind = KeyKind::Numbers,
-                     .description = "size of the box along x, y, z",
-                     .unit = "length",
-                     .minimum = 0.0,
-                     .isMinimumExclusive = true,
-                     .defaultNumbers = kOnes,
-                     .minimumCount = 3,
-                     .maximumCount = 3},
-    ConfigurationKey{.name = "position",
-                     .kind = KeyKind::Numbers,
-                     .description = "corner of the box with the smallest coordinates",
-                     .unit = "length",
-                     .defaultNumbers = kZeros,
-                     .minimumCount = 3,
-                     .maximumCount = 3},
-    ConfigurationKey{.name = "gridSize",
-                     .kind = KeyKind::Numbers,
-                     .description = "number of voxels along x, y, z",
-                     .minimum = 1.0,
-                     .maximum = 1048576.0,
-                     .isWhole = true,
-                     .defaultNumbers = kOnes,
-                     .minimumCount = 3,
-                     .maximumCount = 3},
+    sidesKey("range", "size of the box along x, y, z", kUnitSides),
+    positionKey(kOrigin),
+    gridSizeKey(kUnitSides, "number of voxels along x, y, z", 1048576.0),
     ConfigurationKey{
         .name = "octreeLevel",
         .kind = KeyKind::Integer,
@@ -53,17 +35,19 @@ constexpr std::array kKeys{
         .minimum = -1,
         .maximum = 20,
         .defaultNumber = -1},
-    ConfigurationKey{.name = "order",
-                     .kind = KeyKind::Choice,
-                     .description = "read the sum after all queries of the step, or after one's own in string order",
-                     .defaultText = "independent",
-                     .choices = kOrders},
+    ConfigurationKey{
+        .name = "order",
+        .kind = KeyKind::Choice,
+        .description =
+            "independent: read the sum after all queries of the step; published: after the own query, in string order",
+        .defaultText = "independent",
+        .choices = kOrders},
 };
-constexpr std::array kFieldKeywords{
-    FieldKeyword{.keyword = "range", .kind = FieldKind::Numbers, .key = "range", .count = 3},
-    FieldKeyword{.keyword = "position", .kind = FieldKind::Numbers, .key = "position", .count = 3},
-    FieldKeyword{.keyword = "grid size", .kind = FieldKind::Numbers, .key = "gridSize", .count = 3},
-    FieldKeyword{.keyword = "octree level", .kind = FieldKind::Number, .key = "octreeLevel"},
+constexpr std::array kPublishedKeywords{
+    PublishedKeyword{.keyword = "range", .kind = PublishedKind::Numbers, .key = "range", .count = 3},
+    PublishedKeyword{.keyword = "position", .kind = PublishedKind::Numbers, .key = "position", .count = 3},
+    PublishedKeyword{.keyword = "grid size", .kind = PublishedKind::Numbers, .key = "gridSize", .count = 3},
+    PublishedKeyword{.keyword = "octree level", .kind = PublishedKind::Number, .key = "octreeLevel"},
 };
 
 struct Box {
@@ -103,7 +87,7 @@ class VoxelCounts {
     return found == table_.end() ? 0 : found->second;
   }
   [[nodiscard]] bool contains(std::uint64_t voxel) const { return arraySize_ == 0 || voxel < arraySize_; }
-  /// What is not 0, in ascending order of voxels.
+  /// The counts other than 0, in ascending order of voxels.
   [[nodiscard]] std::vector<std::pair<std::uint64_t, std::int64_t>> sorted() const {
     std::vector<std::pair<std::uint64_t, std::int64_t>> counts(table_.begin(), table_.end());
     for (std::uint64_t voxel = 0; voxel < array_.size(); ++voxel) {
@@ -232,12 +216,8 @@ class Density3d final : public turtle::EnvironmentProcess {
   VoxelCounts counts_;
 };
 
-core::Vec3 vectorOf(const std::vector<double>& numbers) {
-  return {numbers[0], numbers[1], numbers[2]};
-}
-
 Box boxOf(const Configuration& configuration) {
-  Box box{vectorOf(configuration.numbers("position")), vectorOf(configuration.numbers("range")), {1, 1, 1}};
+  Box box{vectorOf(configuration, "position"), vectorOf(configuration, "range"), {1, 1, 1}};
   const std::int64_t level = configuration.integer("octreeLevel");
   for (std::size_t axis = 0; axis < 3; ++axis) {
     box.voxelCount[axis] = level >= 0 ? std::uint64_t{1} << static_cast<unsigned>(level)
@@ -248,15 +228,14 @@ Box boxOf(const Configuration& configuration) {
 
 }  // namespace
 
-constinit const ProcessEntry kDensity3dProcess{.name = "density3d",
-                                               .summary = kSummary,
-                                               .source = "the published program density3d",
-                                               .aliases = {},
-                                               .keys = kKeys,
-                                               .fieldKeywords = kFieldKeywords,
-                                               .make = [](const Configuration& configuration) -> ProcessOrErrors {
-                                                 return std::make_unique<Density3d>(
-                                                     boxOf(configuration), configuration.text("order") == "published");
-                                               }};
+extern constinit const ProcessEntry kDensity3dProcess{
+    .name = "density3d",
+    .summary = kSummary,
+    .source = "the published program density3d",
+    .keys = kKeys,
+    .publishedKeywords = kPublishedKeywords,
+    .make = [](const Configuration& configuration) -> ProcessOrErrors {
+      return std::make_unique<Density3d>(boxOf(configuration), configuration.text("order") == "published");
+    }};
 
 }  // namespace espalier::environment

@@ -1,4 +1,8 @@
-#include "environment/competition/ecosystem.h"
+// The process `ecosystem` (docs/environments.md): competition of plants for space by discs (spheres) of influence of
+// their own radius.
+//
+// With `vigor` domination is settled from the strongest disc down, so it does not depend on the order of queries;
+// `order` "published" settles it in string order. No state. O(n log n) for n discs.
 
 #include <algorithm>
 #include <array>
@@ -6,6 +10,7 @@
 #include <numeric>
 #include <utility>
 
+#include "environment/base/process_entry.h"
 #include "environment/base/replies.h"
 #include "environment/geometry/disc_tree.h"
 #include "environment/geometry/plane.h"
@@ -31,10 +36,11 @@ constexpr std::array kKeys{
                      .defaultText = "independent",
                      .choices = kOrders},
 };
-constexpr std::array kFieldKeywords{
-    FieldKeyword{.keyword = "grid size", .kind = FieldKind::Unused, .key = {}},
-    FieldKeyword{.keyword = "vigor", .kind = FieldKind::Switch, .key = "vigor", .onWords = kOn},
-    FieldKeyword{.keyword = "3d case", .kind = FieldKind::Switch, .key = "threeDimensional", .onWords = kOnOrYes},
+constexpr std::array kPublishedKeywords{
+    PublishedKeyword{.keyword = "grid size", .kind = PublishedKind::Unused, .key = {}},
+    PublishedKeyword{.keyword = "vigor", .kind = PublishedKind::Switch, .key = "vigor", .onWords = kOn},
+    PublishedKeyword{
+        .keyword = "3d case", .kind = PublishedKind::Switch, .key = "threeDimensional", .onWords = kOnOrYes},
 };
 
 class Ecosystem final : public turtle::EnvironmentProcess {
@@ -63,7 +69,7 @@ class Ecosystem final : public turtle::EnvironmentProcess {
     if (hasVigor_) {
       settle(queries, all, replies);
     } else {
-      // each group is a contest of its own
+      // the groups do not compete with each other
       std::stable_sort(all.begin(), all.end(),
                        [&](std::size_t a, std::size_t b) { return secondOf(queries, a) < secondOf(queries, b); });
       for (auto begin = all.begin(); begin != all.end();) {
@@ -113,7 +119,7 @@ class Ecosystem final : public turtle::EnvironmentProcess {
     // the dominated ones; with vigor they leave the contest
     DiscTree tree(discs);
     for (std::size_t k = 0; k < contest.size(); ++k) {
-      // without vigor nobody leaves and any order will do
+      // without vigor no disc is taken out, so the order does not matter
       const std::size_t member = !hasVigor_ ? tree.order()[k] : isPublishedOrder_ ? k : strongestFirst[k];
       const bool isDominated = tree.isOverlapped(member, discs[member].rank + (hasVigor_ ? 1U : 0U));
       if (isDominated && hasVigor_) {
@@ -133,13 +139,12 @@ class Ecosystem final : public turtle::EnvironmentProcess {
 
 }  // namespace
 
-constinit const ProcessEntry kEcosystemProcess{
+extern constinit const ProcessEntry kEcosystemProcess{
     .name = "ecosystem",
     .summary = kSummary,
     .source = "Deussen et al. 1998, Realistic modeling and rendering of plant ecosystems",
-    .aliases = {},
     .keys = kKeys,
-    .fieldKeywords = kFieldKeywords,
+    .publishedKeywords = kPublishedKeywords,
     .make = [](const Configuration& configuration) -> ProcessOrErrors {
       return std::make_unique<Ecosystem>(configuration.flag("vigor"), planeOf(configuration),
                                          configuration.text("order") == "published");

@@ -1,4 +1,6 @@
-#include "environment/competition/honda.h"
+// The process `honda` (docs/environments.md): collisions of branch tips with clusters of leaves of one radius.
+//
+// No state, independent of the order of queries. O(n log n) for n queries, for any crowding.
 
 #include <algorithm>
 #include <array>
@@ -6,6 +8,7 @@
 #include <numeric>
 #include <utility>
 
+#include "environment/base/process_entry.h"
 #include "environment/base/replies.h"
 #include "environment/geometry/plane.h"
 #include "environment/geometry/spatial_cells.h"
@@ -29,12 +32,12 @@ constexpr std::array kKeys{
     kThreeDimensionalKey,
     kPlaneKey,
 };
-constexpr std::array kFieldKeywords{
-    FieldKeyword{.keyword = "radius", .kind = FieldKind::Number, .key = "radius"},
-    FieldKeyword{.keyword = "3d case", .kind = FieldKind::Switch, .key = "threeDimensional", .onWords = kOn},
+constexpr std::array kPublishedKeywords{
+    PublishedKeyword{.keyword = "radius", .kind = PublishedKind::Number, .key = "radius"},
+    PublishedKeyword{.keyword = "3d case", .kind = PublishedKind::Switch, .key = "threeDimensional", .onWords = kOn},
 };
 
-/// What a tip sends.
+/// The values that a tip sends.
 struct Tip {
   double vigor;
   double group;
@@ -132,7 +135,7 @@ class Honda final : public turtle::EnvironmentProcess {
     }
   }
 
-  /// Members of a cell by group, then the strongest first: whoever can block comes first.
+  /// Members of a cell by group, then the strongest first: the tips that can block come first.
   void sortMembers(SpatialCells& cells) const {
     for (std::size_t cell = 0; cell < cells.cellCount(); ++cell) {
       const auto members = cells.members(cell);
@@ -176,7 +179,7 @@ class Honda final : public turtle::EnvironmentProcess {
 
 }  // namespace
 
-constinit const ProcessEntry kHondaProcess{
+extern constinit const ProcessEntry kHondaProcess{
     .name = "honda",
     .summary = kSummary,
     .source =
@@ -184,7 +187,7 @@ constinit const ProcessEntry kHondaProcess{
         "rates in botanical trees; Mech & Prusinkiewicz 1996",
     .aliases = kAliases,
     .keys = kKeys,
-    .fieldKeywords = kFieldKeywords,
+    .publishedKeywords = kPublishedKeywords,
     .make = [](const Configuration& configuration) -> ProcessOrErrors {
       return std::make_unique<Honda>(configuration.number("radius"), planeOf(configuration));
     }};

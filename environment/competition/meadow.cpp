@@ -1,4 +1,7 @@
-#include "environment/competition/meadow.h"
+// The process `meadow` (docs/environments.md): insects that feel the density of plants around them and each other.
+//
+// `compatible`: only queries before a module I with three parameters are insects. Without a neighbour p5 and p6 then
+// stay as sent, where the published program leaves garbage. O(n log n) for any crowding.
 
 #include <algorithm>
 #include <array>
@@ -8,6 +11,7 @@
 #include <optional>
 #include <vector>
 
+#include "environment/base/process_entry.h"
 #include "environment/base/replies.h"
 #include "environment/geometry/point_tree.h"
 #include "environment/geometry/raster.h"
@@ -19,26 +23,18 @@ namespace {
 using core::Vec3;
 
 constexpr std::string_view kSummary = "Insects that feel the density of plants around them and each other.";
-constexpr std::array kKeys{
-    kRasterSizeKey,
-    kRasterRangeKey,
-    kRasterPositionKey,
-    kRasterPlaneKey,
-    kRasterLightKey,
-    kRasterSecondKey,
+constexpr std::array kOwnKeys{
     ConfigurationKey{.name = "radius",
-                     .description = "how far an insect feels",
+                     .description = "distance up to which an insect feels",
                      .unit = "length",
                      .minimum = 0.0,
                      .isMinimumExclusive = true,
                      .defaultNumber = 2.0},
     ConfigurationKey{.name = "compatible",
                      .kind = KeyKind::Boolean,
-                     .description = "insects are told by the following module I with three parameters"},
+                     .description = "only queries before a module I with three parameters are insects"},
 };
-constexpr std::array kFieldKeywords{
-    kRasterSizeKeyword, kRasterRangeKeyword, kRasterPositionKeyword, kRasterImageKeyword, kRasterUpKeyword,
-};
+constexpr auto kKeys = joinTables(kRasterKeys, kOwnKeys);
 constexpr std::array<std::string_view, 1> kAliases{"Meadow"};
 
 class Meadow final : public turtle::EnvironmentProcess {
@@ -190,18 +186,18 @@ class Meadow final : public turtle::EnvironmentProcess {
 
 }  // namespace
 
-constinit const ProcessEntry kMeadowProcess{.name = "meadow",
-                                            .summary = kSummary,
-                                            .source = "the published program Meadow",
-                                            .aliases = kAliases,
-                                            .keys = kKeys,
-                                            .fieldKeywords = kFieldKeywords,
-                                            .make = [](const Configuration& configuration) -> ProcessOrErrors {
-                                              if (auto problems = Raster::problemsOf("meadow", configuration);
-                                                  !problems.empty()) {
-                                                return problems;
-                                              }
-                                              return std::make_unique<Meadow>(configuration);
-                                            }};
+extern constinit const ProcessEntry kMeadowProcess{.name = "meadow",
+                                                   .summary = kSummary,
+                                                   .source = "the published program Meadow",
+                                                   .aliases = kAliases,
+                                                   .keys = kKeys,
+                                                   .publishedKeywords = kRasterKeywords,
+                                                   .make = [](const Configuration& configuration) -> ProcessOrErrors {
+                                                     if (auto problems = Raster::problemsOf("meadow", configuration);
+                                                         !problems.empty()) {
+                                                       return tl::unexpected(std::move(problems));
+                                                     }
+                                                     return std::make_unique<Meadow>(configuration);
+                                                   }};
 
 }  // namespace espalier::environment

@@ -1,4 +1,7 @@
-#include "environment/competition/ornament.h"
+// The process `ornament` (docs/environments.md): objects stamped on a raster that is empty again in every step.
+//
+// All objects of a step are stamped before any is counted. `compatible` stamps the published program's ellipses.
+// O(cells of the objects) + O(queries).
 
 #include <algorithm>
 #include <array>
@@ -6,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include "environment/base/process_entry.h"
 #include "environment/base/replies.h"
 #include "environment/geometry/raster.h"
 
@@ -14,18 +18,10 @@ namespace espalier::environment {
 namespace {
 
 constexpr std::string_view kSummary = "Counts objects stamped on a raster, which is empty again in every step.";
-constexpr std::array kKeys{
-    kRasterSizeKey,
-    kRasterRangeKey,
-    kRasterPositionKey,
-    kRasterPlaneKey,
-    kRasterLightKey,
-    kRasterSecondKey,
+constexpr std::array kOwnKeys{
     ConfigurationKey{.name = "compatible", .kind = KeyKind::Boolean, .description = "the published program's shape"},
 };
-constexpr std::array kFieldKeywords{
-    kRasterSizeKeyword, kRasterRangeKeyword, kRasterPositionKeyword, kRasterImageKeyword, kRasterUpKeyword,
-};
+constexpr auto kKeys = joinTables(kRasterKeys, kOwnKeys);
 
 class Ornament final : public turtle::EnvironmentProcess {
  public:
@@ -86,18 +82,17 @@ class Ornament final : public turtle::EnvironmentProcess {
 
 }  // namespace
 
-constinit const ProcessEntry kOrnamentProcess{.name = "ornament",
-                                              .summary = kSummary,
-                                              .source = "the published program ornament",
-                                              .aliases = {},
-                                              .keys = kKeys,
-                                              .fieldKeywords = kFieldKeywords,
-                                              .make = [](const Configuration& configuration) -> ProcessOrErrors {
-                                                if (auto problems = Raster::problemsOf("ornament", configuration);
-                                                    !problems.empty()) {
-                                                  return problems;
-                                                }
-                                                return std::make_unique<Ornament>(configuration);
-                                              }};
+extern constinit const ProcessEntry kOrnamentProcess{
+    .name = "ornament",
+    .summary = kSummary,
+    .source = "the published program ornament",
+    .keys = kKeys,
+    .publishedKeywords = kRasterKeywords,
+    .make = [](const Configuration& configuration) -> ProcessOrErrors {
+      if (auto problems = Raster::problemsOf("ornament", configuration); !problems.empty()) {
+        return tl::unexpected(std::move(problems));
+      }
+      return std::make_unique<Ornament>(configuration);
+    }};
 
 }  // namespace espalier::environment

@@ -313,7 +313,7 @@ void TipField::divide(const Target& target) {
     if (quarters[quarter].parts.empty()) {
       continue;
     }
-    // what acts from afar, at the nodes of the quarter
+    // far tips, at the nodes of the quarter
     const Matrix& across = halves_[quarter % 2];
     const Matrix& along = halves_[quarter / 2];
     Expansion rows{};
@@ -343,7 +343,7 @@ void TipField::sumPart(const Leaf& leaf, const Part& part,
   const auto width = static_cast<std::size_t>(part.lastI - part.firstI);
   const auto height = static_cast<std::size_t>(part.lastJ - part.firstJ);
   const double inverse = square.half > 0.0 ? 1.0 / square.half : 0.0;
-  // what acts from afar: along y at the nodes of x, then along x
+  // far tips: along y at the nodes of x, then along x
   std::array<std::array<double, kNodes>, kMostOffsets> across{};
   std::array<double, kMostOffsets> x{};
   for (std::size_t i = 0; i < width; ++i) {
@@ -366,7 +366,7 @@ void TipField::sumPart(const Leaf& leaf, const Part& part,
         sum[i] += across[i][k] * row[k];
       }
     }
-    // what is near, point by point
+    // near tips, point by point
     for (const std::uint32_t index : leaf.boxes) {
       for (std::uint32_t p = boxes_[index].begin; p < boxes_[index].end; ++p) {
         const double dy = y - points_[p].y;

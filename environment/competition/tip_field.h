@@ -14,18 +14,18 @@ struct PlanePoint {
   auto operator<=>(const PlanePoint&) const = default;
 };
 
-/// Σ 1/(1 + d²) over all points of a plane, at a small square pattern of places around each of many centres: the fast
-/// multipole method by Chebyshev interpolation (Fong & Darve, Journal of Computational Physics 228, 2009). The kernel
-/// has no singularity at real distances, so boxes of a quarter of the length unit act through their nodes however near
-/// they are, and the time of a crowd is that of its area. Points are sorted first: the sums do not depend on the order
-/// in which points and centres are given. Errors are below 10⁻⁶ of the largest sum.
+/// Σ 1/(1 + d²) over all points of a plane, at a small square pattern of places around each of many centres, by the
+/// fast multipole method with Chebyshev interpolation (Fong & Darve, Journal of Computational Physics 228, 2009). The
+/// kernel has no singularity at real distances. So boxes of a quarter of the length unit act through their nodes at any
+/// distance, and the cost of a crowd follows from its area, not from its count. Points are sorted first, so the sums do
+/// not depend on the order of points and centres. Errors are below 10⁻⁶ of the largest sum.
 class TipField {
  public:
   /// O(n log n).
   explicit TipField(std::vector<PlanePoint> points);
 
-  /// Calls `visit(centre, i, j, sum)` once for every place (centre.x + offsets[i], centre.y + offsets[j]); those of one
-  /// centre in an order that depends on places only. `offsets` are ascending, at most kMostOffsets. O(n + centres) for
+  /// Calls `visit(centre, i, j, sum)` once for every place (centre.x + offsets[i], centre.y + offsets[j]). The order of
+  /// the places of one centre depends on places only. `offsets` are ascending, at most kMostOffsets. O(n + centres) for
   /// points spread evenly.
   template <typename Visit>
   void sumAround(std::span<const PlanePoint> centres, std::span<const double> offsets, const Visit& visit) {
@@ -76,7 +76,7 @@ class TipField {
     int depth = 0;
     std::vector<Part> parts;
     std::vector<std::uint32_t> boxes;  // that do not act through `far` yet
-    Expansion far{};                   // what acts from afar, at the nodes
+    Expansion far{};                   // sums over far tips, at the nodes
   };
   using Leaf = Target;
 

@@ -1,4 +1,6 @@
-#include "environment/directions/attractors.h"
+// The process `attractors` (docs/environments.md): points that pull or push, like magnets.
+//
+// O(n · attractors).
 
 #include <algorithm>
 #include <array>
@@ -6,6 +8,7 @@
 #include <limits>
 #include <vector>
 
+#include "environment/base/process_entry.h"
 #include "environment/directions/direction_reply.h"
 
 namespace espalier::environment {
@@ -14,7 +17,7 @@ namespace {
 
 using core::Vec3;
 
-constexpr std::string_view kSummary = "Points that draw or push, like magnets.";
+constexpr std::string_view kSummary = "Points that pull or push, like magnets.";
 constexpr std::array kKeys{
     ConfigurationKey{.name = "points",
                      .kind = KeyKind::Rows,
@@ -27,7 +30,7 @@ constexpr std::array kKeys{
                      .maximum = 10.0,
                      .defaultNumber = 2.0},
     ConfigurationKey{.name = "reach",
-                     .description = "distance beyond which an attractor does not act; 0: none",
+                     .description = "distance beyond which an attractor does not act; 0: no limit",
                      .unit = "length",
                      .minimum = 0.0},
     ConfigurationKey{.name = "nearest",
@@ -117,14 +120,13 @@ class Attractors final : public turtle::EnvironmentProcess {
 
 }  // namespace
 
-constinit const ProcessEntry kAttractorsProcess{.name = "attractors",
-                                                .summary = kSummary,
-                                                .source = "Espalier's own",
-                                                .aliases = {},
-                                                .keys = kKeys,
-                                                .fieldKeywords = {},
-                                                .make = [](const Configuration& configuration) -> ProcessOrErrors {
-                                                  return std::make_unique<Attractors>(configuration);
-                                                }};
+extern constinit const ProcessEntry kAttractorsProcess{
+    .name = "attractors",
+    .summary = kSummary,
+    .source = "Espalier's own",
+    .keys = kKeys,
+    .make = [](const Configuration& configuration) -> ProcessOrErrors {
+      return std::make_unique<Attractors>(configuration);
+    }};
 
 }  // namespace espalier::environment

@@ -1,9 +1,12 @@
-#include "environment/directions/constant.h"
+// The process `constant` (docs/environments.md): the same reply to every query.
+//
+// No state. O(parameters).
 
 #include <algorithm>
 #include <array>
 #include <utility>
 
+#include "environment/base/process_entry.h"
 #include "environment/base/replies.h"
 
 namespace espalier::environment {
@@ -54,14 +57,13 @@ class Constant final : public turtle::EnvironmentProcess {
 
 }  // namespace
 
-constinit const ProcessEntry kConstantProcess{.name = "constant",
-                                              .summary = kSummary,
-                                              .source = "Espalier's own",
-                                              .aliases = {},
-                                              .keys = kKeys,
-                                              .fieldKeywords = {},
-                                              .make = [](const Configuration& configuration) -> ProcessOrErrors {
-                                                return std::make_unique<Constant>(configuration.numbers("values"));
-                                              }};
+extern constinit const ProcessEntry kConstantProcess{
+    .name = "constant",
+    .summary = kSummary,
+    .source = "Espalier's own",
+    .keys = kKeys,
+    .make = [](const Configuration& configuration) -> ProcessOrErrors {
+      return std::make_unique<Constant>(configuration.numbers("values"));
+    }};
 
 }  // namespace espalier::environment

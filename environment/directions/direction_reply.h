@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "engine/core/vec3.h"
-#include "environment/base/configuration.h"
+#include "environment/base/process_entry.h"
 #include "environment/base/replies.h"
 
 namespace espalier::environment {
@@ -43,13 +43,10 @@ void replyVectors(const turtle::QueryBatch& queries, turtle::ReplyBatch& replies
   return core::Vec3{numbers[0], numbers[1], numbers[2]};
 }
 
-/// What to say when givenVector() has nothing.
-[[nodiscard]] inline core::Diagnostic wrongDirection(std::string_view process, std::string_view key) {
-  core::Diagnostic diagnostic;
-  diagnostic.message = "environment process '" + std::string(process) + "': '" + std::string(key) +
-                       "' must be three numbers that are not all 0";
-  diagnostic.hint = "write it as [x, y, z], or leave it out";
-  return diagnostic;
+/// The error when givenVector() has nothing.
+[[nodiscard]] inline auto refuseDirection(std::string_view process, std::string_view key) {
+  return refuse(process, "'" + std::string(key) + "' must be three numbers that are not all 0",
+                "write it as [x, y, z], or leave it out");
 }
 
 }  // namespace espalier::environment

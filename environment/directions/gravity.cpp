@@ -1,8 +1,12 @@
-#include "environment/directions/gravity.h"
+// The process `gravity` (docs/environments.md): a constant force, by default down.
+//
+// O(n).
 
 #include <array>
 
+#include "environment/base/process_entry.h"
 #include "environment/directions/direction_reply.h"
+#include "environment/geometry/world_up.h"
 
 namespace espalier::environment {
 
@@ -10,7 +14,7 @@ namespace {
 
 using core::Vec3;
 
-constexpr std::string_view kSummary = "A constant force, down unless told otherwise.";
+constexpr std::string_view kSummary = "A constant force, by default down.";
 constexpr std::array kKeys{
     ConfigurationKey{.name = "strength", .description = "length of the vector", .defaultNumber = 1.0},
     ConfigurationKey{.name = "direction",
@@ -33,13 +37,15 @@ class Gravity final : public turtle::EnvironmentProcess {
   }
 
   [[nodiscard]] std::optional<turtle::EnvironmentError> open(const turtle::EnvironmentContext& context) override {
-    const bool isGiven = core::length(direction_) > 0.0;
-    if (!isGiven && !(core::length(context.world.up) > 0.0)) {
-      return turtle::EnvironmentError{
-          "Environment 'gravity' needs to know where up is: the world's vector 'up' has no length. Set it to 0 1 0.",
-          false};
+    if (core::length(direction_) > 0.0) {
+      force_ = core::normalised(direction_) * strength_;
+      return std::nullopt;
     }
-    force_ = core::normalised(isGiven ? direction_ : -context.world.up) * strength_;
+    const auto up = upOf("gravity", context.world);
+    if (!up) {
+      return up.error();
+    }
+    force_ = -*up * strength_;
     return std::nullopt;
   }
 
@@ -57,19 +63,17 @@ class Gravity final : public turtle::EnvironmentProcess {
 
 }  // namespace
 
-constinit const ProcessEntry kGravityProcess{.name = "gravity",
-                                             .summary = kSummary,
-                                             .source = "Espalier's own",
-                                             .aliases = {},
-                                             .keys = kKeys,
-                                             .fieldKeywords = {},
-                                             .make = [](const Configuration& configuration) -> ProcessOrErrors {
-                                               const auto direction = givenVector(configuration, "direction");
-                                               if (!direction) {
-                                                 return std::vector{wrongDirection("gravity", "direction")};
-                                               }
-                                               return std::make_unique<Gravity>(configuration.number("strength"),
-                                                                                *direction);
-                                             }};
+extern constinit const ProcessEntry kGravityProcess{.name = "gravity",
+                                                    .summary = kSummary,
+                                                    .source = "Espalier's own",
+                                                    .keys = kKeys,
+                                                    .make = [](const Configuration& configuration) -> ProcessOrErrors {
+                                                      const auto direction = givenVector(configuration, "direction");
+                                                      if (!direction) {
+                                                        return refuseDirection("gravity", "direction");
+                                                      }
+                                                      return std::make_unique<Gravity>(configuration.number("strength"),
+                                                                                       *direction);
+                                                    }};
 
 }  // namespace espalier::environment

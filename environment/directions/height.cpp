@@ -1,6 +1,11 @@
-#include "environment/directions/height.h"
+// The process `height` (docs/environments.md): the height of a point along the world's up, the teaching example of open
+// L-systems.
+//
+// No state. O(n).
 
+#include "environment/base/process_entry.h"
 #include "environment/base/replies.h"
+#include "environment/geometry/world_up.h"
 
 namespace espalier::environment {
 
@@ -20,12 +25,11 @@ class Height final : public turtle::EnvironmentProcess {
   }
 
   [[nodiscard]] std::optional<turtle::EnvironmentError> open(const turtle::EnvironmentContext& context) override {
-    if (!(core::length(context.world.up) > 0.0)) {
-      return turtle::EnvironmentError{
-          "Environment 'height' needs to know where up is: the world's vector 'up' has no length. Set it to 0 1 0.",
-          false};
+    const auto up = upOf("height", context.world);
+    if (!up) {
+      return up.error();
     }
-    up_ = core::normalised(context.world.up);
+    up_ = *up;
     lengthUnit_ = context.world.lengthUnit;
     return std::nullopt;
   }
@@ -48,13 +52,10 @@ class Height final : public turtle::EnvironmentProcess {
 
 }  // namespace
 
-constinit const ProcessEntry kHeightProcess{
+extern constinit const ProcessEntry kHeightProcess{
     .name = "height",
     .summary = kSummary,
     .source = "the teaching example of open L-systems",
-    .aliases = {},
-    .keys = {},
-    .fieldKeywords = {},
     .make = [](const Configuration&) -> ProcessOrErrors { return std::make_unique<Height>(); }};
 
 }  // namespace espalier::environment

@@ -1,11 +1,15 @@
-#include "environment/directions/wind.h"
+// The process `wind` (docs/environments.md): the velocity of the air, constant or by height above the ground.
+//
+// Profiles after Monteith & Unsworth, Principles of Environmental Physics (1990). O(n).
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
 
+#include "environment/base/process_entry.h"
 #include "environment/directions/direction_reply.h"
+#include "environment/geometry/world_up.h"
 
 namespace espalier::environment {
 
@@ -24,7 +28,7 @@ constexpr std::array kKeys{
                      .minimumCount = 3,
                      .maximumCount = 3},
     ConfigurationKey{.name = "speed",
-                     .description = "speed, at the reference height if there is a profile",
+                     .description = "speed, with a profile at the reference height",
                      .unit = "length/s",
                      .minimum = 0.0,
                      .defaultNumber = 1.0},
@@ -33,7 +37,8 @@ constexpr std::array kKeys{
                      .description = "how the speed changes with height",
                      .defaultText = "constant",
                      .choices = kProfiles},
-    ConfigurationKey{.name = "groundHeight", .description = "of the ground along the world's up", .unit = "length"},
+    ConfigurationKey{
+        .name = "groundHeight", .description = "height of the ground along the world's up", .unit = "length"},
     ConfigurationKey{.name = "referenceHeight",
                      .description = "height above the ground at which the speed is known",
                      .unit = "length",
@@ -51,7 +56,7 @@ constexpr std::array kKeys{
                      .unit = "length",
                      .minimum = 0.0},
     ConfigurationKey{.name = "exponent",
-                     .description = "of the power profile",
+                     .description = "exponent of the power profile",
                      .minimum = 0.0,
                      .maximum = 2.0,
                      .defaultNumber = 0.143},
@@ -65,13 +70,6 @@ constexpr std::array kKeys{
                      .unit = "length/s",
                      .minimum = 0.0},
 };
-
-core::Diagnostic errorOf(const std::string& message, const std::string& hint) {
-  core::Diagnostic diagnostic;
-  diagnostic.message = "environment process 'wind': " + message;
-  diagnostic.hint = hint;
-  return diagnostic;
-}
 
 enum class Profile : std::uint8_t { Constant, Logarithmic, Power, Table };
 
@@ -101,12 +99,11 @@ class Wind final : public turtle::EnvironmentProcess {
   }
 
   [[nodiscard]] std::optional<turtle::EnvironmentError> open(const turtle::EnvironmentContext& context) override {
-    if (!(core::length(context.world.up) > 0.0)) {
-      return turtle::EnvironmentError{
-          "Environment 'wind' needs to know where up is: the world's vector 'up' has no length. Set it to 0 1 0.",
-          false};
+    const auto up = upOf("wind", context.world);
+    if (!up) {
+      return up.error();
     }
-    up_ = core::normalised(context.world.up);
+    up_ = *up;
     lengthUnit_ = context.world.lengthUnit;
     return std::nullopt;
   }
@@ -160,25 +157,26 @@ class Wind final : public turtle::EnvironmentProcess {
 
 ProcessOrErrors makeWind(const Configuration& configuration) {
   if (!givenVector(configuration, "direction")) {
-    return std::vector{wrongDirection("wind", "direction")};
+    return refuseDirection("wind", "direction");
   }
   const auto& heights = configuration.numbers("heights");
   const auto& speeds = configuration.numbers("speeds");
   if (configuration.text("profile") == "logarithmic" &&
       configuration.number("referenceHeight") <=
           configuration.number("displacement") + configuration.number("roughness")) {
-    return std::vector{errorOf("'referenceHeight' must be above displacement + roughness, where the wind begins",
-                               "the usual reference height is 10 m")};
+    return refuse("wind", "'referenceHeight' must be above displacement + roughness, where the wind begins",
+                  "the usual reference height is 10 m");
   }
   if (configuration.text("profile") == "table") {
     if (heights.empty() || heights.size() != speeds.size()) {
-      return std::vector{errorOf(
+      return refuse(
+          "wind",
           "there are " + std::to_string(heights.size()) + " heights and " + std::to_string(speeds.size()) + " speeds",
-          "the table profile needs one speed for each of at least one height")};
+          "the table profile needs one speed for each of at least one height");
     }
     if (std::adjacent_find(heights.begin(), heights.end(), [](double a, double b) { return a >= b; }) !=
         heights.end()) {
-      return std::vector{errorOf("'heights' must be ascending", "sort them, each with its speed")};
+      return refuse("wind", "'heights' must be ascending", "sort them, each with its speed");
     }
   }
   return std::make_unique<Wind>(configuration);
@@ -186,12 +184,11 @@ ProcessOrErrors makeWind(const Configuration& configuration) {
 
 }  // namespace
 
-constinit const ProcessEntry kWindProcess{.name = "wind",
-                                          .summary = kSummary,
-                                          .source = "Monteith & Unsworth 1990, Principles of Environmental Physics",
-                                          .aliases = {},
-                                          .keys = kKeys,
-                                          .fieldKeywords = {},
-                                          .make = makeWind};
+extern constinit const ProcessEntry kWindProcess{
+    .name = "wind",
+    .summary = kSummary,
+    .source = "Monteith & Unsworth 1990, Principles of Environmental Physics",
+    .keys = kKeys,
+    .make = makeWind};
 
 }  // namespace espalier::environment

@@ -28,7 +28,7 @@ double largest(const core::Vec3& v) {
   return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
 }
 
-/// What a ray carries to its visitor.
+/// The data that a ray carries to its visitor.
 struct RayContext {
   RTCIntersectContext context;
   double (*call)(const void* data, unsigned index);

@@ -13,11 +13,10 @@ struct Bounds {
   core::Vec3 high;
 };
 
-/// Finds those of many boxes that are near a point or on a ray: Embree's tree over boxes of our own. Embree computes in
-/// single precision and with different instructions on different machines; here it only leaves boxes out, on the safe
-/// side (boxes and distances are widened by more than its rounding), and all that decides is computed by the caller
-/// in double precision. So results are the same bit by bit everywhere as long as the caller's do not depend on the
-/// order of visits. Building is O(n log n) by one thread.
+/// Finds the boxes near a point or on a ray, with Embree's tree over user geometry. Embree computes in single precision
+/// and with different instructions on different machines. Here it only leaves boxes out, on the safe side: boxes and
+/// distances are widened by more than its rounding. The caller decides in double precision. So results are the same bit
+/// by bit on every machine if the caller does not depend on the order of visits. Building is O(n log n) by one thread.
 class BoxTree {
  public:
   explicit BoxTree(std::span<const Bounds> boxes);

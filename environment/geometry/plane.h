@@ -13,7 +13,7 @@ enum class Plane : std::uint8_t { Space, Xz, Xy, Yz };
 
 inline constexpr std::array<std::string_view, 3> kPlaneNames{"xz", "xy", "yz"};
 
-/// The two keys with which a process lets its user choose; they are read by planeOf().
+/// The two keys of processes that measure in a plane or in space; planeOf() reads them.
 inline constexpr ConfigurationKey kThreeDimensionalKey{
     .name = "threeDimensional",
     .kind = KeyKind::Boolean,
@@ -25,12 +25,13 @@ inline constexpr ConfigurationKey kPlaneKey{
     .defaultText = "xz",
     .choices = kPlaneNames};
 
-[[nodiscard]] inline Plane planeOf(const Configuration& configuration) {
-  if (configuration.flag("threeDimensional")) {
-    return Plane::Space;
-  }
-  const std::string& name = configuration.text("plane");
+/// The plane of one of kPlaneNames.
+[[nodiscard]] constexpr Plane planeNamed(std::string_view name) {
   return name == "xy" ? Plane::Xy : name == "yz" ? Plane::Yz : Plane::Xz;
+}
+
+[[nodiscard]] inline Plane planeOf(const Configuration& configuration) {
+  return configuration.flag("threeDimensional") ? Plane::Space : planeNamed(configuration.text("plane"));
 }
 
 /// The point with the coordinate across the plane set to 0.

@@ -64,7 +64,7 @@ void PointTree::build(std::uint32_t index) {
 }
 
 std::optional<std::uint32_t> PointTree::nearestOther(std::uint32_t point, double most) const {
-  // what is in the way is compared by distance, then index; nothing found yet: everything within `most` is better
+  // candidates are compared by distance, then index; before the first one everything within `most` is better
   struct Open {
     double squared;
     std::uint32_t first;

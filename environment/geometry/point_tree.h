@@ -9,9 +9,8 @@
 
 namespace espalier::environment {
 
-/// Points halved again and again along their longest side, for the nearest one. What it finds does not depend on how
-/// the points were halved. Building is O(n log n); a search is O(log n) also when points crowd or lie at the same
-/// place.
+/// A tree of points that finds the nearest one: boxes are halved along their longest side. The result does not depend
+/// on the halving. Building is O(n log n); a search is O(log n), also when points crowd or lie at the same place.
 class PointTree {
  public:
   /// `points` must outlive the tree.

@@ -35,10 +35,6 @@ ConfigurationRows channelOf(const Image& image, std::size_t channel) {
   return rows;
 }
 
-Plane planeNamed(const std::string& name) {
-  return name == "xy" ? Plane::Xy : name == "yz" ? Plane::Yz : Plane::Xz;
-}
-
 }  // namespace
 
 Raster::Raster(const Configuration& configuration)
@@ -56,12 +52,11 @@ std::vector<core::Diagnostic> Raster::problemsOf(std::string_view process, const
     const ConfigurationRows& rows = configuration.rows(key);
     for (std::size_t i = 1; i < rows.size(); ++i) {
       if (rows[i].size() != rows[0].size()) {
-        problems.push_back({core::Severity::Error,
-                            "environment process '" + std::string(process) + "': '" + key + "[" + std::to_string(i) +
-                                "]' must have " + std::to_string(rows[0].size()) +
-                                " numbers as the row before, found " + std::to_string(rows[i].size()),
-                            {},
-                            "all rows of a map have one length"});
+        problems.push_back(wrongConfiguration(process,
+                                              "'" + std::string(key) + "[" + std::to_string(i) + "]' must have " +
+                                                  std::to_string(rows[0].size()) +
+                                                  " numbers as the row before, found " + std::to_string(rows[i].size()),
+                                              "all rows of a map have one length"));
         break;
       }
     }
@@ -85,7 +80,7 @@ std::optional<std::size_t> Raster::cellOf(const core::Vec3& point) const {
   return static_cast<std::size_t>(cells.along) * columnCount_ + static_cast<std::size_t>(cells.across);
 }
 
-std::string readInputImage(const FieldLineInput& input) {
+std::string readInputImage(const PublishedLineInput& input) {
   const std::string name = besideFile(input.file, input.line.value);
   const auto content = input.files.read(name);
   if (!content) {
@@ -101,7 +96,7 @@ std::string readInputImage(const FieldLineInput& input) {
   return {};
 }
 
-std::string readUpAxis(const FieldLineInput& input) {
+std::string readUpAxis(const PublishedLineInput& input) {
   const bool isUp = input.line.value == "yes" || input.line.value == "on";
   input.values.insert_or_assign("plane", std::string(isUp ? "xy" : "xz"));
   return {};

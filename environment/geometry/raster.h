@@ -106,20 +106,27 @@ inline constexpr ConfigurationKey kRasterSecondKey{
     .maximum = 255.0,
     .minimumCount = 1};
 
-/// `input image: FILE` (green: lightMap, red: secondMap) and `z is up: yes|no` of the specification.
-[[nodiscard]] std::string readInputImage(const FieldLineInput& input);
-[[nodiscard]] std::string readUpAxis(const FieldLineInput& input);
+/// All of them: the keys of a process on a raster.
+inline constexpr std::array kRasterKeys{kRasterSizeKey,  kRasterRangeKey, kRasterPositionKey,
+                                        kRasterPlaneKey, kRasterLightKey, kRasterSecondKey};
 
-inline constexpr FieldKeyword kRasterSizeKeyword{
-    .keyword = "grid size", .kind = FieldKind::Numbers, .key = "gridSize", .count = 2};
-inline constexpr FieldKeyword kRasterRangeKeyword{
-    .keyword = "grid range", .kind = FieldKind::Numbers, .key = "range", .count = 2};
-inline constexpr FieldKeyword kRasterPositionKeyword{
-    .keyword = "grid position", .kind = FieldKind::Numbers, .key = "position", .count = 2};
-inline constexpr FieldKeyword kRasterImageKeyword{
-    .keyword = "input image", .kind = FieldKind::Own, .key = {}, .read = readInputImage};
-inline constexpr FieldKeyword kRasterUpKeyword{
-    .keyword = "z is up", .kind = FieldKind::Own, .key = {}, .read = readUpAxis};
+/// `input image: FILE` (green: lightMap, red: secondMap) and `z is up: yes|no` of the specification.
+[[nodiscard]] std::string readInputImage(const PublishedLineInput& input);
+[[nodiscard]] std::string readUpAxis(const PublishedLineInput& input);
+
+inline constexpr PublishedKeyword kRasterSizeKeyword{
+    .keyword = "grid size", .kind = PublishedKind::Numbers, .key = "gridSize", .count = 2};
+inline constexpr PublishedKeyword kRasterRangeKeyword{
+    .keyword = "grid range", .kind = PublishedKind::Numbers, .key = "range", .count = 2};
+inline constexpr PublishedKeyword kRasterPositionKeyword{
+    .keyword = "grid position", .kind = PublishedKind::Numbers, .key = "position", .count = 2};
+inline constexpr PublishedKeyword kRasterImageKeyword{
+    .keyword = "input image", .kind = PublishedKind::Own, .key = {}, .read = readInputImage};
+inline constexpr PublishedKeyword kRasterUpKeyword{
+    .keyword = "z is up", .kind = PublishedKind::Own, .key = {}, .read = readUpAxis};
+
+inline constexpr std::array kRasterKeywords{kRasterSizeKeyword, kRasterRangeKeyword, kRasterPositionKeyword,
+                                            kRasterImageKeyword, kRasterUpKeyword};
 
 template <typename Visit>
 void Raster::forEachCellOfDisc(const core::Vec3& centre, double radius, bool isPublished, const Visit& visit) const {

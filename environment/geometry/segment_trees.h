@@ -15,9 +15,9 @@ struct PlantSegment {
   Capsule capsule;
 };
 
-/// Segments of plants that only become more, found by place. New ones come into a tree of their own, and trees of about
-/// one size are made one (Bentley & Saxe, Journal of Algorithms 1, 1980): adding k to n segments costs O(k log² n) in
-/// the long run instead of O(n log n), and a search goes through O(log n) trees.
+/// Segments of plants, found by place; segments are added and never removed. New segments get their own tree, and trees
+/// of about the same size are merged (Bentley & Saxe, Journal of Algorithms 1, 1980). Adding k to n segments costs
+/// amortised O(k log² n) instead of O(n log n), and a search visits O(log n) trees.
 class SegmentTrees {
  public:
   void clear();

@@ -61,7 +61,7 @@ struct TrianglePoint {
 [[nodiscard]] double distanceTo(const HalfSpace& space, const core::Vec3& a, const core::Vec3& b);
 [[nodiscard]] double distanceTo(const Triangle& triangle, const core::Vec3& a, const core::Vec3& b);
 
-/// How far a ray (unit direction) goes before it meets the shape; 0 inside a solid; nothing when it never does.
+/// Length of a ray (unit direction) up to the shape; 0 inside a solid; nothing when the ray misses the shape.
 [[nodiscard]] std::optional<double> rayTo(const Sphere& sphere, const core::Vec3& origin, const core::Vec3& direction);
 [[nodiscard]] std::optional<double> rayTo(const Capsule& capsule, const core::Vec3& origin,
                                           const core::Vec3& direction);

@@ -44,8 +44,8 @@ class SpatialCells {
   std::vector<std::uint32_t> members_;  // point indices, grouped by cell (points)
 };
 
-/// Finds the occupied neighbours of cell after cell, in ascending order: every row of neighbours (the same x and y) has
-/// a pointer that only moves forward, so a whole pass is O(rows * cells) and reads memory in order.
+/// Finds the occupied neighbours of the cells in ascending order. Every row of neighbours (the same x and y) has a
+/// pointer that only moves forward, so a whole pass is O(rows * cells) and reads memory in order.
 class CellSweep {
  public:
   /// Neighbours are the cells at most `reach` away in each coordinate. `cells` must outlive the sweep.

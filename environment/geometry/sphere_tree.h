@@ -15,13 +15,13 @@ struct Sphere {
   double radius = 0.0;
 };
 
-/// What spheres are sorted by: x, y, z, radius.
+/// The order of spheres: by x, y, z, radius.
 [[nodiscard]] inline auto orderKeyOf(const Sphere& s) {
   return std::tuple(s.centre.x, s.centre.y, s.centre.z, s.radius);
 }
 
-/// Spheres each of which occurs once, with the number of times it was given: what makes products over them independent
-/// of the order in which they were given, and equal ones cost one.
+/// Distinct spheres, each with the number of times it was given. So products over them do not depend on the order in
+/// which they were given, and equal spheres cost as much as one.
 struct DistinctSpheres {
   std::vector<Sphere> spheres;         // sorted by x, y, z, radius
   std::vector<std::uint32_t> count;    // how often each was given
@@ -56,7 +56,7 @@ class SphereTree {
       return;
     }
     const std::array<double, 3> origin{ray.origin.x, ray.origin.y, ray.origin.z};
-    // not infinity, whose product with 0 is no number
+    // not infinity, because infinity times 0 is NaN
     const auto inverseOf = [](double component) { return component == 0.0 ? 1e300 : 1.0 / component; };
     const std::array<double, 3> inverse{inverseOf(ray.direction.x), inverseOf(ray.direction.y),
                                         inverseOf(ray.direction.z)};

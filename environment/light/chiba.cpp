@@ -1,4 +1,8 @@
-#include "environment/light/chiba.h"
+// The process `chiba` (docs/environments.md): light that reaches leaf spheres past each other.
+//
+// Directions are the `sources` or, without any, the middles of the triangles of an octahedron that is subdivided until
+// there are `sampleCount`. Light below 1e-12 counts as none. `compatible`: the published traversal, which misses
+// spheres (published_voxels.h). O(n · directions · (log n + spheres met)) with a tree of boxes.
 
 #include <algorithm>
 #include <array>
@@ -9,8 +13,11 @@
 #include <utility>
 #include <vector>
 
+#include "environment/base/process_entry.h"
 #include "environment/base/replies.h"
+#include "environment/geometry/grid_keys.h"
 #include "environment/geometry/sphere_tree.h"
+#include "environment/geometry/world_up.h"
 #include "environment/light/light_directions.h"
 #include "environment/light/light_sources.h"
 #include "environment/light/published_voxels.h"
@@ -52,7 +59,7 @@ constexpr std::array kKeys{
                      .maximum = 1.0,
                      .defaultNumber = 0.6},
     ConfigurationKey{.name = "radius",
-                     .description = "of a sphere whose query sends no positive radius",
+                     .description = "radius of a sphere whose query sends no positive radius",
                      .unit = "length",
                      .minimum = 0.0,
                      .defaultNumber = 25},
@@ -62,31 +69,24 @@ constexpr std::array kKeys{
     ConfigurationKey{.name = "estimateIntersectionArea",
                      .kind = KeyKind::Boolean,
                      .description = "light lost by the area that the spheres' discs have in common along a ray"},
-    ConfigurationKey{.name = "gridSize",
-                     .kind = KeyKind::Numbers,
-                     .description = "voxels along x, y, z of the published traversal (only when compatible)",
-                     .minimum = 1.0,
-                     .maximum = 200.0,
-                     .isWhole = true,
-                     .defaultNumbers = kTwenties,
-                     .minimumCount = 3,
-                     .maximumCount = 3},
+    gridSizeKey(kTwenties, "voxels along x, y, z of the published traversal (only when compatible)", 200.0),
     ConfigurationKey{
         .name = "compatible", .kind = KeyKind::Boolean, .description = "the published traversal, which misses spheres"},
 };
-constexpr std::array kFieldKeywords{
-    FieldKeyword{.keyword = "grid size", .kind = FieldKind::Numbers, .key = "gridSize", .count = 3},
-    FieldKeyword{.keyword = "number of samples", .key = "sampleCount"},
-    FieldKeyword{.keyword = "lower to upper ratio", .key = "lowerToUpperRatio"},
-    FieldKeyword{.keyword = "use CIE formula", .kind = FieldKind::Switch, .key = "overcastSky", .onWords = kOnOrYes},
-    FieldKeyword{.keyword = "source direction", .kind = FieldKind::Row, .key = "sources", .count = 4},
-    FieldKeyword{.keyword = "transmittance", .key = "transmittance"},
-    FieldKeyword{.keyword = "radius", .key = "radius"},
-    FieldKeyword{.keyword = "beam radius", .key = "beamRadius"},
-    FieldKeyword{.keyword = "estimate intersection area",
-                 .kind = FieldKind::Switch,
-                 .key = "estimateIntersectionArea",
-                 .onWords = kOnOrYes},
+constexpr std::array kPublishedKeywords{
+    PublishedKeyword{.keyword = "grid size", .kind = PublishedKind::Numbers, .key = "gridSize", .count = 3},
+    PublishedKeyword{.keyword = "number of samples", .key = "sampleCount"},
+    PublishedKeyword{.keyword = "lower to upper ratio", .key = "lowerToUpperRatio"},
+    PublishedKeyword{
+        .keyword = "use CIE formula", .kind = PublishedKind::Switch, .key = "overcastSky", .onWords = kOnOrYes},
+    PublishedKeyword{.keyword = "source direction", .kind = PublishedKind::Row, .key = "sources", .count = 4},
+    PublishedKeyword{.keyword = "transmittance", .key = "transmittance"},
+    PublishedKeyword{.keyword = "radius", .key = "radius"},
+    PublishedKeyword{.keyword = "beam radius", .key = "beamRadius"},
+    PublishedKeyword{.keyword = "estimate intersection area",
+                     .kind = PublishedKind::Switch,
+                     .key = "estimateIntersectionArea",
+                     .onWords = kOnOrYes},
 };
 
 /// Area that two discs have in common whose middles are `d` apart.
@@ -129,9 +129,7 @@ class Chiba final : public turtle::EnvironmentProcess {
     diameter_ = std::exp2(std::clamp(61.0 - std::ceil(std::log2(std::max(longest, 1.0))), 40.0, 56.0));
     limit_ =
         transmittance_ < 1.0 ? static_cast<std::int64_t>(std::min(longest * diameter_, 0x1p62)) : RaySums::kMostLimit;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      gridSize_[axis] = static_cast<std::size_t>(configuration.numbers("gridSize")[axis]);
-    }
+    gridSize_ = cellsOf(configuration);
   }
 
   [[nodiscard]] turtle::EnvironmentDescription describe() const override {
@@ -144,14 +142,13 @@ class Chiba final : public turtle::EnvironmentProcess {
   }
 
   [[nodiscard]] std::optional<turtle::EnvironmentError> open(const turtle::EnvironmentContext& context) override {
-    if (!(core::length(context.world.up) > 0.0)) {
-      return turtle::EnvironmentError{
-          "Environment 'chiba' needs to know where up is: the world's vector 'up' has no length. Set it to 0 1 0.",
-          false};
+    const auto up = upOf("chiba", context.world);
+    if (!up) {
+      return up.error();
     }
     lengthUnit_ = context.world.lengthUnit;
     chords_.clear();
-    directions_ = sources_.empty() ? sampleSky(sky_, core::normalised(context.world.up)) : sources_;
+    directions_ = sources_.empty() ? sampleSky(sky_, *up) : sources_;
     return std::nullopt;
   }
 
@@ -247,7 +244,7 @@ class Chiba final : public turtle::EnvironmentProcess {
     return answers;
   }
 
-  /// The same by the areas in common: a product of factors of any size, computed anew in every step.
+  /// The same by the areas in common: a product of factors of any size, computed again in every step.
   [[nodiscard]] std::vector<Answer> answersByAreas(const DistinctSpheres& distinct) const {
     const SphereTree tree(distinct.spheres);
     std::vector<Answer> answers(distinct.spheres.size());
@@ -308,18 +305,17 @@ class Chiba final : public turtle::EnvironmentProcess {
 
 }  // namespace
 
-constinit const ProcessEntry kChibaProcess{
+extern constinit const ProcessEntry kChibaProcess{
     .name = "chiba",
     .summary = kSummary,
     .source =
         "Chiba, Ohshida, Muraoka, Miura & Saito 1994, A growth model having the abilities of growth-regulations for "
         "simulating visual nature of botanical trees",
-    .aliases = {},
     .keys = kKeys,
-    .fieldKeywords = kFieldKeywords,
+    .publishedKeywords = kPublishedKeywords,
     .make = [](const Configuration& configuration) -> ProcessOrErrors {
       if (auto problems = problemsOfSources("chiba", configuration.rows("sources"), true); !problems.empty()) {
-        return problems;
+        return tl::unexpected(std::move(problems));
       }
       return std::make_unique<Chiba>(configuration);
     }};

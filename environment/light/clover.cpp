@@ -1,4 +1,8 @@
-#include "environment/light/clover.h"
+// The process `clover` (docs/environments.md): light on the ground under the leaves of creeping plants.
+//
+// All adds and removes of a step come before its answers, so the order of queries does not matter. The counts of leaves
+// are the state. `compatible` stamps the published program's ellipses and keeps counts within 0 … 255. O(cells of the
+// leaves) + O(queries).
 
 #include <algorithm>
 #include <array>
@@ -8,6 +12,7 @@
 #include <optional>
 #include <vector>
 
+#include "environment/base/process_entry.h"
 #include "environment/base/replies.h"
 #include "environment/base/state_bytes.h"
 #include "environment/geometry/raster.h"
@@ -18,13 +23,7 @@ namespace {
 
 constexpr std::string_view kSummary = "Light from above on a raster that leaf discs shade.";
 constexpr std::array<std::string_view, 2> kYesOrOn{"yes", "on"};
-constexpr std::array kKeys{
-    kRasterSizeKey,
-    kRasterRangeKey,
-    kRasterPositionKey,
-    kRasterPlaneKey,
-    kRasterLightKey,
-    kRasterSecondKey,
+constexpr std::array kOwnKeys{
     ConfigurationKey{.name = "transmittance",
                      .description = "part of the light that passes a leaf",
                      .minimum = 0.0,
@@ -32,21 +31,18 @@ constexpr std::array kKeys{
                      .defaultNumber = 0.6},
     ConfigurationKey{.name = "removeOldLeaves",
                      .kind = KeyKind::Boolean,
-                     .description = "forget all leaves at the beginning of every step with queries"},
+                     .description = "remove all leaves at the beginning of every step with queries"},
     ConfigurationKey{.name = "compatible",
                      .kind = KeyKind::Boolean,
                      .description = "the published program's leaf shape and counts within 0 and 255"},
 };
-constexpr std::array kFieldKeywords{
-    kRasterSizeKeyword,
-    kRasterRangeKeyword,
-    kRasterPositionKeyword,
-    kRasterImageKeyword,
-    kRasterUpKeyword,
-    FieldKeyword{.keyword = "transmittance", .key = "transmittance"},
-    FieldKeyword{
-        .keyword = "remove old leaves", .kind = FieldKind::Switch, .key = "removeOldLeaves", .onWords = kYesOrOn},
+constexpr auto kKeys = joinTables(kRasterKeys, kOwnKeys);
+constexpr std::array kOwnKeywords{
+    PublishedKeyword{.keyword = "transmittance", .key = "transmittance"},
+    PublishedKeyword{
+        .keyword = "remove old leaves", .kind = PublishedKind::Switch, .key = "removeOldLeaves", .onWords = kYesOrOn},
 };
+constexpr auto kPublishedKeywords = joinTables(kRasterKeywords, kOwnKeywords);
 
 class Clover final : public turtle::EnvironmentProcess {
  public:
@@ -168,16 +164,15 @@ class Clover final : public turtle::EnvironmentProcess {
 
 }  // namespace
 
-constinit const ProcessEntry kCloverProcess{
+extern constinit const ProcessEntry kCloverProcess{
     .name = "clover",
     .summary = kSummary,
     .source = "the published program clover; Bell 1986, The simulation of branching patterns in modular organisms",
-    .aliases = {},
     .keys = kKeys,
-    .fieldKeywords = kFieldKeywords,
+    .publishedKeywords = kPublishedKeywords,
     .make = [](const Configuration& configuration) -> ProcessOrErrors {
       if (auto problems = Raster::problemsOf("clover", configuration); !problems.empty()) {
-        return problems;
+        return tl::unexpected(std::move(problems));
       }
       return std::make_unique<Clover>(configuration);
     }};

@@ -8,7 +8,7 @@ namespace {
 
 using core::Vec3;
 
-struct Triangle {
+struct SkyTriangle {
   Vec3 a, b, c;
 };
 
@@ -21,7 +21,7 @@ double overcastLuminance(double cosine) {
 
 std::vector<LightDirection> sampleSky(const SkyShape& sky, const Vec3& up) {
   // the octahedron
-  std::vector<Triangle> triangles;
+  std::vector<SkyTriangle> triangles;
   for (const double x : {1.0, -1.0}) {
     for (const double y : {1.0, -1.0}) {
       for (const double z : {1.0, -1.0}) {
@@ -31,9 +31,9 @@ std::vector<LightDirection> sampleSky(const SkyShape& sky, const Vec3& up) {
   }
   // each triangle into four
   while (triangles.size() < sky.sampleCount) {
-    std::vector<Triangle> finer;
+    std::vector<SkyTriangle> finer;
     finer.reserve(4 * triangles.size());
-    for (const Triangle& t : triangles) {
+    for (const SkyTriangle& t : triangles) {
       const Vec3 ab = core::normalised(t.a + t.b);
       const Vec3 bc = core::normalised(t.b + t.c);
       const Vec3 ca = core::normalised(t.c + t.a);
@@ -46,7 +46,7 @@ std::vector<LightDirection> sampleSky(const SkyShape& sky, const Vec3& up) {
   }
   std::vector<LightDirection> directions;
   directions.reserve(triangles.size());
-  for (const Triangle& t : triangles) {
+  for (const SkyTriangle& t : triangles) {
     const Vec3 direction = core::normalised(t.a + t.b + t.c);
     const double cosine = core::dot(direction, up);
     const double brightness = sky.isOvercast ? overcastLuminance(std::abs(cosine)) : 1.0;

@@ -8,8 +8,7 @@ std::vector<core::Diagnostic> problemsOfSources(std::string_view process, const 
                                                 bool areDirections) {
   std::vector<core::Diagnostic> problems;
   const auto add = [&](const std::string& message, const char* hint) {
-    problems.push_back(
-        {core::Severity::Error, "environment process '" + std::string(process) + "': " + message, {}, hint});
+    problems.push_back(wrongConfiguration(process, message, hint));
   };
   double sum = 0.0;
   for (std::size_t i = 0; i < rows.size(); ++i) {

@@ -13,8 +13,8 @@
 namespace espalier::environment {
 
 /// Sums over the spheres that each of many rays meets, kept from one set of spheres to the next. Amounts are whole
-/// numbers, so a sum does not depend on the order of its parts, and when few spheres came or went only these are asked
-/// for along the rays of all that stayed: the sums are those that a new beginning would give, bit by bit.
+/// numbers, so a sum does not depend on the order of its parts. When few spheres came or went, only these are searched
+/// along the kept rays. The sums are bitwise those of a new beginning.
 class RaySums {
  public:
   /// Of a ray whose sum is beyond the limit.
@@ -22,7 +22,7 @@ class RaySums {
   /// Largest limit.
   static constexpr std::int64_t kMostLimit = std::int64_t{1} << 62;
 
-  /// What the rays are and what a sphere adds; the same from one update to the next.
+  /// The rays, and the term that a sphere adds; the same from one update to the next.
   template <typename RayOf, typename MarginOf, typename AmountOf>
   struct Rays {
     std::size_t count;   // from every sphere
@@ -40,7 +40,7 @@ class RaySums {
   /// changed spheres met) + c · rays · (log n + spheres met)).
   template <typename RayOf, typename MarginOf, typename AmountOf, typename Visit>
   void update(const DistinctSpheres& now, const Rays<RayOf, MarginOf, AmountOf>& rays, const Visit& visit);
-  /// Forgets everything: the next update begins anew. Needed when `rays` are to be others.
+  /// Forgets all sums. Call it before an update with other `rays`.
   void clear();
 
  private:
@@ -83,7 +83,7 @@ void RaySums::update(const DistinctSpheres& now, const Rays<RayOf, MarginOf, Amo
     });
     return sum;
   };
-  // nothing: something is gone from a sum of which only is known that it was beyond the limit
+  // nothing: a sphere is gone from a sum that was beyond the limit, so the new sum is unknown
   const auto sumChanged = [&](std::int64_t before, const Sphere& own, const Ray& ray,
                               double margin) -> std::optional<std::int64_t> {
     std::int64_t added = 0;

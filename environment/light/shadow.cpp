@@ -1,4 +1,8 @@
-#include "environment/light/shadow.h"
+// The process `shadow` (docs/environments.md): light under a canopy by shadow propagation in voxels, in the
+// multiplicative form of the published program shadowpyramid.
+//
+// All shadows of a step are cast before any light is read. Products are fixed-point sums of logarithms, so replies do
+// not depend on the order of queries, bit by bit. Shadows do not outlast the step. O(n shadowDepth^3) for n queries.
 
 #include <algorithm>
 #include <array>
@@ -7,9 +11,10 @@
 #include <optional>
 
 #include "engine/core/random.h"
+#include "environment/base/process_entry.h"
 #include "environment/base/replies.h"
 #include "environment/geometry/bricked_grid.h"
-#include "environment/geometry/grid_axes.h"
+#include "environment/geometry/world_up.h"
 
 namespace espalier::environment {
 
@@ -60,7 +65,7 @@ constexpr std::array kKeys{
                      .minimum = 0.0,
                      .defaultNumber = 0},
     ConfigurationKey{.name = "lightVerticalBias",
-                     .description = "added to the gradient's component along up",
+                     .description = "number added to the gradient's component along up",
                      .unit = "1/length",
                      .defaultNumber = 0},
     ConfigurationKey{.name = "sampleRadius",
@@ -70,16 +75,16 @@ constexpr std::array kKeys{
                      .isMinimumExclusive = true,
                      .defaultNumber = 1.6},
 };
-constexpr std::array kFieldKeywords{
-    FieldKeyword{.keyword = "grid size", .key = "gridSize"},
-    FieldKeyword{.keyword = "grid span", .key = "gridSpan"},
-    FieldKeyword{.keyword = "shadow spread", .key = "shadowSpread"},
-    FieldKeyword{.keyword = "shadow depth", .key = "shadowDepth"},
-    FieldKeyword{.keyword = "shadow weight", .key = "shadowWeight"},
-    FieldKeyword{.keyword = "shadow dissipation", .key = "shadowDissipation"},
-    FieldKeyword{.keyword = "light randomness", .key = "lightRandomness"},
-    FieldKeyword{.keyword = "light vertical bias", .key = "lightVerticalBias"},
-    FieldKeyword{.keyword = "sample radius", .key = "sampleRadius"},
+constexpr std::array kPublishedKeywords{
+    PublishedKeyword{.keyword = "grid size", .key = "gridSize"},
+    PublishedKeyword{.keyword = "grid span", .key = "gridSpan"},
+    PublishedKeyword{.keyword = "shadow spread", .key = "shadowSpread"},
+    PublishedKeyword{.keyword = "shadow depth", .key = "shadowDepth"},
+    PublishedKeyword{.keyword = "shadow weight", .key = "shadowWeight"},
+    PublishedKeyword{.keyword = "shadow dissipation", .key = "shadowDissipation"},
+    PublishedKeyword{.keyword = "light randomness", .key = "lightRandomness"},
+    PublishedKeyword{.keyword = "light vertical bias", .key = "lightVerticalBias"},
+    PublishedKeyword{.keyword = "sample radius", .key = "sampleRadius"},
 };
 
 struct ShadowParameters {
@@ -131,11 +136,9 @@ class Shadow final : public turtle::EnvironmentProcess {
   }
 
   [[nodiscard]] std::optional<turtle::EnvironmentError> open(const turtle::EnvironmentContext& context) override {
-    const auto axes = axesOf(context.world.up);
+    const auto axes = gridAxesOf("shadow", context.world);
     if (!axes) {
-      return turtle::EnvironmentError{
-          "Environment 'shadow' has a grid along the axes: the world's 'up' must be along x, y or z. Set it to 0 1 0.",
-          false};
+      return axes.error();
     }
     axes_ = *axes;
     seed_ = context.seed;
@@ -275,7 +278,7 @@ class Shadow final : public turtle::EnvironmentProcess {
 
 }  // namespace
 
-constinit const ProcessEntry kShadowProcess{
+extern constinit const ProcessEntry kShadowProcess{
     .name = "shadow",
     .summary = kSummary,
     .source =
@@ -283,7 +286,7 @@ constinit const ProcessEntry kShadowProcess{
         "shadowpyramid has it",
     .aliases = kAliases,
     .keys = kKeys,
-    .fieldKeywords = kFieldKeywords,
+    .publishedKeywords = kPublishedKeywords,
     .make = [](const Configuration& c) -> ProcessOrErrors {
       return std::make_unique<Shadow>(ShadowParameters{.gridSize = c.integer("gridSize"),
                                                        .gridSpan = c.number("gridSpan"),

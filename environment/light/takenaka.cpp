@@ -1,4 +1,8 @@
-#include "environment/light/takenaka.h"
+// The process `takenaka` (docs/environments.md): photosynthesis of balls of leaves that shade each other.
+//
+// `compatible`: the published traversal (published_voxels.h), balls beyond a source count too, and the published
+// program's 8.64 mol for a unit of area, ten times the value of its own units (cm). O(n · sources · (log n + balls
+// met)).
 
 #include <algorithm>
 #include <array>
@@ -9,8 +13,12 @@
 #include <utility>
 #include <vector>
 
+#include "environment/base/length_unit.h"
+#include "environment/base/process_entry.h"
 #include "environment/base/replies.h"
+#include "environment/geometry/grid_keys.h"
 #include "environment/geometry/sphere_tree.h"
+#include "environment/geometry/world_up.h"
 #include "environment/light/light_directions.h"
 #include "environment/light/light_sources.h"
 #include "environment/light/published_voxels.h"
@@ -53,39 +61,19 @@ constexpr std::array kKeys{
     ConfigurationKey{.name = "beamRadius",
                      .description = "radius of a beam relative to the ball's that it reaches; it widens the others",
                      .minimum = 0.0},
-    ConfigurationKey{.name = "gridSize",
-                     .kind = KeyKind::Numbers,
-                     .description = "voxels along x, y, z of the published traversal (only when compatible)",
-                     .minimum = 1.0,
-                     .maximum = 200.0,
-                     .isWhole = true,
-                     .defaultNumbers = kTwenties,
-                     .minimumCount = 3,
-                     .maximumCount = 3},
+    gridSizeKey(kTwenties, "voxels along x, y, z of the published traversal (only when compatible)", 200.0),
     ConfigurationKey{.name = "compatible",
                      .kind = KeyKind::Boolean,
                      .description = "the published traversal, which misses balls, and its ten times too strong light"},
 };
-constexpr std::array kFieldKeywords{
-    FieldKeyword{.keyword = "grid size", .kind = FieldKind::Numbers, .key = "gridSize", .count = 3},
-    FieldKeyword{.keyword = "parameter s", .key = "parameterS"},
-    FieldKeyword{.keyword = "transmittance", .key = "transmittance"},
-    FieldKeyword{.keyword = "efficiency", .key = "efficiency"},
-    FieldKeyword{.keyword = "source", .kind = FieldKind::Row, .key = "sources", .count = 4},
-    FieldKeyword{.keyword = "beam radius", .key = "beamRadius"},
+constexpr std::array kPublishedKeywords{
+    PublishedKeyword{.keyword = "grid size", .kind = PublishedKind::Numbers, .key = "gridSize", .count = 3},
+    PublishedKeyword{.keyword = "parameter s", .key = "parameterS"},
+    PublishedKeyword{.keyword = "transmittance", .key = "transmittance"},
+    PublishedKeyword{.keyword = "efficiency", .key = "efficiency"},
+    PublishedKeyword{.keyword = "source", .kind = PublishedKind::Row, .key = "sources", .count = 4},
+    PublishedKeyword{.keyword = "beam radius", .key = "beamRadius"},
 };
-
-/// Metres in a length unit; nothing for one that is not known.
-std::optional<double> metresIn(std::string_view unit) {
-  constexpr std::array<std::pair<std::string_view, double>, 4> kUnits{
-      {{"m", 1.0}, {"dm", 0.1}, {"cm", 0.01}, {"mm", 0.001}}};
-  for (const auto& [name, metres] : kUnits) {
-    if (name == unit) {
-      return metres;
-    }
-  }
-  return std::nullopt;
-}
 
 class Takenaka final : public turtle::EnvironmentProcess {
  public:
@@ -108,9 +96,7 @@ class Takenaka final : public turtle::EnvironmentProcess {
       sources_.push_back({{row[0], row[1], row[2]}, row[3]});
       weight_ += row[3];
     }
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      gridSize_[axis] = static_cast<std::size_t>(configuration.numbers("gridSize")[axis]);
-    }
+    gridSize_ = cellsOf(configuration);
   }
 
   [[nodiscard]] turtle::EnvironmentDescription describe() const override {
@@ -124,23 +110,18 @@ class Takenaka final : public turtle::EnvironmentProcess {
   }
 
   [[nodiscard]] std::optional<turtle::EnvironmentError> open(const turtle::EnvironmentContext& context) override {
-    if (!(core::length(context.world.up) > 0.0)) {
-      return turtle::EnvironmentError{
-          "Environment 'takenaka' needs to know where up is: the world's vector 'up' has no length. Set it to 0 1 0.",
-          false};
+    const auto up = upOf("takenaka", context.world);
+    if (!up) {
+      return up.error();
     }
-    const auto metres = metresIn(context.world.lengthUnit);
-    if (!metres && !isCompatible_) {
-      return turtle::EnvironmentError{
-          "Environment 'takenaka' knows the light on an area in m, dm, cm and mm, not in the "
-          "world's length unit '" +
-              context.world.lengthUnit + "'. Set lengthUnit to one of these.",
-          false};
+    const LengthUnit* unit = findLengthUnit(context.world.lengthUnit);
+    if (unit == nullptr && !isCompatible_) {
+      return unknownLengthUnit("takenaka", context.world);
     }
     lengthUnit_ = context.world.lengthUnit;
     hits_.clear();
-    light_ = isCompatible_ ? kPublishedLight : kYearlyLight * *metres * *metres;
-    up_ = core::normalised(context.world.up);
+    light_ = isCompatible_ ? kPublishedLight : kYearlyLight * unit->metres * unit->metres;
+    up_ = *up;
     return std::nullopt;
   }
 
@@ -211,7 +192,7 @@ class Takenaka final : public turtle::EnvironmentProcess {
     return light;
   }
 
-  /// What is left behind so many balls.
+  /// The part of the light that passes so many balls.
   [[nodiscard]] double lightAfter(std::int64_t hits) const {
     if (hits == RaySums::kBeyond) {
       return 0.0;
@@ -233,7 +214,7 @@ class Takenaka final : public turtle::EnvironmentProcess {
     return {ball.centre, core::normalised(way), isCompatible_ ? kFar : core::length(way)};
   }
 
-  /// The part of all light that reaches a ball; `lightAlong` gives what is left along a ray to a source.
+  /// The part of all light that reaches a ball; `lightAlong` gives the part that passes along the ray to a source.
   template <typename LightAlong>
   [[nodiscard]] double arrivingLight(const Sphere& ball, const LightAlong& lightAlong) const {
     if (sources_.empty()) {
@@ -273,27 +254,25 @@ class Takenaka final : public turtle::EnvironmentProcess {
 
 }  // namespace
 
-constinit const ProcessEntry kTakenakaProcess{
+extern constinit const ProcessEntry kTakenakaProcess{
     .name = "takenaka",
     .summary = kSummary,
     .source =
         "Takenaka 1994, A simulation model of tree architecture development based on growth response to local light "
         "environment",
-    .aliases = {},
     .keys = kKeys,
-    .fieldKeywords = kFieldKeywords,
+    .publishedKeywords = kPublishedKeywords,
     .make = [](const Configuration& configuration) -> ProcessOrErrors {
       auto problems = problemsOfSources("takenaka", configuration.rows("sources"), false);
       const double s = configuration.number("parameterS");
       if (s * s < 1.0 - configuration.number("transmittance")) {
-        problems.push_back({core::Severity::Error,
-                            "environment process 'takenaka': 'parameterS' is too small for the 'transmittance': a ball "
-                            "would take more light than falls on it",
-                            {},
-                            "parameterS * parameterS must be at least 1 - transmittance"});
+        problems.push_back(wrongConfiguration("takenaka",
+                                              "'parameterS' is too small for the 'transmittance': a ball would take "
+                                              "more light than falls on it",
+                                              "parameterS * parameterS must be at least 1 - transmittance"));
       }
       if (!problems.empty()) {
-        return problems;
+        return tl::unexpected(std::move(problems));
       }
       return std::make_unique<Takenaka>(configuration);
     }};

@@ -1,4 +1,8 @@
-#include "environment/obstacles/arvo.h"
+// The process `arvo` (docs/environments.md): plants that climb on obstacles.
+//
+// The turtle's up vector is the normal of the surface below it. The default finds the nearest surface exactly and draws
+// no random numbers. `compatible` seeks it by a ray along −up and then by `triesForSurface` random rays. O(n · tries ·
+// log m) for m shapes.
 
 #include <algorithm>
 #include <array>
@@ -9,6 +13,7 @@
 #include <vector>
 
 #include "engine/core/random.h"
+#include "environment/base/process_entry.h"
 #include "environment/base/replies.h"
 #include "environment/base/state_bytes.h"
 #include "environment/obstacles/obstacle_scene.h"
@@ -21,17 +26,7 @@ using core::Vec3;
 
 constexpr std::string_view kSummary = "The next segment of a plant that climbs on obstacles.";
 constexpr std::array<std::string_view, 2> kOnOrYes{"on", "yes"};
-constexpr std::array kKeys{
-    kPlanesKey,
-    kBoxesKey,
-    kSpheresKey,
-    kCapsulesKey,
-    kHeightsKey,
-    kHeightsExtentKey,
-    kVerticesKey,
-    kTrianglesKey,
-    kMeshKey,
-    kSceneKey,
+constexpr std::array kOwnKeys{
     ConfigurationKey{.name = "surfaceDistance",
                      .description = "distance that the plant keeps from the surface",
                      .unit = "length",
@@ -44,32 +39,32 @@ constexpr std::array kKeys{
                      .defaultNumber = 1.0},
     ConfigurationKey{.name = "triesForQ",
                      .kind = KeyKind::Integer,
-                     .description = "directions that are tried, over the whole circle",
+                     .description = "number of directions to try, over the whole circle",
                      .minimum = 1,
                      .maximum = 100000,
                      .defaultNumber = 64},
     ConfigurationKey{.name = "triesForSurface",
                      .kind = KeyKind::Integer,
-                     .description = "random rays for the nearest surface (only when compatible)",
+                     .description = "number of random rays for the nearest surface (only when compatible)",
                      .minimum = 0,
                      .maximum = 100000,
                      .defaultNumber = 64},
     ConfigurationKey{.name = "addObjects",
                      .kind = KeyKind::Boolean,
                      .description = "queries without parameters add solids by their following module"},
-    ConfigurationKey{.name = "removeObjects",
-                     .kind = KeyKind::Boolean,
-                     .description = "added solids are forgotten after the next step"},
+    ConfigurationKey{
+        .name = "removeObjects", .kind = KeyKind::Boolean, .description = "remove added solids after the next step"},
     ConfigurationKey{.name = "seed",
                      .kind = KeyKind::Integer,
-                     .description = "of the random rays, beside the simulation's (only when compatible)",
+                     .description = "seed of the random rays, besides the simulation's (only when compatible)",
                      .minimum = 0},
     ConfigurationKey{
         .name = "compatible", .kind = KeyKind::Boolean, .description = "seek surfaces by random rays, as published"},
 };
+constexpr auto kKeys = joinTables(kObstacleKeys, kOwnKeys);
 
 /// `obstacles: FILE`, a background scene.
-std::string readObstacleFile(const FieldLineInput& input) {
+std::string readObstacleFile(const PublishedLineInput& input) {
   const std::string name = besideFile(input.file, input.line.value);
   auto text = input.files.read(name);
   if (!text) {
@@ -79,19 +74,20 @@ std::string readObstacleFile(const FieldLineInput& input) {
   return {};
 }
 
-constexpr std::array kFieldKeywords{
-    FieldKeyword{.keyword = "obstacles", .kind = FieldKind::Own, .key = {}, .read = readObstacleFile},
-    FieldKeyword{.keyword = "surface distance", .key = "surfaceDistance"},
-    FieldKeyword{.keyword = "max surface distance", .key = "maxSurfaceDistance"},
-    FieldKeyword{.keyword = "tries for Q", .key = "triesForQ"},
-    FieldKeyword{.keyword = "tries for surface", .key = "triesForSurface"},
-    FieldKeyword{.keyword = "add objects", .kind = FieldKind::Switch, .key = "addObjects", .onWords = kOnOrYes},
-    FieldKeyword{.keyword = "remove objects", .kind = FieldKind::Switch, .key = "removeObjects", .onWords = kOnOrYes},
-    FieldKeyword{.keyword = "seed", .key = "seed"},
+constexpr std::array kPublishedKeywords{
+    PublishedKeyword{.keyword = "obstacles", .kind = PublishedKind::Own, .key = {}, .read = readObstacleFile},
+    PublishedKeyword{.keyword = "surface distance", .key = "surfaceDistance"},
+    PublishedKeyword{.keyword = "max surface distance", .key = "maxSurfaceDistance"},
+    PublishedKeyword{.keyword = "tries for Q", .key = "triesForQ"},
+    PublishedKeyword{.keyword = "tries for surface", .key = "triesForSurface"},
+    PublishedKeyword{.keyword = "add objects", .kind = PublishedKind::Switch, .key = "addObjects", .onWords = kOnOrYes},
+    PublishedKeyword{
+        .keyword = "remove objects", .kind = PublishedKind::Switch, .key = "removeObjects", .onWords = kOnOrYes},
+    PublishedKeyword{.keyword = "seed", .key = "seed"},
     // of the published program's grid, which only makes it faster
-    FieldKeyword{.keyword = "domain size", .kind = FieldKind::Unused, .key = {}},
-    FieldKeyword{.keyword = "position", .kind = FieldKind::Unused, .key = {}},
-    FieldKeyword{.keyword = "grid size", .kind = FieldKind::Unused, .key = {}},
+    PublishedKeyword{.keyword = "domain size", .kind = PublishedKind::Unused, .key = {}},
+    PublishedKeyword{.keyword = "position", .kind = PublishedKind::Unused, .key = {}},
+    PublishedKeyword{.keyword = "grid size", .kind = PublishedKind::Unused, .key = {}},
 };
 
 Vec3 rotated(const Vec3& v, const Vec3& axis, double radians) {
@@ -342,31 +338,27 @@ class Arvo final : public turtle::EnvironmentProcess {
 
 ProcessOrErrors makeArvo(const Configuration& configuration) {
   auto content = readObstacles("arvo", configuration);
-  if (auto* errors = std::get_if<std::vector<core::Diagnostic>>(&content)) {
-    return std::move(*errors);
+  if (!content) {
+    return tl::unexpected(std::move(content.error()));
   }
   // a plant that keeps further away than it may be would never find a place; the published program has it so
   if (!configuration.flag("compatible") &&
       configuration.number("surfaceDistance") > configuration.number("maxSurfaceDistance")) {
-    return std::vector{core::Diagnostic{
-        core::Severity::Error,
-        "environment process 'arvo': 'surfaceDistance' is larger than 'maxSurfaceDistance': no segment would be found",
-        {},
-        "maxSurfaceDistance: how far from a surface the plant may be"}};
+    return refuse("arvo", "'surfaceDistance' is larger than 'maxSurfaceDistance': no segment would be found",
+                  "maxSurfaceDistance: how far from a surface the plant may be");
   }
-  return std::make_unique<Arvo>(std::get<ObstacleScene::Content>(std::move(content)), configuration);
+  return std::make_unique<Arvo>(std::move(*content), configuration);
 }
 
 }  // namespace
 
-constinit const ProcessEntry kArvoProcess{
+extern constinit const ProcessEntry kArvoProcess{
     .name = "arvo",
     .summary = kSummary,
     .source =
         "Arvo & Kirk 1988, Modeling plants with environment-sensitive automata; Greene 1989, Voxel space automata",
-    .aliases = {},
     .keys = kKeys,
-    .fieldKeywords = kFieldKeywords,
+    .publishedKeywords = kPublishedKeywords,
     .make = makeArvo};
 
 }  // namespace espalier::environment

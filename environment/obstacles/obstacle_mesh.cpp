@@ -38,13 +38,13 @@ double angleAt(const Vec3& at, const Vec3& b, const Vec3& c) {
 
 }  // namespace
 
-std::variant<MeshData, std::string> readMesh(std::string_view name, const std::string& bytes) {
+tl::expected<MeshData, std::string> readMesh(std::string_view name, const std::string& bytes) {
   const std::size_t first = bytes.find_first_not_of(" \t\r\n");
   const bool isGltfText = first != std::string::npos && bytes[first] == '{';
   const auto read = name.empty() ? language::readMeshFile(isGltfText ? "mesh.gltf" : "mesh.obj", bytes)
                                  : language::readMeshFile(name, bytes);
   if (const auto* problem = std::get_if<std::string>(&read)) {
-    return *problem;
+    return tl::unexpected(*problem);
   }
   MeshData mesh;
   std::map<std::tuple<double, double, double>, std::uint32_t> places;

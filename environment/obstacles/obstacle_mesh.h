@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <variant>
+#include <tl/expected.hpp>
 #include <vector>
 
 #include "environment/geometry/box_tree.h"
@@ -17,19 +17,19 @@ namespace espalier::environment {
 struct MeshData {
   std::vector<core::Vec3> vertices;
   std::vector<std::array<std::uint32_t, 3>> triangles;
-  bool isGround = false;  // a height field over x, z: what is below it is solid
+  bool isGround = false;  // a height field over x, z: the space below it is solid
 };
 
-/// The triangles of a mesh file (engine/files/surfaces/mesh_file.h), corners at the same place made one; a sentence
-/// that says what is wrong with the file. The text of an OBJ or glTF file needs no name. O(n log n).
-[[nodiscard]] std::variant<MeshData, std::string> readMesh(std::string_view name, const std::string& bytes);
+/// The triangles of a mesh file (engine/files/surfaces/mesh_file.h), corners at the same place merged; or a sentence
+/// that says what is wrong with the file. `name` may be empty for the text of an OBJ or glTF file. O(n log n).
+[[nodiscard]] tl::expected<MeshData, std::string> readMesh(std::string_view name, const std::string& bytes);
 
-/// The first thing wrong with a mesh: a coordinate that is no finite number, a corner that is no vertex, no triangle;
-/// empty when it is right.
+/// The first error of a mesh: a coordinate that is not finite, a corner that is no vertex, no triangle. Empty when
+/// there is none.
 [[nodiscard]] std::string problemOf(const MeshData& mesh);
 
 /// A surface of triangles with a tree. A closed one (each side belongs to two triangles that run along it in opposite
-/// directions) is a solid, whichever way its triangles face; one with holes is only a surface and has no inside. Inside
+/// directions) is a solid, whichever way its triangles face; a surface with holes has no inside. Inside
 /// and outside are told by the angle-weighted normal of the nearest part (Bærentzen & Aanæs, IEEE Transactions on
 /// Visualization and Computer Graphics 11, 2005).
 class ObstacleMesh {
@@ -44,7 +44,7 @@ class ObstacleMesh {
   [[nodiscard]] bool isInside(const core::Vec3& p) const;
   /// Distance of a segment if it is within `most`; 0 when they touch or the segment is inside.
   [[nodiscard]] std::optional<double> distanceTo(const core::Vec3& a, const core::Vec3& b, double most) const;
-  /// How far a ray goes before it meets the surface, if it is within `reach`; 0 inside.
+  /// Length of a ray up to the surface, if it is within `reach`; 0 inside.
   [[nodiscard]] std::optional<double> rayTo(const core::Vec3& origin, const core::Vec3& direction, double reach) const;
 
  private:

@@ -120,28 +120,25 @@ double ObstacleScene::clearance(const Vec3& origin, const Vec3& direction, doubl
 
 namespace {
 
-/// Reads the keys and collects what is wrong.
+/// Reads the keys and collects the errors.
 class ObstacleReader {
  public:
   ObstacleReader(std::string_view process, const Configuration& configuration)
       : process_(process), configuration_(configuration) {}
 
-  std::variant<ObstacleScene::Content, std::vector<core::Diagnostic>> read() {
+  tl::expected<ObstacleScene::Content, std::vector<core::Diagnostic>> read() {
     readSolids();
     readHeights();
     readMeshes();
     if (!errors_.empty()) {
-      return std::move(errors_);
+      return tl::unexpected(std::move(errors_));
     }
     return std::move(content_);
   }
 
  private:
   void add(const std::string& message, const std::string& hint) {
-    core::Diagnostic diagnostic;
-    diagnostic.message = "environment process '" + std::string(process_) + "': " + message;
-    diagnostic.hint = hint;
-    errors_.push_back(std::move(diagnostic));
+    errors_.push_back(wrongConfiguration(process_, message, hint));
   }
 
   static std::string place(std::string_view key, std::size_t row) {
@@ -255,21 +252,20 @@ class ObstacleReader {
     }
     if (!configuration_.text("mesh").empty()) {
       auto mesh = readMesh({}, configuration_.text("mesh"));
-      if (const auto* problem = std::get_if<std::string>(&mesh)) {
-        add("'mesh': " + *problem, "give the text of a Wavefront OBJ or glTF file");
+      if (mesh) {
+        addMesh("mesh", std::move(*mesh));
       } else {
-        addMesh("mesh", std::get<MeshData>(std::move(mesh)));
+        add("'mesh': " + mesh.error(), "give the text of a Wavefront OBJ or glTF file");
       }
     }
     if (!configuration_.text("scene").empty()) {
       auto scene = readScene(configuration_.text("scene"));
-      if (const auto* problem = std::get_if<std::string>(&scene)) {
-        add("'scene', " + *problem, "give the text of a background scene");
+      if (!scene) {
+        add("'scene', " + scene.error(), "give the text of a background scene");
         return;
       }
-      auto& shapes = std::get<SceneShapes>(scene);
-      content_.spheres.insert(content_.spheres.end(), shapes.spheres.begin(), shapes.spheres.end());
-      for (MeshData& mesh : shapes.meshes) {
+      content_.spheres.insert(content_.spheres.end(), scene->spheres.begin(), scene->spheres.end());
+      for (MeshData& mesh : scene->meshes) {
         addMesh("scene", std::move(mesh));
       }
     }
@@ -283,7 +279,7 @@ class ObstacleReader {
 
 }  // namespace
 
-std::variant<ObstacleScene::Content, std::vector<core::Diagnostic>> readObstacles(std::string_view process,
+tl::expected<ObstacleScene::Content, std::vector<core::Diagnostic>> readObstacles(std::string_view process,
                                                                                   const Configuration& configuration) {
   return ObstacleReader(process, configuration).read();
 }

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <variant>
+#include <tl/expected.hpp>
 #include <vector>
 
 #include "environment/base/configuration.h"
@@ -13,7 +13,7 @@
 
 namespace espalier::environment {
 
-/// Fixed obstacles of all kinds, asked together. Distances are negative inside a solid.
+/// Fixed obstacles of all kinds in one scene. Distances are negative inside a solid.
 class ObstacleScene {
  public:
   struct Content {
@@ -31,7 +31,7 @@ class ObstacleScene {
   [[nodiscard]] bool isInside(const core::Vec3& p) const;
   /// Whether a segment with round ends of a radius touches no obstacle.
   [[nodiscard]] bool isClear(const core::Vec3& a, const core::Vec3& b, double radius) const;
-  /// How far a ray goes before it meets an obstacle, at most `reach`; 0 inside one.
+  /// Length of a ray up to the first obstacle, at most `reach`; 0 inside an obstacle.
   [[nodiscard]] double clearance(const core::Vec3& origin, const core::Vec3& direction, double reach) const;
 
  private:
@@ -99,10 +99,13 @@ inline constexpr ConfigurationKey kTrianglesKey{.name = "triangles",
 inline constexpr ConfigurationKey kMeshKey{
     .name = "mesh", .kind = KeyKind::Text, .description = "the text of a Wavefront OBJ or glTF file"};
 inline constexpr ConfigurationKey kSceneKey{
-    .name = "scene", .kind = KeyKind::Text, .description = "the text of a background scene of the field"};
+    .name = "scene", .kind = KeyKind::Text, .description = "the text of a background scene of cpfg"};
+/// All of them: the keys of a process with obstacles.
+inline constexpr std::array kObstacleKeys{kPlanesKey,        kBoxesKey,    kSpheresKey,   kCapsulesKey, kHeightsKey,
+                                          kHeightsExtentKey, kVerticesKey, kTrianglesKey, kMeshKey,     kSceneKey};
 
-/// What the keys above describe, or what is wrong with them: each sentence names `process` and the key.
-[[nodiscard]] std::variant<ObstacleScene::Content, std::vector<core::Diagnostic>> readObstacles(
+/// The obstacles of the keys above, or the errors in them: each message names `process` and the key.
+[[nodiscard]] tl::expected<ObstacleScene::Content, std::vector<core::Diagnostic>> readObstacles(
     std::string_view process, const Configuration& configuration);
 
 }  // namespace espalier::environment

@@ -1,4 +1,8 @@
-#include "environment/obstacles/obstacles.h"
+// The process `obstacles` (docs/environments.md): may this segment grow, and what is near?
+//
+// Segments that want to grow into each other block both, so the order of queries does not matter. All decisions are in
+// double precision. O((n + m) log (n + m)) for n queries and m shapes, triangles and remembered segments that do not
+// all overlap.
 
 #include <algorithm>
 #include <array>
@@ -7,6 +11,7 @@
 #include <vector>
 
 #include "engine/turtle/scene/geometry.h"
+#include "environment/base/process_entry.h"
 #include "environment/base/replies.h"
 #include "environment/base/state_bytes.h"
 #include "environment/geometry/segment_trees.h"
@@ -18,21 +23,12 @@ namespace {
 
 using core::Vec3;
 
-constexpr std::string_view kSummary = "Whether a segment may grow past obstacles and other plants, and what is near.";
+constexpr std::string_view kSummary =
+    "Whether a segment may grow past obstacles and other plants, and the nearest obstacle.";
 constexpr std::array<std::string_view, 4> kPlants{"ignored", "proposed", "remembered", "drawn"};
-constexpr std::array kKeys{
-    kPlanesKey,
-    kBoxesKey,
-    kSpheresKey,
-    kCapsulesKey,
-    kHeightsKey,
-    kHeightsExtentKey,
-    kVerticesKey,
-    kTrianglesKey,
-    kMeshKey,
-    kSceneKey,
+constexpr std::array kOwnKeys{
     ConfigurationKey{.name = "reach",
-                     .description = "largest distance that is looked at",
+                     .description = "distance beyond which obstacles do not count",
                      .unit = "length",
                      .minimum = 0.0,
                      .isMinimumExclusive = true,
@@ -44,6 +40,7 @@ constexpr std::array kKeys{
                      .defaultText = "ignored",
                      .choices = kPlants},
 };
+constexpr auto kKeys = joinTables(kObstacleKeys, kOwnKeys);
 
 class Obstacles final : public turtle::EnvironmentProcess {
  public:
@@ -82,12 +79,12 @@ class Obstacles final : public turtle::EnvironmentProcess {
                                                              turtle::ReplyBatch& replies) override {
     if (looks_ && queries.geometry == nullptr) {
       return turtle::EnvironmentError{
-          "Environment 'obstacles' looks at what the plants draw, and no geometry came with the queries. Set 'plants' "
+          "Environment 'obstacles' needs the geometry of the plants, which did not come with the queries. Set 'plants' "
           "to "
           "\"remembered\" instead of \"drawn\" where it cannot be sent.",
           false};
     }
-    // what wants to grow now, and what there is
+    // the segments that want to grow now, and those that exist
     std::vector<PlantSegment> others;
     if (minds_) {
       for (std::size_t query = 0; query < queries.size(); ++query) {
@@ -255,21 +252,15 @@ class Obstacles final : public turtle::EnvironmentProcess {
 
 ProcessOrErrors makeObstacles(const Configuration& configuration) {
   auto content = readObstacles("obstacles", configuration);
-  if (auto* errors = std::get_if<std::vector<core::Diagnostic>>(&content)) {
-    return std::move(*errors);
+  if (!content) {
+    return tl::unexpected(std::move(content.error()));
   }
-  return std::make_unique<Obstacles>(ObstacleScene(std::get<ObstacleScene::Content>(std::move(content))),
-                                     configuration);
+  return std::make_unique<Obstacles>(ObstacleScene(std::move(*content)), configuration);
 }
 
 }  // namespace
 
-constinit const ProcessEntry kObstaclesProcess{.name = "obstacles",
-                                               .summary = kSummary,
-                                               .source = "Espalier's own",
-                                               .aliases = {},
-                                               .keys = kKeys,
-                                               .fieldKeywords = {},
-                                               .make = makeObstacles};
+extern constinit const ProcessEntry kObstaclesProcess{
+    .name = "obstacles", .summary = kSummary, .source = "Espalier's own", .keys = kKeys, .make = makeObstacles};
 
 }  // namespace espalier::environment

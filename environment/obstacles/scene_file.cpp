@@ -248,7 +248,7 @@ class SceneReader {
 
 }  // namespace
 
-std::variant<SceneShapes, std::string> readScene(std::string_view text) {
+tl::expected<SceneShapes, std::string> readScene(std::string_view text) {
   std::string copy(text);
   const std::vector<Word> words = wordsOf(copy);
   SceneReader reader;
@@ -264,8 +264,8 @@ std::variant<SceneShapes, std::string> readScene(std::string_view text) {
     }
     const std::string missing = reader.command(keyword.text, numbers);
     if (!missing.empty()) {
-      return "line " + std::to_string(keyword.line) + ": '" + std::string(keyword.text) + "' needs " + missing +
-             ", found " + std::to_string(numbers.size()) + " numbers";
+      return tl::unexpected("line " + std::to_string(keyword.line) + ": '" + std::string(keyword.text) + "' needs " +
+                            missing + ", found " + std::to_string(numbers.size()) + " numbers");
     }
   }
   return reader.take();

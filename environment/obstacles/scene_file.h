@@ -2,7 +2,7 @@
 
 #include <string>
 #include <string_view>
-#include <variant>
+#include <tl/expected.hpp>
 #include <vector>
 
 #include "environment/geometry/shapes.h"
@@ -10,7 +10,7 @@
 
 namespace espalier::environment {
 
-/// The solids and surfaces of a background scene of the field.
+/// The solids and surfaces of a cpfg background scene.
 struct SceneShapes {
   std::vector<Sphere> spheres;
   std::vector<MeshData> meshes;
@@ -18,8 +18,8 @@ struct SceneShapes {
 
 /// Reads a background scene: keywords polygon, polygonuv, mesh, rectangle, prism (box), sphere, cylinder, cone,
 /// material, pushmatrix, popmatrix, translate, rotate, scale, multmatrix, each followed by its numbers; comments as in
-/// C. Cylinders and cones have 32 sides, as do spheres that a scale makes ellipsoids. A sentence with the line when a
-/// keyword has too few numbers; unknown keywords are passed over. O(text).
-[[nodiscard]] std::variant<SceneShapes, std::string> readScene(std::string_view text);
+/// C. Cylinders and cones have 32 sides, as do spheres that a scale makes ellipsoids. The error is a sentence with
+/// the line of a keyword with too few numbers; unknown keywords are skipped. O(text).
+[[nodiscard]] tl::expected<SceneShapes, std::string> readScene(std::string_view text);
 
 }  // namespace espalier::environment

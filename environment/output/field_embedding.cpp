@@ -4,18 +4,17 @@
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <variant>
 #include <vector>
 
+#include "environment/base/published_text.h"
 #include "environment/output/field_output.h"
-#include "environment/published/field_text.h"
 #include "environment/registry.h"
 
 namespace espalier::environment {
 
 namespace {
 
-/// What a process takes from a file.
+/// The field that a process takes from a file.
 struct FieldUse {
   std::string_view process;
   std::string_view field;
@@ -25,23 +24,23 @@ struct FieldUse {
 constexpr std::array kUses{FieldUse{"soil-water", "pressureHead", "initialHeads", false},
                            FieldUse{"light-voxels", "leafAreaDensity", "leafAreaDensity", true}};
 
-std::variant<std::vector<turtle::Field>, std::string> readFields(const std::string& name, core::FileProvider& files) {
+tl::expected<std::vector<turtle::Field>, std::string> readFields(const std::string& name, core::FileProvider& files) {
   const auto bytes = files.read(name);
   if (!bytes) {
-    return "it cannot be read";
+    return tl::unexpected(std::string("it cannot be read"));
   }
   if (!name.ends_with(".raw")) {
     return readVti(*bytes);
   }
   const auto header = files.read(name + ".json");
   if (!header) {
-    return "there is no header '" + name + ".json' beside it";
+    return tl::unexpected("there is no header '" + name + ".json' beside it");
   }
   auto read = readRaw(*header, *bytes);
-  if (auto* problem = std::get_if<std::string>(&read)) {
-    return std::move(*problem);
+  if (!read) {
+    return tl::unexpected(std::move(read.error()));
   }
-  return std::vector{std::move(std::get<turtle::Field>(read))};
+  return std::vector{std::move(*read)};
 }
 
 /// The field of this name, of one environment or of several (NAME.QUANTITY).
@@ -52,7 +51,7 @@ const turtle::Field* find(const std::vector<turtle::Field>& fields, std::string_
   return found == fields.end() ? nullptr : &*found;
 }
 
-/// Sets a key, or says that the entry has another value there. Lengths may differ by what a file rounds.
+/// Sets a key, or says that the entry has another value there. Lengths may differ by the rounding of a file.
 std::string setOrRefuse(nlohmann::json& configuration, const std::string& key, const nlohmann::json& value) {
   const auto own = configuration.find(key);
   if (own == configuration.end()) {
@@ -89,13 +88,13 @@ std::optional<core::Diagnostic> embedFieldFile(EnvironmentEntry& entry, const st
     return diagnostic;
   };
   const auto read = readFields(name, files);
-  if (const auto* problem = std::get_if<std::string>(&read)) {
-    return failed(*problem, "a .vti or .raw file as --field writes it, looked for beside the configuration");
+  if (!read) {
+    return failed(read.error(), "a .vti or .raw file as --field writes it, looked for beside the configuration");
   }
-  const turtle::Field* field = find(std::get<std::vector<turtle::Field>>(read), use->field);
+  const turtle::Field* field = find(*read, use->field);
   if (field == nullptr) {
     return failed("it has no field '" + std::string(use->field) + "'",
-                  "'" + type + "' begins with that one; `espalier field FILE` lists what is there");
+                  "'" + type + "' begins with that field; `espalier field FILE` lists the fields of a file");
   }
   configuration.erase(named);
   std::vector<std::pair<std::string, nlohmann::json>> box{

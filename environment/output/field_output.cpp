@@ -8,8 +8,8 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
-#include "engine/core/number_text.h"
 #include "environment/base/json_text.h"
+#include "environment/base/number_text.h"
 
 namespace espalier::environment {
 
@@ -103,17 +103,11 @@ std::string unescaped(std::string text) {
   return text;
 }
 
-std::string numberText(double value) {
-  std::string text;
-  core::appendNumber(text, value, core::NumberStyle::Shortest);
-  return text;
-}
-
 std::string threeNumbers(double a, double b, double c) {
   return numberText(a) + " " + numberText(b) + " " + numberText(c);
 }
 
-/// The first element of a name from a place on: its attributes, and what stands up to the next tag.
+/// The first element of a name from a place on: its attributes, and the text up to the next tag.
 struct Element {
   std::string_view attributes;
   std::string_view content;
@@ -204,23 +198,23 @@ std::optional<std::vector<double>> numbersOfType(std::string_view bytes, std::st
   return values;
 }
 
-std::variant<std::vector<double>, std::string> dataOf(const Element& array, bool hasLongHeader) {
+tl::expected<std::vector<double>, std::string> dataOf(const Element& array, bool hasLongHeader) {
   const std::string format = attribute(array, "format").value_or("ascii");
   if (format == "ascii") {
     return numbersIn(array.content);
   }
   if (format != "binary") {
-    return "has data of the format '" + format + "': write inline binary or ascii data";
+    return tl::unexpected("has data of the format '" + format + "': write inline binary or ascii data");
   }
   const auto bytes = fromBase64(array.content);
   const std::size_t header = hasLongHeader ? 8 : 4;
   if (!bytes || bytes->size() < header) {
-    return std::string("has a data array that is no base64");
+    return tl::unexpected(std::string("has a data array that is no base64"));
   }
   const std::string type = attribute(array, "type").value_or("Float64");
   auto values = numbersOfType(std::string_view(*bytes).substr(header), type);
   if (!values) {
-    return "has a data array of the unknown type '" + type + "'";
+    return tl::unexpected("has a data array of the unknown type '" + type + "'");
   }
   return std::move(*values);
 }
@@ -245,28 +239,28 @@ std::string writeVti(std::span<const Field> fields) {
   return text + "</CellData>\n</Piece>\n</ImageData>\n</VTKFile>\n";
 }
 
-std::variant<std::vector<Field>, std::string> readVti(std::string_view text) {
+tl::expected<std::vector<Field>, std::string> readVti(std::string_view text) {
   const auto file = findElement(text, "VTKFile", 0);
   const auto image = file ? findElement(text, "ImageData", file->end) : std::nullopt;
   const auto cells = image ? findElement(text, "CellData", image->end) : std::nullopt;
   if (!cells) {
-    return std::string("is no VTK image data file with cell data");
+    return tl::unexpected(std::string("is no VTK image data file with cell data"));
   }
   if (attribute(*file, "compressor") || attribute(*file, "byte_order").value_or("LittleEndian") != "LittleEndian") {
-    return std::string("is compressed or big-endian: write it little-endian without compression");
+    return tl::unexpected(std::string("is compressed or big-endian: write it little-endian without compression"));
   }
   const std::vector<double> extent = numbersIn(attribute(*image, "WholeExtent").value_or(""));
   const std::vector<double> origin = numbersIn(attribute(*image, "Origin").value_or("0 0 0"));
   const std::vector<double> spacing = numbersIn(attribute(*image, "Spacing").value_or("1 1 1"));
   Field shape;
   if (extent.size() != 6 || origin.size() != 3 || spacing.size() != 3) {
-    return std::string("has no extent of six numbers, or an origin or spacing without three");
+    return tl::unexpected(std::string("has no extent of six numbers, or an origin or spacing without three"));
   }
   std::size_t count = 1;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double size = extent[2 * axis + 1] - extent[2 * axis];
     if (!(size >= 1.0) || size * static_cast<double>(count) > static_cast<double>(kMostCells)) {
-      return std::string("has an extent without cells, or with too many");
+      return tl::unexpected(std::string("has an extent without cells, or with too many"));
     }
     shape.cells[axis] = static_cast<std::size_t>(size);
     count *= shape.cells[axis];
@@ -280,16 +274,16 @@ std::variant<std::vector<Field>, std::string> readVti(std::string_view text) {
   for (auto array = findElement(text, "DataArray", cells->end); array && array->end < last;
        array = findElement(text, "DataArray", array->end)) {
     auto data = dataOf(*array, hasLongHeader);
-    if (auto* problem = std::get_if<std::string>(&data)) {
-      return std::move(*problem);
+    if (!data) {
+      return tl::unexpected(std::move(data.error()));
     }
     Field field = shape;
     field.name = attribute(*array, "Name").value_or("");
     field.unit = attribute(*array, "Unit").value_or("1");
-    field.values = std::get<std::vector<double>>(std::move(data));
+    field.values = std::move(*data);
     if (field.values.size() != count) {
-      return "has " + std::to_string(field.values.size()) + " numbers in '" + field.name + "' for " +
-             std::to_string(count) + " cells";
+      return tl::unexpected("has " + std::to_string(field.values.size()) + " numbers in '" + field.name + "' for " +
+                            std::to_string(count) + " cells");
     }
     fields.push_back(std::move(field));
   }
@@ -313,12 +307,12 @@ std::string writeRawHeader(const Field& field) {
   return header.dump(2) + "\n";
 }
 
-std::variant<Field, std::string> readRaw(std::string_view header, std::string_view bytes) {
-  auto parsed = parseJson(header, "header");
-  if (std::holds_alternative<core::Diagnostic>(parsed)) {
-    return std::string("has a header that is no JSON");
+tl::expected<Field, std::string> readRaw(std::string_view header, std::string_view bytes) {
+  const auto parsed = parseJson(header, "header");
+  if (!parsed) {
+    return tl::unexpected(std::string("has a header that is no JSON"));
   }
-  const auto& json = std::get<nlohmann::json>(parsed);
+  const nlohmann::json& json = *parsed;
   const auto numbers = [&](const char* key) {
     std::vector<double> values;
     if (json.is_object() && json.contains(key) && json[key].is_array()) {
@@ -333,13 +327,13 @@ std::variant<Field, std::string> readRaw(std::string_view header, std::string_vi
   const auto position = numbers("position");
   const auto size = numbers("cellSize");
   if (cells.empty() || position.empty() || size.empty()) {
-    return std::string("has a header without three 'cells', a 'position' and a 'cellSize'");
+    return tl::unexpected(std::string("has a header without three 'cells', a 'position' and a 'cellSize'"));
   }
   const auto text = [&](const char* key, const char* otherwise) {
     return json.contains(key) && json[key].is_string() ? json[key].get<std::string>() : std::string(otherwise);
   };
   if (text("type", "float64") != "float64" || text("byteOrder", "little") != "little") {
-    return std::string("is not of the type float64, little-endian");
+    return tl::unexpected(std::string("is not of the type float64, little-endian"));
   }
   Field field;
   field.name = text("name", "");
@@ -352,13 +346,13 @@ std::variant<Field, std::string> readRaw(std::string_view header, std::string_vi
   field.position = {position[0], position[1], position[2]};
   field.cellSize = {size[0], size[1], size[2]};
   if (count * 8.0 != static_cast<double>(bytes.size())) {
-    return "has " + std::to_string(bytes.size()) + " bytes instead of 8 for each of its cells";
+    return tl::unexpected("has " + std::to_string(bytes.size()) + " bytes instead of 8 for each of its cells");
   }
   appendNumbers<double>(bytes, field.values);
   return field;
 }
 
-std::variant<FieldPlane, std::string> viewField(const Field& field, const FieldView& view) {
+tl::expected<FieldPlane, std::string> viewField(const Field& field, const FieldView& view) {
   const auto axis = static_cast<std::size_t>(view.axis);
   const std::array<double, 3> low{field.position.x, field.position.y, field.position.z};
   const std::array<double, 3> size{field.cellSize.x, field.cellSize.y, field.cellSize.z};
@@ -367,9 +361,9 @@ std::variant<FieldPlane, std::string> viewField(const Field& field, const FieldV
   if (view.at) {
     const double place = std::floor((*view.at - low[axis]) / size[axis]);
     if (!(place >= 0.0 && place < static_cast<double>(field.cells[axis]))) {
-      return "'" + field.name + "' reaches from " + numberText(low[axis]) + " to " +
-             numberText(low[axis] + size[axis] * static_cast<double>(field.cells[axis])) + " along " +
-             std::string(1, "xyz"[axis]) + ": choose a slice there";
+      return tl::unexpected("'" + field.name + "' reaches from " + numberText(low[axis]) + " to " +
+                            numberText(low[axis] + size[axis] * static_cast<double>(field.cells[axis])) + " along " +
+                            std::string(1, "xyz"[axis]) + ": choose a slice there");
     }
     first = static_cast<std::size_t>(place);
     last = first + 1;

@@ -5,8 +5,8 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <tl/expected.hpp>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include "engine/turtle/field.h"
@@ -18,16 +18,16 @@ namespace espalier::environment {
 [[nodiscard]] std::string writeVti(std::span<const turtle::Field> fields);
 
 /// Reads a .vti file with one piece whose cell data are inline base64 or ascii, of any VTK number type, not compressed;
-/// units are kept in our own files. Or says what is wrong with it. O(text).
-[[nodiscard]] std::variant<std::vector<turtle::Field>, std::string> readVti(std::string_view text);
+/// units are kept in our own files. The error is a sentence about the file without its subject. O(text).
+[[nodiscard]] tl::expected<std::vector<turtle::Field>, std::string> readVti(std::string_view text);
 
 /// The values as little-endian doubles, x fastest, and the JSON header that says so.
 [[nodiscard]] std::string writeRaw(const turtle::Field& field);
 [[nodiscard]] std::string writeRawHeader(const turtle::Field& field);
-/// Reads both back, or says what is wrong with them.
-[[nodiscard]] std::variant<turtle::Field, std::string> readRaw(std::string_view header, std::string_view bytes);
+/// Reads both back; the error is a sentence without its subject.
+[[nodiscard]] tl::expected<turtle::Field, std::string> readRaw(std::string_view header, std::string_view bytes);
 
-/// What a picture shows of a field: along an axis (0: x, 1: y, 2: z) the mean of all cells, or the slice at a
+/// The part of a field that a picture shows: along an axis (0: x, 1: y, 2: z) the mean of all cells, or the slice at a
 /// coordinate.
 struct FieldView {
   int axis = 2;
@@ -43,13 +43,14 @@ struct FieldPlane {
 };
 
 /// The slice or projection of a field; a sentence when the coordinate is outside. O(cells).
-[[nodiscard]] std::variant<FieldPlane, std::string> viewField(const turtle::Field& field, const FieldView& view);
+[[nodiscard]] tl::expected<FieldPlane, std::string> viewField(const turtle::Field& field, const FieldView& view);
 
 /// The least and the greatest of the numbers that are finite; 0 and 0 when none is.
 [[nodiscard]] std::pair<double, double> rangeOf(const FieldPlane& plane);
 
 /// Colours of numbers between two bounds, dark blue over green to yellow (the map viridis of Smith & van der Walt
-/// 2015): red, green, blue, opacity (height, width, 4). Equal bounds give the middle colour; what is no number is grey.
+/// 2015): red, green, blue, opacity (height, width, 4). Equal bounds give the middle colour; a value that is not finite
+/// is grey.
 [[nodiscard]] std::vector<std::uint8_t> colourPlane(const FieldPlane& plane, double low, double high);
 
 /// Least, mean and greatest value of a field and its integral over the box (value times length³).

@@ -41,7 +41,7 @@ int widthOf(std::string_view text) {
   return static_cast<int>(text.size()) * kLetterWidth - kLetterScale;
 }
 
-/// A place on an axis with what is written there.
+/// A place on an axis with its label.
 struct Tick {
   double place = 0.0;  // 0 at the axis' low end, 1 at its high end
   std::string text;
@@ -77,7 +77,7 @@ int widestOf(std::span<const Tick> ticks) {
   return widest;
 }
 
-/// An image to write, draw and paint on; what is beside it is left out.
+/// An image to write, draw and paint on; pixels outside it are left out.
 class Page {
  public:
   Page(int width, int height) : image_{width, height, {}} {

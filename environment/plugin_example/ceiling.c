@@ -110,7 +110,7 @@ const espalier_plugin* espalier_plugin_entry(void) {
       .version = ESPALIER_PLUGIN_VERSION,
       .size = sizeof(espalier_plugin),
       .name = "ceiling",
-      .summary = "What asks may grow below a ceiling.",
+      .summary = "A module may grow while it is below a ceiling.",
       .needs = ESPALIER_NEEDS_POSITION,
       .is_stateful = 1,
       .output_count = 1,

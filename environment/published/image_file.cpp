@@ -97,7 +97,7 @@ std::variant<Image, std::string> decodeSgi(std::string_view content) {
   }
   Image image = emptyImage(width, height);
   std::vector<std::uint8_t> row(width);
-  // grey images have their one channel in all three places
+  // grey images have the same value in all three channels
   const std::size_t used = channels < 3 ? 1 : 3;
   for (std::size_t channel = 0; channel < used; ++channel) {
     for (std::size_t y = 0; y < height; ++y) {

@@ -1,4 +1,9 @@
-#include "environment/soil/emission.h"
+// The process `emission` (docs/environments.md): plants give off a substance into a field that diffuses and decays, and
+// feel its concentration.
+//
+// dc/dt = D∇²c − λc over World::stepDurationDays, in as many explicit steps of face fluxes as stability needs. Sums are
+// sorted, so the order of queries does not matter. Matter is conserved except for the decay and the flow out of an open
+// box. O(n log n + cells · diffusion steps).
 
 #include <algorithm>
 #include <array>
@@ -6,8 +11,10 @@
 #include <utility>
 #include <vector>
 
+#include "environment/base/process_entry.h"
 #include "environment/base/replies.h"
 #include "environment/base/state_numbers.h"
+#include "environment/geometry/grid_keys.h"
 #include "environment/soil/soil_field.h"
 
 namespace espalier::environment {
@@ -18,38 +25,26 @@ using core::Vec3;
 
 constexpr std::string_view kSummary = "A substance that plants give off, that spreads and decays, and that they feel.";
 constexpr std::array kGridSize{32.0, 32.0, 32.0};
-constexpr std::array kZeros{0.0, 0.0, 0.0};
 constexpr std::array<std::string_view, 2> kBorders{"closed", "open"};
 constexpr double kMostSteps = 100000;
 constexpr std::size_t kMaximumCellCount = std::size_t{1} << 26;
 constexpr std::array kKeys{
-    ConfigurationKey{.name = "gridSize",
-                     .kind = KeyKind::Numbers,
-                     .description = "cells along x, y, z; one along z: a plane field",
-                     .minimum = 1.0,
-                     .maximum = 4096.0,
-                     .isWhole = true,
-                     .defaultNumbers = kGridSize,
-                     .minimumCount = 3,
-                     .maximumCount = 3},
+    gridSizeKey(kGridSize, "cells along x, y, z; one along z: a plane field"),
     ConfigurationKey{.name = "cellSize",
                      .description = "side of a cell, which is a cube",
                      .unit = "length",
                      .minimum = 0.0,
                      .isMinimumExclusive = true,
                      .defaultNumber = 1.0},
-    ConfigurationKey{.name = "position",
-                     .kind = KeyKind::Numbers,
-                     .description = "corner of the box with the smallest coordinates",
-                     .unit = "length",
-                     .defaultNumbers = kZeros,
-                     .minimumCount = 3,
-                     .maximumCount = 3},
-    ConfigurationKey{
-        .name = "diffusivity", .description = "D", .unit = "length^2/day", .minimum = 0.0, .defaultNumber = 1.0},
-    ConfigurationKey{.name = "decayRate", .description = "λ", .unit = "1/day", .minimum = 0.0},
+    positionKey(kOrigin),
+    ConfigurationKey{.name = "diffusivity",
+                     .description = "diffusivity D",
+                     .unit = "length^2/day",
+                     .minimum = 0.0,
+                     .defaultNumber = 1.0},
+    ConfigurationKey{.name = "decayRate", .description = "decay rate λ", .unit = "1/day", .minimum = 0.0},
     ConfigurationKey{.name = "initialConcentration",
-                     .description = "concentration everywhere at first",
+                     .description = "initial concentration of all cells",
                      .unit = "1/length^3",
                      .minimum = 0.0},
     ConfigurationKey{.name = "border",
@@ -168,33 +163,23 @@ class Emission final : public turtle::EnvironmentProcess {
 };
 
 ProcessOrErrors makeEmission(const Configuration& configuration) {
-  const auto& size = configuration.numbers("gridSize");
-  const auto& position = configuration.numbers("position");
-  const double side = configuration.number("cellSize");
-  SoilField::Shape shape{{position[0], position[1], position[2]}, {size[0] * side, size[1] * side, size[2] * side}, {}};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    shape.cells[axis] = static_cast<std::size_t>(size[axis]);
+  const SoilField::Shape shape{vectorOf(configuration, "position"),
+                               vectorOf(configuration, "gridSize") * configuration.number("cellSize"),
+                               cellsOf(configuration)};
+  if (auto problem = tooManyCells("emission", shape.cells, kMaximumCellCount)) {
+    return tl::unexpected(std::vector{std::move(*problem)});
   }
   const std::size_t cellCount = shape.cells[0] * shape.cells[1] * shape.cells[2];
-  if (cellCount > kMaximumCellCount) {
-    core::Diagnostic diagnostic;
-    diagnostic.message = "environment process 'emission': a field of " + std::to_string(cellCount) +
-                         " cells is larger than " + std::to_string(kMaximumCellCount) + " cells";
-    diagnostic.hint = "use fewer cells along x, y or z";
-    return std::vector{diagnostic};
-  }
   std::vector<double> initial(cellCount, configuration.number("initialConcentration"));
   return std::make_unique<Emission>(SoilField(shape, std::move(initial), {}, {}), configuration);
 }
 
 }  // namespace
 
-constinit const ProcessEntry kEmissionProcess{.name = "emission",
-                                              .summary = kSummary,
-                                              .source = "Fick's law in finite volumes",
-                                              .aliases = {},
-                                              .keys = kKeys,
-                                              .fieldKeywords = {},
-                                              .make = makeEmission};
+extern constinit const ProcessEntry kEmissionProcess{.name = "emission",
+                                                     .summary = kSummary,
+                                                     .source = "Fick's law in finite volumes",
+                                                     .keys = kKeys,
+                                                     .make = makeEmission};
 
 }  // namespace espalier::environment

@@ -13,7 +13,7 @@
 
 namespace espalier::environment {
 
-/// Where the cells of a soil lie in the world: a box along its axes, whose up is an axis.
+/// The place of a soil's cells in the world: a box along the world's axes, one of which is up.
 class Ground {
  public:
   struct Shape {
@@ -28,7 +28,7 @@ class Ground {
   /// The cell of a point by the solver's numbering; nothing outside.
   [[nodiscard]] std::optional<std::size_t> cellOf(const core::Vec3& point) const;
   [[nodiscard]] core::Vec3 middleOf(std::size_t cell) const;
-  /// Where a cell stands in the values of field().
+  /// Index of a cell in the values of field().
   [[nodiscard]] std::size_t fieldIndexOf(std::size_t cell) const;
   /// Depth of a cell's middle below the top of the box, length.
   [[nodiscard]] double depthOf(std::size_t cell) const;
@@ -93,7 +93,7 @@ class RateSeries {
 
   /// The rate at a time, 0 before the first row.
   [[nodiscard]] double at(double day) const;
-  /// How long it stays so, in days; infinite after the last row.
+  /// The days from a time until the rate changes; infinite after the last row.
   [[nodiscard]] double remaining(double day) const;
 
  private:

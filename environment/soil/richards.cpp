@@ -104,7 +104,7 @@ double RichardsSolver::advance(double days, const SoilBorders& borders, double t
     state_.heads = heads_;
     for (std::size_t cell = 0; cell < cellCount(); ++cell) {
       if (isSoil(cell)) {
-        // what flowed in and out, and not quite what the head stands for
+        // the content after inflow and outflow, which differs a little from that of the head
         state_.contents[cell] = soilOf(cell).content(heads_[cell]) + residual_[cell] * step / cellVolume();
       }
       state_.balance.infiltrated += surfaceFlux_[cell] * step;
@@ -130,7 +130,7 @@ double RichardsSolver::advance(double days, const SoilBorders& borders, double t
 void RichardsSolver::assemble(double days, const SoilBorders& borders) {
   const std::size_t count = cellCount();
   const double volume = cellVolume();
-  // storage: what the modified Picard iteration linearises
+  // storage: the term that the modified Picard iteration linearises
   for (std::size_t cell = 0; cell < count; ++cell) {
     surfaceFlux_[cell] = 0.0;
     bottomFlux_[cell] = 0.0;

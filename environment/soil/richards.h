@@ -9,12 +9,12 @@
 
 namespace espalier::environment {
 
-/// What happens at the top and at the bottom of the ground in a time. Lengths per day, inwards positive.
+/// The conditions at the top and at the bottom of the ground for a time. Lengths per day, inwards positive.
 struct SoilBorders {
   bool hasTopHead = false;
   double topHead = 0.0;        // at the surface, length
-  double rain = 0.0;           // offered; what the soil cannot take runs off
-  double evaporation = 0.0;    // demanded; what the soil cannot give stays
+  double rain = 0.0;           // offered; water that the soil cannot take runs off
+  double evaporation = 0.0;    // demanded; water that the soil cannot give stays
   double driestHead = -150.0;  // at the surface when it is dry, length
   enum class Bottom : std::uint8_t { Closed, Free, Head };
   Bottom bottom = Bottom::Free;  // Free: drainage by gravity alone
@@ -27,8 +27,8 @@ struct SoilBorders {
 /// sides; implicit in time with steps that adapt. The linear systems are solved by conjugate gradients, preconditioned
 /// with the exact solution of each column, so a single column needs one iteration.
 ///
-/// A step ends when θ(h) is met to a tolerance. Water contents are then what the fluxes make of them, and the next step
-/// starts from these: what the iteration has left open is made good there, so the balance is exact to rounding.
+/// A step ends when θ(h) is met to a tolerance. Water contents are then set to the result of the fluxes, and the next
+/// step starts from these. The next step corrects the error of the iteration, so the balance is exact to rounding.
 class RichardsSolver {
  public:
   struct Shape {
@@ -75,9 +75,9 @@ class RichardsSolver {
   /// All water in the box, length³.
   [[nodiscard]] double storedWater() const;
 
-  /// Lets time pass in one step of at most `days`, as long as converges: every cell's water content is what its
-  /// head stands for to `tolerance` (volume of water per volume of soil). Returns the days that passed; 0: not even the
-  /// shortest step of 10⁻⁹ days converged, and nothing has changed. Afterwards flux() tells what flowed.
+  /// Lets time pass in one step of at most `days`, as long as converges: the water content of every cell agrees with
+  /// its head to `tolerance` (volume of water per volume of soil). Returns the days that passed. 0 means that not even
+  /// the shortest step of 10⁻⁹ days converged, and nothing has changed. Afterwards flux() has the flow of the step.
   [[nodiscard]] double advance(double days, const SoilBorders& borders, double tolerance);
 
   /// Water that crossed the face above (axis 2), or towards higher i (axis 0) or k (axis 1) of a cell in the last

@@ -1,4 +1,9 @@
-#include "environment/soil/soil.h"
+// The process `soil` (docs/environments.md): water or a nutrient in the ground, which roots take up and which diffuses,
+// in the plane x,y or in space.
+//
+// All queries see the field of the step before. When they want more than a cell holds, each gets the same share of what
+// it wants. Then the obtained amounts leave the cells, and the field spreads. `compatible` behaves as the published
+// program. O(n log n + cells · steps).
 
 #include <algorithm>
 #include <array>
@@ -10,8 +15,11 @@
 #include <utility>
 #include <vector>
 
+#include "environment/base/process_entry.h"
 #include "environment/base/replies.h"
 #include "environment/base/state_numbers.h"
+#include "environment/geometry/grid_keys.h"
+#include "environment/geometry/world_up.h"
 #include "environment/obstacles/obstacle_scene.h"
 #include "environment/obstacles/scene_file.h"
 #include "environment/soil/soil_field.h"
@@ -25,29 +33,13 @@ using core::Vec3;
 
 constexpr std::string_view kSummary =
     "Water or a nutrient in the ground: roots take it up, and it spreads by diffusion.";
-constexpr std::array kOnes{1.0, 1.0, 1.0};
-constexpr std::array kZeros{0.0, 0.0, 0.0};
 constexpr std::array kUnitRange{0.0, 1.0};
 constexpr std::array<std::string_view, 1> kOn{"on"};
 constexpr std::size_t kMaximumCellCount = std::size_t{1} << 26;
 
 constexpr std::array kKeys{
-    ConfigurationKey{.name = "domainSize",
-                     .kind = KeyKind::Numbers,
-                     .description = "size of the box along x, y, z",
-                     .unit = "length",
-                     .minimum = 0.0,
-                     .isMinimumExclusive = true,
-                     .defaultNumbers = kOnes,
-                     .minimumCount = 3,
-                     .maximumCount = 3},
-    ConfigurationKey{.name = "position",
-                     .kind = KeyKind::Numbers,
-                     .description = "corner of the box with the smallest coordinates",
-                     .unit = "length",
-                     .defaultNumbers = kZeros,
-                     .minimumCount = 3,
-                     .maximumCount = 3},
+    sidesKey("domainSize", "size of the box along x, y, z", kUnitSides),
+    positionKey(kOrigin),
     ConfigurationKey{.name = "concentration",
                      .kind = KeyKind::Rows,
                      .description = "concentrations by rows along x, the highest row first, slice after slice along z; "
@@ -59,15 +51,7 @@ constexpr std::array kKeys{
                      .minimum = 1,
                      .maximum = 4096,
                      .defaultNumber = 1},
-    ConfigurationKey{.name = "gridSize",
-                     .kind = KeyKind::Numbers,
-                     .description = "cells along x, y, z when no concentration is given",
-                     .minimum = 1.0,
-                     .maximum = 4096.0,
-                     .isWhole = true,
-                     .defaultNumbers = kOnes,
-                     .minimumCount = 3,
-                     .maximumCount = 3},
+    gridSizeKey(kUnitSides, "cells along x, y, z when no concentration is given"),
     ConfigurationKey{.name = "uniformConcentration",
                      .description = "concentration of every cell when no concentration is given",
                      .defaultNumber = 1.0},
@@ -95,7 +79,9 @@ constexpr std::array kKeys{
                      .maximum = 1.0,
                      .isWhole = true,
                      .minimumCount = 1},
-    ConfigurationKey{.name = "depletion", .kind = KeyKind::Boolean, .description = "what is taken up is gone"},
+    ConfigurationKey{.name = "depletion",
+                     .kind = KeyKind::Boolean,
+                     .description = "the amount that a query obtains leaves its cell"},
     ConfigurationKey{.name = "diffusionSteps",
                      .kind = KeyKind::Integer,
                      .description = "diffusion steps in a step of the simulation",
@@ -125,18 +111,19 @@ constexpr std::array kKeys{
                      .description = "uptake in string order, gradients, layers and diffusion as the published program"},
 };
 
-constexpr std::array kFieldKeywords{
-    FieldKeyword{.keyword = "domain size", .kind = FieldKind::Numbers, .key = "domainSize", .count = 3},
-    FieldKeyword{.keyword = "position", .kind = FieldKind::Numbers, .key = "position", .count = 3},
-    FieldKeyword{.keyword = "array", .kind = FieldKind::Own, .key = {}, .read = readArray},
-    FieldKeyword{.keyword = "image", .kind = FieldKind::Own, .key = {}, .read = readConcentrationImage},
-    FieldKeyword{.keyword = "obstacles and sources", .kind = FieldKind::Own, .key = {}, .read = readObstacleImage},
-    FieldKeyword{.keyword = "3D primitives", .kind = FieldKind::Own, .key = {}, .read = readPrimitives},
-    FieldKeyword{.keyword = "diffusion", .kind = FieldKind::Own, .key = {}, .read = readDiffusion},
-    FieldKeyword{.keyword = "depletion", .kind = FieldKind::Switch, .key = "depletion", .onWords = kOn},
-    FieldKeyword{.keyword = "relaxation factor", .key = "relaxationFactor"},
-    FieldKeyword{.keyword = "layer thicknesses", .kind = FieldKind::Own, .key = {}, .read = readThicknesses},
-    FieldKeyword{.keyword = "geotropic angles", .kind = FieldKind::Own, .key = {}, .read = readAngles},
+constexpr std::array kPublishedKeywords{
+    PublishedKeyword{.keyword = "domain size", .kind = PublishedKind::Numbers, .key = "domainSize", .count = 3},
+    PublishedKeyword{.keyword = "position", .kind = PublishedKind::Numbers, .key = "position", .count = 3},
+    PublishedKeyword{.keyword = "array", .kind = PublishedKind::Own, .key = {}, .read = readArray},
+    PublishedKeyword{.keyword = "image", .kind = PublishedKind::Own, .key = {}, .read = readConcentrationImage},
+    PublishedKeyword{
+        .keyword = "obstacles and sources", .kind = PublishedKind::Own, .key = {}, .read = readObstacleImage},
+    PublishedKeyword{.keyword = "3D primitives", .kind = PublishedKind::Own, .key = {}, .read = readPrimitives},
+    PublishedKeyword{.keyword = "diffusion", .kind = PublishedKind::Own, .key = {}, .read = readDiffusion},
+    PublishedKeyword{.keyword = "depletion", .kind = PublishedKind::Switch, .key = "depletion", .onWords = kOn},
+    PublishedKeyword{.keyword = "relaxation factor", .key = "relaxationFactor"},
+    PublishedKeyword{.keyword = "layer thicknesses", .kind = PublishedKind::Own, .key = {}, .read = readThicknesses},
+    PublishedKeyword{.keyword = "geotropic angles", .kind = PublishedKind::Own, .key = {}, .read = readAngles},
 };
 
 Vec3 rotated(const Vec3& v, const Vec3& axis, double radians) {
@@ -190,12 +177,11 @@ class Soil final : public turtle::EnvironmentProcess {
   }
 
   [[nodiscard]] std::optional<turtle::EnvironmentError> open(const turtle::EnvironmentContext& context) override {
-    if (!(core::length(context.world.up) > 0.0)) {
-      return turtle::EnvironmentError{
-          "Environment 'soil' needs to know where up is: the world's vector 'up' has no length. Set it to 0 1 0.",
-          false};
+    const auto up = upOf("soil", context.world);
+    if (!up) {
+      return up.error();
     }
-    down_ = -core::normalised(context.world.up);
+    down_ = -*up;
     lengthUnit_ = context.world.lengthUnit;
     field_.reset();
     return std::nullopt;
@@ -232,7 +218,7 @@ class Soil final : public turtle::EnvironmentProcess {
   }
 
  private:
-  /// The published order: a query takes what is left by those before it.
+  /// The published order: a query takes from the amount that the queries before it have left.
   void takeAtOnce(const turtle::QueryBatch& queries, std::size_t query, turtle::ReplyBatch& replies) {
     const auto parameters = queries.parametersOf(query);
     if (parameters.empty()) {
@@ -401,13 +387,6 @@ class Soil final : public turtle::EnvironmentProcess {
   std::string lengthUnit_ = "m";
 };
 
-core::Diagnostic errorOf(std::string message, std::string hint) {
-  core::Diagnostic diagnostic;
-  diagnostic.message = "environment process 'soil': " + std::move(message);
-  diagnostic.hint = std::move(hint);
-  return diagnostic;
-}
-
 /// Values by cell from rows with the highest first; a message when the rows have another shape.
 template <typename Value>
 std::string layOut(const ConfigurationRows& rows, std::string_view key, const std::array<std::size_t, 3>& cells,
@@ -440,12 +419,12 @@ std::string markSolids(const std::string& text, const SoilField::Shape& shape, s
     return {};
   }
   auto read = readScene(text);
-  if (const auto* problem = std::get_if<std::string>(&read)) {
-    return "'obstacleScene', " + *problem;
+  if (!read) {
+    return "'obstacleScene', " + read.error();
   }
   ObstacleScene::Content content;
-  content.spheres = std::get<SceneShapes>(read).spheres;
-  for (MeshData& mesh : std::get<SceneShapes>(read).meshes) {
+  content.spheres = read->spheres;
+  for (MeshData& mesh : read->meshes) {
     if (const std::string problem = problemOf(mesh); !problem.empty()) {
       return "'obstacleScene' " + problem;
     }
@@ -468,44 +447,38 @@ std::string markSolids(const std::string& text, const SoilField::Shape& shape, s
 
 ProcessOrErrors makeSoil(const Configuration& configuration) {
   const ConfigurationRows& rows = configuration.rows("concentration");
-  const auto vectorOf = [&](const char* key) {
-    const auto& numbers = configuration.numbers(key);
-    return Vec3{numbers[0], numbers[1], numbers[2]};
-  };
-  SoilField::Shape shape{vectorOf("position"), vectorOf("domainSize"), {}};
+  SoilField::Shape shape{vectorOf(configuration, "position"), vectorOf(configuration, "domainSize"), {}};
   const auto sliceCount = static_cast<std::size_t>(configuration.integer("sliceCount"));
   if (rows.empty()) {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      shape.cells[axis] = static_cast<std::size_t>(configuration.numbers("gridSize")[axis]);
-    }
+    shape.cells = cellsOf(configuration);
   } else if (rows.size() % sliceCount != 0) {
-    return std::vector{errorOf("'concentration' has " + std::to_string(rows.size()) + " rows, which are not " +
-                                   std::to_string(sliceCount) + " slices of equal size",
-                               "sliceCount: number of slices along z in the rows")};
+    return refuse("soil",
+                  "'concentration' has " + std::to_string(rows.size()) + " rows, which are not " +
+                      std::to_string(sliceCount) + " slices of equal size",
+                  "sliceCount: number of slices along z in the rows");
   } else {
     shape.cells = {rows.front().size(), rows.size() / sliceCount, sliceCount};
   }
-  const std::size_t cellCount = shape.cells[0] * shape.cells[1] * shape.cells[2];
-  if (cellCount > kMaximumCellCount) {
-    return std::vector{errorOf("a field of " + std::to_string(cellCount) + " cells is larger than " +
-                                   std::to_string(kMaximumCellCount) + " cells",
-                               "use fewer cells along x, y or z")};
+  if (auto problem = tooManyCells("soil", shape.cells, kMaximumCellCount)) {
+    return tl::unexpected(std::vector{std::move(*problem)});
   }
   if (configuration.numbers("layerThicknesses").size() != configuration.numbers("geotropicAngles").size()) {
-    return std::vector{errorOf(
-        "there are " + std::to_string(configuration.numbers("layerThicknesses").size()) + " layer thicknesses and " +
-            std::to_string(configuration.numbers("geotropicAngles").size()) + " geotropic angles",
-        "give one angle for each layer")};
+    return refuse("soil",
+                  "there are " + std::to_string(configuration.numbers("layerThicknesses").size()) +
+                      " layer thicknesses and " + std::to_string(configuration.numbers("geotropicAngles").size()) +
+                      " geotropic angles",
+                  "give one angle for each layer");
   }
   const std::vector<double>& range = configuration.numbers("concentrationRange");
   if (!(range[0] < range[1])) {
-    return std::vector{errorOf("'concentrationRange' must be a smaller and a larger number",
-                               "gradients are relative to the difference of the two")};
+    return refuse("soil", "'concentrationRange' must be a smaller and a larger number",
+                  "gradients are relative to the difference of the two");
   }
   if (!rows.empty() && configuration.isGiven("gridSize")) {
-    return std::vector{errorOf("both 'concentration' and 'gridSize' are given",
-                               "the cells are those of 'concentration', or 'gridSize' of 'uniformConcentration'")};
+    return refuse("soil", "both 'concentration' and 'gridSize' are given",
+                  "the cells are those of 'concentration', or 'gridSize' of 'uniformConcentration'");
   }
+  const std::size_t cellCount = shape.cells[0] * shape.cells[1] * shape.cells[2];
   std::vector<double> initial(cellCount, configuration.number("uniformConcentration"));
   std::vector<std::uint8_t> isObstacle;
   std::vector<std::uint8_t> isSource;
@@ -515,11 +488,11 @@ ProcessOrErrors makeSoil(const Configuration& configuration) {
                                      markSolids(configuration.text("obstacleScene"), shape, isObstacle),
                                      layOut(configuration.rows("sourceMap"), "sourceMap", shape.cells, isSource)}) {
     if (!problem.empty()) {
-      errors.push_back(errorOf(problem, "all maps have one number for each cell"));
+      errors.push_back(wrongConfiguration("soil", problem, "all maps have one number for each cell"));
     }
   }
   if (!errors.empty()) {
-    return errors;
+    return tl::unexpected(std::move(errors));
   }
   return std::make_unique<Soil>(SoilField(shape, std::move(initial), std::move(isObstacle), std::move(isSource)),
                                 configuration);
@@ -527,15 +500,14 @@ ProcessOrErrors makeSoil(const Configuration& configuration) {
 
 }  // namespace
 
-constinit const ProcessEntry kSoilProcess{
+extern constinit const ProcessEntry kSoilProcess{
     .name = "soil",
     .summary = kSummary,
     .source =
         "Clausnitzer & Hopmans 1994, Simultaneous modeling of transient three-dimensional root growth and soil water "
         "flow; Mech & Prusinkiewicz 1996",
-    .aliases = {},
     .keys = kKeys,
-    .fieldKeywords = kFieldKeywords,
+    .publishedKeywords = kPublishedKeywords,
     .make = makeSoil};
 
 }  // namespace espalier::environment

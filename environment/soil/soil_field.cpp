@@ -179,7 +179,7 @@ void SoilField::spread(const Diffusion& diffusion) {
       }
     }
   } else if (diffusion.stepCount > 0) {
-    // what decays does so while the last step is written
+    // the decay happens while the last step is written
     relax(diffusion.stepCount, factors, diffusion.staying);
     return;
   }

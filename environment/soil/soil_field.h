@@ -11,14 +11,14 @@
 
 namespace espalier::environment {
 
-/// How a soil field spreads what is in it.
+/// How the content of a soil field spreads.
 struct Diffusion {
   int stepCount = 0;         // in one step of the simulation
   double tolerance = 0.0;    // stop before when no cell changes by as much; 0: never
   double relaxation = 0.5;   // 0 … 1
   bool isAveraging = false;  // the published scheme, which loses or makes matter at borders
-  bool isOpen = false;       // beyond the sides of the box there is nothing, and what gets there is gone
-  double staying = 1.0;      // part of everything that is left in the end: what decays meanwhile
+  bool isOpen = false;       // matter that leaves the box through its sides is gone
+  double staying = 1.0;      // part of the matter that has not decayed at the end
 };
 
 /// Concentrations in the cells of a box, with impermeable obstacles and sources of constant concentration.
@@ -38,9 +38,9 @@ class SoilField {
   [[nodiscard]] bool isInSpace() const { return shape_.cells[2] > 1; }
   [[nodiscard]] core::Vec3 cellSize() const;
 
-  /// Takes the memory that spread() needs, before anything has changed.
+  /// Allocates the memory of spread(), so that spread() itself cannot fail.
   void prepareToSpread(const Diffusion& diffusion);
-  /// Everything as it was at first.
+  /// Goes back to the initial concentrations.
   void reset() { cells_ = initial_; }
   [[nodiscard]] std::vector<double>& cells() { return cells_; }
   [[nodiscard]] const std::vector<double>& cells() const { return cells_; }
@@ -76,7 +76,7 @@ class SoilField {
     std::uint8_t neighbours = 0;  // bits of those that are free: left, right, below, above, behind, before
     bool isFree = true;
   };
-  /// Neighbouring cells of a row, all of whose neighbours are free: the loop that the time goes into.
+  /// Neighbouring cells of a row, all of whose neighbours are free: the hot loop.
   struct Run {
     std::size_t begin = 0;
     std::size_t end = 0;

@@ -20,7 +20,7 @@ struct SoilLayer {
   [[nodiscard]] double capacity(double head) const;
   /// Hydraulic conductivity K(h), length/day.
   [[nodiscard]] double conductivityAt(double head) const;
-  /// The head at a water content; −10⁷ lengths where there is only the residual one.
+  /// The head at a water content; −10⁷ lengths at the residual water content.
   [[nodiscard]] double headAt(double content) const;
 };
 

@@ -13,27 +13,28 @@ namespace espalier::environment {
 namespace {
 
 /// The file that the first word of a line names, as an image.
-std::variant<Image, std::string> imageOf(const FieldLineInput& input, std::vector<std::string>& words) {
-  words = readFieldWords(input.line.value);
+tl::expected<Image, std::string> imageOf(const PublishedLineInput& input, std::vector<std::string>& words) {
+  words = readPublishedWords(input.line.value);
   if (words.empty()) {
-    return std::string("names no image file");
+    return tl::unexpected(std::string("names no image file"));
   }
   const std::string name = besideFile(input.file, words[0]);
   const auto content = input.files.read(name);
   if (!content) {
-    return "names the file '" + name + "', which cannot be read; it is looked for beside the specification";
+    return tl::unexpected("names the file '" + name +
+                          "', which cannot be read; it is looked for beside the specification");
   }
   auto image = decodeImage(*content);
   if (const auto* problem = std::get_if<std::string>(&image)) {
-    return "names the file '" + name + "', which " + *problem;
+    return tl::unexpected("names the file '" + name + "', which " + *problem);
   }
-  return image;
+  return std::get<Image>(std::move(image));
 }
 
 }  // namespace
 
-std::string readArray(const FieldLineInput& input) {
-  const std::vector<double> head = readFieldNumbers(input.line.value);
+std::string readArray(const PublishedLineInput& input) {
+  const std::vector<double> head = readPublishedNumbers(input.line.value);
   if (head.size() < 5) {
     return "needs 5 numbers, columns, rows, slices, smallest and largest value, found " + std::to_string(head.size());
   }
@@ -46,7 +47,7 @@ std::string readArray(const FieldLineInput& input) {
   const auto rowCount = static_cast<std::size_t>(head[1]) * static_cast<std::size_t>(head[2]);
   std::vector<double> numbers(head.begin() + 5, head.end());
   for (const std::string& data : input.line.data) {
-    const auto more = readFieldNumbers(data);
+    const auto more = readPublishedNumbers(data);
     numbers.insert(numbers.end(), more.begin(), more.end());
   }
   if (numbers.size() < columns * rowCount) {
@@ -64,20 +65,20 @@ std::string readArray(const FieldLineInput& input) {
   return {};
 }
 
-std::string readConcentrationImage(const FieldLineInput& input) {
+std::string readConcentrationImage(const PublishedLineInput& input) {
   std::vector<std::string> words;
   const auto read = imageOf(input, words);
-  if (const auto* problem = std::get_if<std::string>(&read)) {
-    return *problem;
+  if (!read) {
+    return read.error();
   }
   std::vector<double> range{0.0, 1.0};
   if (words.size() > 1) {
-    range = readFieldNumbers(input.line.value.substr(words[0].size()));
+    range = readPublishedNumbers(input.line.value.substr(words[0].size()));
     if (range.size() != 2) {
       return "needs the smallest and the largest value after the file's name, or neither";
     }
   }
-  const auto& image = std::get<Image>(read);
+  const auto& image = *read;
   ConfigurationRows rows;
   for (std::size_t y = image.height; y-- > 0;) {
     rows.emplace_back();
@@ -91,13 +92,13 @@ std::string readConcentrationImage(const FieldLineInput& input) {
   return {};
 }
 
-std::string readObstacleImage(const FieldLineInput& input) {
+std::string readObstacleImage(const PublishedLineInput& input) {
   std::vector<std::string> words;
   const auto read = imageOf(input, words);
-  if (const auto* problem = std::get_if<std::string>(&read)) {
-    return *problem;
+  if (!read) {
+    return read.error();
   }
-  const auto& image = std::get<Image>(read);
+  const auto& image = *read;
   ConfigurationRows obstacles;
   ConfigurationRows sources;
   for (std::size_t y = image.height; y-- > 0;) {
@@ -113,7 +114,7 @@ std::string readObstacleImage(const FieldLineInput& input) {
   return {};
 }
 
-std::string readPrimitives(const FieldLineInput& input) {
+std::string readPrimitives(const PublishedLineInput& input) {
   const std::string name = besideFile(input.file, input.line.value);
   auto text = input.files.read(name);
   if (!text) {
@@ -123,8 +124,8 @@ std::string readPrimitives(const FieldLineInput& input) {
   return {};
 }
 
-std::string readDiffusion(const FieldLineInput& input) {
-  const auto numbers = readFieldNumbers(input.line.value);
+std::string readDiffusion(const PublishedLineInput& input) {
+  const auto numbers = readPublishedNumbers(input.line.value);
   if (numbers.empty()) {
     return "needs a number of steps, found '" + input.line.value + "'";
   }
@@ -135,13 +136,13 @@ std::string readDiffusion(const FieldLineInput& input) {
   return {};
 }
 
-std::string readThicknesses(const FieldLineInput& input) {
-  input.values.insert_or_assign("layerThicknesses", readFieldNumbers(input.line.value));
+std::string readThicknesses(const PublishedLineInput& input) {
+  input.values.insert_or_assign("layerThicknesses", readPublishedNumbers(input.line.value));
   return {};
 }
 
-std::string readAngles(const FieldLineInput& input) {
-  input.values.insert_or_assign("geotropicAngles", readFieldNumbers(input.line.value));
+std::string readAngles(const PublishedLineInput& input) {
+  input.values.insert_or_assign("geotropicAngles", readPublishedNumbers(input.line.value));
   return {};
 }
 

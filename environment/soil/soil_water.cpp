@@ -1,4 +1,10 @@
-#include "environment/soil/soil_water.h"
+// The process `soil-water` (docs/environments.md): water in unsaturated ground with solutes and acidity, and roots that
+// take them up.
+//
+// Richards' equation with van Genuchten's functions by layer (richards.h), any number of solutes and buffered H⁺
+// (solutes.h), stones, rain and evaporation. All queries see the state of the step before; when they want more than a
+// cell holds, each gets the same share of what it wants. Sums are sorted. Then the obtained amounts leave the cells,
+// and the step's time passes. O(n log n + cells · time steps · iterations).
 
 #include <algorithm>
 #include <array>
@@ -8,8 +14,10 @@
 #include <utility>
 #include <vector>
 
+#include "environment/base/length_unit.h"
 #include "environment/base/replies.h"
 #include "environment/base/state_numbers.h"
+#include "environment/geometry/world_up.h"
 #include "environment/obstacles/obstacle_scene.h"
 #include "environment/soil/ground.h"
 #include "environment/soil/soil_water_keys.h"
@@ -21,16 +29,7 @@ namespace {
 
 using core::Vec3;
 
-/// How much of a litre a volume of one length unit cubed holds; 0 for units that are not known.
-double litresIn(std::string_view lengthUnit) {
-  constexpr std::array<std::pair<std::string_view, double>, 4> kUnits{
-      {{"m", 1000.0}, {"dm", 1.0}, {"cm", 1e-3}, {"mm", 1e-6}}};
-  const auto found =
-      std::find_if(kUnits.begin(), kUnits.end(), [&](const auto& unit) { return unit.first == lengthUnit; });
-  return found == kUnits.end() ? 0.0 : found->second;
-}
-
-/// What queries want of one cell: settled in shares, whatever their order.
+/// The wishes of the queries of one cell, settled in shares that do not depend on their order.
 struct Demand {
   std::size_t cell;
   double wanted;
@@ -73,12 +72,9 @@ class SoilWater final : public turtle::EnvironmentProcess {
   }
 
   [[nodiscard]] std::optional<turtle::EnvironmentError> open(const turtle::EnvironmentContext& context) override {
-    const auto axes = axesOf(context.world.up);
+    const auto axes = gridAxesOf("soil-water", context.world);
     if (!axes) {
-      return turtle::EnvironmentError{
-          "Environment 'soil-water' has cells along the axes: the world's 'up' must be along x, y or z. Set it to 0 1 "
-          "0.",
-          false};
+      return axes.error();
     }
     if (!(context.world.stepDurationDays > 0.0)) {
       return turtle::EnvironmentError{
@@ -87,19 +83,15 @@ class SoilWater final : public turtle::EnvironmentProcess {
     }
     if (context.world.lengthUnit != "m" && !keys_.hasOwnLayers) {
       return turtle::EnvironmentError{
-          "Environment 'soil-water' knows its default soil in metres, not in the world's unit '" +
+          "Environment 'soil-water' has a default soil in metres, and the world's unit is '" +
               context.world.lengthUnit + "'. Give 'layers', or set lengthUnit to m.",
           false};
     }
-    litres_ = litresIn(context.world.lengthUnit);
-    if (keys_.acidity && litres_ == 0.0) {
-      return turtle::EnvironmentError{
-          "Environment 'soil-water' measures acidity in moles per litre and knows lengths in m, dm, cm and mm, not in "
-          "the "
-          "world's unit '" +
-              context.world.lengthUnit + "'. Set lengthUnit to one of these.",
-          false};
+    const LengthUnit* unit = findLengthUnit(context.world.lengthUnit);
+    if (keys_.acidity && unit == nullptr) {
+      return unknownLengthUnit("soil-water", context.world);
     }
+    litres_ = unit == nullptr ? 0.0 : unit->litres;
     lengthUnit_ = context.world.lengthUnit;
     days_ = context.world.stepDurationDays;
     ground_ = Ground(keys_.shape, *axes);
@@ -213,8 +205,8 @@ class SoilWater final : public turtle::EnvironmentProcess {
     }
   }
 
-  /// Settles what parameter k of the queries wants: `limits(cell)` is what a cell can give and what it can take in;
-  /// `take` removes what was obtained of a cell.
+  /// Settles the wishes in parameter k of the queries: `limits(cell)` are the amounts that a cell can give and take in;
+  /// `take` removes the obtained amount from a cell.
   template <typename Limits, typename Take>
   void settle(const turtle::QueryBatch& queries, std::size_t k, const Limits& limits, const Take& take,
               turtle::ReplyBatch& replies) {
@@ -386,13 +378,13 @@ class SoilWater final : public turtle::EnvironmentProcess {
 
 ProcessOrErrors makeSoilWater(const Configuration& configuration) {
   auto read = readObstacles("soil-water", configuration);
-  if (auto* errors = std::get_if<std::vector<core::Diagnostic>>(&read)) {
-    return std::move(*errors);
+  if (!read) {
+    return tl::unexpected(std::move(read.error()));
   }
   if (auto errors = checkSoilWater(configuration); !errors.empty()) {
-    return errors;
+    return tl::unexpected(std::move(errors));
   }
-  return std::make_unique<SoilWater>(ObstacleScene(std::get<ObstacleScene::Content>(std::move(read))), configuration);
+  return std::make_unique<SoilWater>(ObstacleScene(std::move(*read)), configuration);
 }
 
 }  // namespace espalier::environment

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <string>
 
+#include "environment/geometry/grid_keys.h"
 #include "environment/obstacles/obstacle_scene.h"
-#include "environment/soil/soil_water.h"
 
 namespace espalier::environment {
 
@@ -16,43 +16,21 @@ constexpr std::array kPosition{-0.5, -1.0, -0.5};
 constexpr std::array<std::string_view, 2> kStarts{"head", "waterTable"};
 constexpr std::array<std::string_view, 2> kSurfaces{"weather", "head"};
 constexpr std::array<std::string_view, 3> kBottoms{"free", "closed", "head"};
-constexpr double kMaximumCellCount = 1 << 24;
+constexpr std::size_t kMaximumCellCount = std::size_t{1} << 24;
 
-constexpr std::array kKeys{
-    ConfigurationKey{.name = "gridSize",
-                     .kind = KeyKind::Numbers,
-                     .description = "cells along x, y, z; one along both horizontal directions: a column",
-                     .minimum = 1.0,
-                     .maximum = 4096.0,
-                     .isWhole = true,
-                     .defaultNumbers = kGridSize,
-                     .minimumCount = 3,
-                     .maximumCount = 3},
-    ConfigurationKey{.name = "cellSize",
-                     .kind = KeyKind::Numbers,
-                     .description = "sides of a cell along x, y, z",
-                     .unit = "length",
-                     .minimum = 0.0,
-                     .isMinimumExclusive = true,
-                     .defaultNumbers = kCellSize,
-                     .minimumCount = 3,
-                     .maximumCount = 3},
-    ConfigurationKey{.name = "position",
-                     .kind = KeyKind::Numbers,
-                     .description = "corner of the ground with the smallest coordinates",
-                     .unit = "length",
-                     .defaultNumbers = kPosition,
-                     .minimumCount = 3,
-                     .maximumCount = 3},
-    ConfigurationKey{.name = "layers",
-                     .kind = KeyKind::Rows,
-                     .description =
-                         "from the top: thickness (length; the last one goes on below), residual and saturated "
-                         "water content, van Genuchten's α (1/length) and n, saturated conductivity "
-                         "(length/day); none: loam after Carsel and Parrish (1988), in metres",
-                     .minimum = 0.0,
-                     .minimumCount = 6,
-                     .maximumCount = 6},
+constexpr std::array kOwnKeys{
+    gridSizeKey(kGridSize, "cells along x, y, z; one along both horizontal directions: a column"),
+    sidesKey("cellSize", "sides of a cell along x, y, z", kCellSize),
+    positionKey(kPosition),
+    ConfigurationKey{
+        .name = "layers",
+        .kind = KeyKind::Rows,
+        .description = "layers from the top: thickness (length; the last one continues below), residual and saturated "
+                       "water content, van Genuchten's α (1/length) and n, saturated conductivity "
+                       "(length/day); none: loam after Carsel and Parrish (1988), in metres",
+        .minimum = 0.0,
+        .minimumCount = 6,
+        .maximumCount = 6},
     ConfigurationKey{.name = "specificStorage",
                      .description = "water that saturated soil takes up with the head",
                      .unit = "1/length",
@@ -66,14 +44,15 @@ constexpr std::array kKeys{
                          "at waterTableDepth",
                      .defaultText = "head",
                      .choices = kStarts},
-    ConfigurationKey{.name = "initialHead", .description = "pressure head", .unit = "length", .defaultNumber = -1.0},
+    ConfigurationKey{
+        .name = "initialHead", .description = "initial pressure head", .unit = "length", .defaultNumber = -1.0},
     ConfigurationKey{.name = "initialHeads",
                      .kind = KeyKind::Numbers,
                      .description = "pressure head of every cell, x fastest, then y, then z, instead of 'initially'; a "
                                     "\"fieldFile\" brings them; none: as 'initially' says",
                      .unit = "length"},
     ConfigurationKey{.name = "waterTableDepth",
-                     .description = "of the water table below the top of the ground",
+                     .description = "depth of the water table below the top of the ground",
                      .unit = "length",
                      .defaultNumber = 1.0},
     ConfigurationKey{.name = "surface",
@@ -84,7 +63,7 @@ constexpr std::array kKeys{
     ConfigurationKey{.name = "topHead", .description = "pressure head at the surface", .unit = "length"},
     ConfigurationKey{.name = "rain",
                      .kind = KeyKind::Rows,
-                     .description = "day, rain (length/day) from then on; what cannot get in runs off",
+                     .description = "day, rain (length/day) from then on; rain that cannot get in runs off",
                      .minimum = 0.0,
                      .minimumCount = 2,
                      .maximumCount = 2},
@@ -127,7 +106,7 @@ constexpr std::array kKeys{
                      .kind = KeyKind::Boolean,
                      .description = "carry H⁺ with the water, buffered by the soil, and answer its pH"},
     ConfigurationKey{.name = "initialPh",
-                     .description = "pH at first",
+                     .description = "initial pH",
                      .unit = "1",
                      .minimum = 0.0,
                      .maximum = 14.0,
@@ -139,51 +118,38 @@ constexpr std::array kKeys{
                      .maximum = 14.0,
                      .defaultNumber = 5.6},
     ConfigurationKey{.name = "bufferCapacity",
-                     .description = "H⁺ that lowers the pH of a volume of soil by 1",
+                     .description = "amount of H⁺ that lowers the pH of a volume of soil by 1",
                      .unit = "mol/length^3",
                      .minimum = 0.0,
                      .isMinimumExclusive = true,
                      .defaultNumber = 20.0},
     ConfigurationKey{.name = "protonDiffusivity",
-                     .description = "of H⁺ in water",
+                     .description = "diffusivity of H⁺ in water",
                      .unit = "length^2/day",
                      .minimum = 0.0,
                      .defaultNumber = 8.04e-4},
-    ConfigurationKey{.name = "dispersivity", .description = "of H⁺", .unit = "length", .minimum = 0.0},
-    ConfigurationKey{.name = "tolerance",
-                     .description = "largest difference of a cell's water content from what its head stands for",
-                     .minimum = 1e-16,
-                     .defaultNumber = 1e-6},
-    kPlanesKey,
-    kBoxesKey,
-    kSpheresKey,
-    kCapsulesKey,
-    kHeightsKey,
-    kHeightsExtentKey,
-    kVerticesKey,
-    kTrianglesKey,
-    kMeshKey,
-    kSceneKey,
+    ConfigurationKey{.name = "dispersivity", .description = "dispersivity of H⁺", .unit = "length", .minimum = 0.0},
+    ConfigurationKey{
+        .name = "tolerance",
+        .description = "largest difference of a cell's water content from the content that belongs to its head",
+        .minimum = 1e-16,
+        .defaultNumber = 1e-6},
 };
+constexpr auto kKeys = joinTables(kOwnKeys, kObstacleKeys);
 
 core::Diagnostic wrong(const std::string& sentence, const std::string& hint) {
-  core::Diagnostic diagnostic;
-  diagnostic.message = "environment process 'soil-water': " + sentence;
-  diagnostic.hint = hint;
-  return diagnostic;
+  return wrongConfiguration("soil-water", sentence, hint);
 }
 
 }  // namespace
 
-constinit const ProcessEntry kSoilWaterProcess{
+extern constinit const ProcessEntry kSoilWaterProcess{
     .name = "soil-water",
     .summary = kSoilWaterSummary,
     .source =
         "Celia, Bouloutas & Zarba 1990, A general mass-conservative numerical solution for the unsaturated flow "
         "equation; van Genuchten 1980; Mualem 1976; Millington & Quirk 1961",
-    .aliases = {},
     .keys = kKeys,
-    .fieldKeywords = {},
     .make = makeSoilWater};
 
 int SoilWaterKeys::layerAt(double depth) const {
@@ -207,13 +173,7 @@ Solute SoilWaterKeys::protons(double litres) const {
 
 SoilWaterKeys readSoilWater(const Configuration& configuration) {
   SoilWaterKeys keys;
-  const auto& size = configuration.numbers("gridSize");
-  const auto& cell = configuration.numbers("cellSize");
-  const auto& position = configuration.numbers("position");
-  keys.shape = {
-      {position[0], position[1], position[2]},
-      {static_cast<std::size_t>(size[0]), static_cast<std::size_t>(size[1]), static_cast<std::size_t>(size[2])},
-      {cell[0], cell[1], cell[2]}};
+  keys.shape = {vectorOf(configuration, "position"), cellsOf(configuration), vectorOf(configuration, "cellSize")};
   for (const auto& row : configuration.rows("layers")) {
     keys.thicknesses.push_back(row[0]);
     keys.soils.push_back({row[1], row[2], row[3], row[4], row[5], configuration.number("specificStorage")});
@@ -257,18 +217,16 @@ SoilWaterKeys readSoilWater(const Configuration& configuration) {
 
 std::vector<core::Diagnostic> checkSoilWater(const Configuration& configuration) {
   std::vector<core::Diagnostic> errors;
-  const auto& size = configuration.numbers("gridSize");
-  if (size[0] * size[1] * size[2] > kMaximumCellCount) {
-    errors.push_back(wrong("a field of " + std::to_string(static_cast<std::int64_t>(size[0] * size[1] * size[2])) +
-                               " cells is larger than " + std::to_string(static_cast<std::int64_t>(kMaximumCellCount)) +
-                               " cells",
-                           "use fewer cells along x, y or z"));
+  const std::array<std::size_t, 3> cells = cellsOf(configuration);
+  if (auto problem = tooManyCells("soil-water", cells, kMaximumCellCount)) {
+    errors.push_back(std::move(*problem));
   }
+  const std::size_t cellCount = cells[0] * cells[1] * cells[2];
   const std::size_t heads = configuration.numbers("initialHeads").size();
-  if (heads != 0 && static_cast<double>(heads) != size[0] * size[1] * size[2]) {
-    errors.push_back(wrong("'initialHeads' has " + std::to_string(heads) + " numbers for " +
-                               std::to_string(static_cast<std::int64_t>(size[0] * size[1] * size[2])) + " cells",
-                           "give one for every cell, or none"));
+  if (heads != 0 && heads != cellCount) {
+    errors.push_back(
+        wrong("'initialHeads' has " + std::to_string(heads) + " numbers for " + std::to_string(cellCount) + " cells",
+              "give one for every cell, or none"));
   }
   const auto& layers = configuration.rows("layers");
   for (std::size_t i = 0; i < layers.size(); ++i) {

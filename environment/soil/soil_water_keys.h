@@ -6,8 +6,7 @@
 #include <vector>
 
 #include "engine/core/diagnostic.h"
-#include "environment/base/configuration.h"
-#include "environment/registry.h"
+#include "environment/base/process_entry.h"
 #include "environment/soil/ground.h"
 #include "environment/soil/solutes.h"
 
@@ -46,11 +45,11 @@ struct SoilWaterKeys {
 
 [[nodiscard]] SoilWaterKeys readSoilWater(const Configuration& configuration);
 
-/// What is wrong although every key is of its kind and range: rows that do not ascend, contents that contradict, a
+/// The errors of keys that have the right kind and range: rows that do not ascend, contents that contradict, a
 /// field that is too large.
 [[nodiscard]] std::vector<core::Diagnostic> checkSoilWater(const Configuration& configuration);
 
-/// The process of a configuration, or what is wrong with it.
+/// The process of a configuration, or its errors.
 [[nodiscard]] ProcessOrErrors makeSoilWater(const Configuration& configuration);
 
 }  // namespace espalier::environment

@@ -21,8 +21,8 @@ struct Solute {
 
 /// Transport of solutes with the water of a RichardsSolver: advection from the upwind cell, dispersion and diffusion
 /// with the tortuosity θ^(7/3)/θs² (Millington & Quirk 1961), sorption or buffering in equilibrium, decay. Explicit, in
-/// as many steps as stability needs, and conservative: what a face lets out of one cell enters the other. Water that
-/// evaporates leaves its solutes behind.
+/// as many steps as stability needs, and conservative: the flow out of one cell through a face enters the other cell.
+/// Water that evaporates leaves its solutes behind.
 class SoluteTransport {
  public:
   /// `water` must outlive the transport and hold the initial water contents.
@@ -30,7 +30,7 @@ class SoluteTransport {
 
   [[nodiscard]] std::size_t soluteCount() const { return solutes_.size(); }
   [[nodiscard]] const Solute& solute(std::size_t number) const { return solutes_[number]; }
-  /// Amounts per volume of soil, in the water and sorbed; for H⁺ less by what the buffer held at first (cells).
+  /// Amounts per volume of soil, in the water and sorbed; for H⁺ without the initial content of the buffer (cells).
   [[nodiscard]] std::vector<double>& amounts(std::size_t solute) { return amounts_[solute]; }
   [[nodiscard]] const std::vector<double>& amounts(std::size_t solute) const { return amounts_[solute]; }
   /// Concentration in the water of a cell at a water content.
@@ -39,7 +39,7 @@ class SoluteTransport {
   /// Follows the solver's last advance(), which took `days` and before which the water contents were `before`.
   void follow(double days, const std::vector<double>& before);
 
-  /// What has left the box since the beginning through its borders, in all, and what has decayed.
+  /// The total amounts that have left the box through its borders since the beginning, and that have decayed.
   struct Balance {
     double left = 0.0;
     double decayed = 0.0;

@@ -44,10 +44,10 @@ std::variant<RemotePolicy, std::string> readRemotePolicy(const std::string& word
     return "expected fail, keep or fallback:NAME of a built-in, found \"" + words + "\"";
   }
   auto made = environment::makeProcess(words.substr(kFallback.size()), "");
-  if (const auto* problems = std::get_if<std::vector<core::Diagnostic>>(&made)) {
-    return sentences(*problems);
+  if (!made) {
+    return sentences(made.error());
   }
-  policy.fallback = std::move(std::get<std::unique_ptr<turtle::EnvironmentProcess>>(made));
+  policy.fallback = std::move(*made);
   return policy;
 }
 

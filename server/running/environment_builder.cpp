@@ -6,6 +6,7 @@
 #include "engine/core/streams.h"
 #include "environment/environment_entries.h"
 #include "environment/environment_set.h"
+#include "environment/published/published_environment.h"
 #include "environment/registry.h"
 #include "protocol/envelope.h"
 #include "protocol/json_writer.h"
@@ -71,8 +72,8 @@ std::variant<std::shared_ptr<EnvironmentLink>, protocol::Error> makeLink(const e
   return std::shared_ptr<EnvironmentLink>(ChannelLink::stdio(std::move(*value), options));
 }
 
-/// The process that the field file of a gallery model names. `origin` receives the files that it was made from, by
-/// names in the gallery.
+/// The process that the environment file of a gallery model names. `origin` receives the files that it was made from,
+/// by names in the gallery.
 environment::ProcessOrErrors makeFromGallery(const environment::EnvironmentEntry& entry,
                                              core::Compatibility compatibility, const EnvironmentServices& services,
                                              simulation::EnvironmentOrigin& origin) {
@@ -80,13 +81,13 @@ environment::ProcessOrErrors makeFromGallery(const environment::EnvironmentEntry
   const auto folder = galleryFolderOf(services.galleryFolder, model);
   const std::string file = folder ? fileWithSuffix(*folder, model, ".e") : std::string();
   if (file.empty()) {
-    return std::vector{core::Diagnostic{
-        core::Severity::Error, "the gallery has no model '" + model + "' with a field file (.e)", {}, {}}};
+    return tl::unexpected(std::vector{core::Diagnostic{
+        core::Severity::Error, "the gallery has no model '" + model + "' with an environment file (.e)", {}, {}}});
   }
   DiskFileProvider disk;
   core::RecordingFileProvider files(disk);
   std::vector<core::Diagnostic> warnings;
-  auto made = environment::makeFromFieldFile(file, files, compatibility, warnings);
+  auto made = environment::makeFromEnvironmentFile(file, files, compatibility, warnings);
   // where the gallery is on this machine is nobody's business
   const auto inGallery = [&services](const std::string& name) {
     return std::filesystem::path(name).lexically_relative(services.galleryFolder).generic_string();
@@ -113,11 +114,11 @@ std::variant<std::unique_ptr<turtle::EnvironmentProcess>, protocol::Error> makeF
   origin = {*main, {texts->begin(), texts->end()}};
   core::MemoryFileProvider files(std::move(*texts));
   std::vector<core::Diagnostic> warnings;
-  auto made = environment::makeFromFieldFile(*main, files, compatibility, warnings);
-  if (const auto* problems = std::get_if<std::vector<core::Diagnostic>>(&made)) {
-    return protocol::fieldError(path, sentences(*problems));
+  auto made = environment::makeFromEnvironmentFile(*main, files, compatibility, warnings);
+  if (!made) {
+    return protocol::fieldError(path, sentences(made.error()));
   }
-  return std::move(std::get<std::unique_ptr<turtle::EnvironmentProcess>>(made));
+  return std::move(*made);
 }
 
 }  // namespace
@@ -131,10 +132,10 @@ std::variant<BuiltEnvironment, protocol::Error> buildEnvironment(const std::stri
     return built;
   }
   auto parsed = environment::parseEnvironmentEntries(environmentJson);
-  if (const auto* problems = std::get_if<std::vector<core::Diagnostic>>(&parsed)) {
-    return protocol::fieldError("params.environment", sentences(*problems));
+  if (!parsed) {
+    return protocol::fieldError("params.environment", sentences(parsed.error()));
   }
-  const auto& entries = std::get<std::vector<environment::EnvironmentEntry>>(parsed);
+  const std::vector<environment::EnvironmentEntry>& entries = *parsed;
   std::vector<std::pair<std::string, std::unique_ptr<turtle::EnvironmentProcess>>> processes;
   simulation::EnvironmentOrigin fieldOrigin;
   for (std::size_t i = 0; i < entries.size(); ++i) {
@@ -176,10 +177,10 @@ std::variant<BuiltEnvironment, protocol::Error> buildEnvironment(const std::stri
     } else {
       auto made = entry.type == "gallery" ? makeFromGallery(entry, compatibility, services, fieldOrigin)
                                           : environment::makeProcess(entry.type, entry.configuration);
-      if (const auto* problems = std::get_if<std::vector<core::Diagnostic>>(&made)) {
-        return protocol::fieldError(path, sentences(*problems));
+      if (!made) {
+        return protocol::fieldError(path, sentences(made.error()));
       }
-      process = std::move(std::get<std::unique_ptr<turtle::EnvironmentProcess>>(made));
+      process = std::move(*made);
       built.names.push_back(entry.type);
     }
     built.processNames.push_back(entry.name);

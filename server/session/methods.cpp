@@ -263,8 +263,7 @@ void environmentList(Session& session, const protocol::Message& message) {
   result.beginObject().key("environments").beginArray();
   for (const std::string& name : environment::processNames()) {
     result.beginObject().key("name").text(name);
-    auto made = environment::makeProcess(name, "");
-    if (const auto* process = std::get_if<std::unique_ptr<turtle::EnvironmentProcess>>(&made)) {
+    if (const auto process = environment::makeProcess(name, "")) {
       result.key("description").raw(protocol::encode(toDescribeResult((*process)->describe())));
     }
     // a schema is laid out over lines for people; a message is one line

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "environment/registry.h"
+#include "environment/published/published_environment.h"
 #include "tests/benchmark/workload.h"
 #include "tests/support/disk_files.h"
 #include "tests/support/places.h"
@@ -23,11 +23,11 @@ std::unique_ptr<turtle::EnvironmentProcess> fieldEnvironment(const fs::path& mod
   }
   test::DiskFiles files;
   std::vector<core::Diagnostic> warnings;
-  auto made = environment::makeFromFieldFile(file.string(), files, core::Compatibility::Espalier, warnings);
-  if (const auto* errors = std::get_if<std::vector<core::Diagnostic>>(&made)) {
-    throw std::runtime_error(errors->front().message);
+  auto made = environment::makeFromEnvironmentFile(file.string(), files, core::Compatibility::Espalier, warnings);
+  if (!made) {
+    throw std::runtime_error(made.error().front().message);
   }
-  return std::move(std::get<std::unique_ptr<turtle::EnvironmentProcess>>(made));
+  return std::move(*made);
 }
 
 void grow(benchmark::State& state, const fs::path& model) {

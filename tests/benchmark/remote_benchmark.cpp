@@ -112,7 +112,7 @@ void askOverTcp(benchmark::State& state, bool isTextOnly, std::size_t queryCount
 
 void askInside(benchmark::State& state, std::size_t queryCount) {
   auto made = environment::makeProcess("height", "");
-  ask(state, *std::get<Process>(made), queryCount);
+  ask(state, *made.value(), queryCount);
 }
 
 /// The messages of a step without a socket between: written, read, translated, and the same for the replies.

@@ -95,10 +95,10 @@ std::shared_ptr<const language::Program> compileWorkload(const Workload& workloa
 
 std::unique_ptr<turtle::EnvironmentProcess> makeProcess(const std::string& name, const std::string& configuration) {
   auto made = environment::makeProcess(name, configuration);
-  if (const auto* errors = std::get_if<std::vector<core::Diagnostic>>(&made)) {
-    throw std::runtime_error(errors->front().message);
+  if (!made) {
+    throw std::runtime_error(made.error().front().message);
   }
-  return std::move(std::get<std::unique_ptr<turtle::EnvironmentProcess>>(made));
+  return std::move(*made);
 }
 
 void require(const std::optional<core::SimulationError>& error) {

@@ -9,7 +9,7 @@
 
 #include "engine/language/compiler.h"
 #include "engine/simulation/simulation.h"
-#include "environment/registry.h"
+#include "environment/published/published_environment.h"
 #include "tests/support/disk_files.h"
 #include "tests/support/places.h"
 
@@ -97,12 +97,12 @@ Recording record(const ConformanceCase& entry, core::Compatibility compatibility
   std::unique_ptr<turtle::EnvironmentProcess> process;
   if (exists(folder + "model.e")) {
     std::vector<core::Diagnostic> warnings;
-    auto made = environment::makeFromFieldFile(folder + "model.e", files, compatibility, warnings);
-    if (const auto* errors = std::get_if<std::vector<core::Diagnostic>>(&made)) {
-      recording.failure = "environment: " + firstMessage(*errors);
+    auto made = environment::makeFromEnvironmentFile(folder + "model.e", files, compatibility, warnings);
+    if (!made) {
+      recording.failure = "environment: " + firstMessage(made.error());
       return recording;
     }
-    process = std::move(std::get<std::unique_ptr<turtle::EnvironmentProcess>>(made));
+    process = std::move(*made);
   }
 
   simulation::SimulationOptions options;

@@ -10,8 +10,7 @@ namespace {
 std::vector<EnvironmentEntry> entriesOf(std::string_view text) {
   const auto result = parseEnvironmentEntries(text);
   EXPECT_EQ(errorsOf(result), "");
-  const auto* entries = std::get_if<std::vector<EnvironmentEntry>>(&result);
-  return entries == nullptr ? std::vector<EnvironmentEntry>{} : *entries;
+  return result.value_or(std::vector<EnvironmentEntry>{});
 }
 
 TEST(EnvironmentEntries, OneObjectIsOneEnvironmentNamedByItsType) {

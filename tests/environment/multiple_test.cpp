@@ -37,10 +37,10 @@ TEST(Multiple, AFieldThatDoesNotExistIsAnErrorAndNothingAdvances) {
   const std::string before = process->save();
   const auto error = process->step(builder.batch(), replies);
   ASSERT_TRUE(error);
-  EXPECT_EQ(
-      error->message,
-      "Environment 'multiple' has no field 3, which module 1 asks. Fields: 1 honda, 2 density3d. Parameter 1 of the "
-      "query must be one of these numbers.");
+  EXPECT_EQ(error->message,
+            "Environment 'multiple' has no environment with the number 3, which module 1 asks. Available: 1 honda, 2 "
+            "density3d. Parameter 1 of the "
+            "query must be one of these numbers.");
   EXPECT_EQ(process->save(), before);
 }
 
@@ -78,8 +78,9 @@ TEST(Multiple, ErrorsNameTheField) {
       "found -1");
   EXPECT_EQ(message(R"({"fields":[{"radius":1}]})"),
             "error: environment process 'multiple': fields[0]: environment has no 'type'");
-  EXPECT_EQ(message(R"({"fields":[{"type":"multiple"}]})"),
-            "error: environment process 'multiple': fields[0]: a field cannot be 'multiple' itself");
+  EXPECT_EQ(
+      message(R"({"fields":[{"type":"multiple"}]})"),
+      "error: environment process 'multiple': fields[0]: an environment of 'multiple' cannot be 'multiple' itself");
   EXPECT_EQ(
       message(R"({"fields":[3]})"),
       "error: environment process 'multiple': fields[0]: environment must be an object or a list of objects, found the "

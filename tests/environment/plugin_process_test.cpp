@@ -73,7 +73,7 @@ turtle::QueryBatch batchWithGeometry() {
 
 std::unique_ptr<turtle::EnvironmentProcess> made(const espalier_plugin& plugin) {
   auto process = makePluginProcess(plugin, nullptr, "");
-  return std::move(std::get<std::unique_ptr<turtle::EnvironmentProcess>>(process));
+  return std::move(process.value());
 }
 
 TEST(PluginProcess, SeesWhatAllPlantsDrawWhenItNeedsIt) {
@@ -97,8 +97,7 @@ TEST(PluginProcess, SeesNoGeometryWhenItDoesNotAskForIt) {
 TEST(PluginProcess, AnIncompleteTableIsRefused) {
   const auto problemOf = [](const espalier_plugin& plugin) {
     const auto process = makePluginProcess(plugin, nullptr, "");
-    const auto* problem = std::get_if<std::string>(&process);
-    return problem == nullptr ? std::string() : *problem;
+    return process ? std::string() : process.error();
   };
   espalier_plugin plugin = surveyor(0);
   plugin.step = nullptr;
@@ -108,10 +107,10 @@ TEST(PluginProcess, AnIncompleteTableIsRefused) {
   EXPECT_EQ(problemOf(plugin), "its table lacks a name");
   plugin = surveyor(0);
   plugin.is_stateful = 1;
-  EXPECT_EQ(problemOf(plugin), "its table lacks save and restore, since it says that it has a state");
+  EXPECT_EQ(problemOf(plugin), "its table lacks save and restore, which it needs because it has a state");
   plugin = surveyor(0);
   plugin.version = 9;
-  EXPECT_NE(problemOf(plugin).find("it speaks version 9 of the plug-in interface"), std::string::npos);
+  EXPECT_NE(problemOf(plugin).find("it has version 9 of the plug-in interface"), std::string::npos);
 }
 
 }  // namespace

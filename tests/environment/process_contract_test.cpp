@@ -1,5 +1,5 @@
 // What holds for every built-in process: replies that do not depend on the order of the queries, a state that can be
-// saved and restored, and a description that says what is sent and what comes back.
+// saved and restored, and a description of the parameters that are sent and returned.
 
 #include <gtest/gtest.h>
 
@@ -153,7 +153,8 @@ INSTANTIATE_TEST_SUITE_P(Processes, ProcessContract, testing::ValuesIn(candidate
 TEST(ProcessContracts, CoverEveryProcess) {
   const auto all = candidates();
   for (const std::string& name : processNames()) {
-    EXPECT_TRUE(std::any_of(all.begin(), all.end(), [&](const Candidate& one) { return one.name == name; })) << name;
+    EXPECT_TRUE(std::any_of(all.begin(), all.end(), [&](const Candidate& one) { return one.name == name; }))
+        << "tests/environment/processes/" << name << ".json has no \"queries\"";
   }
 }
 

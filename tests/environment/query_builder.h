@@ -5,7 +5,6 @@
 #include <optional>
 #include <string>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -68,11 +67,11 @@ inline ReplyTable answersOf(turtle::EnvironmentProcess& process, const turtle::Q
 inline std::unique_ptr<turtle::EnvironmentProcess> openProcess(std::string_view name, std::string_view configuration,
                                                                const turtle::EnvironmentContext& context = {}) {
   auto made = makeProcess(name, configuration);
-  if (const auto* errors = std::get_if<std::vector<core::Diagnostic>>(&made)) {
-    ADD_FAILURE() << core::formatDiagnostic(errors->front());
+  if (!made) {
+    ADD_FAILURE() << core::formatDiagnostic(made.error().front());
     return nullptr;
   }
-  auto process = std::get<std::unique_ptr<turtle::EnvironmentProcess>>(std::move(made));
+  auto process = std::move(made.value());
   const auto error = process->open(context);
   EXPECT_FALSE(error.has_value()) << (error ? error->message : "");
   return process;
@@ -87,12 +86,12 @@ inline std::vector<double> firstValues(const ReplyTable& table) {
   return values;
 }
 
-/// The messages and hints of a failed call, for comparison as one text.
+/// The messages and hints of a failed call as one text.
 template <typename Result>
 std::string errorsOf(const Result& result) {
   std::string text;
-  if (const auto* errors = std::get_if<std::vector<core::Diagnostic>>(&result)) {
-    for (const core::Diagnostic& error : *errors) {
+  if (!result) {
+    for (const core::Diagnostic& error : result.error()) {
       text += (text.empty() ? "" : "\n") + core::formatDiagnostic(error);
     }
   }

@@ -34,7 +34,7 @@ TEST(Registry, EveryProcessIsMadeWithAllDefaultsAndDescribesItself) {
   }
 }
 
-TEST(Registry, TheFieldsNamesAreAliases) {
+TEST(Registry, PublishedNamesAreAliases) {
   EXPECT_EQ(openProcess("honda81", "")->describe().name, "honda");
   EXPECT_EQ(openProcess("shadowpyramid", "")->describe().name, "shadow");
 }

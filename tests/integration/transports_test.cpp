@@ -31,8 +31,7 @@ std::shared_ptr<const language::Program> galleryProgram(const std::string& name)
 
 std::unique_ptr<turtle::EnvironmentProcess> builtIn(const std::string& name, const std::string& configuration) {
   auto made = environment::makeProcess(name, configuration);
-  auto* process = std::get_if<std::unique_ptr<turtle::EnvironmentProcess>>(&made);
-  return process == nullptr ? nullptr : std::move(*process);
+  return made ? std::move(*made) : nullptr;
 }
 
 const std::string kProgram = buildFolder() + "/bin/espalier";

@@ -7,8 +7,8 @@
 #include "clients/espalier/messages.h"
 #include "clients/espalier/output/field_writing_process.h"
 #include "environment/environment_entries.h"
-#include "environment/obstacles/mesh_embedding.h"
 #include "environment/output/field_embedding.h"
+#include "environment/output/mesh_embedding.h"
 #include "environment/registry.h"
 #include "protocol/codec.h"
 #include "protocol/envelope.h"
@@ -49,9 +49,8 @@ struct EnvironmentOptions {
 
 int listProcesses() {
   for (const std::string& name : environment::processNames()) {
-    auto made = environment::makeProcess(name, "");
-    const auto* process = std::get_if<std::unique_ptr<turtle::EnvironmentProcess>>(&made);
-    const std::string summary = process != nullptr ? (*process)->describe().summary : std::string();
+    const auto process = environment::makeProcess(name, "");
+    const std::string summary = process ? (*process)->describe().summary : std::string();
     std::printf("%-12s %s\n", name.c_str(), summary.c_str());
   }
   return kSuccess;
@@ -63,7 +62,7 @@ environment::ProcessOrErrors makeAsked(const EnvironmentOptions& options, const 
   if (options.name == kPlugin) {
     auto loaded = server::loadPluginProcess(options.library, configuration);
     if (auto* problem = std::get_if<std::string>(&loaded)) {
-      return std::vector{core::Diagnostic{core::Severity::Error, std::move(*problem), {}, {}}};
+      return tl::unexpected(std::vector{core::Diagnostic{core::Severity::Error, std::move(*problem), {}, {}}});
     }
     return std::move(std::get<std::unique_ptr<turtle::EnvironmentProcess>>(loaded));
   }
@@ -102,11 +101,11 @@ std::optional<std::string> configurationOf(const EnvironmentOptions& options, co
     return text;
   }
   auto parsed = environment::parseEnvironmentEntries(text);
-  if (const auto* problems = std::get_if<std::vector<core::Diagnostic>>(&parsed)) {
-    printDiagnostics(*problems, false);
+  if (!parsed) {
+    printDiagnostics(parsed.error(), false);
     return std::nullopt;
   }
-  const auto& entry = std::get<std::vector<environment::EnvironmentEntry>>(parsed).front();
+  const environment::EnvironmentEntry& entry = parsed->front();
   if (environment::canonicalName(entry.type) != environment::canonicalName(options.name)) {
     printError("the configuration file '" + options.configurationFile + "' is for '" + entry.type + "', not for '" +
                options.name + "': name that environment, or another file");
@@ -183,16 +182,16 @@ int runEnvironment(EnvironmentOptions& options) {
   std::vector<core::Diagnostic> warnings;
   auto made = makeAsked(options, configuration, warnings);
   printDiagnostics(warnings, false);
-  if (auto* problems = std::get_if<std::vector<core::Diagnostic>>(&made)) {
+  if (!made) {
     // places in the configuration are places in its file
-    for (core::Diagnostic& problem : *problems) {
+    for (core::Diagnostic& problem : made.error()) {
       if (!options.configurationFile.empty() && problem.location.file == "configuration") {
         problem.location.file = options.configurationFile;
       } else if (!options.configurationFile.empty() && problem.location.file.empty()) {
         problem.message = options.configurationFile + ": " + problem.message;
       }
     }
-    printDiagnostics(*problems, false);
+    printDiagnostics(made.error(), false);
     return kFailure;
   }
   if (options.printsSchema) {
@@ -200,16 +199,14 @@ int runEnvironment(EnvironmentOptions& options) {
     return kSuccess;
   }
   if (options.describes) {
-    const auto& process = std::get<std::unique_ptr<turtle::EnvironmentProcess>>(made);
-    std::printf("%s\n", contractOf(options.name, *process).c_str());
+    std::printf("%s\n", contractOf(options.name, **made).c_str());
     return kSuccess;
   }
   const server::ProcessFactory factory = [&options, &configuration] {
     std::vector<core::Diagnostic> said;  // above
     auto fresh = makeAsked(options, configuration, said);
-    auto& process = std::get<std::unique_ptr<turtle::EnvironmentProcess>>(fresh);
-    return options.fields.isEmpty() ? std::move(process)
-                                    : writingFields(std::move(process), options.fields, options.writesEveryStep);
+    return options.fields.isEmpty() ? std::move(fresh.value())
+                                    : writingFields(std::move(fresh.value()), options.fields, options.writesEveryStep);
   };
   if (options.isOnStdio) {
     if (const auto problem = server::hostEnvironmentOnStdio(factory)) {

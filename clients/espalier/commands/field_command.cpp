@@ -22,29 +22,26 @@ struct FieldOptions {
 };
 
 // the fields of a .vti, or of a .raw with its header beside it
-std::variant<std::vector<turtle::Field>, std::string> readFields(const std::string& file) {
+tl::expected<std::vector<turtle::Field>, std::string> readFields(const std::string& file) {
   server::DiskFileProvider files;
   const auto content = files.read(file);
   if (!content) {
-    return "there is no field file '" + file + "': check the name and the working folder";
+    return tl::unexpected("there is no field file '" + file + "': check the name and the working folder");
   }
   const auto located = [&](const std::string& problem) { return file + ": the file " + problem; };
   if (std::filesystem::path(file).extension() != ".raw") {
-    auto fields = environment::readVti(*content);
-    if (const auto* problem = std::get_if<std::string>(&fields)) {
-      return located(*problem);
-    }
-    return fields;
+    return environment::readVti(*content).map_error(located);
   }
   const auto header = files.read(file + ".json");
   if (!header) {
-    return "there is no header '" + file + ".json' beside the numbers: it says how many cells there are, and where";
+    return tl::unexpected("there is no header '" + file +
+                          ".json' beside the numbers: it says how many cells there are, and where");
   }
   auto field = environment::readRaw(*header, *content);
-  if (const auto* problem = std::get_if<std::string>(&field)) {
-    return located(*problem);
+  if (!field) {
+    return tl::unexpected(located(field.error()));
   }
-  return std::vector<turtle::Field>{std::get<turtle::Field>(std::move(field))};
+  return std::vector{std::move(*field)};
 }
 
 int run(FieldOptions& options) {
@@ -52,11 +49,11 @@ int run(FieldOptions& options) {
     return kUsage;
   }
   const auto read = readFields(options.file);
-  if (const auto* problem = std::get_if<std::string>(&read)) {
-    printError(*problem);
+  if (!read) {
+    printError(read.error());
     return kFailure;
   }
-  const auto& fields = std::get<std::vector<turtle::Field>>(read);
+  const std::vector<turtle::Field>& fields = *read;
   std::string table = "field\tunit\tcells\tminimum\tmean\tmaximum\tintegral\n";
   for (const turtle::Field& field : fields) {
     const environment::FieldSummary summary = environment::summaryOf(field);

@@ -129,8 +129,8 @@ std::vector<bool> dominated(turtle::EnvironmentProcess& ecosystem, const std::ve
 // four seedlings for each tree grow until as many are left as trees are wanted
 std::vector<TreePlace> byCompetition(std::size_t count, double distance, LayoutDraws& draws) {
   auto made = environment::makeProcess("ecosystem", "");
-  ESPALIER_CHECK(std::holds_alternative<std::unique_ptr<turtle::EnvironmentProcess>>(made));
-  turtle::EnvironmentProcess& ecosystem = *std::get<std::unique_ptr<turtle::EnvironmentProcess>>(made);
+  ESPALIER_CHECK(made.has_value());
+  turtle::EnvironmentProcess& ecosystem = **made;
   turtle::EnvironmentContext context;
   context.simulation = "forest";
   context.symbols = {"E"};

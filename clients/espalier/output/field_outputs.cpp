@@ -52,10 +52,10 @@ std::optional<environment::FieldView> readView(const std::string& text) {
 std::optional<std::string> writePicture(const Field& field, const environment::FieldView& view, const std::string& file,
                                         std::string& remark) {
   auto viewed = environment::viewField(field, view);
-  if (auto* problem = std::get_if<std::string>(&viewed)) {
-    return std::move(*problem);
+  if (!viewed) {
+    return std::move(viewed.error());
   }
-  const auto& plane = std::get<environment::FieldPlane>(viewed);
+  const environment::FieldPlane& plane = *viewed;
   const auto [low, high] = environment::rangeOf(plane);
   remark = ", dark blue " + numberText(low) + " to yellow " + numberText(high) + " " + field.unit;
   core::StringSink bytes;

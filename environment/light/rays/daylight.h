@@ -13,7 +13,7 @@
 
 namespace espalier::environment {
 
-/// The sun and the sky of the process `light` (light.h says how strong they are), before they meet a plant.
+/// The sun and the sky of the process `light`, before they meet a plant (light.cpp says how strong they are).
 class Daylight {
  public:
   /// The light of a step.
@@ -24,7 +24,7 @@ class Daylight {
 
   explicit Daylight(const Configuration& configuration);
 
-  /// Where and when it is. A sentence that says what is missing, to go on after the name of the environment.
+  /// Sets place and time from the world. The error is a sentence without its subject, the name of the environment.
   [[nodiscard]] std::optional<std::string> open(const turtle::World& world);
 
   /// The light of the step that begins so many days after the start, its mean over the step. O(suns · directions).

@@ -93,7 +93,7 @@ void LeafLight::setScene(LightSurfaces surfaces, std::vector<std::uint32_t> want
   ESPALIER_CHECK(surfaces.material.size() == count);
   ESPALIER_CHECK(surfaces.seed.empty() || surfaces.seed.size() == count);
   ESPALIER_CHECK(surfaces.thinning.empty() || surfaces.thinning.size() == count);
-  // what the last scene can give
+  // the rays that the last scene can give
   SurfaceChanges changes = changesBetween(surfaces_, surfaces);
   const bool isSameScene = changes.isEmpty() && !surfaces.triangles.empty();
   const bool isMostlyKept = 2 * changes.changed.triangles.size() < surfaces.triangles.size();
@@ -252,7 +252,7 @@ std::vector<double> LeafLight::irradiances(std::size_t band, const std::vector<d
                                            const std::vector<double>& emitted, int bounces) const {
   const std::size_t sides = 2 * surfaces_.triangles.size();
   std::vector<double> total(sides, 0.0);
-  std::vector<double> exitance = emitted;  // of the sides, what the next round gathers; empty: nothing
+  std::vector<double> exitance = emitted;  // of the sides, for the next round; empty: none
   for (int bounce = 0; bounce <= bounces; ++bounce) {
     std::vector<double> gathered(sides, 0.0);
     inParallel(wanted_.size(), [&](std::size_t row) {

@@ -11,7 +11,7 @@
 
 namespace espalier::environment {
 
-/// What a surface does to the light of one band: diffuse (Lambertian) on both sides.
+/// How a surface scatters the light of one band: diffuse (Lambertian) on both sides.
 struct LightMaterial {
   double reflectance = 0.0;
   double transmittance = 0.0;
@@ -46,9 +46,9 @@ class LeafLight {
   /// With a first scene.
   LeafLight(LightSurfaces surfaces, std::vector<std::uint32_t> wanted, std::vector<Sun> suns, const Options& options);
 
-  /// Goes on to the next scene and traces the rays of the triangles in `wanted` (ascending; all when empty; a bounce
-  /// needs all). O(triangles · (directions + suns) · log n); of rays that are kept, log of the changed ones. Memory:
-  /// 4 bytes a ray, and as much again while it works.
+  /// Changes to the next scene and traces the rays of the triangles in `wanted` (ascending; all when empty; a bounce
+  /// needs all). O(triangles · (directions + suns) · log n); a kept ray costs the log of the changed triangles only.
+  /// Memory: 4 bytes a ray, and twice as much during the call.
   void setScene(LightSurfaces surfaces, std::vector<std::uint32_t> wanted, std::vector<Sun> suns);
 
   /// The directions of all triangles; the radiance of the sky is given for each of directions().all().
@@ -61,7 +61,7 @@ class LeafLight {
                                                 const std::vector<LightMaterial>& materials,
                                                 const std::vector<double>& emitted, int bounces) const;
 
-  /// Irradiance of a plane facing `normal` at a point, from the sky and the suns only. Traces its rays anew.
+  /// Irradiance of a plane facing `normal` at a point, from the sky and the suns only. Its rays are not kept.
   [[nodiscard]] double irradianceAt(const core::Vec3& point, const core::Vec3& normal, std::size_t band,
                                     const std::vector<double>& sky) const;
 
@@ -92,7 +92,7 @@ class LeafLight {
   std::vector<std::uint32_t> wanted_;
   std::vector<std::uint32_t> rowOf_;   // of a triangle; kMiss: not wanted (triangles)
   std::vector<std::size_t> rowStart_;  // of the rows in hits_, then its size (wanted + 1)
-  /// What each ray of the wanted triangles meets: 2 · triangle + side, or kSky. Without keepsHits a hit is only told
+  /// The hit of each ray of the wanted triangles: 2 · triangle + side, or kSky. Without keepsHits a hit is only told
   /// from the sky.
   std::vector<std::uint32_t> hits_;
   std::vector<std::uint8_t> isLit_;  // by a sun (wanted, suns)

@@ -1,4 +1,10 @@
-#include "environment/light/rays/light.h"
+// The process `light` (docs/environments.md): sun and sky on the organs of all plants, by rays (leaf_light.h), with
+// bounces between organs, in several bands of the spectrum.
+//
+// Only the rays that no change of the plants can touch outlast a step; the replies are the same without them, bit by
+// bit. With the sun by position its strength is 1361 W/m² at the mean distance, times τ^m through air of the optical
+// mass m = 1/sin(elevation). The sky has 0.3 (1 − τ^m) of the light that the sun would give a horizontal plane (Liu &
+// Jordan 1960; Campbell & Norman 1998).
 
 #include <algorithm>
 #include <array>
@@ -7,8 +13,9 @@
 #include <utility>
 #include <vector>
 
-#include "engine/core/number_text.h"
 #include "engine/turtle/field.h"
+#include "environment/base/length_unit.h"
+#include "environment/base/number_text.h"
 #include "environment/base/replies.h"
 #include "environment/geometry/grid_axes.h"
 #include "environment/light/rays/daylight.h"
@@ -26,19 +33,6 @@ constexpr int kGroundCells = 16;
 constexpr double kMostPlots = 50.0;    // that one triangle reaches
 constexpr double kFurthestPlot = 1e6;  // beyond it places have too few digits
 constexpr std::uint32_t kGroundMaterial = 2 * PlantSurfaces::kSegment;
-
-std::string numberText(double value) {
-  std::string text;
-  core::appendNumber(text, value, core::NumberStyle::Shortest);
-  return text;
-}
-
-double metresIn(std::string_view unit) {
-  constexpr std::array<std::pair<std::string_view, double>, 4> kMetres{
-      {{"m", 1.0}, {"dm", 0.1}, {"cm", 0.01}, {"mm", 0.001}}};
-  const auto found = std::find_if(kMetres.begin(), kMetres.end(), [&](const auto& one) { return one.first == unit; });
-  return found == kMetres.end() ? 0.0 : found->second;
-}
 
 class Light final : public turtle::EnvironmentProcess {
  public:
@@ -73,14 +67,15 @@ class Light final : public turtle::EnvironmentProcess {
       return turtle::EnvironmentError{"Environment 'light' " + sentences, false};
     };
     const turtle::World& world = context.world;
-    metres_ = metresIn(world.lengthUnit);
-    if (metres_ == 0.0) {
-      return fail("knows light on areas in m, dm, cm and mm, not in the world's unit '" + world.lengthUnit +
-                  "'. Set lengthUnit to one of these.");
+    const LengthUnit* unit = findLengthUnit(world.lengthUnit);
+    if (unit == nullptr) {
+      return unknownLengthUnit("light", world);
     }
+    metres_ = unit->metres;
     axes_ = axesOf(world.up);
     if (!axes_ && !configuration_.numbers("plot").empty()) {
-      return fail("repeats a 'plot' along the axes: the world's 'up' must be along x, y or z. Set it to 0 1 0.");
+      return fail(
+          "repeats a 'plot' along the axes, so it needs a world whose 'up' is along x, y or z. Set it to 0 1 0.");
     }
     up_ = core::normalised(world.up);
     if (const auto missing = daylight_.open(world)) {
@@ -109,7 +104,7 @@ class Light final : public turtle::EnvironmentProcess {
     }
     addGround(plants.surfaces);
     const int bounces = static_cast<int>(configuration_.integer("bounces"));
-    // without bounces only what is asked about needs light
+    // without bounces only organs with a query need light
     std::vector<std::uint32_t> wanted;
     if (bounces == 0) {
       for (std::size_t query = 0; query < queries.size(); ++query) {
@@ -171,7 +166,7 @@ class Light final : public turtle::EnvironmentProcess {
   }
 
  private:
-  /// What is wrong with organs for a plot that repeats itself: a triangle counts once in each plot that it reaches.
+  /// The error of organs that are too large for a repeated plot: a triangle counts once in each plot that it reaches.
   [[nodiscard]] std::optional<std::string> beyondThePlot(const LightSurfaces& surfaces) const {
     const auto& plot = configuration_.numbers("plot");
     for (std::size_t k = 0; k < plot.size(); k += 2) {
@@ -309,7 +304,7 @@ class Light final : public turtle::EnvironmentProcess {
   std::optional<GridAxes> axes_;
   Vec3 up_{0, 1, 0};
   double metres_ = 1.0;  // in a length unit
-  /// Keeps the rays of the last step; what comes out does not depend on them. Set by open().
+  /// Keeps the rays of the last step; the replies do not depend on them. Set by open().
   std::optional<LeafLight> light_;
 };
 
@@ -317,7 +312,7 @@ class Light final : public turtle::EnvironmentProcess {
 
 ProcessOrErrors makeLight(const Configuration& configuration) {
   if (auto errors = checkLight(configuration); !errors.empty()) {
-    return errors;
+    return tl::unexpected(std::move(errors));
   }
   return std::make_unique<Light>(configuration);
 }

@@ -6,7 +6,6 @@
 #include <string>
 #include <utility>
 
-#include "environment/light/rays/light.h"
 #include "environment/light/sky.h"
 
 namespace espalier::environment {
@@ -29,7 +28,7 @@ constexpr std::array kKeys{
                      .defaultText = "overcast",
                      .choices = kSkyNames},
     ConfigurationKey{.name = "diffuseIrradiance",
-                     .description = "of a horizontal plane under the open sky, unless the sun is by position",
+                     .description = "irradiance of a horizontal plane by the open sky; not used when sun is position",
                      .unit = "W/m^2",
                      .minimum = 0.0,
                      .defaultNumber = 200.0},
@@ -44,74 +43,74 @@ constexpr std::array kKeys{
                      .description = "date and universal time of step 0, with latitude and longitude, instead of the "
                                     "world's; empty: the world's"},
     ConfigurationKey{.name = "latitude",
-                     .description = "with start: north is positive",
+                     .description = "latitude, north positive, for the sun by position; needs start",
                      .unit = "degree",
                      .minimum = -90.0,
                      .maximum = 90.0},
     ConfigurationKey{.name = "longitude",
-                     .description = "with start: east is positive",
+                     .description = "longitude, east positive, for the sun by position; needs start",
                      .unit = "degree",
                      .minimum = -360.0,
                      .maximum = 360.0},
     ConfigurationKey{.name = "sunDirection",
                      .kind = KeyKind::Numbers,
-                     .description = "x, y, z towards the sun",
+                     .description = "direction x, y, z towards the sun",
                      .defaultNumbers = kHigh,
                      .minimumCount = 3,
                      .maximumCount = 3},
     ConfigurationKey{.name = "directIrradiance",
-                     .description = "of a plane that faces the sun, unless the sun is by position",
+                     .description = "irradiance of a plane that faces the sun; not used when sun is position",
                      .unit = "W/m^2",
                      .minimum = 0.0,
                      .defaultNumber = 800.0},
     ConfigurationKey{.name = "atmosphere",
-                     .description = "τ, what clear air lets through from the zenith",
+                     .description = "τ, the part of the light from the zenith that clear air lets through",
                      .minimum = 0.0,
                      .maximum = 1.0,
                      .isMinimumExclusive = true,
                      .defaultNumber = 0.7},
     ConfigurationKey{.name = "sunSamples",
                      .kind = KeyKind::Integer,
-                     .description = "positions of the sun in a step; 1: in its middle",
+                     .description = "number of positions of the sun in a step; 1: the middle of the step",
                      .minimum = 1.0,
                      .maximum = 1000.0,
                      .defaultNumber = 24.0},
     ConfigurationKey{.name = "bands",
                      .kind = KeyKind::Numbers,
-                     .description = "part of the irradiance that is in each band of the spectrum",
+                     .description = "part of the irradiance in each band of the spectrum",
                      .minimum = 0.0,
                      .defaultNumbers = kOne,
                      .minimumCount = 1,
                      .maximumCount = 16},
     ConfigurationKey{.name = "unit",
                      .kind = KeyKind::Choice,
-                     .description = "of what comes back: W or µmol/s",
+                     .description = "unit of the replies: W or µmol/s",
                      .defaultText = "W",
                      .choices = kUnits},
     ConfigurationKey{.name = "photonsPerJoule",
                      .kind = KeyKind::Numbers,
-                     .description = "of each band, or one number for all; 4.57: PAR",
+                     .description = "photons per energy, µmol/J, in each band, or one number for all; 4.57 is PAR",
                      .unit = "umol/J",
                      .minimum = 0.0,
                      .defaultNumbers = kPhotons,
                      .minimumCount = 1},
     ConfigurationKey{.name = "reflectance",
                      .kind = KeyKind::Numbers,
-                     .description = "of organs, in each band, or one number for all",
+                     .description = "part of the light that organs reflect, in each band, or one number for all",
                      .minimum = 0.0,
                      .maximum = 1.0,
                      .defaultNumbers = kReflectance,
                      .minimumCount = 1},
     ConfigurationKey{.name = "transmittance",
                      .kind = KeyKind::Numbers,
-                     .description = "of organs, in each band, or one number for all",
+                     .description = "part of the light that passes organs, in each band, or one number for all",
                      .minimum = 0.0,
                      .maximum = 1.0,
                      .defaultNumbers = kTransmittance,
                      .minimumCount = 1},
     ConfigurationKey{.name = "stemReflectance",
                      .kind = KeyKind::Numbers,
-                     .description = "of segments, which let nothing through, in each band, or one number for all",
+                     .description = "part of the light that segments reflect, in each band, or one number for all",
                      .minimum = 0.0,
                      .maximum = 1.0,
                      .defaultNumbers = kStemReflectance,
@@ -124,13 +123,13 @@ constexpr std::array kKeys{
                      .minimumCount = 3},
     ConfigurationKey{.name = "bounces",
                      .kind = KeyKind::Integer,
-                     .description = "how often light is scattered between organs",
+                     .description = "number of times that light is scattered between organs",
                      .minimum = 0.0,
                      .maximum = 100.0,
                      .defaultNumber = 2.0},
     ConfigurationKey{.name = "directions",
                      .kind = KeyKind::Integer,
-                     .description = "of the rays of an organ at least, over the whole sphere; each of its "
+                     .description = "least number of rays of an organ, over the whole sphere; each of its "
                                     "triangles has 16 or more",
                      .minimum = 8.0,
                      .maximum = 65536.0,
@@ -144,23 +143,24 @@ constexpr std::array kKeys{
                      .maximumCount = 4},
     ConfigurationKey{
         .name = "ground", .kind = KeyKind::Boolean, .description = "a ground under the plot that reflects"},
-    ConfigurationKey{.name = "groundHeight", .description = "along the world's up", .unit = "length"},
+    ConfigurationKey{
+        .name = "groundHeight", .description = "height of the ground along the world's up", .unit = "length"},
     ConfigurationKey{.name = "groundReflectance",
                      .kind = KeyKind::Numbers,
-                     .description = "in each band, or one number for all",
+                     .description = "part of the light that the ground reflects, in each band, or one number for all",
                      .minimum = 0.0,
                      .maximum = 1.0,
                      .defaultNumbers = kGroundReflectance,
                      .minimumCount = 1},
     ConfigurationKey{.name = "segmentSides",
                      .kind = KeyKind::Integer,
-                     .description = "of the prisms that stand for segments",
+                     .description = "number of sides of the prism that stands for a segment",
                      .minimum = 3.0,
                      .maximum = 64.0,
                      .defaultNumber = 5.0},
     ConfigurationKey{.name = "threads",
                      .kind = KeyKind::Integer,
-                     .description = "that trace rays; the light is the same for any number",
+                     .description = "number of threads that trace rays; it does not change the light",
                      .minimum = 1.0,
                      .maximum = 256.0,
                      .defaultNumber = 1.0},
@@ -168,13 +168,11 @@ constexpr std::array kKeys{
 
 }  // namespace
 
-constinit const ProcessEntry kLightProcess{
+extern constinit const ProcessEntry kLightProcess{
     .name = "light",
     .summary = kLightSummary,
     .source = "Meeus 1998, Astronomical Algorithms; Moon & Spencer 1942; Kittler 1967; Liu & Jordan 1960",
-    .aliases = {},
     .keys = kKeys,
-    .fieldKeywords = {},
     .make = makeLight};
 
 double numberOfBand(const std::vector<double>& numbers, std::size_t band) {
@@ -183,27 +181,24 @@ double numberOfBand(const std::vector<double>& numbers, std::size_t band) {
 
 std::vector<core::Diagnostic> checkLight(const Configuration& configuration) {
   std::vector<core::Diagnostic> errors;
-  const auto refuse = [&](const std::string& sentence, const std::string& hint) {
-    core::Diagnostic diagnostic;
-    diagnostic.message = "environment process 'light': " + sentence;
-    diagnostic.hint = hint;
-    errors.push_back(std::move(diagnostic));
+  const auto add = [&](const std::string& sentence, const std::string& hint) {
+    errors.push_back(wrongConfiguration("light", sentence, hint));
   };
   const std::size_t bands = configuration.numbers("bands").size();
   for (const std::string key :
        {"photonsPerJoule", "reflectance", "transmittance", "stemReflectance", "groundReflectance"}) {
     const std::size_t count = configuration.numbers(key).size();
     if (count != 1 && count != bands) {
-      refuse("'" + key + "' has " + std::to_string(count) + " numbers for " + std::to_string(bands) + " bands",
-             "give one number for each band, or one for all");
+      add("'" + key + "' has " + std::to_string(count) + " numbers for " + std::to_string(bands) + " bands",
+          "give one number for each band, or one for all");
     }
   }
   for (std::size_t band = 0; band < bands && errors.empty(); ++band) {
     if (numberOfBand(configuration.numbers("reflectance"), band) +
             numberOfBand(configuration.numbers("transmittance"), band) >
         1.0) {
-      refuse("'reflectance' and 'transmittance' add up to more than 1 in band " + std::to_string(band + 1),
-             "organs cannot scatter more light than they get");
+      add("'reflectance' and 'transmittance' add up to more than 1 in band " + std::to_string(band + 1),
+          "organs cannot scatter more light than they get");
     }
   }
   for (const auto& row : configuration.rows("materials")) {
@@ -212,21 +207,21 @@ std::vector<core::Diagnostic> checkLight(const Configuration& configuration) {
       isWrong = row[1 + 2 * band] + row[2 + 2 * band] > 1.0;
     }
     if (isWrong) {
-      refuse("a row of 'materials' is not a colour number with reflectance and transmittance for each of " +
-                 std::to_string(bands) + " bands, together at most 1",
-             "write for example \"materials\": [[3, 0.1, 0.05]]");
+      add("a row of 'materials' is not a colour number with reflectance and transmittance for each of " +
+              std::to_string(bands) + " bands, together at most 1",
+          "write for example \"materials\": [[3, 0.1, 0.05]]");
     }
   }
   const auto& plot = configuration.numbers("plot");
   if (!plot.empty() && (plot.size() != 4 || !(plot[0] < plot[1] && plot[2] < plot[3]))) {
-    refuse("'plot' is not a smallest and a largest number for each of the two horizontal coordinates",
-           "write for example \"plot\": [-5, 5, -5, 5]");
+    add("'plot' is not a smallest and a largest number for each of the two horizontal coordinates",
+        "write for example \"plot\": [-5, 5, -5, 5]");
   }
   if (configuration.flag("ground") && plot.empty()) {
-    refuse("a 'ground' needs a 'plot'", "write for example \"plot\": [-5, 5, -5, 5]");
+    add("a 'ground' needs a 'plot'", "write for example \"plot\": [-5, 5, -5, 5]");
   }
   if (configuration.text("sky") == "clear" && configuration.text("sun") == "none") {
-    refuse("a clear 'sky' is brightest around the sun, and 'sun' is none", "set sun to direction or position");
+    add("a clear 'sky' is brightest around the sun, and 'sun' is none", "set sun to direction or position");
   }
   return errors;
 }

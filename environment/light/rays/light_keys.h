@@ -5,22 +5,21 @@
 #include <vector>
 
 #include "engine/core/diagnostic.h"
-#include "environment/base/configuration.h"
-#include "environment/registry.h"
+#include "environment/base/process_entry.h"
 
 namespace espalier::environment {
 
 inline constexpr std::string_view kLightSummary =
     "Sun and sky on the organs of all plants, by rays, with bounces and bands.";
 
-/// Of a key with a number for each band, or one for all.
+/// The number of a band, of a key with one number for each band or one for all.
 [[nodiscard]] double numberOfBand(const std::vector<double>& numbers, std::size_t band);
 
-/// What is wrong although every key is of its kind and range: numbers that do not fit the bands, surfaces that scatter
+/// The errors of keys that have the right kind and range: numbers that do not fit the bands, surfaces that scatter
 /// more than they get, a ground without a plot.
 [[nodiscard]] std::vector<core::Diagnostic> checkLight(const Configuration& configuration);
 
-/// The process of a configuration, or what is wrong with it.
+/// The process of a configuration, or its errors.
 [[nodiscard]] ProcessOrErrors makeLight(const Configuration& configuration);
 
 }  // namespace espalier::environment

@@ -9,7 +9,7 @@
 
 namespace espalier::environment {
 
-/// The triangles of all plants, with what drew them.
+/// The triangles of all plants, with the modules that drew them.
 struct PlantSurfaces {
   LightSurfaces surfaces;  // material: the colour's number for organs, that plus kSegment for segments
   static constexpr std::uint32_t kSegment = 256;
@@ -21,9 +21,9 @@ struct PlantSurfaces {
   [[nodiscard]] std::pair<std::size_t, std::size_t> rangeOf(std::uint32_t plant, std::uint64_t module) const;
 };
 
-/// Organs are taken as they are; segments become open prisms of `sides` sides with the segment's area of a cone, and
-/// are left out when their widths are pixels or 0. The rays of an organ go with its place: thinned by the number of its
-/// triangles, each looking elsewhere. O(n log n).
+/// Organs keep their triangles. Segments become open prisms of `sides` sides with the area of the segment's cone;
+/// segments with widths of 0 or in pixels are left out. The rays of an organ follow from its place: the number of its
+/// triangles thins them, and its triangles look in different directions. O(n log n).
 [[nodiscard]] PlantSurfaces surfacesOf(const turtle::Geometry& geometry, int sides);
 
 }  // namespace espalier::environment

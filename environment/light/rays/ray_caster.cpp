@@ -29,7 +29,7 @@ RTCRay rayOf(const Vec3& origin, const Vec3& direction, double from, double to) 
   return ray;
 }
 
-/// What a ray has met so far, behind Embree's part of it.
+/// The nearest hit of a ray so far, behind Embree's part of the ray.
 struct HitContext {
   RTCIntersectContext embree;
   const std::uint32_t* originalOf = nullptr;  // of the scene's triangles; nullptr: the same
@@ -85,7 +85,7 @@ RayCaster::RayCaster(std::span<const Vec3> vertices, std::span<const std::array<
   std::vector<Vec3> places(vertices.begin(), vertices.end());
   std::vector<std::array<std::uint32_t, 3>> corners(triangles.begin(), triangles.end());
   if (repetition) {
-    // what sticks out of the plot comes in on the other side: copies of the triangles that reach into the plot
+    // triangles beyond the plot come in on the other side: copies of the triangles that reach into the plot
     tree.originalOf.resize(triangles.size());
     for (std::uint32_t i = 0; i < triangles.size(); ++i) {
       tree.originalOf[i] = i;

@@ -15,7 +15,7 @@ namespace espalier::environment {
 /// Rays against triangles by Embree, in single precision. Results are the same for any number of threads; between
 /// machines with other vector instructions a ray that grazes an edge may be decided otherwise.
 ///
-/// With a repetition the triangles are those of one plot that repeats itself without end along two directions of space.
+/// With a repetition the triangles are those of one plot, which repeats without end along two directions of space.
 class RayCaster {
  public:
   static constexpr std::uint32_t kMiss = std::numeric_limits<std::uint32_t>::max();
@@ -40,10 +40,10 @@ class RayCaster {
   /// how the tree was built. `direction` is a unit vector, not horizontal when the plot repeats itself. Hits nearer
   /// than margin() are left out. May be called by several threads.
   [[nodiscard]] Hit firstHit(const core::Vec3& origin, const core::Vec3& direction) const;
-  /// Whether there is none. Faster.
+  /// Whether a ray meets no triangle. Faster than the first hit.
   [[nodiscard]] bool isFree(const core::Vec3& origin, const core::Vec3& direction) const;
-  /// A length that single precision resolves everywhere in the scene: by this rays start off a surface. It is a power
-  /// of two, which stays the same while a scene grows little.
+  /// The distance from a surface at which its rays start: a length that single precision resolves everywhere in the
+  /// scene. It is a power of two, so it stays the same while a scene grows little.
   [[nodiscard]] double margin() const;
 
  private:

@@ -14,8 +14,8 @@ struct LightSurfaces {
   std::vector<core::Vec3> vertices;
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<std::uint32_t> material;  // of each triangle
-  /// From where on it and in which lattice of directions a triangle looks (triangles; empty: its number). A number that
-  /// goes with the organ, not with its place in the table, lets rays be kept when organs come before it.
+  /// Chooses the points on a triangle and the lattice of directions in which it looks (triangles; empty: its number). A
+  /// number that belongs to the organ, not to its row of the table, lets rays be kept when organs come before it.
   std::vector<std::uint32_t> seed;
   std::vector<std::uint8_t> thinning;  // of its directions, see RayDirections (triangles; empty: 0)
 

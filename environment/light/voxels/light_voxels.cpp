@@ -1,4 +1,9 @@
-#include "environment/light/voxels/light_voxels.h"
+// The process `light-voxels` (docs/environments.md): light in a box of voxels, through a turbid medium of leaves or by
+// additive shadow propagation.
+//
+// The voxels are filled again in every step, so there is no state. "turbid": O(n · directions · voxels on a ray);
+// directions that no change touches are kept (turbid_memory.h). "shadow": sums over rectangles make it O(voxels + n ·
+// shadowDepth), for any number of casters.
 
 #include <algorithm>
 #include <array>
@@ -7,7 +12,10 @@
 #include <vector>
 
 #include "engine/turtle/field.h"
+#include "environment/base/process_entry.h"
 #include "environment/base/replies.h"
+#include "environment/geometry/grid_keys.h"
+#include "environment/geometry/world_up.h"
 #include "environment/light/sky.h"
 #include "environment/light/voxels/leaf_angles.h"
 #include "environment/light/voxels/turbid_memory.h"
@@ -24,7 +32,7 @@ constexpr std::array<std::string_view, 2> kMethods{"turbid", "shadow"};
 constexpr std::array<std::string_view, 2> kSkies{"uniform", "overcast"};
 constexpr std::array kGridSize{40.0, 40.0, 40.0};
 constexpr std::array kPosition{-10.0, 0.0, -10.0};
-constexpr std::int64_t kMaximumCellCount = std::int64_t{1} << 27;
+constexpr std::size_t kMaximumCellCount = std::size_t{1} << 27;
 constexpr std::array kKeys{
     ConfigurationKey{.name = "method",
                      .kind = KeyKind::Choice,
@@ -32,28 +40,14 @@ constexpr std::array kKeys{
                                     "propagation",
                      .defaultText = "turbid",
                      .choices = kMethods},
-    ConfigurationKey{.name = "gridSize",
-                     .kind = KeyKind::Numbers,
-                     .description = "voxels along x, y, z",
-                     .minimum = 1.0,
-                     .maximum = 4096.0,
-                     .isWhole = true,
-                     .defaultNumbers = kGridSize,
-                     .minimumCount = 3,
-                     .maximumCount = 3},
+    gridSizeKey(kGridSize, "number of voxels along x, y, z"),
     ConfigurationKey{.name = "voxelSize",
                      .description = "side of a voxel, which is a cube",
                      .unit = "length",
                      .minimum = 0.0,
                      .isMinimumExclusive = true,
                      .defaultNumber = 0.5},
-    ConfigurationKey{.name = "position",
-                     .kind = KeyKind::Numbers,
-                     .description = "corner of the box with the smallest coordinates",
-                     .unit = "length",
-                     .defaultNumbers = kPosition,
-                     .minimumCount = 3,
-                     .maximumCount = 3},
+    positionKey(kPosition),
     ConfigurationKey{.name = "periodic",
                      .kind = KeyKind::Boolean,
                      .description = "the box repeats itself without end in the horizontal directions: a stand"},
@@ -131,7 +125,7 @@ constexpr std::array kKeys{
                      .defaultNumber = 8.0},
 };
 
-/// A direction of the light with what the medium does to it.
+/// A direction of the light with its extinction in the medium.
 struct Beam {
   Vec3 direction;
   double weight = 0.0;      // part of the irradiance of a horizontal plane
@@ -174,13 +168,9 @@ class LightVoxels final : public turtle::EnvironmentProcess {
   }
 
   [[nodiscard]] std::optional<turtle::EnvironmentError> open(const turtle::EnvironmentContext& context) override {
-    const auto axes = axesOf(context.world.up);
+    const auto axes = gridAxesOf("light-voxels", context.world);
     if (!axes) {
-      return turtle::EnvironmentError{
-          "Environment 'light-voxels' has voxels along the axes: the world's 'up' must be along x, y or z. Set it to 0 "
-          "1 "
-          "0.",
-          false};
+      return axes.error();
     }
     lengthUnit_ = context.world.lengthUnit;
     field_ = VoxelField(shape_, *axes);
@@ -279,7 +269,7 @@ class LightVoxels final : public turtle::EnvironmentProcess {
     return std::nullopt;
   }
 
-  /// What the organs put into their voxels: leaf area per volume, or a number of casters.
+  /// The contribution of the organs to their voxels: leaf area per volume, or a number of casters.
   void fill(const turtle::QueryBatch& queries) {
     std::fill(field_.values().begin(), field_.values().end(), 0.0);
     std::vector<std::pair<std::size_t, double>> given;
@@ -381,49 +371,42 @@ class LightVoxels final : public turtle::EnvironmentProcess {
   std::vector<double> shadowOf_;  // of one caster by tiers below it (shadowDepth + 1)
   std::vector<Beam> beams_;
   std::vector<Vec3> directions_;    // of the beams
-  TurbidMemory memory_;             // what comes out does not depend on it
+  TurbidMemory memory_;             // the replies do not depend on it
   std::vector<double> background_;  // leaf area density that is always there, as in field_; empty: none
   VoxelField field_;                // leaf area density, or number of casters
   std::string lengthUnit_ = "m";
 };
 
 ProcessOrErrors makeLightVoxels(const Configuration& configuration) {
-  const auto& size = configuration.numbers("gridSize");
-  const auto& position = configuration.numbers("position");
-  VoxelField::Shape shape{
-      {position[0], position[1], position[2]},
-      {static_cast<std::int64_t>(size[0]), static_cast<std::int64_t>(size[1]), static_cast<std::int64_t>(size[2])},
+  const auto cells = cellsOf(configuration);
+  if (auto problem = tooManyCells("light-voxels", cells, kMaximumCellCount)) {
+    return tl::unexpected(std::vector{std::move(*problem)});
+  }
+  const std::size_t cellCount = cells[0] * cells[1] * cells[2];
+  const std::size_t densities = configuration.numbers("leafAreaDensity").size();
+  if (densities != 0 && densities != cellCount) {
+    return refuse(
+        "light-voxels",
+        "'leafAreaDensity' has " + std::to_string(densities) + " numbers for " + std::to_string(cellCount) + " voxels",
+        "give one for every voxel, or none");
+  }
+  const VoxelField::Shape shape{
+      vectorOf(configuration, "position"),
+      {static_cast<std::int64_t>(cells[0]), static_cast<std::int64_t>(cells[1]), static_cast<std::int64_t>(cells[2])},
       configuration.number("voxelSize"),
       configuration.flag("periodic")};
-  const std::int64_t cellCount = shape.cells[0] * shape.cells[1] * shape.cells[2];
-  if (cellCount > kMaximumCellCount) {
-    core::Diagnostic diagnostic;
-    diagnostic.message = "environment process 'light-voxels': a field of " + std::to_string(cellCount) +
-                         " voxels is larger than " + std::to_string(kMaximumCellCount) + " voxels";
-    diagnostic.hint = "use fewer voxels along x, y or z";
-    return std::vector{diagnostic};
-  }
-  const std::size_t densities = configuration.numbers("leafAreaDensity").size();
-  if (densities != 0 && densities != static_cast<std::size_t>(cellCount)) {
-    core::Diagnostic diagnostic;
-    diagnostic.message = "environment process 'light-voxels': 'leafAreaDensity' has " + std::to_string(densities) +
-                         " numbers for " + std::to_string(cellCount) + " voxels";
-    diagnostic.hint = "give one for every voxel, or none";
-    return std::vector{diagnostic};
-  }
   return std::make_unique<LightVoxels>(shape, configuration);
 }
 
 }  // namespace
 
-constinit const ProcessEntry kLightVoxelsProcess{.name = "light-voxels",
-                                                 .summary = kSummary,
-                                                 .source =
-                                                     "Monsi & Saeki 1953; Ross 1981; Goudriaan 1977; Palubicki et al. "
-                                                     "2009, Self-organizing tree models for image synthesis",
-                                                 .aliases = {},
-                                                 .keys = kKeys,
-                                                 .fieldKeywords = {},
-                                                 .make = makeLightVoxels};
+extern constinit const ProcessEntry kLightVoxelsProcess{
+    .name = "light-voxels",
+    .summary = kSummary,
+    .source =
+        "Monsi & Saeki 1953; Ross 1981; Goudriaan 1977; Palubicki et al. "
+        "2009, Self-organizing tree models for image synthesis",
+    .keys = kKeys,
+    .make = makeLightVoxels};
 
 }  // namespace espalier::environment

@@ -45,7 +45,7 @@ void TurbidMemory::begin(const VoxelField& field, const VoxelField::Shape& shape
   }
   field_ = field;
   directionCount_ = directions.size();
-  // to find out what many changes touch costs more than to trace all
+  // finding the rays that many changes touch costs more than tracing all
   if (!isComparable || 4 * changed.size() > before_.entries.size()) {
     before_ = {};
     return;
@@ -94,7 +94,7 @@ TurbidMemory::Place TurbidMemory::lookAt(const Vec3& place, std::size_t rayCount
   const bool isKept = isFinite(place) && now_.parts.size() + count <= kMostParts;
   std::vector<double>& parts = isKept ? now_.parts : unkept_;
   if (isKept) {
-    // in this order: without memory for the entry nobody knows its parts
+    // in this order: without memory for the entry its parts are not referenced
     parts.resize(parts.size() + count);
     now_.entries.push_back({place, rayCount, parts.size() - count});
   } else {
@@ -107,7 +107,7 @@ TurbidMemory::Place TurbidMemory::lookAt(const Vec3& place, std::size_t rayCount
   const auto found =
       std::lower_bound(before_.entries.begin(), before_.entries.end(), Entry{place, kMostRays, 0}, isBefore);
   const auto voxel = field_.indexOf(field_.voxelOf(place));
-  // what touches places beside the box is not known
+  // changes that touch places beside the box are not known
   if (found != before_.entries.end() && found->place == place && found->rayCount >= rayCount &&
       (voxel || touched_.empty())) {
     result.before = std::span<const double>(before_.parts).subspan(found->first, count);

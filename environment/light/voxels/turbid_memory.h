@@ -11,9 +11,9 @@
 
 namespace espalier::environment {
 
-/// What part of the light came to places from each direction in the step before. A direction from which no ray can meet
-/// a voxel that has changed since is not traced again; so a step in which little changed costs little, and its answers
-/// are those of a step that traces all, bit by bit.
+/// The part of the light that came to places from each direction in the step before. A direction from which no ray can
+/// meet a changed voxel is not traced again. So a step with few changes costs little, and its answers are bitwise those
+/// of a step that traces all directions.
 ///
 /// A place has up to 7 rays from each direction: its own and those of its neighbours one voxel aside, for the gradient.
 class TurbidMemory {
@@ -27,14 +27,14 @@ class TurbidMemory {
     std::uint64_t touched = 0;       // bit d % 64: of the direction d something before the place may have changed
   };
 
-  /// Forgets everything.
+  /// Forgets all places.
   void clear();
 
   /// Begins a step with the contents of `field`; places looked at since the last call are those of the step before.
   /// O(voxels + places log places + changed voxels · directions · voxels on a line).
   void begin(const VoxelField& field, const VoxelField::Shape& shape, std::span<const core::Vec3> directions);
 
-  /// Looks at a place with so many rays from each direction. O(log places). Keeps 8 bytes for each, up to 256 MB.
+  /// Enters a place with so many rays from each direction. O(log places). Keeps 8 bytes for each, up to 256 MB.
   [[nodiscard]] Place lookAt(const core::Vec3& place, std::size_t rayCount);
 
   /// Whether the direction `d` of a place has to be traced.

@@ -15,7 +15,7 @@ std::int64_t wrapped(std::int64_t value, std::int64_t count) {
   return rest < 0 ? rest + count : rest;
 }
 
-/// What a range of voxels of one axis consists of: spans [begin, end) that count `times`.
+/// The spans [begin, end) of a range of voxels of one axis, each of which counts `times`.
 struct Spans {
   struct Span {
     std::int64_t begin, end;

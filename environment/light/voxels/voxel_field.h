@@ -11,7 +11,7 @@
 namespace espalier::environment {
 
 /// A box of cubic voxels with a number each, layer by layer along the world's up, which is an axis of the world. With
-/// `isPeriodic` the box repeats itself without end in the two horizontal directions.
+/// `isPeriodic` the box repeats without end in the two horizontal directions.
 class VoxelField {
  public:
   struct Shape {
@@ -53,8 +53,8 @@ class VoxelField {
   /// Periodic: the direction must not be horizontal. O(voxels on the way).
   [[nodiscard]] double integralAlong(const core::Vec3& from, const core::Vec3& direction) const;
 
-  /// Makes boxSum() answer from the values as they are now: sums over rectangles of every layer. One pass that reads a
-  /// number and writes one per voxel.
+  /// Prepares boxSum() for the present values: sums over rectangles of every layer. One pass that reads and writes one
+  /// number a voxel.
   void sumLayers();
   /// Sum of the values in the layer of a voxel over all voxels at most `reach` away along both horizontal axes. 0 in
   /// layers outside the box; periodic: with all repetitions. O(1).

@@ -10,8 +10,8 @@
 #include <utility>
 
 #include "engine/core/number_text.h"
-#include "environment/published/field_file.h"
-#include "environment/published/field_text.h"
+#include "environment/base/published_text.h"
+#include "environment/published/environment_file.h"
 #include "server/remote/processes/line_channel.h"
 
 namespace espalier::server {
@@ -75,7 +75,7 @@ void appendModule(std::string& text, std::string_view name, std::span<const doub
   }
 }
 
-/// A line of the turtle, by a format that readFieldFile checked: conversions of real numbers only, at most three.
+/// A line of the turtle, by a format that readEnvironmentFile checked: conversions of real numbers only, at most three.
 void appendTurtleLine(std::string& text, const std::string& format, double x, double y, double z) {
   char printed[4000];
 #pragma GCC diagnostic push
@@ -88,7 +88,7 @@ void appendTurtleLine(std::string& text, const std::string& format, double x, do
 
 class LegacyProcess final : public turtle::EnvironmentProcess {
  public:
-  LegacyProcess(environment::FieldFile field, std::string command, std::chrono::milliseconds stepTimeout)
+  LegacyProcess(environment::EnvironmentFile field, std::string command, std::chrono::milliseconds stepTimeout)
       : field_(std::move(field)), command_(std::move(command)), stepTimeout_(stepTimeout) {}
 
   ~LegacyProcess() override { sayGoodbye(); }
@@ -276,7 +276,7 @@ class LegacyProcess final : public turtle::EnvironmentProcess {
         continue;
       }
       if (text.starts_with("Control:")) {
-        const auto numbers = environment::readFieldNumbers(text.substr(8));
+        const auto numbers = environment::readPublishedNumbers(text.substr(8));
         flags = numbers.empty() ? kLastChunk : static_cast<int>(numbers[0]);
         return std::nullopt;
       }
@@ -360,7 +360,7 @@ class LegacyProcess final : public turtle::EnvironmentProcess {
     return {text, true};
   }
 
-  environment::FieldFile field_;
+  environment::EnvironmentFile field_;
   std::string command_;
   std::chrono::milliseconds stepTimeout_;
   std::vector<std::string> symbols_;
@@ -395,20 +395,20 @@ bool isExecutableThere(const std::string& program, const std::string& folder) {
   return false;
 }
 
-std::variant<std::unique_ptr<turtle::EnvironmentProcess>, std::vector<core::Diagnostic>> makeLegacyProcess(
-    const std::string& fieldFile, core::FileProvider& files, const LegacyProcessOptions& options,
-    std::vector<core::Diagnostic>& warnings) {
+environment::ProcessOrErrors makeLegacyProcess(const std::string& fieldFile, core::FileProvider& files,
+                                               const LegacyProcessOptions& options,
+                                               std::vector<core::Diagnostic>& warnings) {
   const auto text = files.read(fieldFile);
   if (!text) {
-    return std::vector{core::Diagnostic{core::Severity::Error,
-                                        "cannot read the environment file '" + fieldFile + "'",
-                                        {},
-                                        "check the name and that the file can be read"}};
+    return tl::unexpected(std::vector{core::Diagnostic{core::Severity::Error,
+                                                       "cannot read the environment file '" + fieldFile + "'",
+                                                       {},
+                                                       "check the name and that the file can be read"}});
   }
   std::vector<core::Diagnostic> errors;
-  environment::FieldFile field = environment::readFieldFile(fieldFile, *text, warnings, errors);
+  environment::EnvironmentFile field = environment::readEnvironmentFile(fieldFile, *text, warnings, errors);
   if (!options.executable.empty()) {
-    field.command = environment::readFieldWords(options.executable);
+    field.command = environment::readPublishedWords(options.executable);
     field.program = field.command.empty() ? std::string() : fileNameOf(field.command.front());
   }
   if (field.command.empty() && errors.empty()) {
@@ -416,15 +416,14 @@ std::variant<std::unique_ptr<turtle::EnvironmentProcess>, std::vector<core::Diag
   }
   for (std::size_t item = 0; item < field.printed.size(); ++item) {
     const auto all = environment::TurtleFormat::parse(field.printed[item], SIZE_MAX);
-    const auto* format = std::get_if<environment::TurtleFormat>(&all);
-    if (format != nullptr && format->conversionCount() > (item < 4 ? 3U : 1U)) {
+    if (all && all->conversionCount() > (item < 4 ? 3U : 1U)) {
       errors.push_back({core::Severity::Error,
                         "the format '" + field.printed[item] + "' prints more numbers than there are", field.executable,
                         "at most three for a vector, one for line width and scale factor"});
     }
   }
   if (!errors.empty()) {
-    return errors;
+    return tl::unexpected(std::move(errors));
   }
   std::string command = shellCommand(field.command, fieldFile);
   return std::make_unique<LegacyProcess>(std::move(field), std::move(command), options.stepTimeout);

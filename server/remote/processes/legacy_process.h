@@ -1,14 +1,12 @@
 #pragma once
 
 #include <chrono>
-#include <memory>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include "engine/core/diagnostic.h"
 #include "engine/core/streams.h"
-#include "engine/turtle/environment_process.h"
+#include "environment/base/process_entry.h"
 
 namespace espalier::server {
 
@@ -28,9 +26,9 @@ struct LegacyProcessOptions {
 /// program cannot be saved; its state is not in snapshots.
 ///
 /// Returns the process, or what is wrong with the file; warnings are appended.
-[[nodiscard]] std::variant<std::unique_ptr<turtle::EnvironmentProcess>, std::vector<core::Diagnostic>>
-makeLegacyProcess(const std::string& fieldFile, core::FileProvider& files, const LegacyProcessOptions& options,
-                  std::vector<core::Diagnostic>& warnings);
+[[nodiscard]] environment::ProcessOrErrors makeLegacyProcess(const std::string& fieldFile, core::FileProvider& files,
+                                                             const LegacyProcessOptions& options,
+                                                             std::vector<core::Diagnostic>& warnings);
 
 /// Whether the program of a command can be started: a path that leads to an executable file from `folder`, or a name on
 /// the PATH.

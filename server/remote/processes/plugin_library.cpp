@@ -31,10 +31,10 @@ std::variant<Process, std::string> loadInstance(const std::string& library, std:
            "(environment/plugin.h).";
   }
   auto made = environment::makePluginProcess(*plugin, std::move(owner), configurationJson);
-  if (const auto* problem = std::get_if<std::string>(&made)) {
-    return "the plug-in '" + library + "' cannot be used: " + *problem + ".";
+  if (!made) {
+    return "the plug-in '" + library + "' cannot be used: " + made.error() + ".";
   }
-  return made;
+  return std::move(*made);
 }
 
 }  // namespace

@@ -122,7 +122,7 @@ TEST(Colonization, RandomMarkersLieInTheEnvelopeAndDependOnTheSeedOnly) {
   turtle::EnvironmentContext context;
   const auto process = openProcess("colonization", configuration, context);
   EXPECT_EQ(budAnswers(*process, {{0, 3, 0}})[0].markerCount, 500);
-  // what the same seed gives, and what another
+  // the markers of the same seed, and of another seed
   const core::Vec3 first = budAnswers(*process, {{0, 3.5, 0}})[0].direction;
   EXPECT_EQ(budAnswers(*openProcess("colonization", configuration, context), {{0, 3.5, 0}})[0].direction, first);
   context.seed = 1;
@@ -177,7 +177,7 @@ TEST(Colonization, AgreesWithComparingAllPairs) {
 
 TEST(Colonization, AnEmptyEnvelopeAndATurnedBoxAreErrors) {
   auto made = makeProcess("colonization", R"({"markerCount":10,"spheres":[[50,0,0,1]]})");
-  EXPECT_EQ(std::get<std::unique_ptr<turtle::EnvironmentProcess>>(made)->open({})->message,
+  EXPECT_EQ(made.value()->open({})->message,
             "Environment 'colonization' finds hardly any place for its markers: less than a thousandth of 'markerBox' "
             "lies in the envelope. Put the box close around the solids.");
   EXPECT_EQ(errorsOf(makeProcess("colonization", R"({"markerBox":[0,0,0,1,-1,1]})")),

@@ -134,10 +134,8 @@ TEST(Crowding, WhatCannotBeIsAnError) {
   turtle::EnvironmentContext context;
   context.world.up = {1, 0, 2};
   auto made = makeProcess("crowding", "");
-  EXPECT_EQ(
-      std::get<std::unique_ptr<turtle::EnvironmentProcess>>(made)->open(context)->message,
-      "Environment 'crowding' has a plane ground along the axes: the world's 'up' must be along x, y or z. Set it to "
-      "0 1 0.");
+  EXPECT_EQ(made.value()->open(context)->message,
+            "Environment 'crowding' needs a world whose 'up' is along x, y or z. Set it to 0 1 0.");
   EXPECT_EQ(
       errorsOf(makeProcess("crowding", R"({"extent":[1,0,0,1]})")),
       "error: environment process 'crowding': 'extent' is not a smallest and a largest number for each of the two "

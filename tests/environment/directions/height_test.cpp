@@ -42,10 +42,9 @@ TEST(Height, RefusesAWorldWithoutUp) {
   auto made = makeProcess("height", "");
   turtle::EnvironmentContext context;
   context.world.up = {0, 0, 0};
-  const auto error = std::get<std::unique_ptr<turtle::EnvironmentProcess>>(made)->open(context);
+  const auto error = made.value()->open(context);
   ASSERT_TRUE(error);
-  EXPECT_EQ(error->message,
-            "Environment 'height' needs to know where up is: the world's vector 'up' has no length. Set it to 0 1 0.");
+  EXPECT_EQ(error->message, "Environment 'height' needs the world's vector 'up', which has length 0. Set it to 0 1 0.");
 }
 
 TEST(Height, UnitIsTheWorldsLengthUnit) {
@@ -65,8 +64,7 @@ TEST(Height, TheLecturesModelDerivesThePrintedStrings) {
   const auto compiled = language::compile(input, files);
   ASSERT_NE(compiled.program, nullptr);
   auto made = makeProcess("height", "");
-  simulation::Simulation simulation(compiled.program, {turtle::PlantPlacement{}},
-                                    std::move(std::get<std::unique_ptr<turtle::EnvironmentProcess>>(made)),
+  simulation::Simulation simulation(compiled.program, {turtle::PlantPlacement{}}, std::move(made.value()),
                                     simulation::SimulationOptions{});
   ASSERT_FALSE(simulation.rewind());
   std::vector<std::string> strings{simulation.stringText()};

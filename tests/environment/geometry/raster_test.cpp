@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/core/streams.h"
+#include "environment/published/published_environment.h"
 #include "tests/environment/query_builder.h"
 
 namespace espalier::environment {
@@ -12,7 +13,7 @@ ProcessOrErrors cloverOf(const std::string& specification, std::vector<core::Dia
                                   {"m/clover.spec", specification},
                                   {"m/light.pnm", "P3 2 2 255  128 255 0  64 51 0   0 0 0  255 102 0"},
                                   {"m/broken.pnm", "P3 2 2 255 1"}});
-  return makeFromFieldFile("m/model.e", files, core::Compatibility::Cpfg, warnings);
+  return makeFromEnvironmentFile("m/model.e", files, core::Compatibility::Cpfg, warnings);
 }
 
 std::vector<std::optional<double>> answerAt(const std::string& specification, const core::Vec3& place) {
@@ -23,7 +24,7 @@ std::vector<std::optional<double>> answerAt(const std::string& specification, co
   if (!errorsOf(made).empty()) {
     return {};
   }
-  const auto& process = std::get<std::unique_ptr<turtle::EnvironmentProcess>>(made);
+  const auto& process = made.value();
   EXPECT_FALSE(process->open({}).has_value());
   return answersOf(*process, QueryBuilder().add({}, {0, 0}).batch())[0].empty()
              ? std::vector<std::optional<double>>{}

@@ -108,7 +108,7 @@ TEST(RaySums, OnlyWhatChangedIsAskedForAgain) {
   EXPECT_EQ(asked, 0U);
   spheres.push_back({{0, 6, 0}, 0.5});
   const auto second = update();
-  // the two below it have one more, its own ray meets none; of all others nobody is asked
+  // the two below it have one more, its own ray meets none; the rays of all others are not traced
   EXPECT_EQ(std::count(second.begin(), second.end(), 2), 1);
   EXPECT_EQ(std::count(second.begin(), second.end(), 1), 1000);
   EXPECT_LE(asked, 10U);

@@ -122,11 +122,9 @@ TEST(Shadow, RefusesAnUpThatIsNotAlongAnAxis) {
   for (const core::Vec3& up : {core::Vec3{1, 1, 0}, core::Vec3{0, 0, 0}}) {
     turtle::EnvironmentContext context;
     context.world.up = up;
-    const auto error = std::get<std::unique_ptr<turtle::EnvironmentProcess>>(made)->open(context);
+    const auto error = made.value()->open(context);
     ASSERT_TRUE(error);
-    EXPECT_EQ(
-        error->message,
-        "Environment 'shadow' has a grid along the axes: the world's 'up' must be along x, y or z. Set it to 0 1 0.");
+    EXPECT_EQ(error->message, "Environment 'shadow' needs a world whose 'up' is along x, y or z. Set it to 0 1 0.");
   }
 }
 
@@ -188,7 +186,7 @@ TEST(Shadow, OutsideTheGridItIsLight) {
   EXPECT_EQ(values[0], 1.0);
   EXPECT_EQ(values[1], 1.0);
   EXPECT_NEAR(values[2], factor(0), 1e-11);
-  // a caster above the grid shades what its pyramid reaches inside: tier 3 straight below
+  // a caster above the grid shades the voxels of its pyramid that are inside: tier 3 straight below
   EXPECT_EQ(values[3], 1.0);
   EXPECT_NEAR(values[4], factor(3), 1e-11);
 }

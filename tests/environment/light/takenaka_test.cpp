@@ -67,11 +67,12 @@ TEST(Takenaka, RefusesLengthUnitsItCannotConvert) {
   turtle::EnvironmentContext context;
   context.world.lengthUnit = "furlong";
   auto made = makeProcess("takenaka", "");
-  const auto error = std::get<std::unique_ptr<turtle::EnvironmentProcess>>(made)->open(context);
+  const auto error = made.value()->open(context);
   ASSERT_TRUE(error.has_value());
-  EXPECT_EQ(error->message,
-            "Environment 'takenaka' knows the light on an area in m, dm, cm and mm, not in the world's length unit "
-            "'furlong'. Set lengthUnit to one of these.");
+  EXPECT_EQ(
+      error->message,
+      "Environment 'takenaka' needs lengths in m, dm, cm or mm, and the world's unit is 'furlong'. Set lengthUnit "
+      "to one of these.");
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "engine/core/streams.h"
+#include "environment/published/published_environment.h"
 #include "tests/environment/query_builder.h"
 
 namespace espalier::environment {
@@ -88,10 +89,10 @@ TEST(Arvo, ASpecificationNamesItsScene) {
                                   {"climb.spec", "obstacles: stone.scene\nsurface distance: 0.25\ntries for Q: 8\n"},
                                   {"stone.scene", "sphere 2\n"}});
   std::vector<core::Diagnostic> warnings;
-  auto made = makeFromFieldFile("climb.e", files, core::Compatibility::Espalier, warnings);
+  auto made = makeFromEnvironmentFile("climb.e", files, core::Compatibility::Espalier, warnings);
   ASSERT_EQ(errorsOf(made), "");
   EXPECT_TRUE(warnings.empty());
-  auto& process = std::get<std::unique_ptr<turtle::EnvironmentProcess>>(made);
+  auto& process = made.value();
   ASSERT_FALSE(process->open({}).has_value());
   const auto row = answersOf(*process, at({2.25, 0, 0}, kSeven, {0, 1, 0}, {1, 0, 0}))[0];
   const core::Vec3 end = core::Vec3{2.25, 0, 0} + core::Vec3{*row[0], *row[1], *row[2]} * *row[3];

@@ -15,7 +15,7 @@ using core::Vec3;
 /// A cube from −1 to 1 as a mesh; `turn` faces its triangles inwards.
 MeshData cube(bool turn = false) {
   auto read = readScene("translate -1 -1 -1 box 2 2 2");
-  MeshData mesh = std::get<SceneShapes>(read).meshes.at(0);
+  MeshData mesh = read.value().meshes.at(0);
   for (auto& triangle : mesh.triangles) {
     if (turn) {
       std::swap(triangle[0], triangle[1]);
@@ -113,8 +113,8 @@ TEST(SceneFile, ReadsShapesWithTheirMatrices) {
   const auto read = readScene(
       "// a comment\npushmatrix translate 1 2 3 rotate 90 0 0 1 scale 2 2 2\nsphere 0.5 /* a ball */\npopmatrix\n"
       "cylinder 1 4\nscale 1 2 1 sphere 1\nmaterial 0 0 1\nrectangle 2 3");
-  ASSERT_TRUE(std::holds_alternative<SceneShapes>(read));
-  const auto& shapes = std::get<SceneShapes>(read);
+  ASSERT_TRUE(read.has_value());
+  const SceneShapes& shapes = *read;
   ASSERT_EQ(shapes.spheres.size(), 1U);
   EXPECT_NEAR(core::length(shapes.spheres[0].centre - Vec3{1, 2, 3}), 0.0, 1e-12);
   EXPECT_NEAR(shapes.spheres[0].radius, 1.0, 1e-12);
@@ -132,7 +132,7 @@ TEST(SceneFile, ReadsShapesWithTheirMatrices) {
 
 TEST(SceneFile, SaysWhichLineLacksNumbers) {
   const auto read = readScene("sphere 1\n\nbox 1 2\n");
-  EXPECT_EQ(std::get<std::string>(read), "line 3: 'box' needs 3 numbers, found 2 numbers");
+  EXPECT_EQ(read.error(), "line 3: 'box' needs 3 numbers, found 2 numbers");
 }
 
 }  // namespace

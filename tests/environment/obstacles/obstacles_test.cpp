@@ -8,7 +8,7 @@
 #include "engine/core/streams.h"
 #include "engine/turtle/scene/geometry.h"
 #include "environment/geometry/shapes.h"
-#include "environment/obstacles/mesh_embedding.h"
+#include "environment/output/mesh_embedding.h"
 #include "tests/environment/query_builder.h"
 
 namespace espalier::environment {
@@ -126,7 +126,7 @@ TEST(Obstacles, WhatOtherPlantsDrawBlocks) {
   ASSERT_TRUE(error.has_value());
   EXPECT_EQ(
       error->message,
-      "Environment 'obstacles' looks at what the plants draw, and no geometry came with the queries. Set 'plants' "
+      "Environment 'obstacles' needs the geometry of the plants, which did not come with the queries. Set 'plants' "
       "to \"remembered\" instead of \"drawn\" where it cannot be sent.");
 }
 

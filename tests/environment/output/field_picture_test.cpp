@@ -32,7 +32,7 @@ std::vector<int> pixelsInRows(const Image& image, const Colour& colour) {
 }
 
 Image draw(const Field& field, const FieldView& view) {
-  return drawField(field, view, std::get<FieldPlane>(viewField(field, view)));
+  return drawField(field, view, viewField(field, view).value());
 }
 
 constexpr Colour kBlue{68, 1, 84};

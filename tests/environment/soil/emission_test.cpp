@@ -101,14 +101,14 @@ TEST(Emission, ImpossibleTimesAndSizesAreErrors) {
   turtle::EnvironmentContext context;
   context.world.stepDurationDays = 0.0;
   auto made = makeProcess("emission", R"({"diffusivity":1e9,"cellSize":0.01})");
-  auto& process = std::get<std::unique_ptr<turtle::EnvironmentProcess>>(made);
+  auto& process = made.value();
   EXPECT_EQ(process->open(context)->message,
             "Environment 'emission' lets time pass in steps: the world's 'stepDurationDays' must be greater than 0.");
   EXPECT_EQ(process->open({})->message,
             "Environment 'emission' would need more than 100000 diffusion steps in a step of 1.000000 days. Use larger "
             "cells, a smaller diffusivity or shorter steps.");
   EXPECT_EQ(errorsOf(makeProcess("emission", R"({"gridSize":[4096,4096,4096]})")),
-            "error: environment process 'emission': a field of 68719476736 cells is larger than 67108864 cells\n"
+            "error: environment process 'emission': the grid has 68719476736 cells, and the limit is 67108864\n"
             "   hint: use fewer cells along x, y or z");
 }
 

@@ -120,7 +120,7 @@ TEST(Richards, CeliasInfiltrationAgreesWithAnExplicitSolution) {
   EXPECT_GT(front, 50);
   EXPECT_LT(front, 70);
   EXPECT_NEAR(solver.contentOf(kCells - 1), kCelia.content(-75), 0.001);
-  // mass balance: what came in is there
+  // mass balance: the inflow is in the box
   const auto& balance = solver.state().balance;
   EXPECT_NEAR((solver.storedWater() - before) / (balance.infiltrated - balance.drained), 1.0, 1e-10);
 }

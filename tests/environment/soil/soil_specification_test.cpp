@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/core/streams.h"
+#include "environment/published/published_environment.h"
 #include "tests/environment/query_builder.h"
 
 namespace espalier::environment {
@@ -12,7 +13,7 @@ ProcessOrErrors soilOf(const std::string& specification) {
                                   // upper row red (an obstacle), lower row green 51 and 255 (a source)
                                   {"map.pnm", "P3 2 2 255  255 0 0  255 0 0   0 51 0  0 255 0"}});
   std::vector<core::Diagnostic> warnings;
-  auto made = makeFromFieldFile("model.e", files, core::Compatibility::Espalier, warnings);
+  auto made = makeFromEnvironmentFile("model.e", files, core::Compatibility::Espalier, warnings);
   EXPECT_TRUE(warnings.empty()) << core::formatDiagnostic(warnings.front());
   return made;
 }
@@ -23,7 +24,7 @@ std::vector<double> concentrations(const std::string& specification, const std::
   if (!errorsOf(made).empty()) {
     return {};
   }
-  const auto& process = std::get<std::unique_ptr<turtle::EnvironmentProcess>>(made);
+  const auto& process = made.value();
   EXPECT_FALSE(process->open({}).has_value());
   QueryBuilder builder;
   for (const core::Vec3& place : places) {
@@ -54,7 +55,7 @@ TEST(SoilSpecification, AnImageGivesObstaclesInRedAndSourcesInGreen) {
       "domain size: 2 2 1\narray: 2 2 1 0 1\n0 0\n0 1\nobstacles and sources: map.pnm\ndepletion: on\ndiffusion: 1\n"
       "relaxation factor: 1\n");
   ASSERT_EQ(errorsOf(made), "");
-  const auto& process = std::get<std::unique_ptr<turtle::EnvironmentProcess>>(made);
+  const auto& process = made.value();
   ASSERT_FALSE(process->open({}).has_value());
   // everything is taken from the source, which gets it back and gives a quarter to the left, nothing upwards
   answersOf(*process, QueryBuilder().add({1.5, 0.5, 0}, {1}).batch());

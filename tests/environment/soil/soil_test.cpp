@@ -132,7 +132,7 @@ TEST(Soil, AQueryObtainsWhatThereIs) {
   const auto table =
       answersOf(*process, QueryBuilder().add({0.5, 0, 0}, {0.25}).add({1.5, 0, 0}, {2}).add({9, 0, 0}, {2}).batch());
   EXPECT_EQ(firstValues(table), (std::vector<double>{0.25, 0.5, 0.0}));
-  // what was taken is gone
+  // the obtained amount is gone
   EXPECT_EQ(firstValues(answersOf(*process, QueryBuilder().add({0.5, 0, 0}, {9}).add({1.5, 0, 0}, {2}).batch())),
             (std::vector<double>{0.75, 0.0}));
 }
@@ -279,7 +279,7 @@ TEST(Soil, WrongMapsAreErrors) {
             "error: environment process 'soil': there are 2 layer thicknesses and 1 geotropic angles\n"
             "   hint: give one angle for each layer");
   EXPECT_EQ(errorsOf(makeProcess("soil", R"({"gridSize":[4096,4096,4096]})")),
-            "error: environment process 'soil': a field of 68719476736 cells is larger than 67108864 cells\n"
+            "error: environment process 'soil': the grid has 68719476736 cells, and the limit is 67108864\n"
             "   hint: use fewer cells along x, y or z");
 }
 

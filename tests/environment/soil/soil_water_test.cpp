@@ -76,7 +76,7 @@ TEST(SoilWater, SolutesAreTakenUpAndGivenOff) {
   EXPECT_EQ(before[7], 0.02);
   EXPECT_NEAR(*before[8], 1.0, 1e-12);
   const double content = *before[2];
-  // 0.1 m³ of soil lose 0.02: the concentration falls by 0.2/(θ + sorption), but for what came from below
+  // 0.1 m³ of soil lose 0.02: the concentration falls by 0.2/(θ + sorption), except for the inflow from below
   const auto after = answerAt(*process, place, {0, 0, 0, 0, 0, 0, 0, 99, 0});
   EXPECT_NEAR(*after[8], 1 - 0.2 / (content + 0.5), 0.01);
   EXPECT_LT(*after[7], 0.1 * (content + 0.5) - 0.02 + 0.01);
@@ -129,25 +129,22 @@ TEST(SoilWater, WhatCannotBeIsAnError) {
   turtle::EnvironmentContext context;
   const auto openingError = [&](const std::string& configuration) {
     auto made = makeProcess("soil-water", configuration);
-    const auto error = std::get<std::unique_ptr<turtle::EnvironmentProcess>>(made)->open(context);
+    const auto error = made.value()->open(context);
     return error ? error->message : "";
   };
   context.world.lengthUnit = "cm";
   EXPECT_EQ(
       openingError(""),
-      "Environment 'soil-water' knows its default soil in metres, not in the world's unit 'cm'. Give 'layers', or "
-      "set lengthUnit to m.");
+      "Environment 'soil-water' has a default soil in metres, and the world's unit is 'cm'. Give 'layers', or set "
+      "lengthUnit to m.");
   context.world.lengthUnit = "inch";
   EXPECT_EQ(
       openingError(R"({"layers":[[1,0.05,0.4,1,1.5,1]],"acidity":true})"),
-      "Environment 'soil-water' measures acidity in moles per litre and knows lengths in m, dm, cm and mm, not in "
-      "the world's unit 'inch'. Set lengthUnit to one of these.");
+      "Environment 'soil-water' needs lengths in m, dm, cm or mm, and the world's unit is 'inch'. Set lengthUnit to "
+      "one of these.");
   context.world = {};
   context.world.up = {1, 1, 0};
-  EXPECT_EQ(
-      openingError(""),
-      "Environment 'soil-water' has cells along the axes: the world's 'up' must be along x, y or z. Set it to 0 1 "
-      "0.");
+  EXPECT_EQ(openingError(""), "Environment 'soil-water' needs a world whose 'up' is along x, y or z. Set it to 0 1 0.");
   context.world = {};
   context.world.stepDurationDays = 0;
   EXPECT_EQ(openingError(""),
@@ -159,7 +156,7 @@ TEST(SoilWater, WhatCannotBeIsAnError) {
             "error: environment process 'soil-water': layers[1] needs α and the conductivity above 0 and n above 1\n"
             "   hint: a row is thickness, residual content, saturated content, α, n, conductivity");
   EXPECT_EQ(errorsOf(makeProcess("soil-water", R"({"rain":[[2,1],[1,1]],"gridSize":[4096,4096,1000]})")),
-            "error: environment process 'soil-water': a field of 16777216000 cells is larger than 16777216 cells\n"
+            "error: environment process 'soil-water': the grid has 16777216000 cells, and the limit is 16777216\n"
             "   hint: use fewer cells along x, y or z\n"
             "error: environment process 'soil-water': 'rain' has day 1.000000 after day 2.000000\n"
             "   hint: write the rows in the order of their days, each day once");

@@ -87,7 +87,7 @@ TEST(Solutes, DecayAndEvaporationKeepTheBooks) {
       {{.initialConcentration = 1, .diffusivity = 0.5}, {.initialConcentration = 1, .decayRate = 0.1}}, water);
   const double before = total(solutes, 0);
   pass(water, solutes, 4, {.evaporation = 0.4, .driestHead = -15000, .bottom = SoilBorders::Bottom::Closed});
-  // water that evaporates leaves what was in it: the surface becomes salty, and nothing is lost
+  // water that evaporates leaves its solutes: the surface becomes salty, and nothing is lost
   EXPECT_NEAR(total(solutes, 0) / before, 1, 1e-12);
   EXPECT_GT(solutes.concentration(0, 9, water.contentOf(9)), 1.5);
   EXPECT_NEAR(total(solutes, 1) / before, std::exp(-0.4), 1e-12);

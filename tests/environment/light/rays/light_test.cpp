@@ -236,7 +236,7 @@ TEST(Light, WhatCannotBeIsAnError) {
   turtle::EnvironmentContext context;
   const auto openingError = [&](const std::string& configuration) {
     auto made = makeProcess("light", configuration);
-    const auto error = std::get<std::unique_ptr<turtle::EnvironmentProcess>>(made)->open(context);
+    const auto error = made.value()->open(context);
     return error ? error->message : "";
   };
   EXPECT_EQ(openingError(R"({"sun":"position"})"),
@@ -248,13 +248,13 @@ TEST(Light, WhatCannotBeIsAnError) {
   context.world.up = {1, 1, 0};
   EXPECT_EQ(
       openingError(R"({"plot":[0,1,0,1]})"),
-      "Environment 'light' repeats a 'plot' along the axes: the world's 'up' must be along x, y or z. Set it to 0 1 "
-      "0.");
+      "Environment 'light' repeats a 'plot' along the axes, so it needs a world whose 'up' is along x, y or z. Set it "
+      "to 0 1 0.");
   context.world.lengthUnit = "ell";
   EXPECT_EQ(
       openingError(""),
-      "Environment 'light' knows light on areas in m, dm, cm and mm, not in the world's unit 'ell'. Set lengthUnit "
-      "to one of these.");
+      "Environment 'light' needs lengths in m, dm, cm or mm, and the world's unit is 'ell'. Set lengthUnit to one of "
+      "these.");
   EXPECT_EQ(errorsOf(makeProcess("light", R"({"reflectance":[0.1,0.2],"plot":[1,0,0,1],"sky":"clear"})")),
             "error: environment process 'light': 'reflectance' has 2 numbers for 1 bands\n"
             "   hint: give one number for each band, or one for all\n"

@@ -54,7 +54,7 @@ TEST(LightVoxels, AUniformSkyThroughASlabGivesTheThirdExponentialIntegral) {
 }
 
 TEST(LightVoxels, TheLeavesOfASlabAbsorbWhatTheLightLoses) {
-  // Σ area · p5 over the leaves is 1 − T: what p5 adds up to is the midpoint rule of ∫ −dI, here with 400 points
+  // Σ area · p5 over the leaves is 1 − T: the sum of p5 is the midpoint rule of ∫ −dI, here with 400 points
   for (const std::string angles : {"spherical", "planophile", "erectophile", "vertical"}) {
     const auto process = openProcess(
         "light-voxels", slabConfiguration(R"("irradiance":400,"absorptance":0.81,"leafAngles":")" + angles + "\""));
@@ -199,17 +199,15 @@ TEST(LightVoxels, WhatCannotBeIsAnError) {
   turtle::EnvironmentContext context;
   context.world.up = {0, 1, 1};
   auto made = makeProcess("light-voxels", "");
-  EXPECT_EQ(
-      std::get<std::unique_ptr<turtle::EnvironmentProcess>>(made)->open(context)->message,
-      "Environment 'light-voxels' has voxels along the axes: the world's 'up' must be along x, y or z. Set it to 0 "
-      "1 0.");
+  EXPECT_EQ(made.value()->open(context)->message,
+            "Environment 'light-voxels' needs a world whose 'up' is along x, y or z. Set it to 0 1 0.");
   made = makeProcess("light-voxels", R"({"directions":[[1,0,0,1]]})");
-  EXPECT_EQ(std::get<std::unique_ptr<turtle::EnvironmentProcess>>(made)->open({})->message,
+  EXPECT_EQ(made.value()->open({})->message,
             "Environment 'light-voxels' takes light from above only: in 'directions' every direction must be above the "
             "horizon and no weight below 0.");
   EXPECT_EQ(errorsOf(makeProcess("light-voxels", R"({"gridSize":[4096,4096,4096]})")),
-            "error: environment process 'light-voxels': a field of 68719476736 voxels is larger than 134217728 voxels\n"
-            "   hint: use fewer voxels along x, y or z");
+            "error: environment process 'light-voxels': the grid has 68719476736 cells, and the limit is 134217728\n"
+            "   hint: use fewer cells along x, y or z");
 }
 
 TEST(LightVoxels, AStepThatFollowsAnotherAnswersLikeANewProcessBitByBit) {

@@ -19,8 +19,8 @@ using turtle::EnvironmentProcess;
 
 std::unique_ptr<EnvironmentProcess> builtIn(const std::string& name, const std::string& configuration = "") {
   auto made = environment::makeProcess(name, configuration);
-  EXPECT_TRUE(std::holds_alternative<std::unique_ptr<EnvironmentProcess>>(made)) << name;
-  return std::move(std::get<std::unique_ptr<EnvironmentProcess>>(made));
+  EXPECT_TRUE(made.has_value()) << name;
+  return std::move(made.value());
 }
 
 std::unique_ptr<EnvironmentProcess> remote(const std::string& address, bool isTextOnly = false) {

@@ -114,14 +114,13 @@ TEST(PluginLibrary, RefusesWhatIsNoPlugin) {
 
 TEST(PluginProcess, RefusesTablesThatItCannotUse) {
   const auto problem = [](const espalier_plugin& table) {
-    auto made = environment::makePluginProcess(table, nullptr, "");
-    const auto* text = std::get_if<std::string>(&made);
-    return text == nullptr ? std::string("made") : *text;
+    const auto made = environment::makePluginProcess(table, nullptr, "");
+    return made ? std::string("made") : made.error();
   };
   espalier_plugin table{};
   table.version = 2;
   EXPECT_EQ(problem(table),
-            "it speaks version 2 of the plug-in interface and this program version 1: compile it with this program's "
+            "it has version 2 of the plug-in interface, and this program has version 1: compile it with this program's "
             "environment/plugin.h");
   table.version = ESPALIER_PLUGIN_VERSION;
   table.size = 8;
@@ -134,7 +133,7 @@ TEST(PluginProcess, RefusesTablesThatItCannotUse) {
   table.destroy = [](void*) {};
   table.step = [](void*, const espalier_queries*, espalier_replies*, char*, std::size_t) { return 0; };
   table.is_stateful = 1;
-  EXPECT_EQ(problem(table), "its table lacks save and restore, since it says that it has a state");
+  EXPECT_EQ(problem(table), "its table lacks save and restore, which it needs because it has a state");
   table.is_stateful = 0;
   EXPECT_EQ(problem(table), "'x' refuses its configuration: it did not say why");
   static int instance = 0;

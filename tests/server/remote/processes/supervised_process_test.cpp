@@ -118,7 +118,7 @@ TEST_F(Misbehaviour, ACompanionIsAsBeforeToo) {
     std::ofstream(file_) << "here";
     std::vector<std::pair<std::string, Process>> processes;
     auto soil = environment::makeProcess("density3d", R"({"range":[9,9,9]})");
-    processes.emplace_back("Counts", std::move(std::get<Process>(soil)));
+    processes.emplace_back("Counts", std::move(soil.value()));
     processes.emplace_back("Bad", plugin(does, 50));
     simulation::Simulation simulation(
         compiled("Module: ?Counts(x), ?Bad(x)\nLsystem: 1\nderivation length: 4\nAxiom: A?Counts(1)?Bad(0)\n"
@@ -140,9 +140,7 @@ TEST_F(Misbehaviour, ACompanionIsAsBeforeToo) {
 
 TEST(SupervisedProcess, ABuiltInProcessAnswersTheSameWhenItIsWatched) {
   const std::string configuration = R"({"domainSize":[10,10,10],"gridSize":[5,5,5],"depletion":true})";
-  const auto make = [&configuration]() {
-    return std::move(std::get<Process>(environment::makeProcess("soil", configuration)));
-  };
+  const auto make = [&configuration]() { return std::move(environment::makeProcess("soil", configuration).value()); };
   const auto watched = supervised(make(), {.stepTimeout = std::chrono::seconds(60), .again = make});
   const Process plain = make();
   turtle::QueryBatch queries;

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "engine/core/streams.h"
+#include "environment/base/configuration.h"
+#include "environment/base/published_text.h"
+
+namespace espalier::environment {
+
+/// How a line `keyword: values` of a published specification file becomes a configuration key.
+enum class PublishedKind : std::uint8_t {
+  Number,   // the first number
+  Numbers,  // the first `count` numbers
+  Switch,   // true when the value is one of `onWords`, else false
+  Row,      // a row of numbers, at most `count`, added to the key's rows
+  Unused,   // accepted without effect: it chooses how the published program computes, not its result
+  Own,      // a form of its own, read by PublishedKeyword::read
+};
+
+/// The input of PublishedKeyword::read: a line with its data rows, the folder's files, and the keys to set.
+struct PublishedLineInput {
+  const PublishedLine& line;
+  const std::string& file;  // of the specification: files it names lie beside it
+  core::FileProvider& files;
+  ConfigurationValues& values;
+};
+
+/// One keyword of a process's published specification file.
+struct PublishedKeyword {
+  std::string_view keyword;  // exactly as in the file, without the colon
+  PublishedKind kind = PublishedKind::Number;
+  std::string_view key;  // of the configuration
+  std::size_t count = 1;
+  std::span<const std::string_view> onWords{};
+  /// Own: sets keys from the line. Returns a sentence that says what is wrong with the line, or an empty text.
+  std::string (*read)(const PublishedLineInput& input) = nullptr;
+};
+
+}  // namespace espalier::environment

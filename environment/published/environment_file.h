@@ -1,0 +1,33 @@
+#pragma once
+
+#include <array>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/core/diagnostic.h"
+#include "environment/published/text_coupling.h"
+
+namespace espalier::environment {
+
+/// The content of an `.e` file.
+struct EnvironmentFile {
+  std::string program;                 // without its folder and suffix
+  std::vector<std::string> command;    // the program as written, then its arguments
+  std::string specification;           // file name, beside the `.e` file; empty: none
+  core::SourceLocation executable;     // of the program's name
+  TurtleFormats formats;               // of the turtle items that are sent
+  std::array<std::string, 6> printed;  // the formats as written: position, heading, left, up, width, scale; empty: none
+  std::size_t chunkModules = 100;      // modules in one chunk of the pipe coupling
+};
+
+/// Reads an `.e` file. Errors and warnings, each with its line, are appended; after an error the result is incomplete.
+/// The caller decides whether a file without a program is an error.
+[[nodiscard]] EnvironmentFile readEnvironmentFile(const std::string& file, std::string_view text,
+                                                  std::vector<core::Diagnostic>& warnings,
+                                                  std::vector<core::Diagnostic>& errors);
+
+/// The error for an environment file without `executable`.
+[[nodiscard]] core::Diagnostic missingProgram(const std::string& file);
+
+}  // namespace espalier::environment
