@@ -17,7 +17,7 @@ install(EXPORT espalier NAMESPACE espalier:: FILE espalier-targets.cmake DESTINA
 
 # the headers, as they are included: #include "engine/simulation/simulation.h"
 install(DIRECTORY engine environment protocol DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/espalier
-        FILES_MATCHING PATTERN "*.h" PATTERN "*.def" PATTERN "plugin_example" EXCLUDE)
+        FILES_MATCHING PATTERN "*.h" PATTERN "*.def" PATTERN "plugin_example" EXCLUDE PATTERN "decoding" EXCLUDE)
 install(DIRECTORY clients/cpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/espalier/clients
         FILES_MATCHING PATTERN "*.h" PATTERN "example" EXCLUDE)
 

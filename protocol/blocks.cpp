@@ -49,33 +49,33 @@ std::size_t bytesOf(BlockType type) {
 
 std::optional<Error> problemOf(const std::vector<BlockDescription>& blocks, std::uint64_t totalBytes) {
   if (blocks.size() > kMostBlocks) {
-    return fieldError("bin",
-                      "at most " + std::to_string(kMostBlocks) + " blocks, found " + std::to_string(blocks.size()));
+    return memberError("bin",
+                       "at most " + std::to_string(kMostBlocks) + " blocks, found " + std::to_string(blocks.size()));
   }
   std::vector<std::size_t> order(blocks.size());
   for (std::size_t i = 0; i < blocks.size(); ++i) {
     const BlockDescription& block = blocks[i];
     const std::string path = "bin[" + std::to_string(i) + "]";
     if (block.name.empty() || block.name.size() > kLongestNameBytes) {
-      return fieldError(path + ".name", "expected 1 to " + std::to_string(kLongestNameBytes) + " bytes");
+      return memberError(path + ".name", "expected 1 to " + std::to_string(kLongestNameBytes) + " bytes");
     }
     for (std::size_t before = 0; before < i; ++before) {
       if (blocks[before].name == block.name) {
-        return fieldError(path + ".name", "'" + block.name + "' is there twice");
+        return memberError(path + ".name", "'" + block.name + "' is there twice");
       }
     }
     if (block.shape.size() > kMostDimensions) {
-      return fieldError(path + ".shape", "expected at most " + std::to_string(kMostDimensions) + " dimensions");
+      return memberError(path + ".shape", "expected at most " + std::to_string(kMostDimensions) + " dimensions");
     }
     if (const auto bytes = bytesOf(block); bytes != block.bytes) {
-      return fieldError(path + ".bytes", "shape and dtype make " + (bytes ? std::to_string(*bytes) : "too many") +
-                                             " bytes, found " + std::to_string(block.bytes));
+      return memberError(path + ".bytes", "shape and dtype make " + (bytes ? std::to_string(*bytes) : "too many") +
+                                              " bytes, found " + std::to_string(block.bytes));
     }
     if (block.offset % kAlignment != 0) {
-      return fieldError(path + ".offset", "expected a multiple of 8, found " + std::to_string(block.offset));
+      return memberError(path + ".offset", "expected a multiple of 8, found " + std::to_string(block.offset));
     }
     if (block.offset > totalBytes || block.bytes > totalBytes - block.offset) {
-      return fieldError(path + ".offset", "the block ends beyond binBytes=" + std::to_string(totalBytes));
+      return memberError(path + ".offset", "the block ends beyond binBytes=" + std::to_string(totalBytes));
     }
     order[i] = i;
   }
@@ -88,8 +88,8 @@ std::optional<Error> problemOf(const std::vector<BlockDescription>& blocks, std:
     const BlockDescription& before = blocks[order[i - 1]];
     const BlockDescription& block = blocks[order[i]];
     if (before.offset + before.bytes > block.offset) {
-      return fieldError("bin[" + std::to_string(order[i]) + "].offset",
-                        "'" + block.name + "' overlaps '" + before.name + "'");
+      return memberError("bin[" + std::to_string(order[i]) + "].offset",
+                         "'" + block.name + "' overlaps '" + before.name + "'");
     }
   }
   return std::nullopt;

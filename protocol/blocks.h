@@ -29,8 +29,8 @@ struct BlockDescription {
   [[nodiscard]] std::uint64_t count() const { return bytes / bytesOf(type); }
 };
 
-/// What is wrong with the entries of `bin` for `totalBytes` raw bytes, with its path, or nothing: names must differ,
-/// shape and bytes agree, offsets be multiples of 8, and every block lie within the raw bytes without overlap.
+/// The first mistake in the entries of `bin`, with its path, or nothing. Names must differ. Shape and bytes must agree.
+/// Offsets must be multiples of 8. Blocks must lie within `totalBytes` raw bytes and not overlap.
 [[nodiscard]] std::optional<Error> problemOf(const std::vector<BlockDescription>& blocks, std::uint64_t totalBytes);
 
 /// The blocks that came with a message. Never changes; the spans live as long as the object.
@@ -58,23 +58,23 @@ class Blocks {
   std::shared_ptr<const std::uint64_t[]> bytes_;
 };
 
-/// Columns to be sent after a message. Refers to the numbers given to it, which must live until they are sent; what
-/// keep() was given lives with it.
+/// Columns to be sent after a message. It refers to the numbers of add(), which must live until they are sent. It owns
+/// the numbers of keep().
 class BlockWriter {
  public:
   void add(std::string name, std::span<const double> numbers, std::vector<std::uint64_t> shape);
   void add(std::string name, std::span<const float> numbers, std::vector<std::uint64_t> shape);
   void add(std::string name, std::span<const std::uint32_t> numbers, std::vector<std::uint64_t> shape);
-  // the same for numbers made on the way
+  // the same for numbers that were made for this message
   void keep(std::string name, std::vector<double> numbers, std::vector<std::uint64_t> shape);
   void keep(std::string name, std::vector<float> numbers, std::vector<std::uint64_t> shape);
   void keep(std::string name, std::vector<std::uint32_t> numbers, std::vector<std::uint64_t> shape);
 
-  /// Keeps what the numbers of add() belong to.
+  /// Keeps the owner of numbers that were added.
   void own(std::shared_ptr<const void> owner) { kept_.push_back(std::move(owner)); }
 
   [[nodiscard]] bool isEmpty() const { return descriptions_.empty(); }
-  /// Raw bytes of all blocks with what aligns them.
+  /// Raw bytes of all blocks, with the zeros between them.
   [[nodiscard]] std::uint64_t totalBytes() const { return totalBytes_; }
   /// `"bin":[...],"binBytes":N`
   [[nodiscard]] std::string members() const;

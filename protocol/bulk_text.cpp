@@ -1,10 +1,12 @@
 #include "protocol/bulk_text.h"
 
 #include <simdjson.h>
+#include <array>
 #include <charconv>
 #include <cmath>
 
-#include "protocol/column_storage.h"
+#include "protocol/decoding/column_storage.h"
+#include "protocol/decoding/payload_content.h"
 #include "protocol/version.h"
 
 namespace espalier::protocol {
@@ -12,7 +14,7 @@ namespace {
 
 namespace ondemand = simdjson::ondemand;
 
-/// Something that the tree reads, or reports, better.
+/// Thrown about a line that decodeMessage shall read or report.
 struct Unusual {};
 
 template <typename T>
@@ -30,23 +32,9 @@ void require(bool isUsual) {
   }
 }
 
-/// A bit for each member of an object that was seen: members that come twice are unusual.
-class Seen {
- public:
-  void once(unsigned bit) {
-    require((bits_ & (1U << bit)) == 0);
-    bits_ |= 1U << bit;
-  }
-  [[nodiscard]] bool has(unsigned bit) const { return (bits_ & (1U << bit)) != 0; }
-
- private:
-  unsigned bits_ = 0;
-};
-
-std::string_view keyOf(ondemand::field& field) {
-  const ondemand::raw_json_string raw = field.key();
-  // names of the protocol have no escapes: a name with one equals none of them
-  const char* begin = raw.raw();
+/// The name of a member. Names of the protocol have no escapes: a name with one equals none of them.
+std::string_view nameOf(ondemand::field& member) {
+  const char* begin = member.key().raw();
   const char* end = begin;
   while (*end != '"') {
     end += *end == '\\' ? 2 : 1;
@@ -54,14 +42,43 @@ std::string_view keyOf(ondemand::field& field) {
   return {begin, static_cast<std::size_t>(end - begin)};
 }
 
-// simdjson 3.0 reads doubles of more digits than a 64-bit integer holds wrongly, without a word
+/// How a Reader takes one member of its object.
+template <typename Reader>
+struct MemberRow {
+  std::string_view name;
+  bool isRequired;
+  void (Reader::*read)(ondemand::value);
+};
+
+/// Gives each member to its function. Unusual: a member that is not in the table or comes twice, or a required one that
+/// is missing.
+template <typename Reader, std::size_t count>
+void readMembers(ondemand::object object, Reader& reader, const std::array<MemberRow<Reader>, count>& rows) {
+  std::array<bool, count> isSeen{};
+  for (auto entry : object) {
+    ondemand::field member = must(std::move(entry));
+    const std::string_view name = nameOf(member);
+    std::size_t i = 0;
+    while (i < count && rows[i].name != name) {
+      ++i;
+    }
+    require(i < count && !isSeen[i]);
+    isSeen[i] = true;
+    (reader.*rows[i].read)(member.value());
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    require(isSeen[i] || !rows[i].isRequired);
+  }
+}
+
+// simdjson 3.0 reads a double wrongly, and silently, when it has more digits than a 64-bit integer holds
 constexpr std::size_t kSafeDigits = 18;
 
 double numberOf(ondemand::value value) {
   std::string_view token = value.raw_json_token();
   double number = must(value.get_double());
   if (token.size() > kSafeDigits) {
-    // what it took for a number is one
+    // the token ends with spaces or the next bracket: cut it after the last digit
     while (!token.empty() && (token.back() < '0' || token.back() > '9')) {
       token.remove_suffix(1);
     }
@@ -105,163 +122,188 @@ void eachNumber(ondemand::value value, Add&& add) {
   }
 }
 
-void readFollowing(ondemand::value value, QueryCollector& queries) {
-  Seen seen;
-  for (auto entry : must(value.get_object())) {
-    ondemand::field field = must(std::move(entry));
-    const std::string_view key = keyOf(field);
-    if (key == "symbol") {
-      seen.once(0);
-      queries.following(must(field.value().get_string()));
-    } else if (key == "parameters") {
-      seen.once(1);
-      require(seen.has(0));
-      eachNumber(field.value(), [&](double number) { queries.followingParameter(number); });
-    } else {
-      throw Unusual{};
-    }
+template <typename Read>
+void eachElement(ondemand::value value, Read&& read) {
+  for (auto element : must(value.get_array())) {
+    read(must(std::move(element)));
   }
-  require(seen.has(0));
 }
 
-/// One query. The members that name it come before the numbers, as every writer so far has them.
-void readQuery(ondemand::value value, QueryCollector& queries) {
-  Seen seen;
-  std::uint64_t id = 0;
-  std::uint32_t plant = 0;
-  std::uint64_t module = 0;
-  bool isTransient = false;
-  for (auto entry : must(value.get_object())) {
-    ondemand::field field = must(std::move(entry));
-    const std::string_view key = keyOf(field);
-    ondemand::value member = field.value();
-    if (key == "id") {
-      seen.once(0);
-      id = countOf(member, kMaximumExactInteger);
-    } else if (key == "plant") {
-      seen.once(1);
-      plant = static_cast<std::uint32_t>(countOf(member, 0xFFFFFFFF));
-    } else if (key == "module") {
-      seen.once(2);
-      module = countOf(member, kMaximumExactInteger);
-    } else if (key == "transient") {
-      seen.once(3);
-      isTransient = must(member.get_bool());
-    } else if (key == "symbol") {
-      seen.once(4);
-      require(seen.has(0) && id == queries.count());
-      queries.begin(plant, module, isTransient, must(member.get_string()));
-    } else {
-      require(seen.has(4));
-      if (key == "parameters") {
-        seen.once(5);
-        eachNumber(member, [&](double number) { queries.parameter(number); });
-      } else if (key == "position") {
-        seen.once(6);
-        queries.position(vectorOf(member));
-      } else if (key == "heading") {
-        seen.once(7);
-        queries.heading(vectorOf(member));
-      } else if (key == "left") {
-        seen.once(8);
-        queries.left(vectorOf(member));
-      } else if (key == "up") {
-        seen.once(9);
-        queries.up(vectorOf(member));
-      } else if (key == "width") {
-        seen.once(10);
-        queries.width(numberOf(member));
-      } else if (key == "scale") {
-        seen.once(11);
-        queries.scale(numberOf(member));
-      } else if (key == "following") {
-        seen.once(12);
-        readFollowing(member, queries);
+/// The next module of a query.
+class FollowingReader {
+ public:
+  explicit FollowingReader(QueryCollector& queries) : queries_(queries) {}
+  void read(ondemand::value value) {
+    using Row = MemberRow<FollowingReader>;
+    static constexpr std::array kRows{Row{"symbol", true, &FollowingReader::symbol},
+                                      Row{"parameters", false, &FollowingReader::parameters}};
+    readMembers(must(value.get_object()), *this, kRows);
+  }
+
+ private:
+  void symbol(ondemand::value value) {
+    queries_.following(must(value.get_string()));
+    hasSymbol_ = true;
+  }
+  void parameters(ondemand::value value) {
+    require(hasSymbol_);
+    eachNumber(value, [&](double number) { queries_.followingParameter(number); });
+  }
+
+  QueryCollector& queries_;
+  bool hasSymbol_ = false;
+};
+
+/// One query. The members that name it come before the numbers, as every known writer has them.
+class QueryReader {
+ public:
+  explicit QueryReader(QueryCollector& queries) : queries_(queries) {}
+  void read(ondemand::value value) {
+    using Row = MemberRow<QueryReader>;
+    static constexpr std::array kRows{
+        Row{"id", true, &QueryReader::id},
+        Row{"plant", false, &QueryReader::plant},
+        Row{"module", false, &QueryReader::module},
+        Row{"transient", false, &QueryReader::transient},
+        Row{"symbol", true, &QueryReader::symbol},
+        Row{"parameters", false, &QueryReader::parameters},
+        Row{"position", false, &QueryReader::vector<&QueryCollector::position>},
+        Row{"heading", false, &QueryReader::vector<&QueryCollector::heading>},
+        Row{"left", false, &QueryReader::vector<&QueryCollector::left>},
+        Row{"up", false, &QueryReader::vector<&QueryCollector::up>},
+        Row{"width", false, &QueryReader::number<&QueryCollector::width>},
+        Row{"scale", false, &QueryReader::number<&QueryCollector::scale>},
+        Row{"following", false, &QueryReader::following},
+    };
+    readMembers(must(value.get_object()), *this, kRows);
+    queries_.endParameters();
+  }
+
+ private:
+  void id(ondemand::value value) {
+    require(!isBegun_ && countOf(value, kMaximumExactInteger) == queries_.count());
+    hasId_ = true;
+  }
+  void plant(ondemand::value value) {
+    require(!isBegun_);
+    plant_ = static_cast<std::uint32_t>(countOf(value, 0xFFFFFFFF));
+  }
+  void module(ondemand::value value) {
+    require(!isBegun_);
+    module_ = countOf(value, kMaximumExactInteger);
+  }
+  void transient(ondemand::value value) {
+    require(!isBegun_);
+    isTransient_ = must(value.get_bool());
+  }
+  void symbol(ondemand::value value) {
+    require(hasId_);
+    queries_.begin(plant_, module_, isTransient_, must(value.get_string()));
+    isBegun_ = true;
+  }
+  void parameters(ondemand::value value) {
+    require(isBegun_);
+    eachNumber(value, [&](double number) { queries_.parameter(number); });
+  }
+  template <auto add>
+  void vector(ondemand::value value) {
+    require(isBegun_);
+    (queries_.*add)(vectorOf(value));
+  }
+  template <auto add>
+  void number(ondemand::value value) {
+    require(isBegun_);
+    (queries_.*add)(numberOf(value));
+  }
+  void following(ondemand::value value) {
+    require(isBegun_);
+    FollowingReader(queries_).read(value);
+  }
+
+  QueryCollector& queries_;
+  std::uint32_t plant_ = 0;
+  std::uint64_t module_ = 0;
+  bool isTransient_ = false;
+  bool hasId_ = false;
+  bool isBegun_ = false;  // in the collector
+};
+
+/// The params of environment.step.
+class StepReader {
+ public:
+  explicit StepReader(EnvironmentStepParams& step) : step_(step) {}
+  void read(ondemand::value value) {
+    using Row = MemberRow<StepReader>;
+    static constexpr std::array kRows{
+        Row{"simulation", true, &StepReader::simulation}, Row{"step", true, &StepReader::step},
+        Row{"iteration", false, &StepReader::iteration}, Row{"time", false, &StepReader::time},
+        Row{"queries", true, &StepReader::queries}};
+    readMembers(must(value.get_object()), *this, kRows);
+  }
+
+ private:
+  void simulation(ondemand::value value) { step_.simulation = std::string(must(value.get_string())); }
+  void step(ondemand::value value) { step_.step = countOf(value, kMaximumExactInteger); }
+  void iteration(ondemand::value value) { step_.iteration = static_cast<std::uint32_t>(countOf(value, 0xFFFFFFFF)); }
+  void time(ondemand::value value) { step_.timeDays = numberOf(value); }
+  void queries(ondemand::value value) {
+    QueryCollector queries;
+    eachElement(value, [&](ondemand::value query) { QueryReader(queries).read(query); });
+    step_.queries = queries.take();
+  }
+
+  EnvironmentStepParams& step_;
+};
+
+/// One reply. Its id comes first.
+class ReplyReader {
+ public:
+  explicit ReplyReader(ReplyCollector& replies) : replies_(replies) {}
+  void read(ondemand::value value) {
+    using Row = MemberRow<ReplyReader>;
+    static constexpr std::array kRows{Row{"id", true, &ReplyReader::id},
+                                      Row{"parameters", false, &ReplyReader::parameters}};
+    readMembers(must(value.get_object()), *this, kRows);
+    replies_.end();
+  }
+
+ private:
+  void id(ondemand::value value) {
+    replies_.begin(static_cast<std::uint32_t>(countOf(value, 0xFFFFFFFF)));
+    hasId_ = true;
+  }
+  void parameters(ondemand::value value) {
+    require(hasId_);
+    eachElement(value, [&](ondemand::value number) {
+      if (must(number.is_null())) {
+        replies_.keep();
       } else {
-        throw Unusual{};
+        replies_.value(numberOf(number));
       }
-    }
-    // what names a query after it was begun
-    require(!(seen.has(4) && (key == "id" || key == "plant" || key == "module" || key == "transient")));
+    });
   }
-  require(seen.has(4));
-  queries.endParameters();
-}
 
-void readStep(ondemand::value value, EnvironmentStepParams& step) {
-  Seen seen;
-  for (auto entry : must(value.get_object())) {
-    ondemand::field field = must(std::move(entry));
-    const std::string_view key = keyOf(field);
-    ondemand::value member = field.value();
-    if (key == "simulation") {
-      seen.once(0);
-      step.simulation = std::string(must(member.get_string()));
-    } else if (key == "step") {
-      seen.once(1);
-      step.step = countOf(member, kMaximumExactInteger);
-    } else if (key == "iteration") {
-      seen.once(2);
-      step.iteration = static_cast<std::uint32_t>(countOf(member, 0xFFFFFFFF));
-    } else if (key == "time") {
-      seen.once(3);
-      step.timeDays = numberOf(member);
-    } else if (key == "queries") {
-      seen.once(4);
-      QueryCollector queries;
-      for (auto element : must(member.get_array())) {
-        readQuery(must(std::move(element)), queries);
-      }
-      step.queries = queries.take();
-    } else {
-      throw Unusual{};
-    }
-  }
-  require(seen.has(0) && seen.has(1) && seen.has(4));
-}
+  ReplyCollector& replies_;
+  bool hasId_ = false;
+};
 
-void readReply(ondemand::value value, ReplyCollector& replies) {
-  Seen seen;
-  for (auto entry : must(value.get_object())) {
-    ondemand::field field = must(std::move(entry));
-    const std::string_view key = keyOf(field);
-    ondemand::value member = field.value();
-    if (key == "id") {
-      seen.once(0);
-      replies.begin(static_cast<std::uint32_t>(countOf(member, 0xFFFFFFFF)));
-    } else if (key == "parameters") {
-      seen.once(1);
-      require(seen.has(0));
-      for (auto element : must(member.get_array())) {
-        ondemand::value number = must(std::move(element));
-        if (must(number.is_null())) {
-          replies.keep();
-        } else {
-          replies.value(numberOf(number));
-        }
-      }
-    } else {
-      throw Unusual{};
-    }
+/// The result of environment.step.
+class RepliesReader {
+ public:
+  ReplyColumns read(ondemand::value value) {
+    using Row = MemberRow<RepliesReader>;
+    static constexpr std::array kRows{Row{"replies", true, &RepliesReader::replies}};
+    readMembers(must(value.get_object()), *this, kRows);
+    return replies_.take();
   }
-  require(seen.has(0));
-  replies.end();
-}
 
-ReplyColumns readReplies(ondemand::value value) {
-  Seen seen;
-  ReplyCollector replies;
-  for (auto entry : must(value.get_object())) {
-    ondemand::field field = must(std::move(entry));
-    require(keyOf(field) == "replies");
-    seen.once(0);
-    for (auto element : must(field.value().get_array())) {
-      readReply(must(std::move(element)), replies);
-    }
+ private:
+  void replies(ondemand::value value) {
+    eachElement(value, [&](ondemand::value reply) { ReplyReader(replies_).read(reply); });
   }
-  require(seen.has(0));
-  return replies.take();
-}
+
+  ReplyCollector replies_;
+};
 
 MessageId idOf(ondemand::value value) {
   if (must(value.type()) == ondemand::json_type::string) {
@@ -273,6 +315,57 @@ MessageId idOf(ondemand::value value) {
   require(number >= -kMaximumExactInteger && number <= kMaximumExactInteger);
   return MessageId::of(number);
 }
+
+/// The whole message.
+class EnvelopeReader {
+ public:
+  EnvelopeReader(ondemand::document& document, BulkText& bulk) : document_(document), bulk_(bulk) {}
+
+  Message read() {
+    using Row = MemberRow<EnvelopeReader>;
+    static constexpr std::array kRows{
+        Row{"jsonrpc", true, &EnvelopeReader::version}, Row{"id", true, &EnvelopeReader::id},
+        Row{"method", false, &EnvelopeReader::method}, Row{"params", false, &EnvelopeReader::params},
+        Row{"result", false, &EnvelopeReader::result}};
+    readMembers(must(document_.get_object()), *this, kRows);
+    const char* rest = nullptr;
+    require(document_.current_location().get(rest) == simdjson::OUT_OF_BOUNDS);
+    require(bulk_.replies.has_value() != bulk_.step.has_value() && message_.method.empty() != bulk_.step.has_value());
+    // up to the bracket that closes it
+    bulk_.json = bulk_.json.substr(0, bulk_.json.rfind('}', bulk_.json.size()) + 1);
+    message_.kind = bulk_.step ? Message::Kind::Request : Message::Kind::Result;
+    return std::move(message_);
+  }
+
+ private:
+  void version(ondemand::value value) { require(must(value.get_string()) == "2.0"); }
+  void id(ondemand::value value) { message_.id = idOf(value); }
+  void method(ondemand::value value) {
+    message_.method = std::string(must(value.get_string()));
+    require(message_.method == "environment.step");
+  }
+  void params(ondemand::value value) {
+    require(!message_.method.empty());
+    const char* const begin = value.raw_json_token().data();
+    StepReader(bulk_.step.emplace()).read(value);
+    noteText(begin);
+  }
+  void result(ondemand::value value) {
+    const char* const begin = value.raw_json_token().data();
+    bulk_.replies = RepliesReader().read(value);
+    noteText(begin);
+  }
+  /// Notes where the value lies that was just read.
+  void noteText(const char* begin) {
+    const char* end = nullptr;
+    require(document_.current_location().get(end) == simdjson::SUCCESS);
+    bulk_.json = {begin, static_cast<std::size_t>(end - begin)};
+  }
+
+  ondemand::document& document_;
+  BulkText& bulk_;
+  Message message_;
+};
 
 }  // namespace
 
@@ -286,7 +379,7 @@ BulkTextReader::BulkTextReader(BulkTextReader&&) noexcept = default;
 BulkTextReader& BulkTextReader::operator=(BulkTextReader&&) noexcept = default;
 
 std::optional<Message> BulkTextReader::read(std::string_view line) {
-  // only the two messages that can be big are worth looking at
+  // only two messages can be big
   const std::string_view start = line.substr(0, 400);
   const bool isStep = start.find("\"environment.step\"") != std::string_view::npos;
   if (!isStep && start.find("\"replies\"") == std::string_view::npos) {
@@ -299,50 +392,10 @@ std::optional<Message> BulkTextReader::read(std::string_view line) {
     auto text = std::make_shared<const simdjson::padded_string>(line);
     ondemand::document document = must(parser_->parser.iterate(*text));
     auto bulk = std::make_shared<BulkText>();
-    Message message;
-    Seen seen;
-    std::string_view name;
-    for (auto entry : must(document.get_object())) {
-      ondemand::field field = must(std::move(entry));
-      const std::string_view key = keyOf(field);
-      ondemand::value member = field.value();
-      if (key == "jsonrpc") {
-        seen.once(0);
-        require(must(member.get_string()) == "2.0");
-      } else if (key == "id") {
-        seen.once(1);
-        message.id = idOf(member);
-      } else if (key == "method") {
-        seen.once(2);
-        message.method = std::string(must(member.get_string()));
-        require(message.method == "environment.step");
-      } else if (key == "params" || key == "result") {
-        // where the value lies in the text
-        const char* begin = member.raw_json_token().data();
-        seen.once(3);
-        name = key;
-        if (key == "params") {
-          require(seen.has(2));
-          bulk->step.emplace();
-          readStep(member, *bulk->step);
-        } else {
-          bulk->replies = readReplies(member);
-        }
-        const char* end = nullptr;
-        require(document.current_location().get(end) == simdjson::SUCCESS);
-        bulk->json = {begin, static_cast<std::size_t>(end - begin)};
-      } else {
-        throw Unusual{};
-      }
-    }
-    const char* rest = nullptr;
-    require(document.current_location().get(rest) == simdjson::OUT_OF_BOUNDS && seen.has(0) && seen.has(1) &&
-            seen.has(3) && seen.has(2) == bulk->step.has_value());
-    // up to the bracket that closes it
-    bulk->json = bulk->json.substr(0, bulk->json.rfind('}', bulk->json.size()) + 1);
+    Message message = EnvelopeReader(document, *bulk).read();
     bulk->owner = std::move(text);
-    message.kind = bulk->step ? Message::Kind::Request : Message::Kind::Result;
-    message.payload = Payload(std::move(bulk), std::string(name));
+    const char* const name = bulk->step ? "params" : "result";
+    message.payload = Payload(std::move(bulk), name);
     return message;
   } catch (const Unusual&) {
     return std::nullopt;

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <string>
-#include <variant>
 #include <vector>
 
 #include "protocol/envelope.h"
@@ -11,45 +10,24 @@
 
 namespace espalier::protocol {
 
-/// The message or what is wrong with it: `params.steps: expected a whole number from 1 to 9007199254740992, found "x"`.
-template <typename T>
-using Decoded = std::variant<T, Error>;
-
-// Reading params. Unknown fields are ignored; a wrong type, a missing field or a number out of range is an error with
-// the field's path.
-[[nodiscard]] Decoded<HelloParams> decodeHelloParams(const Payload& payload);
-[[nodiscard]] Decoded<ModelParams> decodeModelParams(const Payload& payload);
-[[nodiscard]] Decoded<CreateParams> decodeCreateParams(const Payload& payload);
-/// Of a forest file: keys that are not known are errors.
-[[nodiscard]] Decoded<ForestParams> decodeForestParams(const Payload& payload);
-// Members of an object that is open.
-void writePlants(JsonWriter& writer, const std::vector<PlantParams>& plants);
-void writeSeeds(JsonWriter& writer, const SeedParams& seeds);
-[[nodiscard]] Decoded<StepParams> decodeStepParams(const Payload& payload);
-[[nodiscard]] Decoded<EditParams> decodeEditParams(const Payload& payload);
-[[nodiscard]] Decoded<SetParams> decodeSetParams(const Payload& payload);
-[[nodiscard]] Decoded<ForkParams> decodeForkParams(const Payload& payload);
-[[nodiscard]] Decoded<GetParams> decodeGetParams(const Payload& payload);
-[[nodiscard]] Decoded<ResetParams> decodeResetParams(const Payload& payload);
-[[nodiscard]] Decoded<TraceParams> decodeTraceParams(const Payload& payload);
-[[nodiscard]] Decoded<SaveParams> decodeSaveParams(const Payload& payload);
-[[nodiscard]] Decoded<RestoreParams> decodeRestoreParams(const Payload& payload);
-/// Params whose only member is the text `member`, not empty and at most 200 bytes.
-[[nodiscard]] Decoded<NameParams> decodeNameParams(const Payload& payload, std::string_view member);
-[[nodiscard]] Decoded<StreamOpenParams> decodeStreamOpenParams(const Payload& payload);
-[[nodiscard]] Decoded<StreamAckParams> decodeStreamAckParams(const Payload& payload);
-/// The id of the request to give up.
-[[nodiscard]] Decoded<MessageId> decodeCancelParams(const Payload& payload);
-[[nodiscard]] Decoded<OpenParams> decodeOpenParams(const Payload& payload);
-[[nodiscard]] Decoded<EnvironmentStepParams> decodeEnvironmentStepParams(const Payload& payload);
-[[nodiscard]] Decoded<RestoreStateParams> decodeRestoreStateParams(const Payload& payload);
+// Reading params. Unknown members are ignored. A wrong type, a missing member or a number out of range is an error that
+// begins with the member's path: `params.steps: expected a whole number from 1 to 9007199254740992, found "x"`.
+//
+//     Expected<StepParams> decodeStepParams(const Payload& payload);
+//
+// and so on, one for each struct of params in methods.def.
+#define ESPALIER_METHOD(NAME, PARAMS, ANSWERER, SUMMARY) \
+  [[nodiscard]] Expected<PARAMS> decode##PARAMS(const Payload& payload);
+#include "protocol/methods.def"
+/// Of a forest file, which people write: a member that is not known is an error.
+[[nodiscard]] Expected<ForestParams> decodeForestParams(const Payload& payload);
 
 // Reading results.
-[[nodiscard]] Decoded<HelloResult> decodeHelloResult(const Payload& payload);
-[[nodiscard]] Decoded<DescribeResult> decodeDescribeResult(const Payload& payload);
+[[nodiscard]] Expected<HelloResult> decodeHelloResult(const Payload& payload);
+[[nodiscard]] Expected<DescribeResult> decodeDescribeResult(const Payload& payload);
 /// Each id below `queryCount`, at most once; numbers finite. From text or blocks.
-[[nodiscard]] Decoded<ReplyColumns> decodeReplies(const Payload& payload, std::size_t queryCount);
-[[nodiscard]] Decoded<std::string> decodeSaveResult(const Payload& payload);  // the state's bytes
+[[nodiscard]] Expected<ReplyColumns> decodeReplies(const Payload& payload, std::size_t queryCount);
+[[nodiscard]] Expected<std::string> decodeSaveResult(const Payload& payload);  // the state's bytes
 
 // Writing params. All encoders throw NonFiniteNumber for NaN and infinity.
 [[nodiscard]] std::string encode(const HelloParams& params);
@@ -69,6 +47,10 @@ void writeSeeds(JsonWriter& writer, const SeedParams& seeds);
 [[nodiscard]] std::string encode(const ReplyColumns& replies);
 [[nodiscard]] Body encodeBlocks(const ReplyColumns& replies);
 [[nodiscard]] std::string encodeSaveResult(std::string_view state);
+
+// Writing parts: members of an object that is open.
+void writePlants(JsonWriter& writer, const std::vector<PlantParams>& plants);
+void writeSeeds(JsonWriter& writer, const SeedParams& seeds);
 void write(JsonWriter& writer, const Statistics& statistics);
 /// The member "queries":[...].
 void writeQueries(JsonWriter& writer, const QueryColumns& queries);

@@ -6,7 +6,7 @@
 namespace espalier::protocol {
 namespace {
 
-// what a query of an environment that needs little takes as text
+// bytes of text of a query and a reply, for an environment that needs little
 constexpr std::size_t kUsualQueryBytes = 200;
 constexpr std::size_t kUsualReplyBytes = 48;
 

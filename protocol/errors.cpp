@@ -50,7 +50,7 @@ std::string_view nameOf(ErrorCode code) {
   return "unknown";
 }
 
-Error fieldError(const std::string& path, const std::string& what) {
+Error memberError(const std::string& path, const std::string& what) {
   JsonWriter data;
   data.beginObject().key("path").text(path).endObject();
   return {ErrorCode::InvalidParams, path + ": " + what, data.take()};

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <tl/expected.hpp>
 
 namespace espalier::protocol {
 
@@ -12,7 +13,7 @@ enum class ErrorCode : std::int32_t {
   Parse = -32700,           // not JSON; the id of the answer is null
   InvalidRequest = -32600,  // JSON, but not a message of the protocol
   UnknownMethod = -32601,
-  InvalidParams = -32602,  // a wrong type, a missing or unacceptable value: `data.path` names the field
+  InvalidParams = -32602,  // a wrong type, a missing or unacceptable value: `data.path` names the member
   Internal = -32603,       // a bug of the answering program
 
   // Espalier
@@ -43,8 +44,12 @@ struct Error {
   std::string data;     // text of a JSON object; empty: none
 };
 
+/// A value, or the error that takes its place.
+template <typename T>
+using Expected = tl::expected<T, Error>;
+
 /// Error with `data` = {"path": path}; the message starts with the path.
-[[nodiscard]] Error fieldError(const std::string& path, const std::string& what);
+[[nodiscard]] Error memberError(const std::string& path, const std::string& what);
 
 /// Error with `data` = {"limit", "value", "bound"}. The message names all three and ends in `remedy`.
 [[nodiscard]] Error limitError(std::string_view limit, std::uint64_t value, std::uint64_t bound,

@@ -9,7 +9,7 @@ void LineSplitter::feed(std::string_view bytes) {
   if (isOverflowed_) {
     return;
   }
-  // drop what was returned already
+  // drop the lines that were returned
   if (begin_ > 0) {
     buffer_.erase(0, begin_);
     scanned_ -= begin_;
@@ -61,12 +61,12 @@ namespace {
 Error notAgreed() {
   return {ErrorCode::Capability,
           "Binary blocks were not agreed on. Name the capability 'bin' in hello, and send blocks only when the answer "
-          "names it too; the connection is closed, because what follows cannot be told apart.",
+          "names it too; the connection is closed, because the next message cannot be found.",
           {}};
 }
 
 std::uint64_t blockBytesOf(const MessageReader::Read& read) {
-  return std::visit([](const auto& message) { return message.blockBytes; }, read);
+  return read ? read->blockBytes : read.error().blockBytes;
 }
 
 MessageReader::Read decode(std::string_view line, BulkTextReader& bulk) {
@@ -100,8 +100,8 @@ void MessageReader::feed(std::string_view bytes) {
 std::optional<MessageReader::Read> MessageReader::finish() {
   std::optional<Read> read = std::move(waiting_);
   waiting_.reset();
-  if (auto* message = std::get_if<Message>(&*read); message != nullptr && !message->blockTable.empty()) {
-    message->payload.attach(std::make_shared<const Blocks>(message->blockTable, std::move(block_)));
+  if (*read && !(*read)->blockTable.empty()) {
+    (*read)->payload.attach(std::make_shared<const Blocks>((*read)->blockTable, std::move(block_)));
   }
   block_.reset();
   return read;
@@ -118,14 +118,13 @@ std::optional<MessageReader::Read> MessageReader::next() {
   if (line.data() == nullptr) {
     if (lines_.isOverflowed()) {
       lost_ = limitError("lineBytes", lines_.overflowBytes(), lines_.maximumLineBytes(),
-                         "Send shorter lines; the connection is closed, because what follows cannot be told apart.");
+                         "Send shorter lines; the connection is closed, because the next message cannot be found.");
     }
     return std::nullopt;
   }
   Read read = decode(line, bulk_);
   const std::uint64_t bytes = blockBytesOf(read);
-  const auto* message = std::get_if<Message>(&read);
-  if (bytes == 0 && (message == nullptr || message->blockTable.empty())) {
+  if (bytes == 0 && (!read || read->blockTable.empty())) {
     return read;
   }
   if (!areBlocksAllowed_) {
@@ -134,10 +133,10 @@ std::optional<MessageReader::Read> MessageReader::next() {
   }
   if (bytes > limits_.blockBytes) {
     lost_ = limitError("blockBytes", bytes, limits_.blockBytes,
-                       "Send smaller blocks; the connection is closed, because what follows cannot be told apart.");
+                       "Send smaller blocks; the connection is closed, because the next message cannot be found.");
     return std::nullopt;
   }
-  // what came already, the rest comes with feed()
+  // the bytes that are there already; feed() brings the rest
   block_ = room(bytes);
   blockBytes_ = bytes;
   filled_ = lines_.take(reinterpret_cast<char*>(block_.get()), bytes);
@@ -170,8 +169,7 @@ std::optional<MessageReader::Read> readFrame(std::string_view frame, bool isBina
   }
   MessageReader::Read read = decode(json, bulk);
   const std::uint64_t bytes = blockBytesOf(read);
-  auto* message = std::get_if<Message>(&read);
-  if (bytes == 0 && (message == nullptr || message->blockTable.empty())) {
+  if (bytes == 0 && (!read || read->blockTable.empty())) {
     return read;
   }
   if (!areBlocksAllowed) {
@@ -179,16 +177,17 @@ std::optional<MessageReader::Read> readFrame(std::string_view frame, bool isBina
     return std::nullopt;
   }
   if (bytes != raw.size()) {
-    return BadMessage{message == nullptr ? std::get<BadMessage>(read).id : message->id,
-                      fieldError("binBytes", "the frame has " + std::to_string(raw.size()) +
-                                                 " raw bytes behind its JSON, found " + std::to_string(bytes))};
+    return tl::unexpected(
+        BadMessage{read ? read->id : read.error().id,
+                   memberError("binBytes", "the frame has " + std::to_string(raw.size()) +
+                                               " raw bytes behind its JSON, found " + std::to_string(bytes))});
   }
-  if (message != nullptr) {
+  if (read) {
     auto block = room(bytes);
     if (bytes > 0) {
       std::memcpy(block.get(), raw.data(), bytes);
     }
-    message->payload.attach(std::make_shared<const Blocks>(message->blockTable, std::move(block)));
+    read->payload.attach(std::make_shared<const Blocks>(read->blockTable, std::move(block)));
   }
   return read;
 }

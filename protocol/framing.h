@@ -6,7 +6,6 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <variant>
 
 #include "protocol/bulk_text.h"
 #include "protocol/envelope.h"
@@ -14,7 +13,7 @@
 namespace espalier::protocol {
 
 /// Cuts a stream of bytes into lines that end in `\n`. A `\r` before it is dropped and empty lines are skipped, so that
-/// `nc` and readline work. A line longer than the limit loses the framing: nothing after it can be trusted.
+/// `nc` and readline work. A line longer than the limit loses the framing: the next message cannot be found.
 ///
 ///     splitter.feed(bytes);
 ///     while (auto line = splitter.next()) { ... }
@@ -58,10 +57,11 @@ struct FrameLimits {
 };
 
 /// Cuts a stream of bytes into messages: lines, and behind a line with `binBytes` its raw bytes. Blocks are accepted
-/// once both sides agreed on them; before, they lose the framing, because who sends them guessed.
+/// once both sides agreed on them. Earlier blocks lose the framing.
 class MessageReader {
  public:
-  using Read = std::variant<Message, BadMessage>;
+  /// A message, or why a line is none.
+  using Read = tl::expected<Message, BadMessage>;
 
   explicit MessageReader(const FrameLimits& limits) : limits_(limits), lines_(limits.lineBytes) {}
 
@@ -70,8 +70,8 @@ class MessageReader {
   [[nodiscard]] std::optional<Read> next();
   void allowBlocks() { areBlocksAllowed_ = true; }
 
-  /// Why nothing after it can be trusted: a line or a block beyond its limit, or blocks that were not agreed. The peer
-  /// is to be told, then the connection closed. next() returns nothing more.
+  /// The reason why the framing is lost: a line or a block beyond its limit, or blocks that were not agreed. The caller
+  /// tells the peer and closes the connection. next() returns nothing more.
   [[nodiscard]] const std::optional<Error>& lost() const { return lost_; }
   /// Whether the end of the stream now would cut a message.
   [[nodiscard]] bool hasPartialMessage() const { return lines_.hasPartialLine() || waiting_.has_value(); }
@@ -93,7 +93,8 @@ class MessageReader {
 };
 
 /// The message of one WebSocket frame: text is one message; binary is the length of the JSON (u32, little-endian), the
-/// JSON, zeros up to a multiple of 8 and the raw bytes. `problem` receives why the frame cannot be read at all.
+/// JSON, zeros up to a multiple of 8 and the raw bytes. `problem` receives the reason when the frame cannot be read at
+/// all.
 [[nodiscard]] std::optional<MessageReader::Read> readFrame(std::string_view frame, bool isBinary, bool areBlocksAllowed,
                                                            BulkTextReader& bulk, std::optional<Error>& problem);
 /// The binary frame of a message as it goes over a stream (a line and raw bytes).

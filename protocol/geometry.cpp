@@ -5,9 +5,10 @@
 #include <cmath>
 #include <limits>
 
-#include "protocol/column_reader.h"
-#include "protocol/json_tree.h"
+#include "protocol/decoding/column_reader.h"
+#include "protocol/decoding/member.h"
 #include "protocol/json_writer.h"
+#include "protocol/payload.h"
 
 namespace espalier::protocol {
 namespace {
@@ -103,8 +104,8 @@ struct GeometryStorage {
 /// Reads the columns of one geometry, from text or from blocks.
 class GeometryReader {
  public:
-  GeometryReader(const Field& field, const Payload& payload)
-      : field_(field), isInBlocks_(payload.blocks() != nullptr), blocks_(payload) {}
+  GeometryReader(const Member& member, const Payload& payload)
+      : member_(member), isInBlocks_(payload.blocks() != nullptr), blocks_(payload) {}
 
   template <typename T>
   void read(const Column<T>& column, std::optional<std::uint64_t> rows = std::nullopt) {
@@ -122,7 +123,7 @@ class GeometryReader {
     if (isInBlocks_) {
       failBlock(place, what);
     }
-    throw FieldFailure{fieldError(field_.path() + "." + place, what)};
+    throw MemberFailure{memberError(member_.path() + "." + place, what)};
   }
   void requireAtMost(const Integers& column, std::uint64_t bound, const char* what) const {
     const auto values = geometry_.*column.member;
@@ -149,7 +150,7 @@ class GeometryReader {
         return blocks_.integers(checked);
       }
     }
-    const Field list = field_[column.name];
+    const Member list = member_[column.name];
     const std::size_t count = list.arraySize();
     if (rows && count != *rows) {
       list.fail("expected " + std::to_string(*rows) + " rows, found " + std::to_string(count));
@@ -157,7 +158,7 @@ class GeometryReader {
     auto& values = store<T>();
     values.reserve(count * column.width);
     for (std::size_t i = 0; i < count; ++i) {
-      const Field row = list.element(i);
+      const Member row = list.element(i);
       if (column.width == 1) {
         values.push_back(valueOf<T>(row));
         continue;
@@ -180,15 +181,15 @@ class GeometryReader {
     }
   }
   template <typename T>
-  static T valueOf(const Field& field) {
+  static T valueOf(const Member& member) {
     if constexpr (std::is_same_v<T, double>) {
-      return field.number();
+      return member.number();
     } else {
-      return static_cast<std::uint32_t>(field.integer(0, 0xFFFFFFFF));
+      return static_cast<std::uint32_t>(member.integer(0, 0xFFFFFFFF));
     }
   }
 
-  const Field& field_;
+  const Member& member_;
   bool isInBlocks_;
   ColumnReader blocks_;
   GeometryColumns geometry_;
@@ -258,21 +259,21 @@ void addBlocks(BlockWriter& blocks, const GeometryColumns& geometry, bool isSing
   });
 }
 
-GeometryColumns readGeometry(const Field& field, const Payload& payload) {
-  field.requireObject();
-  GeometryReader reader(field, payload);
+GeometryColumns readGeometry(const Member& member, const Payload& payload) {
+  member.requireObject();
+  GeometryReader reader(member, payload);
   GeometryColumns& geometry = reader.geometry();
-  const std::string& form = field["form"].text();
+  const std::string& form = member["form"].text();
   if (form != "whole" && form != "difference") {
-    field["form"].failExpected("whole or difference");
+    member["form"].failExpected("whole or difference");
   }
   geometry.isDifference = form == "difference";
-  const std::string& widths = field["widths"].text();
+  const std::string& widths = member["widths"].text();
   if (widths != "pixels" && widths != "world") {
-    field["widths"].failExpected("pixels or world");
+    member["widths"].failExpected("pixels or world");
   }
   geometry.areWidthsPixels = widths == "pixels";
-  const Field symbols = field["symbols"];
+  const Member symbols = member["symbols"];
   for (std::size_t i = 0; i < symbols.arraySize(); ++i) {
     geometry.symbols.push_back(symbols.element(i).text());
   }

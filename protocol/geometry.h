@@ -10,15 +10,15 @@
 namespace espalier::protocol {
 
 class BlockWriter;
-class Field;
+class Member;
 class JsonWriter;
 class Payload;
 
-/// The geometry of a step as columns, whole or as the difference from the one sent before. The numbers live in `owner`,
-/// or with whoever made the columns. Rows: s segments, o organs, v vertices, t triangles; of a difference only the new
-/// ones.
+/// The geometry of a step as columns: whole, or the difference from the one sent before. The numbers live in `owner`;
+/// when it is null the caller keeps them alive. Rows: s segments, o organs, v vertices, t triangles; of a difference
+/// only the new ones.
 struct GeometryColumns {
-  /// In a run's first number: not rows that were there but the next new ones.
+  /// As the first number of a run: the run takes new rows, not rows of the geometry before.
   static constexpr std::uint32_t kNewRows = 0xFFFFFFFF;
 
   bool isDifference = false;
@@ -38,11 +38,11 @@ struct GeometryColumns {
 
 /// The object of the member `geometry`; without its columns when they go in blocks. Throws NonFiniteNumber.
 void write(JsonWriter& writer, const GeometryColumns& geometry, bool isInBlocks);
-/// The columns, in single precision when numbers are to be narrowed; others are referred to until the blocks are sent.
-/// Throws NonFiniteNumber.
+/// Adds the columns. The blocks refer to them until they are sent, except for columns that are narrowed to single
+/// precision. Throws NonFiniteNumber.
 void addBlocks(BlockWriter& blocks, const GeometryColumns& geometry, bool isSinglePrecision = false);
-/// Reads and checks it: from the blocks when the message has any. `field` is the object. For protocol's own decoders:
-/// what is wrong is thrown as FieldFailure.
-[[nodiscard]] GeometryColumns readGeometry(const Field& field, const Payload& payload);
+/// Reads and checks the object `member`; its columns come from the blocks when the message has any. For protocol's own
+/// decoders: a mistake is thrown as MemberFailure.
+[[nodiscard]] GeometryColumns readGeometry(const Member& member, const Payload& payload);
 
 }  // namespace espalier::protocol

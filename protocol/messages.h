@@ -13,10 +13,14 @@
 
 #include "protocol/blocks.h"
 #include "protocol/geometry.h"
+#include "protocol/message_id.h"
 
 namespace espalier::protocol {
 
 // Plain data of the messages in README.md, by method. Members named ...Json hold a JSON text that travels as it is.
+
+/// Of a method without params: all members are ignored.
+struct NoParams {};
 
 // ---- handshake ----
 
@@ -27,7 +31,7 @@ struct HelloParams {
   std::string version;
   std::vector<std::string> capabilities;
   std::string token;                                          // empty: none
-  std::vector<std::pair<std::string, std::uint64_t>> limits;  // what the peer takes: lineBytes, blockBytes
+  std::vector<std::pair<std::string, std::uint64_t>> limits;  // that the peer takes: lineBytes, blockBytes
 };
 
 struct HelloResult {
@@ -82,7 +86,7 @@ struct ModelResult {
 
 /// One of several models of a simulation.
 struct NamedModel {
-  std::string name;         // by which plants choose it
+  std::string name;         // plants choose it by this name
   ModelParams model;        // of requests
   std::string file;         // of forest files: instead of `model`, a .l file or a model folder
   std::int64_t colour = 0;  // added to the colours of its plants
@@ -105,13 +109,13 @@ struct SeedParams {
   std::optional<std::array<std::array<double, 3>, 2>> area;  // two corners
 };
 
-/// What a forest file says (client/espalier): the models and plants of a simulation with their environment.
+/// A forest file (clients/espalier/README.md): the models and plants of a simulation with their environment.
 struct ForestParams {
   std::vector<NamedModel> models;
   std::vector<PlantParams> plants;
   SeedParams seeds;
   std::string environmentJson;  // text of an array; empty: none, or a file
-  std::string environmentFile;  // a field file or configuration; empty: none, or in `environmentJson`
+  std::string environmentFile;  // a published .e file or a configuration; empty: none, or in `environmentJson`
   std::optional<std::uint64_t> derivationLength;
   std::optional<std::uint64_t> seed;
 };
@@ -151,7 +155,7 @@ struct Statistics {
   std::uint64_t queries = 0;
   std::uint64_t answers = 0;
   std::uint64_t bytes = 0;
-  std::uint64_t plants = 0;  // that live
+  std::uint64_t plants = 0;  // living
   std::uint64_t births = 0;  // in the step
   std::uint64_t deaths = 0;
   double milliseconds = 0.0;     // wall time of the step, environment included
@@ -174,6 +178,11 @@ struct StepParams {
   std::uint64_t steps = 1;
   std::optional<std::uint64_t> until;  // completed steps to reach, instead of `steps`
   bool wantsProgress = false;          // $/progress is sent on the way
+};
+
+/// Of $/cancel.
+struct CancelParams {
+  MessageId request;  // the one to give up
 };
 
 struct StepResult {
@@ -224,6 +233,11 @@ struct GetParams {
   StreamSelection select;   // of turtle records
 };
 
+/// Of a method that only names a simulation.
+struct SimulationParams {
+  std::string simulation;
+};
+
 struct TraceParams {
   std::string simulation;
   bool isTraced = true;
@@ -259,15 +273,14 @@ struct SimulationInformation {
   bool isSaved = false;
   std::vector<std::string> environment;  // types, in order; an offered one as offered:NAME
   std::string lastError;                 // of the last failed step; empty: none since the last good one
-  std::string damage;                    // why it could not be loaded from disk; empty: it was
-};
-
-/// Params of a method that only names a simulation or a stream.
-struct NameParams {
-  std::string name;
+  std::string damage;                    // why it could not be loaded from disk; empty: it is loaded
 };
 
 // ---- streams ----
+
+struct StreamCloseParams {
+  std::string stream;
+};
 
 struct StreamOpenParams {
   std::string simulation;
@@ -278,7 +291,7 @@ struct StreamOpenParams {
   std::optional<std::uint64_t>
       credits;                     // frames that may be unacknowledged; nothing: only the connection's speed counts
   double maximumHertz = 0.0;       // frames a second; 0: any number
-  bool isDelta = false;            // a frame may tell what differs from the one sent before
+  bool isDelta = false;            // a frame may be the difference from the one sent before
   bool isInBlocks = false;         // records as columns behind the message; needs the capability bin
   bool isSinglePrecision = false;  // turtle records with numbers rounded to floats, in blocks as <f4
 };
@@ -291,7 +304,7 @@ struct StreamAckParams {
 
 /// One record of the turtle stream.
 struct TurtleStreamRecord {
-  std::uint64_t index = 0;  // among all records of the frame, before the selection: what `parent` refers to
+  std::uint64_t index = 0;  // among all records of the frame, before the selection; `parent` is such an index
   std::uint32_t plant = 0;
   std::uint64_t module = 0;  // index in the plant's string
   std::string_view symbol;
@@ -303,9 +316,9 @@ struct TurtleStreamRecord {
   std::vector<double> parameters;
 };
 
-/// A frame of a stream. `body` has the members that depend on `what`: "records":[...], "string":"...",
-/// "statistics":{...}, "geometry":{...}, "queries":[...],"replies":[...] or, in blocks, "count":n,"symbols":[...]; and
-/// what differs: "kept" beside the records, "pieces" instead of the string, "geometry" with runs.
+/// A frame of a stream. `body` has the members that depend on the stream: "records":[...], "string":"...",
+/// "statistics":{...}, "geometry":{...}, "queries":[...],"replies":[...] or, in blocks, "count":n,"symbols":[...].
+/// A difference has "kept" beside the records, "pieces" instead of the string, or "geometry" with runs.
 struct StreamData {
   std::string stream;
   std::string simulation;
@@ -329,6 +342,10 @@ struct VariableRecord {
   std::string name;
   std::string unit = "1";
   std::string type;  // empty: a number
+};
+
+struct OfferParams {
+  std::string name;
 };
 
 struct DescribeResult {
@@ -364,9 +381,8 @@ struct OpenParams {
   std::optional<BoundsRecord> bounds;  // of the space that the plants may fill, where it is known
 };
 
-/// One communication module on the wire. Vectors that the environment does not need are absent.
-/// The queries of a step as columns; the row of a query is its id. Columns may be empty where it is said: then no query
-/// has the value. The numbers live in `owner`, or with whoever made the columns.
+/// The queries of a step as columns; the row of a query is its id. A column that may be empty says so: then no query
+/// has the value. The numbers live in `owner`; when it is null the caller keeps them alive.
 struct QueryColumns {
   std::size_t count = 0;
   std::span<const std::uint32_t> plant;                 // (count)
@@ -395,7 +411,7 @@ struct EnvironmentStepParams {
   std::optional<GeometryColumns> geometry;  // for an environment that needs it
 };
 
-/// The replies to a step as columns. The numbers live in `owner`, or with whoever made the columns.
+/// The replies to a step as columns. The numbers live in `owner`; when it is null the caller keeps them alive.
 struct ReplyColumns {
   std::size_t count = 0;
   std::span<const std::uint32_t> id;      // query that is answered (count); empty: reply i answers query i

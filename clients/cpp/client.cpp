@@ -23,10 +23,10 @@ class Client::Implementation {
 
   std::optional<Error> dial(const std::string& text) {
     auto parsed = parseAddress(text);
-    if (auto* error = std::get_if<Error>(&parsed)) {
-      return std::move(*error);
+    if (!parsed) {
+      return std::move(parsed.error());
     }
-    const auto& address = std::get<Address>(parsed);
+    const auto& address = *parsed;
     tcp::resolver resolver(context_);
     error_code error;
     const auto found = resolver.resolve(address.host, address.port, error);
@@ -96,15 +96,16 @@ class Client::Implementation {
         return std::move(*answer);
       }
       if (!receive(deadline)) {
-        return isOpen_ ? lateAnswer(what, timeout) : conversation_.refusal().value_or(lostConnection(reason_));
+        return tl::unexpected(isOpen_ ? lateAnswer(what, timeout)
+                                      : conversation_.refusal().value_or(lostConnection(reason_)));
       }
     }
   }
 
-  std::variant<std::int64_t, Error> send(std::string_view method, std::string_view paramsJson) {
+  protocol::Expected<std::int64_t> send(std::string_view method, std::string_view paramsJson) {
     const std::int64_t id = conversation_.nextId();
     if (auto error = write(protocol::encodeRequest(protocol::MessageId::of(id), method, std::string(paramsJson)))) {
-      return std::move(*error);
+      return tl::unexpected(std::move(*error));
     }
     return id;
   }
@@ -130,7 +131,7 @@ class Client::Implementation {
   bool isOpen_ = false;
 
  private:
-  /// Runs what was started until it is done; cancels it when the time is over and returns false.
+  /// Runs the started operation until it ends. When the time is over, cancels it and returns false.
   bool runFor(std::chrono::milliseconds time) {
     context_.restart();
     context_.run_for(time.count() > 0 ? time : std::chrono::milliseconds(0));
@@ -152,21 +153,21 @@ class Client::Implementation {
 Client::Client(std::unique_ptr<Implementation> implementation) : implementation_(std::move(implementation)) {}
 Client::~Client() = default;
 
-std::variant<std::unique_ptr<Client>, Error> Client::connect(const std::string& address, const ClientOptions& options) {
+protocol::Expected<std::unique_ptr<Client>> Client::connect(const std::string& address, const ClientOptions& options) {
   std::unique_ptr<Client> client(new Client(std::make_unique<Implementation>(options)));
   Implementation& implementation = *client->implementation_;
   if (auto error = implementation.dial(address)) {
-    return std::move(*error);
+    return tl::unexpected(std::move(*error));
   }
   auto sent = implementation.send("hello", implementation.conversation_.helloJson());
-  if (auto* error = std::get_if<Error>(&sent)) {
-    return std::move(*error);
+  if (!sent) {
+    return tl::unexpected(std::move(sent.error()));
   }
-  auto outcome = implementation.waitFor(std::get<std::int64_t>(sent), "hello", options.connectTimeout);
-  if (auto* error = std::get_if<Error>(&outcome)) {
-    return std::move(*error);
+  auto outcome = implementation.waitFor(*sent, "hello", options.connectTimeout);
+  if (!outcome) {
+    return tl::unexpected(std::move(outcome.error()));
   }
-  implementation.conversation_.agree(std::move(std::get<std::string>(outcome)));
+  implementation.conversation_.agree(std::move(*outcome));
   return client;
 }
 
@@ -176,14 +177,13 @@ const std::string& Client::helloResult() const {
 
 Outcome Client::request(std::string_view method, std::string_view paramsJson) {
   auto sent = send(method, paramsJson);
-  if (auto* error = std::get_if<Error>(&sent)) {
-    return std::move(*error);
+  if (!sent) {
+    return tl::unexpected(std::move(sent.error()));
   }
-  return implementation_->waitFor(std::get<std::int64_t>(sent), method,
-                                  implementation_->conversation_.options().requestTimeout);
+  return implementation_->waitFor(*sent, method, implementation_->conversation_.options().requestTimeout);
 }
 
-std::variant<std::int64_t, Error> Client::send(std::string_view method, std::string_view paramsJson) {
+protocol::Expected<std::int64_t> Client::send(std::string_view method, std::string_view paramsJson) {
   return implementation_->send(method, paramsJson);
 }
 

@@ -6,7 +6,6 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <variant>
 #include <vector>
 
 #include "protocol/envelope.h"
@@ -40,19 +39,19 @@ struct IncomingRequest {
   protocol::Payload params;
 };
 
-/// The result's JSON text, or what the server (or the connection) said instead.
-using Outcome = std::variant<std::string, protocol::Error>;
+/// The result's JSON text, or the error of the server or of the connection.
+using Outcome = protocol::Expected<std::string>;
 
-/// A connection to an Espalier server whose calls wait. For one thread.
+/// A connection to an Espalier server. Calls wait for their answers. For one thread.
 ///
-///     auto connected = Client::connect("127.0.0.1:4321", {});
-///     auto& client = *std::get<std::unique_ptr<Client>>(connected);
-///     auto created = client.request("simulation.create", R"({"model":{"gallery":"tree"}})");
+///     auto client = Client::connect("127.0.0.1:4321", {});
+///     if (!client) { use client.error().message }
+///     auto created = (*client)->request("simulation.create", R"({"model":{"gallery":"tree"}})");
 class Client {
  public:
   /// Connects and says hello.
-  [[nodiscard]] static std::variant<std::unique_ptr<Client>, protocol::Error> connect(const std::string& address,
-                                                                                      const ClientOptions& options);
+  [[nodiscard]] static protocol::Expected<std::unique_ptr<Client>> connect(const std::string& address,
+                                                                           const ClientOptions& options);
   ~Client();
   Client(const Client&) = delete;
   Client& operator=(const Client&) = delete;
@@ -61,11 +60,11 @@ class Client {
   [[nodiscard]] const std::string& helloResult() const;
 
   /// Asks and waits for the answer. Notifications and requests that come meanwhile are kept for the functions below. A
-  /// lost connection is an error with the code Internal, a missing answer one with Timeout.
+  /// lost connection is an error with the code Internal; a missing answer has the code Timeout.
   [[nodiscard]] Outcome request(std::string_view method, std::string_view paramsJson);
 
   /// Sends without waiting; returns the id to give to waitFor or cancel.
-  [[nodiscard]] std::variant<std::int64_t, protocol::Error> send(std::string_view method, std::string_view paramsJson);
+  [[nodiscard]] protocol::Expected<std::int64_t> send(std::string_view method, std::string_view paramsJson);
   [[nodiscard]] Outcome waitFor(std::int64_t id, std::chrono::milliseconds timeout);
   [[nodiscard]] std::optional<protocol::Error> notify(std::string_view method, std::string_view paramsJson);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "protocol/codec.h"
+#include "protocol/json_text.h"
 #include "protocol/version.h"
 
 namespace espalier::client {
@@ -10,12 +11,12 @@ namespace espalier::client {
 using protocol::Error;
 using protocol::ErrorCode;
 
-std::variant<Address, Error> parseAddress(const std::string& address) {
+protocol::Expected<Address> parseAddress(const std::string& address) {
   const std::size_t colon = address.rfind(':');
   if (colon == std::string::npos || colon == 0 || colon + 1 == address.size()) {
-    return Error{ErrorCode::InvalidParams,
-                 "'" + address + "' is not an address; write HOST:PORT, for example 127.0.0.1:4321.",
-                 {}};
+    return tl::unexpected(Error{ErrorCode::InvalidParams,
+                                "'" + address + "' is not an address; write HOST:PORT, for example 127.0.0.1:4321.",
+                                {}});
   }
   std::string host = address.substr(0, colon);
   if (host.size() > 2 && host.front() == '[' && host.back() == ']') {
@@ -67,10 +68,11 @@ bool Conversation::takeMessage() {
   if (!read) {
     return false;
   }
-  auto* message = std::get_if<protocol::Message>(&*read);
-  if (message == nullptr) {
+  // a line that is no message is skipped: it answers nothing
+  if (!*read) {
     return true;
   }
+  protocol::Message* const message = &**read;
   using Kind = protocol::Message::Kind;
   switch (message->kind) {
     case Kind::Notification:
@@ -86,7 +88,7 @@ bool Conversation::takeMessage() {
       } else if (forgotten_.erase(message->id.number) == 0) {
         answers_.insert_or_assign(message->id.number, message->kind == Kind::Result
                                                           ? Outcome(message->payload.toText())
-                                                          : Outcome(std::move(message->error)));
+                                                          : Outcome(tl::unexpected(std::move(message->error))));
       }
       break;
   }
@@ -97,7 +99,7 @@ std::optional<std::string> Conversation::broken() const {
   if (!reader_.lost()) {
     return std::nullopt;
   }
-  return "the server sent what cannot be read: " + reader_.lost()->message;
+  return "the server sent a message that cannot be read: " + reader_.lost()->message;
 }
 
 std::optional<Outcome> Conversation::takeAnswer(std::int64_t id) {

@@ -12,7 +12,7 @@
 
 namespace espalier::client {
 
-// What the blocking and the coroutine client share; not installed.
+// Shared by the blocking client and the coroutine client.
 
 /// Where a server listens.
 struct Address {
@@ -21,13 +21,13 @@ struct Address {
 };
 
 /// The address of HOST:PORT; an IPv6 host may be in square brackets.
-[[nodiscard]] std::variant<Address, protocol::Error> parseAddress(const std::string& address);
+[[nodiscard]] protocol::Expected<Address> parseAddress(const std::string& address);
 
 [[nodiscard]] protocol::Error notReached(const std::string& address, const std::string& reason);
 [[nodiscard]] protocol::Error lostConnection(const std::string& reason);
 [[nodiscard]] protocol::Error lateAnswer(std::string_view what, std::chrono::milliseconds timeout);
 
-/// One side of a connection without the connection: bytes that came, sorted into answers, notifications and requests.
+/// One side of a connection, without the socket. Sorts received bytes into answers, notifications and requests.
 class Conversation {
  public:
   explicit Conversation(ClientOptions options) : options_(std::move(options)), reader_(options_.limits) {}
@@ -43,9 +43,9 @@ class Conversation {
   [[nodiscard]] std::int64_t nextId() { return ++lastId_; }
 
   void feed(std::string_view bytes) { reader_.feed(bytes); }
-  /// Sorts in one message of the bytes that came. False when there is none, or none can be trusted any more (`broken`).
+  /// Sorts one received message. False when there is none, or when the framing is lost (`broken`).
   bool takeMessage();
-  /// Why what comes cannot be read any more.
+  /// The reason why later messages cannot be read, or nothing.
   [[nodiscard]] std::optional<std::string> broken() const;
 
   /// Takes out the answer to a request.
@@ -64,7 +64,7 @@ class Conversation {
   protocol::MessageReader reader_;
   std::string helloResult_;
   std::map<std::int64_t, Outcome> answers_;  // by request, not yet taken
-  std::set<std::int64_t> forgotten_;         // requests whose answers nobody waits for
+  std::set<std::int64_t> forgotten_;         // requests whose late answers are dropped
   std::deque<Notification> notifications_;
   std::deque<IncomingRequest> requests_;
   std::optional<protocol::Error> refusal_;

@@ -18,7 +18,7 @@ using Clock = std::chrono::steady_clock;
 
 namespace {
 
-// what a coroutine may wait for besides the answer to a request, which has an id from 1 on
+// a coroutine may also wait for these; the ids of requests begin at 1
 constexpr std::int64_t kNotification = 0;
 constexpr std::int64_t kRequest = -1;
 
@@ -32,10 +32,10 @@ class CoroutineClient::State : public std::enable_shared_from_this<State> {
 
   asio::awaitable<std::optional<Error>> dial(std::string text) {
     auto parsed = parseAddress(text);
-    if (auto* error = std::get_if<Error>(&parsed)) {
-      co_return std::move(*error);
+    if (!parsed) {
+      co_return std::move(parsed.error());
     }
-    const Address address = std::get<Address>(parsed);
+    const Address address = *parsed;
     asio::steady_timer timer(executor_, conversation_.options().connectTimeout);
     bool isLate = false;
     timer.async_wait([self = shared_from_this(), &isLate](const error_code& cancelled) {
@@ -64,7 +64,7 @@ class CoroutineClient::State : public std::enable_shared_from_this<State> {
 
   asio::awaitable<Outcome> request(std::string method, std::string paramsJson, std::chrono::milliseconds timeout) {
     if (!isOpen_) {
-      co_return lostConnection(reason_);
+      co_return tl::unexpected(lostConnection(reason_));
     }
     const std::int64_t id = conversation_.nextId();
     post(protocol::encodeRequest(protocol::MessageId::of(id), method, std::move(paramsJson)));
@@ -75,7 +75,7 @@ class CoroutineClient::State : public std::enable_shared_from_this<State> {
           co_return std::move(*answer);
         }
         if (!isOpen_) {
-          co_return conversation_.refusal().value_or(lostConnection(reason_));
+          co_return tl::unexpected(conversation_.refusal().value_or(lostConnection(reason_)));
         }
         if (Clock::now() >= deadline) {
           break;
@@ -87,7 +87,7 @@ class CoroutineClient::State : public std::enable_shared_from_this<State> {
       throw;
     }
     abandon(id);
-    co_return lateAnswer(method, timeout);
+    co_return tl::unexpected(lateAnswer(method, timeout));
   }
 
   /// What `take` finds; nothing once the connection has closed.
@@ -129,7 +129,7 @@ class CoroutineClient::State : public std::enable_shared_from_this<State> {
   bool isOpen_ = false;
 
  private:
-  /// Waits until something came that `what` names, the connection closed, or the time is over.
+  /// Waits until the message that `what` names has come, the connection has closed, or the time is over.
   asio::awaitable<void> wait(std::int64_t what, Clock::time_point deadline) {
     asio::steady_timer timer(executor_, deadline);
     const auto place = waiting_.emplace(what, &timer);
@@ -138,7 +138,7 @@ class CoroutineClient::State : public std::enable_shared_from_this<State> {
     co_await timer.async_wait(asio::redirect_error(asio::use_awaitable, woken));
   }
 
-  /// Nobody waits for an answer any more: the server need not make it.
+  /// The answer is not needed any more: the server may stop.
   void abandon(std::int64_t id) {
     conversation_.forget(id);
     post(protocol::encodeNotification("$/cancel", "{\"id\":" + std::to_string(id) + "}"));
@@ -192,7 +192,7 @@ class CoroutineClient::State : public std::enable_shared_from_this<State> {
   tcp::resolver resolver_;
   std::array<char, 262'144> bytes_{};
   std::deque<std::string> outbox_;
-  std::multimap<std::int64_t, asio::steady_timer*> waiting_;  // timers of the coroutines that wait, by what for
+  std::multimap<std::int64_t, asio::steady_timer*> waiting_;  // timers of the waiting coroutines
   std::string reason_ = "it was closed";
   bool isWriting_ = false;
 };
@@ -206,15 +206,15 @@ CoroutineClient::~CoroutineClient() {
 asio::awaitable<CoroutineClient::Connected> CoroutineClient::connect(std::string address, ClientOptions options) {
   auto state = std::make_shared<State>(co_await asio::this_coro::executor, std::move(options));
   if (auto error = co_await state->dial(std::move(address))) {
-    co_return std::move(*error);
+    co_return tl::unexpected(std::move(*error));
   }
   auto outcome =
       co_await state->request("hello", state->conversation_.helloJson(), state->conversation_.options().connectTimeout);
-  if (auto* error = std::get_if<Error>(&outcome)) {
+  if (!outcome) {
     state->closeSocket("it was closed");
-    co_return std::move(*error);
+    co_return tl::unexpected(std::move(outcome.error()));
   }
-  state->conversation_.agree(std::move(std::get<std::string>(outcome)));
+  state->conversation_.agree(std::move(*outcome));
   co_return std::unique_ptr<CoroutineClient>(new CoroutineClient(std::move(state)));
 }
 

@@ -5,28 +5,26 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <variant>
 
 #include "clients/cpp/client.h"
 
 namespace espalier::client {
 
-/// A connection to an Espalier server for programs that run an Asio context: every call is a coroutine, and any number
-/// of them may be under way at once. Use it from one thread, or from one strand. A coroutine that is cancelled while it
-/// waits for an answer (as by asio's `||`) cancels the request on the server: a simulation then stays at its last
-/// completed step.
+/// A connection to an Espalier server for programs that run an Asio context. Every call is a coroutine, and many calls
+/// may run at once. Use it from one thread, or from one strand. A coroutine that is cancelled while it waits for an
+/// answer (as by asio's `||`) cancels the request on the server. A simulation then stays at its last completed step.
 ///
 ///     asio::awaitable<void> grow() {
-///       auto connected = co_await CoroutineClient::connect("127.0.0.1:4321");
-///       auto client = std::get<std::unique_ptr<CoroutineClient>>(std::move(connected));
-///       auto created = co_await client->request("simulation.create", R"({"model":{"gallery":"branch-tiers"}})");
+///       auto client = co_await CoroutineClient::connect("127.0.0.1:4321");
+///       if (!client) { co_return; }  // client.error().message says why
+///       auto created = co_await (*client)->request("simulation.create", R"({"model":{"gallery":"branch-tiers"}})");
 ///     }
 ///     asio::io_context context;
 ///     asio::co_spawn(context, grow(), asio::detached);
 ///     context.run();
 class CoroutineClient {
  public:
-  using Connected = std::variant<std::unique_ptr<CoroutineClient>, protocol::Error>;
+  using Connected = protocol::Expected<std::unique_ptr<CoroutineClient>>;
 
   /// Connects and says hello, on the executor of the coroutine that calls.
   [[nodiscard]] static boost::asio::awaitable<Connected> connect(std::string address, ClientOptions options);
@@ -43,7 +41,7 @@ class CoroutineClient {
   /// Asks and waits for the answer, at most `requestTimeout` of the options. A lost connection is an error with the
   /// code Internal, a missing answer one with Timeout.
   [[nodiscard]] boost::asio::awaitable<Outcome> request(std::string method, std::string paramsJson);
-  /// Sends without an answer. Queued; what cannot be sent is seen by the next request.
+  /// Queues a message that has no answer. The next request reports a failure to send it.
   void notify(std::string_view method, std::string_view paramsJson);
 
   /// The next notification (a frame of a stream), or nothing once the connection has closed.

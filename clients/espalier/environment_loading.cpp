@@ -16,6 +16,7 @@
 #include "environment/published/published_environment.h"
 #include "environment/registry.h"
 #include "protocol/envelope.h"
+#include "protocol/json_text.h"
 #include "server/remote/processes/legacy_process.h"
 #include "server/remote/processes/plugin_library.h"
 #include "server/remote/processes/supervised_process.h"
@@ -63,11 +64,11 @@ std::chrono::milliseconds timeOfStep(const Making& making, std::optional<std::ch
 std::optional<server::RemoteSettings> readSettings(const std::string& entryJson, const std::string& what,
                                                    const Making& making) {
   auto read = server::readRemoteSettings(entryJson, making.remote.policy);
-  if (const auto* problem = std::get_if<server::RemoteSettingProblem>(&read)) {
-    printError(what + problem->key + ": " + problem->message);
+  if (!read) {
+    printError(what + read.error().key + ": " + read.error().message);
     return std::nullopt;
   }
-  return std::move(std::get<server::RemoteSettings>(read));
+  return std::move(*read);
 }
 
 Process connectRemote(const std::string& address, const std::string& entryJson, const std::string& what,
@@ -82,12 +83,12 @@ Process connectRemote(const std::string& address, const std::string& entryJson, 
   options.isAbsenceTolerated = settings.policy.isTolerant;
   options.stepTimeout = timeOfStep(making, settings.stepTimeout, options.stepTimeout);
   auto connected = server::connectRemoteEnvironment(address, options);
-  if (const std::string* problem = std::get_if<std::string>(&connected)) {
-    printError(*problem);
+  if (!connected) {
+    printError(connected.error());
     return nullptr;
   }
   return settings.policy.around(
-      std::move(std::get<Process>(connected)),
+      std::move(*connected),
       [sink = making.onFailure](std::uint64_t step, const std::string& message) { (*sink)(step, message); });
 }
 
@@ -100,12 +101,12 @@ Process loadPlugin(const std::string& library, const std::string& entryJson, con
   server::RemoteSettings& settings = *read;
   auto loaded =
       server::loadPluginProcess(library, entryJson, timeOfStep(making, settings.stepTimeout, std::chrono::seconds(60)));
-  if (const auto* problem = std::get_if<std::string>(&loaded)) {
-    printError(*problem);
+  if (!loaded) {
+    printError(loaded.error());
     return nullptr;
   }
   return settings.policy.around(
-      std::move(std::get<Process>(loaded)),
+      std::move(*loaded),
       [sink = making.onFailure](std::uint64_t step, const std::string& message) { (*sink)(step, message); });
 }
 

@@ -11,6 +11,7 @@
 #include "clients/espalier/messages.h"
 #include "engine/turtle/export/palette.h"
 #include "protocol/codec.h"
+#include "protocol/json_text.h"
 #include "server/remote/translation/translate.h"
 
 namespace espalier::command {
@@ -58,14 +59,14 @@ std::optional<protocol::ForestParams> readForest(const std::string& file, core::
     return std::nullopt;
   };
   const auto message = protocol::decodeMessage("{\"jsonrpc\":\"2.0\",\"method\":\"forest\",\"params\":" + *text + "}");
-  if (const auto* bad = std::get_if<protocol::BadMessage>(&message)) {
-    return complain(bad->error.message);
+  if (!message) {
+    return complain(message.error().error.message);
   }
-  auto decoded = protocol::decodeForestParams(std::get<protocol::Message>(message).payload);
-  if (const auto* error = std::get_if<protocol::Error>(&decoded)) {
-    return complain(error->message);
+  auto decoded = protocol::decodeForestParams(message->payload);
+  if (!decoded) {
+    return complain(decoded.error().message);
   }
-  return std::move(std::get<protocol::ForestParams>(decoded));
+  return std::move(*decoded);
 }
 
 // every model has blocks of its own; where some have colours, the others have Espalier's own in theirs

@@ -195,8 +195,7 @@ void addRunningOptions(CLI::App& command, ModelOptions& options) {
       ->type_name("POLICY")
       ->check([](const std::string& words) {
         const auto read = server::readRemotePolicy(words);
-        const auto* problem = std::get_if<std::string>(&read);
-        return problem == nullptr ? std::string{} : *problem;
+        return read ? std::string{} : read.error();
       });
   command
       .add_option(

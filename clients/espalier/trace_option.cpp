@@ -17,11 +17,11 @@ bool TraceOption::open(LoadedEnvironment& environment) {
     return true;
   }
   auto created = server::TraceFile::create(fileName_);
-  if (const auto* problem = std::get_if<std::string>(&created)) {
-    printError(*problem);
+  if (!created) {
+    printError(created.error());
     return false;
   }
-  file_ = std::move(std::get<std::unique_ptr<server::TraceFile>>(created));
+  file_ = std::move(*created);
   recorder_ = std::make_shared<simulation::TraceRecorder>(*file_);
   if (environment.onFailure != nullptr) {
     *environment.onFailure = [recorder = recorder_, say = *environment.onFailure](std::uint64_t step,

@@ -31,9 +31,7 @@ class ReplayProcess final : public turtle::EnvironmentProcess {
   void expect(std::vector<TraceEvent>* events) {
     events_ = events;
     next_ = 0;
-    wasAsked_ = false;
   }
-  [[nodiscard]] bool wasAsked() const { return wasAsked_; }
   [[nodiscard]] std::optional<Divergence> takeDivergence() { return std::exchange(divergence_, std::nullopt); }
 
   [[nodiscard]] turtle::EnvironmentDescription describe() const override { return description_; }
@@ -93,7 +91,6 @@ class ReplayProcess final : public turtle::EnvironmentProcess {
   }
 
   [[nodiscard]] const TraceEvent* next() {
-    wasAsked_ = true;
     return events_ == nullptr || next_ == events_->size() ? nullptr : &(*events_)[next_++];
   }
 
@@ -169,7 +166,6 @@ class ReplayProcess final : public turtle::EnvironmentProcess {
   std::vector<TraceEvent>* events_ = nullptr;
   std::size_t next_ = 0;  // of events_
   std::optional<Divergence> divergence_;
-  bool wasAsked_ = false;
 };
 
 /// Where the plants are not the recorded ones, or nothing.

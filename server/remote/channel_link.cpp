@@ -22,12 +22,12 @@ struct ChannelLink::Transport {
 
 std::unique_ptr<ChannelLink> ChannelLink::tcp(std::string address, const ChannelOptions& options) {
   const protocol::FrameLimits limits = options.limits;
-  Dialer dialer = [address, limits](Deadline deadline) -> std::variant<std::unique_ptr<Transport>, std::string> {
+  Dialer dialer = [address, limits](Deadline deadline) -> tl::expected<std::unique_ptr<Transport>, std::string> {
     auto dialled = dialTcp(address, deadline);
-    if (auto* problem = std::get_if<std::string>(&dialled)) {
-      return std::move(*problem);
+    if (!dialled) {
+      return tl::unexpected(std::move(dialled.error()));
     }
-    return std::make_unique<Transport>(std::move(std::get<Descriptor>(dialled)), Descriptor(), nullptr, limits);
+    return std::make_unique<Transport>(std::move(*dialled), Descriptor(), nullptr, limits);
   };
   return std::unique_ptr<ChannelLink>(new ChannelLink("environment tcp://" + address,
                                                       "Start it again at " + address + ", then ask for the step again.",
@@ -36,12 +36,12 @@ std::unique_ptr<ChannelLink> ChannelLink::tcp(std::string address, const Channel
 
 std::unique_ptr<ChannelLink> ChannelLink::unixSocket(std::string path, const ChannelOptions& options) {
   const protocol::FrameLimits limits = options.limits;
-  Dialer dialer = [path, limits](Deadline) -> std::variant<std::unique_ptr<Transport>, std::string> {
+  Dialer dialer = [path, limits](Deadline) -> tl::expected<std::unique_ptr<Transport>, std::string> {
     auto dialled = dialUnix(path);
-    if (auto* problem = std::get_if<std::string>(&dialled)) {
-      return std::move(*problem);
+    if (!dialled) {
+      return tl::unexpected(std::move(dialled.error()));
     }
-    return std::make_unique<Transport>(std::move(std::get<Descriptor>(dialled)), Descriptor(), nullptr, limits);
+    return std::make_unique<Transport>(std::move(*dialled), Descriptor(), nullptr, limits);
   };
   return std::unique_ptr<ChannelLink>(new ChannelLink("environment unix:" + path,
                                                       "Start it again at " + path + ", then ask for the step again.",
@@ -50,12 +50,12 @@ std::unique_ptr<ChannelLink> ChannelLink::unixSocket(std::string path, const Cha
 
 std::unique_ptr<ChannelLink> ChannelLink::stdio(std::string command, const ChannelOptions& options) {
   const protocol::FrameLimits limits = options.limits;
-  Dialer dialer = [command, limits](Deadline) -> std::variant<std::unique_ptr<Transport>, std::string> {
+  Dialer dialer = [command, limits](Deadline) -> tl::expected<std::unique_ptr<Transport>, std::string> {
     auto result = ChildProcess::start(command);
-    if (auto* problem = std::get_if<std::string>(&result)) {
-      return std::move(*problem);
+    if (!result) {
+      return tl::unexpected(std::move(result.error()));
     }
-    auto& started = *std::get<std::unique_ptr<ChildProcess::Started>>(result);
+    auto& started = **result;
     return std::make_unique<Transport>(std::move(started.input), std::move(started.output),
                                        std::make_unique<ChildProcess>(std::move(started.process)), limits);
   };
@@ -79,12 +79,12 @@ std::optional<LinkFailure> ChannelLink::connect() {
     return std::nullopt;
   }
   auto dialled = dialer_(std::chrono::steady_clock::now() + options_.connectTimeout);
-  if (auto* problem = std::get_if<std::string>(&dialled)) {
-    return LinkFailure{LinkFailure::Kind::Away, "is not there: " + *problem, {}};
+  if (!dialled) {
+    return LinkFailure{LinkFailure::Kind::Away, "is not there: " + dialled.error(), {}};
   }
   {
     const std::lock_guard lock(mutex_);
-    transport_ = std::move(std::get<std::unique_ptr<Transport>>(dialled));
+    transport_ = std::move(*dialled);
   }
   ++connectionCount_;
   return introduce();
@@ -100,23 +100,21 @@ std::optional<LinkFailure> ChannelLink::introduce() {
                                     .limits = ownLimits()};
   terms_ = {};
   auto outcome = call("hello", protocol::encode(hello), options_.introductionTimeout);
-  auto* failure = std::get_if<LinkFailure>(&outcome);
-  if (failure == nullptr) {
-    const auto decoded = protocol::decodeHelloResult(std::get<protocol::Payload>(outcome));
-    if (const auto* result = std::get_if<protocol::HelloResult>(&decoded)) {
+  if (outcome) {
+    if (const auto result = protocol::decodeHelloResult(*outcome)) {
       agree(result->capabilities, result->limits);
     }
     return std::nullopt;
   }
-  if (failure->kind == LinkFailure::Kind::Timeout) {
-    return std::nullopt;
-  }
-  if (failure->kind == LinkFailure::Kind::Refused && failure->error.code != protocol::ErrorCode::Version) {
+  LinkFailure& failure = outcome.error();
+  const bool isRefused =
+      failure.kind == LinkFailure::Kind::Refused && failure.error.code != protocol::ErrorCode::Version;
+  if (isRefused || failure.kind == LinkFailure::Kind::Timeout) {
     return std::nullopt;
   }
   const std::lock_guard lock(mutex_);
   transport_.reset();
-  return std::move(*failure);
+  return std::move(failure);
 }
 
 std::vector<std::string> ChannelLink::ownCapabilities() const {
@@ -140,16 +138,15 @@ LinkOutcome ChannelLink::call(std::string_view method, const protocol::Body& par
                               std::chrono::milliseconds timeout) {
   if (transport_ == nullptr) {
     if (auto failure = connect()) {
-      return std::move(*failure);
+      return tl::unexpected(std::move(*failure));
     }
   }
   transport_->channel.clearInterruption();
   const auto id = protocol::MessageId::of("s" + std::to_string(++requestCount_));
   const Deadline deadline = std::chrono::steady_clock::now() + timeout;
   auto outcome = exchange(id, protocol::encodeRequest(id, method, params), deadline, timeout);
-  if (const auto* failure = std::get_if<LinkFailure>(&outcome);
-      failure != nullptr &&
-      (failure->kind == LinkFailure::Kind::Closed || failure->kind == LinkFailure::Kind::Garbage)) {
+  if (!outcome &&
+      (outcome.error().kind == LinkFailure::Kind::Closed || outcome.error().kind == LinkFailure::Kind::Garbage)) {
     const std::lock_guard lock(mutex_);
     transport_.reset();
   }
@@ -165,27 +162,29 @@ LinkOutcome ChannelLink::exchange(const protocol::MessageId& id, const std::stri
       auto failure = failureOf(status, timeout);
       const std::lock_guard lock(mutex_);
       transport_.reset();
-      return failure;
+      return tl::unexpected(std::move(failure));
     }
-    return failureOf(status, timeout);
+    return tl::unexpected(failureOf(status, timeout));
   }
   protocol::MessageReader& reader = transport_->reader;
   while (true) {
     auto read = reader.next();
     if (!read) {
       if (reader.lost()) {
-        return LinkFailure{LinkFailure::Kind::Garbage, "sent what cannot be read: " + reader.lost()->message, {}};
+        return tl::unexpected(LinkFailure{
+            LinkFailure::Kind::Garbage, "sent a message that cannot be read: " + reader.lost()->message, {}});
       }
       if (const auto status = channel.receive(transport_->received, deadline); status != LineChannel::Status::Done) {
-        return failureOf(status, timeout);
+        return tl::unexpected(failureOf(status, timeout));
       }
       reader.feed(transport_->received);
       continue;
     }
-    if (auto* bad = std::get_if<protocol::BadMessage>(&*read)) {
-      return LinkFailure{LinkFailure::Kind::Garbage, "sent a line that is not a message: " + bad->error.message, {}};
+    if (!*read) {
+      return tl::unexpected(LinkFailure{
+          LinkFailure::Kind::Garbage, "sent a line that is not a message: " + read->error().error.message, {}});
     }
-    auto& message = std::get<protocol::Message>(*read);
+    auto& message = **read;
     switch (message.kind) {
       case protocol::Message::Kind::Notification:
         break;
@@ -195,15 +194,16 @@ LinkOutcome ChannelLink::exchange(const protocol::MessageId& id, const std::stri
         }
         break;
       case protocol::Message::Kind::Result:
-        // answers to questions that timed out before are not ours any more
+        // an answer with another id belongs to a question that timed out
         if (message.id == id) {
           return std::move(message.payload);
         }
         break;
       case protocol::Message::Kind::Error:
         if (message.id == id || message.id.kind == protocol::MessageId::Kind::Null) {
-          return LinkFailure{LinkFailure::Kind::Refused, "answered with an error: " + message.error.message,
-                             std::move(message.error)};
+          return tl::unexpected(LinkFailure{LinkFailure::Kind::Refused,
+                                            "answered with an error: " + message.error.message,
+                                            std::move(message.error)});
         }
         break;
     }
@@ -213,8 +213,7 @@ LinkOutcome ChannelLink::exchange(const protocol::MessageId& id, const std::stri
 LineChannel::Status ChannelLink::answer(const protocol::Message& request, Deadline deadline) {
   std::string line;
   if (request.method == "hello") {
-    const auto decoded = protocol::decodeHelloParams(request.payload);
-    if (const auto* said = std::get_if<protocol::HelloParams>(&decoded)) {
+    if (const auto said = protocol::decodeHelloParams(request.payload)) {
       agree(said->capabilities, said->limits);
     }
     const protocol::HelloResult hello{.protocol = protocol::kProtocolVersion,
@@ -240,7 +239,7 @@ LinkFailure ChannelLink::failureOf(LineChannel::Status status, std::chrono::mill
     case LineChannel::Status::Timeout:
       return {LinkFailure::Kind::Timeout, "did not answer within " + std::to_string(timeout.count()) + " ms", {}};
     case LineChannel::Status::Interrupted:
-      return {LinkFailure::Kind::Interrupted, "was not waited for: the step was given up", {}};
+      return {LinkFailure::Kind::Interrupted, "was given up with the step", {}};
     case LineChannel::Status::Overflow:
     case LineChannel::Status::Closed:
     case LineChannel::Status::Done:

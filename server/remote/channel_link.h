@@ -43,19 +43,19 @@ class ChannelLink final : public EnvironmentLink {
 
  private:
   struct Transport;
-  using Dialer = std::function<std::variant<std::unique_ptr<Transport>, std::string>(Deadline)>;
+  using Dialer = std::function<tl::expected<std::unique_ptr<Transport>, std::string>(Deadline)>;
 
   ChannelLink(std::string label, std::string remedy, Dialer dialer, const ChannelOptions& options);
   /// Sends hello. A peer that does not know it, or keeps silent, is served all the same.
   [[nodiscard]] std::optional<LinkFailure> introduce();
   [[nodiscard]] std::vector<std::string> ownCapabilities() const;
   [[nodiscard]] std::vector<std::pair<std::string, std::uint64_t>> ownLimits() const;
-  /// Takes in what the peer said in its hello.
+  /// Notes the terms of the peer's hello.
   void agree(const std::vector<std::string>& capabilities,
              const std::vector<std::pair<std::string, std::uint64_t>>& limits);
   [[nodiscard]] LinkOutcome exchange(const protocol::MessageId& id, const std::string& line, Deadline deadline,
                                      std::chrono::milliseconds timeout);
-  /// Answers what an environment may ask: it may say hello itself.
+  /// Answers a request of the environment: it may say hello itself.
   [[nodiscard]] LineChannel::Status answer(const protocol::Message& request, Deadline deadline);
   [[nodiscard]] LinkFailure failureOf(LineChannel::Status status, std::chrono::milliseconds timeout);
 

@@ -18,9 +18,9 @@ class DiskFileProvider final : public core::FileProvider {
   std::size_t maximumBytes_;
 };
 
-/// A file that is written piece by piece and appears under its name only when it is complete: a temporary file beside
-/// it, then rename. What is not a regular file, as /dev/stdout, is written directly. A file that is never committed
-/// leaves nothing.
+/// A file that is written piece by piece and appears under its name only when it is complete. It writes a temporary
+/// file in the same folder and renames it. A device such as /dev/stdout is written directly. A file that is never
+/// committed leaves nothing behind.
 class AtomicFile final : public core::ByteSink {
  public:
   explicit AtomicFile(std::string name);
@@ -28,10 +28,10 @@ class AtomicFile final : public core::ByteSink {
   AtomicFile(const AtomicFile&) = delete;
   AtomicFile& operator=(const AtomicFile&) = delete;
 
-  /// After a failure nothing more is written; commit() says what it was.
+  /// After a failure nothing more is written; commit() reports it.
   void write(std::string_view bytes) override;
-  /// Writes what is left and closes the file; of several files that belong together all are finished before one is
-  /// committed. An error sentence that says what to do, or nothing.
+  /// Writes the buffered rest and closes the file. A caller that writes several files finishes all before it commits
+  /// one. Returns an error sentence with a remedy, or nothing.
   [[nodiscard]] std::optional<std::string> finish();
   /// Finishes the file and puts it in its place. An error sentence, or nothing.
   [[nodiscard]] std::optional<std::string> commit();

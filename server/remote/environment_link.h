@@ -6,7 +6,6 @@
 #include <string>
 #include <string_view>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include "protocol/envelope.h"
@@ -16,24 +15,25 @@ namespace espalier::server {
 /// Why a call to an environment in another process has no result.
 struct LinkFailure {
   enum class Kind : std::uint8_t {
-    Away,    // nobody is there: not offered, not reachable, could not be started
-    Closed,  // it was there and went away
+    Away,    // no peer: not offered, not reachable, could not be started
+    Closed,  // the peer was there and went away
     Timeout,
     Refused,      // it answered with an error: `error`
     Garbage,      // it sent something that is not a message of the protocol
     Interrupted,  // the caller gave up
   };
   Kind kind = Kind::Away;
-  std::string message;    // what happened, as the rest of a sentence that begins with the environment: "went away"
-  protocol::Error error;  // Refused: what it said
+  std::string message;    // the rest of a sentence that begins with the environment: "went away"
+  protocol::Error error;  // Refused: the error that the peer sent
 };
 
-using LinkOutcome = std::variant<protocol::Payload, LinkFailure>;
+/// The result of a call.
+using LinkOutcome = tl::expected<protocol::Payload, LinkFailure>;
 
-/// What the peer of a link takes.
+/// Blocks and sizes that the peer of a link takes.
 struct PeerTerms {
   bool takesBlocks = false;               // both sides named `bin`
-  std::uint64_t lineBytes = 256'000'000;  // what it said, or what our own environments take
+  std::uint64_t lineBytes = 256'000'000;  // as in its hello, else as our own environments take
   std::uint64_t blockBytes = 0;           // of one message
 };
 
@@ -49,13 +49,13 @@ class EnvironmentLink {
 
   /// How messages name it: "environment 'mylight'", "environment tcp://127.0.0.1:4000".
   [[nodiscard]] virtual std::string label() const = 0;
-  /// What to do when it is away, a whole sentence.
+  /// What the user can do when it is away, a whole sentence.
   [[nodiscard]] virtual std::string remedy() const = 0;
   /// Makes sure that a peer is there, connecting when needed.
   [[nodiscard]] virtual std::optional<LinkFailure> connect() = 0;
-  /// Differs from every earlier value when the peer is not the one it was; 0: none is there.
+  /// A number that is new for each new peer; 0: there is no peer.
   [[nodiscard]] virtual std::uint64_t generation() const = 0;
-  /// What the peer that is there now takes; meaningless when none is.
+  /// The terms of the present peer; meaningless without one.
   [[nodiscard]] virtual PeerTerms terms() const = 0;
   /// Asks and waits for the answer. The params are an object.
   [[nodiscard]] virtual LinkOutcome call(std::string_view method, const protocol::Body& params,

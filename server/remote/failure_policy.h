@@ -8,12 +8,12 @@
 
 namespace espalier::server {
 
-/// What was done about an environment that failed: the step (completed steps before it) and a whole sentence.
+/// Receives each use of a policy: the step (completed steps before it) and a whole sentence.
 using FailureSink = std::function<void(std::uint64_t step, const std::string& message)>;
 
-/// An environment whose failures do not fail the step: the modules keep what they sent, or a built-in process answers
-/// in its place. Every step asks the environment first, so that one that comes back is used again. `fallback` null:
-/// keep. `sink` hears of each failure. Not opening, and a state that cannot be restored, are failures like any other.
+/// An environment whose failures do not fail the step. The modules keep what they sent (`fallback` null), or the
+/// built-in `fallback` answers. Every step asks the environment first, so an environment that comes back is used again.
+/// `sink` receives each failure. A failure to open, and a state that cannot be restored, count too.
 [[nodiscard]] std::unique_ptr<turtle::EnvironmentProcess> withFailurePolicy(
     std::unique_ptr<turtle::EnvironmentProcess> process, std::unique_ptr<turtle::EnvironmentProcess> fallback,
     FailureSink sink);

@@ -82,7 +82,7 @@ LinkOutcome OfferedLink::call(std::string_view method, const protocol::Body& par
   const auto offer = offered_->find(name_);
   const auto peer = offer ? offer->peer.lock() : nullptr;
   if (peer == nullptr) {
-    return away();
+    return tl::unexpected(away());
   }
   const auto pending = std::make_shared<PendingCall>();
   {
@@ -97,8 +97,8 @@ LinkOutcome OfferedLink::call(std::string_view method, const protocol::Body& par
     current_.reset();
   }
   if (!outcome) {
-    return LinkFailure{
-        LinkFailure::Kind::Timeout, "did not answer within " + std::to_string(timeout.count()) + " ms", {}};
+    return tl::unexpected(LinkFailure{
+        LinkFailure::Kind::Timeout, "did not answer within " + std::to_string(timeout.count()) + " ms", {}});
   }
   return std::move(*outcome);
 }
@@ -106,7 +106,7 @@ LinkOutcome OfferedLink::call(std::string_view method, const protocol::Body& par
 void OfferedLink::interrupt() {
   const std::lock_guard lock(mutex_);
   if (current_ != nullptr) {
-    current_->complete(LinkFailure{LinkFailure::Kind::Interrupted, "was not waited for: the step was given up", {}});
+    current_->fail({LinkFailure::Kind::Interrupted, "was given up with the step", {}});
   }
 }
 

@@ -13,10 +13,11 @@
 
 namespace espalier::server {
 
-/// One question to a peer on its way: the asking worker waits, the network thread completes it.
+/// One question to a peer. A worker waits for the answer, and the network thread brings it.
 class PendingCall {
  public:
   void complete(LinkOutcome outcome);
+  void fail(LinkFailure failure) { complete(tl::unexpected(std::move(failure))); }
   /// Nothing when the time is over.
   [[nodiscard]] std::optional<LinkOutcome> wait(std::chrono::milliseconds timeout);
 
@@ -26,7 +27,7 @@ class PendingCall {
   std::optional<LinkOutcome> outcome_;
 };
 
-/// A connected peer that can be asked: a session. Thread-safe.
+/// A connected peer that answers questions: a session. Thread-safe.
 class AskedPeer {
  public:
   virtual ~AskedPeer() = default;
@@ -34,13 +35,12 @@ class AskedPeer {
   [[nodiscard]] virtual std::string ask(std::string_view method, const protocol::Body& params,
                                         std::shared_ptr<PendingCall> call) = 0;
   [[nodiscard]] virtual PeerTerms terms() const = 0;
-  /// The answer to the request is not waited for any more.
+  /// The answer to the request is not needed any more.
   virtual void forget(const std::string& id) = 0;
 };
 
-/// The environments that connected and offered themselves, by name. The latest offer of a name is the one that is
-/// asked, so that an environment which comes back is used even while its old connection is not known to be dead.
-/// Thread-safe.
+/// The environments that connected and offered themselves, by name. A later offer of a name replaces the earlier one,
+/// so an environment that comes back is used even while its old connection looks alive. Thread-safe.
 class OfferedEnvironments {
  public:
   struct Offer {
@@ -60,7 +60,7 @@ class OfferedEnvironments {
   std::uint64_t lastSerial_ = 0;
 };
 
-/// A link to whoever offers a name now.
+/// A link to the peer that offers a name now.
 class OfferedLink final : public EnvironmentLink {
  public:
   /// `offered` must outlive the link.

@@ -5,7 +5,7 @@
 
 namespace espalier::server {
 
-std::variant<std::unique_ptr<turtle::EnvironmentProcess>, std::string> connectRemoteEnvironment(
+tl::expected<std::unique_ptr<turtle::EnvironmentProcess>, std::string> connectRemoteEnvironment(
     const std::string& address, const RemoteEnvironmentOptions& options) {
   constexpr std::string_view kTcp = "tcp://";
   constexpr std::string_view kStdio = "stdio:";
@@ -21,15 +21,16 @@ std::variant<std::unique_ptr<turtle::EnvironmentProcess>, std::string> connectRe
   } else if (address.starts_with(kStdio)) {
     link = ChannelLink::stdio(address.substr(kStdio.size()), channel);
   } else {
-    return "'" + address +
-           "' does not name an environment in another process. Write tcp://HOST:PORT, unix:PATH or stdio:COMMAND.";
+    return tl::unexpected(
+        "'" + address +
+        "' does not name an environment in another process. Write tcp://HOST:PORT, unix:PATH or stdio:COMMAND.");
   }
   RemoteProcessOptions processOptions;
   processOptions.stepTimeout = options.stepTimeout;
   processOptions.configurationJson = options.configurationJson;
   auto process = std::make_unique<RemoteProcess>(std::move(link), std::move(processOptions));
   if (auto error = process->introduce(); error && !(options.isAbsenceTolerated && error->isRetryable)) {
-    return std::move(error->message);
+    return tl::unexpected(std::move(error->message));
   }
   return process;
 }

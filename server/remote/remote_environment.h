@@ -3,7 +3,7 @@
 #include <chrono>
 #include <memory>
 #include <string>
-#include <variant>
+#include <tl/expected.hpp>
 
 #include "engine/turtle/environment_process.h"
 
@@ -17,11 +17,11 @@ struct RemoteEnvironmentOptions {
   std::string configurationJson;    // sent when a simulation opens it: an object as text; empty: none
 };
 
-/// An environment in another process, spoken to with the protocol: `tcp://HOST:PORT` and `unix:PATH` are dialled,
-/// `stdio:COMMAND` is spawned by the shell and spoken to on its standard input and output (its standard error passes
-/// through). Bitwise the same plant as in-process. Returns the process, or a sentence that says what is wrong and what
-/// to do.
-[[nodiscard]] std::variant<std::unique_ptr<turtle::EnvironmentProcess>, std::string> connectRemoteEnvironment(
+/// An environment in another process, reached with the protocol. `tcp://HOST:PORT` and `unix:PATH` are connected to.
+/// `stdio:COMMAND` is started by the shell and answers on its standard output; its standard error passes through. It
+/// gives bitwise the same plant as a process inside the program. Returns the process, or an error sentence with a
+/// remedy.
+[[nodiscard]] tl::expected<std::unique_ptr<turtle::EnvironmentProcess>, std::string> connectRemoteEnvironment(
     const std::string& address, const RemoteEnvironmentOptions& options);
 
 }  // namespace espalier::server

@@ -4,6 +4,7 @@
 
 #include "engine/simulation/snapshot.h"
 #include "protocol/codec.h"
+#include "protocol/json_text.h"
 #include "server/remote/translation/translate.h"
 #include "server/remote/translation/translate_environment.h"
 #include "server/remote/translation/translate_geometry.h"
@@ -67,17 +68,17 @@ std::optional<turtle::EnvironmentError> RemoteProcess::introduce() {
   const std::uint64_t generation = link_->generation();
   auto outcome = call("environment.describe", "{}", options_.introductionTimeout);
   isMinimal_ = false;
-  if (const auto* payload = std::get_if<protocol::Payload>(&outcome)) {
-    auto decoded = protocol::decodeDescribeResult(*payload);
-    if (const auto* error = std::get_if<protocol::Error>(&decoded)) {
-      return turtle::EnvironmentError{link_->label() + " describes itself wrongly: " + error->message + "." +
+  if (outcome) {
+    auto decoded = protocol::decodeDescribeResult(*outcome);
+    if (!decoded) {
+      return turtle::EnvironmentError{link_->label() + " describes itself wrongly: " + decoded.error().message + "." +
                                           " Correct its answer to environment.describe.",
                                       false};
     }
-    description_ = std::move(std::get<protocol::DescribeResult>(decoded));
+    description_ = std::move(*decoded);
     isDescribed_ = true;
   } else {
-    const auto& problem = std::get<LinkFailure>(outcome);
+    const LinkFailure& problem = outcome.error();
     const bool isSilent = problem.kind == LinkFailure::Kind::Timeout;
     if (!isSilent && problem.kind != LinkFailure::Kind::Refused) {
       return errorOf(problem, "in environment.describe");
@@ -109,8 +110,8 @@ std::optional<turtle::EnvironmentError> RemoteProcess::openPeer(std::uint64_t st
     params.resumeStep = step;
   }
   auto outcome = call("environment.open", protocol::encode(params), options_.stepTimeout);
-  if (const auto* failure = std::get_if<LinkFailure>(&outcome); failure != nullptr && !isUnknownMethod(*failure)) {
-    return errorOf(*failure, "in environment.open");
+  if (!outcome && !isUnknownMethod(outcome.error())) {
+    return errorOf(outcome.error(), "in environment.open");
   }
   if (!isInRun || !canCheckpoint()) {
     return std::nullopt;
@@ -126,8 +127,8 @@ std::optional<turtle::EnvironmentError> RemoteProcess::openPeer(std::uint64_t st
   auto restored =
       call("environment.restore", protocol::encode(protocol::RestoreStateParams{context_->simulation, *savedState_}),
            options_.stepTimeout);
-  if (const auto* failure = std::get_if<LinkFailure>(&restored)) {
-    return errorOf(*failure, "in environment.restore");
+  if (!restored) {
+    return errorOf(restored.error(), "in environment.restore");
   }
   return std::nullopt;
 }
@@ -161,7 +162,7 @@ std::optional<turtle::EnvironmentError> RemoteProcess::open(const turtle::Enviro
   return error;
 }
 
-std::variant<protocol::Body, turtle::EnvironmentError> RemoteProcess::bodyOf(
+tl::expected<protocol::Body, turtle::EnvironmentError> RemoteProcess::bodyOf(
     const protocol::EnvironmentStepParams& params, const std::string& during) const {
   const PeerTerms terms = link_->terms();
   const bool isBinary = terms.takesBlocks;
@@ -173,19 +174,19 @@ std::variant<protocol::Body, turtle::EnvironmentError> RemoteProcess::bodyOf(
       return body;
     }
     const std::string limit = isBinary ? "blockBytes" : "lineBytes";
-    return turtle::EnvironmentError{
+    return tl::unexpected(turtle::EnvironmentError{
         link_->label() + " takes at most " + std::to_string(bound) + " bytes in one message (" + limit + "), but " +
             during + " take " + std::to_string(bytes) + " bytes" + (isBinary ? " in blocks." : " as text.") +
             " Let it need less (needs in environment.describe), " +
             (isBinary ? "raise its blockBytes, "
                       : "let it take binary blocks (the capability bin), raise its lineBytes, ") +
             "or let the model ask less in one step.",
-        false};
+        false});
   } catch (const protocol::NonFiniteNumber&) {
-    return turtle::EnvironmentError{"A query for " + link_->label() +
-                                        " has a parameter or position that is NaN or infinite (" + during +
-                                        "). Correct the model.",
-                                    false};
+    return tl::unexpected(turtle::EnvironmentError{"A query for " + link_->label() +
+                                                       " has a parameter or position that is NaN or infinite (" +
+                                                       during + "). Correct the model.",
+                                                   false});
   }
 }
 
@@ -206,20 +207,20 @@ std::optional<turtle::EnvironmentError> RemoteProcess::step(const turtle::QueryB
         toColumns(queries.geometry, description_.takesDifferences ? peerGeometry.get() : nullptr, symbols);
   }
   auto body = bodyOf(params, during);
-  if (auto* error = std::get_if<turtle::EnvironmentError>(&body)) {
-    return std::move(*error);
+  if (!body) {
+    return std::move(body.error());
   }
-  auto outcome = call("environment.step", std::get<protocol::Body>(body), options_.stepTimeout);
-  if (const auto* failure = std::get_if<LinkFailure>(&outcome)) {
-    return errorOf(*failure, during);
+  auto outcome = call("environment.step", *body, options_.stepTimeout);
+  if (!outcome) {
+    return errorOf(outcome.error(), during);
   }
-  auto decoded = protocol::decodeReplies(std::get<protocol::Payload>(outcome), queries.size());
-  if (const auto* error = std::get_if<protocol::Error>(&decoded)) {
-    return turtle::EnvironmentError{link_->label() + " answered wrongly (" + during + "): " + error->message +
+  auto decoded = protocol::decodeReplies(*outcome, queries.size());
+  if (!decoded) {
+    return turtle::EnvironmentError{link_->label() + " answered wrongly (" + during + "): " + decoded.error().message +
                                         ". Correct the environment, then ask again.",
                                     true};
   }
-  applyReplies(std::get<protocol::ReplyColumns>(decoded), queries, replies);
+  applyReplies(*decoded, queries, replies);
   peerGeometry_ = queries.geometry;
   ++stepCount_;
   return std::nullopt;
@@ -257,15 +258,16 @@ std::string RemoteProcess::save() const {
     return {};
   }
   auto outcome = call("environment.save", simulationParams(), options_.stepTimeout);
-  if (const auto* payload = std::get_if<protocol::Payload>(&outcome)) {
-    auto decoded = protocol::decodeSaveResult(*payload);
-    if (auto* state = std::get_if<std::string>(&decoded)) {
-      savedState_ = std::move(*state);
-      savedAt_ = stepCount_;
-      return *savedState_;
-    }
+  if (!outcome) {
+    return {};
   }
-  return {};
+  auto state = protocol::decodeSaveResult(*outcome);
+  if (!state) {
+    return {};
+  }
+  savedState_ = std::move(*state);
+  savedAt_ = stepCount_;
+  return *savedState_;
 }
 
 std::optional<turtle::EnvironmentError> RemoteProcess::restore(std::string_view state) {
@@ -277,7 +279,7 @@ std::optional<turtle::EnvironmentError> RemoteProcess::restore(std::string_view 
   if (openedGeneration_ != 0 && openedGeneration_ == link_->generation() && canCheckpoint() && context_) {
     const auto params = protocol::encode(protocol::RestoreStateParams{context_->simulation, *savedState_});
     const auto restored = call("environment.restore", params, options_.stepTimeout);
-    if (std::holds_alternative<protocol::Payload>(restored)) {
+    if (restored) {
       return std::nullopt;
     }
   }

@@ -14,8 +14,8 @@ namespace espalier::server {
 
 struct RemoteProcessOptions {
   std::chrono::milliseconds stepTimeout{60'000};
-  /// How long a peer may take to answer environment.describe; one that does not is taken for a minimal environment,
-  /// which needs everything and is asked nothing but steps.
+  /// How long a peer may take to answer environment.describe. A silent peer is treated as a minimal environment: it is
+  /// sent everything, and asked only for steps.
   std::chrono::milliseconds introductionTimeout{2'000};
   std::string configurationJson;                 // text of an object for environment.open; empty: none
   std::optional<protocol::BoundsRecord> bounds;  // of the space that the plants may fill, for environment.open
@@ -26,7 +26,8 @@ struct RemoteProcessOptions {
 };
 
 /// An environment in another process as the simulation sees it. When the peer was lost, the next step connects again,
-/// opens it again, gives back its state when it can, and sends the same step again: idempotent by (step, iteration).
+/// opens it again, gives back its state when possible, and sends the same step again. A step is idempotent by (step,
+/// iteration).
 class RemoteProcess final : public turtle::EnvironmentProcess {
  public:
   RemoteProcess(std::shared_ptr<EnvironmentLink> link, RemoteProcessOptions options);
@@ -47,8 +48,8 @@ class RemoteProcess final : public turtle::EnvironmentProcess {
  private:
   [[nodiscard]] LinkOutcome call(std::string_view method, const protocol::Body& params,
                                  std::chrono::milliseconds timeout) const;
-  /// The queries as the peer takes them, or why they cannot be sent.
-  [[nodiscard]] std::variant<protocol::Body, turtle::EnvironmentError> bodyOf(
+  /// The queries as the peer takes them, or the reason why they cannot be sent.
+  [[nodiscard]] tl::expected<protocol::Body, turtle::EnvironmentError> bodyOf(
       const protocol::EnvironmentStepParams& params, const std::string& during) const;
   /// Connected, introduced, opened and with its state given back.
   [[nodiscard]] std::optional<turtle::EnvironmentError> makeReady(std::uint64_t step);
@@ -60,7 +61,7 @@ class RemoteProcess final : public turtle::EnvironmentProcess {
   std::shared_ptr<EnvironmentLink> link_;
   RemoteProcessOptions options_;
   protocol::DescribeResult description_;
-  bool isDescribed_ = false;                // the peer said what it is
+  bool isDescribed_ = false;                // the peer answered environment.describe
   bool isMinimal_ = false;                  // it answers steps only
   std::uint64_t introducedGeneration_ = 0;  // of the link; 0: none
   std::uint64_t openedGeneration_ = 0;

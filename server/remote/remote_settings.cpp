@@ -5,6 +5,7 @@
 
 #include "environment/registry.h"
 #include "protocol/envelope.h"
+#include "protocol/json_text.h"
 
 namespace espalier::server {
 namespace {
@@ -31,7 +32,7 @@ std::unique_ptr<turtle::EnvironmentProcess> RemotePolicy::around(std::unique_ptr
   return isTolerant ? withFailurePolicy(std::move(process), std::move(fallback), std::move(sink)) : std::move(process);
 }
 
-std::variant<RemotePolicy, std::string> readRemotePolicy(const std::string& words) {
+tl::expected<RemotePolicy, std::string> readRemotePolicy(const std::string& words) {
   RemotePolicy policy;
   if (words == "fail") {
     return policy;
@@ -41,31 +42,32 @@ std::variant<RemotePolicy, std::string> readRemotePolicy(const std::string& word
     return policy;
   }
   if (!words.starts_with(kFallback)) {
-    return "expected fail, keep or fallback:NAME of a built-in, found \"" + words + "\"";
+    return tl::unexpected("expected fail, keep or fallback:NAME of a built-in, found \"" + words + "\"");
   }
   auto made = environment::makeProcess(words.substr(kFallback.size()), "");
   if (!made) {
-    return sentences(made.error());
+    return tl::unexpected(sentences(made.error()));
   }
   policy.fallback = std::move(*made);
   return policy;
 }
 
-std::variant<RemoteSettings, RemoteSettingProblem> readRemoteSettings(const std::string& entryJson,
+tl::expected<RemoteSettings, RemoteSettingProblem> readRemoteSettings(const std::string& entryJson,
                                                                       const std::string& policy) {
   RemoteSettings settings;
   auto read = readRemotePolicy(protocol::memberOf(entryJson, "policy").value_or(policy));
-  if (auto* problem = std::get_if<std::string>(&read)) {
-    return RemoteSettingProblem{"policy", std::move(*problem)};
+  if (!read) {
+    return tl::unexpected(RemoteSettingProblem{"policy", std::move(read.error())});
   }
-  settings.policy = std::move(std::get<RemotePolicy>(read));
+  settings.policy = std::move(*read);
   if (const auto text = protocol::memberOf(entryJson, "timeoutMilliseconds")) {
     std::int64_t milliseconds = 0;
     const auto [end, problem] = std::from_chars(text->data(), text->data() + text->size(), milliseconds);
     if (problem != std::errc() || end != text->data() + text->size() || milliseconds < 1 ||
         milliseconds > kLongestMilliseconds) {
-      return RemoteSettingProblem{"timeoutMilliseconds", "expected a whole number of milliseconds from 1 to " +
-                                                             std::to_string(kLongestMilliseconds) + ", found " + *text};
+      return tl::unexpected(
+          RemoteSettingProblem{"timeoutMilliseconds", "expected a whole number of milliseconds from 1 to " +
+                                                          std::to_string(kLongestMilliseconds) + ", found " + *text});
     }
     settings.stepTimeout = std::chrono::milliseconds(milliseconds);
   }

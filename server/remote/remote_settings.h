@@ -4,27 +4,27 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <variant>
+#include <tl/expected.hpp>
 
 #include "engine/turtle/environment_process.h"
 #include "server/remote/failure_policy.h"
 
 namespace espalier::server {
 
-/// What is done when an environment in another process fails: `fail`, `keep` or `fallback:NAME` of a built-in.
+/// The reaction to a failure of an environment in another process: `fail`, `keep` or `fallback:NAME` of a built-in.
 struct RemotePolicy {
   bool isTolerant = false;                               // keep or fallback
   std::unique_ptr<turtle::EnvironmentProcess> fallback;  // null: none
 
-  /// The process with the policy around it; `sink` hears of its failures.
+  /// The process with the policy around it; `sink` receives its failures.
   [[nodiscard]] std::unique_ptr<turtle::EnvironmentProcess> around(std::unique_ptr<turtle::EnvironmentProcess> process,
                                                                    FailureSink sink);
 };
 
-/// The policy of those words, or what is wrong with them.
-[[nodiscard]] std::variant<RemotePolicy, std::string> readRemotePolicy(const std::string& words);
+/// The policy of those words, or an error sentence.
+[[nodiscard]] tl::expected<RemotePolicy, std::string> readRemotePolicy(const std::string& words);
 
-/// What an entry for an environment in another process says besides where it is.
+/// The settings of an entry for an environment in another process, besides its address.
 struct RemoteSettings {
   RemotePolicy policy;
   std::optional<std::chrono::milliseconds> stepTimeout;
@@ -36,9 +36,9 @@ struct RemoteSettingProblem {
   std::string message;
 };
 
-/// Reads the members `policy`, `timeoutMilliseconds` and `configuration` of an entry's JSON. `policy` is the one when
-/// there is none.
-[[nodiscard]] std::variant<RemoteSettings, RemoteSettingProblem> readRemoteSettings(const std::string& entryJson,
+/// Reads the members `policy`, `timeoutMilliseconds` and `configuration` of an entry's JSON. `policy` is
+/// used when the entry has none.
+[[nodiscard]] tl::expected<RemoteSettings, RemoteSettingProblem> readRemoteSettings(const std::string& entryJson,
                                                                                     const std::string& policy = "fail");
 
 }  // namespace espalier::server

@@ -20,10 +20,11 @@ struct TraceFile::Compressor {
   std::string piece = std::string(ZSTD_CStreamOutSize(), '\0');
 };
 
-std::variant<std::unique_ptr<TraceFile>, std::string> TraceFile::create(const std::string& name) {
+tl::expected<std::unique_ptr<TraceFile>, std::string> TraceFile::create(const std::string& name) {
   std::FILE* file = std::fopen(name.c_str(), "wb");
   if (file == nullptr) {
-    return "cannot write the trace '" + name + "': " + std::strerror(errno) + "; give a file in a folder that exists.";
+    return tl::unexpected("cannot write the trace '" + name + "': " + std::strerror(errno) +
+                          "; give a file in a folder that exists.");
   }
   return std::unique_ptr<TraceFile>(new TraceFile(name, file, name.ends_with(kCompressedSuffix)));
 }
@@ -108,7 +109,7 @@ std::optional<std::string> readTraceFile(const std::string& name, std::string& b
     return std::nullopt;
   }
 
-  // what a killed program wrote last may be cut off: what is there is used
+  // the last part of a killed program may be cut off: read as far as it goes
   const std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context(ZSTD_createDCtx(), &ZSTD_freeDCtx);
   std::string decompressed;
   ZSTD_inBuffer input{bytes.data(), bytes.size(), 0};
@@ -120,7 +121,7 @@ std::optional<std::string> readTraceFile(const std::string& name, std::string& b
     }
     decompressed.append(piece, 0, output.pos);
   }
-  // the decompressor may hold back what did not fit
+  // the decompressor may hold back bytes that did not fit
   while (true) {
     ZSTD_outBuffer output{piece.data(), piece.size(), 0};
     const std::size_t result = ZSTD_decompressStream(context.get(), &output, &input);

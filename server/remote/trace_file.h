@@ -5,18 +5,18 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <variant>
+#include <tl/expected.hpp>
 
 #include "engine/core/streams.h"
 
 namespace espalier::server {
 
-/// A file that is written as a run goes on, compressed (zstd) when its name ends in `.zst`. Each flush() makes what was
-/// written readable even if the program is killed afterwards.
+/// A file that is written while a run goes on, compressed (zstd) when its name ends in `.zst`. After flush() the
+/// written part is readable, even if the program is killed.
 class TraceFile final : public core::ByteSink {
  public:
   /// An error sentence when the file cannot be made.
-  [[nodiscard]] static std::variant<std::unique_ptr<TraceFile>, std::string> create(const std::string& name);
+  [[nodiscard]] static tl::expected<std::unique_ptr<TraceFile>, std::string> create(const std::string& name);
   ~TraceFile() override;
   TraceFile(const TraceFile&) = delete;
   TraceFile& operator=(const TraceFile&) = delete;

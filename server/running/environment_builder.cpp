@@ -9,6 +9,7 @@
 #include "environment/published/published_environment.h"
 #include "environment/registry.h"
 #include "protocol/envelope.h"
+#include "protocol/json_text.h"
 #include "protocol/json_writer.h"
 #include "server/remote/channel_link.h"
 #include "server/remote/disk_files.h"
@@ -48,7 +49,7 @@ std::variant<std::shared_ptr<EnvironmentLink>, protocol::Error> makeLink(const e
                                                                          const EnvironmentServices& services) {
   if (entry.type == "offered") {
     if (entry.name == entry.type) {
-      return protocol::fieldError(path + ".name", "expected the name under which the environment offers itself");
+      return protocol::memberError(path + ".name", "expected the name under which the environment offers itself");
     }
     return std::make_shared<OfferedLink>(entry.name, *services.offered);
   }
@@ -56,16 +57,17 @@ std::variant<std::shared_ptr<EnvironmentLink>, protocol::Error> makeLink(const e
   const std::string key = entry.type == "tcp" ? "address" : "command";
   auto value = protocol::memberOf(entry.configuration, key);
   if (!value || value->empty()) {
-    return protocol::fieldError(path + "." + key, entry.type == "tcp" ? "expected HOST:PORT" : "expected a command");
+    return protocol::memberError(path + "." + key, entry.type == "tcp" ? "expected HOST:PORT" : "expected a command");
   }
   if (entry.type == "tcp") {
     if (value->starts_with("tcp://")) {
       value->erase(0, 6);
     }
     if (value->starts_with("unix:")) {
-      return protocol::fieldError(path + ".address",
-                                  "a socket of this machine's file system is dialled by the command line only; let the "
-                                  "environment offer itself, or listen on HOST:PORT");
+      return protocol::memberError(
+          path + ".address",
+          "a socket of this machine's file system is dialled by the command line only; let the "
+          "environment offer itself, or listen on HOST:PORT");
     }
     return std::shared_ptr<EnvironmentLink>(ChannelLink::tcp(std::move(*value), options));
   }
@@ -106,17 +108,17 @@ std::variant<std::unique_ptr<turtle::EnvironmentProcess>, protocol::Error> makeF
   const auto main = protocol::memberOf(entry.configuration, "main");
   auto texts = protocol::textsOf(entry.configuration, "files");
   if (!texts) {
-    return protocol::fieldError(path + ".files", "expected an object of file names and their texts");
+    return protocol::memberError(path + ".files", "expected an object of file names and their texts");
   }
   if (!main || !texts->contains(*main)) {
-    return protocol::fieldError(path + ".main", "expected the name of the field file (.e) among \"files\"");
+    return protocol::memberError(path + ".main", "expected the name of the field file (.e) among \"files\"");
   }
   origin = {*main, {texts->begin(), texts->end()}};
   core::MemoryFileProvider files(std::move(*texts));
   std::vector<core::Diagnostic> warnings;
   auto made = environment::makeFromEnvironmentFile(*main, files, compatibility, warnings);
   if (!made) {
-    return protocol::fieldError(path, sentences(made.error()));
+    return protocol::memberError(path, sentences(made.error()));
   }
   return std::move(*made);
 }
@@ -133,7 +135,7 @@ std::variant<BuiltEnvironment, protocol::Error> buildEnvironment(const std::stri
   }
   auto parsed = environment::parseEnvironmentEntries(environmentJson);
   if (!parsed) {
-    return protocol::fieldError("params.environment", sentences(parsed.error()));
+    return protocol::memberError("params.environment", sentences(parsed.error()));
   }
   const std::vector<environment::EnvironmentEntry>& entries = *parsed;
   std::vector<std::pair<std::string, std::unique_ptr<turtle::EnvironmentProcess>>> processes;
@@ -149,10 +151,10 @@ std::variant<BuiltEnvironment, protocol::Error> buildEnvironment(const std::stri
       }
       const auto& link = std::get<std::shared_ptr<EnvironmentLink>>(made);
       auto read = readRemoteSettings(entry.configuration);
-      if (const auto* problem = std::get_if<RemoteSettingProblem>(&read)) {
-        return protocol::fieldError(path + "." + problem->key, problem->message);
+      if (!read) {
+        return protocol::memberError(path + "." + read.error().key, read.error().message);
       }
-      auto& settings = std::get<RemoteSettings>(read);
+      RemoteSettings& settings = *read;
       RemoteProcessOptions options;
       options.stepTimeout = std::min(services.stepTimeout, settings.stepTimeout.value_or(services.stepTimeout));
       options.configurationJson = std::move(settings.configurationJson);
@@ -178,7 +180,7 @@ std::variant<BuiltEnvironment, protocol::Error> buildEnvironment(const std::stri
       auto made = entry.type == "gallery" ? makeFromGallery(entry, compatibility, services, fieldOrigin)
                                           : environment::makeProcess(entry.type, entry.configuration);
       if (!made) {
-        return protocol::fieldError(path, sentences(made.error()));
+        return protocol::memberError(path, sentences(made.error()));
       }
       process = std::move(*made);
       built.names.push_back(entry.type);

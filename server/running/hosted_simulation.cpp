@@ -84,7 +84,7 @@ std::optional<protocol::Error> HostedSimulation::build(simulation::Programs prog
   services.bounds = record_.create.bounds;
   if (record_.create.isTraced) {
     if (services_.traceFolder.empty()) {
-      return protocol::fieldError("params.trace", "this server keeps nothing; start it with --data to have traces");
+      return protocol::memberError("params.trace", "this server keeps nothing; start it with --data to have traces");
     }
     auto trace = SimulationTrace::create(services_.traceFolder, record_.id);
     if (auto* problem = std::get_if<std::string>(&trace)) {
@@ -327,14 +327,14 @@ std::optional<protocol::Error> HostedSimulation::set(const std::vector<std::pair
     double number = 0.0;
     const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), number);
     if (problem != std::errc() || end != text.data() + text.size()) {
-      return protocol::fieldError("params.parameters." + name, "expected a number for a variable");
+      return protocol::memberError("params.parameters." + name, "expected a number for a variable");
     }
     variables.emplace_back(name, number);
   }
   // definitions first: they are what can fail
   if (!defines.empty()) {
     if (!variables.empty()) {
-      return protocol::fieldError(
+      return protocol::memberError(
           "params.parameters", "variables and #defines in one call could fail half-way; set them one after the other");
     }
     return define(defines);
@@ -351,8 +351,8 @@ std::optional<protocol::Error> HostedSimulation::define(
   for (const auto& [name, value] : defines) {
     const auto hasName = [&name](const auto& program) { return isDefined(*program, name); };
     if (std::none_of(simulation_->programs().begin(), simulation_->programs().end(), hasName)) {
-      return protocol::fieldError("params.parameters." + name,
-                                  "the model has neither a variable nor a #define of that name");
+      return protocol::memberError("params.parameters." + name,
+                                   "the model has neither a variable nor a #define of that name");
     }
   }
   // each model that defines a name takes the new value

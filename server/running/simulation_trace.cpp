@@ -53,10 +53,10 @@ std::variant<std::unique_ptr<SimulationTrace>, std::string> SimulationTrace::cre
   }
   const fs::path name = pathOf(folder, id, number);
   auto file = TraceFile::create(name.string());
-  if (auto* problem = std::get_if<std::string>(&file)) {
-    return std::move(*problem);
+  if (!file) {
+    return std::move(file.error());
   }
-  return std::unique_ptr<SimulationTrace>(new SimulationTrace(std::move(std::get<std::unique_ptr<TraceFile>>(file))));
+  return std::unique_ptr<SimulationTrace>(new SimulationTrace(std::move(*file)));
 }
 
 }  // namespace espalier::server

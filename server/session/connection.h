@@ -11,11 +11,12 @@ namespace espalier::server {
 class Connection {
  public:
   virtual ~Connection() = default;
-  /// Queues a complete line. A connection whose queue grows beyond the limit is closed: its peer does not read.
+  /// Queues a complete message. A connection whose queue grows beyond the limit is closed, because its peer does not
+  /// read.
   virtual void send(std::shared_ptr<const std::string> line) = 0;
-  /// Closes when everything queued has been sent.
+  /// Closes after the queue has been sent.
   virtual void closeWhenSent() = 0;
-  /// Has the session look after its streams (Session::onDrained) when that time has passed.
+  /// Calls Session::onDrained when that time has passed.
   virtual void remind(std::chrono::milliseconds delay) = 0;
   /// Bytes queued and not yet given to the system.
   [[nodiscard]] virtual std::size_t outboxBytes() const = 0;

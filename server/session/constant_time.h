@@ -4,7 +4,7 @@
 
 namespace espalier::server {
 
-/// Compares a secret without telling by its duration how much of `said` was right.
+/// Compares a secret. The duration does not depend on how much of `said` is right.
 [[nodiscard]] inline bool isEqualInConstantTime(std::string_view said, std::string_view secret) {
   unsigned difference = said.size() == secret.size() ? 0 : 1;
   for (std::size_t i = 0; i < said.size(); ++i) {

@@ -2,9 +2,9 @@
 
 #include <filesystem>
 #include <utility>
-#include <variant>
 
 #include "protocol/codec.h"
+#include "protocol/json_text.h"
 #include "server/remote/disk_files.h"
 #include "server/remote/gallery.h"
 
@@ -18,15 +18,15 @@ protocol::Error forestError(const std::string& gallery, const std::string& probl
   return {protocol::ErrorCode::InvalidParams, "The gallery's '" + gallery + "/" + kForestFile + "': " + problem, {}};
 }
 
-std::variant<protocol::ForestParams, protocol::Error> readForest(const std::string& text) {
+protocol::Expected<protocol::ForestParams> readForest(const std::string& text) {
   if (const auto problem = protocol::jsonProblem(text)) {
-    return protocol::Error{protocol::ErrorCode::InvalidParams, *problem, {}};
+    return tl::unexpected(protocol::Error{protocol::ErrorCode::InvalidParams, *problem, {}});
   }
   const auto message = protocol::decodeMessage(R"({"jsonrpc":"2.0","method":"forest","params":)" + text + "}");
-  if (const auto* bad = std::get_if<protocol::BadMessage>(&message)) {
-    return bad->error;
+  if (!message) {
+    return tl::unexpected(message.error().error);
   }
-  return protocol::decodeForestParams(std::get<protocol::Message>(message).payload);
+  return protocol::decodeForestParams(message->payload);
 }
 
 /// The environment of a forest as the text of a list; empty: none.
@@ -61,10 +61,10 @@ std::optional<protocol::Error> expandGalleryForest(const std::string& galleryFol
     return std::nullopt;
   }
   auto read = readForest(*text);
-  if (const auto* error = std::get_if<protocol::Error>(&read)) {
-    return forestError(name, error->message);
+  if (!read) {
+    return forestError(name, read.error().message);
   }
-  auto& forest = std::get<protocol::ForestParams>(read);
+  auto& forest = *read;
   for (protocol::NamedModel& model : forest.models) {
     if (fs::path(model.file).filename() != fs::path(model.file)) {
       return forestError(name, "the model file '" + model.file + "' is not in the folder of the forest");

@@ -8,10 +8,10 @@
 
 namespace espalier::server {
 
-/// A gallery folder may be a forest: it holds a `forest.json` (clients/espalier/README.md). When `params` ask for such
-/// a gallery model and say nothing of plants, the forest's models, plants and seeds take the place of `model`, and its
-/// environment, derivation length and seed are used where `params` have none. Returns what is wrong with the file;
-/// nothing otherwise, also when there is no forest.
+/// A gallery folder that holds a `forest.json` is a forest (clients/espalier/README.md). When `params` name such a
+/// folder and have no plants, the forest's models, plants and seeds replace `model`. Its environment, derivation length
+/// and seed are used where `params` have none. Returns the mistake in the file; nothing otherwise, also when there is
+/// no forest.
 [[nodiscard]] std::optional<protocol::Error> expandGalleryForest(const std::string& galleryFolder,
                                                                  protocol::CreateParams& params);
 

@@ -58,13 +58,14 @@ void Session::refuse(const protocol::MessageId& id, const protocol::Error& error
 }
 
 void Session::onRead(const protocol::MessageReader::Read& read) {
-  if (const auto* bad = std::get_if<protocol::BadMessage>(&read)) {
-    respondError(bad->id, bad->error);
-    // it may have been the answer that a step is waiting for
-    failPendingCalls({LinkFailure::Kind::Garbage, "sent a line that is not a message: " + bad->error.message, {}});
+  if (!read) {
+    respondError(read.error().id, read.error().error);
+    // a step may be waiting for this line as its answer
+    failPendingCalls(
+        {LinkFailure::Kind::Garbage, "sent a line that is not a message: " + read.error().error.message, {}});
     return;
   }
-  onMessage(std::get<protocol::Message>(read));
+  onMessage(*read);
 }
 
 void Session::onMessage(const protocol::Message& message) {
@@ -121,15 +122,14 @@ void Session::onAnswer(const protocol::Message& message) {
     }
   }
   if (call == nullptr) {
-    // a late answer to a question that timed out, or to none: nobody waits for it
-    core_->log().debug("answers " + protocol::toText(message.id) + ", which nobody waits for", {.session = id_});
+    // the question timed out, or there was none
+    core_->log().debug("answers " + protocol::toText(message.id) + ", but no question waits for it", {.session = id_});
     return;
   }
   if (message.kind == protocol::Message::Kind::Result) {
     call->complete(message.payload);
   } else {
-    call->complete(
-        LinkFailure{LinkFailure::Kind::Refused, "answered with an error: " + message.error.message, message.error});
+    call->fail({LinkFailure::Kind::Refused, "answered with an error: " + message.error.message, message.error});
   }
 }
 
@@ -144,11 +144,11 @@ void Session::onHello(const protocol::Message& message) {
     return;
   }
   auto decoded = protocol::decodeHelloParams(message.payload);
-  if (const auto* error = std::get_if<protocol::Error>(&decoded)) {
-    respondError(message.id, *error);
+  if (!decoded) {
+    respondError(message.id, decoded.error());
     return;
   }
-  const auto& hello = std::get<protocol::HelloParams>(decoded);
+  const auto& hello = *decoded;
   if (std::find(hello.protocol.begin(), hello.protocol.end(), protocol::kProtocolVersion) == hello.protocol.end()) {
     protocol::JsonWriter data;
     data.beginObject().key("supported").beginArray().integer(protocol::kProtocolVersion).endArray().endObject();
@@ -206,7 +206,7 @@ bool Session::onHeartbeat(bool wasHeard) {
   std::string id;
   {
     const std::lock_guard lock(mutex_);
-    // what computes a step may be silent; that has a limit of its own
+    // a peer that computes a step may be silent: a step has a limit of its own
     if (!takesHeartbeats_ || wasHeard || !pending_.empty()) {
       isHeartbeatOwed_ = false;
       return true;
@@ -244,7 +244,7 @@ void Session::failPendingCalls(const LinkFailure& failure) {
     calls.swap(pending_);
   }
   for (const auto& [id, call] : calls) {
-    call->complete(failure);
+    call->fail(failure);
   }
 }
 
@@ -274,7 +274,7 @@ void Session::onClosed() {
     }
     streams_.clear();
   }
-  // requests end with the connection they came on, also within a step: who has left keeps no worker busy
+  // a request ends with its connection, also within a step: a peer that has left keeps no worker busy
   for (const auto& [id, cancel] : requests) {
     if (cancel) {
       cancel();
@@ -291,11 +291,11 @@ PeerTerms Session::terms() const {
 std::string Session::ask(std::string_view method, const protocol::Body& params, std::shared_ptr<PendingCall> call) {
   const std::uint64_t bytes = params.json.size() + params.blocks.totalBytes();
   if (const std::uint64_t bound = core_->options().limits.outboxBytes; bytes > bound) {
-    call->complete(LinkFailure{LinkFailure::Kind::Refused,
-                               "was not asked: " + std::to_string(bytes) +
-                                   " bytes are more than a session may have on their way (outboxBytes=" +
-                                   std::to_string(bound) + "; espalier serve --limit outboxBytes=N raises it)",
-                               {protocol::ErrorCode::InvalidParams, {}, {}}});
+    call->fail({LinkFailure::Kind::Refused,
+                "was not asked: " + std::to_string(bytes) +
+                    " bytes are more than a session may have on their way (outboxBytes=" + std::to_string(bound) +
+                    "; espalier serve --limit outboxBytes=N raises it)",
+                {protocol::ErrorCode::InvalidParams, {}, {}}});
     return {};
   }
   std::string id;
@@ -309,7 +309,7 @@ std::string Session::ask(std::string_view method, const protocol::Body& params, 
     }
   }
   if (isGone) {
-    call->complete(LinkFailure{LinkFailure::Kind::Closed, "closed the connection", {}});
+    call->fail({LinkFailure::Kind::Closed, "closed the connection", {}});
   } else {
     send(protocol::encodeRequest(protocol::MessageId::of(id), method, params));
   }
@@ -356,7 +356,7 @@ void Session::cancelRequest(const protocol::MessageId& id) {
 std::shared_ptr<Stream> Session::openStream(protocol::StreamOpenParams params, SimulationRunner& runner) {
   const ServerLimits& limits = core_->options().limits;
   const std::lock_guard lock(mutex_);
-  // those that ended by themselves take no room
+  // streams that ended by themselves do not count
   if (streams_.size() >= limits.streamsPerSession) {
     std::erase_if(streams_, [](const auto& entry) { return entry.second.first->isClosed(); });
   }

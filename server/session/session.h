@@ -19,8 +19,8 @@ namespace espalier::server {
 
 class ServerCore;
 
-/// One peer: handshake, its requests in progress, its streams, and the questions put to it when it offers environments.
-/// Lines come on the network thread; answers may come from any thread.
+/// One peer: its handshake, its requests in progress, its streams, and the server's questions to it when it offers
+/// environments. Messages come on the network thread; answers may come from any thread.
 class Session final : public AskedPeer, public std::enable_shared_from_this<Session> {
  public:
   Session(std::string id, ServerCore& core, std::shared_ptr<Connection> connection);
@@ -28,17 +28,17 @@ class Session final : public AskedPeer, public std::enable_shared_from_this<Sess
 
   // network thread
   void onRead(const protocol::MessageReader::Read& read);
-  /// The framing is lost: the peer is told why and the connection closed.
+  /// The framing is lost: tells the peer the reason and closes the connection.
   void onLost(const protocol::Error& error);
   void onHandshakeTimeout();
-  /// A heartbeat has passed. `wasHeard`: something came from the peer meanwhile. False: the peer is given up, it did
-  /// not answer for a whole heartbeat although it owes no answer that may take longer.
+  /// A heartbeat has passed. `wasHeard`: something came from the peer meanwhile. Returns false to give the peer up: it
+  /// was asked and has been silent for a whole heartbeat. A peer that computes a step is not asked.
   [[nodiscard]] bool onHeartbeat(bool wasHeard);
   /// Part of the outbox was sent: streams may have room again.
   void onDrained();
-  /// The peer sends no more: what it owes will not come. What it has asked for it may still read.
+  /// The peer sends no more: its answers will not come. It may still read the answers to its own requests.
   void onPeerEnded();
-  /// It has asked for something that it has no answer to.
+  /// A request of the peer is not answered yet.
   [[nodiscard]] bool isAnswering() const;
   void onClosed();
   [[nodiscard]] bool isGreeted() const { return isGreeted_; }
@@ -49,7 +49,7 @@ class Session final : public AskedPeer, public std::enable_shared_from_this<Sess
   void respond(const protocol::MessageId& id, std::string_view resultJson);
   void respondError(const protocol::MessageId& id, const protocol::Error& error);
   void notify(std::string_view method, const protocol::Body& params);
-  /// Has onDrained() called when that time has passed.
+  /// Calls onDrained() when that time has passed.
   void remind(std::chrono::milliseconds delay) { connection_->remind(delay); }
   [[nodiscard]] std::size_t outboxBytes() const { return connection_->outboxBytes(); }
   [[nodiscard]] std::string ask(std::string_view method, const protocol::Body& params,
@@ -57,7 +57,7 @@ class Session final : public AskedPeer, public std::enable_shared_from_this<Sess
   [[nodiscard]] PeerTerms terms() const override;
   void forget(const std::string& id) override;
 
-  // for the methods (methods.h), on the network thread
+  // for the handlers (methods.h), on the network thread
   [[nodiscard]] const std::string& id() const { return id_; }
   [[nodiscard]] ServerCore& core() { return *core_; }
   [[nodiscard]] bool isLocal() const { return connection_->isLocal(); }
@@ -67,7 +67,7 @@ class Session final : public AskedPeer, public std::enable_shared_from_this<Sess
   /// How a request in progress is given up when it is cancelled or its connection is lost.
   void onCancel(const protocol::MessageId& id, std::function<void()> cancel);
   void cancelRequest(const protocol::MessageId& id);
-  /// Nothing when the session has as many streams as it may.
+  /// Null when the session has as many streams as its limit allows.
   [[nodiscard]] std::shared_ptr<Stream> openStream(protocol::StreamOpenParams params, SimulationRunner& runner);
   [[nodiscard]] std::shared_ptr<Stream> findStream(const std::string& id);
   [[nodiscard]] bool closeStream(const std::string& id);
@@ -85,11 +85,11 @@ class Session final : public AskedPeer, public std::enable_shared_from_this<Sess
   ServerCore* core_;
   std::shared_ptr<Connection> connection_;
   bool isGreeted_ = false;    // network thread
-  mutable std::mutex mutex_;  // guards what follows
+  mutable std::mutex mutex_;  // guards the members below
   bool isClosed_ = false;
   bool isEnded_ = false;          // the peer answers nothing more
   bool takesHeartbeats_ = false;  // it named the capability
-  bool isHeartbeatOwed_ = false;  // it was asked and has not been heard since
+  bool isHeartbeatOwed_ = false;  // it was asked and has been silent since
   std::uint64_t heartbeatCount_ = 0;
   PeerTerms terms_;
   std::uint64_t askedCount_ = 0;

@@ -6,6 +6,7 @@
 
 #include "engine/core/diagnostic.h"
 #include "protocol/envelope.h"
+#include "protocol/json_text.h"
 #include "protocol/json_writer.h"
 #include "server/remote/disk_files.h"
 #include "server/remote/gallery.h"

@@ -1,6 +1,7 @@
 #include "server/store/simulation_record.h"
 
 #include "protocol/codec.h"
+#include "protocol/json_text.h"
 
 namespace espalier::server {
 
@@ -53,17 +54,17 @@ std::variant<SimulationRecord, std::string> toRecord(const std::string& id, std:
     text.remove_suffix(1);
   }
   const auto message = protocol::decodeMessage(text);
-  if (const auto* bad = std::get_if<protocol::BadMessage>(&message)) {
-    return bad->error.message;
+  if (!message) {
+    return message.error().error.message;
   }
-  const protocol::Payload& payload = std::get<protocol::Message>(message).payload;
+  const protocol::Payload& payload = message->payload;
   auto decoded = protocol::decodeCreateParams(payload);
-  if (const auto* error = std::get_if<protocol::Error>(&decoded)) {
-    return error->message;
+  if (!decoded) {
+    return decoded.error().message;
   }
   SimulationRecord record;
   record.id = id;
-  record.create = std::move(std::get<protocol::CreateParams>(decoded));
+  record.create = std::move(*decoded);
   record.seed = record.create.seed.value_or(0);
   record.hasSeed = protocol::memberOf(payload.toText(), "seedGiven") == "true";
   return record;

@@ -79,11 +79,10 @@ struct Served {
   Served() {
     const std::string program = buildFolder() + "/bin/espalier";
     auto result = server::ChildProcess::start("exec '" + program + "' environment height --listen 127.0.0.1:0");
-    auto* made = std::get_if<std::unique_ptr<server::ChildProcess::Started>>(&result);
-    if (made == nullptr) {
-      throw std::runtime_error(std::get<std::string>(result));
+    if (!result) {
+      throw std::runtime_error(result.error());
     }
-    started = std::move(*made);
+    started = std::move(*result);
     channel.emplace(std::move(started->input), std::move(started->output), 1'000);
     std::string line;
     (void)channel->readLine(line, std::chrono::steady_clock::now() + std::chrono::seconds(30));
@@ -103,11 +102,11 @@ void askOverTcp(benchmark::State& state, bool isTextOnly, std::size_t queryCount
   server::RemoteEnvironmentOptions options;
   options.isTextOnly = isTextOnly;
   auto connected = server::connectRemoteEnvironment(served.address, options);
-  if (const auto* problem = std::get_if<std::string>(&connected)) {
-    state.SkipWithError(problem->c_str());
+  if (!connected) {
+    state.SkipWithError(connected.error().c_str());
     return;
   }
-  ask(state, *std::get<Process>(connected), queryCount);
+  ask(state, *connected.value(), queryCount);
 }
 
 void askInside(benchmark::State& state, std::size_t queryCount) {
@@ -135,19 +134,18 @@ void codec(benchmark::State& state, bool isBinary) {
         protocol::encodeRequest(protocol::MessageId::of(1), "environment.step",
                                 isBinary ? protocol::encodeBlocks(params) : protocol::Body(protocol::encode(params))));
     const auto asked = reader.next();
-    const auto decoded = protocol::decodeEnvironmentStepParams(std::get<protocol::Message>(*asked).payload);
+    const auto decoded = protocol::decodeEnvironmentStepParams(asked->value().payload);
     std::vector<std::string> symbols{"E"};
-    const turtle::QueryBatch batch =
-        server::toBatch(std::get<protocol::EnvironmentStepParams>(decoded), engineNeeds, symbols);
+    const turtle::QueryBatch batch = server::toBatch(decoded.value(), engineNeeds, symbols);
     const auto columns = server::toReplies(batch, replies);
     reader.feed(protocol::encodeResult(protocol::MessageId::of(1), isBinary
                                                                        ? protocol::encodeBlocks(columns)
                                                                        : protocol::Body(protocol::encode(columns))));
     const auto answered = reader.next();
-    const auto read = protocol::decodeReplies(std::get<protocol::Message>(*answered).payload, kQueryCount);
+    const auto read = protocol::decodeReplies(answered->value().payload, kQueryCount);
     turtle::ReplyBatch applied;
     applied.prepare(queries);
-    server::applyReplies(std::get<protocol::ReplyColumns>(read), queries, applied);
+    server::applyReplies(read.value(), queries, applied);
     benchmark::DoNotOptimize(applied.values.data());
   }
   count(state, kQueryCount);

@@ -85,11 +85,10 @@ struct Serving {
   Serving() {
     const std::string program = buildFolder() + "/bin/espalier";
     auto result = server::ChildProcess::start("exec '" + program + "' serve --listen 127.0.0.1:0 --log-level off");
-    auto* made = std::get_if<std::unique_ptr<server::ChildProcess::Started>>(&result);
-    if (made == nullptr) {
-      throw std::runtime_error(std::get<std::string>(result));
+    if (!result) {
+      throw std::runtime_error(result.error());
     }
-    started = std::move(*made);
+    started = std::move(*result);
     channel.emplace(std::move(started->input), std::move(started->output), 1'000);
     std::string line;
     (void)channel->readLine(line, Clock::now() + std::chrono::seconds(30));

@@ -23,11 +23,11 @@ void withClient(const ScriptedServer& server, Body body, ClientOptions options =
       context,
       [&]() -> awaitable<void> {
         auto connected = co_await CoroutineClient::connect(server.address(), options);
-        if (const auto* error = std::get_if<Error>(&connected)) {
-          ADD_FAILURE() << error->message;
+        if (!connected) {
+          ADD_FAILURE() << connected.error().message;
           co_return;
         }
-        const auto client = std::get<std::unique_ptr<CoroutineClient>>(std::move(connected));
+        const auto client = std::move(connected).value();
         co_await body(*client);
       },
       [](const std::exception_ptr& thrown) {
@@ -39,8 +39,7 @@ void withClient(const ScriptedServer& server, Body body, ClientOptions options =
 }
 
 std::string textOf(const Outcome& outcome) {
-  const auto* error = std::get_if<Error>(&outcome);
-  return error == nullptr ? std::get<std::string>(outcome) : "error: " + error->message;
+  return outcome ? *outcome : "error: " + outcome.error().message;
 }
 
 std::string answer(int id, const std::string& result) {
@@ -91,7 +90,7 @@ TEST(CoroutineClient, ALostConnectionEndsWhateverWaits) {
     EXPECT_FALSE(notification);
     EXPECT_FALSE(client.isOpen());
     const Outcome later = co_await client.request("server.status", "{}");
-    EXPECT_EQ(std::get<Error>(later).code, ErrorCode::Internal);
+    EXPECT_EQ(later.error().code, ErrorCode::Internal);
   });
 }
 
@@ -104,7 +103,7 @@ TEST(CoroutineClient, AnAnswerThatDoesNotComeInTimeIsATimeout) {
       [](CoroutineClient& client) -> awaitable<void> {
         const Outcome outcome = co_await client.request("simulation.run", "{}");
         EXPECT_EQ(textOf(outcome), "error: No answer to simulation.run within 1 ms.");
-        EXPECT_EQ(std::get<Error>(outcome).code, ErrorCode::Timeout);
+        EXPECT_EQ(outcome.error().code, ErrorCode::Timeout);
       },
       options);
 }
@@ -132,7 +131,7 @@ TEST(CoroutineClient, AContextMayGoAwayWhileACoroutineWaits) {
       context,
       [&]() -> awaitable<void> {
         auto connected = co_await CoroutineClient::connect(server.address());
-        const auto client = std::get<std::unique_ptr<CoroutineClient>>(std::move(connected));
+        const auto client = std::move(connected).value();
         isWaiting = true;
         (void)co_await client->nextNotification();
       },
@@ -144,7 +143,7 @@ TEST(CoroutineClient, AContextMayGoAwayWhileACoroutineWaits) {
 
 awaitable<void> connectInVain(std::string address, std::string& said) {
   const auto connected = co_await CoroutineClient::connect(std::move(address));
-  said = std::get<Error>(connected).message;
+  said = connected.error().message;
 }
 
 std::string failureAt(const std::string& address) {

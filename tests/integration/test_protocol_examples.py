@@ -6,9 +6,10 @@ import socket
 import tempfile
 import unittest
 from collections import deque
+from pathlib import Path
 from typing import Any, Deque, Dict, List
 
-from support import GALLERY, REPOSITORY, SECONDS, program
+from support import EXAMPLES, GALLERY, REPOSITORY, SECONDS, espalier, model, program, python, stdio
 
 from espalier import Server
 
@@ -134,6 +135,15 @@ class Examples(unittest.TestCase):
             played += 1
         self.assertGreater(played, 100)
         self.assertEqual([message for message in player.heard if "id" in message], [])
+
+    def test_the_environment_of_the_first_screen_grows_the_plant_of_the_package(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            script = Path(folder) / "ceiling.py"
+            script.write_text(README.read_text(encoding="utf-8").split("```python\n")[1].split("```")[0], encoding="utf-8")
+            grown = [espalier("derive", model("light-tree"), "--quiet", "--environment", stdio(python(path))).stdout
+                     for path in (script, EXAMPLES / "ceiling.py")]
+        self.assertEqual(grown[0], grown[1])
+        self.assertIn("F", grown[0])
 
     def test_the_first_conversation_is_what_a_server_says(self) -> None:
         server = Server(program(), arguments=["--log-level", "off"])

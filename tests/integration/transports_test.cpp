@@ -40,11 +40,11 @@ std::unique_ptr<turtle::EnvironmentProcess> connected(const std::string& address
   server::RemoteEnvironmentOptions options;
   options.isTextOnly = isTextOnly;
   auto made = server::connectRemoteEnvironment(address, options);
-  if (const auto* error = std::get_if<std::string>(&made)) {
-    ADD_FAILURE() << *error;
+  if (!made) {
+    ADD_FAILURE() << made.error();
     return nullptr;
   }
-  return std::move(std::get<std::unique_ptr<turtle::EnvironmentProcess>>(made));
+  return std::move(*made);
 }
 
 std::unique_ptr<turtle::EnvironmentProcess> spawned(const std::string& arguments, bool isTextOnly = false) {
@@ -57,7 +57,7 @@ class Listening {
   explicit Listening(const std::string& arguments) {
     auto result =
         server::ChildProcess::start("exec '" + kProgram + "' environment " + arguments + " --listen 127.0.0.1:0");
-    started_ = std::move(std::get<std::unique_ptr<server::ChildProcess::Started>>(result));
+    started_ = std::move(result.value());
     server::LineChannel channel(std::move(started_->input), std::move(started_->output), 1'000);
     std::string line;
     EXPECT_EQ(channel.readLine(line, std::chrono::steady_clock::now() + std::chrono::seconds(30)),

@@ -52,12 +52,12 @@ TEST(BulkText, AStepReadsBitwiseAsTheTreeReadsIt) {
   BulkTextReader reader;
   const auto message = reader.read(line);
   ASSERT_TRUE(message.has_value());
-  const auto tree = std::get<Message>(decodeMessage(line));
+  const auto tree = decodeMessage(line).value();
   EXPECT_EQ(message->id, tree.id);
   EXPECT_EQ(message->method, tree.method);
   EXPECT_EQ(message->kind, tree.kind);
-  const auto fast = std::get<EnvironmentStepParams>(decodeEnvironmentStepParams(message->payload));
-  const auto slow = std::get<EnvironmentStepParams>(decodeEnvironmentStepParams(tree.payload));
+  const auto fast = decodeEnvironmentStepParams(message->payload).value();
+  const auto slow = decodeEnvironmentStepParams(tree.payload).value();
   EXPECT_EQ(encode(fast), encode(slow));
   EXPECT_EQ(fast.queries.count, 300U);
   EXPECT_EQ(slow.simulation, "s");
@@ -71,12 +71,12 @@ TEST(BulkText, RepliesReadBitwiseAsTheTreeReadsThem) {
   BulkTextReader reader;
   const auto message = reader.read(line);
   ASSERT_TRUE(message.has_value());
-  const auto fast = std::get<ReplyColumns>(decodeReplies(message->payload, 401));
-  const auto slow = std::get<ReplyColumns>(decodeReplies(std::get<Message>(decodeMessage(line)).payload, 401));
+  const auto fast = decodeReplies(message->payload, 401).value();
+  const auto slow = decodeReplies(decodeMessage(line).value().payload, 401).value();
   EXPECT_EQ(encode(fast), encode(slow));
   EXPECT_EQ(fast.count, 401U);
   // ids are checked as ever
-  EXPECT_TRUE(std::holds_alternative<Error>(decodeReplies(message->payload, 400)));
+  EXPECT_FALSE(decodeReplies(message->payload, 400).has_value());
 }
 
 TEST(BulkText, NumbersOfAnyLengthReadAsTheNearestDouble) {
@@ -95,11 +95,11 @@ TEST(BulkText, NumbersOfAnyLengthReadAsTheNearestDouble) {
     BulkTextReader reader;
     const std::string line = replyLine(3, text);
     const auto message = reader.read(line);
-    const auto tree = std::get<Message>(decodeMessage(line));
+    const auto tree = decodeMessage(line).value();
     // what the fast reader leaves to the tree is right too
     const Payload& payload = message ? message->payload : tree.payload;
-    EXPECT_EQ(std::get<ReplyColumns>(decodeReplies(payload, 4)).values.back(), value) << text;
-    EXPECT_EQ(std::get<ReplyColumns>(decodeReplies(tree.payload, 4)).values.back(), value) << text;
+    EXPECT_EQ(decodeReplies(payload, 4).value().values.back(), value) << text;
+    EXPECT_EQ(decodeReplies(tree.payload, 4).value().values.back(), value) << text;
   }
 }
 
@@ -126,10 +126,10 @@ TEST(BulkText, ABigAnswerToAnotherQuestionIsStillReadByItsOwnDecoder) {
   MessageReader reader{FrameLimits{}};
   reader.feed(line + "\n");
   const auto read = reader.next();
-  const auto& message = std::get<Message>(*read);
+  const auto& message = read->value();
   EXPECT_NE(message.payload.bulk(), nullptr);
   const auto description = decodeDescribeResult(message.payload);
-  EXPECT_TRUE(std::holds_alternative<DescribeResult>(description));
+  EXPECT_TRUE(description.has_value());
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 #include "protocol/envelope.h"
+#include "protocol/json_text.h"
 
 #include <gtest/gtest.h>
 
@@ -7,20 +8,20 @@ namespace {
 
 Message good(std::string_view line) {
   auto decoded = decodeMessage(line);
-  if (auto* bad = std::get_if<BadMessage>(&decoded)) {
-    ADD_FAILURE() << bad->error.message;
+  if (!decoded) {
+    ADD_FAILURE() << decoded.error().error.message;
     return {};
   }
-  return std::move(std::get<Message>(decoded));
+  return std::move(decoded.value());
 }
 
 BadMessage bad(std::string_view line) {
   auto decoded = decodeMessage(line);
-  if (std::holds_alternative<Message>(decoded)) {
+  if (decoded.has_value()) {
     ADD_FAILURE() << "accepted: " << line;
     return {};
   }
-  return std::move(std::get<BadMessage>(decoded));
+  return std::move(decoded.error());
 }
 
 TEST(Envelope, TellsRequestsNotificationsResultsAndErrorsApart) {

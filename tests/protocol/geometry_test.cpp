@@ -53,21 +53,20 @@ struct Example {
   static constexpr std::array<std::uint64_t, 1> kNoOffsets{0};
 };
 
-Decoded<EnvironmentStepParams> crossed(const Body& body) {
+Expected<EnvironmentStepParams> crossed(const Body& body) {
   MessageReader reader{FrameLimits{}};
   reader.allowBlocks();
   reader.feed(encodeRequest(MessageId::of(1), "environment.step", body));
   const auto read = reader.next();
-  if (!read || !std::holds_alternative<Message>(*read)) {
-    return Error{ErrorCode::Internal, "not read", {}};
+  if (!read || !read->has_value()) {
+    return tl::unexpected(Error{ErrorCode::Internal, "not read", {}});
   }
-  return decodeEnvironmentStepParams(std::get<Message>(*read).payload);
+  return decodeEnvironmentStepParams(read->value().payload);
 }
 
 std::string problem(const EnvironmentStepParams& params, bool isInBlocks) {
   const auto decoded = crossed(isInBlocks ? encodeBlocks(params) : Body(encode(params)));
-  const auto* error = std::get_if<Error>(&decoded);
-  return error == nullptr ? "(accepted)" : error->message;
+  return decoded ? "(accepted)" : decoded.error().message;
 }
 
 TEST(Geometry, IsReadBackAsItWasWrittenAsTextAndInBlocks) {
@@ -75,7 +74,7 @@ TEST(Geometry, IsReadBackAsItWasWrittenAsTextAndInBlocks) {
   for (const bool isDifference : {false, true}) {
     const EnvironmentStepParams params = example.params(isDifference);
     for (const Body& body : {Body(encode(params)), encodeBlocks(params)}) {
-      const auto decoded = std::get<EnvironmentStepParams>(crossed(body));
+      const auto decoded = crossed(body).value();
       ASSERT_TRUE(decoded.geometry.has_value());
       EXPECT_EQ(encode(decoded), encode(params));
       EXPECT_TRUE(std::signbit(decoded.geometry->segmentStart[1]));
@@ -86,7 +85,7 @@ TEST(Geometry, IsReadBackAsItWasWrittenAsTextAndInBlocks) {
 TEST(Geometry, AStepWithoutGeometryHasNone) {
   EnvironmentStepParams params = Example().params(false);
   params.geometry.reset();
-  EXPECT_FALSE(std::get<EnvironmentStepParams>(crossed(Body(encode(params)))).geometry.has_value());
+  EXPECT_FALSE(crossed(Body(encode(params))).value().geometry.has_value());
   EXPECT_EQ(encode(params).find("geometry"), std::string::npos);
 }
 
@@ -131,8 +130,7 @@ TEST(Geometry, WhatIsWrongIsNamedWithItsPlace) {
 TEST(Geometry, FormAndWidthsAreWords) {
   const auto problemOf = [](const std::string& geometry) {
     const auto decoded = crossed(Body(R"({"simulation":"s","step":0,"geometry":)" + geometry + R"(,"queries":[]})"));
-    const auto* error = std::get_if<Error>(&decoded);
-    return error == nullptr ? "(accepted)" : error->message;
+    return decoded ? "(accepted)" : decoded.error().message;
   };
   EXPECT_EQ(problemOf("3"), "params.geometry: expected an object, found 3");
   EXPECT_EQ(problemOf(R"({"form":"part"})"), "params.geometry.form: expected whole or difference, found \"part\"");

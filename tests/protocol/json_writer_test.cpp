@@ -20,8 +20,8 @@ std::string number(double value) {
 double roundTrip(double value) {
   const std::string line =
       R"({"jsonrpc":"2.0","id":1,"result":{"replies":[{"id":0,"parameters":[)" + number(value) + "]}]}}";
-  const auto message = std::get<Message>(decodeMessage(line));
-  return std::get<ReplyColumns>(decodeReplies(message.payload, 1)).values[0];
+  const auto message = decodeMessage(line).value();
+  return decodeReplies(message.payload, 1).value().values[0];
 }
 
 TEST(JsonWriter, WritesTheShortestDecimalThatReadsBack) {

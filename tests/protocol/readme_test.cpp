@@ -1,13 +1,16 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 #include <vector>
 
 #include "protocol/codec.h"
+#include "protocol/methods.h"
 #include "tests/support/places.h"
 
 namespace espalier::protocol {
@@ -98,28 +101,14 @@ void validate(const json& schema, const json& root, const json& value, const std
   }
 }
 
-/// Runs the codec's decoder of a method's params, where there is one. The error's message or nothing.
+/// The error of the decoder of a method's params, or nothing.
 std::string decodeParams(const Message& message) {
-  const auto problemOf = [](const auto& decoded) {
-    const auto* error = std::get_if<Error>(&decoded);
-    return error == nullptr ? std::string() : error->message;
-  };
-  const Payload& payload = message.payload;
-  const std::string& method = message.method;
-  if (method == "hello") return problemOf(decodeHelloParams(payload));
-  if (method == "model.check" || method == "model.load") return problemOf(decodeModelParams(payload));
-  if (method == "simulation.create") return problemOf(decodeCreateParams(payload));
-  if (method == "simulation.step" || method == "simulation.run") return problemOf(decodeStepParams(payload));
-  if (method == "simulation.get") return problemOf(decodeGetParams(payload));
-  if (method == "simulation.trace") return problemOf(decodeTraceParams(payload));
-  if (method == "simulation.reset") return problemOf(decodeResetParams(payload));
-  if (method == "simulation.restore") return problemOf(decodeRestoreParams(payload));
-  if (method == "environment.open") return problemOf(decodeOpenParams(payload));
-  if (method == "environment.step") return problemOf(decodeEnvironmentStepParams(payload));
-  if (method == "environment.restore") return problemOf(decodeRestoreStateParams(payload));
-  if (method == "stream.open") return problemOf(decodeStreamOpenParams(payload));
-  if (method == "stream.ack") return problemOf(decodeStreamAckParams(payload));
-  if (method == "$/cancel") return problemOf(decodeCancelParams(payload));
+  for (const Method& method : methods()) {
+    if (method.name == message.method && method.problemOf != nullptr) {
+      const auto error = method.problemOf(message.payload);
+      return error ? error->message : std::string();
+    }
+  }
   return {};
 }
 
@@ -132,15 +121,15 @@ TEST(Readme, EveryExampleIsAMessageThatTheCodecAndTheSchemaAccept) {
     SCOPED_TRACE(line);
     ++count;
     auto decoded = decodeMessage(line);
-    if (auto* withBlocks = std::get_if<Message>(&decoded); withBlocks != nullptr && withBlocks->blockBytes > 0) {
+    if (!decoded) {
+      FAIL() << decoded.error().error.message;
+    }
+    Message& message = *decoded;
+    if (message.blockBytes > 0) {
       // the page does not show the bytes: zeros
-      const std::shared_ptr<std::uint64_t[]> zeros(new std::uint64_t[withBlocks->blockBytes / 8 + 1]());
-      withBlocks->payload.attach(std::make_shared<const Blocks>(withBlocks->blockTable, zeros));
+      const std::shared_ptr<std::uint64_t[]> zeros(new std::uint64_t[message.blockBytes / 8 + 1]());
+      message.payload.attach(std::make_shared<const Blocks>(message.blockTable, zeros));
     }
-    if (const auto* bad = std::get_if<BadMessage>(&decoded)) {
-      FAIL() << bad->error.message;
-    }
-    const auto& message = std::get<Message>(decoded);
     const json value = json::parse(line);
     std::vector<std::string> problems;
     validate(schema, schema, value, "message", problems);
@@ -154,7 +143,7 @@ TEST(Readme, EveryExampleIsAMessageThatTheCodecAndTheSchemaAccept) {
       validate(methods[methodOfId[toText(message.id)]]["result"], schema, value["result"], "result", problems);
       if (methodOfId[toText(message.id)] == "environment.step") {
         const auto replies = decodeReplies(message.payload, 2);
-        EXPECT_TRUE(std::holds_alternative<ReplyColumns>(replies));
+        EXPECT_TRUE(replies.has_value());
       }
     } else {
       EXPECT_NE(nameOf(message.error.code), "unknown");
@@ -166,15 +155,37 @@ TEST(Readme, EveryExampleIsAMessageThatTheCodecAndTheSchemaAccept) {
   EXPECT_GE(count, 40U);
 }
 
-TEST(Readme, NamesEveryMethodOfTheSchemaAndEveryErrorNumber) {
-  const std::string text = contentOf("README.md");
+TEST(Methods, AreTheOnesOfTheSchema) {
   const json schema = json::parse(contentOf("espalier-1.schema.json"));
+  std::set<std::string> described;
   for (const auto& [name, shapes] : schema["$defs"]["methods"].items()) {
-    EXPECT_NE(text.find(name), std::string::npos) << name;
+    described.insert(name);
   }
-  for (int code = 1001; code <= 1015; ++code) {
-    EXPECT_NE(text.find("| " + std::to_string(code) + " |"), std::string::npos) << code;
-    EXPECT_NE(nameOf(static_cast<ErrorCode>(code)), "unknown") << code;
+  std::set<std::string> known;
+  for (const Method& method : methods()) {
+    EXPECT_TRUE(known.emplace(method.name).second) << method.name << " has two rows in methods.def";
+  }
+  EXPECT_EQ(described, known);
+}
+
+TEST(Methods, AreListedInTheReadmeRowByRow) {
+  std::string table = "| method | answered by | |\n|---|---|---|\n";
+  for (const Method& method : methods()) {
+    constexpr std::array kSides{"both sides", "the server", "an environment", "(notification of the server)"};
+    table += "| `" + std::string(method.name) + "` | " + kSides[static_cast<std::size_t>(method.answerer)] + " | " +
+             std::string(method.summary) + " |\n";
+  }
+  EXPECT_NE(contentOf("README.md").find(table), std::string::npos)
+      << "protocol/README.md lists the methods in another way than protocol/methods.def. Its table should be:\n"
+      << table;
+}
+
+TEST(Methods, ADecoderThatReadsNothingIsForMethodsWithoutParams) {
+  const Payload none = decodeMessage(R"({"jsonrpc":"2.0","id":1,"method":"m","params":{}})").value().payload;
+  for (const Method& method : methods()) {
+    if (method.problemOf != nullptr && method.params != "NoParams") {
+      EXPECT_TRUE(method.problemOf(none).has_value()) << method.name;
+    }
   }
 }
 

@@ -96,8 +96,7 @@ std::optional<protocol::Error> stepped(std::string_view limit, std::uint64_t bou
   const auto client = connectTo(server);
   const std::string simulation = create(*client, source);
   const client::Outcome outcome = client->request("simulation.step", named(simulation));
-  const auto* error = std::get_if<protocol::Error>(&outcome);
-  return error == nullptr ? std::nullopt : std::optional(*error);
+  return outcome ? std::nullopt : std::optional(outcome.error());
 }
 
 TEST(LimitsInUse, ThoseOfAStepHoldAtTheBoundAndNotBeyond) {
@@ -151,14 +150,15 @@ TEST(LimitsInUse, PlantsOfOneSimulationShareItsModulesAndBytes) {
         create(*client, "Lsystem: 1\nderivation length: 9\nAxiom: A(1)\nA(x) --> A(x)A(x)\nendlsystem\n", {},
                R"("plants":[{"position":[0,0,0]},{"position":[1,0,0]},{"position":[2,0,0]}])");
     const client::Outcome outcome = client->request("simulation.step", named(simulation, R"("steps":2)"));
-    const auto* error = std::get_if<protocol::Error>(&outcome);
-    if (error != nullptr) {
-      EXPECT_EQ(member(error->data, "limit"), limit);
-      EXPECT_EQ(member(error->data, "bound"), std::to_string(bound));
-      EXPECT_EQ(member(error->data, "step"), "1");
-      EXPECT_EQ(stringOf(*client, simulation), "A(1)A(1)");
+    if (outcome) {
+      return std::string();
     }
-    return error == nullptr ? std::string() : error->message;
+    const protocol::Error& error = outcome.error();
+    EXPECT_EQ(member(error.data, "limit"), limit);
+    EXPECT_EQ(member(error.data, "bound"), std::to_string(bound));
+    EXPECT_EQ(member(error.data, "step"), "1");
+    EXPECT_EQ(stringOf(*client, simulation), "A(1)A(1)");
+    return error.message;
   };
   // three strings of four modules, with ten bytes each
   EXPECT_EQ(stepped("modules", 12), "");
@@ -227,14 +227,13 @@ bool isSavedIn(std::uint64_t storeBytes) {
       "simulation.create",
       createParams("Lsystem: 1\nderivation length: 13\nAxiom: A(1)\nA(x) --> A(ran(1))A(ran(1))\nendlsystem\n", {},
                    R"("seed":1)"));
-  if (const auto* error = std::get_if<protocol::Error>(&created)) {
-    EXPECT_EQ(static_cast<int>(error->code), 1014) << error->message;
+  if (!created) {
+    EXPECT_EQ(static_cast<int>(created.error().code), 1014) << created.error().message;
     return false;
   }
-  const client::Outcome outcome =
-      client->request("simulation.run", named(member(std::get<std::string>(created), "simulation")));
-  if (const auto* error = std::get_if<protocol::Error>(&outcome)) {
-    EXPECT_EQ(static_cast<int>(error->code), 1014) << error->message;
+  const client::Outcome outcome = client->request("simulation.run", named(member(created.value(), "simulation")));
+  if (!outcome) {
+    EXPECT_EQ(static_cast<int>(outcome.error().code), 1014) << outcome.error().message;
     return false;
   }
   return true;

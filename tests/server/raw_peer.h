@@ -46,8 +46,8 @@ class RawPeer {
   static Deadline soon() { return std::chrono::steady_clock::now() + std::chrono::seconds(30); }
   static Descriptor dial(const std::string& address) {
     auto dialled = dialTcp(address, soon());
-    EXPECT_TRUE(std::holds_alternative<Descriptor>(dialled));
-    return std::move(std::get<Descriptor>(dialled));
+    EXPECT_TRUE(dialled.has_value());
+    return std::move(dialled.value());
   }
   int socket_;
   LineChannel channel_;

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "clients/cpp/client.h"
+#include "protocol/json_text.h"
 #include "protocol/json_writer.h"
 #include "server/server.h"
 
@@ -62,29 +63,29 @@ class RunningServer {
 inline std::unique_ptr<client::Client> connectTo(const RunningServer& server, client::ClientOptions options = {}) {
   options.requestTimeout = std::chrono::seconds(60);
   auto connected = client::Client::connect(server.address(), options);
-  if (auto* error = std::get_if<protocol::Error>(&connected)) {
-    ADD_FAILURE() << error->message;
+  if (!connected) {
+    ADD_FAILURE() << connected.error().message;
     return nullptr;
   }
-  return std::move(std::get<std::unique_ptr<client::Client>>(connected));
+  return std::move(connected.value());
 }
 
 /// The result, or a failed test.
 inline std::string resultOf(const client::Outcome& outcome) {
-  if (const auto* error = std::get_if<protocol::Error>(&outcome)) {
-    ADD_FAILURE() << "error " << static_cast<int>(error->code) << ": " << error->message;
+  if (!outcome) {
+    ADD_FAILURE() << "error " << static_cast<int>(outcome.error().code) << ": " << outcome.error().message;
     return "{}";
   }
-  return std::get<std::string>(outcome);
+  return outcome.value();
 }
 
 /// The error, or a failed test.
 inline protocol::Error errorOf(const client::Outcome& outcome) {
-  if (const auto* result = std::get_if<std::string>(&outcome)) {
-    ADD_FAILURE() << "a result where an error was expected: " << *result;
+  if (outcome) {
+    ADD_FAILURE() << "a result where an error was expected: " << *outcome;
     return {};
   }
-  return std::get<protocol::Error>(outcome);
+  return outcome.error();
 }
 
 inline std::string member(const std::string& json, std::string_view name) {

@@ -437,7 +437,7 @@ TEST(Server, ShutdownTellsSessionsAndFinishesTheRunningStep) {
         (void)self.respond(request.id, R"({"replies":[{"id":0,"parameters":[1]}]})");
       });
   const std::string simulation = create(*controller, kGrowth, R"([{"type":"offered","name":"slow"}])");
-  const auto id = std::get<std::int64_t>(controller->send("simulation.step", named(simulation)));
+  const auto id = controller->send("simulation.step", named(simulation)).value();
   isAsked.wait(false);
   std::thread stopping([&] { server.stop(); });
   const auto told = controller->nextNotification(std::chrono::seconds(30));
@@ -455,7 +455,7 @@ TEST(Server, CancelGivesUpARunBetweenStepsOrWithinOne) {
   const auto client = connectTo(server);
   const std::string simulation =
       create(*client, "Lsystem: 1\nderivation length: 100000000\nAxiom: A\nA --> A\nendlsystem\n");
-  const auto id = std::get<std::int64_t>(client->send("simulation.run", named(simulation)));
+  const auto id = client->send("simulation.run", named(simulation)).value();
   EXPECT_FALSE(client->notify("$/cancel", "{\"id\":" + std::to_string(id) + "}").has_value());
   const auto error = errorOf(client->waitFor(id, std::chrono::seconds(30)));
   EXPECT_EQ(static_cast<int>(error.code), 1010);
@@ -496,7 +496,7 @@ TEST(Server, EndlessStepsOfOneClientKeepNobodyElseWaiting) {
   const auto hog = connectTo(server);
   std::vector<std::int64_t> steps;
   for (int i = 0; i < 3; ++i) {
-    steps.push_back(std::get<std::int64_t>(hog->send("simulation.step", named(create(*hog, endlessModel())))));
+    steps.push_back(hog->send("simulation.step", named(create(*hog, endlessModel()))).value());
   }
   const auto other = connectTo(server);
   // short requests, then steps of its own; each would wait for hundreds of seconds
@@ -543,7 +543,7 @@ TEST(Server, PauseEndsARunBetweenStepsAndAskingAgainGoesOn) {
   const auto runner = connectTo(server);
   const std::string simulation =
       create(*runner, "Lsystem: 1\nderivation length: 100000000\nAxiom: A\nA --> A\nendlsystem\n");
-  const auto id = std::get<std::int64_t>(runner->send("simulation.run", named(simulation)));
+  const auto id = runner->send("simulation.run", named(simulation)).value();
   const auto other = connectTo(server);
   std::string paused = "0";
   std::string step;
@@ -660,10 +660,10 @@ TEST(Server, ACreationCanBeCancelled) {
   options.limits.simulation.maximumLoopIterations = UINT64_MAX;
   const RunningServer server(options);
   const auto client = connectTo(server);
-  const auto id = std::get<std::int64_t>(client->send(
-      "simulation.create",
-      createParams(
-          "Lsystem: 1\nStart: {i = 0; while (i < 1000000000000) {i = i + 1;}}\nAxiom: A\nA --> A\nendlsystem\n")));
+  const auto id = client
+                      ->send("simulation.create", createParams("Lsystem: 1\nStart: {i = 0; while (i < 1000000000000) "
+                                                               "{i = i + 1;}}\nAxiom: A\nA --> A\nendlsystem\n"))
+                      .value();
   cancelAndExpectIt(*client, id);
   EXPECT_EQ(member(resultOf(client->request("simulation.list", "{}")), "simulations"), "[]");
 }
@@ -673,7 +673,7 @@ TEST(Server, OthersAreServedWhileALongRunGoesOn) {
   const auto runner = connectTo(server);
   const std::string simulation =
       create(*runner, "Lsystem: 1\nderivation length: 100000000\nAxiom: A\nA --> A\nendlsystem\n");
-  const auto id = std::get<std::int64_t>(runner->send("simulation.run", named(simulation)));
+  const auto id = runner->send("simulation.run", named(simulation)).value();
   const auto other = connectTo(server);
   EXPECT_EQ(stringOf(*other, simulation), "A");
   EXPECT_FALSE(runner->notify("$/cancel", "{\"id\":" + std::to_string(id) + "}").has_value());

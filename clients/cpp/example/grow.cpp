@@ -2,6 +2,7 @@
 #include <iostream>
 
 #include "clients/cpp/client.h"
+#include "protocol/json_text.h"
 
 using espalier::client::Client;
 using espalier::protocol::Error;
@@ -16,11 +17,11 @@ constexpr const char* kCreate =
 
 std::string ask(Client& client, const char* method, const std::string& params) {
   auto outcome = client.request(method, params);
-  if (const auto* error = std::get_if<Error>(&outcome)) {
-    std::cerr << "grow: " << error->message << '\n';
+  if (!outcome) {
+    std::cerr << "grow: " << outcome.error().message << '\n';
     std::exit(1);
   }
-  return std::get<std::string>(outcome);
+  return *outcome;
 }
 
 }  // namespace
@@ -31,11 +32,11 @@ int main(int argumentCount, char** arguments) {
     return 2;
   }
   auto connected = Client::connect(arguments[1], {});
-  if (const auto* error = std::get_if<Error>(&connected)) {
-    std::cerr << "grow: " << error->message << '\n';
+  if (!connected) {
+    std::cerr << "grow: " << connected.error().message << '\n';
     return 1;
   }
-  Client& client = *std::get<std::unique_ptr<Client>>(connected);
+  Client& client = **connected;
   const std::string simulation = memberOf(ask(client, "simulation.create", kCreate), "simulation").value_or("");
   const std::string named = R"({"simulation":")" + simulation + "\"}";
   for (bool isFinished = false; !isFinished;) {

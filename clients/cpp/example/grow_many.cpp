@@ -3,6 +3,7 @@
 #include <iostream>
 
 #include "clients/cpp/coroutine_client.h"
+#include "protocol/json_text.h"
 
 namespace asio = boost::asio;
 using espalier::client::CoroutineClient;
@@ -11,13 +12,13 @@ using espalier::protocol::memberOf;
 
 namespace {
 
-// what a coroutine asked for, or an exception with what the server said instead
+// the result, or an exception with the message of the error
 asio::awaitable<std::string> ask(CoroutineClient& client, std::string method, std::string params) {
   auto outcome = co_await client.request(std::move(method), std::move(params));
-  if (const auto* error = std::get_if<Error>(&outcome)) {
-    throw std::runtime_error(error->message);
+  if (!outcome) {
+    throw std::runtime_error(outcome.error().message);
   }
-  co_return std::get<std::string>(std::move(outcome));
+  co_return *std::move(outcome);
 }
 
 // A tip grows to the height that its plant may have.
@@ -36,10 +37,10 @@ asio::awaitable<void> grow(CoroutineClient& client, int height) {
 
 asio::awaitable<void> growAll(std::string address) {
   auto connected = co_await CoroutineClient::connect(std::move(address));
-  if (const auto* error = std::get_if<Error>(&connected)) {
-    throw std::runtime_error(error->message);
+  if (!connected) {
+    throw std::runtime_error(connected.error().message);
   }
-  const auto client = std::get<std::unique_ptr<CoroutineClient>>(std::move(connected));
+  const auto client = *std::move(connected);
   const auto executor = co_await asio::this_coro::executor;
   // all are under way before the first is waited for
   asio::steady_timer done(executor, asio::steady_timer::time_point::max());

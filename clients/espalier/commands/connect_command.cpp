@@ -16,6 +16,7 @@
 #include "clients/espalier/model_files.h"
 #include "engine/language/compiler.h"
 #include "protocol/base64.h"
+#include "protocol/json_text.h"
 #include "protocol/json_writer.h"
 #include "server/remote/disk_files.h"
 #include "server/remote/hosting/dial_bridge.h"
@@ -63,10 +64,10 @@ void printLine(const std::string& text) {
 /// Asks and prints the result, or one member of it, as a line.
 int ask(Client& client, std::string_view method, const std::string& params, std::string_view member = {}) {
   const Outcome outcome = client.request(method, params);
-  if (const auto* error = std::get_if<protocol::Error>(&outcome)) {
-    return fail(*error);
+  if (!outcome) {
+    return fail(outcome.error());
   }
-  const auto& result = std::get<std::string>(outcome);
+  const auto& result = *outcome;
   printLine(member.empty() ? result : protocol::memberOf(result, member).value_or(result));
   return kSuccess;
 }
@@ -224,10 +225,10 @@ int create(Client& client, const ConnectOptions& options) {
     params.key("compatibility").text(options.compatibility);
   }
   const Outcome outcome = client.request("simulation.create", params.endObject().view());
-  if (const auto* error = std::get_if<protocol::Error>(&outcome)) {
-    return fail(*error);
+  if (!outcome) {
+    return fail(outcome.error());
   }
-  const auto& result = std::get<std::string>(outcome);
+  const auto& result = *outcome;
   printNote("seed " + protocol::memberOf(result, "seed").value_or("?"));
   printLine(protocol::memberOf(result, "simulation").value_or(result));
   return kSuccess;
@@ -268,8 +269,8 @@ int stream(Client& client, const ConnectOptions& options) {
     params.key("select").beginObject().key("symbols").texts(options.symbols).endObject();
   }
   const Outcome outcome = client.request("stream.open", params.endObject().view());
-  if (const auto* error = std::get_if<protocol::Error>(&outcome)) {
-    return fail(*error);
+  if (!outcome) {
+    return fail(outcome.error());
   }
   std::uint64_t received = 0;
   while (options.frames == 0 || received < options.frames) {
@@ -296,10 +297,10 @@ int stream(Client& client, const ConnectOptions& options) {
 
 int save(Client& client, const ConnectOptions& options) {
   const Outcome outcome = client.request("simulation.save", simulationParams(options));
-  if (const auto* error = std::get_if<protocol::Error>(&outcome)) {
-    return fail(*error);
+  if (!outcome) {
+    return fail(outcome.error());
   }
-  const auto snapshot = protocol::memberOf(std::get<std::string>(outcome), "snapshot");
+  const auto snapshot = protocol::memberOf(*outcome, "snapshot");
   const auto bytes = snapshot ? protocol::fromBase64(*snapshot) : std::nullopt;
   if (!bytes) {
     printError("the server's answer has no snapshot");
@@ -334,18 +335,18 @@ int runConnect(const ConnectOptions& options) {
   std::unique_ptr<server::DialBridge> bridge;
   if (server::DialBridge::isFor(address)) {
     auto opened = server::DialBridge::open(address, {.trustedFile = options.trustedFile});
-    if (const auto* problem = std::get_if<std::string>(&opened)) {
-      printError(*problem);
+    if (!opened) {
+      printError(opened.error());
       return kFailure;
     }
-    bridge = std::move(std::get<std::unique_ptr<server::DialBridge>>(opened));
+    bridge = std::move(*opened);
     address = bridge->address();
   }
   auto connected = Client::connect(address, clientOptions);
-  if (const auto* error = std::get_if<protocol::Error>(&connected)) {
-    return fail(*error);
+  if (!connected) {
+    return fail(connected.error());
   }
-  return options.run(*std::get<std::unique_ptr<Client>>(connected), options);
+  return options.run(**connected, options);
 }
 
 using Run = std::function<int(Client&, const ConnectOptions&)>;

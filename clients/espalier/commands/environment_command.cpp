@@ -12,6 +12,7 @@
 #include "environment/registry.h"
 #include "protocol/codec.h"
 #include "protocol/envelope.h"
+#include "protocol/json_text.h"
 #include "protocol/json_writer.h"
 #include "server/remote/disk_files.h"
 #include "server/remote/hosting/environment_check.h"
@@ -61,10 +62,10 @@ environment::ProcessOrErrors makeAsked(const EnvironmentOptions& options, const 
                                        std::vector<core::Diagnostic>& warnings) {
   if (options.name == kPlugin) {
     auto loaded = server::loadPluginProcess(options.library, configuration);
-    if (auto* problem = std::get_if<std::string>(&loaded)) {
-      return tl::unexpected(std::vector{core::Diagnostic{core::Severity::Error, std::move(*problem), {}, {}}});
+    if (!loaded) {
+      return tl::unexpected(std::vector{core::Diagnostic{core::Severity::Error, std::move(loaded.error()), {}, {}}});
     }
-    return std::move(std::get<std::unique_ptr<turtle::EnvironmentProcess>>(loaded));
+    return std::move(*loaded);
   }
   if (options.name != kLegacy) {
     return environment::makeProcess(options.name, configuration);

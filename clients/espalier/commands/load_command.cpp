@@ -13,6 +13,7 @@
 #include "clients/espalier/commands/commands.h"
 #include "clients/espalier/messages.h"
 #include "protocol/envelope.h"
+#include "protocol/json_text.h"
 #include "protocol/json_writer.h"
 
 namespace espalier::command {
@@ -68,22 +69,22 @@ ClientPointer connect(const LoadOptions& options, Figures& figures) {
   clientOptions.name = "espalier load";
   clientOptions.token = options.token;
   auto connected = client::Client::connect(options.address, clientOptions);
-  if (const auto* error = std::get_if<protocol::Error>(&connected)) {
-    figures.fail(error->message);
+  if (!connected) {
+    figures.fail(connected.error().message);
     return nullptr;
   }
-  return std::move(std::get<ClientPointer>(connected));
+  return std::move(*connected);
 }
 
 /// The result, or nothing when the figures have the problem.
 std::optional<std::string> ask(client::Client& client, std::string_view method, const std::string& params,
                                Figures& figures) {
   const auto answer = client.request(method, params);
-  if (const auto* error = std::get_if<protocol::Error>(&answer)) {
-    figures.fail(std::string(method) + ": " + error->message);
+  if (!answer) {
+    figures.fail(std::string(method) + ": " + answer.error().message);
     return std::nullopt;
   }
-  return std::get<std::string>(answer);
+  return *answer;
 }
 
 std::string named(const std::string& simulation, const std::string& more = {}) {

@@ -8,6 +8,7 @@
 #include "clients/espalier/commands/commands.h"
 #include "clients/espalier/messages.h"
 #include "protocol/envelope.h"
+#include "protocol/json_text.h"
 
 namespace espalier::command {
 namespace {
@@ -22,16 +23,16 @@ int runStatus(const StatusOptions& options) {
   client::ClientOptions clientOptions;
   clientOptions.token = options.token;
   auto connected = client::Client::connect(options.address, clientOptions);
-  if (const auto* error = std::get_if<protocol::Error>(&connected)) {
-    printError(error->message);
+  if (!connected) {
+    printError(connected.error().message);
     return kFailure;
   }
-  const auto answer = std::get<std::unique_ptr<client::Client>>(connected)->request("server.status", "{}");
-  if (const auto* error = std::get_if<protocol::Error>(&answer)) {
-    printError(error->message);
+  const auto answer = (*connected)->request("server.status", "{}");
+  if (!answer) {
+    printError(answer.error().message);
     return kFailure;
   }
-  const auto& status = std::get<std::string>(answer);
+  const auto& status = *answer;
   if (options.isJson) {
     std::printf("%s\n", status.c_str());
     return kSuccess;

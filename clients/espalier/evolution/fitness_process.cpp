@@ -66,10 +66,10 @@ FitnessProcess::~FitnessProcess() {
 
 std::variant<std::unique_ptr<FitnessProcess>, std::string> FitnessProcess::start(const std::string& command) {
   auto started = server::ChildProcess::start(command);
-  if (std::string* problem = std::get_if<std::string>(&started)) {
-    return std::move(*problem);
+  if (!started) {
+    return std::move(started.error());
   }
-  auto child = std::move(std::get<std::unique_ptr<server::ChildProcess::Started>>(started));
+  auto child = std::move(*started);
   LineChannel channel(std::move(child->input), std::move(child->output), kLongestReply);
   return std::unique_ptr<FitnessProcess>(
       new FitnessProcess(std::unique_ptr<Parts>(new Parts{std::move(child), std::move(channel)})));

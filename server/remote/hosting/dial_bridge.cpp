@@ -14,6 +14,7 @@
 
 #include "protocol/envelope.h"
 #include "protocol/framing.h"
+#include "protocol/json_text.h"
 #include "server/remote/processes/line_channel.h"
 
 namespace espalier::server {
@@ -54,7 +55,7 @@ std::size_t blockBytesOf(const std::string& line) {
   return bytes;
 }
 
-/// Lines, and what follows them, as frames.
+/// Lines with their blocks, as frames.
 template <typename Stream>
 asio::awaitable<void> sendFrames(tcp::socket& near, websocket::stream<Stream>& far) {
   std::string received;
@@ -279,11 +280,11 @@ bool DialBridge::isFor(const std::string& address) {
          address.starts_with("unix:");
 }
 
-std::variant<std::unique_ptr<DialBridge>, std::string> DialBridge::open(const std::string& address,
+tl::expected<std::unique_ptr<DialBridge>, std::string> DialBridge::open(const std::string& address,
                                                                         const Options& options) {
   auto implementation = std::make_unique<Implementation>(options);
   if (auto problem = implementation->open(address)) {
-    return std::move(*problem);
+    return tl::unexpected(std::move(*problem));
   }
   return std::unique_ptr<DialBridge>(new DialBridge(std::move(implementation)));
 }

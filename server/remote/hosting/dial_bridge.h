@@ -3,13 +3,13 @@
 #include <chrono>
 #include <memory>
 #include <string>
-#include <variant>
+#include <tl/expected.hpp>
 
 namespace espalier::server {
 
-/// A way to a server over TLS, a WebSocket, both, or a socket of the file system, for a client that speaks lines over
-/// TCP: a port of this machine that takes one connection and passes on what comes. A thread of its own; it ends with
-/// the object, or when either side does.
+/// Lets a client that speaks lines over TCP reach a server over TLS, a WebSocket, both, or a Unix socket. It is a port
+/// of this machine that takes one connection and passes the bytes on. Its thread ends with the object, or when either
+/// side closes.
 class DialBridge {
  public:
   struct Options {
@@ -20,7 +20,7 @@ class DialBridge {
   /// Whether an address is one of those: tls://HOST:PORT, ws://HOST:PORT, wss://HOST:PORT, unix:PATH.
   [[nodiscard]] static bool isFor(const std::string& address);
   /// Connects and greets (TLS, upgrade). An error sentence when that fails.
-  [[nodiscard]] static std::variant<std::unique_ptr<DialBridge>, std::string> open(const std::string& address,
+  [[nodiscard]] static tl::expected<std::unique_ptr<DialBridge>, std::string> open(const std::string& address,
                                                                                    const Options& options);
   ~DialBridge();
   DialBridge(const DialBridge&) = delete;

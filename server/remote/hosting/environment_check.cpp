@@ -270,7 +270,7 @@ class Checker {
         good("shapes: " + std::to_string(replies->answeredCount) + " of 7 queries answered, no value too many");
       }
     }
-    // a step in which nobody asks
+    // a step without queries
     if (description_.isStateful) {
       if (const auto error = process_->tick(1)) {
         bad("shapes: a step without queries fails: " + error->message);
@@ -330,11 +330,10 @@ class Checker {
         R"({"simulation":"check","step":0,"iteration":0,"time":0,"queries":[{"id":0,"plant":0,"module":0,)"
         R"("symbol":"E","parameters":[NaN],"position":[NaN,0,0]}]})";
     const auto outcome = link_->call("environment.step", params, options_.stepTimeout);
-    const auto* failure = std::get_if<LinkFailure>(&outcome);
-    if (failure == nullptr) {
-      bad("not finite: a query with NaN got a reply; refuse what is not JSON with error -32700");
-    } else if (failure->kind != LinkFailure::Kind::Refused) {
-      bad("not finite: a query with NaN: it " + failure->message + "; answer with an error and go on");
+    if (outcome) {
+      bad("not finite: a query with NaN got a reply; refuse a line that is not JSON with error -32700");
+    } else if (outcome.error().kind != LinkFailure::Kind::Refused) {
+      bad("not finite: a query with NaN: it " + outcome.error().message + "; answer with an error and go on");
     } else {
       good("a query with NaN is refused");
     }

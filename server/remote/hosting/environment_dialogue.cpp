@@ -1,6 +1,7 @@
 #include "server/remote/hosting/environment_dialogue.h"
 
 #include <algorithm>
+#include <array>
 
 #include "engine/core/hash.h"
 #include "protocol/codec.h"
@@ -56,79 +57,87 @@ protocol::Body bodyOf(const protocol::ReplyColumns& replies, const protocol::Pay
 }  // namespace
 
 std::optional<std::string> EnvironmentDialogue::answer(const protocol::MessageReader::Read& read) {
-  if (const auto* bad = std::get_if<protocol::BadMessage>(&read)) {
-    return protocol::encodeError(bad->id, bad->error);
+  if (!read) {
+    return protocol::encodeError(read.error().id, read.error().error);
   }
-  const auto& message = std::get<protocol::Message>(read);
+  const auto& message = *read;
   if (message.kind != protocol::Message::Kind::Request) {
     return std::nullopt;
   }
   const Reply reply = handle(message);
-  if (const auto* error = std::get_if<protocol::Error>(&reply)) {
-    return protocol::encodeError(message.id, *error);
+  if (!reply) {
+    return protocol::encodeError(message.id, reply.error());
   }
-  return protocol::encodeResult(message.id, std::get<protocol::Body>(reply));
+  return protocol::encodeResult(message.id, *reply);
+}
+
+template <auto decode, auto handler>
+EnvironmentDialogue::Reply EnvironmentDialogue::decodeAndHandle(EnvironmentDialogue& self,
+                                                                const protocol::Payload& payload) {
+  const auto params = decode(payload);
+  if (!params) {
+    return tl::unexpected(params.error());
+  }
+  return (self.*handler)(*params, payload);
 }
 
 EnvironmentDialogue::Reply EnvironmentDialogue::handle(const protocol::Message& request) {
+  struct Row {
+    std::string_view name;
+    Reply (*handle)(EnvironmentDialogue&, const protocol::Payload&);
+  };
+  using Dialogue = EnvironmentDialogue;
+  static constexpr std::array kRows{
+#define ESPALIER_COMMON_METHOD(NAME, PARAMS, HANDLER, SUMMARY) \
+  Row{NAME, &decodeAndHandle<&protocol::decode##PARAMS, &Dialogue::HANDLER>},
+#define ESPALIER_ENVIRONMENT_METHOD(NAME, PARAMS, HANDLER, SUMMARY) \
+  Row{NAME, &decodeAndHandle<&protocol::decode##PARAMS, &Dialogue::HANDLER>},
+#include "protocol/methods.def"
+  };
+  std::string names;
   try {
-    if (request.method == "hello") {
-      return hello(request.payload);
-    }
-    if (request.method == "environment.describe") {
-      return protocol::encode(toDescribeResult((*factory_)()->describe()));
-    }
-    if (request.method == "environment.open") {
-      return open(request.payload);
-    }
-    if (request.method == "environment.step") {
-      return step(request.payload);
-    }
-    if (request.method == "environment.save") {
-      return save(request.payload);
-    }
-    if (request.method == "environment.restore") {
-      return restore(request.payload);
-    }
-    if (request.method == "environment.close") {
-      return close(request.payload);
+    for (const Row& row : kRows) {
+      if (row.name == request.method) {
+        return row.handle(*this, request.payload);
+      }
+      names += (names.empty() ? "" : ", ") + std::string(row.name);
     }
   } catch (const protocol::NonFiniteNumber&) {
-    return protocol::Error{protocol::ErrorCode::NonFinite,
-                           "The environment computed a NaN or infinite value. Check the parameters sent to it.",
-                           {}};
+    return tl::unexpected(
+        protocol::Error{protocol::ErrorCode::NonFinite,
+                        "The environment computed a NaN or infinite value. Check the parameters sent to it.",
+                        {}});
   } catch (const std::exception& exception) {
-    return protocol::Error{protocol::ErrorCode::Internal,
-                           std::string("The environment has a bug: ") + exception.what() + ". Please report it.",
-                           {}};
+    return tl::unexpected(
+        protocol::Error{protocol::ErrorCode::Internal,
+                        std::string("The environment has a bug: ") + exception.what() + ". Please report it.",
+                        {}});
   }
-  return protocol::Error{
-      protocol::ErrorCode::UnknownMethod,
-      "'" + request.method +
-          "' is unknown here. An environment answers hello, environment.describe, "
-          "environment.open, environment.step, environment.save, environment.restore and environment.close.",
-      {}};
+  return tl::unexpected(
+      protocol::Error{protocol::ErrorCode::UnknownMethod,
+                      "'" + request.method + "' is unknown here. An environment answers " + names + ".",
+                      {}});
 }
 
-EnvironmentDialogue::Reply EnvironmentDialogue::hello(const protocol::Payload& payload) {
-  const auto decoded = protocol::decodeHelloParams(payload);
-  if (const auto* error = std::get_if<protocol::Error>(&decoded)) {
-    return *error;
+EnvironmentDialogue::Reply EnvironmentDialogue::hello(const protocol::HelloParams& params, const protocol::Payload&) {
+  if (std::find(params.protocol.begin(), params.protocol.end(), protocol::kProtocolVersion) == params.protocol.end()) {
+    return tl::unexpected(
+        protocol::Error{protocol::ErrorCode::Version,
+                        "No common protocol version: this environment speaks 1. Use a peer that speaks espalier/1.",
+                        {}});
   }
-  const auto& said = std::get<protocol::HelloParams>(decoded);
-  const auto& versions = said.protocol;
-  if (std::find(versions.begin(), versions.end(), protocol::kProtocolVersion) == versions.end()) {
-    return protocol::Error{protocol::ErrorCode::Version,
-                           "No common protocol version: this environment speaks 1. Use a peer that speaks espalier/1.",
-                           {}};
-  }
-  areBlocksAgreed_ = std::find(said.capabilities.begin(), said.capabilities.end(), "bin") != said.capabilities.end();
+  areBlocksAgreed_ =
+      std::find(params.capabilities.begin(), params.capabilities.end(), "bin") != params.capabilities.end();
   const protocol::HelloResult result{.protocol = protocol::kProtocolVersion,
                                      .session = "1",
                                      .server = "espalier " + std::string(protocol::kProgramVersion),
                                      .capabilities = {"bin", "checkpoint"},
                                      .limits = {{"lineBytes", limits_.lineBytes}, {"blockBytes", limits_.blockBytes}}};
   return protocol::encode(result);
+}
+
+EnvironmentDialogue::Reply EnvironmentDialogue::describe(const protocol::NoParams&, const protocol::Payload&) {
+  return protocol::encode(toDescribeResult((*factory_)()->describe()));
 }
 
 EnvironmentDialogue::Opened& EnvironmentDialogue::openedFor(const std::string& simulation) {
@@ -142,33 +151,24 @@ EnvironmentDialogue::Opened& EnvironmentDialogue::openedFor(const std::string& s
   return opened;
 }
 
-EnvironmentDialogue::Reply EnvironmentDialogue::open(const protocol::Payload& payload) {
-  const auto decoded = protocol::decodeOpenParams(payload);
-  if (const auto* error = std::get_if<protocol::Error>(&decoded)) {
-    return *error;
-  }
-  const auto& params = std::get<protocol::OpenParams>(decoded);
+EnvironmentDialogue::Reply EnvironmentDialogue::open(const protocol::OpenParams& params, const protocol::Payload&) {
   if (!params.configurationJson.empty()) {
-    return protocol::fieldError("params.configuration",
-                                "this environment was configured when it was started (--configuration FILE); leave the "
-                                "configuration out");
+    return tl::unexpected(protocol::memberError(
+        "params.configuration",
+        "this environment was configured when it was started (--configuration FILE); leave the configuration out"));
   }
   opened_.erase(params.simulation);
   Opened& opened = openedFor(params.simulation);
   opened.symbols = params.symbols;
   if (const auto error = opened.process->open(toContext(params))) {
     opened_.erase(params.simulation);
-    return failed(*error);
+    return tl::unexpected(failed(*error));
   }
   return protocol::Body("{}");
 }
 
-EnvironmentDialogue::Reply EnvironmentDialogue::step(const protocol::Payload& payload) {
-  const auto decoded = protocol::decodeEnvironmentStepParams(payload);
-  if (const auto* error = std::get_if<protocol::Error>(&decoded)) {
-    return *error;
-  }
-  const auto& params = std::get<protocol::EnvironmentStepParams>(decoded);
+EnvironmentDialogue::Reply EnvironmentDialogue::step(const protocol::EnvironmentStepParams& params,
+                                                     const protocol::Payload& payload) {
   Opened& opened = openedFor(params.simulation);
 
   // a process with state must not advance twice for one step
@@ -181,11 +181,11 @@ EnvironmentDialogue::Reply EnvironmentDialogue::step(const protocol::Payload& pa
       return bodyOf(opened.columns, payload);
     }
     if (isSame || (opened.lastStep && params.step < *opened.lastStep)) {
-      return protocol::Error{
+      return tl::unexpected(protocol::Error{
           protocol::ErrorCode::StaleStep,
           "Step " + std::to_string(params.step) + " was asked for, but the environment has made step " +
               std::to_string(*opened.lastStep) + ". Open it again, or restore the state it had before that step.",
-          {}};
+          {}});
     }
   }
 
@@ -196,7 +196,7 @@ EnvironmentDialogue::Reply EnvironmentDialogue::step(const protocol::Payload& pa
     const std::shared_ptr<const turtle::Geometry> last = std::exchange(opened.geometry, nullptr);
     if (const auto problem = toGeometry(*params.geometry, last.get(), opened.symbols, *geometry)) {
       opened.lastStep = before;
-      return protocol::fieldError("params.geometry", *problem + "; send the whole geometry");
+      return tl::unexpected(protocol::memberError("params.geometry", *problem + "; send the whole geometry"));
     }
     opened.geometry = geometry;
     opened.queries.geometry = std::move(geometry);
@@ -206,7 +206,7 @@ EnvironmentDialogue::Reply EnvironmentDialogue::step(const protocol::Payload& pa
   const auto error = isTick ? opened.process->tick(params.step) : opened.process->step(opened.queries, opened.replies);
   if (error) {
     opened.lastStep = before;
-    return failed(*error);
+    return tl::unexpected(failed(*error));
   }
   opened.columns = toReplies(opened.queries, opened.replies);
   if (opened.isStateful) {
@@ -217,34 +217,24 @@ EnvironmentDialogue::Reply EnvironmentDialogue::step(const protocol::Payload& pa
   return bodyOf(opened.columns, payload);
 }
 
-EnvironmentDialogue::Reply EnvironmentDialogue::save(const protocol::Payload& payload) {
-  const auto decoded = protocol::decodeNameParams(payload, "simulation");
-  if (const auto* error = std::get_if<protocol::Error>(&decoded)) {
-    return *error;
-  }
-  return protocol::encodeSaveResult(openedFor(std::get<protocol::NameParams>(decoded).name).process->save());
+EnvironmentDialogue::Reply EnvironmentDialogue::save(const protocol::SimulationParams& params,
+                                                     const protocol::Payload&) {
+  return protocol::encodeSaveResult(openedFor(params.simulation).process->save());
 }
 
-EnvironmentDialogue::Reply EnvironmentDialogue::restore(const protocol::Payload& payload) {
-  const auto decoded = protocol::decodeRestoreStateParams(payload);
-  if (const auto* error = std::get_if<protocol::Error>(&decoded)) {
-    return *error;
-  }
-  const auto& params = std::get<protocol::RestoreStateParams>(decoded);
+EnvironmentDialogue::Reply EnvironmentDialogue::restore(const protocol::RestoreStateParams& params,
+                                                        const protocol::Payload&) {
   Opened& opened = openedFor(params.simulation);
   if (const auto error = opened.process->restore(params.state)) {
-    return failed(*error);
+    return tl::unexpected(failed(*error));
   }
   opened.lastStep.reset();
   return protocol::Body("{}");
 }
 
-EnvironmentDialogue::Reply EnvironmentDialogue::close(const protocol::Payload& payload) {
-  const auto decoded = protocol::decodeNameParams(payload, "simulation");
-  if (const auto* error = std::get_if<protocol::Error>(&decoded)) {
-    return *error;
-  }
-  opened_.erase(std::get<protocol::NameParams>(decoded).name);
+EnvironmentDialogue::Reply EnvironmentDialogue::close(const protocol::SimulationParams& params,
+                                                      const protocol::Payload&) {
+  opened_.erase(params.simulation);
   return protocol::Body("{}");
 }
 

@@ -4,7 +4,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <variant>
 
 #include "engine/turtle/environment_process.h"
 #include "protocol/framing.h"
@@ -42,16 +41,17 @@ class EnvironmentDialogue {
     turtle::ReplyBatch replies;
     protocol::ReplyColumns columns;
   };
-  /// The result, or an error.
-  using Reply = std::variant<protocol::Body, protocol::Error>;
+  using Reply = protocol::Expected<protocol::Body>;
 
   [[nodiscard]] Reply handle(const protocol::Message& request);
-  [[nodiscard]] Reply hello(const protocol::Payload& payload);
-  [[nodiscard]] Reply open(const protocol::Payload& payload);
-  [[nodiscard]] Reply step(const protocol::Payload& payload);
-  [[nodiscard]] Reply save(const protocol::Payload& payload);
-  [[nodiscard]] Reply restore(const protocol::Payload& payload);
-  [[nodiscard]] Reply close(const protocol::Payload& payload);
+  template <auto decode, auto handler>
+  [[nodiscard]] static Reply decodeAndHandle(EnvironmentDialogue& self, const protocol::Payload& payload);
+  // the handlers of protocol/methods.def; the payload tells whether a step came in blocks
+#define ESPALIER_COMMON_METHOD(NAME, PARAMS, HANDLER, SUMMARY) \
+  [[nodiscard]] Reply HANDLER(const protocol::PARAMS& params, const protocol::Payload& payload);
+#define ESPALIER_ENVIRONMENT_METHOD(NAME, PARAMS, HANDLER, SUMMARY) \
+  [[nodiscard]] Reply HANDLER(const protocol::PARAMS& params, const protocol::Payload& payload);
+#include "protocol/methods.def"
   [[nodiscard]] Opened& openedFor(const std::string& simulation);
 
   const ProcessFactory* factory_;

@@ -85,7 +85,8 @@ std::optional<std::string> hostEnvironment(const HostAddress& address, const Pro
   const tcp::endpoint endpoint = found.begin()->endpoint();
   if (!endpoint.address().is_loopback() && !isInsecureAllowed) {
     return "'" + host +
-           "' can be reached from other machines, and an environment asks nobody who it is: add --insecure if that is "
+           "' can be reached from other machines, and an environment does not ask for a token: add --insecure if that "
+           "is "
            "acceptable, or listen on 127.0.0.1.";
   }
   acceptor.open(endpoint.protocol(), error);

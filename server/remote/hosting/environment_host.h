@@ -16,9 +16,8 @@ using ProcessFactory = std::function<std::unique_ptr<turtle::EnvironmentProcess>
 /// Where an environment is served.
 struct HostAddress {
   std::string host = "127.0.0.1";
-  std::uint16_t port = 0;  // 0: a free one
-  bool isInsecureAllowed =
-      false;  // an address that other machines reach: nothing is encrypted, nobody is asked who it is
+  std::uint16_t port = 0;          // 0: a free one
+  bool isInsecureAllowed = false;  // an address that other machines reach: without encryption and without a token
 };
 
 /// Serves a process over the protocol on a TCP address until SIGINT or SIGTERM. Calls `onListening` with the port when

@@ -23,21 +23,21 @@ constexpr std::chrono::milliseconds kTimeToEndWhenAsked{2'000};
 
 }  // namespace
 
-std::variant<std::unique_ptr<ChildProcess::Started>, std::string> ChildProcess::start(const std::string& command) {
+tl::expected<std::unique_ptr<ChildProcess::Started>, std::string> ChildProcess::start(const std::string& command) {
   std::array<int, 2> toChild{-1, -1};
   std::array<int, 2> fromChild{-1, -1};
   if (::pipe2(toChild.data(), O_CLOEXEC) != 0) {
-    return std::string("cannot make a pipe: ") + std::strerror(errno) + ".";
+    return tl::unexpected(std::string("cannot make a pipe: ") + std::strerror(errno) + ".");
   }
   Descriptor childInput(toChild[0]);
   Descriptor output(toChild[1]);
   if (::pipe2(fromChild.data(), O_CLOEXEC) != 0) {
-    return std::string("cannot make a pipe: ") + std::strerror(errno) + ".";
+    return tl::unexpected(std::string("cannot make a pipe: ") + std::strerror(errno) + ".");
   }
   Descriptor input(fromChild[0]);
   Descriptor childOutput(fromChild[1]);
 
-  // its own process group, so that what the shell starts is ended with it; default signals
+  // its own process group, so that the children of the shell end with it; default signals
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, childInput.number(), STDIN_FILENO);
@@ -61,7 +61,7 @@ std::variant<std::unique_ptr<ChildProcess::Started>, std::string> ChildProcess::
   posix_spawn_file_actions_destroy(&actions);
   posix_spawnattr_destroy(&attributes);
   if (reason != 0) {
-    return "cannot start '" + command + "': " + std::strerror(reason) + ".";
+    return tl::unexpected("cannot start '" + command + "': " + std::strerror(reason) + ".");
   }
   return std::unique_ptr<Started>(new Started{ChildProcess(processId), std::move(input), std::move(output)});
 }
@@ -81,7 +81,7 @@ ChildProcess::~ChildProcess() {
       (void)waitFor(std::chrono::milliseconds(10'000));
     }
   }
-  // what the shell left behind
+  // children that the shell left behind
   ::kill(-group, SIGTERM);
 }
 

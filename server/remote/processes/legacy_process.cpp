@@ -24,7 +24,7 @@ using turtle::EnvironmentError;
 constexpr int kFirstChunk = 1;
 constexpr int kLastChunk = 4;
 constexpr int kExit = 8;
-// what the field's programs read of a line, and of a module
+// the published programs read no more of a line, and of a module
 constexpr std::size_t kLongestLine = 2000;
 constexpr std::size_t kMostParameters = 20;
 constexpr std::size_t kLongestAnswer = 1'000'000;
@@ -141,10 +141,10 @@ class LegacyProcess final : public turtle::EnvironmentProcess {
  private:
   [[nodiscard]] std::optional<EnvironmentError> start() {
     auto started = ChildProcess::start(command_);
-    if (const auto* problem = std::get_if<std::string>(&started)) {
-      return EnvironmentError{"environment program " + *problem, false};
+    if (!started) {
+      return EnvironmentError{"environment program " + started.error(), false};
     }
-    child_ = std::move(std::get<std::unique_ptr<ChildProcess::Started>>(started));
+    child_ = std::move(*started);
     channel_ = std::make_unique<LineChannel>(std::move(child_->input), std::move(child_->output), kLongestAnswer);
     isFirstLine_ = true;
     return std::nullopt;
@@ -172,7 +172,7 @@ class LegacyProcess final : public turtle::EnvironmentProcess {
     return "Control: " + std::to_string(flags) + " " + std::to_string(step) + "\n";
   }
 
-  /// 1 is the field's number for modules that a homomorphism made.
+  /// Published programs know modules that a homomorphism made by the number 1.
   static std::uint64_t identifierOf(const turtle::QueryBatch& queries, std::size_t query) {
     if (!queries.isTransient.empty() && queries.isTransient[query] != 0) {
       return 1;

@@ -205,17 +205,17 @@ bool splitAddress(std::string_view address, std::string& host, std::uint16_t& po
   return true;
 }
 
-std::variant<Descriptor, std::string> dialTcp(const std::string& address, Deadline deadline) {
+tl::expected<Descriptor, std::string> dialTcp(const std::string& address, Deadline deadline) {
   std::string host;
   std::uint16_t port = 0;
   if (!splitAddress(address, host, port) || port == 0) {
-    return "'" + address + "' is not an address; write HOST:PORT, for example 127.0.0.1:4000.";
+    return tl::unexpected("'" + address + "' is not an address; write HOST:PORT, for example 127.0.0.1:4000.");
   }
   addrinfo hints{};
   hints.ai_socktype = SOCK_STREAM;
   addrinfo* found = nullptr;
   if (const int code = ::getaddrinfo(host.c_str(), std::to_string(port).c_str(), &hints, &found); code != 0) {
-    return "the host '" + host + "' is unknown (" + ::gai_strerror(code) + "). Check the name.";
+    return tl::unexpected("the host '" + host + "' is unknown (" + ::gai_strerror(code) + "). Check the name.");
   }
   const std::unique_ptr<addrinfo, decltype(&::freeaddrinfo)> owner(found, &::freeaddrinfo);
 
@@ -253,22 +253,22 @@ std::variant<Descriptor, std::string> dialTcp(const std::string& address, Deadli
       return socket;
     }
   }
-  return "cannot connect to " + address + ": " + std::strerror(reason);
+  return tl::unexpected("cannot connect to " + address + ": " + std::strerror(reason));
 }
 
-std::variant<Descriptor, std::string> dialUnix(const std::string& path) {
+tl::expected<Descriptor, std::string> dialUnix(const std::string& path) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   if (path.empty() || path.size() >= sizeof(address.sun_path)) {
-    return "'" + path + "' is not a socket's path; write unix:PATH with at most " +
-           std::to_string(sizeof(address.sun_path) - 1) + " bytes.";
+    return tl::unexpected("'" + path + "' is not a socket's path; write unix:PATH with at most " +
+                          std::to_string(sizeof(address.sun_path) - 1) + " bytes.");
   }
   std::copy(path.begin(), path.end(), address.sun_path);
   Descriptor socket(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
   if (socket.number() < 0 ||
       ::connect(socket.number(), reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0 ||
       ::fcntl(socket.number(), F_SETFL, O_NONBLOCK) != 0) {
-    return "cannot connect to " + path + ": " + std::strerror(errno);
+    return tl::unexpected("cannot connect to " + path + ": " + std::strerror(errno));
   }
   return socket;
 }

@@ -5,8 +5,8 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <tl/expected.hpp>
 #include <utility>
-#include <variant>
 
 #include "protocol/framing.h"
 
@@ -32,8 +32,8 @@ class Descriptor {
   int number_ = -1;
 };
 
-/// Bytes to and from another process over two descriptors (the same one twice for a socket), for a thread that waits.
-/// Writing never blocks on a peer that is itself writing, never raises SIGPIPE, and everything has a deadline.
+/// Bytes to and from another process over two descriptors, or over one socket. The calling thread waits. Everything has
+/// a deadline. Writing reads too, so two sides that write at once do not block each other. Writing raises no SIGPIPE.
 class LineChannel {
  public:
   enum class Status : std::uint8_t { Done, Timeout, Closed, Interrupted, Overflow };
@@ -41,11 +41,11 @@ class LineChannel {
   LineChannel(Descriptor input, Descriptor output, std::size_t maximumLineBytes);
 
   [[nodiscard]] Status write(std::string_view bytes, Deadline deadline);
-  /// What came, at least one byte, in place of what `bytes` held.
+  /// Replaces `bytes` by received bytes, at least one.
   [[nodiscard]] Status receive(std::string& bytes, Deadline deadline);
   /// The next line. Not together with receive().
   [[nodiscard]] Status readLine(std::string& line, Deadline deadline);
-  /// From any thread: a write or readLine that waits now ends with Interrupted. Without one, nothing happens later.
+  /// From any thread: a write or readLine that waits now ends with Interrupted.
   void interrupt();
   /// Forgets an interruption that came between two calls.
   void clearInterruption();
@@ -68,16 +68,16 @@ class LineChannel {
 };
 
 /// Connects a TCP socket. An error sentence when that fails before the deadline. `address` is HOST:PORT or [IPV6]:PORT.
-[[nodiscard]] std::variant<Descriptor, std::string> dialTcp(const std::string& address, Deadline deadline);
+[[nodiscard]] tl::expected<Descriptor, std::string> dialTcp(const std::string& address, Deadline deadline);
 
 /// Connects a socket of the file system. An error sentence when that fails.
-[[nodiscard]] std::variant<Descriptor, std::string> dialUnix(const std::string& path);
+[[nodiscard]] tl::expected<Descriptor, std::string> dialUnix(const std::string& path);
 
 /// Splits HOST:PORT. False when it is not of that form.
 [[nodiscard]] bool splitAddress(std::string_view address, std::string& host, std::uint16_t& port);
 
-/// A child process started by the shell with pipes to its standard input and output. It is ended and reaped with its
-/// owner: first its input ends, then it is asked (SIGTERM), then killed.
+/// A child process started by the shell, with pipes to its standard input and output. The destructor ends it: it closes
+/// the input, then sends SIGTERM, then SIGKILL.
 class ChildProcess {
  public:
   ChildProcess(ChildProcess&& other) noexcept;
@@ -86,11 +86,11 @@ class ChildProcess {
 
   /// The child and the parent's ends of the pipes, or an error sentence.
   struct Started;
-  [[nodiscard]] static std::variant<std::unique_ptr<Started>, std::string> start(const std::string& command);
+  [[nodiscard]] static tl::expected<std::unique_ptr<Started>, std::string> start(const std::string& command);
 
   /// Asks it to end at once (SIGTERM), as the destructor would after waiting.
   void end();
-  /// What became of it, "ended with status 3" or "was ended by signal 9", or empty while it runs.
+  /// How it ended, "ended with status 3" or "was ended by signal 9", or empty while it runs.
   [[nodiscard]] std::string fate();
 
  private:
@@ -105,8 +105,8 @@ class ChildProcess {
 
 struct ChildProcess::Started {
   ChildProcess process;
-  Descriptor input;   // what the child writes
-  Descriptor output;  // what the child reads
+  Descriptor input;   // the child writes to it
+  Descriptor output;  // the child reads from it
 };
 
 }  // namespace espalier::server

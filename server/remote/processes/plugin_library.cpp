@@ -12,45 +12,46 @@ namespace {
 
 using Process = std::unique_ptr<turtle::EnvironmentProcess>;
 
-/// One instance of a plug-in, which may do anything.
-std::variant<Process, std::string> loadInstance(const std::string& library, std::string_view configurationJson) {
+/// One instance of a plug-in, without supervision.
+tl::expected<Process, std::string> loadInstance(const std::string& library, std::string_view configurationJson) {
   // a name without a folder is meant as it is, not as one of the system's libraries
   const std::string path = library.find('/') == std::string::npos ? "./" + library : library;
   void* const handle = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (handle == nullptr) {
     const char* const reason = ::dlerror();
-    return "the plug-in '" + library + "' cannot be loaded (" + (reason == nullptr ? "no reason given" : reason) +
-           "). Check the name, and that it was built for this machine.";
+    return tl::unexpected("the plug-in '" + library + "' cannot be loaded (" +
+                          (reason == nullptr ? "no reason given" : reason) +
+                          "). Check the name, and that it was built for this machine.");
   }
   std::shared_ptr<void> owner(handle, [](void* loaded) { ::dlclose(loaded); });
   using Entry = const espalier_plugin* (*)();
   const auto entry = reinterpret_cast<Entry>(::dlsym(handle, "espalier_plugin_entry"));
   const espalier_plugin* const plugin = entry == nullptr ? nullptr : entry();
   if (plugin == nullptr) {
-    return "'" + library + "' is no plug-in: it exports no function espalier_plugin_entry that returns its table " +
-           "(environment/plugin.h).";
+    return tl::unexpected("'" + library +
+                          "' is no plug-in: it exports no function espalier_plugin_entry that returns its table "
+                          "(environment/plugin.h).");
   }
   auto made = environment::makePluginProcess(*plugin, std::move(owner), configurationJson);
   if (!made) {
-    return "the plug-in '" + library + "' cannot be used: " + made.error() + ".";
+    return tl::unexpected("the plug-in '" + library + "' cannot be used: " + made.error() + ".");
   }
   return std::move(*made);
 }
 
 }  // namespace
 
-std::variant<Process, std::string> loadPluginProcess(const std::string& library, std::string_view configurationJson,
+tl::expected<Process, std::string> loadPluginProcess(const std::string& library, std::string_view configurationJson,
                                                      std::chrono::milliseconds stepTimeout) {
   auto loaded = loadInstance(library, configurationJson);
-  if (std::holds_alternative<std::string>(loaded)) {
+  if (!loaded) {
     return loaded;
   }
   const auto again = [library, configuration = std::string(configurationJson)]() -> Process {
     auto fresh = loadInstance(library, configuration);
-    auto* const process = std::get_if<Process>(&fresh);
-    return process == nullptr ? nullptr : std::move(*process);
+    return fresh ? std::move(*fresh) : nullptr;
   };
-  return supervised(std::move(std::get<Process>(loaded)), {.stepTimeout = stepTimeout, .again = again});
+  return supervised(std::move(*loaded), {.stepTimeout = stepTimeout, .again = again});
 }
 
 }  // namespace espalier::server

@@ -33,7 +33,7 @@ struct Room {
   std::optional<EnvironmentError> error;
   bool isDone = false;
   bool hasThrown = false;
-  bool isLeft = false;  // nobody waits for it any more
+  bool isLeft = false;  // the caller does not wait for it any more
 };
 
 void work(const std::shared_ptr<Room>& room) {
@@ -192,7 +192,7 @@ class SupervisedProcess final : public turtle::EnvironmentProcess {
     room_->task = std::move(task);
     room_->changed.notify_all();
     if (!room_->changed.wait_for(lock, supervision_.stepTimeout, [this] { return room_->isDone; })) {
-      // it is left to itself: the thread owns what it works with
+      // the thread goes on alone: it owns its data
       room_->isLeft = true;
       state_ = room_->before;
       lock.unlock();

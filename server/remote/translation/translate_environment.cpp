@@ -62,7 +62,7 @@ protocol::EnvironmentStepParams toStepParams(const std::string& simulation, cons
     columns.isTransient = queries.isTransient;
   }
 
-  // names: those of the context, and what stands for a symbol that it does not have
+  // the names of the context, and a name for a symbol without one
   columns.symbols = symbols;
   const auto standIn = [&columns, &symbols](const char* name) {
     if (columns.symbols.size() == symbols.size()) {
@@ -162,7 +162,7 @@ protocol::ReplyColumns toReplies(const turtle::QueryBatch& queries, const turtle
     return columns;
   }
 
-  // only what is set
+  // only values that are set
   struct Storage {
     std::vector<std::uint32_t> id;
     std::vector<std::uint64_t> offset{0};

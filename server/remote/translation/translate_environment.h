@@ -10,15 +10,15 @@ namespace espalier::server {
 
 // Queries and replies between the engine and the protocol; with translate.h the only crossing.
 
-/// The params of environment.step with only what `needs` names. The columns refer to the batch, except for what had to
-/// be converted. `symbols` are the names by SymbolId. O(n).
+/// The params of environment.step, with only the columns that `needs` names. They refer to the batch, except for
+/// converted columns. `symbols` are the names by SymbolId. O(n).
 [[nodiscard]] protocol::EnvironmentStepParams toStepParams(const std::string& simulation,
                                                            const turtle::QueryBatch& queries,
                                                            const protocol::NeedsRecord& needs,
                                                            const std::vector<std::string>& symbols);
 
-/// The batch of such params. Names that `symbols` lacks are appended to it. What `needs` names and the params lack gets
-/// the turtle's zero vector or 1.
+/// The batch of such params. Names that `symbols` lacks are appended to it. A column that `needs` names and the params
+/// lack gets the turtle's zero vector or 1.
 [[nodiscard]] turtle::QueryBatch toBatch(const protocol::EnvironmentStepParams& params,
                                          const turtle::EnvironmentNeeds& needs, std::vector<std::string>& symbols);
 

@@ -163,7 +163,7 @@ protocol::GeometryColumns toColumns(std::shared_ptr<const turtle::Geometry> geom
   const turtle::Geometry& rows = columns.isDifference ? converted->difference.added : *converted->geometry;
   columns.areWidthsPixels = rows.areWidthsPixels;
   columns.symbols = symbols;
-  // what stands for a symbol without a name
+  // the name of a symbol without one
   for (const auto* ids : {&rows.segments.symbol, &rows.organs.symbol}) {
     for (const core::SymbolId id : *ids) {
       columns.symbols.resize(std::max<std::size_t>(columns.symbols.size(), id + std::size_t{1}), "?");

@@ -12,8 +12,8 @@ namespace espalier::server {
 
 // Geometry between the engine and the protocol; with translate.h and translate_environment.h the only crossing.
 
-/// The columns of a geometry, or with `before` of the difference from that one. They refer to it, except for what had
-/// to be converted. `symbols` are the names by SymbolId. O(rows + vertices).
+/// The columns of a geometry, or with `before` of the difference from that one. They refer to it, except for converted
+/// columns. `symbols` are the names by SymbolId. O(rows + vertices).
 [[nodiscard]] protocol::GeometryColumns toColumns(std::shared_ptr<const turtle::Geometry> geometry,
                                                   const turtle::Geometry* before,
                                                   const std::vector<std::string>& symbols);

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "protocol/json_text.h"
 #include "tests/server/raw_peer.h"
 #include "tests/server/server_fixture.h"
 

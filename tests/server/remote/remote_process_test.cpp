@@ -21,7 +21,7 @@ void answerHeight(client::Client& self, const client::IncomingRequest& request) 
     (void)self.respondError(request.id, {protocol::ErrorCode::UnknownMethod, "only steps here", {}});
     return;
   }
-  const auto params = std::get<protocol::EnvironmentStepParams>(protocol::decodeEnvironmentStepParams(request.params));
+  const auto params = protocol::decodeEnvironmentStepParams(request.params).value();
   protocol::ReplyColumns replies;
   std::vector<double> heights;
   std::vector<std::uint64_t> offset{0};
@@ -93,7 +93,7 @@ TEST(RemoteProcess, AnEnvironmentThatDiesInAStepLeavesTheSimulationAndResumesWhe
                   ",\"error\":{\"code\":-32601,\"message\":\"unknown\"}}\n");
     }
     creating.join();
-    const auto id = std::get<std::int64_t>(client->send("simulation.step", named(simulation)));
+    const auto id = client->send("simulation.step", named(simulation)).value();
     EXPECT_EQ(member(mortal.line(), "method"), "environment.step");
     // it dies with the question unanswered
     std::thread dying([peer = std::make_unique<RawPeer>(std::move(mortal))]() mutable { peer.reset(); });
@@ -168,7 +168,7 @@ TEST(RemoteProcess, ASilentEnvironmentTimesOutAndOthersAreNotStarved) {
   const auto client = connectTo(server);
   const std::string waiting = create(*client, kGrowth, kOffered);
   const std::string quick = create(*client, kGrowth, R"([{"type":"height"}])");
-  const auto id = std::get<std::int64_t>(client->send("simulation.step", named(waiting)));
+  const auto id = client->send("simulation.step", named(waiting)).value();
   isAsked.wait(false);
   // the only worker waits, and another computes in its place
   const auto other = connectTo(server);
@@ -224,7 +224,7 @@ TEST(RemoteProcess, AnAnswerThatIsNotJsonFailsTheStepAtOnce) {
               "\",\"error\":{\"code\":-32601,\"message\":\"unknown\"}}\n");
   }
   creating.join();
-  const auto id = std::get<std::int64_t>(client->send("simulation.step", named(simulation)));
+  const auto id = client->send("simulation.step", named(simulation)).value();
   peer.send("{\"jsonrpc\":\"2.0\",\"id\":\"" + member(peer.line(), "id") +
             "\",\"result\":{\"replies\":[{\"id\":0,\"parameters\":[NaN]}]}}\n");
   const auto error = errorOf(client->waitFor(id, std::chrono::seconds(30)));
@@ -282,8 +282,8 @@ class NarrowLink final : public EnvironmentLink {
   [[nodiscard]] PeerTerms terms() const override { return terms_; }
   [[nodiscard]] LinkOutcome call(std::string_view, const protocol::Body&, std::chrono::milliseconds) override {
     ++callCount;
-    return LinkFailure{
-        LinkFailure::Kind::Refused, "answered with an error", {protocol::ErrorCode::UnknownMethod, {}, {}}};
+    return tl::unexpected(LinkFailure{
+        LinkFailure::Kind::Refused, "answered with an error", {protocol::ErrorCode::UnknownMethod, {}, {}}});
   }
   void interrupt() override {}
   int callCount = 0;
@@ -332,13 +332,13 @@ TEST(RemoteProcess, AStepLongerThanItsPeerTakesIsNotSentAndSaysWhatHelps) {
 
 TEST(RemoteProcess, ConnectingSaysWhatIsWrong) {
   const auto unknown = connectRemoteEnvironment("udp://x", {});
-  EXPECT_EQ(std::get<std::string>(unknown),
+  EXPECT_EQ(unknown.error(),
             "'udp://x' does not name an environment in another process. Write tcp://HOST:PORT, unix:PATH or "
             "stdio:COMMAND.");
   const auto bad = connectRemoteEnvironment("tcp://nowhere", {});
-  EXPECT_NE(std::get<std::string>(bad).find("'nowhere' is not an address; write HOST:PORT"), std::string::npos);
+  EXPECT_NE(bad.error().find("'nowhere' is not an address; write HOST:PORT"), std::string::npos);
   const auto dead = connectRemoteEnvironment("stdio:exit 3", {});
-  EXPECT_NE(std::get<std::string>(dead).find("ended with status 3"), std::string::npos) << std::get<std::string>(dead);
+  EXPECT_NE(dead.error().find("ended with status 3"), std::string::npos) << dead.error();
 }
 
 }  // namespace

@@ -7,13 +7,12 @@ namespace {
 
 std::string problemOf(const std::string& json) {
   const auto read = readRemoteSettings(json);
-  const auto* problem = std::get_if<RemoteSettingProblem>(&read);
-  return problem == nullptr ? "(accepted)" : problem->key + ": " + problem->message;
+  return read ? "(accepted)" : read.error().key + ": " + read.error().message;
 }
 
 TEST(RemoteSettings, AnEntryMaySayNothing) {
   const auto read = readRemoteSettings(R"({"type":"tcp","address":"127.0.0.1:1"})");
-  const auto& settings = std::get<RemoteSettings>(read);
+  const auto& settings = read.value();
   EXPECT_FALSE(settings.policy.isTolerant);
   EXPECT_FALSE(settings.stepTimeout.has_value());
   EXPECT_EQ(settings.configurationJson, "");
@@ -22,7 +21,7 @@ TEST(RemoteSettings, AnEntryMaySayNothing) {
 TEST(RemoteSettings, PolicyTimeoutAndConfigurationAreRead) {
   const auto read =
       readRemoteSettings(R"({"policy":"fallback:height","timeoutMilliseconds":250,"configuration":{"a":1}})");
-  const auto& settings = std::get<RemoteSettings>(read);
+  const auto& settings = read.value();
   EXPECT_TRUE(settings.policy.isTolerant);
   ASSERT_NE(settings.policy.fallback, nullptr);
   EXPECT_EQ(settings.policy.fallback->describe().name, "height");
@@ -31,8 +30,8 @@ TEST(RemoteSettings, PolicyTimeoutAndConfigurationAreRead) {
 }
 
 TEST(RemoteSettings, ThePolicyOfTheCallerCountsWhenTheEntryHasNone) {
-  EXPECT_TRUE(std::get<RemoteSettings>(readRemoteSettings("{}", "keep")).policy.isTolerant);
-  EXPECT_FALSE(std::get<RemoteSettings>(readRemoteSettings(R"({"policy":"fail"})", "keep")).policy.isTolerant);
+  EXPECT_TRUE(readRemoteSettings("{}", "keep").value().policy.isTolerant);
+  EXPECT_FALSE(readRemoteSettings(R"({"policy":"fail"})", "keep").value().policy.isTolerant);
 }
 
 TEST(RemoteSettings, WhatIsWrongIsNamed) {

@@ -11,8 +11,8 @@ namespace {
 
 std::unique_ptr<TraceFile> make(const std::string& name) {
   auto made = TraceFile::create(name);
-  EXPECT_TRUE(std::holds_alternative<std::unique_ptr<TraceFile>>(made));
-  return std::move(std::get<std::unique_ptr<TraceFile>>(made));
+  EXPECT_TRUE(made.has_value());
+  return std::move(made.value());
 }
 
 TEST(TraceFile, WhatWasWrittenIsReadCompressedOrNot) {
@@ -44,8 +44,7 @@ TEST(TraceFile, WhatWasFlushedIsReadableThoughTheFileWasNeverClosed) {
 TEST(TraceFile, FailuresAreSentences) {
   const TemporaryFolder folder;
   const auto made = TraceFile::create(folder.path() + "/none/t");
-  EXPECT_NE(std::get<std::string>(made).find("No such file or directory; give a file in a folder that exists."),
-            std::string::npos);
+  EXPECT_NE(made.error().find("No such file or directory; give a file in a folder that exists."), std::string::npos);
   std::string bytes;
   EXPECT_NE(readTraceFile(folder.path() + "/t", bytes)->find("cannot read the trace"), std::string::npos);
   // a full disk does not end the run, and is told at its end

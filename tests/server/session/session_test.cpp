@@ -6,6 +6,7 @@
 #include "engine/simulation/trace.h"
 #include "protocol/base64.h"
 #include "protocol/codec.h"
+#include "protocol/json_text.h"
 #include "server/remote/trace_file.h"
 #include "tests/server/raw_peer.h"
 
@@ -234,8 +235,8 @@ TEST(Session, WhoOwesTheAnswerToAStepOrDidNotAgreeIsNotAsked) {
   RawPeer peer(server);
   (void)peer.ask(kBeatingHello);
   (void)peer.ask(R"({"jsonrpc":"2.0","id":5,"method":"environment.offer","params":{"name":"mylight"}})");
-  const auto id = std::get<std::int64_t>(
-      client->send("simulation.create", createParams(kGrowth, R"([{"type":"offered","name":"mylight"}])")));
+  const auto id =
+      client->send("simulation.create", createParams(kGrowth, R"([{"type":"offered","name":"mylight"}])")).value();
   // it computes its description for twenty heartbeats, and is still there
   std::string asked = peer.line();
   while (member(asked, "method") == "ping") {
@@ -294,8 +295,7 @@ TEST(Session, ALongCallSaysHowFarItIsWhenAsked) {
   const std::string simulation = create(*client, kGrowth, R"([{"type":"height"}])");
   resultOf(client->request("simulation.step", named(simulation)));
   EXPECT_FALSE(client->nextNotification(std::chrono::milliseconds(0)).has_value());
-  const auto id =
-      std::get<std::int64_t>(client->send("simulation.step", named(simulation, R"("steps":3,"progress":true)")));
+  const auto id = client->send("simulation.step", named(simulation, R"("steps":3,"progress":true)")).value();
   EXPECT_EQ(member(resultOf(client->waitFor(id, std::chrono::seconds(30))), "step"), "4");
   const auto told = client->nextNotification(std::chrono::seconds(0));
   ASSERT_TRUE(told.has_value());
@@ -360,8 +360,7 @@ TEST(Session, ACouplingIsIteratedOverTheWire) {
           (void)self.respondError(request.id, {protocol::ErrorCode::UnknownMethod, "only steps here", {}});
           return;
         }
-        const auto params =
-            std::get<protocol::EnvironmentStepParams>(protocol::decodeEnvironmentStepParams(request.params));
+        const auto params = protocol::decodeEnvironmentStepParams(request.params).value();
         protocol::JsonWriter reply;
         reply.beginObject().key("replies").beginArray().beginObject().key("id").integer(0).key("parameters");
         reply.beginArray().number(1.0 + 0.5 * params.queries.parameters[0]).endArray().endObject().endArray();

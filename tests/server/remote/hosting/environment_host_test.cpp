@@ -25,11 +25,11 @@ std::unique_ptr<EnvironmentProcess> builtIn(const std::string& name, const std::
 
 std::unique_ptr<EnvironmentProcess> remote(const std::string& address, bool isTextOnly = false) {
   auto connected = connectRemoteEnvironment(address, {.isTextOnly = isTextOnly, .configurationJson = {}});
-  if (const auto* problem = std::get_if<std::string>(&connected)) {
-    ADD_FAILURE() << *problem;
+  if (!connected) {
+    ADD_FAILURE() << connected.error();
     return nullptr;
   }
-  return std::move(std::get<std::unique_ptr<EnvironmentProcess>>(connected));
+  return std::move(connected.value());
 }
 
 /// Tips that turn by irrational angles and ask on the way, so that every number has all its digits.
@@ -177,10 +177,10 @@ TEST(EnvironmentDialogue, AGeometryThatDoesNotFitIsRefused) {
 TEST(EnvironmentHost, AnAddressThatOtherMachinesReachIsRefusedUnlessAllowed) {
   const auto problem = hostEnvironment(
       {.host = "0.0.0.0"}, [] { return builtIn("height"); }, [](std::uint16_t) { ADD_FAILURE() << "listens"; });
-  EXPECT_EQ(
-      problem.value_or(""),
-      "'0.0.0.0' can be reached from other machines, and an environment asks nobody who it is: add --insecure if that "
-      "is acceptable, or listen on 127.0.0.1.");
+  EXPECT_EQ(problem.value_or(""),
+            "'0.0.0.0' can be reached from other machines, and an environment does not ask for a token: add --insecure "
+            "if that "
+            "is acceptable, or listen on 127.0.0.1.");
 }
 
 TEST(EnvironmentHost, APortInUseIsAnErrorThatSaysWhatToDo) {

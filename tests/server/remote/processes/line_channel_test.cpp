@@ -96,7 +96,7 @@ TEST(LineChannel, AddressesAreHostAndPort) {
 
 TEST(ChildProcess, AStartedCommandTalksAndIsReapedWithItsFate) {
   auto started = ChildProcess::start("read line; echo \"got $line\"; exit 7");
-  auto& child = *std::get<std::unique_ptr<ChildProcess::Started>>(started);
+  auto& child = *started.value();
   LineChannel channel(std::move(child.input), std::move(child.output), 1'000);
   EXPECT_EQ(channel.write("hello\n", in(std::chrono::seconds(5))), Status::Done);
   std::string line;

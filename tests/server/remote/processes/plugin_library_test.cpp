@@ -14,17 +14,16 @@ const std::string kCeiling = buildFolder() + "/lib/ceiling.so";
 
 Process load(const std::string& configuration) {
   auto loaded = loadPluginProcess(kCeiling, configuration);
-  if (const auto* problem = std::get_if<std::string>(&loaded)) {
-    ADD_FAILURE() << *problem;
+  if (!loaded) {
+    ADD_FAILURE() << loaded.error();
     return nullptr;
   }
-  return std::move(std::get<Process>(loaded));
+  return std::move(loaded.value());
 }
 
 std::string problemOf(const std::string& library, const std::string& configuration = "") {
   auto loaded = loadPluginProcess(library, configuration);
-  const auto* problem = std::get_if<std::string>(&loaded);
-  return problem == nullptr ? std::string("loaded") : *problem;
+  return loaded ? std::string("loaded") : loaded.error();
 }
 
 // two queries with one parameter each, at the heights 1 and 2.5, and one without parameters

@@ -44,11 +44,11 @@ class Misbehaviour : public testing::Test {
   [[nodiscard]] Process plugin(const std::string& does, int milliseconds = 60'000) const {
     const std::string configuration = R"({"does":")" + does + R"(","in":3,"while":")" + file_.string() + R"("})";
     auto loaded = loadPluginProcess(kLibrary, configuration, std::chrono::milliseconds(milliseconds));
-    if (const auto* problem = std::get_if<std::string>(&loaded)) {
-      ADD_FAILURE() << *problem;
+    if (!loaded) {
+      ADD_FAILURE() << loaded.error();
       return nullptr;
     }
-    return std::move(std::get<Process>(loaded));
+    return std::move(loaded.value());
   }
 
   /// Grows a plant to step 2, sees step 3 fail with the message, twice, and grows on once the plug-in is mended. What

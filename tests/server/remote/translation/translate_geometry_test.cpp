@@ -51,8 +51,8 @@ protocol::GeometryColumns crossed(const protocol::GeometryColumns& columns, bool
   reader.feed(protocol::encodeRequest(protocol::MessageId::of(1), "environment.step",
                                       isInBlocks ? protocol::encodeBlocks(params) : protocol::Body(encode(params))));
   const auto read = reader.next();
-  const auto decoded = protocol::decodeEnvironmentStepParams(std::get<protocol::Message>(*read).payload);
-  return *std::get<protocol::EnvironmentStepParams>(decoded).geometry;
+  const auto decoded = protocol::decodeEnvironmentStepParams(read->value().payload);
+  return *decoded.value().geometry;
 }
 
 TEST(TranslateGeometry, WholeAndDifferenceArriveBitByBit) {

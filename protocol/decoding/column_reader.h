@@ -9,15 +9,16 @@
 #include <vector>
 
 #include "protocol/blocks.h"
-#include "protocol/json_tree.h"
+#include "protocol/decoding/member.h"
+#include "protocol/payload.h"
 
 namespace espalier::protocol {
 
-// For protocol's own decoders: what is wrong with a block is thrown as FieldFailure.
+// For protocol's own decoders. A mistake in a block is thrown as MemberFailure.
 
 /// A block that is wrong: `bin.PLACE: WHAT`.
 [[noreturn]] inline void failBlock(const std::string& place, const std::string& what) {
-  throw FieldFailure{fieldError("bin." + place, what)};
+  throw MemberFailure{memberError("bin." + place, what)};
 }
 
 /// `[2,3]`

@@ -6,13 +6,12 @@ namespace espalier::protocol {
 namespace {
 
 Payload params(const std::string& json) {
-  return std::get<Message>(decodeMessage(R"({"jsonrpc":"2.0","id":1,"method":"m","params":)" + json + "}")).payload;
+  return decodeMessage(R"({"jsonrpc":"2.0","id":1,"method":"m","params":)" + json + "}").value().payload;
 }
 
 template <typename T>
-std::string problem(const Decoded<T>& decoded) {
-  const auto* error = std::get_if<Error>(&decoded);
-  return error == nullptr ? "(accepted)" : error->message;
+std::string problem(const Expected<T>& decoded) {
+  return decoded ? "(accepted)" : decoded.error().message;
 }
 
 TEST(DecodeControl, NamesThePathOfWhatIsWrong) {
@@ -43,14 +42,17 @@ TEST(DecodeControl, AModelComesFromExactlyOnePlace) {
   EXPECT_EQ(problem(decodeModelParams(params(R"({"model":{"source":"a","gallery":"b"}})"))), expected);
   EXPECT_EQ(problem(decodeModelParams(params(R"({"model":{"files":{"a.l":"x"},"main":"b.l"}})"))),
             "params.model.main: 'b.l' is not one of the files");
-  EXPECT_EQ(std::get<ModelParams>(decodeModelParams(params(R"({"model":"model-1"})"))).model.loaded, "model-1");
-  EXPECT_EQ(std::get<ModelParams>(decodeModelParams(params(R"({"source":"x"})"))).model.source, "x");
+  EXPECT_EQ(decodeModelParams(params(R"({"model":"model-1"})")).value().model.loaded, "model-1");
+  EXPECT_EQ(decodeModelParams(params(R"({"source":"x"})")).value().model.source, "x");
 }
 
 TEST(DecodeControl, ReadsACompleteCreate) {
-  const auto create = std::get<CreateParams>(decodeCreateParams(params(
-      R"({"model":{"source":"x"},"seed":7.0,"environment":[{"type":"honda","radius":0.5}],"derivationLength":3,
-          "plants":[{"position":[1,2,3]}],"parameters":{"R":0.5,"NAME":"x"},"limits":{"modules":10},"save":false,"new":1})")));
+  const auto create =
+      decodeCreateParams(
+          params(
+              R"({"model":{"source":"x"},"seed":7.0,"environment":[{"type":"honda","radius":0.5}],"derivationLength":3,
+          "plants":[{"position":[1,2,3]}],"parameters":{"R":0.5,"NAME":"x"},"limits":{"modules":10},"save":false,"new":1})"))
+          .value();
   EXPECT_EQ(create.seed, 7U);
   EXPECT_EQ(create.environmentTypes, std::vector<std::string>{"honda"});
   EXPECT_EQ(create.environmentJson, R"([{"radius":0.5,"type":"honda"}])");

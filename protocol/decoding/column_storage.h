@@ -26,7 +26,7 @@ struct ReplyStorage {
   std::vector<std::uint8_t> isSet;
 };
 
-/// Adds queries one by one, as text has them. A value that only some queries have gets its default in the others.
+/// Collects queries one by one, as text has them. A query that lacks a value of the others gets its default.
 class QueryCollector {
  public:
   QueryCollector() : storage_(std::make_shared<QueryStorage>()) {}
@@ -57,7 +57,7 @@ class QueryCollector {
   std::uint32_t lastSymbol_ = 0;
 };
 
-/// Adds replies one by one.
+/// Collects replies one by one.
 class ReplyCollector {
  public:
   ReplyCollector() : storage_(std::make_shared<ReplyStorage>()) {}

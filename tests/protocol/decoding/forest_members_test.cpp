@@ -1,4 +1,4 @@
-#include "protocol/forest_fields.h"
+#include "protocol/decoding/forest_members.h"
 
 #include <gtest/gtest.h>
 
@@ -8,20 +8,21 @@ namespace espalier::protocol {
 namespace {
 
 Payload params(const std::string& json) {
-  return std::get<Message>(decodeMessage(R"({"jsonrpc":"2.0","id":1,"method":"m","params":)" + json + "}")).payload;
+  return decodeMessage(R"({"jsonrpc":"2.0","id":1,"method":"m","params":)" + json + "}").value().payload;
 }
 
 template <typename T>
-std::string problem(const Decoded<T>& decoded) {
-  const auto* error = std::get_if<Error>(&decoded);
-  return error == nullptr ? "(accepted)" : error->message;
+std::string problem(const Expected<T>& decoded) {
+  return decoded ? "(accepted)" : decoded.error().message;
 }
 
-TEST(ForestFields, ACreateHasModelsByNameAndPlantsThatChoose) {
-  const auto create = std::get<CreateParams>(decodeCreateParams(params(
-      R"({"models":[{"name":"oak","source":"x"},{"name":"ash","gallery":"lilac","colour":-9}],
+TEST(ForestMembers, ACreateHasModelsByNameAndPlantsThatChoose) {
+  const auto create =
+      decodeCreateParams(params(
+                             R"({"models":[{"name":"oak","source":"x"},{"name":"ash","gallery":"lilac","colour":-9}],
           "plants":[{"position":[1,2,3],"model":"ash","heading":[0,0,2],"turn":90,"name":"n","colour":4}],
-          "seeds":{"maximumPlants":7,"spacing":0.5,"ground":-1,"area":[[0,0,0],[1,2,3]]}})")));
+          "seeds":{"maximumPlants":7,"spacing":0.5,"ground":-1,"area":[[0,0,0],[1,2,3]]}})"))
+          .value();
   ASSERT_EQ(create.models.size(), 2U);
   EXPECT_EQ(create.models[0].model.model.source, "x");
   EXPECT_EQ(create.models[1].model.model.gallery, "lilac");
@@ -33,7 +34,7 @@ TEST(ForestFields, ACreateHasModelsByNameAndPlantsThatChoose) {
   EXPECT_EQ((*create.seeds.area)[1][2], 3.0);
 }
 
-TEST(ForestFields, NameWhatIsWrong) {
+TEST(ForestMembers, NameWhatIsWrong) {
   const auto created = [](const std::string& json) { return problem(decodeCreateParams(params(json))); };
   EXPECT_EQ(created(R"({"model":"a","models":[{"name":"b","source":"x"}]})"),
             "params.models: give \"model\" or \"models\", not both");
@@ -52,7 +53,7 @@ TEST(ForestFields, NameWhatIsWrong) {
             "params.seeds.area: expected two corners of three numbers, found an array");
 }
 
-TEST(ForestFields, AForestFileHasNoKeysThatAreNotKnown) {
+TEST(ForestMembers, AForestFileHasNoKeysThatAreNotKnown) {
   const auto read = [](const std::string& json) { return problem(decodeForestParams(params(json))); };
   EXPECT_EQ(read(R"({"models":[{"name":"b","file":"x.l"}],"plants":[{"position":[0,0,0]}],"environment":"a.e"})"),
             "(accepted)");
@@ -69,16 +70,17 @@ TEST(ForestFields, AForestFileHasNoKeysThatAreNotKnown) {
       "of them, found 3");
 }
 
-TEST(ForestFields, WhatIsWrittenIsReadAgain) {
-  const auto create = std::get<CreateParams>(decodeCreateParams(params(
-      R"({"models":[{"name":"ash","source":"x"}],
+TEST(ForestMembers, WhatIsWrittenIsReadAgain) {
+  const auto create = decodeCreateParams(params(
+                                             R"({"models":[{"name":"ash","source":"x"}],
           "plants":[{"position":[1,2,3],"model":"ash","heading":[0,0,2],"turn":90,"name":"n","colour":-4}],
-          "seeds":{"maximumPlants":7,"spacing":0.5,"ground":-1,"area":[[0,0,0],[1,2,3]]}})")));
+          "seeds":{"maximumPlants":7,"spacing":0.5,"ground":-1,"area":[[0,0,0],[1,2,3]]}})"))
+                          .value();
   JsonWriter writer;
   writer.beginObject().key("models").raw(R"([{"name":"ash","source":"x"}])");
   writePlants(writer, create.plants);
   writeSeeds(writer, create.seeds);
-  const auto again = std::get<CreateParams>(decodeCreateParams(params(writer.endObject().take())));
+  const auto again = decodeCreateParams(params(writer.endObject().take())).value();
   EXPECT_EQ(again.plants.at(0).model, "ash");
   EXPECT_EQ(again.plants[0].colour, -4);
   EXPECT_EQ(again.plants[0].name, "n");

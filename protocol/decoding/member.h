@@ -6,35 +6,30 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <variant>
 
-#include "protocol/envelope.h"
+#include "protocol/errors.h"
 #include "protocol/version.h"
 
 namespace espalier::protocol {
 
-struct JsonTree {
-  nlohmann::json value;
-};
-
-/// How a wrong field leaves a decoder; caught in decode(), never outside protocol/.
-struct FieldFailure {
+/// Thrown by a decoder about a wrong member. decodePayload catches it; it never leaves protocol/.
+struct MemberFailure {
   Error error;
 };
 
-/// A value being decoded together with its place in the message. Lives on the decoder's stack: a child refers to its
-/// parent, and the path is only spelled out when something is wrong, because bulk messages have millions of fields.
-class Field {
+/// A value of a message with its place, while the message is decoded. It lives on the decoder's stack, and a child
+/// refers to its parent. The path is made only for errors, because bulk messages have millions of members.
+class Member {
  public:
-  Field(const nlohmann::json* value, std::string_view name) : value_(value), name_(name) {}
-  Field(const nlohmann::json* value, const Field& parent, std::string_view name)
+  Member(const nlohmann::json* value, std::string_view name) : value_(value), name_(name) {}
+  Member(const nlohmann::json* value, const Member& parent, std::string_view name)
       : value_(value), parent_(&parent), name_(name) {}
-  Field(const nlohmann::json* value, const Field& parent, std::size_t index)
+  Member(const nlohmann::json* value, const Member& parent, std::size_t index)
       : value_(value), parent_(&parent), index_(index), isElement_(true) {}
 
   /// `params.environment[0].radius`
   [[nodiscard]] std::string path() const;
-  /// Absent, or null: an optional field that was not given.
+  /// Absent, or null: an optional member that was not given.
   [[nodiscard]] bool isAbsent() const { return value_ == nullptr || value_->is_null(); }
   [[nodiscard]] bool isNull() const { return value_ != nullptr && value_->is_null(); }
   [[nodiscard]] bool isObject() const { return value_ != nullptr && value_->is_object(); }
@@ -42,9 +37,9 @@ class Field {
   [[nodiscard]] bool isText() const { return value_ != nullptr && value_->is_string(); }
   [[nodiscard]] const nlohmann::json& json() const { return *value_; }
 
-  /// A member; absent when there is none. This must be an object (`requireObject`).
-  [[nodiscard]] Field operator[](std::string_view name) const;
-  [[nodiscard]] Field element(std::size_t index) const { return {&(*value_)[index], *this, index}; }
+  /// The member of that name, or an absent one. This must be an object (`requireObject`).
+  [[nodiscard]] Member operator[](std::string_view name) const;
+  [[nodiscard]] Member element(std::size_t index) const { return {&(*value_)[index], *this, index}; }
   /// Number of elements; fails unless this is an array.
   [[nodiscard]] std::size_t arraySize() const;
 
@@ -54,7 +49,7 @@ class Field {
   [[nodiscard]] bool boolean() const;
   [[nodiscard]] std::int64_t integer(std::int64_t least, std::int64_t most) const;
   [[nodiscard]] std::uint64_t count() const { return static_cast<std::uint64_t>(integer(0, kMaximumExactInteger)); }
-  /// A whole number of 64 bits: seeds, which no program does arithmetic with.
+  /// A whole number of 64 bits. Only seeds are so large: no program computes with them.
   [[nodiscard]] std::uint64_t wide() const;
   /// Compact JSON of the value.
   [[nodiscard]] std::string dump() const;
@@ -68,7 +63,7 @@ class Field {
 
  private:
   const nlohmann::json* value_;
-  const Field* parent_ = nullptr;
+  const Member* parent_ = nullptr;
   std::string_view name_;
   std::size_t index_ = 0;
   bool isElement_ = false;
@@ -76,8 +71,8 @@ class Field {
 
 /// The member `bounds` of `object`, which may be absent: two corners of three numbers, no coordinate of the first
 /// beyond that of the second.
-[[nodiscard]] inline std::optional<std::array<std::array<double, 3>, 2>> readBounds(const Field& object) {
-  const Field bounds = object["bounds"];
+[[nodiscard]] inline std::optional<std::array<std::array<double, 3>, 2>> readBounds(const Member& object) {
+  const Member bounds = object["bounds"];
   if (bounds.isAbsent()) {
     return std::nullopt;
   }
@@ -93,23 +88,6 @@ class Field {
     }
   }
   return box;
-}
-
-/// Runs a decoder over a payload and turns a wrong field into an error value.
-template <typename T, typename Decoder>
-[[nodiscard]] std::variant<T, Error> decodePayload(const Payload& payload, Decoder&& decoder) {
-  try {
-    // what the bulk reader took for something else is read again
-    const nlohmann::json again =
-        payload.bulk() == nullptr ? nlohmann::json() : nlohmann::json::parse(payload.toText(), nullptr, false);
-    const auto* tree = payload.bulk() == nullptr ? static_cast<const nlohmann::json*>(payload.value()) : &again;
-    const Field root(tree, payload.name());
-    T value{};
-    decoder(root, value);
-    return value;
-  } catch (const FieldFailure& failure) {
-    return failure.error;
-  }
 }
 
 }  // namespace espalier::protocol

@@ -1,9 +1,9 @@
-#include "protocol/column_storage.h"
+#include "protocol/decoding/column_storage.h"
 
 namespace espalier::protocol {
 namespace {
 
-// what a member that is left out stands for
+// the value of a member that is left out
 constexpr std::array<double, 3> kNoVector{0.0, 0.0, 0.0};
 constexpr double kUnit = 1.0;
 

@@ -1,10 +1,11 @@
-#include "protocol/forest_fields.h"
+#include "protocol/decoding/forest_members.h"
 
 #include <algorithm>
 #include <cmath>
 #include <span>
 
 #include "protocol/codec.h"
+#include "protocol/decoding/decode_payload.h"
 
 namespace espalier::protocol {
 namespace {
@@ -12,8 +13,8 @@ namespace {
 constexpr std::size_t kLongestNameBytes = 200;
 constexpr std::int64_t kLargestColour = 1'000'000;
 
-std::int64_t readColour(const Field& field) {
-  return field.isAbsent() ? 0 : field.integer(-kLargestColour, kLargestColour);
+std::int64_t readColour(const Member& member) {
+  return member.isAbsent() ? 0 : member.integer(-kLargestColour, kLargestColour);
 }
 
 bool hasModel(const std::vector<NamedModel>& models, const std::string& name) {
@@ -28,8 +29,8 @@ std::string namesOf(const std::vector<NamedModel>& models) {
   return names;
 }
 
-/// Files people write: a key that is not known is a mistake.
-void requireKnown(const Field& object, std::span<const std::string_view> known) {
+/// For files that people write: an unknown key is a mistake.
+void requireKnown(const Member& object, std::span<const std::string_view> known) {
   object.requireObject();
   for (const auto& [name, value] : object.json().items()) {
     if (std::find(known.begin(), known.end(), name) == known.end()) {
@@ -43,7 +44,7 @@ void requireKnown(const Field& object, std::span<const std::string_view> known) 
 }
 
 template <std::size_t Count>
-void requireAllKnown(const Field& list, const std::array<std::string_view, Count>& known) {
+void requireAllKnown(const Member& list, const std::array<std::string_view, Count>& known) {
   if (!list.isAbsent()) {
     const std::size_t count = list.arraySize();
     for (std::size_t i = 0; i < count; ++i) {
@@ -54,40 +55,40 @@ void requireAllKnown(const Field& list, const std::array<std::string_view, Count
 
 }  // namespace
 
-std::string readName(const Field& field) {
-  const std::string& name = field.text();
+std::string readName(const Member& member) {
+  const std::string& name = member.text();
   if (name.empty() || name.size() > kLongestNameBytes) {
-    field.fail("expected a name of 1 to " + std::to_string(kLongestNameBytes) + " bytes, found " +
-               std::to_string(name.size()) + " bytes");
+    member.fail("expected a name of 1 to " + std::to_string(kLongestNameBytes) + " bytes, found " +
+                std::to_string(name.size()) + " bytes");
   }
   return name;
 }
 
-std::array<double, 3> readVector(const Field& field) {
-  if (field.arraySize() != 3) {
-    field.failExpected("three numbers");
+std::array<double, 3> readVector(const Member& member) {
+  if (member.arraySize() != 3) {
+    member.failExpected("three numbers");
   }
-  return {field.element(0).number(), field.element(1).number(), field.element(2).number()};
+  return {member.element(0).number(), member.element(1).number(), member.element(2).number()};
 }
 
-void readModels(const Field& params, const std::function<void(const Field& entry, ModelParams& model)>& readModel,
+void readModels(const Member& params, const std::function<void(const Member& entry, ModelParams& model)>& readModel,
                 std::vector<NamedModel>& models) {
-  const Field list = params["models"];
+  const Member list = params["models"];
   const std::size_t count = list.arraySize();
   if (count == 0) {
     list.fail("expected at least one model");
   }
   for (std::size_t i = 0; i < count; ++i) {
-    const Field entry = list.element(i);
+    const Member entry = list.element(i);
     entry.requireObject();
     NamedModel model;
-    const Field name = entry["name"];
+    const Member name = entry["name"];
     model.name = readName(name);
     if (hasModel(models, model.name)) {
       name.fail("there are two models '" + model.name + "'; give each a name of its own");
     }
     model.colour = readColour(entry["colour"]);
-    if (const Field file = entry["file"]; !file.isAbsent() && !readModel) {
+    if (const Member file = entry["file"]; !file.isAbsent() && !readModel) {
       model.file = readName(file);
     } else if (readModel) {
       readModel(entry, model.model);
@@ -98,34 +99,34 @@ void readModels(const Field& params, const std::function<void(const Field& entry
   }
 }
 
-void readPlants(const Field& plants, const std::vector<NamedModel>& models, std::vector<PlantParams>& result) {
+void readPlants(const Member& plants, const std::vector<NamedModel>& models, std::vector<PlantParams>& result) {
   if (plants.isAbsent()) {
     return;
   }
   const std::size_t count = plants.arraySize();
   for (std::size_t i = 0; i < count; ++i) {
-    const Field entry = plants.element(i);
+    const Member entry = plants.element(i);
     entry.requireObject();
     PlantParams plant;
     plant.position = readVector(entry["position"]);
-    if (const Field model = entry["model"]; !model.isAbsent()) {
+    if (const Member model = entry["model"]; !model.isAbsent()) {
       plant.model = model.text();
       if (!hasModel(models, plant.model)) {
         model.fail(models.empty() ? "the simulation has one model without a name; leave this out, or give \"models\""
                                   : "there is no model '" + plant.model + "'. There are " + namesOf(models));
       }
     }
-    if (const Field heading = entry["heading"]; !heading.isAbsent()) {
+    if (const Member heading = entry["heading"]; !heading.isAbsent()) {
       plant.heading = readVector(heading);
       const auto& [x, y, z] = *plant.heading;
       if (x == 0.0 && y == 0.0 && z == 0.0) {
         heading.fail("a heading of length 0 has no direction");
       }
     }
-    if (const Field turn = entry["turn"]; !turn.isAbsent()) {
+    if (const Member turn = entry["turn"]; !turn.isAbsent()) {
       plant.turnDegrees = turn.number();
     }
-    if (const Field name = entry["name"]; !name.isAbsent()) {
+    if (const Member name = entry["name"]; !name.isAbsent()) {
       plant.name = readName(name);
     }
     plant.colour = readColour(entry["colour"]);
@@ -133,24 +134,24 @@ void readPlants(const Field& plants, const std::vector<NamedModel>& models, std:
   }
 }
 
-void readSeeds(const Field& field, SeedParams& seeds) {
-  if (field.isAbsent()) {
+void readSeeds(const Member& member, SeedParams& seeds) {
+  if (member.isAbsent()) {
     return;
   }
-  field.requireObject();
-  if (const Field most = field["maximumPlants"]; !most.isAbsent()) {
+  member.requireObject();
+  if (const Member most = member["maximumPlants"]; !most.isAbsent()) {
     seeds.maximumPlants = most.count();
   }
-  if (const Field spacing = field["spacing"]; !spacing.isAbsent()) {
+  if (const Member spacing = member["spacing"]; !spacing.isAbsent()) {
     seeds.spacing = spacing.number();
     if (seeds.spacing < 0.0) {
       spacing.failExpected("a length of at least 0");
     }
   }
-  if (const Field ground = field["ground"]; !ground.isAbsent()) {
+  if (const Member ground = member["ground"]; !ground.isAbsent()) {
     seeds.ground = ground.number();
   }
-  if (const Field area = field["area"]; !area.isAbsent()) {
+  if (const Member area = member["area"]; !area.isAbsent()) {
     if (area.arraySize() != 2) {
       area.failExpected("two corners of three numbers");
     }
@@ -158,8 +159,8 @@ void readSeeds(const Field& field, SeedParams& seeds) {
   }
 }
 
-Decoded<ForestParams> decodeForestParams(const Payload& payload) {
-  return decodePayload<ForestParams>(payload, [](const Field& params, ForestParams& forest) {
+Expected<ForestParams> decodeForestParams(const Payload& payload) {
+  return decodePayload<ForestParams>(payload, [](const Member& params, ForestParams& forest) {
     static constexpr std::array<std::string_view, 6> kForest{"models",      "plants",           "seeds",
                                                              "environment", "derivationLength", "seed"};
     static constexpr std::array<std::string_view, 3> kModel{"name", "file", "colour"};
@@ -168,7 +169,7 @@ Decoded<ForestParams> decodeForestParams(const Payload& payload) {
     requireKnown(params, kForest);
     requireAllKnown(params["models"], kModel);
     requireAllKnown(params["plants"], kPlant);
-    if (const Field seeds = params["seeds"]; !seeds.isAbsent()) {
+    if (const Member seeds = params["seeds"]; !seeds.isAbsent()) {
       requireKnown(seeds, kSeeds);
     }
     readModels(params, nullptr, forest.models);
@@ -177,7 +178,7 @@ Decoded<ForestParams> decodeForestParams(const Payload& payload) {
       params["plants"].fail("expected at least one plant, such as {\"position\": [0, 0, 0]}");
     }
     readSeeds(params["seeds"], forest.seeds);
-    if (const Field environment = params["environment"]; environment.isText()) {
+    if (const Member environment = params["environment"]; environment.isText()) {
       forest.environmentFile = readName(environment);
     } else if (environment.isArray() || environment.isObject()) {
       forest.environmentJson = environment.dump();
@@ -185,10 +186,10 @@ Decoded<ForestParams> decodeForestParams(const Payload& payload) {
       environment.failExpected(
           "the name of a file, or an environment such as {\"type\": \"honda\"}, or a list of them");
     }
-    if (const Field length = params["derivationLength"]; !length.isAbsent()) {
+    if (const Member length = params["derivationLength"]; !length.isAbsent()) {
       forest.derivationLength = length.count();
     }
-    if (const Field seed = params["seed"]; !seed.isAbsent()) {
+    if (const Member seed = params["seed"]; !seed.isAbsent()) {
       forest.seed = seed.wide();
     }
   });

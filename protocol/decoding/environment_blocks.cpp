@@ -1,8 +1,8 @@
-#include "protocol/environment_blocks.h"
+#include "protocol/decoding/environment_blocks.h"
 
 #include "protocol/codec.h"
-#include "protocol/column_reader.h"
-#include "protocol/column_storage.h"
+#include "protocol/decoding/column_reader.h"
+#include "protocol/decoding/column_storage.h"
 
 namespace espalier::protocol {
 namespace {
@@ -18,11 +18,11 @@ void requireSymbols(std::span<const std::uint32_t> column, const char* name, std
 
 }  // namespace
 
-QueryColumns readQueryBlocks(const Field& params, const Payload& payload) {
+QueryColumns readQueryBlocks(const Member& params, const Payload& payload) {
   const ColumnReader reader(payload);
   auto storage = std::make_shared<QueryStorage>();
   QueryColumns queries;
-  const Field symbols = params["symbols"];
+  const Member symbols = params["symbols"];
   const std::size_t symbolCount = symbols.arraySize();
   for (std::size_t i = 0; i < symbolCount; ++i) {
     queries.symbols.push_back(symbols.element(i).text());

@@ -11,14 +11,12 @@ namespace {
 
 Payload payload(const std::string& member, const std::string& json) {
   const std::string method = member == "params" ? R"("method":"m",)" : "";
-  return std::get<Message>(decodeMessage(R"({"jsonrpc":"2.0","id":1,)" + method + "\"" + member + "\":" + json + "}"))
-      .payload;
+  return decodeMessage(R"({"jsonrpc":"2.0","id":1,)" + method + "\"" + member + "\":" + json + "}").value().payload;
 }
 
 template <typename T>
-std::string problem(const Decoded<T>& decoded) {
-  const auto* error = std::get_if<Error>(&decoded);
-  return error == nullptr ? "(accepted)" : error->message;
+std::string problem(const Expected<T>& decoded) {
+  return decoded ? "(accepted)" : decoded.error().message;
 }
 
 /// Two queries, one with everything and one with little.
@@ -59,23 +57,24 @@ Payload crossed(const std::string& bytes) {
   reader.feed(bytes);
   auto read = reader.next();
   EXPECT_TRUE(read.has_value());
-  if (const auto* bad = std::get_if<BadMessage>(&*read)) {
-    ADD_FAILURE() << bad->error.message;
+  if (!*read) {
+    ADD_FAILURE() << read->error().error.message;
     return {};
   }
-  return std::get<Message>(*read).payload;
+  return read->value().payload;
 }
 
 TEST(DecodeEnvironment, ReadsBackTheQueriesItWroteAsTextAndInBlocks) {
   const Example example;
   const auto step = example.params();
-  const auto text = std::get<EnvironmentStepParams>(
-      decodeEnvironmentStepParams(crossed(encodeRequest(MessageId::of(1), "environment.step", encode(step)))));
+  const auto text =
+      decodeEnvironmentStepParams(crossed(encodeRequest(MessageId::of(1), "environment.step", encode(step)))).value();
   EXPECT_EQ(encode(text), encode(step));
   EXPECT_TRUE(std::signbit(text.queries.parameters[1]));
   EXPECT_TRUE(text.queries.heading.empty());
-  const auto blocks = std::get<EnvironmentStepParams>(
-      decodeEnvironmentStepParams(crossed(encodeRequest(MessageId::of(1), "environment.step", encodeBlocks(step)))));
+  const auto blocks =
+      decodeEnvironmentStepParams(crossed(encodeRequest(MessageId::of(1), "environment.step", encodeBlocks(step))))
+          .value();
   EXPECT_EQ(encode(blocks), encode(step));
   EXPECT_TRUE(std::signbit(blocks.queries.parameters[1]));
 }
@@ -87,16 +86,20 @@ TEST(DecodeEnvironment, QueriesWithoutParametersCrossInBlocks) {
   example.followingOffset = {0, 0, 0};
   example.followingParameters = {};
   const auto step = example.params();
-  const auto blocks = std::get<EnvironmentStepParams>(
-      decodeEnvironmentStepParams(crossed(encodeRequest(MessageId::of(1), "environment.step", encodeBlocks(step)))));
+  const auto blocks =
+      decodeEnvironmentStepParams(crossed(encodeRequest(MessageId::of(1), "environment.step", encodeBlocks(step))))
+          .value();
   EXPECT_EQ(encode(blocks), encode(step));
 }
 
 TEST(DecodeEnvironment, MembersThatOnlySomeQueriesHaveGetTheirDefaultInTheOthers) {
-  const auto step = std::get<EnvironmentStepParams>(decodeEnvironmentStepParams(
-      payload("params",
+  const auto step =
+      decodeEnvironmentStepParams(
+          payload(
+              "params",
               R"({"simulation":"s","step":0,"queries":[{"id":0,"symbol":"E"},{"id":1,"symbol":"E","position":[1,2,3],)"
-              R"("width":4,"following":{"symbol":"F","parameters":[7]}},{"id":2,"symbol":"E"}]})")));
+              R"("width":4,"following":{"symbol":"F","parameters":[7]}},{"id":2,"symbol":"E"}]})"))
+          .value();
   const auto list = [](const auto& column) { return std::vector(column.begin(), column.end()); };
   EXPECT_EQ(list(step.queries.position), (std::vector<double>{0, 0, 0, 1, 2, 3, 0, 0, 0}));
   EXPECT_EQ(list(step.queries.width), (std::vector<double>{1, 4, 1}));
@@ -206,11 +209,10 @@ TEST(DecodeEnvironment, RepliesInBlocksReadAsTheSameRepliesAsText) {
   blocks.keep("set", std::vector<std::uint32_t>{0, 1, 1}, {3});
   Body body("{}");
   body.blocks = blocks;
-  const auto replies = std::get<ReplyColumns>(decodeReplies(crossed(encodeResult(MessageId::of(1), body)), 2));
+  const auto replies = decodeReplies(crossed(encodeResult(MessageId::of(1), body)), 2).value();
   EXPECT_EQ(encode(replies), R"({"replies":[{"id":1,"parameters":[null,0.3]},{"id":0,"parameters":[1]}]})");
   // and once more
-  const auto again =
-      std::get<ReplyColumns>(decodeReplies(crossed(encodeResult(MessageId::of(1), encodeBlocks(replies))), 2));
+  const auto again = decodeReplies(crossed(encodeResult(MessageId::of(1), encodeBlocks(replies))), 2).value();
   EXPECT_EQ(encode(again), encode(replies));
 }
 
@@ -223,12 +225,12 @@ TEST(DecodeEnvironment, RepliesAreCheckedAgainstTheQueries) {
   EXPECT_EQ(problem(decode(R"({"replies":[{"id":0,"parameters":[1,true]}]})")),
             "result.replies[0].parameters[1]: expected a number, found true");
   EXPECT_EQ(problem(decode("[]")), "result: expected an object, found an array");
-  const auto replies = std::get<ReplyColumns>(decode(R"({"replies":[{"id":1,"parameters":[null,0.3]}]})"));
+  const auto replies = decode(R"({"replies":[{"id":1,"parameters":[null,0.3]}]})").value();
   EXPECT_EQ(encode(replies), R"({"replies":[{"id":1,"parameters":[null,0.3]}]})");
 }
 
 TEST(DecodeEnvironment, ADescriptionMayLeaveOutEverything) {
-  const auto empty = std::get<DescribeResult>(decodeDescribeResult(payload("result", "{}")));
+  const auto empty = decodeDescribeResult(payload("result", "{}")).value();
   EXPECT_EQ(empty.needs, NeedsRecord{});
   EXPECT_FALSE(empty.isStateful);
   EXPECT_EQ(
@@ -249,7 +251,7 @@ TEST(DecodeEnvironment, OpenCarriesSeedsOf64Bits) {
   open.seed = UINT64_MAX;
   open.resumeStep = 5;
   open.world.latitudeDegrees = 50.5;
-  const auto read = std::get<OpenParams>(decodeOpenParams(payload("params", encode(open))));
+  const auto read = decodeOpenParams(payload("params", encode(open))).value();
   EXPECT_EQ(encode(read), encode(open));
 }
 

@@ -1,4 +1,4 @@
-#include "protocol/json_tree.h"
+#include "protocol/decoding/member.h"
 
 #include <cmath>
 
@@ -27,7 +27,7 @@ std::string shown(const nlohmann::json* value) {
 
 }  // namespace
 
-std::string Field::path() const {
+std::string Member::path() const {
   std::string text = parent_ == nullptr ? std::string() : parent_->path();
   if (isElement_) {
     return text + "[" + std::to_string(index_) + "]";
@@ -35,40 +35,40 @@ std::string Field::path() const {
   return text.empty() ? std::string(name_) : text + "." + std::string(name_);
 }
 
-void Field::fail(const std::string& what) const {
-  throw FieldFailure{fieldError(path(), what)};
+void Member::fail(const std::string& what) const {
+  throw MemberFailure{memberError(path(), what)};
 }
 
-void Field::failExpected(std::string_view what) const {
+void Member::failExpected(std::string_view what) const {
   fail("expected " + std::string(what) + ", found " + shown(value_));
 }
 
-void Field::requireObject() const {
+void Member::requireObject() const {
   if (!isObject()) {
     failExpected("an object");
   }
 }
 
-Field Field::operator[](std::string_view name) const {
+Member Member::operator[](std::string_view name) const {
   const auto found = value_->find(name);
   return {found == value_->end() ? nullptr : &*found, *this, name};
 }
 
-std::size_t Field::arraySize() const {
+std::size_t Member::arraySize() const {
   if (!isArray()) {
     failExpected("an array");
   }
   return value_->size();
 }
 
-const std::string& Field::text() const {
+const std::string& Member::text() const {
   if (!isText()) {
     failExpected("a text");
   }
   return value_->get_ref<const std::string&>();
 }
 
-double Field::number() const {
+double Member::number() const {
   if (value_ == nullptr || !value_->is_number()) {
     failExpected("a number");
   }
@@ -79,14 +79,14 @@ double Field::number() const {
   return number;
 }
 
-bool Field::boolean() const {
+bool Member::boolean() const {
   if (value_ == nullptr || !value_->is_boolean()) {
     failExpected("true or false");
   }
   return value_->get<bool>();
 }
 
-std::int64_t Field::integer(std::int64_t least, std::int64_t most) const {
+std::int64_t Member::integer(std::int64_t least, std::int64_t most) const {
   const std::string expected = "a whole number from " + std::to_string(least) + " to " + std::to_string(most);
   if (value_ == nullptr || !value_->is_number()) {
     failExpected(expected);
@@ -110,14 +110,14 @@ std::int64_t Field::integer(std::int64_t least, std::int64_t most) const {
   return number;
 }
 
-std::uint64_t Field::wide() const {
+std::uint64_t Member::wide() const {
   if (value_ == nullptr || !value_->is_number_unsigned()) {
     failExpected("a whole number from 0 to 18446744073709551615");
   }
   return value_->get<std::uint64_t>();
 }
 
-std::string Field::dump() const {
+std::string Member::dump() const {
   return value_->dump();
 }
 

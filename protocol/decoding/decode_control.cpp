@@ -3,63 +3,63 @@
 
 #include "protocol/base64.h"
 #include "protocol/codec.h"
-#include "protocol/forest_fields.h"
-#include "protocol/json_tree.h"
+#include "protocol/decoding/decode_payload.h"
+#include "protocol/decoding/forest_members.h"
 
 namespace espalier::protocol {
 namespace {
 
-// of iterated coupling: more do not settle what so many have not
+// of iterated coupling: answers that change after so many will not settle
 constexpr std::int64_t kMostIterations = 10'000;
 
 constexpr double kMinimumHertz = 0.001;
 constexpr double kMaximumHertz = 1000.0;
 
-std::vector<std::string> readTexts(const Field& field) {
+std::vector<std::string> readTexts(const Member& member) {
   std::vector<std::string> texts;
-  if (field.isAbsent()) {
+  if (member.isAbsent()) {
     return texts;
   }
-  const std::size_t count = field.arraySize();
+  const std::size_t count = member.arraySize();
   for (std::size_t i = 0; i < count; ++i) {
-    texts.push_back(field.element(i).text());
+    texts.push_back(member.element(i).text());
   }
   return texts;
 }
 
 template <typename T>
-void readOptionalCount(const Field& field, std::optional<T>& value) {
-  if (!field.isAbsent()) {
-    value = field.count();
+void readOptionalCount(const Member& member, std::optional<T>& value) {
+  if (!member.isAbsent()) {
+    value = member.count();
   }
 }
 
-void readModelReference(const Field& field, ModelReference& model) {
-  // a text is short for what model.load gave
-  if (field.isText()) {
-    model.loaded = readName(field);
+void readModelReference(const Member& member, ModelReference& model) {
+  // a text is short for {"loaded": TEXT}
+  if (member.isText()) {
+    model.loaded = readName(member);
     return;
   }
-  field.requireObject();
+  member.requireObject();
   int count = 0;
-  if (const Field source = field["source"]; !source.isAbsent()) {
+  if (const Member source = member["source"]; !source.isAbsent()) {
     model.source = source.text();
     ++count;
   }
-  if (const Field gallery = field["gallery"]; !gallery.isAbsent()) {
+  if (const Member gallery = member["gallery"]; !gallery.isAbsent()) {
     model.gallery = readName(gallery);
     ++count;
   }
-  if (const Field loaded = field["loaded"]; !loaded.isAbsent()) {
+  if (const Member loaded = member["loaded"]; !loaded.isAbsent()) {
     model.loaded = readName(loaded);
     ++count;
   }
-  if (const Field files = field["files"]; !files.isAbsent()) {
+  if (const Member files = member["files"]; !files.isAbsent()) {
     files.requireObject();
     for (const auto& [name, value] : files.json().items()) {
       model.files.emplace(name, files[name].text());
     }
-    const Field main = field["main"];
+    const Member main = member["main"];
     model.main = readName(main);
     if (!model.files.contains(model.main)) {
       main.fail("'" + model.main + "' is not one of the files");
@@ -67,52 +67,52 @@ void readModelReference(const Field& field, ModelReference& model) {
     ++count;
   }
   if (count != 1) {
-    field.fail("expected exactly one of \"source\", \"gallery\", \"files\" (with \"main\") and \"loaded\"");
+    member.fail("expected exactly one of \"source\", \"gallery\", \"files\" (with \"main\") and \"loaded\"");
   }
 }
 
 /// NAME: number or text, each as text.
-void readValues(const Field& parameters, std::vector<std::pair<std::string, std::string>>& values) {
+void readValues(const Member& parameters, std::vector<std::pair<std::string, std::string>>& values) {
   parameters.requireObject();
   for (const auto& [name, value] : parameters.json().items()) {
-    const Field field = parameters[name];
-    if (field.isText()) {
-      values.emplace_back(name, field.text());
+    const Member member = parameters[name];
+    if (member.isText()) {
+      values.emplace_back(name, member.text());
     } else {
-      const double number = field.number();
+      const double number = member.number();
       JsonWriter text;
       values.emplace_back(name, text.number(number).take());
     }
   }
 }
 
-void readModelParams(const Field& params, ModelParams& model) {
+void readModelParams(const Member& params, ModelParams& model) {
   // model.check {source} is short for model.check {model:{source}}
-  const Field reference = params["model"];
+  const Member reference = params["model"];
   if (reference.isAbsent() &&
       (!params["source"].isAbsent() || !params["gallery"].isAbsent() || !params["files"].isAbsent())) {
     readModelReference(params, model.model);
   } else {
     readModelReference(reference, model.model);
   }
-  if (const Field mode = params["compatibility"]; !mode.isAbsent()) {
+  if (const Member mode = params["compatibility"]; !mode.isAbsent()) {
     model.compatibility = mode.text();
     if (model.compatibility != "cpfg" && model.compatibility != "cpfg-batch") {
       mode.failExpected("\"cpfg\" or \"cpfg-batch\" (or nothing for Espalier's own mode)");
     }
   }
-  if (const Field parameters = params["parameters"]; !parameters.isAbsent()) {
+  if (const Member parameters = params["parameters"]; !parameters.isAbsent()) {
     readValues(parameters, model.defines);
   }
 }
 
-void readEnvironment(const Field& environment, CreateParams& create) {
+void readEnvironment(const Member& environment, CreateParams& create) {
   if (environment.isAbsent()) {
     return;
   }
   const std::size_t count = environment.arraySize();
   for (std::size_t i = 0; i < count; ++i) {
-    const Field entry = environment.element(i);
+    const Member entry = environment.element(i);
     entry.requireObject();
     create.environmentTypes.push_back(readName(entry["type"]));
   }
@@ -121,21 +121,21 @@ void readEnvironment(const Field& environment, CreateParams& create) {
   }
 }
 
-void readLimits(const Field& field, std::vector<std::pair<std::string, std::uint64_t>>& limits) {
-  if (field.isObject()) {
-    for (const auto& [name, value] : field.json().items()) {
-      limits.emplace_back(name, field[name].count());
+void readLimits(const Member& member, std::vector<std::pair<std::string, std::uint64_t>>& limits) {
+  if (member.isObject()) {
+    for (const auto& [name, value] : member.json().items()) {
+      limits.emplace_back(name, member[name].count());
     }
   }
 }
 
-void readSelection(const Field& select, StreamSelection& selection) {
+void readSelection(const Member& select, StreamSelection& selection) {
   if (select.isAbsent()) {
     return;
   }
   select.requireObject();
   selection.symbols = readTexts(select["symbols"]);
-  if (const Field plants = select["plants"]; !plants.isAbsent()) {
+  if (const Member plants = select["plants"]; !plants.isAbsent()) {
     const std::size_t count = plants.arraySize();
     for (std::size_t i = 0; i < count; ++i) {
       selection.plants.push_back(static_cast<std::uint32_t>(plants.element(i).integer(0, 0xFFFFFFFF)));
@@ -145,10 +145,10 @@ void readSelection(const Field& select, StreamSelection& selection) {
 
 }  // namespace
 
-Decoded<HelloParams> decodeHelloParams(const Payload& payload) {
-  return decodePayload<HelloParams>(payload, [](const Field& params, HelloParams& hello) {
+Expected<HelloParams> decodeHelloParams(const Payload& payload) {
+  return decodePayload<HelloParams>(payload, [](const Member& params, HelloParams& hello) {
     params.requireObject();
-    const Field versions = params["protocol"];
+    const Member versions = params["protocol"];
     const std::size_t count = versions.arraySize();
     for (std::size_t i = 0; i < count; ++i) {
       hello.protocol.push_back(versions.element(i).integer(0, kMaximumExactInteger));
@@ -157,7 +157,7 @@ Decoded<HelloParams> decodeHelloParams(const Payload& payload) {
     for (std::size_t i = 0; i < hello.roles.size(); ++i) {
       const std::string& role = hello.roles[i];
       if (role != "controller" && role != "environment" && role != "viewer") {
-        const Field roles = params["roles"];
+        const Member roles = params["roles"];
         roles.element(i).failExpected("\"controller\", \"environment\" or \"viewer\"");
       }
     }
@@ -169,8 +169,8 @@ Decoded<HelloParams> decodeHelloParams(const Payload& payload) {
   });
 }
 
-Decoded<ModelParams> decodeModelParams(const Payload& payload) {
-  return decodePayload<ModelParams>(payload, [](const Field& params, ModelParams& model) {
+Expected<ModelParams> decodeModelParams(const Payload& payload) {
+  return decodePayload<ModelParams>(payload, [](const Member& params, ModelParams& model) {
     params.requireObject();
     readModelParams(params, model);
   });
@@ -178,7 +178,7 @@ Decoded<ModelParams> decodeModelParams(const Payload& payload) {
 
 namespace {
 
-SavePolicy readSavePolicy(const Field& save) {
+SavePolicy readSavePolicy(const Member& save) {
   if (save.isText()) {
     if (save.text() != "request") {
       save.failExpected("true, false, a number of steps or \"request\"");
@@ -193,8 +193,8 @@ SavePolicy readSavePolicy(const Field& save) {
 
 }  // namespace
 
-Decoded<CreateParams> decodeCreateParams(const Payload& payload) {
-  return decodePayload<CreateParams>(payload, [](const Field& params, CreateParams& create) {
+Expected<CreateParams> decodeCreateParams(const Payload& payload) {
+  return decodePayload<CreateParams>(payload, [](const Member& params, CreateParams& create) {
     params.requireObject();
     if (params["models"].isAbsent()) {
       readModelParams(params, create.model);
@@ -210,15 +210,15 @@ Decoded<CreateParams> decodeCreateParams(const Payload& payload) {
     readOptionalCount(params["derivationLength"], create.derivationLength);
     readPlants(params["plants"], create.models, create.plants);
     readSeeds(params["seeds"], create.seeds);
-    if (const Field limits = params["limits"]; !limits.isAbsent()) {
+    if (const Member limits = params["limits"]; !limits.isAbsent()) {
       limits.requireObject();
       readOptionalCount(limits["modules"], create.maximumModules);
       readOptionalCount(limits["queries"], create.maximumQueries);
     }
-    if (const Field coupling = params["coupling"]; !coupling.isAbsent()) {
+    if (const Member coupling = params["coupling"]; !coupling.isAbsent()) {
       coupling.requireObject();
       create.iterations = static_cast<std::uint32_t>(coupling["iterations"].integer(1, kMostIterations));
-      if (const Field tolerance = coupling["tolerance"]; !tolerance.isAbsent()) {
+      if (const Member tolerance = coupling["tolerance"]; !tolerance.isAbsent()) {
         create.tolerance = tolerance.number();
         if (create.tolerance < 0.0) {
           tolerance.failExpected("a number from 0 on");
@@ -227,19 +227,19 @@ Decoded<CreateParams> decodeCreateParams(const Payload& payload) {
     }
     create.bounds = readBounds(params);
     create.isTraced = !params["trace"].isAbsent() && params["trace"].boolean();
-    if (const Field save = params["save"]; !save.isAbsent()) {
+    if (const Member save = params["save"]; !save.isAbsent()) {
       create.save = readSavePolicy(save);
     }
   });
 }
 
-Decoded<StepParams> decodeStepParams(const Payload& payload) {
-  return decodePayload<StepParams>(payload, [](const Field& params, StepParams& step) {
+Expected<StepParams> decodeStepParams(const Payload& payload) {
+  return decodePayload<StepParams>(payload, [](const Member& params, StepParams& step) {
     params.requireObject();
     step.simulation = readName(params["simulation"]);
     readOptionalCount(params["until"], step.until);
     step.wantsProgress = !params["progress"].isAbsent() && params["progress"].boolean();
-    if (const Field steps = params["steps"]; !steps.isAbsent()) {
+    if (const Member steps = params["steps"]; !steps.isAbsent()) {
       if (step.until) {
         steps.fail("give \"steps\" or \"until\", not both");
       }
@@ -248,32 +248,32 @@ Decoded<StepParams> decodeStepParams(const Payload& payload) {
   });
 }
 
-Decoded<EditParams> decodeEditParams(const Payload& payload) {
-  return decodePayload<EditParams>(payload, [](const Field& params, EditParams& edit) {
+Expected<EditParams> decodeEditParams(const Payload& payload) {
+  return decodePayload<EditParams>(payload, [](const Member& params, EditParams& edit) {
     params.requireObject();
     edit.simulation = readName(params["simulation"]);
-    if (const Field plant = params["plant"]; !plant.isAbsent()) {
+    if (const Member plant = params["plant"]; !plant.isAbsent()) {
       edit.plant = static_cast<std::uint32_t>(plant.integer(0, UINT32_MAX));
     }
     edit.module = params["module"].count();
-    const Field action = params["action"];
+    const Member action = params["action"];
     edit.action = action.text();
     if (edit.action != "insert" && edit.action != "prune" && edit.action != "replace") {
       action.failExpected("one of insert, prune, replace");
     }
-    const Field modules = params["modules"];
+    const Member modules = params["modules"];
     if (edit.action == "prune") {
       if (!modules.isAbsent()) {
-        modules.fail("nothing is put in by prune; use replace");
+        modules.fail("prune puts nothing in; use replace");
       }
       return;
     }
     const std::size_t count = modules.arraySize();
     for (std::size_t i = 0; i < count; ++i) {
-      const Field module = modules.element(i);
+      const Member module = modules.element(i);
       module.requireObject();
       ModuleRecord record{module["symbol"].text(), {}};
-      if (const Field parameters = module["parameters"]; !parameters.isAbsent()) {
+      if (const Member parameters = module["parameters"]; !parameters.isAbsent()) {
         const std::size_t parameterCount = parameters.arraySize();
         for (std::size_t k = 0; k < parameterCount; ++k) {
           record.parameters.push_back(parameters.element(k).number());
@@ -284,27 +284,27 @@ Decoded<EditParams> decodeEditParams(const Payload& payload) {
   });
 }
 
-Decoded<SetParams> decodeSetParams(const Payload& payload) {
-  return decodePayload<SetParams>(payload, [](const Field& params, SetParams& set) {
+Expected<SetParams> decodeSetParams(const Payload& payload) {
+  return decodePayload<SetParams>(payload, [](const Member& params, SetParams& set) {
     params.requireObject();
     set.simulation = readName(params["simulation"]);
     readValues(params["parameters"], set.values);
   });
 }
 
-Decoded<ForkParams> decodeForkParams(const Payload& payload) {
-  return decodePayload<ForkParams>(payload, [](const Field& params, ForkParams& fork) {
+Expected<ForkParams> decodeForkParams(const Payload& payload) {
+  return decodePayload<ForkParams>(payload, [](const Member& params, ForkParams& fork) {
     params.requireObject();
     fork.simulation = readName(params["simulation"]);
     fork.name = params["name"].textOrEmpty();
   });
 }
 
-Decoded<GetParams> decodeGetParams(const Payload& payload) {
-  return decodePayload<GetParams>(payload, [](const Field& params, GetParams& get) {
+Expected<GetParams> decodeGetParams(const Payload& payload) {
+  return decodePayload<GetParams>(payload, [](const Member& params, GetParams& get) {
     params.requireObject();
     get.simulation = readName(params["simulation"]);
-    const Field what = params["what"];
+    const Member what = params["what"];
     get.what = what.text();
     constexpr std::array<std::string_view, 9> kKinds{"string",      "statistics",  "state-hash", "turtle", "model",
                                                      "information", "checkpoints", "traces",     "trace"};
@@ -315,52 +315,52 @@ Decoded<GetParams> decodeGetParams(const Payload& payload) {
     if (get.what == "trace") {
       get.trace = static_cast<std::uint64_t>(params["trace"].integer(1, kMaximumExactInteger));
     }
-    if (const Field plant = params["plant"]; !plant.isAbsent()) {
+    if (const Member plant = params["plant"]; !plant.isAbsent()) {
       get.plant = static_cast<std::uint32_t>(plant.integer(0, 0xFFFFFFFF));
     }
     readSelection(params["select"], get.select);
   });
 }
 
-Decoded<TraceParams> decodeTraceParams(const Payload& payload) {
-  return decodePayload<TraceParams>(payload, [](const Field& params, TraceParams& trace) {
+Expected<TraceParams> decodeTraceParams(const Payload& payload) {
+  return decodePayload<TraceParams>(payload, [](const Member& params, TraceParams& trace) {
     params.requireObject();
     trace.simulation = readName(params["simulation"]);
     trace.isTraced = params["trace"].boolean();
   });
 }
 
-Decoded<ResetParams> decodeResetParams(const Payload& payload) {
-  return decodePayload<ResetParams>(payload, [](const Field& params, ResetParams& reset) {
+Expected<ResetParams> decodeResetParams(const Payload& payload) {
+  return decodePayload<ResetParams>(payload, [](const Member& params, ResetParams& reset) {
     params.requireObject();
     reset.simulation = readName(params["simulation"]);
     readOptionalCount(params["seed"], reset.seed);
   });
 }
 
-Decoded<SaveParams> decodeSaveParams(const Payload& payload) {
-  return decodePayload<SaveParams>(payload, [](const Field& params, SaveParams& save) {
+Expected<SaveParams> decodeSaveParams(const Payload& payload) {
+  return decodePayload<SaveParams>(payload, [](const Member& params, SaveParams& save) {
     params.requireObject();
     save.simulation = readName(params["simulation"]);
-    if (const Field checkpoint = params["checkpoint"]; !checkpoint.isAbsent()) {
+    if (const Member checkpoint = params["checkpoint"]; !checkpoint.isAbsent()) {
       save.checkpoint = readName(checkpoint);
       save.hasSnapshot = false;
     }
-    if (const Field hasSnapshot = params["snapshot"]; !hasSnapshot.isAbsent()) {
+    if (const Member hasSnapshot = params["snapshot"]; !hasSnapshot.isAbsent()) {
       save.hasSnapshot = hasSnapshot.boolean();
     }
   });
 }
 
-Decoded<RestoreParams> decodeRestoreParams(const Payload& payload) {
-  return decodePayload<RestoreParams>(payload, [](const Field& params, RestoreParams& restore) {
+Expected<RestoreParams> decodeRestoreParams(const Payload& payload) {
+  return decodePayload<RestoreParams>(payload, [](const Member& params, RestoreParams& restore) {
     params.requireObject();
     restore.simulation = readName(params["simulation"]);
-    if (const Field checkpoint = params["checkpoint"]; !checkpoint.isAbsent()) {
+    if (const Member checkpoint = params["checkpoint"]; !checkpoint.isAbsent()) {
       restore.checkpoint = readName(checkpoint);
       return;
     }
-    const Field snapshot = params["snapshot"];
+    const Member snapshot = params["snapshot"];
     auto bytes = fromBase64(snapshot.text());
     if (!bytes) {
       snapshot.fail("expected base64, as simulation.save gave it");
@@ -369,36 +369,54 @@ Decoded<RestoreParams> decodeRestoreParams(const Payload& payload) {
   });
 }
 
-Decoded<NameParams> decodeNameParams(const Payload& payload, std::string_view member) {
-  return decodePayload<NameParams>(payload, [member](const Field& params, NameParams& name) {
+Expected<NoParams> decodeNoParams(const Payload&) {
+  return NoParams{};
+}
+
+Expected<SimulationParams> decodeSimulationParams(const Payload& payload) {
+  return decodePayload<SimulationParams>(payload, [](const Member& params, SimulationParams& named) {
     params.requireObject();
-    name.name = readName(params[member]);
+    named.simulation = readName(params["simulation"]);
   });
 }
 
-Decoded<StreamOpenParams> decodeStreamOpenParams(const Payload& payload) {
-  return decodePayload<StreamOpenParams>(payload, [](const Field& params, StreamOpenParams& open) {
+Expected<OfferParams> decodeOfferParams(const Payload& payload) {
+  return decodePayload<OfferParams>(payload, [](const Member& params, OfferParams& offer) {
+    params.requireObject();
+    offer.name = readName(params["name"]);
+  });
+}
+
+Expected<StreamCloseParams> decodeStreamCloseParams(const Payload& payload) {
+  return decodePayload<StreamCloseParams>(payload, [](const Member& params, StreamCloseParams& close) {
+    params.requireObject();
+    close.stream = readName(params["stream"]);
+  });
+}
+
+Expected<StreamOpenParams> decodeStreamOpenParams(const Payload& payload) {
+  return decodePayload<StreamOpenParams>(payload, [](const Member& params, StreamOpenParams& open) {
     params.requireObject();
     open.simulation = readName(params["simulation"]);
-    const Field what = params["what"];
+    const Member what = params["what"];
     open.what = what.text();
     constexpr std::array<std::string_view, 5> kKinds{"turtle", "string", "statistics", "geometry", "queries"};
     if (std::find(kKinds.begin(), kKinds.end(), open.what) == kKinds.end()) {
       what.failExpected("one of turtle, string, statistics, geometry, queries");
     }
-    if (const Field format = params["format"]; !format.isAbsent()) {
+    if (const Member format = params["format"]; !format.isAbsent()) {
       open.format = format.text();
       if (open.format != "glb" && open.format != "columns") {
         format.failExpected("one of glb, columns");
       }
     }
-    if (const Field every = params["every"]; !every.isAbsent()) {
+    if (const Member every = params["every"]; !every.isAbsent()) {
       open.every = static_cast<std::uint64_t>(every.integer(1, kMaximumExactInteger));
     }
-    if (const Field credits = params["credits"]; !credits.isAbsent()) {
+    if (const Member credits = params["credits"]; !credits.isAbsent()) {
       open.credits = static_cast<std::uint64_t>(credits.integer(1, kMaximumExactInteger));
     }
-    if (const Field hertz = params["maxHz"]; !hertz.isAbsent()) {
+    if (const Member hertz = params["maxHz"]; !hertz.isAbsent()) {
       open.maximumHertz = hertz.number();
       if (open.maximumHertz < kMinimumHertz || open.maximumHertz > kMaximumHertz) {
         hertz.failExpected("a number of frames a second from 0.001 to 1000");
@@ -406,7 +424,7 @@ Decoded<StreamOpenParams> decodeStreamOpenParams(const Payload& payload) {
     }
     open.isDelta = !params["delta"].isAbsent() && params["delta"].boolean();
     open.isInBlocks = !params["bin"].isAbsent() && params["bin"].boolean();
-    if (const Field precision = params["precision"]; !precision.isAbsent()) {
+    if (const Member precision = params["precision"]; !precision.isAbsent()) {
       const std::string& name = precision.text();
       if (name != "single" && name != "double") {
         precision.failExpected("one of single, double");
@@ -417,28 +435,28 @@ Decoded<StreamOpenParams> decodeStreamOpenParams(const Payload& payload) {
   });
 }
 
-Decoded<StreamAckParams> decodeStreamAckParams(const Payload& payload) {
-  return decodePayload<StreamAckParams>(payload, [](const Field& params, StreamAckParams& ack) {
+Expected<StreamAckParams> decodeStreamAckParams(const Payload& payload) {
+  return decodePayload<StreamAckParams>(payload, [](const Member& params, StreamAckParams& ack) {
     params.requireObject();
     ack.stream = readName(params["stream"]);
     readOptionalCount(params["sequence"], ack.sequence);
-    if (const Field credits = params["credits"]; !credits.isAbsent()) {
+    if (const Member credits = params["credits"]; !credits.isAbsent()) {
       ack.credits = credits.count();
     }
   });
 }
 
-Decoded<MessageId> decodeCancelParams(const Payload& payload) {
-  return decodePayload<MessageId>(payload, [](const Field& params, MessageId& id) {
+Expected<CancelParams> decodeCancelParams(const Payload& payload) {
+  return decodePayload<CancelParams>(payload, [](const Member& params, CancelParams& cancel) {
     params.requireObject();
-    const Field field = params["id"];
-    id = field.isText() ? MessageId::of(field.text())
-                        : MessageId::of(field.integer(-kMaximumExactInteger, kMaximumExactInteger));
+    const Member id = params["id"];
+    cancel.request =
+        id.isText() ? MessageId::of(id.text()) : MessageId::of(id.integer(-kMaximumExactInteger, kMaximumExactInteger));
   });
 }
 
-Decoded<HelloResult> decodeHelloResult(const Payload& payload) {
-  return decodePayload<HelloResult>(payload, [](const Field& result, HelloResult& hello) {
+Expected<HelloResult> decodeHelloResult(const Payload& payload) {
+  return decodePayload<HelloResult>(payload, [](const Member& result, HelloResult& hello) {
     result.requireObject();
     hello.protocol = result["protocol"].integer(0, kMaximumExactInteger);
     hello.session = result["session"].textOrEmpty();

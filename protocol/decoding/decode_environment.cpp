@@ -1,72 +1,71 @@
 #include "protocol/base64.h"
-#include "protocol/bulk_text.h"
 #include "protocol/codec.h"
-#include "protocol/column_storage.h"
-#include "protocol/environment_blocks.h"
-#include "protocol/forest_fields.h"
-#include "protocol/json_tree.h"
+#include "protocol/decoding/column_storage.h"
+#include "protocol/decoding/decode_payload.h"
+#include "protocol/decoding/environment_blocks.h"
+#include "protocol/decoding/forest_members.h"
 
 namespace espalier::protocol {
 namespace {
 
-void readOptionalNumber(const Field& field, std::optional<double>& number) {
-  if (!field.isAbsent()) {
-    number = field.number();
+void readOptionalNumber(const Member& member, std::optional<double>& number) {
+  if (!member.isAbsent()) {
+    number = member.number();
   }
 }
 
 template <typename Add>
-void readNumbers(const Field& field, Add&& add) {
-  if (!field.isAbsent()) {
-    const std::size_t count = field.arraySize();
+void readNumbers(const Member& member, Add&& add) {
+  if (!member.isAbsent()) {
+    const std::size_t count = member.arraySize();
     for (std::size_t i = 0; i < count; ++i) {
-      add(field.element(i).number());
+      add(member.element(i).number());
     }
   }
 }
 
-void readQuery(const Field& field, QueryCollector& queries) {
-  field.requireObject();
-  if (const Field id = field["id"]; id.count() != queries.count()) {
+void readQuery(const Member& member, QueryCollector& queries) {
+  member.requireObject();
+  if (const Member id = member["id"]; id.count() != queries.count()) {
     id.fail("expected " + std::to_string(queries.count()) + ": queries are numbered from 0 in order");
   }
-  queries.begin(field["plant"].isAbsent() ? 0 : static_cast<std::uint32_t>(field["plant"].integer(0, 0xFFFFFFFF)),
-                field["module"].isAbsent() ? 0 : field["module"].count(),
-                !field["transient"].isAbsent() && field["transient"].boolean(), field["symbol"].text());
-  readNumbers(field["parameters"], [&](double value) { queries.parameter(value); });
+  queries.begin(member["plant"].isAbsent() ? 0 : static_cast<std::uint32_t>(member["plant"].integer(0, 0xFFFFFFFF)),
+                member["module"].isAbsent() ? 0 : member["module"].count(),
+                !member["transient"].isAbsent() && member["transient"].boolean(), member["symbol"].text());
+  readNumbers(member["parameters"], [&](double value) { queries.parameter(value); });
   queries.endParameters();
-  if (const Field position = field["position"]; !position.isAbsent()) {
+  if (const Member position = member["position"]; !position.isAbsent()) {
     queries.position(readVector(position));
   }
-  if (const Field heading = field["heading"]; !heading.isAbsent()) {
+  if (const Member heading = member["heading"]; !heading.isAbsent()) {
     queries.heading(readVector(heading));
   }
-  if (const Field left = field["left"]; !left.isAbsent()) {
+  if (const Member left = member["left"]; !left.isAbsent()) {
     queries.left(readVector(left));
   }
-  if (const Field up = field["up"]; !up.isAbsent()) {
+  if (const Member up = member["up"]; !up.isAbsent()) {
     queries.up(readVector(up));
   }
-  if (const Field width = field["width"]; !width.isAbsent()) {
+  if (const Member width = member["width"]; !width.isAbsent()) {
     queries.width(width.number());
   }
-  if (const Field scale = field["scale"]; !scale.isAbsent()) {
+  if (const Member scale = member["scale"]; !scale.isAbsent()) {
     queries.scale(scale.number());
   }
-  if (const Field following = field["following"]; !following.isAbsent()) {
+  if (const Member following = member["following"]; !following.isAbsent()) {
     following.requireObject();
     queries.following(following["symbol"].text());
     readNumbers(following["parameters"], [&](double value) { queries.followingParameter(value); });
   }
 }
 
-void readReply(const Field& field, ReplyCollector& replies) {
-  field.requireObject();
-  replies.begin(static_cast<std::uint32_t>(field["id"].integer(0, 0xFFFFFFFF)));
-  if (const Field parameters = field["parameters"]; !parameters.isAbsent()) {
+void readReply(const Member& member, ReplyCollector& replies) {
+  member.requireObject();
+  replies.begin(static_cast<std::uint32_t>(member["id"].integer(0, 0xFFFFFFFF)));
+  if (const Member parameters = member["parameters"]; !parameters.isAbsent()) {
     const std::size_t count = parameters.arraySize();
     for (std::size_t i = 0; i < count; ++i) {
-      const Field value = parameters.element(i);
+      const Member value = parameters.element(i);
       if (value.isNull()) {
         replies.keep();
       } else {
@@ -81,7 +80,7 @@ void readReply(const Field& field, ReplyCollector& replies) {
 void requireRightIds(const ReplyColumns& replies, std::size_t queryCount, bool isInBlocks) {
   const auto fail = [&](std::size_t index, const std::string& what) {
     const std::string place = std::to_string(index);
-    throw FieldFailure{fieldError(isInBlocks ? "bin.id[" + place + "]" : "result.replies[" + place + "].id", what)};
+    throw MemberFailure{memberError(isInBlocks ? "bin.id[" + place + "]" : "result.replies[" + place + "].id", what)};
   };
   std::vector<bool> isAnswered(queryCount, false);
   for (std::size_t i = 0; i < replies.id.size(); ++i) {
@@ -97,13 +96,13 @@ void requireRightIds(const ReplyColumns& replies, std::size_t queryCount, bool i
   }
 }
 
-void readNeeds(const Field& field, NeedsRecord& needs) {
-  if (field.isAbsent()) {
+void readNeeds(const Member& member, NeedsRecord& needs) {
+  if (member.isAbsent()) {
     return;
   }
-  const std::size_t count = field.arraySize();
+  const std::size_t count = member.arraySize();
   for (std::size_t i = 0; i < count; ++i) {
-    const Field element = field.element(i);
+    const Member element = member.element(i);
     const std::string& name = element.text();
     if (name == "position") {
       needs.position = true;
@@ -129,18 +128,18 @@ void readNeeds(const Field& field, NeedsRecord& needs) {
   }
 }
 
-std::vector<VariableRecord> readVariables(const Field& field) {
+std::vector<VariableRecord> readVariables(const Member& member) {
   std::vector<VariableRecord> variables;
-  if (field.isAbsent()) {
+  if (member.isAbsent()) {
     return variables;
   }
-  const std::size_t count = field.arraySize();
+  const std::size_t count = member.arraySize();
   for (std::size_t i = 0; i < count; ++i) {
-    const Field element = field.element(i);
+    const Member element = member.element(i);
     element.requireObject();
     VariableRecord variable;
     variable.name = element["name"].text();
-    if (const Field unit = element["unit"]; !unit.isAbsent()) {
+    if (const Member unit = element["unit"]; !unit.isAbsent()) {
       variable.unit = unit.text();
     }
     variable.type = element["type"].textOrEmpty();
@@ -149,59 +148,59 @@ std::vector<VariableRecord> readVariables(const Field& field) {
   return variables;
 }
 
-void readWorld(const Field& field, WorldRecord& world) {
-  if (field.isAbsent()) {
+void readWorld(const Member& member, WorldRecord& world) {
+  if (member.isAbsent()) {
     return;
   }
-  field.requireObject();
-  if (const Field unit = field["lengthUnit"]; !unit.isAbsent()) {
+  member.requireObject();
+  if (const Member unit = member["lengthUnit"]; !unit.isAbsent()) {
     world.lengthUnit = unit.text();
   }
-  if (const Field up = field["up"]; !up.isAbsent()) {
+  if (const Member up = member["up"]; !up.isAbsent()) {
     world.up = readVector(up);
   }
-  if (const Field north = field["north"]; !north.isAbsent()) {
+  if (const Member north = member["north"]; !north.isAbsent()) {
     world.north = readVector(north);
   }
-  if (const Field duration = field["stepDuration"]; !duration.isAbsent()) {
+  if (const Member duration = member["stepDuration"]; !duration.isAbsent()) {
     world.stepDurationDays = duration.number();
   }
-  readOptionalNumber(field["latitude"], world.latitudeDegrees);
-  readOptionalNumber(field["longitude"], world.longitudeDegrees);
-  world.start = field["start"].textOrEmpty();
+  readOptionalNumber(member["latitude"], world.latitudeDegrees);
+  readOptionalNumber(member["longitude"], world.longitudeDegrees);
+  world.start = member["start"].textOrEmpty();
 }
 
-std::string readBytes(const Field& field) {
-  auto bytes = fromBase64(field.text());
+std::string readBytes(const Member& member) {
+  auto bytes = fromBase64(member.text());
   if (!bytes) {
-    field.fail("expected base64");
+    member.fail("expected base64");
   }
   return std::move(*bytes);
 }
 
 }  // namespace
 
-Decoded<OpenParams> decodeOpenParams(const Payload& payload) {
-  return decodePayload<OpenParams>(payload, [](const Field& params, OpenParams& open) {
+Expected<OpenParams> decodeOpenParams(const Payload& payload) {
+  return decodePayload<OpenParams>(payload, [](const Member& params, OpenParams& open) {
     params.requireObject();
     open.simulation = params["simulation"].text();
-    if (const Field plants = params["plants"]; !plants.isAbsent()) {
+    if (const Member plants = params["plants"]; !plants.isAbsent()) {
       open.plants = static_cast<std::uint32_t>(plants.integer(0, 0xFFFFFFFF));
     }
-    if (const Field symbols = params["symbols"]; !symbols.isAbsent()) {
+    if (const Member symbols = params["symbols"]; !symbols.isAbsent()) {
       const std::size_t count = symbols.arraySize();
       for (std::size_t i = 0; i < count; ++i) {
         open.symbols.push_back(symbols.element(i).text());
       }
     }
-    if (const Field configuration = params["configuration"]; !configuration.isAbsent()) {
+    if (const Member configuration = params["configuration"]; !configuration.isAbsent()) {
       configuration.requireObject();
       open.configurationJson = configuration.json().empty() ? std::string() : configuration.dump();
     }
-    if (const Field seed = params["seed"]; !seed.isAbsent()) {
+    if (const Member seed = params["seed"]; !seed.isAbsent()) {
       open.seed = seed.wide();
     }
-    if (const Field resume = params["resume"]; !resume.isAbsent()) {
+    if (const Member resume = params["resume"]; !resume.isAbsent()) {
       open.resumeStep = resume.count();
     }
     readWorld(params["world"], open.world);
@@ -209,28 +208,28 @@ Decoded<OpenParams> decodeOpenParams(const Payload& payload) {
   });
 }
 
-Decoded<EnvironmentStepParams> decodeEnvironmentStepParams(const Payload& payload) {
+Expected<EnvironmentStepParams> decodeEnvironmentStepParams(const Payload& payload) {
   if (payload.bulk() != nullptr && payload.bulk()->step) {
     return *payload.bulk()->step;
   }
-  return decodePayload<EnvironmentStepParams>(payload, [&](const Field& params, EnvironmentStepParams& step) {
+  return decodePayload<EnvironmentStepParams>(payload, [&](const Member& params, EnvironmentStepParams& step) {
     params.requireObject();
     step.simulation = params["simulation"].text();
     step.step = params["step"].count();
-    if (const Field iteration = params["iteration"]; !iteration.isAbsent()) {
+    if (const Member iteration = params["iteration"]; !iteration.isAbsent()) {
       step.iteration = static_cast<std::uint32_t>(iteration.integer(0, 0xFFFFFFFF));
     }
-    if (const Field time = params["time"]; !time.isAbsent()) {
+    if (const Member time = params["time"]; !time.isAbsent()) {
       step.timeDays = time.number();
     }
-    if (const Field geometry = params["geometry"]; !geometry.isAbsent()) {
+    if (const Member geometry = params["geometry"]; !geometry.isAbsent()) {
       step.geometry = readGeometry(geometry, payload);
     }
     if (payload.blocks() != nullptr) {
       step.queries = readQueryBlocks(params, payload);
       return;
     }
-    const Field queries = params["queries"];
+    const Member queries = params["queries"];
     const std::size_t count = queries.arraySize();
     QueryCollector collector;
     for (std::size_t i = 0; i < count; ++i) {
@@ -240,16 +239,16 @@ Decoded<EnvironmentStepParams> decodeEnvironmentStepParams(const Payload& payloa
   });
 }
 
-Decoded<RestoreStateParams> decodeRestoreStateParams(const Payload& payload) {
-  return decodePayload<RestoreStateParams>(payload, [](const Field& params, RestoreStateParams& restore) {
+Expected<RestoreStateParams> decodeRestoreStateParams(const Payload& payload) {
+  return decodePayload<RestoreStateParams>(payload, [](const Member& params, RestoreStateParams& restore) {
     params.requireObject();
     restore.simulation = params["simulation"].text();
     restore.state = readBytes(params["state"]);
   });
 }
 
-Decoded<DescribeResult> decodeDescribeResult(const Payload& payload) {
-  return decodePayload<DescribeResult>(payload, [](const Field& result, DescribeResult& description) {
+Expected<DescribeResult> decodeDescribeResult(const Payload& payload) {
+  return decodePayload<DescribeResult>(payload, [](const Member& result, DescribeResult& description) {
     result.requireObject();
     description.name = result["name"].textOrEmpty();
     description.summary = result["summary"].textOrEmpty();
@@ -258,7 +257,7 @@ Decoded<DescribeResult> decodeDescribeResult(const Payload& payload) {
     description.outputs = readVariables(result["outputs"]);
     description.isStateful = !result["stateful"].isAbsent() && result["stateful"].boolean();
     description.canCheckpoint = !result["checkpoint"].isAbsent() && result["checkpoint"].boolean();
-    if (const Field geometry = result["geometry"]; !geometry.isAbsent()) {
+    if (const Member geometry = result["geometry"]; !geometry.isAbsent()) {
       if (geometry.text() != "whole" && geometry.text() != "difference") {
         geometry.failExpected("whole or difference");
       }
@@ -267,14 +266,14 @@ Decoded<DescribeResult> decodeDescribeResult(const Payload& payload) {
   });
 }
 
-Decoded<ReplyColumns> decodeReplies(const Payload& payload, std::size_t queryCount) {
+Expected<ReplyColumns> decodeReplies(const Payload& payload, std::size_t queryCount) {
   const bool isBulk = payload.bulk() != nullptr && payload.bulk()->replies;
-  const auto read = [&](const Field& result) {
+  const auto read = [&](const Member& result) {
     if (payload.blocks() != nullptr) {
       return readReplyBlocks(payload, queryCount);
     }
     result.requireObject();
-    const Field list = result["replies"];
+    const Member list = result["replies"];
     const std::size_t count = list.arraySize();
     ReplyCollector collector;
     for (std::size_t i = 0; i < count; ++i) {
@@ -283,14 +282,14 @@ Decoded<ReplyColumns> decodeReplies(const Payload& payload, std::size_t queryCou
     return collector.take();
   };
   Payload none;
-  return decodePayload<ReplyColumns>(isBulk ? none : payload, [&](const Field& result, ReplyColumns& replies) {
+  return decodePayload<ReplyColumns>(isBulk ? none : payload, [&](const Member& result, ReplyColumns& replies) {
     replies = isBulk ? *payload.bulk()->replies : read(result);
     requireRightIds(replies, queryCount, payload.blocks() != nullptr);
   });
 }
 
-Decoded<std::string> decodeSaveResult(const Payload& payload) {
-  return decodePayload<std::string>(payload, [](const Field& result, std::string& state) {
+Expected<std::string> decodeSaveResult(const Payload& payload) {
+  return decodePayload<std::string>(payload, [](const Member& result, std::string& state) {
     result.requireObject();
     state = readBytes(result["state"]);
   });

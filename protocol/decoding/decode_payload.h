@@ -1,0 +1,26 @@
+#pragma once
+
+#include <utility>
+
+#include "protocol/decoding/member.h"
+#include "protocol/decoding/payload_content.h"
+
+namespace espalier::protocol {
+
+/// Runs `decoder(root, value)` over a payload and turns a MemberFailure into an error value.
+template <typename T, typename Decoder>
+[[nodiscard]] Expected<T> decodePayload(const Payload& payload, Decoder&& decoder) {
+  try {
+    // a message that the bulk reader took is parsed again: it was read for another method
+    const bool isBulk = payload.bulk() != nullptr;
+    const nlohmann::json again = isBulk ? nlohmann::json::parse(payload.toText(), nullptr, false) : nlohmann::json();
+    const auto* tree = isBulk ? &again : static_cast<const nlohmann::json*>(payload.value());
+    T value{};
+    decoder(Member(tree, payload.name()), value);
+    return value;
+  } catch (const MemberFailure& failure) {
+    return tl::unexpected(failure.error);
+  }
+}
+
+}  // namespace espalier::protocol

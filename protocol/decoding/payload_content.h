@@ -1,0 +1,27 @@
+#pragma once
+
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string_view>
+
+#include "protocol/messages.h"
+
+namespace espalier::protocol {
+
+// What a Payload refers to. For protocol's own .cpp files only: the JSON library stays out of the other headers.
+
+/// A whole message as a tree. The payload is a part of it.
+struct JsonTree {
+  nlohmann::json value;
+};
+
+/// A message of many queries or replies, read in one pass without a tree.
+struct BulkText {
+  std::shared_ptr<const void> owner;  // of the text
+  std::string_view json;              // params or result as they came
+  std::optional<EnvironmentStepParams> step;
+  std::optional<ReplyColumns> replies;
+};
+
+}  // namespace espalier::protocol

@@ -1,0 +1,50 @@
+#include "protocol/json_text.h"
+
+#include "protocol/decoding/json_parser.h"
+
+namespace espalier::protocol {
+
+std::optional<std::string> memberOf(std::string_view json, std::string_view name) {
+  const auto parsed = parseJson(json);
+  if (!parsed || !parsed->is_object()) {
+    return std::nullopt;
+  }
+  const auto found = parsed->find(name);
+  if (found == parsed->end()) {
+    return std::nullopt;
+  }
+  return found->is_string() ? found->get<std::string>() : found->dump();
+}
+
+std::optional<std::map<std::string, std::string>> textsOf(std::string_view json, std::string_view name) {
+  const auto parsed = parseJson(json);
+  if (!parsed || !parsed->is_object()) {
+    return std::nullopt;
+  }
+  const auto found = parsed->find(name);
+  if (found == parsed->end() || !found->is_object()) {
+    return std::nullopt;
+  }
+  std::map<std::string, std::string> texts;
+  for (const auto& [key, value] : found->items()) {
+    if (!value.is_string()) {
+      return std::nullopt;
+    }
+    texts.emplace(key, value.get<std::string>());
+  }
+  return texts;
+}
+
+std::optional<std::string> jsonProblem(std::string_view json) {
+  if (isNestedTooDeeply(json)) {
+    return "brackets are nested deeper than " + std::to_string(kDeepestNesting);
+  }
+  try {
+    const nlohmann::json parsed = nlohmann::json::parse(json);
+    return std::nullopt;
+  } catch (const nlohmann::json::exception& exception) {
+    return parserMessage(exception);
+  }
+}
+
+}  // namespace espalier::protocol

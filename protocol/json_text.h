@@ -1,0 +1,22 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace espalier::protocol {
+
+// Looking into a JSON text without a JSON library.
+
+/// One member of a JSON object: the text of a string, or the compact JSON of anything else. Nothing when `json` is not
+/// an object or has no such member.
+[[nodiscard]] std::optional<std::string> memberOf(std::string_view json, std::string_view name);
+
+/// The member `name` of a JSON object, when it is itself an object whose members are all texts. Otherwise nothing.
+[[nodiscard]] std::optional<std::map<std::string, std::string>> textsOf(std::string_view json, std::string_view name);
+
+/// The reason why a text is not one JSON value, as `line 3, column 7: ...`. Nothing when it is one.
+[[nodiscard]] std::optional<std::string> jsonProblem(std::string_view json);
+
+}  // namespace espalier::protocol

@@ -1,0 +1,239 @@
+#include <chrono>
+
+#include "engine/language/checks/model_queries.h"
+#include "protocol/codec.h"
+#include "server/remote/translation/translate.h"
+#include "server/server_core.h"
+#include "server/session/gallery_forest.h"
+#include "server/session/request_work.h"
+#include "server/session/session.h"
+
+namespace espalier::server {
+namespace {
+
+using protocol::ErrorCode;
+
+/// The seed that a run uses: the caller's, else the model's, else one drawn now.
+std::uint64_t effectiveSeed(const protocol::CreateParams& params, const simulation::Programs& programs) {
+  if (params.seed) {
+    return *params.seed;
+  }
+  for (const auto& program : programs) {
+    const auto& model = program->systems.empty() ? std::optional<std::int64_t>() : program->systems.front().seed;
+    if (model && *model >= 0) {
+      return static_cast<std::uint64_t>(*model);
+    }
+  }
+  return drawSeed();
+}
+
+/// The models of a simulation, compiled.
+struct CompiledModels {
+  simulation::Programs programs;
+  std::vector<core::Diagnostic> diagnostics;
+  std::string environmentJson;  // that a gallery model brings; empty: none
+};
+
+protocol::Expected<CompiledModels> compileModels(ServerCore& core, const protocol::CreateParams& params) {
+  std::vector<protocol::ModelParams> models;
+  for (const protocol::NamedModel& model : params.models) {
+    models.push_back(model.model);
+  }
+  if (models.empty()) {
+    models.push_back(params.model);
+  }
+  CompiledModels result;
+  for (const protocol::ModelParams& model : models) {
+    auto compiled = core.models().compile(model, core.options().limits.simulation);
+    if (auto* error = std::get_if<protocol::Error>(&compiled)) {
+      return tl::unexpected(std::move(*error));
+    }
+    auto& made = std::get<CompiledModel>(compiled);
+    const auto& entries = made.result.diagnostics.entries();
+    if (made.result.program == nullptr) {
+      return tl::unexpected(toError(entries));
+    }
+    if (!result.programs.empty() && made.result.program->compatibility != result.programs.front()->compatibility) {
+      return tl::unexpected(protocol::memberError("params.models", "all models must have the same \"compatibility\""));
+    }
+    result.programs.push_back(made.result.program);
+    result.diagnostics.insert(result.diagnostics.end(), entries.begin(), entries.end());
+    if (result.environmentJson.empty()) {
+      result.environmentJson = std::move(made.environmentJson);
+    }
+  }
+  return result;
+}
+
+protocol::CreateResult createResultOf(HostedSimulation& hosted) {
+  protocol::CreateResult result;
+  result.simulation = hosted.record().id;
+  result.step = hosted.simulation().completedSteps();
+  result.seed = hosted.record().seed;
+  result.derivationLength = hosted.simulation().derivationLength();
+  result.plants = static_cast<std::uint32_t>(hosted.simulation().plantCount());
+  result.isFinished = hosted.simulation().isFinished();
+  result.statistics = toStatistics(hosted.simulation().statistics(), 0.0);
+  return result;
+}
+
+protocol::Expected<std::string> forkSimulation(ServerCore& core, HostedSimulation& original, const std::string& session,
+                                               const std::string& title) {
+  auto reserved = core.reserve(session);
+  if (auto* error = std::get_if<protocol::Error>(&reserved)) {
+    return tl::unexpected(std::move(*error));
+  }
+  const std::string& name = std::get<std::string>(reserved);
+  SimulationRecord record = original.record();
+  record.id = name;
+  if (!title.empty()) {
+    record.create.name = title;
+  }
+  std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> made = protocol::Error{};
+  try {
+    made = HostedSimulation::fork(std::move(record), original, core.options().limits.simulation,
+                                  core.environmentServices(), core.store());
+  } catch (...) {
+    core.remove(name);
+    throw;
+  }
+  if (auto* error = std::get_if<protocol::Error>(&made)) {
+    core.remove(name);
+    return tl::unexpected(std::move(*error));
+  }
+  auto& hosted = std::get<std::unique_ptr<HostedSimulation>>(made);
+  const std::string result = protocol::encode(createResultOf(*hosted));
+  core.add(name, std::move(hosted));
+  return result;
+}
+
+/// Warnings that need more than the text of a model: queries without an environment, files that a server does not
+/// write.
+std::vector<core::Diagnostic> warningsOfRun(const language::Program& program, const HostedSimulation& hosted) {
+  std::vector<core::Diagnostic> warnings = language::unwrittenFiles(program);
+  // a single environment takes all queries, whatever they are called
+  if (hosted.processNames().size() != 1) {
+    for (core::Diagnostic& warning : language::unansweredQueries(program, hosted.processNames())) {
+      warnings.push_back(std::move(warning));
+    }
+  }
+  return warnings;
+}
+
+/// A remote caller may not start commands on this machine, unless the server allows it.
+std::optional<protocol::Error> commandProblem(const protocol::CreateParams& params, Session& session) {
+  if (session.isLocal() || session.core().options().isSpawnAllowed) {
+    return std::nullopt;
+  }
+  for (std::size_t i = 0; i < params.environmentTypes.size(); ++i) {
+    if (params.environmentTypes[i] == "stdio") {
+      return protocol::Error{ErrorCode::Unauthorised,
+                             "params.environment[" + std::to_string(i) +
+                                 "]: commands are started only for callers on the server's own machine. Start "
+                                 "the server with --allow-spawn, or offer the environment over the network.",
+                             {}};
+    }
+  }
+  return std::nullopt;
+}
+
+/// Compiles, builds, saves and answers. On a worker.
+void createSimulation(const Request& request, protocol::CreateParams params, Interruption& interruption) {
+  Session& session = request.session;
+  const protocol::MessageId& id = request.id;
+  ServerCore& core = session.core();
+  if (const auto problem = expandGalleryForest(core.options().galleryFolder, params)) {
+    session.respondError(id, *problem);
+    return;
+  }
+  auto compiled = compileModels(core, params);
+  if (!compiled) {
+    session.respondError(id, compiled.error());
+    return;
+  }
+  const CompiledModels& models = *compiled;
+  const auto reserved = core.reserve(session.id());
+  if (const auto* error = std::get_if<protocol::Error>(&reserved)) {
+    session.respondError(id, *error);
+    return;
+  }
+  const std::string& name = std::get<std::string>(reserved);
+
+  // a restarted server makes the simulation again from the record
+  SimulationRecord record;
+  record.id = name;
+  record.seed = effectiveSeed(params, models.programs);
+  record.hasSeed = params.seed.has_value();
+  record.create = std::move(params);
+  if (record.create.name.empty()) {
+    record.create.name = record.create.model.model.gallery.value_or(models.programs.front()->modelFile);
+  }
+  record.create.model = {};
+  for (protocol::NamedModel& model : record.create.models) {
+    model.model = {};
+  }
+  if (record.create.environmentJson.empty()) {
+    record.create.environmentJson = models.environmentJson;
+  }
+  std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> made = protocol::Error{};
+  try {
+    made = HostedSimulation::create(std::move(record), models.programs, core.options().limits.simulation,
+                                    core.environmentServices(), core.store(), interruption);
+  } catch (...) {
+    core.remove(name);
+    throw;
+  }
+  if (const auto* error = std::get_if<protocol::Error>(&made)) {
+    core.remove(name);
+    switch (interruption.reason()) {
+      case Interruption::Reason::None:
+        session.respondError(id, *error);
+        break;
+      case Interruption::Reason::Cancelled:
+        session.respondError(id, {ErrorCode::Cancelled, "Cancelled; nothing was created.", {}});
+        break;
+      case Interruption::Reason::CallSeconds:
+        session.respondError(id, callSecondsError(core.options().limits.callSeconds, "Nothing was created.", {}));
+        break;
+    }
+    return;
+  }
+  auto& hosted = std::get<std::unique_ptr<HostedSimulation>>(made);
+  protocol::CreateResult result = createResultOf(*hosted);
+  result.diagnostics = toRecords(models.diagnostics);
+  for (const auto& program : models.programs) {
+    for (protocol::DiagnosticRecord& warning : toRecords(warningsOfRun(*program, *hosted))) {
+      result.diagnostics.push_back(std::move(warning));
+    }
+  }
+  core.add(name, std::move(hosted));
+  core.log().info("created", {.session = session.id(), .simulation = name});
+  session.respond(id, protocol::encode(result));
+}
+
+}  // namespace
+
+namespace methods {
+
+void simulationCreate(const Request& request, protocol::CreateParams params) {
+  if (const auto problem = commandProblem(params, request.session)) {
+    request.session.respondError(request.id, *problem);
+    return;
+  }
+  const auto interruption = std::make_shared<Interruption>();
+  runOnWorker(
+      request,
+      [create = std::move(params), interruption](const Request& self) mutable {
+        createSimulation(self, std::move(create), *interruption);
+      },
+      interruption);
+}
+
+void simulationFork(const Request& request, std::shared_ptr<SimulationRunner> runner, protocol::ForkParams params) {
+  doInTurn(request, std::move(runner),
+           [core = &request.session.core(), creator = request.session.id(), name = std::move(params.name)](
+               SimulationRunner& self) { return forkSimulation(*core, self.hosted(), creator, name); });
+}
+
+}  // namespace methods
+}  // namespace espalier::server

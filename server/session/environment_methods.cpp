@@ -1,0 +1,42 @@
+#include "environment/registry.h"
+#include "protocol/codec.h"
+#include "protocol/json_text.h"
+#include "server/remote/translation/translate.h"
+#include "server/server_core.h"
+#include "server/session/methods.h"
+#include "server/session/session.h"
+
+namespace espalier::server {
+
+namespace methods {
+
+void environmentList(const Request& request, protocol::NoParams) {
+  protocol::JsonWriter result;
+  result.beginObject().key("environments").beginArray();
+  for (const std::string& name : environment::processNames()) {
+    result.beginObject().key("name").text(name);
+    if (const auto process = environment::makeProcess(name, "")) {
+      result.key("description").raw(protocol::encode(toDescribeResult((*process)->describe())));
+    }
+    // a schema is laid out over lines for people; a message is one line
+    const std::string schema = "{\"schema\":" + environment::configurationSchema(name) + "}";
+    result.key("schema").raw(protocol::memberOf(schema, "schema").value_or("{}")).endObject();
+  }
+  result.endArray().key("offered").texts(request.session.core().offered().names());
+  request.session.respond(request.id, result.endObject().view());
+}
+
+void environmentOffer(const Request& request, protocol::OfferParams params) {
+  Session& session = request.session;
+  // the answer is queued before a simulation can find the offer and ask
+  protocol::JsonWriter result;
+  result.beginObject().key("name").text(params.name).endObject();
+  session.respond(request.id, result.view());
+  const bool isReplacing = session.core().offered().offer(params.name, session.shared_from_this());
+  session.core().log().info(
+      "offers environment '" + params.name + "'" + (isReplacing ? ", in place of an older offer" : ""),
+      {.session = session.id()});
+}
+
+}  // namespace methods
+}  // namespace espalier::server

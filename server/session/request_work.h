@@ -1,0 +1,34 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "protocol/errors.h"
+#include "server/running/simulation_runner.h"
+#include "server/session/methods.h"
+
+namespace espalier::server {
+
+class Interruption;
+
+/// The simulation's runner. Null after an error was answered: there is no such simulation, or it is damaged.
+[[nodiscard]] std::shared_ptr<SimulationRunner> findRunner(const Request& request, const std::string& simulation);
+
+/// Runs `work` on a worker. An exception becomes the answer. `interruption`, when given, ends the work when the request
+/// is cancelled, the connection is lost, or the call takes longer than callSeconds.
+void runOnWorker(const Request& request, std::function<void(const Request&)> work,
+                 std::shared_ptr<Interruption> interruption = nullptr);
+
+/// A command of one turn. Its result, as JSON, or its error answers the request.
+using TurnWork = std::function<protocol::Expected<std::string>(SimulationRunner&)>;
+[[nodiscard]] std::shared_ptr<Command> makeCommand(const Request& request, TurnWork work);
+
+/// Has the work done in the simulation's next turn, and answers the request.
+void doInTurn(const Request& request, std::shared_ptr<SimulationRunner> runner, TurnWork work);
+
+/// The error of a call that computed too long. `outcome` says how things are now. `step` is the last completed step.
+[[nodiscard]] protocol::Error callSecondsError(std::uint64_t bound, const std::string& outcome,
+                                               std::optional<std::uint64_t> step);
+
+}  // namespace espalier::server

@@ -1,0 +1,173 @@
+#include <chrono>
+
+#include "protocol/codec.h"
+#include "server/remote/translation/translate.h"
+#include "server/server_core.h"
+#include "server/session/request_work.h"
+#include "server/session/session.h"
+
+namespace espalier::server {
+namespace {
+
+using protocol::ErrorCode;
+
+protocol::Error cancelledError(std::uint64_t step) {
+  protocol::JsonWriter data;
+  data.beginObject().key("step").integer(step).endObject();
+  return {ErrorCode::Cancelled, "Cancelled; the simulation stays at step " + std::to_string(step) + ".", data.take()};
+}
+
+/// A step command's state between turns.
+struct StepProgress {
+  protocol::StepParams params;
+  std::uint64_t madeSteps = 0;
+  std::uint64_t queries = 0;
+  std::uint64_t answers = 0;
+  double milliseconds = 0.0;
+  std::chrono::steady_clock::time_point told{};  // when the caller last heard how far it is
+};
+
+// how often a caller hears of its progress, and how full its outbox may be for it
+constexpr std::chrono::milliseconds kProgressInterval{100};
+constexpr std::size_t kProgressOutbox = 1'000'000;
+
+/// Says how far a call is, when the caller asked for it.
+void tellProgress(SimulationRunner& runner, Session& session, const protocol::MessageId& id, StepProgress& progress) {
+  const auto now = std::chrono::steady_clock::now();
+  if (!progress.params.wantsProgress || now - progress.told < kProgressInterval ||
+      session.outboxBytes() > kProgressOutbox) {
+    return;
+  }
+  progress.told = now;
+  simulation::Simulation& simulation = runner.hosted().simulation();
+  protocol::JsonWriter params;
+  params.beginObject().key("id").raw(protocol::toText(id)).key("step").integer(simulation.completedSteps());
+  params.key("made").integer(progress.madeSteps).key("modules").integer(simulation.statistics().modules);
+  session.notify("$/progress", params.endObject().take());
+}
+
+protocol::StepResult resultOf(SimulationRunner& runner, const StepProgress& progress, bool isTruncated) {
+  simulation::Simulation& simulation = runner.hosted().simulation();
+  protocol::StepResult result;
+  result.step = simulation.completedSteps();
+  result.isFinished = simulation.isFinished();
+  result.isTruncated = isTruncated;
+  result.isSaved = runner.hosted().isSaved();
+  result.statistics = toStatistics(simulation.statistics(), progress.milliseconds);
+  if (progress.madeSteps > 0) {
+    result.statistics.queries = progress.queries;
+    result.statistics.answers = progress.answers;
+  }
+  return result;
+}
+
+bool isDone(const simulation::Simulation& simulation, const StepProgress& progress) {
+  return simulation.isFinished() || (progress.params.until ? simulation.completedSteps() >= *progress.params.until
+                                                           : progress.madeSteps >= progress.params.steps);
+}
+
+/// One turn: one step. Returns whether there is more to do.
+bool advanceSteps(SimulationRunner& runner, Command& command, Session& session, const protocol::MessageId& id,
+                  StepProgress& progress) {
+  simulation::Simulation& simulation = runner.hosted().simulation();
+  if (command.isCancelled) {
+    runner.publishEndOf(command);
+    session.respondError(id, cancelledError(simulation.completedSteps()));
+    return false;
+  }
+  const bool isAtEnd = isDone(simulation, progress);
+  if (isAtEnd || command.isPaused) {
+    runner.publishEndOf(command);
+    session.respond(id, protocol::encode(resultOf(runner, progress, !isAtEnd)));
+    return false;
+  }
+  double milliseconds = 0.0;
+  const std::uint64_t before = simulation.completedSteps();
+  const auto error = runner.hosted().step(milliseconds);
+  const bool isMade = simulation.completedSteps() > before;
+  if (isMade) {
+    const simulation::StepStatistics& statistics = simulation.statistics();
+    ++progress.madeSteps;
+    progress.queries += statistics.queries;
+    progress.answers += statistics.answers;
+    progress.milliseconds += milliseconds;
+    runner.setMilliseconds(milliseconds);
+  }
+  if (error && command.isCancelled) {
+    runner.setLastError({});
+    runner.publishEndOf(command);
+    session.respondError(id, cancelledError(simulation.completedSteps()));
+    return false;
+  }
+  if (error) {
+    const std::uint64_t stays = simulation.completedSteps();
+    const protocol::Error reason =
+        command.isOverLimit ? callSecondsError(runner.callSeconds(),
+                                               "The simulation stays at step " + std::to_string(stays) + ".", stays)
+                            : *error;
+    runner.setLastError(reason.message);
+    runner.publishEndOf(command);
+    session.respondError(id, reason);
+    if (isMade) {
+      runner.publishFrames(true);
+    }
+    return false;
+  }
+  runner.setLastError({});
+  const bool isLast = isDone(simulation, progress);
+  if (isLast || runner.isClosing()) {
+    // the controller first, viewers after
+    runner.publishEndOf(command);
+    session.respond(id, protocol::encode(resultOf(runner, progress, !isLast)));
+    runner.publishFrames(true);
+    return false;
+  }
+  runner.publishFrames(true);
+  tellProgress(runner, session, id, progress);
+  return true;
+}
+
+std::shared_ptr<Command> makeStepCommand(const Request& request, protocol::StepParams params) {
+  auto command = std::make_shared<Command>();
+  command->lane = Lane::Step;
+  command->owner = request.session.id();
+  const auto progress = std::make_shared<StepProgress>();
+  progress->params = std::move(params);
+  const std::weak_ptr<Session> weak = request.session.weak_from_this();
+  command->advance = [weak, id = request.id, progress](SimulationRunner& runner, Command& self) {
+    const auto owner = weak.lock();
+    return owner != nullptr && advanceSteps(runner, self, *owner, id, *progress);
+  };
+  command->fail = [weak, id = request.id](const protocol::Error& error) {
+    if (const auto owner = weak.lock()) {
+      owner->respondError(id, error);
+    }
+  };
+  return command;
+}
+
+}  // namespace
+
+namespace methods {
+
+void simulationStep(const Request& request, std::shared_ptr<SimulationRunner> runner, protocol::StepParams params) {
+  request.session.submit(request.id, std::move(runner), makeStepCommand(request, std::move(params)));
+}
+
+void simulationRun(const Request& request, std::shared_ptr<SimulationRunner> runner, protocol::StepParams params) {
+  params.until = UINT64_MAX;
+  simulationStep(request, std::move(runner), std::move(params));
+}
+
+void simulationPause(const Request& request, std::shared_ptr<SimulationRunner> runner, protocol::SimulationParams) {
+  // the steps that wait for a turn are answered as truncated
+  doInTurn(request, std::move(runner), [](SimulationRunner& self) -> protocol::Expected<std::string> {
+    const std::size_t paused = self.pauseWaiting();
+    protocol::JsonWriter result;
+    result.beginObject().key("step").integer(self.hosted().simulation().completedSteps());
+    return result.key("paused").integer(std::uint64_t{paused}).endObject().take();
+  });
+}
+
+}  // namespace methods
+}  // namespace espalier::server
