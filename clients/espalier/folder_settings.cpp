@@ -18,18 +18,17 @@ void remark(core::Severity severity, const std::string& file, std::string messag
   diagnostics.add(std::move(diagnostic));
 }
 
-std::optional<language::AnimationSettings> readAnimation(const std::string& file, core::FileProvider& files,
-                                                         core::DiagnosticList& diagnostics) {
+std::optional<files::AnimationSettings> readAnimation(const std::string& file, core::FileProvider& files,
+                                                      core::DiagnosticList& diagnostics) {
   std::optional<std::string> text = files.read(file);
   if (!text) {
     remark(core::Severity::Warning, file,
            "the animation file cannot be read; the derivation length decides which step is last", diagnostics);
     return std::nullopt;
   }
-  language::AnimationSettings settings =
-      language::readAnimationFile(language::DataFile(file, std::move(*text), diagnostics));
+  files::AnimationSettings settings = files::readAnimationFile(files::DataFile(file, std::move(*text), diagnostics));
   const bool moves = std::any_of(settings.intervals.begin(), settings.intervals.end(), [](const auto& interval) {
-    return interval.motion != language::FrameInterval::Motion::None;
+    return interval.motion != files::FrameInterval::Motion::None;
   });
   if (moves) {
     remark(core::Severity::Note, file, "pictures are neither turned nor scaled as its frame intervals say",
@@ -43,10 +42,10 @@ std::optional<language::AnimationSettings> readAnimation(const std::string& file
 FolderSettings readFolderSettings(const ModelFiles& model, bool isAnimated, core::FileProvider& files,
                                   core::DiagnosticList& diagnostics) {
   FolderSettings folder;
-  language::FolderCommand command;
+  files::FolderCommand command;
   command.colours = model.colours;
   command.colourBase = model.colourBase;
-  folder.palette = language::readPalette(command, files, diagnostics);
+  folder.palette = files::readPalette(command, files, diagnostics);
 
   const bool usesAnimation = isAnimated || model.startsInAnimation;
   if (usesAnimation && model.animation.empty()) {
@@ -70,7 +69,7 @@ std::optional<std::uint64_t> lastStepOf(const FolderSettings& folder, std::optio
   }
   constexpr auto kMost = static_cast<std::uint64_t>(std::numeric_limits<std::int32_t>::max());
   const auto length = static_cast<std::int64_t>(std::min(simulation.derivationLength(), kMost));
-  return static_cast<std::uint64_t>(language::finalFrame(*folder.animation, length).derivedSteps);
+  return static_cast<std::uint64_t>(files::finalFrame(*folder.animation, length).derivedSteps);
 }
 
 bool isOver(const simulation::Simulation& simulation, std::optional<std::uint64_t> last) {

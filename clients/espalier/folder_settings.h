@@ -15,8 +15,8 @@ namespace espalier::command {
 
 /// What a model folder says beside its model: the colours of pictures, and which step is the last.
 struct FolderSettings {
-  language::Palette palette;                             // empty: the folder has no colours
-  std::optional<language::AnimationSettings> animation;  // nothing: the derivation length decides
+  files::Palette palette;                             // empty: the folder has no colours
+  std::optional<files::AnimationSettings> animation;  // nothing: the derivation length decides
 };
 
 /// Reads the colour and animation files of a model. The animation file counts when the folder's command has the switch

@@ -70,20 +70,20 @@ std::optional<protocol::ForestParams> readForest(const std::string& file, core::
 }
 
 // every model has blocks of its own; where some have colours, the others have Espalier's own in theirs
-language::Palette joined(const std::vector<language::Palette>& palettes) {
-  language::Palette whole;
+files::Palette joined(const std::vector<files::Palette>& palettes) {
+  files::Palette whole;
   if (std::all_of(palettes.begin(), palettes.end(), [](const auto& palette) { return palette.empty(); })) {
     return whole;
   }
   whole.usesMaterials =
       std::any_of(palettes.begin(), palettes.end(), [](const auto& palette) { return palette.usesMaterials; });
   const auto diffuse = [](double red, double green, double blue) {
-    language::Material material;
+    files::Material material;
     material.diffuse = {red / 255.0, green / 255.0, blue / 255.0};
     return material;
   };
   for (std::size_t model = 0; model < palettes.size(); ++model) {
-    const language::Palette& own = palettes[model];
+    const files::Palette& own = palettes[model];
     const int shift = simulation::kBlocksPerModel * static_cast<int>(model) + whole.base - own.base;
     for (const auto& [block, map] : own.maps) {
       whole.maps[block + shift] = map;
@@ -99,7 +99,7 @@ language::Palette joined(const std::vector<language::Palette>& palettes) {
       }
     }
     if (own.empty()) {
-      for (int i = 0; i < language::Palette::kBlockSize; ++i) {
+      for (int i = 0; i < files::Palette::kBlockSize; ++i) {
         const turtle::Colour colour = turtle::defaultColour(i);
         const auto entry = static_cast<std::size_t>(i);
         whole.maps[own.base + shift][entry] = {colour.red, colour.green, colour.blue};
@@ -112,7 +112,7 @@ language::Palette joined(const std::vector<language::Palette>& palettes) {
 
 bool loadModels(const protocol::ForestParams& forest, const std::string& file, const ModelOptions& options,
                 core::FileProvider& files, LoadedModel& loaded) {
-  std::vector<language::Palette> palettes;
+  std::vector<files::Palette> palettes;
   for (const protocol::NamedModel& model : forest.models) {
     ModelOptions own = options;
     own.model = besideForest(file, model.file);

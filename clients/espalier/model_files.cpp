@@ -104,7 +104,7 @@ FilesOrProblem onlyModelOf(const std::string& folder) {
   return files;
 }
 
-std::string listOf(const std::vector<language::FolderCommand>& commands) {
+std::string listOf(const std::vector<files::FolderCommand>& commands) {
   std::string text;
   for (std::size_t i = 0; i < commands.size(); ++i) {
     text += (i == 0 ? "" : ", ") + std::to_string(i + 1) + " '" + commands[i].title + "' (" +
@@ -113,23 +113,23 @@ std::string listOf(const std::vector<language::FolderCommand>& commands) {
   return text;
 }
 
-bool isCalled(const language::FolderCommand& command, const std::string& object) {
+bool isCalled(const files::FolderCommand& command, const std::string& object) {
   const std::string tail = std::string(kTitleSeparator) + object;
   return command.title == object || command.title.ends_with(tail) || nameOf(command.model) == object;
 }
 
 // the command that `object` means, by number or by name
-std::variant<language::FolderCommand, std::string> chosenCommand(const std::string& folder,
-                                                                 const std::vector<language::FolderCommand>& commands,
-                                                                 const std::string& object) {
+std::variant<files::FolderCommand, std::string> chosenCommand(const std::string& folder,
+                                                              const std::vector<files::FolderCommand>& commands,
+                                                              const std::string& object) {
   for (std::size_t i = 0; i < commands.size(); ++i) {
     if (object == std::to_string(i + 1)) {
       return commands[i];
     }
   }
-  std::vector<language::FolderCommand> called;
+  std::vector<files::FolderCommand> called;
   std::copy_if(commands.begin(), commands.end(), std::back_inserter(called),
-               [&](const language::FolderCommand& command) { return isCalled(command, object); });
+               [&](const files::FolderCommand& command) { return isCalled(command, object); });
   if (called.size() == 1) {
     return called.front();
   }
@@ -154,7 +154,7 @@ FilesOrProblem commandOf(const std::string& path, const std::string& object) {
   }
   std::sort(names.begin(), names.end());
   server::DiskFileProvider provider;
-  const language::ModelFolder folder = language::readModelFolder(path, names, provider);
+  const files::ModelFolder folder = files::readModelFolder(path, names, provider);
 
   ModelFiles files;
   files.isFolder = true;
@@ -164,13 +164,13 @@ FilesOrProblem commandOf(const std::string& path, const std::string& object) {
     }
     files.remarks.push_back(diagnostic);
   }
-  language::FolderCommand command = folder.commands.front();
+  files::FolderCommand command = folder.commands.front();
   if (!object.empty()) {
     auto chosen = chosenCommand(path, folder.commands, object);
     if (const std::string* problem = std::get_if<std::string>(&chosen)) {
       return *problem;
     }
-    command = std::get<language::FolderCommand>(chosen);
+    command = std::get<files::FolderCommand>(chosen);
   } else if (folder.commands.size() > 1) {
     core::Diagnostic remark;
     remark.severity = core::Severity::Note;
@@ -195,7 +195,7 @@ FilesOrProblem commandOf(const std::string& path, const std::string& object) {
   files.view = isFile(command.view) ? command.view : std::string{};
   files.environment = isFile(command.environment) ? command.environment : std::string{};
   files.animation = isFile(command.animation) ? command.animation : std::string{};
-  for (const language::ColourFile& colours : command.colours) {
+  for (const files::ColourFile& colours : command.colours) {
     if (isFile(colours.file)) {
       files.colours.push_back(colours);
     }

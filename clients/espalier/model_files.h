@@ -15,7 +15,7 @@ struct ModelFiles {
   std::string view;         // empty: none
   std::string environment;  // a field file or a configuration; empty: none
   std::string animation;    // empty: none
-  std::vector<language::ColourFile> colours;
+  std::vector<files::ColourFile> colours;
   int colourBase = 1;
   bool isFolder = false;                  // found in a folder, not beside a file that was named
   bool startsInAnimation = false;         // the animation file decides which step is the last

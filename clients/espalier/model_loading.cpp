@@ -303,7 +303,7 @@ simulation::SimulationOptions simulationOptionsFor(const ModelOptions& options, 
   result.limits = options.simulationLimits();
   result.messages = standardErrorMessages(options.isQuiet);
   // a model that comes from a snapshot may have no folder here: it writes into the working one
-  const std::string folder = language::folderOf(program.modelFile);
+  const std::string folder = files::folderOf(program.modelFile);
   std::error_code error;
   result.fileWriter =
       std::make_shared<FolderWriter>(std::filesystem::is_directory(folder, error) ? folder : std::string{});

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <utility>
 
-namespace espalier::language {
+namespace espalier::files {
 namespace {
 
 constexpr std::string_view kSeparators = " \t\r,:";
@@ -225,4 +225,4 @@ AnimationFrame finalFrame(const AnimationSettings& settings, std::int64_t deriva
   return frame;
 }
 
-}  // namespace espalier::language
+}  // namespace espalier::files

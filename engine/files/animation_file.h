@@ -7,7 +7,7 @@
 
 #include "engine/files/data_file.h"
 
-namespace espalier::language {
+namespace espalier::files {
 
 /// One item of `frame intervals:`.
 struct FrameInterval {
@@ -19,7 +19,7 @@ struct FrameInterval {
   std::array<double, 3> amount{};  // degrees added, or factors, per frame
 };
 
-/// What an animation file `.a` says: which steps are shown.
+/// The settings of an animation file `.a`: which steps are shown.
 struct AnimationSettings {
   std::int64_t firstFrame = 1;
   std::optional<std::int64_t> lastFrame = 1;  // nothing: the derivation length
@@ -42,16 +42,18 @@ struct AnimationFrame {
   constexpr bool operator==(const AnimationFrame&) const = default;
 };
 
-/// Reads an animation file (FILES §3). Unknown keywords are ignored silently; what is wrong is a warning.
+/// Reads an animation file (docs/model-files.md, 3). Unknown keywords are ignored
+/// silently; every mistake is a warning.
 [[nodiscard]] AnimationSettings readAnimationFile(const DataFile& file);
 
 /// The first frame shown.
 [[nodiscard]] AnimationFrame firstFrame(const AnimationSettings& settings);
-/// The frame after one; nothing after the last. The last advance is not cut: first 0, last 10, step 3 shows 0 3 6 9 12.
+/// The frame after one; nothing after the last. The last advance may pass the end: first 0, last 10, step 3 shows
+/// 0 3 6 9 12.
 [[nodiscard]] std::optional<AnimationFrame> nextFrame(const AnimationSettings& settings, std::int64_t derivationLength,
                                                       AnimationFrame current);
 
-/// The frame shown last: the first when there is no other.
+/// The last frame shown; it may be the first.
 [[nodiscard]] AnimationFrame finalFrame(const AnimationSettings& settings, std::int64_t derivationLength);
 
-}  // namespace espalier::language
+}  // namespace espalier::files

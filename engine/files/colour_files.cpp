@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <utility>
 
-namespace espalier::language {
+namespace espalier::files {
 namespace {
 
 constexpr std::size_t kMapBytes = 768;
@@ -71,7 +71,8 @@ PaletteColour Palette::background() const {
 void readColourMap(std::string_view bytes, const std::string& file, int block, Palette& palette,
                    core::DiagnosticList& diagnostics) {
   if (bytes.size() < kMapBytes) {
-    warn(file, "a colour map has 768 bytes, this one " + std::to_string(bytes.size()) + "; the other colours are grey",
+    warn(file,
+         "the colour map has " + std::to_string(bytes.size()) + " bytes instead of 768; the missing colours are grey",
          diagnostics);
   }
   std::array<PaletteColour, Palette::kBlockSize> map{};
@@ -106,4 +107,4 @@ void readMaterials(std::string_view bytes, const std::string& file, int block, P
   palette.usesMaterials = true;
 }
 
-}  // namespace espalier::language
+}  // namespace espalier::files

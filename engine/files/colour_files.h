@@ -8,7 +8,7 @@
 
 #include "engine/core/diagnostic.h"
 
-namespace espalier::language {
+namespace espalier::files {
 
 /// A colour as a picture shows it, each component 0 to 255.
 struct PaletteColour {
@@ -19,7 +19,7 @@ struct PaletteColour {
   constexpr bool operator==(const PaletteColour&) const = default;
 };
 
-/// A material of a `.mat` file; components 0 to 1. The defaults are those of a number that the file does not have.
+/// A material of a `.mat` file; components 0 to 1. The defaults hold for numbers that the file does not have.
 struct Material {
   std::array<double, 3> ambient{0.0, 0.0, 0.0};
   std::array<double, 3> diffuse{1.0, 1.0, 1.0};
@@ -31,7 +31,7 @@ struct Material {
   bool operator==(const Material&) const = default;
 };
 
-/// The colours of a model folder: what the turtle's colour indices look like.
+/// The colours of a model folder: the look of each colour index of the turtle.
 struct Palette {
   static constexpr int kBlockSize = 256;
   static constexpr int kLargestBlock = 11;
@@ -39,13 +39,13 @@ struct Palette {
   /// Colour maps and material sets by block: block b serves the indices 256·b to 256·b + 255.
   std::map<int, std::array<PaletteColour, kBlockSize>> maps;
   std::map<int, std::array<Material, kBlockSize>> materials;
-  bool usesMaterials = false;  // of maps and materials, the one that was named last
+  bool usesMaterials = false;  // whether the last file of the command is a material set
   int base = 1;                // the turtle's colour n is index 256·base + n
 
   [[nodiscard]] bool empty() const { return maps.empty() && materials.empty(); }
   /// The material of a turtle colour.
   [[nodiscard]] Material material(int turtleColour) const;
-  /// What a turtle colour looks like: its map entry, or the diffuse and emitted colour of its material.
+  /// The shown colour of a turtle colour: its map entry, or the diffuse plus the emitted colour of its material.
   [[nodiscard]] PaletteColour colour(int turtleColour) const;
   /// Map entry 0, or the emission of material 0.
   [[nodiscard]] PaletteColour background() const;
@@ -56,9 +56,9 @@ struct Palette {
 void readColourMap(std::string_view bytes, const std::string& file, int block, Palette& palette,
                    core::DiagnosticList& diagnostics);
 
-/// Reads a material set `.mat` (records of 15 bytes) into a block. A later record of a number wins; an incomplete last
-/// record is left out, with a warning.
+/// Reads a material set `.mat` (records of 15 bytes) into a block. Of two records with one number the later counts.
+/// An incomplete last record is ignored, with a warning.
 void readMaterials(std::string_view bytes, const std::string& file, int block, Palette& palette,
                    core::DiagnosticList& diagnostics);
 
-}  // namespace espalier::language
+}  // namespace espalier::files

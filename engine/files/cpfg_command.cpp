@@ -6,18 +6,18 @@
 #include <optional>
 #include <utility>
 
-namespace espalier::language {
+namespace espalier::files {
 namespace {
 
-/// A switch that changes nothing here: how many words it takes, and what a note says about it. Empty: nothing is lost.
+/// A switch without effect: the words that it takes, and the text of the note about it. Empty: no note.
 struct UnusedSwitch {
   std::string_view name;
   std::size_t argumentCount;
   std::string_view consequence;
 };
 
-constexpr std::string_view kWindow = "there is no window; the picture has its own size";
-constexpr std::string_view kOutput = "choose what is written with the options of this program";
+constexpr std::string_view kWindow = "this program has no window; choose the size of a picture with its options";
+constexpr std::string_view kOutput = "choose the output with the options of this program";
 
 // longer names first where one begins with another
 constexpr std::array kUnused = {
@@ -41,7 +41,7 @@ constexpr std::array kUnused = {
     UnusedSwitch{"-obj", 1, kOutput},
     UnusedSwitch{"-pipestrb", 0, "strings are not read from standard input"},
     UnusedSwitch{"-mb", 0, "there is no menu bar"},
-    UnusedSwitch{"-b", 1, "nothing is saved by this switch"},
+    UnusedSwitch{"-b", 1, "this program saves nothing by this switch"},
     UnusedSwitch{"-C", 1, "an environment is chosen with -e or by the options of this program"},
     UnusedSwitch{"-S", 1, "this program has its own server"},
     UnusedSwitch{"-P", 1, "the model is read by the built-in preprocessor"},
@@ -50,7 +50,7 @@ constexpr std::array kUnused = {
     UnusedSwitch{"-d", 0, ""},
 };
 
-/// The block of `-m`, `-m2`: 1 without a number; nothing when the rest is no number.
+/// The block of `-m`, `-m2`: 1 without a number; nothing when the rest is not a number.
 std::optional<int> blockOf(std::string_view digits) {
   if (digits.empty()) {
     return 1;
@@ -103,7 +103,7 @@ class CommandReader {
       case 'c':
         return readColourBase(word);
       case 's':
-        return;  // the size of the first string: strings grow as needed
+        return;  // the initial size of the string; our strings grow as needed
       case 'h':
         command_.writesAfterHomomorphism = true;
         return;
@@ -149,7 +149,7 @@ class CommandReader {
     return &words_[next_++];
   }
 
-  /// Positions decide what a file is, not suffixes.
+  /// The position of a file name decides its meaning, not its suffix.
   void readFile(const CommandWord& word) {
     if (command_.model.empty()) {
       command_.model = word.text;
@@ -158,7 +158,7 @@ class CommandReader {
     } else if (command_.animation.empty()) {
       command_.animation = word.text;
     } else {
-      warn(word, "'" + word.text + "' is ignored: a command names a model, a view file and an animation file");
+      warn(word, "'" + word.text + "' is ignored: a command names only a model, a view file and an animation file");
     }
   }
 
@@ -213,4 +213,4 @@ FolderCommand readCpfgCommand(const DataFile& file, const std::vector<CommandWor
   return CommandReader(file, words).read();
 }
 
-}  // namespace espalier::language
+}  // namespace espalier::files

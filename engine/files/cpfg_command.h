@@ -7,7 +7,7 @@
 #include "engine/files/data_file.h"
 #include "engine/files/model_folder.h"
 
-namespace espalier::language {
+namespace espalier::files {
 
 /// A word of a command line and its place in the file.
 struct CommandWord {
@@ -15,14 +15,14 @@ struct CommandWord {
   core::SourceRange range;
 };
 
-/// The words of one shell command, up to a `|`, `;`, `&`, `<` or `>`. Quotes group and are taken away.
+/// The words of one shell command, up to a `|`, `;`, `&`, `<` or `>`. Quotes group words and are removed.
 [[nodiscard]] std::vector<CommandWord> commandWords(TextCursor line);
 
-/// Whether a command's first word runs cpfg: folders and a suffix .exe are not looked at.
+/// Whether a command's first word runs cpfg; folders and the suffix .exe are ignored.
 [[nodiscard]] bool runsCpfg(std::string_view word);
 
-/// Reads the switches and files of a cpfg command (FILES §2.3); names stay as written. What is not used is named in a
-/// note with its consequence; an unknown switch is a warning.
+/// Reads the switches and files of a cpfg command (docs/model-files.md, 2.3); names stay as written. Each unused
+/// switch gives a note with its consequence; an unknown switch is a warning.
 [[nodiscard]] FolderCommand readCpfgCommand(const DataFile& file, const std::vector<CommandWord>& words);
 
-}  // namespace espalier::language
+}  // namespace espalier::files

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace espalier::language {
+namespace espalier::files {
 
 void DataFile::warnExpected(const TextCursor& at, const std::string& expected, const std::string& context,
                             std::string hint) const {
@@ -47,4 +47,4 @@ int boundedSampleCount(const DataFile& file, core::SourceRange range, int count)
   return bounded;
 }
 
-}  // namespace espalier::language
+}  // namespace espalier::files

@@ -7,14 +7,13 @@
 #include "engine/files/source_map.h"
 #include "engine/files/text_cursor.h"
 
-namespace espalier::language {
+namespace espalier::files {
 
-/// Bounds of what the readers of a model folder's files accept, so that a number in a file cannot ask for more memory
-/// than its text is worth by more than a fixed factor.
+/// Bounds of the readers, so that a number in a short file cannot ask for unlimited memory.
 inline constexpr std::size_t kMostPoints = 100'000;  // of one function, curve or contour, multiplicities counted
 inline constexpr int kMostSamples = 10'000;          // of one function or curve
 
-/// What is left for all files of one view file together.
+/// What all files of one view file may still use together.
 struct ReadingBudget {
   std::size_t points = 1'000'000;
   std::size_t samples = 500'000;
@@ -33,14 +32,14 @@ class DataFile {
   void warn(core::SourceRange range, std::string message, std::string hint = {}) const {
     TextReport(map_, *diagnostics_).warn(range, std::move(message), std::move(hint));
   }
-  /// A remark about something that is not wrong, but not used.
+  /// A remark about a part that is correct but not used.
   void note(core::SourceRange range, std::string message) const {
     TextReport(map_, *diagnostics_).note(range, std::move(message));
   }
   /// "expected EXPECTED while reading CONTEXT, found …" at the cursor.
   void warnExpected(const TextCursor& at, const std::string& expected, const std::string& context,
                     std::string hint = {}) const;
-  /// Takes points or samples from the budget; false, and nothing taken, when it has fewer.
+  /// Takes points or samples from the budget. When it has fewer: false, and the budget stays.
   [[nodiscard]] bool spendPoints(std::size_t count) const;
   [[nodiscard]] bool spendSamples(std::size_t count) const;
 
@@ -50,8 +49,8 @@ class DataFile {
   ReadingBudget* budget_;
 };
 
-/// The sample count within 0 .. kMostSamples, with a warning at `range` when it was larger; 0, with a warning, when the
-/// budget has not so many.
+/// The sample count, at most kMostSamples: a larger one gives a warning at `range`. 0, with a warning, when the budget
+/// has too few samples left.
 [[nodiscard]] int boundedSampleCount(const DataFile& file, core::SourceRange range, int count);
 
-}  // namespace espalier::language
+}  // namespace espalier::files

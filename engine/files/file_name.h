@@ -4,10 +4,10 @@
 #include <string>
 #include <string_view>
 
-namespace espalier::language {
+namespace espalier::files {
 
-/// The name by which a file named inside another one is asked of the FileProvider: `name` itself when it is absolute,
-/// otherwise joined to the folder of `file`.
+/// The name under which the FileProvider finds a file that `file` names: `name` itself when it is absolute, otherwise
+/// joined to the folder of `file`.
 [[nodiscard]] inline std::string nameBeside(std::string_view file, std::string_view name) {
   const std::size_t slash = file.rfind('/');
   if (slash == std::string_view::npos || (!name.empty() && name.front() == '/')) {
@@ -22,8 +22,8 @@ namespace espalier::language {
   return slash == std::string_view::npos ? std::string{} : std::string(file.substr(0, slash + 1));
 }
 
-/// Whether a relative name cannot leave the folder it is joined to: not absolute, no `..`, none of the characters that
-/// some system gives a meaning of its own. Symbolic links are for whoever opens the file.
+/// Whether a relative name cannot leave the folder it is joined to: not absolute, no `..`, none of the characters
+/// that have a special meaning on some system. The caller that opens the file must check symbolic links.
 [[nodiscard]] inline bool isNameInside(std::string_view name) {
   if (name.empty() || name.front() == '/' || name.back() == '/' || name == "." || name.ends_with("/.")) {
     return false;
@@ -43,7 +43,7 @@ namespace espalier::language {
   return true;
 }
 
-/// A relative name without the parts `.` and without empty ones, so that one file has one name.
+/// A relative name without the parts `.` and without empty parts, so that a file has only one name.
 [[nodiscard]] inline std::string withoutDots(std::string_view name) {
   std::string plain;
   for (std::size_t begin = 0; begin < name.size();) {
@@ -58,4 +58,4 @@ namespace espalier::language {
   return plain;
 }
 
-}  // namespace espalier::language
+}  // namespace espalier::files

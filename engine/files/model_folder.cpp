@@ -8,11 +8,11 @@
 #include "engine/files/cpfg_command.h"
 #include "engine/files/data_file.h"
 
-namespace espalier::language {
+namespace espalier::files {
 namespace {
 
 constexpr std::string_view kSpecifications = "specifications";
-// titles deeper than this are no menu of a person
+// no menu has deeper titles
 constexpr std::size_t kMostDepth = 100;
 
 std::string inFolder(const std::string& folder, const std::string& name) {
@@ -38,7 +38,7 @@ bool isRefreshMode(std::string_view line) {
   return false;
 }
 
-/// A panel is an editor's control panel, whatever its suffix.
+/// Files of control panels begin with this name and may have any suffix.
 bool isPanel(std::string_view name) {
   return name.starts_with("panel.");
 }
@@ -65,7 +65,7 @@ void readFileList(TextCursor& cursor, ModelFolder& result) {
     if (line.empty() || whole.starts_with(';') || isRefreshMode(line)) {
       continue;
     }
-    // what follows are patterns of files that an editor does not save
+    // the following lines are patterns of files that an editor does not save
     if (line == "ignore:") {
       isIgnored = true;
     } else if (!isIgnored) {
@@ -238,9 +238,9 @@ Palette readPalette(const FolderCommand& command, core::FileProvider& files, cor
       readColourMap(*bytes, colours.file, colours.block, palette, diagnostics);
     }
   }
-  // the kind named last counts, also when its file could not be read
+  // the kind of the last file counts, also when that file could not be read
   palette.usesMaterials = !command.colours.empty() && command.colours.back().isMaterial;
   return palette;
 }
 
-}  // namespace espalier::language
+}  // namespace espalier::files

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace espalier::language {
+namespace espalier::files {
 
 core::SourceLocation locateInFile(const SourceMap::File& file, std::uint32_t offset, std::uint32_t length) {
   const std::string& text = file.text;
@@ -34,7 +34,7 @@ core::SourceLocation SourceMap::locate(core::SourceRange range) const {
   auto next = std::upper_bound(segments.begin(), segments.end(), range.begin,
                                [](std::uint32_t begin, const Segment& segment) { return begin < segment.outputBegin; });
   const Segment& segment = next == segments.begin() ? *next : *(next - 1);
-  // a whole expansion stands where its macro was used
+  // the place of a whole expansion is the use of its macro
   if (segment.expansion != kNoExpansion) {
     const Expansion& expansion = expansions[segment.expansion];
     core::SourceLocation location = locateInFile(files[segment.file], segment.fileOffset, expansion.useLength);
@@ -48,7 +48,7 @@ core::SourceLocation SourceMap::locate(core::SourceRange range) const {
     }
     return location;
   }
-  // a copied run maps byte by byte, and is underlined no further than it goes
+  // a copied run maps byte by byte; the underline ends with the run
   const std::uint32_t skipped = range.begin - std::min(range.begin, segment.outputBegin);
   std::uint32_t end = std::max(range.end, range.begin + 1);
   if (next != segments.end()) {
@@ -57,4 +57,4 @@ core::SourceLocation SourceMap::locate(core::SourceRange range) const {
   return locateInFile(files[segment.file], segment.fileOffset + skipped, end - range.begin);
 }
 
-}  // namespace espalier::language
+}  // namespace espalier::files

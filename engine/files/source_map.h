@@ -6,17 +6,16 @@
 
 #include "engine/core/diagnostic.h"
 
-namespace espalier::language {
+namespace espalier::files {
 
-/// Where every byte of preprocessed text came from, through includes and macro expansions.
+/// The origin of every byte of preprocessed text, through includes and macro expansions.
 class SourceMap {
  public:
   struct File {
     std::string name;
     std::string text;  // as read
   };
-  /// A run of output bytes that came from consecutive bytes of one file (a copied run), or as a whole from one macro
-  /// use.
+  /// A run of output bytes: a copy of consecutive bytes of one file, or the whole expansion of one macro use.
   struct Segment {
     std::uint32_t outputBegin = 0;           // segments are sorted by it and cover the text without gaps
     std::uint32_t file = 0;                  // index into files
@@ -43,4 +42,4 @@ class SourceMap {
 [[nodiscard]] core::SourceLocation locateInFile(const SourceMap::File& file, std::uint32_t offset,
                                                 std::uint32_t length);
 
-}  // namespace espalier::language
+}  // namespace espalier::files

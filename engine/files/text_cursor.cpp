@@ -7,7 +7,7 @@
 #include <system_error>
 #include <utility>
 
-namespace espalier::language {
+namespace espalier::files {
 namespace {
 
 bool isBlank(char c) {
@@ -175,7 +175,7 @@ void TextReport::note(core::SourceRange range, std::string message) const {
 }
 
 void TextReport::add(core::Severity severity, core::SourceRange range, std::string message, std::string hint) const {
-  // finding a line takes the length of the file: not for a message that nobody will see
+  // the search for a line takes the length of the file: not for a message that is only counted
   core::SourceLocation location = isFull() ? core::SourceLocation{} : map_->locate(range);
   diagnostics_->add({severity, std::move(message), std::move(location), std::move(hint)});
 }
@@ -187,4 +187,4 @@ SourceMap plainSourceMap(std::string file, std::string text) {
   return map;
 }
 
-}  // namespace espalier::language
+}  // namespace espalier::files

@@ -8,10 +8,10 @@
 #include "engine/core/diagnostic.h"
 #include "engine/files/source_map.h"
 
-namespace espalier::language {
+namespace espalier::files {
 
-/// A place in a text that reads words, numbers and lines from there on. Offsets count from the beginning of the whole
-/// text, also in the cursor of a single line, so that every place can be named. The text must outlive the cursor.
+/// A position in a text, with functions that read words, numbers and lines from there. Offsets count from the beginning
+/// of the whole text, also in the cursor of a single line. The text must outlive the cursor.
 class TextCursor {
  public:
   explicit TextCursor(std::string_view text, std::size_t position = 0) : text_(text), position_(position) {}
@@ -21,7 +21,7 @@ class TextCursor {
   [[nodiscard]] bool atEnd() const { return position_ >= text_.size(); }
   /// The next character; 0 at the end.
   [[nodiscard]] char peek() const { return atEnd() ? '\0' : text_[position_]; }
-  /// At a newline or the end of the text, after blanks that are not passed.
+  /// Whether only blanks stand before the next newline or the end of the text. Does not move.
   [[nodiscard]] bool atLineEnd() const;
   [[nodiscard]] std::string_view rest() const {
     return text_.substr(position_ < text_.size() ? position_ : text_.size());
@@ -48,7 +48,7 @@ class TextCursor {
   [[nodiscard]] std::string_view word();
   /// Passes `character` when it is next.
   bool take(char character);
-  /// Passes `keywords` when they are next. A blank of the keywords stands for any number of blanks and newlines.
+  /// Passes `keywords` when they are next. A blank in `keywords` matches any number of blanks and newlines.
   bool takeKeywords(std::string_view keywords);
   /// The rest of the line, without its newline and a carriage return before it, as a cursor of its own; moves to the
   /// next line.
@@ -56,7 +56,7 @@ class TextCursor {
 
   /// From an earlier position to this one, at least one byte.
   [[nodiscard]] core::SourceRange rangeFrom(std::size_t begin) const;
-  /// The word at the position, for a message: quoted, or "the end of the line" or "the end of the file".
+  /// The word at the position, for a message: quoted, or "the end of the line", or "the end" of the text.
   [[nodiscard]] std::string found() const;
 
  private:
@@ -72,7 +72,7 @@ class TextReport {
   void warn(core::SourceRange range, std::string message, std::string hint = {}) const;
   void note(core::SourceRange range, std::string message) const;
   [[nodiscard]] core::SourceLocation locate(core::SourceRange range) const { return map_->locate(range); }
-  /// Whether further warnings are only counted, so that no work need be done for their text.
+  /// Whether further warnings are only counted: their text need not be made.
   [[nodiscard]] bool isFull() const { return diagnostics_->warningCount() >= core::DiagnosticList::kLimit; }
 
  private:
@@ -85,4 +85,4 @@ class TextReport {
 /// The source map of a file that is not preprocessed.
 [[nodiscard]] SourceMap plainSourceMap(std::string file, std::string text);
 
-}  // namespace espalier::language
+}  // namespace espalier::files

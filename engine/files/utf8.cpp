@@ -1,6 +1,6 @@
 #include "engine/files/utf8.h"
 
-namespace espalier::language {
+namespace espalier::files {
 
 std::size_t sequenceLength(std::string_view text) {
   if (text.empty()) {
@@ -55,4 +55,4 @@ std::string asUtf8(std::string_view text) {
   return result;
 }
 
-}  // namespace espalier::language
+}  // namespace espalier::files

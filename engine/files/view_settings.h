@@ -11,11 +11,11 @@
 
 #include "engine/core/vec3.h"
 #include "engine/files/colour_files.h"
-#include "engine/files/image_file.h"
+#include "engine/files/images/image_file.h"
 
-namespace espalier::language {
+namespace espalier::files {
 
-/// A tropism or torque of the view file, as stored: the direction already scaled by its intensity (FILES: tropism).
+/// A tropism or torque of the view file, as stored: the direction is already scaled by its intensity.
 struct Movement {
   enum class Kind : std::uint8_t { Tropism, Torque };
   Kind kind = Kind::Tropism;
@@ -72,16 +72,16 @@ class ParametricCurve {
   double arcLength_ = 0.0;
 };
 
-/// One 4x4 bicubic Bezier patch of a surface, in the surface's local coordinates (FILES §6.1: components along L, H,
-/// U).
+/// One 4x4 bicubic Bezier patch of a surface. Local coordinates are components along L, H, U (docs/model-files.md,
+/// 6.1).
 struct SurfacePatch {
   std::array<core::Vec3, 16> points;  // row by row; row index runs with s, column with t
   int topColour = 0;                  // 0: the turtle's
   int bottomColour = 0;
 };
 
-/// A predefined bicubic surface `~c` (`surface:` or `line:` command). All coordinates already relative to the contact
-/// point, scaled and turned (FILES §6.1, steps 1 to 3); the turtle multiplies by its scale.
+/// A predefined bicubic surface `~c` (`surface:` or `line:` command). All coordinates are relative to the contact
+/// point, scaled and turned (docs/model-files.md, 6.1); the turtle multiplies them by its scale.
 struct Surface {
   char id = 0;
   std::string file;
@@ -92,10 +92,11 @@ struct Surface {
   int texture = -1;  // -1: the turtle's current texture; 0: none
 };
 
-/// A texture of `texture:` (FILES §11.3): a picture on what the turtle draws while its texture is this one (`@Tx`).
+/// A texture of `texture:` (docs/model-files.md, 11.3): a picture on everything that the turtle draws while this
+/// texture is set (`@Tx`).
 struct Texture {
-  /// How the picture meets the colour below it: multiplied with it; over it where the picture is opaque; or the share
-  /// of white that it gives that colour.
+  /// How the picture changes the colour below it. Modulate: the two are multiplied. Decal: the picture covers the
+  /// colour where it is opaque. Blend: the picture is the share of white that is mixed into the colour.
   enum class Use : std::uint8_t { Modulate, Decal, Blend };
   std::string file;
   std::shared_ptr<const std::string> bytes;  // of the file
@@ -103,7 +104,7 @@ struct Texture {
   Use use = Use::Modulate;
   bool isSmoothNear = false;            // magnified by linear interpolation, else by the nearest point
   std::string_view minification = "n";  // n, l, mnn, mln, mnl or mll, as in the file; `m` is mll
-  bool isPerSurface = false;            // of a surface: once over the whole of it, else over each patch
+  bool isPerSurface = false;            // of a surface: once over the whole surface, else once over each patch
   double ratio = 1.0;                   // height by width of one picture on a cylinder
 };
 
@@ -128,8 +129,8 @@ struct Contour {
   std::vector<core::Vec3> points;  // control points with multiplicities repeated; z is 0 for plane contours
 };
 
-/// A field of `blob:`, the values of inblob(id, x, y, z): the sum over points and segments that fade to 0 at their
-/// radius.
+/// A scalar field of `blob:`, the values of inblob(id, x, y, z): a sum over points and segments. The share of each
+/// falls to 0 at its radius.
 class BlobField {
  public:
   /// A segment; a point when both ends are equal.
@@ -163,7 +164,7 @@ enum class RenderMode : std::uint8_t { Wireframe, Filled, Flat, Interpolated, Sh
 
 /// A light of `light:`. Colours are 0 to 1 each.
 struct Light {
-  bool isDirectional = false;         // it shines from `place` as a direction, without weakening
+  bool isDirectional = false;         // it shines from the direction `place`, with the same strength everywhere
   core::Vec3 place{0.0, 0.0, 1.0};    // a point, or a direction toward the light
   core::Vec3 ambient{1.0, 1.0, 1.0};  // red, green, blue
   core::Vec3 diffuse{1.0, 1.0, 1.0};
@@ -174,7 +175,8 @@ struct Light {
   core::Vec3 attenuation{1.0, 0.0, 0.0};  // constant, linear, quadratic
 };
 
-/// Everything a view file says that changes turtle, geometry or derivation, with the reference's defaults (FILES §4.2).
+/// All settings of a view file that change turtle, geometry, derivation or pictures, with the defaults of the reference
+/// program (docs/model-files.md, 4.2).
 struct ViewSettings {
   double angleIncrementDegrees = 45.0;
   double initialLineWidth = 1.0;
@@ -196,7 +198,7 @@ struct ViewSettings {
   std::vector<Movement> movements;  // id - 1
 
   std::vector<SplineFunction> functions;  // id - 1
-  bool functionSetDefinesMacros = false;  // a `function set:` not followed by a `function:`
+  bool functionSetDefinesMacros = false;  // the last of these commands is a `function set:`
   std::vector<ParametricCurve> curves;    // id - 1
   std::vector<Surface> surfaces;
   std::vector<TriangleSurface> triangleSurfaces;
@@ -208,7 +210,7 @@ struct ViewSettings {
   core::Vec3 initialPosition{0.0, 0.0, 0.0};  // length units
   core::Vec3 initialHeading{0.0, 1.0, 0.0};   // unit; left and up follow by the least rotation from +y
   core::Vec3 displacement{0.0, 0.0, 0.0};     // of every drawn step and mesh, length units: gravity or wind
-  Palette palette;                            // of `color map entry:`; empty: the folder's, or Espalier's own
+  Palette palette;                            // of `color map entry:`; empty: the folder's colours, or Espalier's own
 
   // camera and colour: pictures and the functions vvXmin ... only
   bool isPerspective = false;
@@ -217,11 +219,11 @@ struct ViewSettings {
   double twistDegrees = 0.0;
   double viewingAngleDegrees = 45.0;
   double scaleFactor = 1.0;
-  std::optional<Box> box;                    // the view volume; nothing: the bounding box of what the turtle draws
-  std::optional<RenderMode> renderMode;      // nothing: the file does not say
+  std::optional<Box> box;                    // the view volume; nothing: the bounding box of the drawing
+  std::optional<RenderMode> renderMode;      // nothing: not given
   std::vector<Light> lights;                 // of `light:`; at most 8 count
   std::optional<core::Vec3> lightDirection;  // toward the light, unit
   int postScriptLineCap = 1;                 // 0 butt, 1 round, 2 square
 };
 
-}  // namespace espalier::language
+}  // namespace espalier::files

@@ -107,7 +107,7 @@ void Analyser::analyseSystem(std::size_t index) {
 double Analyser::constantItem(ExpressionIndex expression, std::string_view name, double least) {
   place_ = name;
   predecessor_ = {};
-  // names have no value yet, functions are resolved as usual
+  // variables have no value yet; functions are resolved as usual
   std::vector<ExpressionIndex> open{expression};
   ExpressionIndex first = expression;
   bool isConstant = true;
@@ -145,7 +145,7 @@ double Analyser::constantItem(ExpressionIndex expression, std::string_view name,
   if (!isConstant) {
     return least;
   }
-  // the nodes of one expression stand together, children before their parents
+  // the nodes of one expression are contiguous, children before their parents
   values_.resize(model_.expressions.size());
   for (ExpressionIndex i = first; i <= expression; ++i) {
     values_[i] = foldNode(model_.expressions[i], model_, values_, compatibility_);
@@ -159,7 +159,7 @@ double Analyser::constantItem(ExpressionIndex expression, std::string_view name,
   if (value < least || value > 9.0e15) {
     messages_.warning(
         at(expression).range, "the value of " + place_ + " is out of range",
-        "it counts as " + std::string(value < least ? "the least possible value" : "the largest possible value"));
+        "the program uses " + std::string(value < least ? "the least possible value" : "the largest possible value"));
   }
   return std::clamp(value, least, 9.0e15);
 }
@@ -236,8 +236,8 @@ void Analyser::defineVariables(LSystemSyntax& system, Scope& scope) {
     }
     system.externalSlots.push_back(scope.addVariable(name.text).index);
     if (&system == &model_.systems.front()) {
-      messages_.warning(name.range, "nobody calls the first L-system: the external variable '" + name.text +
-                                        "' is its own, with the value 0");
+      messages_.warning(name.range, "no L-system calls the first one: its external variable '" + name.text +
+                                        "' is an ordinary variable with the value 0");
     }
   }
   for (const Block* block : {&system.start, &system.startEach, &system.endEach, &system.end}) {
@@ -322,7 +322,7 @@ void Analyser::bindFormals(ProductionSyntax& production, Scope& scope) {
 void Analyser::analyseProduction(ProductionSyntax& production, Scope& scope) {
   predecessor_ = production.predecessorRange;
   bindFormals(production, scope);
-  // what a production assigns and nobody else owns is local to it
+  // a name that only productions assign is local to its production
   for (const Block* block : {&production.preBlock, &production.postBlock}) {
     for (const NameSyntax& name : assignedNames(model_, block->statements)) {
       if (scope.find(name.text).kind == Binding::Kind::Unbound) {

@@ -14,9 +14,9 @@
 
 namespace espalier::language {
 
-/// Gives every name its meaning (formal parameter, production-local or L-system variable, array, Q, Z, function),
-/// evaluates what is constant when a model is read (seed, derivation length, maximum depth, array sizes), and reports
-/// what is wrong or suspicious. Completes the syntax tree in place.
+/// Gives every name its meaning: formal parameter, variable of a production or L-system, array, Q, Z or function.
+/// Evaluates the constant items (seed, derivation length, maximum depth, array sizes). Reports mistakes and suspicious
+/// places. Completes the syntax tree in place.
 class Analyser {
  public:
   /// All references must outlive the analyser; `text` is the preprocessed text.
@@ -25,8 +25,7 @@ class Analyser {
 
   void analyse();
 
-  /// Names that #define gave a meaning, with the lines to find them: a misspelt one is suggested. Must outlive the
-  /// analyser.
+  /// The names of macros: they are suggested for misspelt names. Must outlive the analyser.
   void setMacros(const std::vector<std::string>& names) { macros_ = &names; }
 
  private:
@@ -68,20 +67,20 @@ class Analyser {
   const core::Limits& limits_;
   ModelSyntax& model_;
   MessageList& messages_;
-  bool hasSteps_ = false;                             // Q and Z are defined
-  std::string place_;                                 // where the current expression stands, for messages
-  core::SourceRange predecessor_;                     // of the current production; empty: none
+  bool hasSteps_ = false;          // Q and Z are defined
+  std::string place_;              // the part of the model that holds the current expression, for messages
+  core::SourceRange predecessor_;  // of the current production; empty: none
   const std::vector<std::string>* macros_ = nullptr;  // names of macros; null: none are known
-  std::set<std::string> unknown_;  // names of the current L-system reported as unknown: they are no suggestions
-  std::set<std::string> assignedInProductions_;  // names assigned in the current L-system's productions
-  std::vector<std::optional<double>> values_;    // of constant items, by expression (scratch)
+  std::set<std::string> unknown_;                     // unknown names of the current L-system: never suggested
+  std::set<std::string> assignedInProductions_;       // names assigned in the current L-system's productions
+  std::vector<std::optional<double>> values_;         // of constant items, by expression (scratch)
 };
 
-/// The names that the statements assign, in the order of the text, each once; with the targets of fscanf.
+/// The names that the statements assign, with the targets of fscanf: each once, in the order of the text.
 [[nodiscard]] std::vector<NameSyntax> assignedNames(const ModelSyntax& model, const std::vector<Statement>& statements);
 
-/// The names known at one point of a model: L-system variables and arrays, and around a production also its formal
-/// parameters and local variables.
+/// The names visible at one point of a model: variables and arrays of the L-system; inside a production also its formal
+/// parameters and its own variables.
 class Analyser::Scope {
  public:
   Scope(LSystemSyntax& system, std::vector<std::string>& statics) : system_(system), statics_(statics) {}
@@ -93,7 +92,7 @@ class Analyser::Scope {
   }
   [[nodiscard]] bool isProduction() const { return isProduction_; }
 
-  /// The first binding of a formal name wins.
+  /// Of two formal parameters with one name the first counts.
   void addFormal(const std::string& name, std::uint32_t slot) {
     production_.emplace(name, Binding{Binding::Kind::Slot, slot});
   }

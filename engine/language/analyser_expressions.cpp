@@ -158,7 +158,7 @@ void Analyser::resolveName(ExpressionNode& node, Scope& scope) {
 }
 
 void Analyser::reportUnknownName(const ExpressionNode& node, const Scope& scope) {
-  // a block may read what only productions assign: the variable is shared by both
+  // a block reads a name that only productions assign: they share the variable
   if (!scope.isProduction() && assignedInProductions_.contains(node.text)) {
     return;
   }
@@ -223,7 +223,7 @@ void Analyser::resolveCall(ExpressionNode& node, Scope& scope) {
   if (messages_.errorCount() > errorsBefore && special != kSpecialCalls.end()) {
     return;
   }
-  // `node` stays where it is: resolving adds no nodes
+  // `node` keeps its address: resolving adds no nodes
   for (const ExpressionIndex child : node.children) {
     const ExpressionNode& argument = at(child);
     if (argument.kind == ExpressionKind::Reference && node.callee == Callee::FileScan) {
@@ -324,7 +324,7 @@ void Analyser::resolveFileCall(ExpressionNode& node) {
   }
   if (at(node.children[0]).kind != ExpressionKind::Name) {
     messages_.error(at(node.children[0]).range, "expected a variable as the first argument of '" + node.text + "'",
-                    "it holds what fopen returned: f = fopen(\"name\", \"r\");");
+                    "the variable holds the result of fopen: f = fopen(\"name\", \"r\");");
     return;
   }
   if (node.callee == Callee::FilePrint) {
@@ -341,26 +341,27 @@ void Analyser::resolveFileCall(ExpressionNode& node) {
   }
 }
 
-/// The mode of fopen is one, and the name stays inside the model's folder: others are refused when the model runs.
+/// Checks that the mode of fopen exists and that the name stays inside the model's folder. An fopen of another name
+/// fails when the model runs.
 void Analyser::checkFileName(const ExpressionNode& call) {
   const ExpressionNode& name = at(call.children[0]);
   const ExpressionNode& mode = at(call.children[1]);
   if (!FileMode::parse(mode.text)) {
     messages_.error(
-        mode.range, "the mode \"" + mode.text + "\" of 'fopen' is none",
+        mode.range, "'fopen' has no mode \"" + mode.text + "\"",
         "\"r\" reads, \"w\" writes a new file, \"a\" adds to its end; \"r+\", \"w+\" and \"a+\" read and write");
     return;
   }
-  if (!isNameInside(name.text)) {
+  if (!files::isNameInside(name.text)) {
     const std::string last = name.text.substr(name.text.find_last_of("/\\") + 1);
     messages_.warning(
-        name.range, "the file \"" + name.text + "\" is not inside the model's folder: fopen is refused and gives 0",
-        isNameInside(last) ? "put the file beside the model: fopen(\"" + last + "\", \"" + mode.text + "\")"
-                           : "give the name of a file beside the model");
+        name.range, "the file \"" + name.text + "\" is not inside the model's folder: fopen fails and returns 0",
+        files::isNameInside(last) ? "put the file beside the model: fopen(\"" + last + "\", \"" + mode.text + "\")"
+                                  : "give the name of a file beside the model");
   }
 }
 
-/// One conversion for every number; only numbers are printed and read.
+/// Checks that the format has one conversion for each number: only numbers are printed and read.
 bool Analyser::checkFormat(const ExpressionNode& call, std::size_t formatIndex, bool isScan) {
   const ExpressionNode& format = at(call.children[formatIndex]);
   const std::string& text = format.text;
@@ -381,7 +382,7 @@ bool Analyser::checkFormat(const ExpressionNode& call, std::size_t formatIndex, 
     if (i >= text.size() || std::string_view("diouxXeEfFgGc").find(text[i]) == std::string_view::npos) {
       messages_.error(
           format.range,
-          "the conversion '" + text.substr(begin, i + 1 - begin) + "' of '" + call.text + "' is not one for numbers",
+          "the conversion '" + text.substr(begin, i + 1 - begin) + "' of '" + call.text + "' does not fit a number",
           "use %g, %f, %e or %d; '%%' prints a percent sign");
       return false;
     }

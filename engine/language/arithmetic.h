@@ -11,7 +11,7 @@ namespace espalier::language {
 /// The scalar arithmetic of expressions, shared by constant folding and by the evaluator of engine/derivation so that
 /// both give identical doubles. Nothing here depends on a plant or a view file.
 
-/// What is true of a value: everything but 0 (NaN is true).
+/// Whether a value counts as true: every value except 0 (NaN is true).
 [[nodiscard]] constexpr bool isTrue(double value) {
   return value != 0.0;
 }
@@ -41,8 +41,8 @@ namespace espalier::language {
   return std::fmod(std::trunc(a), divisor) + 0.0;
 }
 
-/// Whether the reference's `||` skips its right side after a compound left side of this value: when the value as a
-/// 32-bit integer is not a multiple of 256.
+/// Whether the reference's `||` skips its right side after a compound left side with this value. It does when the value
+/// as a 32-bit integer is not a multiple of 256.
 [[nodiscard]] inline bool orSkips(double value) {
   if (!(std::fabs(value) < 2147483648.0)) {
     return false;
@@ -62,7 +62,8 @@ namespace espalier::language {
   }
 }
 
-/// Add to LogicalOr of instruction.def, a the deeper operand. `dividedByZero` is set, never cleared.
+/// One of the operations Add to LogicalOr of instruction.def; a is the deeper operand. `dividedByZero` is set, never
+/// cleared.
 [[nodiscard]] inline double applyBinary(Operation operation, double a, double b, bool& dividedByZero) {
   switch (operation) {
     case Operation::Add:

@@ -39,7 +39,7 @@ void CodeGenerator::generate() {
   // brackets have types in every model
   program_.openBranch = model_.symbols.internType(model_.symbols.internCharacter('['), 0);
   program_.closeBranch = model_.symbols.internType(model_.symbols.internCharacter(']'), 0);
-  // what `%(p)` cuts is kept behind `%(p,n)`
+  // the branch that `%(p)` cuts is kept behind `%(p,n)`
   const core::SymbolId cut = model_.symbols.internCharacter('%');
   const std::vector<ModuleType>& types = model_.symbols.types();
   if (std::any_of(types.begin(), types.end(),

@@ -12,21 +12,21 @@
 namespace espalier::language {
 
 /// Turns an analysed syntax tree without errors into the instructions of a Program: code, constants, strings, symbols,
-/// types and L-systems. What concerns files, view and hash is left to the compiler.
+/// types and L-systems. The compiler adds files, view settings and hash.
 class CodeGenerator {
  public:
-  /// `model` is used up; both must outlive the generator. `text` is the preprocessed text.
+  /// The generator moves parts out of `model`; both must outlive it. `text` is the preprocessed text.
   CodeGenerator(ModelSyntax& model, std::string_view text, Program& program);
 
   void generate();
 
  private:
-  /// What evaluating an expression depends on and does, besides its value.
+  /// The inputs and side effects of an expression.
   struct Traits {
-    bool isPure = true;           // formals, Q, Z and constants alone
-    bool drawsRandom = false;     // contains ran or a relative
-    bool isOtherwisePure = true;  // pure but for the draws
-    bool isSimple = true;         // cheap, and cannot warn: may be evaluated without need
+    bool isPure = true;           // depends only on formal parameters, Q, Z and constants
+    bool drawsRandom = false;     // contains ran, nran, bran or biran
+    bool isOtherwisePure = true;  // pure except for the draws
+    bool isSimple = true;         // cheap and without warnings: may be evaluated although its value is not needed
   };
 
   // code_generator.cpp: L-systems and productions
@@ -60,7 +60,7 @@ class CodeGenerator {
   /// Appends an instruction and returns its index. `stackChange` is what it adds to the depth of the stack.
   std::uint32_t emit(Operation operation, std::uint32_t operand, std::size_t count, core::SourceRange range,
                      int stackChange);
-  /// Makes the jump at `instruction` lead to the next instruction.
+  /// Sets the target of the jump at `instruction` to the next instruction.
   void patch(std::uint32_t instruction);
   [[nodiscard]] std::uint32_t here() const { return static_cast<std::uint32_t>(program_.code.size()); }
   std::uint32_t internConstant(double value);

@@ -13,7 +13,7 @@ namespace espalier::language {
 // ---- what expressions depend on
 
 void CodeGenerator::computeTraits() {
-  // children stand before their parents
+  // children come before their parents
   traits_.reserve(model_.expressions.size());
   for (const ExpressionNode& node : model_.expressions) {
     traits_.push_back(traitsOf(node));
@@ -81,8 +81,8 @@ std::uint32_t CodeGenerator::internString(const std::string& text) {
 }
 
 std::uint32_t CodeGenerator::internFile(const std::string& name, const FileMode& mode) {
-  const bool isInside = isNameInside(name);
-  const std::string plain = isInside ? withoutDots(name) : name;
+  const bool isInside = files::isNameInside(name);
+  const std::string plain = isInside ? files::withoutDots(name) : name;
   const auto found = std::find_if(program_.files.begin(), program_.files.end(),
                                   [&](const ModelFile& file) { return file.name == plain; });
   const auto index = static_cast<std::uint32_t>(found - program_.files.begin());
@@ -298,8 +298,8 @@ void CodeGenerator::emitName(const ExpressionNode& node) {
   }
 }
 
-/// `&&` and `||`. Both sides are evaluated when the right one is simple, so that nobody can see it, and in the
-/// reference's modes when the left one is bare. Otherwise the right side is skipped when the left one decides.
+/// `&&` and `||`. Both sides are evaluated when the right side is simple, because the result is the same; in the
+/// reference's modes also when the left side is bare. Otherwise the right side is skipped when the left side decides.
 void CodeGenerator::emitLogical(const ExpressionNode& node) {
   const ExpressionNode& left = at(node.children[0]);
   const bool isAnd = node.operation == Operation::LogicalAnd;
@@ -323,12 +323,12 @@ void CodeGenerator::emitLogical(const ExpressionNode& node) {
   emit(Operation::ToBoolean, 0, 0, node.range, 0);
   const std::uint32_t toEnd = emit(Operation::Jump, 0, 0, node.range, 0);
   patch(toDecided);
-  --stackDepth_;  // the other way here leaves no value
+  --stackDepth_;  // the other branch leaves no value
   emitConstant(isAnd ? 0.0 : 1.0, node.range);
   patch(toEnd);
 }
 
-/// `?:`. In the reference's modes a bare condition, or a bare first value, skips nothing.
+/// `?:`. In the reference's modes nothing is skipped after a bare condition or a bare first value.
 void CodeGenerator::emitConditional(const ExpressionNode& node) {
   const ExpressionIndex condition = node.children[0];
   const ExpressionIndex first = node.children[1];
@@ -349,7 +349,7 @@ void CodeGenerator::emitConditional(const ExpressionNode& node) {
   }
   const std::uint32_t toEnd = emit(Operation::Jump, 0, 0, node.range, 0);
   patch(toSecond);
-  --stackDepth_;  // the other way here leaves no value
+  --stackDepth_;  // the other branch leaves no value
   emitExpression(second);
   patch(toEnd);
 }

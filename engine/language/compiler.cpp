@@ -27,8 +27,8 @@ void addAll(core::DiagnosticList& list, const core::DiagnosticList& others) {
   }
 }
 
-// every function of a function set is a macro with its number, its name cut at the last '.'
-std::vector<std::pair<std::string, std::string>> functionMacros(const ViewSettings& view) {
+// every function of a function set becomes a macro with its number; its name ends at the last '.'
+std::vector<std::pair<std::string, std::string>> functionMacros(const files::ViewSettings& view) {
   std::vector<std::pair<std::string, std::string>> macros;
   for (std::size_t i = 0; i < view.functions.size(); ++i) {
     const std::string& name = view.functions[i].name();
@@ -37,10 +37,10 @@ std::vector<std::pair<std::string, std::string>> functionMacros(const ViewSettin
   return macros;
 }
 
-void addSources(std::vector<SourceMap::File>& sources, const std::vector<SourceMap::File>& files) {
-  for (const SourceMap::File& file : files) {
+void addSources(std::vector<files::SourceMap::File>& sources, const std::vector<files::SourceMap::File>& files) {
+  for (const files::SourceMap::File& file : files) {
     const bool isKnown = std::any_of(sources.begin(), sources.end(),
-                                     [&](const SourceMap::File& known) { return known.name == file.name; });
+                                     [&](const files::SourceMap::File& known) { return known.name == file.name; });
     if (!isKnown) {
       sources.push_back(file);
     }
@@ -50,7 +50,7 @@ void addSources(std::vector<SourceMap::File>& sources, const std::vector<SourceM
 std::uint64_t hashOf(const Program& program) {
   core::Hasher hasher;
   hasher.integer(static_cast<std::uint64_t>(program.compatibility));
-  for (const SourceMap::File& file : program.sources) {
+  for (const files::SourceMap::File& file : program.sources) {
     hasher.integer(file.text.size());
     hasher.bytes(file.text);
   }
@@ -63,16 +63,16 @@ std::uint64_t hashOf(const Program& program) {
   return hasher.value();
 }
 
-/// Reads what the model will read with fscanf, so that the Program needs no file while it runs. A model may not write
-/// over its own text.
+/// Reads the files that the model reads with fscanf, so that the Program needs no file while it runs. A model must not
+/// overwrite its own text.
 void readModelFiles(Program& program, core::FileProvider& files) {
-  const std::string folder = folderOf(program.modelFile);
+  const std::string folder = files::folderOf(program.modelFile);
   const std::size_t textCount = program.sources.size();
   for (ModelFile& file : program.files) {
-    const std::string name = nameBeside(program.modelFile, file.name);
+    const std::string name = files::nameBeside(program.modelFile, file.name);
     const auto begin = program.sources.begin();
-    const auto known =
-        std::find_if(begin, program.sources.end(), [&](const SourceMap::File& source) { return source.name == name; });
+    const auto known = std::find_if(begin, program.sources.end(),
+                                    [&](const files::SourceMap::File& source) { return source.name == name; });
     const auto index = static_cast<std::uint32_t>(known - begin);
     file.isRefused = file.isRefused || (file.isWritten && index < textCount);
     if (!file.isRead || file.isRefused) {
@@ -89,7 +89,7 @@ void readModelFiles(Program& program, core::FileProvider& files) {
   }
 }
 
-/// The files of a model with the texts that a translation made in front of them.
+/// The files of a model; texts made by a translation come first.
 class TranslatedFiles final : public core::FileProvider {
  public:
   explicit TranslatedFiles(core::FileProvider& files) : files_(files) {}
@@ -107,14 +107,14 @@ class TranslatedFiles final : public core::FileProvider {
   core::FileProvider& files_;
 };
 
-/// The view file of a translation: what the dialect says, then what the view file of the caller does. It has a name of
-/// its own beside the caller's, so that the files which that one names are found.
+/// The view file of a translation: the settings of the dialect, then the caller's view file. Its name lies beside the
+/// caller's file, so that the files which the caller's file names are found.
 std::string addTranslatedView(const CompileInput& input, const TranslatedModel& translated, TranslatedFiles& files) {
   const std::string& beside = input.viewFile.empty() ? input.modelFile : input.viewFile;
   const std::string name = beside + " (" + std::string(translated.dialect->name) + ")";
   std::string text = viewText(translated.model);
   if (!input.viewFile.empty()) {
-    text += "#include \"" + input.viewFile.substr(folderOf(input.viewFile).size()) + "\"\n";
+    text += "#include \"" + input.viewFile.substr(files::folderOf(input.viewFile).size()) + "\"\n";
   }
   files.add(name, std::move(text));
   return name;
@@ -183,11 +183,11 @@ CompileResult compile(const CompileInput& original, core::FileProvider& original
     }
   }
   if (source.hasLostText) {
-    // what is missing at the end is in the comment that was reported
+    // the rest of the model is inside the open comment, which was reported
     messages.dropFrom(static_cast<std::uint32_t>(source.text.find_last_not_of(" \t\n") + 1));
   }
   const bool hasErrors = messages.errorCount() > 0 || source.diagnostics.hasErrors();
-  // the files of a Program are the translated ones, its messages name the foreign one
+  // a Program holds the translated files; its messages name the foreign file
   addSources(program->sources, source.sourceMap.files);
   if (translated) {
     source.sourceMap = foreignSourceMap(source.sourceMap, translation, translated->foreign);
@@ -204,7 +204,7 @@ CompileResult compile(const CompileInput& original, core::FileProvider& original
   program->sourceMap = std::move(source.sourceMap);
   addSources(program->sources, view.sources);
   readModelFiles(*program, files);
-  // the reference program draws nothing for a file that it cannot read, so its modes go on
+  // the reference program draws nothing for an unreadable file, so this is no error in its modes
   if (input.compatibility == core::Compatibility::Espalier) {
     for (core::Diagnostic& error : neededFiles(*program, view.unusable)) {
       result.diagnostics.add(std::move(error));

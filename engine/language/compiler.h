@@ -13,8 +13,8 @@ struct CompileResult {
   core::DiagnosticList diagnostics;        // errors and warnings, in the order of the text
 };
 
-/// Reads, preprocesses, parses, analyses and compiles a model. Never throws for bad input: all that can be found is in
-/// the diagnostics.
+/// Reads, preprocesses, parses, analyses and compiles a model. Never throws for bad input: the diagnostics hold
+/// every mistake that can be found.
 [[nodiscard]] CompileResult compile(const CompileInput& input, core::FileProvider& files);
 
 }  // namespace espalier::language

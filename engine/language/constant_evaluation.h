@@ -9,12 +9,12 @@
 
 namespace espalier::language {
 
-/// Whether the operand is compound in the reference's sense: an operator or a call; parentheses alone do not count.
-/// Only after a compound operand do the reference's `&&`, `||` and `?:` skip a side.
+/// Whether the reference treats the operand as compound: an operator or a call; parentheses alone do not count. The
+/// reference's `&&`, `||` and `?:` skip a side only after a compound operand.
 [[nodiscard]] bool isCompound(const ExpressionNode& node);
 
 /// The value of one node from the values of its children, exactly as the evaluator would compute it. Nothing when a
-/// child has no value, the node depends on more than its children, divides by zero, or would not be finite.
+/// child has no value, the node depends on other inputs, it divides by zero, or the value is not finite.
 [[nodiscard]] std::optional<double> foldNode(const ExpressionNode& node, const ModelSyntax& model,
                                              std::span<const std::optional<double>> values,
                                              core::Compatibility compatibility);

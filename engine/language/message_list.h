@@ -10,8 +10,7 @@
 
 namespace espalier::language {
 
-/// Messages about preprocessed text, kept by their ranges until all phases are done and then put in the order of the
-/// text.
+/// Collects the messages of all phases about a preprocessed text and sorts them by their places.
 class MessageList {
  public:
   void error(core::SourceRange range, std::string message, std::string hint = {}) {
@@ -23,21 +22,21 @@ class MessageList {
   }
   [[nodiscard]] std::size_t errorCount() const { return errorCount_; }
 
-  /// Drops the warnings: beside errors they are mostly consequences.
+  /// Removes the warnings: beside errors most of them are consequences.
   void dropWarnings() {
     std::erase_if(messages_, [](const Message& message) { return message.severity != core::Severity::Error; });
   }
 
-  /// Drops what was said about the text from `offset` on.
+  /// Removes the messages about the text from `offset` on.
   void dropFrom(std::uint32_t offset) {
     std::erase_if(messages_, [&](const Message& message) { return message.range.begin >= offset; });
   }
 
   /// Adds all messages to `list`, in the order of the text.
-  void moveTo(core::DiagnosticList& list, const SourceMap& map) {
+  void moveTo(core::DiagnosticList& list, const files::SourceMap& map) {
     std::stable_sort(messages_.begin(), messages_.end(),
                      [](const Message& a, const Message& b) { return a.range.begin < b.range.begin; });
-    // a line that could not be preprocessed makes no sense to the parser either
+    // the parser cannot understand a line that could not be preprocessed
     const std::vector<core::Diagnostic> earlier = list.entries();
     const auto isExplained = [&](const core::SourceLocation& place) {
       return std::any_of(earlier.begin(), earlier.end(), [&](const core::Diagnostic& diagnostic) {
@@ -48,7 +47,7 @@ class MessageList {
     std::size_t errors = 0;
     std::size_t warnings = 0;
     for (Message& message : messages_) {
-      // a place costs a walk through its file; the list keeps no more than its limit of each severity
+      // finding a place takes a walk through its file, and the list keeps only its limit of each severity
       const std::size_t rank = message.severity == core::Severity::Error ? errors++ : warnings++;
       core::SourceLocation place =
           rank < core::DiagnosticList::kLimit ? map.locate(message.range) : core::SourceLocation{};

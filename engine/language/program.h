@@ -40,7 +40,7 @@ struct CodeRange {
   [[nodiscard]] bool empty() const { return begin == end; }
 };
 
-/// One value: an expression reduced as far as it can be before the run.
+/// An expression, reduced as far as possible before the run.
 struct Expression {
   enum class Kind : std::uint8_t {
     Constant,  // `constant`
@@ -48,8 +48,7 @@ struct Expression {
     Code,      // `code`, which leaves one value on the stack
   };
   Kind kind = Kind::Constant;
-  bool isPure =
-      true;  // depends on formals, Q, Z and constants alone: reads no variable, draws nothing, changes nothing
+  bool isPure = true;  // depends only on formals, Q, Z and constants; draws and changes nothing
   std::uint32_t slot = 0;
   double constant = 0.0;
   CodeRange code;
@@ -77,7 +76,8 @@ struct ContextElement {
 
 struct SuccessorModule {
   core::ModuleTypeId type = core::kNoModuleType;
-  std::uint32_t firstExpression = 0;  // Production::expressions or LSystem::axiomExpressions, arity of the type many
+  std::uint32_t firstExpression =
+      0;  // into Production::expressions or LSystem::axiomExpressions; the arity is the count
   core::SourceRange range;
 };
 
@@ -94,10 +94,10 @@ struct Production {
   std::vector<Expression> expressions;     // parameters of the successor, in order
   std::optional<Expression> probability;
   std::uint16_t slotCount = 0;  // frame size
-  bool isPure = true;           // no blocks, and every expression is pure: order of application cannot matter
-  bool drawsRandom = false;     // contains ran and its relatives, but otherwise pure
+  bool isPure = true;           // no blocks, and every expression is pure: the order of application does not matter
+  bool drawsRandom = false;     // contains ran, nran, bran or biran, and is pure otherwise
   core::SourceRange range;      // predecessor to successor
-  std::string text;             // as written, blanks folded: for messages
+  std::string text;             // as written, each run of blanks as one: for messages
 };
 
 /// Productions by the type of their first predecessor module, each list in file order.
@@ -134,10 +134,10 @@ struct LSystem {
   std::int64_t label = 0;
   std::string name;  // the label as written
   bool isRing = false;
-  bool isStochastic = false;         // a draw is made per module scanned and weights count
+  bool isStochastic = false;         // each scanned module makes one draw, and weights count
   std::optional<std::int64_t> seed;  // `seed:` item
   std::vector<bool> isIgnored;       // by symbol: skipped in context search (ignore and consider resolved)
-  bool ignoresBrackets = false;      // `[` or `]` is ignored: the right context walks into branches
+  bool ignoresBrackets = false;      // `[` or `]` is ignored: the right context continues into branches
 
   std::vector<std::string> variables;    // names of the L-system's variables, by slot
   std::vector<std::uint32_t> externals;  // slots declared `external`
@@ -161,7 +161,7 @@ struct Symbol {
   bool isDeclared = false;                  // from `Module:`
   bool isQuery = false;                     // declared as `?Name(...)`
   std::vector<std::string> parameterNames;  // of a declared module
-  /// The turtle's view: the character of a one-character symbol, 0 for longer names.
+  /// The character of a one-character symbol, as the turtle reads it; 0 for longer names.
   [[nodiscard]] char character() const { return name.size() == 1 ? name[0] : '\0'; }
 };
 
@@ -178,23 +178,23 @@ struct FileMode {
   bool appends = false;    // a: every write goes to the end
   bool mustExist = false;  // r
 
-  /// Nothing when the text is no mode. A `b` or `t` has no effect.
+  /// Nothing when the text is not a mode. A `b` or `t` has no effect.
   [[nodiscard]] static std::optional<FileMode> parse(std::string_view text);
-  /// As the operand of an instruction, and back.
+  /// Conversion to the operand of an instruction and back.
   [[nodiscard]] std::uint16_t bits() const;
   [[nodiscard]] static FileMode fromBits(std::uint16_t bits);
   [[nodiscard]] std::string text() const;
 };
 
-/// A file that a model names in fopen. What it reads was read when the model was compiled, so that a Program stays
-/// complete in itself: a run needs no files, and a snapshot carries them.
+/// A file that a model names in fopen. The compiler has read the files that the model reads, so that a run needs no
+/// files and a snapshot contains them.
 struct ModelFile {
   static constexpr std::uint32_t kNoSource = 0xFFFFFFFFU;
   std::string name;        // as written: relative to the model's folder
   bool isRead = false;     // some fopen can read it
   bool isWritten = false;  // some fopen can write it
-  bool isRefused = false;  // outside the model's folder, or the model would overwrite its own text: fopen gives 0
-  std::uint32_t source = kNoSource;  // its content in Program::sources; kNoSource: there is no such file
+  bool isRefused = false;  // outside the model's folder, or it would overwrite the model's own text: fopen returns 0
+  std::uint32_t source = kNoSource;  // its content in Program::sources; kNoSource: the file does not exist
 };
 
 /// A compiled model. Const after compile and shared by every plant.
@@ -214,9 +214,9 @@ struct Program {
   std::vector<LSystem> systems;  // the first is the main one
   std::uint64_t derivationLength = 1;
   bool hasQueries = false;      // a bare `?` or `%(`..`)` occurs in an axiom or production: interpret before each step
-  bool hasContexts = false;     // any production or decomposition looks at neighbours
+  bool hasContexts = false;     // any production or decomposition has a context
   bool hasSubSystems = false;   // `?(id...)` occurs
-  bool usesViewVolume = false;  // vvXmin or a relative is called
+  bool usesViewVolume = false;  // vvXmin or another function of the view volume is called
 
   std::vector<Instruction> code;
   std::vector<core::SourceRange> codeRanges;  // by instruction, for messages
@@ -227,27 +227,27 @@ struct Program {
   std::uint32_t maximumStack = 0;  // deepest stack of any code
   std::uint16_t maximumSlots = 0;  // largest frame
 
-  std::vector<ModelFile> files;  // that file functions name; the operand of FileOpen
+  std::vector<ModelFile> files;  // named by file functions; the operand of FileOpen is an index
 
-  ViewSettings view;
-  std::string text;     // preprocessed
-  SourceMap sourceMap;  // of `text`; holds every file read for it
-  /// Every file that was read to make this Program (model, includes, view file and what it names), by name: a snapshot
-  /// carries them, so that it can be resumed anywhere.
-  std::vector<SourceMap::File> sources;
+  files::ViewSettings view;
+  std::string text;            // preprocessed
+  files::SourceMap sourceMap;  // of `text`; holds every file read for it
+  /// Every file that was read to make this Program (model, includes, view file and the files that it names), by name. A
+  /// snapshot contains them and can therefore be resumed anywhere.
+  std::vector<files::SourceMap::File> sources;
   std::vector<std::pair<std::string, std::string>> defines;  // overrides given by the caller
   std::string viewFile;                                      // empty: none
   std::uint64_t hash = 0;                                    // of sources, defines and compatibility
 
   [[nodiscard]] std::size_t moduleTypeCount() const { return types.size(); }
-  /// The type of a symbol's name with an arity, or kNoModuleType when the model never makes it. O(symbols).
+  /// The type of a symbol with an arity, or kNoModuleType when the model never makes it. O(symbols).
   [[nodiscard]] core::ModuleTypeId findType(std::string_view name, std::uint16_t arity) const;
   [[nodiscard]] std::string_view nameOf(core::ModuleTypeId type) const { return symbols[symbolOf[type]].name; }
 };
 
-/// What to compile. Names are given to the FileProvider as they are.
+/// The input of the compiler. Names are given to the FileProvider as they are.
 struct CompileInput {
-  std::string modelFile;  // `FILE`, or `FILE:ENTRY` where a file of a foreign dialect holds several models
+  std::string modelFile;  // `FILE`, or `FILE:ENTRY` when a file of a foreign dialect holds several models
   std::string viewFile;   // empty: the reference's defaults
   std::string dialect;    // of the file (engine/language/dialects); empty: found by its content
   core::Compatibility compatibility = core::Compatibility::Espalier;

@@ -28,7 +28,7 @@ void Simulation::Implementation::measureViewVolume() {
   if (auto error = draw({.scene = &scene})) {
     throw core::SimulationFailure(std::move(*error));
   }
-  const language::Box volume = turtle::boundsOf(scene, models_.view()).value_or(language::Box{});
+  const files::Box volume = turtle::boundsOf(scene, models_.view()).value_or(files::Box{});
   for (derivation::PlantState& plant : plants_) {
     plant.viewVolume = volume;
   }

@@ -44,7 +44,7 @@ Outcome Simulation::Implementation::draw(turtle::InterpretationOutput output) {
     }
     const PlantOrigin& origin = members_[plant].origin;
     const ModelSet::SceneMark mark(scene);
-    const language::LineStyle lineStyle = scene.lineStyle;
+    const files::LineStyle lineStyle = scene.lineStyle;
     const std::size_t firstRecord = output.records == nullptr ? 0 : output.records->size();
     PlantVariables before;
     before.copyFrom(plants_[plant]);
@@ -66,7 +66,7 @@ Outcome Simulation::Implementation::draw(turtle::InterpretationOutput output) {
       models_.toCommonSymbols(origin.model, std::span(*output.records).subspan(firstRecord));
     }
     const int block = hasPalette ? kBlocksPerModel * static_cast<int>(origin.model) : 0;
-    models_.toCommonNumbers(origin.model, origin.colourShift + block * language::Palette::kBlockSize, mark, scene);
+    models_.toCommonNumbers(origin.model, origin.colourShift + block * files::Palette::kBlockSize, mark, scene);
   }
   return std::nullopt;
 }

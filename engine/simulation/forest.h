@@ -25,7 +25,7 @@ struct PlantOrigin {
   std::int32_t colourShift = 0;  // added to the colours that the plant is drawn in
 };
 
-/// Colour blocks (language::Palette) that each Program of a simulation has for itself when there is a palette: the
+/// Colour blocks (files::Palette) that each Program of a simulation has for itself when there is a palette: the
 /// colours of Program m are drawn kBlocksPerModel * m blocks further on.
 inline constexpr int kBlocksPerModel = 16;
 

@@ -45,22 +45,22 @@ void ModelSet::numberSymbols() {
 void ModelSet::mergeViews() {
   view_ = first().view;
   offsets_.resize(programs_.size());
-  const auto largestId = [](const language::ViewSettings& view) {
+  const auto largestId = [](const files::ViewSettings& view) {
     int largest = 0;
-    for (const language::Contour& contour : view.contours) {
+    for (const files::Contour& contour : view.contours) {
       largest = std::max(largest, contour.id);
     }
     return largest;
   };
   for (std::size_t model = 1; model < programs_.size(); ++model) {
-    const language::ViewSettings& view = programs_[model]->view;
+    const files::ViewSettings& view = programs_[model]->view;
     offsets_[model] = {.surface = static_cast<std::uint32_t>(view_.surfaces.size()),
                        .triangleSurface = static_cast<std::uint32_t>(view_.triangleSurfaces.size()),
                        .contour = largestId(view_)};
     view_.surfaces.insert(view_.surfaces.end(), view.surfaces.begin(), view.surfaces.end());
     view_.triangleSurfaces.insert(view_.triangleSurfaces.end(), view.triangleSurfaces.begin(),
                                   view.triangleSurfaces.end());
-    for (language::Contour contour : view.contours) {
+    for (files::Contour contour : view.contours) {
       contour.id += offsets_[model].contour;
       view_.contours.push_back(std::move(contour));
     }

@@ -45,7 +45,7 @@ class ModelSet {
   [[nodiscard]] std::optional<std::uint64_t> modelSeed() const;
   [[nodiscard]] std::uint64_t longestDerivation() const;
   /// The first Program's view settings, with the surfaces and contours of all.
-  [[nodiscard]] const language::ViewSettings& view() const { return programs_.size() == 1 ? first().view : view_; }
+  [[nodiscard]] const files::ViewSettings& view() const { return programs_.size() == 1 ? first().view : view_; }
 
   /// Turns the symbols of queries from `firstQuery` on, which a plant of `model` made, into the common ones.
   void toCommonSymbols(std::uint32_t model, std::size_t firstQuery, turtle::QueryBatch& queries) const;
@@ -77,7 +77,7 @@ class ModelSet {
   std::vector<std::string> symbolNames_;
   std::vector<std::vector<core::SymbolId>> commonSymbol_;  // by model, by its SymbolId
   std::vector<Offsets> offsets_;                           // by model
-  language::ViewSettings view_;                            // of several Programs
+  files::ViewSettings view_;                               // of several Programs
   core::SymbolId seed_ = core::kNoSymbol;
   core::SymbolId death_ = core::kNoSymbol;
 };

@@ -53,7 +53,7 @@ SnapshotModel snapshotModelOf(const language::Program& program) {
   model.modelFile = program.modelFile;
   model.viewFile = program.viewFile;
   model.defines = program.defines;
-  for (const language::SourceMap::File& file : program.sources) {
+  for (const files::SourceMap::File& file : program.sources) {
     model.sources.emplace_back(file.name, file.text);
   }
   model.programHash = program.hash;

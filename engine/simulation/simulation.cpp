@@ -371,7 +371,7 @@ const std::vector<std::string>& Simulation::symbolNames() const {
   return implementation_->models_.symbolNames();
 }
 
-const language::ViewSettings& Simulation::view() const {
+const files::ViewSettings& Simulation::view() const {
   return implementation_->models_.view();
 }
 

@@ -64,9 +64,9 @@ struct SimulationOptions {
   Coupling coupling;  // of a new run; a restored snapshot brings its own
   EnvironmentPolicy environmentPolicy = EnvironmentPolicy::Fail;
   EnvironmentOrigin environmentOrigin;
-  SeedRules seeds;            // where the seeds that plants drop take root
-  language::Palette palette;  // colours of the model folder: for pictures only, snapshots carry them
-  std::string startString;    // takes the axiom's place in every plant, as its text; empty: the axiom
+  SeedRules seeds;          // where the seeds that plants drop take root
+  files::Palette palette;   // colours of the model folder: for pictures only, snapshots carry them
+  std::string startString;  // takes the axiom's place in every plant, as its text; empty: the axiom
   core::MessageSink messages;
   std::shared_ptr<core::FileWriter> fileWriter;  // takes what models write, after each step; null: they may not
 };
@@ -146,7 +146,7 @@ class Simulation {
   [[nodiscard]] const std::vector<std::string>& symbolNames() const;
   /// What the surfaces, contours and line styles of scene() refer to: the first Program's view settings, with the
   /// surfaces and contours of all. Valid as long as the simulation.
-  [[nodiscard]] const language::ViewSettings& view() const;
+  [[nodiscard]] const files::ViewSettings& view() const;
   [[nodiscard]] const SimulationOptions& options() const;
   [[nodiscard]] turtle::EnvironmentProcess* environment();  // null: none
   void setCancelled(bool isCancelled);                      // from any thread

@@ -45,7 +45,7 @@ struct SnapshotInfo {
   SeedRules seeds;                      // SimulationOptions::seeds
   EnvironmentOrigin environmentOrigin;  // how the caller that saved had made it
   std::string environmentName;          // empty: none
-  language::Palette palette;            // of pictures
+  files::Palette palette;               // of pictures
 };
 
 /// The Programs of a snapshot, compiled within `limits`, or the diagnostics of the first that does not compile.

@@ -138,14 +138,14 @@ void readComponents(ByteReader& reader, std::array<double, Count>& components) {
   }
 }
 
-ByteWriter coloursSection(const language::Palette& palette) {
+ByteWriter coloursSection(const files::Palette& palette) {
   ByteWriter writer;
   writer.flag(palette.usesMaterials);
   writer.number32(static_cast<std::uint32_t>(palette.base));
   writer.number64(palette.maps.size());
   for (const auto& [block, colours] : palette.maps) {
     writer.number32(static_cast<std::uint32_t>(block));
-    for (const language::PaletteColour& colour : colours) {
+    for (const files::PaletteColour& colour : colours) {
       writer.byte(colour.red);
       writer.byte(colour.green);
       writer.byte(colour.blue);
@@ -154,7 +154,7 @@ ByteWriter coloursSection(const language::Palette& palette) {
   writer.number64(palette.materials.size());
   for (const auto& [block, materials] : palette.materials) {
     writer.number32(static_cast<std::uint32_t>(block));
-    for (const language::Material& material : materials) {
+    for (const files::Material& material : materials) {
       writeComponents(writer, material.ambient);
       writeComponents(writer, material.diffuse);
       writeComponents(writer, material.emission);
@@ -166,14 +166,14 @@ ByteWriter coloursSection(const language::Palette& palette) {
   return writer;
 }
 
-void readColours(ByteReader& reader, language::Palette& palette) {
-  constexpr std::uint64_t kSize = language::Palette::kBlockSize;
+void readColours(ByteReader& reader, files::Palette& palette) {
+  constexpr std::uint64_t kSize = files::Palette::kBlockSize;
   palette.usesMaterials = reader.flag();
   palette.base = static_cast<int>(reader.number32());
   const std::uint64_t mapCount = reader.count(4 + 3 * kSize);
   for (std::uint64_t i = 0; i < mapCount; ++i) {
     auto& colours = palette.maps[static_cast<int>(reader.number32())];
-    for (language::PaletteColour& colour : colours) {
+    for (files::PaletteColour& colour : colours) {
       colour.red = reader.byte();
       colour.green = reader.byte();
       colour.blue = reader.byte();
@@ -182,7 +182,7 @@ void readColours(ByteReader& reader, language::Palette& palette) {
   const std::uint64_t materialCount = reader.count(4 + 14 * 8 * kSize);
   for (std::uint64_t i = 0; i < materialCount; ++i) {
     auto& materials = palette.materials[static_cast<int>(reader.number32())];
-    for (language::Material& material : materials) {
+    for (files::Material& material : materials) {
       readComponents(reader, material.ambient);
       readComponents(reader, material.diffuse);
       readComponents(reader, material.emission);

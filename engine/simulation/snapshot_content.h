@@ -41,7 +41,7 @@ struct SnapshotContent {
   std::uint64_t completedSteps = 0;
   std::vector<Plant> members;
   SeedRules seeds;
-  language::Palette palette;  // of pictures
+  files::Palette palette;  // of pictures
   Coupling coupling;
   // the state after the last completed step
   std::vector<derivation::PlantState> plants;

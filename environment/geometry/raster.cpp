@@ -1,9 +1,8 @@
 #include "environment/geometry/raster.h"
 
 #include <utility>
-#include <variant>
 
-#include "environment/published/image_file.h"
+#include "environment/base/image_of_line.h"
 
 namespace espalier::environment {
 
@@ -25,11 +24,12 @@ std::vector<double> spread(const ConfigurationRows& rows, std::size_t columnCoun
   return cells;
 }
 
-ConfigurationRows channelOf(const Image& image, std::size_t channel) {
-  ConfigurationRows rows(image.height, std::vector<double>(image.width));
-  for (std::size_t y = 0; y < image.height; ++y) {
-    for (std::size_t x = 0; x < image.width; ++x) {
-      rows[image.height - 1 - y][x] = image.at(x, y, channel);
+/// One channel of an image, as rows from the far edge to the near one.
+ConfigurationRows channelOf(const files::Image& image, int channel) {
+  ConfigurationRows rows(static_cast<std::size_t>(image.height));
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      rows[static_cast<std::size_t>(y)].push_back(image.at(x, y, channel));
     }
   }
   return rows;
@@ -81,18 +81,12 @@ std::optional<std::size_t> Raster::cellOf(const core::Vec3& point) const {
 }
 
 std::string readInputImage(const PublishedLineInput& input) {
-  const std::string name = besideFile(input.file, input.line.value);
-  const auto content = input.files.read(name);
-  if (!content) {
-    return "names the file '" + name + "', which cannot be read; it is looked for beside the specification";
+  const auto image = readImageBeside(input, input.line.value);
+  if (!image) {
+    return image.error();
   }
-  auto decoded = decodeImage(*content);
-  if (const auto* problem = std::get_if<std::string>(&decoded)) {
-    return "names the file '" + name + "', which " + *problem;
-  }
-  const auto& image = std::get<Image>(decoded);
-  input.values.insert_or_assign("lightMap", channelOf(image, 1));
-  input.values.insert_or_assign("secondMap", channelOf(image, 0));
+  input.values.insert_or_assign("lightMap", channelOf(*image, 1));
+  input.values.insert_or_assign("secondMap", channelOf(*image, 0));
   return {};
 }
 

@@ -41,14 +41,14 @@ double angleAt(const Vec3& at, const Vec3& b, const Vec3& c) {
 tl::expected<MeshData, std::string> readMesh(std::string_view name, const std::string& bytes) {
   const std::size_t first = bytes.find_first_not_of(" \t\r\n");
   const bool isGltfText = first != std::string::npos && bytes[first] == '{';
-  const auto read = name.empty() ? language::readMeshFile(isGltfText ? "mesh.gltf" : "mesh.obj", bytes)
-                                 : language::readMeshFile(name, bytes);
-  if (const auto* problem = std::get_if<std::string>(&read)) {
-    return tl::unexpected(*problem);
+  const auto read = name.empty() ? files::readMeshFile(isGltfText ? "mesh.gltf" : "mesh.obj", bytes)
+                                 : files::readMeshFile(name, bytes);
+  if (!read) {
+    return tl::unexpected(read.error());
   }
   MeshData mesh;
   std::map<std::tuple<double, double, double>, std::uint32_t> places;
-  for (const language::SurfaceTriangle& triangle : std::get<std::vector<language::SurfaceTriangle>>(read)) {
+  for (const files::SurfaceTriangle& triangle : *read) {
     std::array<std::uint32_t, 3> corners{};
     for (std::size_t k = 0; k < 3; ++k) {
       const Vec3& p = triangle.points[k];

@@ -12,7 +12,7 @@
 
 namespace espalier::environment {
 
-using language::Image;
+using files::Image;
 
 namespace {
 

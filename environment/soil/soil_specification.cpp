@@ -3,32 +3,20 @@
 #include <cmath>
 #include <cstddef>
 #include <utility>
-#include <variant>
 #include <vector>
 
-#include "environment/published/image_file.h"
+#include "environment/base/image_of_line.h"
 
 namespace espalier::environment {
 
 namespace {
 
 /// The file that the first word of a line names, as an image.
-tl::expected<Image, std::string> imageOf(const PublishedLineInput& input, std::vector<std::string>& words) {
-  words = readPublishedWords(input.line.value);
+tl::expected<files::Image, std::string> imageOf(const PublishedLineInput& input, const std::vector<std::string>& words) {
   if (words.empty()) {
     return tl::unexpected(std::string("names no image file"));
   }
-  const std::string name = besideFile(input.file, words[0]);
-  const auto content = input.files.read(name);
-  if (!content) {
-    return tl::unexpected("names the file '" + name +
-                          "', which cannot be read; it is looked for beside the specification");
-  }
-  auto image = decodeImage(*content);
-  if (const auto* problem = std::get_if<std::string>(&image)) {
-    return tl::unexpected("names the file '" + name + "', which " + *problem);
-  }
-  return std::get<Image>(std::move(image));
+  return readImageBeside(input, words[0]);
 }
 
 }  // namespace
@@ -66,10 +54,10 @@ std::string readArray(const PublishedLineInput& input) {
 }
 
 std::string readConcentrationImage(const PublishedLineInput& input) {
-  std::vector<std::string> words;
-  const auto read = imageOf(input, words);
-  if (!read) {
-    return read.error();
+  const std::vector<std::string> words = readPublishedWords(input.line.value);
+  const auto image = imageOf(input, words);
+  if (!image) {
+    return image.error();
   }
   std::vector<double> range{0.0, 1.0};
   if (words.size() > 1) {
@@ -78,12 +66,11 @@ std::string readConcentrationImage(const PublishedLineInput& input) {
       return "needs the smallest and the largest value after the file's name, or neither";
     }
   }
-  const auto& image = *read;
   ConfigurationRows rows;
-  for (std::size_t y = image.height; y-- > 0;) {
+  for (int y = 0; y < image->height; ++y) {
     rows.emplace_back();
-    for (std::size_t x = 0; x < image.width; ++x) {
-      rows.back().push_back(range[0] + (range[1] - range[0]) * image.at(x, y, 1) / 255.0);
+    for (int x = 0; x < image->width; ++x) {
+      rows.back().push_back(range[0] + (range[1] - range[0]) * image->at(x, y, 1) / 255.0);
     }
   }
   input.values.insert_or_assign("concentration", std::move(rows));
@@ -93,20 +80,19 @@ std::string readConcentrationImage(const PublishedLineInput& input) {
 }
 
 std::string readObstacleImage(const PublishedLineInput& input) {
-  std::vector<std::string> words;
-  const auto read = imageOf(input, words);
-  if (!read) {
-    return read.error();
+  const std::vector<std::string> words = readPublishedWords(input.line.value);
+  const auto image = imageOf(input, words);
+  if (!image) {
+    return image.error();
   }
-  const auto& image = *read;
   ConfigurationRows obstacles;
   ConfigurationRows sources;
-  for (std::size_t y = image.height; y-- > 0;) {
+  for (int y = 0; y < image->height; ++y) {
     obstacles.emplace_back();
     sources.emplace_back();
-    for (std::size_t x = 0; x < image.width; ++x) {
-      obstacles.back().push_back(image.at(x, y, 0) >= 128 ? 1.0 : 0.0);
-      sources.back().push_back(image.at(x, y, 1) >= 128 ? 1.0 : 0.0);
+    for (int x = 0; x < image->width; ++x) {
+      obstacles.back().push_back(image->at(x, y, 0) >= 128 ? 1.0 : 0.0);
+      sources.back().push_back(image->at(x, y, 1) >= 128 ? 1.0 : 0.0);
     }
   }
   input.values.insert_or_assign("obstacleMap", std::move(obstacles));

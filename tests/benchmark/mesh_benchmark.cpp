@@ -98,7 +98,7 @@ void meshing(benchmark::State& state, const Workload& workload, unsigned threads
 // a picture of points of 1600 by 1200, without its compression
 void drawing(benchmark::State& state, const Workload& workload, unsigned threads) {
   GrownTree tree = grow(workload);
-  tree.scene.lineStyle = language::LineStyle::Cylinder;
+  tree.scene.lineStyle = files::LineStyle::Cylinder;
   const turtle::PictureOptions options{.widthPixels = 1600, .heightPixels = 1200, .threads = threads};
   const double before = beginMeasuringMemory();
   for (auto _ : state) {

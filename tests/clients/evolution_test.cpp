@@ -27,7 +27,7 @@ turtle::Segment line(const Vec3& start, const Vec3& end, std::uint32_t parent = 
 
 PlantMeasures measured(std::vector<turtle::Segment> segments) {
   turtle::Scene scene;
-  scene.lineStyle = language::LineStyle::Cylinder;
+  scene.lineStyle = files::LineStyle::Cylinder;
   scene.segments = std::move(segments);
   return measurePlant(std::move(scene), {});
 }
@@ -73,7 +73,7 @@ TEST(PlantMeasures, LightIsTheGroundInTheShade) {
   // two level squares of side 1, one above the other with half of it over the other: they shade 1.5; the stem nothing
   // more
   turtle::Scene scene;
-  scene.lineStyle = language::LineStyle::Cylinder;
+  scene.lineStyle = files::LineStyle::Cylinder;
   scene.segments = kStem;
   for (const auto& [x, y] : {std::pair{0.0, 1.0}, std::pair{0.5, 2.0}}) {
     turtle::Polygon square;

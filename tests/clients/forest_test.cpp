@@ -72,7 +72,7 @@ TEST(TreePainting, ColoursComeFromTheReportsRanges) {
   const ForestColours colours(3);
   const auto expectWithin = [&](std::int32_t colour, int redLow, int redHigh, int greenLow, int greenHigh, int blueLow,
                                 int blueHigh) {
-    const language::PaletteColour found = colours.palette().colour(colour);
+    const files::PaletteColour found = colours.palette().colour(colour);
     EXPECT_TRUE(found.red >= redLow && found.red <= redHigh && found.green >= greenLow && found.green <= greenHigh &&
                 found.blue >= blueLow && found.blue <= blueHigh)
         << colour;

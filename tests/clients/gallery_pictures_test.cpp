@@ -92,12 +92,9 @@ PictureImage readPicture(const std::string& file) {
     ADD_FAILURE() << file << " cannot be read";
     return {};
   }
-  auto image = language::readPngImage(*bytes);
-  if (const std::string* problem = std::get_if<std::string>(&image)) {
-    ADD_FAILURE() << file << ": " << *problem;
-    return {};
-  }
-  return std::get<PictureImage>(std::move(image));
+  auto image = files::readPngImage(*bytes);
+  EXPECT_TRUE(image) << file << ": " << image.error();
+  return image.value_or(PictureImage{});
 }
 
 // the further arguments of each picture, by model

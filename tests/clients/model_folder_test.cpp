@@ -220,7 +220,7 @@ TEST_F(Folder, WhatCannotBeUsedIsNamedAndTheModelRuns) {
             "plant/p.v:1:1: warning: the file 'plant/leaf.s' cannot be read; ~l draws nothing and the turtle stays\n"
             "    1 | surface: l leaf.s 1\n"
             "      | ^~~~~~~~~~~~~~~~~~~\n"
-            "   hint: files of a view file are looked for beside it\n");
+            "   hint: the file is looked for beside the view file\n");
   EXPECT_EQ(run("derive plant --quiet").errors, "");
 }
 

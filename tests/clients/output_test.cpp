@@ -11,7 +11,7 @@
 #include <variant>
 #include <vector>
 
-#include "engine/files/image_file.h"
+#include "engine/files/images/image_file.h"
 #include "tests/clients/program_run.h"
 #include "tests/support/places.h"
 
@@ -196,8 +196,7 @@ TEST_F(Output, FramesOfAnAnimationShareOneScaleUnlessEachIsToFill) {
   const auto inkOf = [&](const std::string& options, int step) {
     EXPECT_EQ(run("run line.l --every -o p.png --size 40x160 --background transparent " + options).status, 0);
     const std::string bytes = folder_.read("p-000" + std::to_string(step) + ".png");
-    auto image = language::readPngImage(bytes);
-    const auto& pixels = std::get<language::Image>(image).pixels;
+    const auto pixels = files::readPngImage(bytes).value().pixels;
     double ink = 0.0;
     for (std::size_t at = 3; at < pixels.size(); at += 4) {
       ink += pixels[at] / 255.0;

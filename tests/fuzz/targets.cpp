@@ -80,13 +80,13 @@ void fuzzViewFile(std::string_view text) {
     formatAll(result.diagnostics);
     ESPALIER_CHECK(!result.diagnostics.hasErrors());
     // what a model can ask of it
-    for (const language::SplineFunction& function : result.settings.functions) {
+    for (const files::SplineFunction& function : result.settings.functions) {
       (void)function.value(0.3);
     }
-    for (const language::ParametricCurve& curve : result.settings.curves) {
+    for (const files::ParametricCurve& curve : result.settings.curves) {
       (void)curve.point(0.7);
     }
-    for (const language::BlobField& field : result.settings.blobFields) {
+    for (const files::BlobField& field : result.settings.blobFields) {
       (void)field.value({0.5, 0.5, 0.5});
     }
   }

@@ -330,8 +330,8 @@ class Forest {
   }
 
   // from a little above the crowns
-  [[nodiscard]] language::ViewSettings camera() const {
-    language::ViewSettings view;
+  [[nodiscard]] files::ViewSettings camera() const {
+    files::ViewSettings view;
     view.viewReferencePoint = {0.0, 0.3 * height_, 0.0};
     view.viewpoint = view.viewReferencePoint + extent_ * kViewer;
     view.isPerspective = true;
@@ -340,12 +340,12 @@ class Forest {
 
   bool writeAll() {
     // the first scene's camera is the picture's
-    const language::ViewSettings common = camera();
-    std::deque<language::ViewSettings> views;
+    const files::ViewSettings common = camera();
+    std::deque<files::ViewSettings> views;
     std::vector<turtle::ExportInput> inputs;
     for (const GrownTree& tree : trees_) {
       const bool isOwn = !options_.isPainted;
-      language::ViewSettings& view = views.emplace_back(isOwn ? species_[tree.species].program->view : common);
+      files::ViewSettings& view = views.emplace_back(isOwn ? species_[tree.species].program->view : common);
       view.viewpoint = common.viewpoint;
       view.viewReferencePoint = common.viewReferencePoint;
       view.isPerspective = common.isPerspective;

@@ -188,7 +188,7 @@ double measure(const PlantMeasures& measures, std::size_t index) {
   return values.at(index);
 }
 
-PlantMeasures measurePlant(turtle::Scene&& scene, const language::ViewSettings& view) {
+PlantMeasures measurePlant(turtle::Scene&& scene, const files::ViewSettings& view) {
   PlantMeasures measures;
   measures.branching = branchingOf(scene.segments);
   turtle::Geometry geometry;

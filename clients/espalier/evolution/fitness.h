@@ -41,7 +41,7 @@ inline constexpr std::string_view kUsualFitness = "symmetry=2,sky=1,height=1,ext
 
 /// Measures a scene of one plant. After Ochoa 1998 ("On genetic algorithms and Lindenmayer systems"), whose measures
 /// are of plane figures on a screen; these are of plants in space. O(segments log segments + triangles).
-[[nodiscard]] PlantMeasures measurePlant(turtle::Scene&& scene, const language::ViewSettings& view);
+[[nodiscard]] PlantMeasures measurePlant(turtle::Scene&& scene, const files::ViewSettings& view);
 
 /// A product of measures, each to a power: by this the units do not matter.
 struct FitnessFormula {

@@ -34,8 +34,8 @@ constexpr ColourRange kYellow{{102, 255}, {102, 255}, {0, 153}};
 // groups 3 and 4 are the same in the report
 constexpr std::array<std::array<ColourRange, 2>, ForestColours::kFlowerGroups> kFlowers{
     {{kRed, kBlue}, {kRed, kPink}, {kYellow, kBlue}, {kYellow, kBlue}}};
-constexpr language::PaletteColour kGroundColour{122, 132, 84};
-constexpr language::PaletteColour kSky{226, 234, 240};
+constexpr files::PaletteColour kGroundColour{122, 132, 84};
+constexpr files::PaletteColour kSky{226, 234, 240};
 
 // thickness of the trunk over the tree's height, of a branch over what it grows from, of an axis' tip over its base
 constexpr double kTrunkThickness = 1.0 / 38.0;
@@ -183,7 +183,7 @@ turtle::Scene paintTree(const TreePoints& tree, std::uint64_t seed, std::uint32_
   const TreeLines axes = linesOf(tree);
 
   turtle::Scene scene;
-  scene.lineStyle = language::LineStyle::Cylinder;
+  scene.lineStyle = files::LineStyle::Cylinder;
   // the drawn line that each line became part of
   std::vector<std::uint32_t> drawnAs(axes.lines.size(), turtle::kNoParent);
   for (std::size_t i = 0; i < axes.lines.size(); ++i) {

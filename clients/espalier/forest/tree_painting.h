@@ -15,7 +15,7 @@ class ForestColours {
  public:
   explicit ForestColours(std::uint64_t seed);
 
-  [[nodiscard]] const language::Palette& palette() const { return palette_; }
+  [[nodiscard]] const files::Palette& palette() const { return palette_; }
   /// What the ground looks like; ours.
   static constexpr std::int32_t kGround = 1;
 
@@ -34,7 +34,7 @@ class ForestColours {
   }
 
  private:
-  language::Palette palette_;
+  files::Palette palette_;
 };
 
 /// A tree as the report draws it: lines to leaves (hops 0 at their end) are leaves of one thickness, of which a tenth

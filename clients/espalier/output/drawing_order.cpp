@@ -10,11 +10,11 @@ namespace espalier::command {
 namespace {
 
 constexpr std::array kAnchors = {
-    language::PaletteColour{220, 30, 30}, language::PaletteColour{245, 140, 20}, language::PaletteColour{230, 205, 30},
-    language::PaletteColour{40, 160, 60}, language::PaletteColour{30, 90, 210},  language::PaletteColour{150, 50, 180},
-    language::PaletteColour{220, 30, 30},
+    files::PaletteColour{220, 30, 30}, files::PaletteColour{245, 140, 20}, files::PaletteColour{230, 205, 30},
+    files::PaletteColour{40, 160, 60}, files::PaletteColour{30, 90, 210},  files::PaletteColour{150, 50, 180},
+    files::PaletteColour{220, 30, 30},
 };
-constexpr language::PaletteColour kPage{250, 248, 242};
+constexpr files::PaletteColour kPage{250, 248, 242};
 constexpr std::size_t kFirst = 1;    // 0 is the page
 constexpr std::size_t kCount = 255;  // colours of lines
 
@@ -24,12 +24,12 @@ std::uint8_t between(std::uint8_t a, std::uint8_t b, double t) {
 
 }  // namespace
 
-language::Palette colourByDrawingOrder(turtle::Scene& scene) {
+files::Palette colourByDrawingOrder(turtle::Scene& scene) {
   const std::size_t count = scene.segments.size();
   for (std::size_t i = 0; i < count; ++i) {
     scene.segments[i].colour = static_cast<std::int32_t>(kFirst + i * kCount / count);
   }
-  language::Palette palette;
+  files::Palette palette;
   auto& map = palette.maps[palette.base];
   map[0] = kPage;
   for (std::size_t i = 0; i < kCount; ++i) {

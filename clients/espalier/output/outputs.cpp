@@ -231,7 +231,7 @@ std::string numberedName(const std::string& file, std::uint64_t number, int digi
 /// What several files are written from, made once.
 struct OutputWriter::Drawn {
   turtle::Scene scene;
-  language::Palette palette;
+  files::Palette palette;
 };
 
 bool OutputWriter::write(const simulation::Simulation& simulation, std::optional<std::uint64_t> number,

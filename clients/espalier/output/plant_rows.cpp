@@ -61,7 +61,7 @@ bool PlantRows::add(const simulation::Simulation& simulation) {
 double PlantRows::ownSpacing() const {
   double largest = 0.0;
   for (const auto& plant : grown_) {
-    const std::optional<language::Box> box = turtle::boundsOf(plant->scene, plant->view);
+    const std::optional<files::Box> box = turtle::boundsOf(plant->scene, plant->view);
     if (box) {
       largest = std::max({largest, box->maximum.x - box->minimum.x, box->maximum.z - box->minimum.z});
     }

@@ -31,8 +31,8 @@ class PlantRows {
  private:
   struct Grown {
     std::shared_ptr<const language::Program> program;
-    language::ViewSettings view;  // of all its models
-    language::Palette palette;
+    files::ViewSettings view;  // of all its models
+    files::Palette palette;
     turtle::Scene scene;
     std::uint64_t hash = 0;  // of its strings
   };

@@ -271,7 +271,7 @@ double Evaluator::call(Function function, std::span<const double> arguments, std
     }
     return result;
   }
-  const language::ViewSettings& view = program_->view;
+  const files::ViewSettings& view = program_->view;
   switch (function) {
     case Function::Func: {
       const std::size_t id = listIndex(arguments[0], view.functions.size());
@@ -356,8 +356,8 @@ double Evaluator::call(Function function, std::span<const double> arguments, std
 }
 
 double Evaluator::viewVolume(Function function) const {
-  const language::ViewSettings& view = program_->view;
-  const language::Box& box = view.box ? *view.box : state_->viewVolume;
+  const files::ViewSettings& view = program_->view;
+  const files::Box& box = view.box ? *view.box : state_->viewVolume;
   // the scale factor narrows the window, not the depth
   const auto bound = [&](double least, double most, double sign) {
     return 0.5 * (least + most) + sign * 0.5 * (most - least) / view.scaleFactor;

@@ -16,7 +16,7 @@ double Evaluator::openFile(std::uint32_t file, std::uint16_t mode, std::uint32_t
     return *handle;
   }
   // a name outside the folder was warned about when the model was read
-  if (!language::isNameInside(program_->files[file].name)) {
+  if (!files::isNameInside(program_->files[file].name)) {
     return 0.0;
   }
   warnOnce(at, "fopen(\"" + program_->files[file].name + "\", \"" + fileMode.text() +

@@ -38,7 +38,7 @@ struct PlantState {
   std::vector<InstanceState> instances;  // [0] the main L-system; others in order of their calls in the string
   RandomState random;
   FileState files;
-  language::Box viewVolume;  // of vvXmin ...: set before each step by whoever interprets the string; not kept
+  files::Box viewVolume;  // of vvXmin ...: set before each step by whoever interprets the string; not kept
 };
 
 }  // namespace espalier::derivation

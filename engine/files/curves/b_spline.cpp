@@ -4,7 +4,7 @@
 
 #include "engine/core/check.h"
 
-namespace espalier::language {
+namespace espalier::files {
 
 BSplineWeights uniformBSplineWeights(std::size_t segment, double u) {
   const double v = 1.0 - u;
@@ -20,7 +20,7 @@ BSplineWeights clampedBSplineWeights(std::size_t pointCount, double p) {
   const std::size_t spans = pointCount - 3;
   const double t = std::clamp(p, 0.0, 1.0) * static_cast<double>(spans);
   const std::size_t span = std::min(static_cast<std::size_t>(t), spans - 1);
-  // knot i counted from the one that begins the span: the inner knots are the integers 0 .. spans
+  // knot i, counted from the knot at the beginning of the span; the inner knots are the integers 0 .. spans
   const auto knot = [&](int i) { return std::clamp(static_cast<double>(span) + i, 0.0, static_cast<double>(spans)); };
   BSplineWeights result;
   result.first = span;
@@ -40,4 +40,4 @@ BSplineWeights clampedBSplineWeights(std::size_t pointCount, double p) {
   return result;
 }
 
-}  // namespace espalier::language
+}  // namespace espalier::files

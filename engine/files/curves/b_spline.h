@@ -3,7 +3,7 @@
 #include <array>
 #include <cstddef>
 
-namespace espalier::language {
+namespace espalier::files {
 
 /// The four control points that a cubic B-spline mixes at one parameter, and their weights (sum 1).
 struct BSplineWeights {
@@ -19,4 +19,4 @@ struct BSplineWeights {
 /// functions.
 [[nodiscard]] BSplineWeights clampedBSplineWeights(std::size_t pointCount, double p);
 
-}  // namespace espalier::language
+}  // namespace espalier::files

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace espalier::language {
+namespace espalier::files {
 namespace {
 
 using core::Vec3;
@@ -73,13 +73,13 @@ class BlobReader {
       case 'q':
         return finishObject();
       default:
-        file_.warnExpected(begin, "one of # L l e o r a q", "a blob field", "the line is left out");
+        file_.warnExpected(begin, "one of # L l e o r a q", "a blob field", "the line is ignored");
     }
   }
 
   void readWholeSegment(const TextCursor& at, const std::vector<double>& n) {
     if (n.size() < 6) {
-      return file_.warnExpected(at, "six coordinates after 'L'", "a blob field", "the line is left out");
+      return file_.warnExpected(at, "six coordinates after 'L'", "a blob field", "the line is ignored");
     }
     BlobField::Object object;
     object.start = {n[0], n[1], n[2]};
@@ -93,7 +93,7 @@ class BlobReader {
   void readEnd(const TextCursor& at, const std::vector<double>& n) {
     if (n.size() < 3 || open_ == Open::Nothing) {
       return file_.warnExpected(at, open_ == Open::Nothing ? "'l' or 'e' before 'o'" : "three coordinates after 'o'",
-                                "a blob field", "the line is left out");
+                                "a blob field", "the line is ignored");
     }
     (endCount_ == 0 ? object_.start : object_.end) = {n[0], n[1], n[2]};
     if (endCount_ == 0) {
@@ -104,7 +104,7 @@ class BlobReader {
 
   void readRadii(const TextCursor& at, const std::vector<double>& n) {
     if (n.empty()) {
-      return file_.warnExpected(at, "a radius after 'r'", "a blob field", "the line is left out");
+      return file_.warnExpected(at, "a radius after 'r'", "a blob field", "the line is ignored");
     }
     if (open_ == Open::Nothing) {
       defaultRadius_ = n[0];
@@ -117,7 +117,7 @@ class BlobReader {
   void readAxes(const TextCursor& at, const std::vector<double>& n) {
     if (n.size() < 9 || open_ != Open::Point) {
       return file_.warnExpected(at, open_ == Open::Point ? "nine numbers after 'a'" : "'e' before 'a'", "a blob field",
-                                "the line is left out");
+                                "the line is ignored");
     }
     object_.isEllipsoid = true;
     for (std::size_t i = 0; i < 3; ++i) {
@@ -178,4 +178,4 @@ BlobField readBlobFile(const DataFile& file) {
   return BlobReader(file).read();
 }
 
-}  // namespace espalier::language
+}  // namespace espalier::files

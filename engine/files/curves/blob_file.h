@@ -3,9 +3,10 @@
 #include "engine/files/data_file.h"
 #include "engine/files/view_settings.h"
 
-namespace espalier::language {
+namespace espalier::files {
 
-/// Reads a blob field `.sdat` (FILES §10), line by line. What is wrong is a warning and left out.
+/// Reads a blob field `.sdat` (docs/model-files.md, 10) line by line. A wrong line gives a warning and is
+/// ignored.
 [[nodiscard]] BlobField readBlobFile(const DataFile& file);
 
-}  // namespace espalier::language
+}  // namespace espalier::files

@@ -5,12 +5,12 @@
 #include <string_view>
 #include <utility>
 
-namespace espalier::language {
+namespace espalier::files {
 namespace {
 
 using core::Vec3;
 
-// a cubic segment of an open curve needs four points; a closed one goes round with three
+// a cubic segment of an open curve needs four points; a closed curve needs three
 constexpr std::size_t kLeastOpen = 4;
 constexpr std::size_t kLeastClosed = 3;
 
@@ -53,7 +53,7 @@ class ContourReader {
     return (version < 3 || skipEditorLines()) && readPoints(*count, 3, true);
   }
 
-  /// `samples:`, and what an editor adds: the `background:` pair, `markers: k` and its k lines.
+  /// `samples:`, and the lines that an editor adds: the `background:` pair, `markers: k` and its k lines.
   bool skipEditorLines() {
     TextCursor samples = cursor_.takeLine();
     if (!samples.takeKeywords("samples:")) {
@@ -164,4 +164,4 @@ std::optional<Contour> readContourFile(const DataFile& file, int id) {
   return contour;
 }
 
-}  // namespace espalier::language
+}  // namespace espalier::files

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-namespace espalier::language {
+namespace espalier::files {
 namespace {
 
 using core::Vec3;
@@ -77,7 +77,7 @@ class CurveReader {
  private:
   static constexpr const char* kConsequence = "this curve is the origin everywhere";
 
-  /// Whether the line is a keyword line; sets hasFailed_ when it is a broken one.
+  /// Whether the line is a keyword line; sets hasFailed_ when the line has a mistake.
   bool readKeyword(TextCursor line) {
     const std::size_t colon = line.rest().find(':');
     if (colon == std::string_view::npos) {
@@ -89,7 +89,7 @@ class CurveReader {
     line.skipBlanks();
     if (keyword == "points") {
       if (expectedLines_) {
-        file_.warn(line.rangeFrom(begin), "a curve inside a curve is not read", kConsequence);
+        file_.warn(line.rangeFrom(begin), "a curve inside a curve is not supported", kConsequence);
         hasFailed_ = true;
         return true;
       }
@@ -104,7 +104,7 @@ class CurveReader {
     } else if (keyword == "type") {
       kind_ = kindOf(line.word());
     }
-    // version, contact, end, heading, up, size, range and unknown keywords do not change the functions' values
+    // version, contact, end, heading, up, size, range and unknown keywords do not change the curve's points
     return true;
   }
 
@@ -173,4 +173,4 @@ ParametricCurve readCurveFile(const DataFile& file, int sampleCount) {
   return curve ? std::move(*curve) : zeroCurve();
 }
 
-}  // namespace espalier::language
+}  // namespace espalier::files

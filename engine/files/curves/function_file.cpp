@@ -5,12 +5,12 @@
 #include <string_view>
 #include <utility>
 
-namespace espalier::language {
+namespace espalier::files {
 namespace {
 
 constexpr int kLeastControlPoints = 4;
 
-/// Reads one function of a file, line by line, and warns about the first thing that is wrong.
+/// Reads one function of a file, line by line, and warns about the first mistake.
 class FunctionReader {
  public:
   FunctionReader(const DataFile& file, TextCursor& cursor) : file_(file), cursor_(cursor) {}
@@ -87,7 +87,7 @@ class FunctionReader {
     if (!count) {
       return fail(line, "'points:' with a count", context());
     }
-    // the count of lines decides, multiplicities do not help
+    // the number of lines counts, without multiplicities
     if (*count < kLeastControlPoints) {
       file_.warn(line.rangeFrom(lineBegin), "a function needs at least 4 lines of points, " + context() + " has " +
                                                 std::to_string(*count) + "; it is 0 everywhere");
@@ -196,7 +196,7 @@ std::vector<SplineFunction> readFunctionSet(const DataFile& file, core::Compatib
                         "correct the count after 'items:'");
       break;
     }
-    // also a function that turns out to be 0 takes memory
+    // a function that becomes 0 takes memory, too
     if (!file.spendPoints(kLeastControlPoints)) {
       file.warnExpected(cursor, "fewer points", "the files of one view file");
       break;
@@ -210,4 +210,4 @@ std::vector<SplineFunction> readFunctionSet(const DataFile& file, core::Compatib
   return functions;
 }
 
-}  // namespace espalier::language
+}  // namespace espalier::files

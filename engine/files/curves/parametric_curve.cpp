@@ -6,12 +6,12 @@
 #include "engine/files/curves/b_spline.h"
 #include "engine/files/view_settings.h"
 
-namespace espalier::language {
+namespace espalier::files {
 namespace {
 
 using core::Vec3;
 
-// the raw parameter ends this share before the end, so that the last segment is never left
+// the raw parameter stops this share before the end, so that it stays in the last segment
 constexpr double kEndCut = 1e-6;
 
 Vec3 mix(const std::vector<Vec3>& points, const BSplineWeights& spline) {
@@ -32,7 +32,7 @@ Vec3 bezier(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d, double u
 ParametricCurve::ParametricCurve(Kind kind, std::vector<core::Vec3> points, int sampleCount)
     : kind_(kind), points_(std::move(points)) {
   ESPALIER_CHECK(points_.size() >= (kind_ == Kind::BezierSurface ? kPatchPoints : 4));
-  // bring the closed and the phantom form to the plain one
+  // turn the closed and the phantom form into the plain form
   if (kind_ == Kind::BSplineClosed) {
     for (std::size_t i = 0; i < 3; ++i) {
       points_.push_back(Vec3(points_[i]));
@@ -100,4 +100,4 @@ core::Vec3 ParametricCurve::rawPoint(double p) const {
   return {};
 }
 
-}  // namespace espalier::language
+}  // namespace espalier::files

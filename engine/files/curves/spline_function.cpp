@@ -6,11 +6,11 @@
 #include "engine/files/curves/b_spline.h"
 #include "engine/files/view_settings.h"
 
-namespace espalier::language {
+namespace espalier::files {
 namespace {
 
 constexpr double kTolerance = 0.001;
-// a bisection of [0, 1] has met neighbouring doubles after so many halvings
+// after so many halvings of [0, 1] the bounds are neighbouring doubles
 constexpr int kMostHalvings = 60;
 
 }  // namespace
@@ -62,4 +62,4 @@ double SplineFunction::exactValue(double x) const {
   return at[1];
 }
 
-}  // namespace espalier::language
+}  // namespace espalier::files

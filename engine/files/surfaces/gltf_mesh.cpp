@@ -7,14 +7,14 @@
 
 #include "engine/files/surfaces/mesh_file.h"
 
-namespace espalier::language {
+namespace espalier::files {
 namespace {
 
 using core::Vec3;
 
 constexpr int kDeepestNode = 64;
 
-/// What cannot be read; caught in readGltfMesh.
+/// Why the mesh cannot be read; caught in readGltfMesh.
 struct Unreadable {
   std::string what;
 };
@@ -26,7 +26,7 @@ struct Transform {
 
   [[nodiscard]] Vec3 direction(const Vec3& v) const { return v.x * columns[0] + v.y * columns[1] + v.z * columns[2]; }
   [[nodiscard]] Vec3 point(const Vec3& p) const { return origin + direction(p); }
-  // by the cofactors: the inverse transposed but for its length, and for its sign when mirrored
+  // by the cofactors: the transposed inverse except for its length, and for its sign when mirrored
   [[nodiscard]] Vec3 normal(const Vec3& n) const {
     const Vec3 turned = n.x * core::cross(columns[1], columns[2]) + n.y * core::cross(columns[2], columns[0]) +
                         n.z * core::cross(columns[0], columns[1]);
@@ -84,11 +84,11 @@ class Numbers {
     }
     const tinygltf::Accessor& accessor = model.accessors[static_cast<std::size_t>(index)];
     if (accessor.type != type) {
-      throw invalid(" have another number of components than the format says");
+      throw invalid(" have a number of components that the format does not allow");
     }
     if (accessor.sparse.isSparse || accessor.bufferView < 0 ||
         static_cast<std::size_t>(accessor.bufferView) >= model.bufferViews.size()) {
-      throw invalid(" are stored in a way that is not read here (sparse or compressed)");
+      throw invalid(" are sparse or compressed, which is not supported");
     }
     const tinygltf::BufferView& view = model.bufferViews[static_cast<std::size_t>(accessor.bufferView)];
     const int stride = accessor.ByteStride(view);
@@ -109,7 +109,7 @@ class Numbers {
     const bool fits = begin <= data.size() && elementBytes <= data.size() - begin &&
                       (count_ == 0 || (count_ - 1) <= (data.size() - begin - elementBytes) / stride_);
     if (!fits) {
-      throw invalid(" go on past the end of the file's data");
+      throw invalid(" reach beyond the end of the data");
     }
     data_ = data.data() + begin;
   }
@@ -179,9 +179,9 @@ class SceneReader {
     if (index < 0 || static_cast<std::size_t>(index) >= model_.nodes.size()) {
       throw Unreadable{"a node of its scene is not in the file"};
     }
-    // so that few nodes which refer to each other are not visited without end
+    // nodes that refer to each other would be visited without end
     if (depth > kDeepestNode || ++visitedNodes_ > kMostMeshTriangles) {
-      throw Unreadable{"its scene has more nodes, or deeper ones, than are read here"};
+      throw Unreadable{"its scene has too many nodes, or nodes at too deep a level"};
     }
     const tinygltf::Node& node = model_.nodes[static_cast<std::size_t>(index)];
     const Transform transform = combined(outer, transformOf(node));
@@ -198,7 +198,7 @@ class SceneReader {
 
   void addMesh(const tinygltf::Mesh& mesh, const Transform& transform) {
     for (const tinygltf::Primitive& primitive : mesh.primitives) {
-      // -1: the file does not say, triangles; points and lines have no surface
+      // -1: not given, which means triangles; points and lines have no surface
       if (primitive.mode == -1 || primitive.mode >= TINYGLTF_MODE_TRIANGLES) {
         addPrimitive(primitive, transform);
       }
@@ -272,14 +272,14 @@ void SceneReader::addPrimitive(const tinygltf::Primitive& primitive, const Trans
   }
 }
 
-// a loader that opens nothing: no files beside the one that is read, no images
+// a loader that opens no further files and decodes no images
 tinygltf::TinyGLTF closedLoader() {
   tinygltf::TinyGLTF loader;
   tinygltf::FsCallbacks callbacks{};
   callbacks.FileExists = [](const std::string&, void*) { return true; };
   callbacks.ExpandFilePath = [](const std::string& file, void*) { return file; };
   callbacks.ReadWholeFile = [](std::vector<unsigned char>*, std::string* error, const std::string& file, void*) {
-    *error = "it needs the file '" + file + "': only data inside the file is read. Export as .glb";
+    *error = "it needs the file '" + file + "', but only data inside the file is read; export it as .glb";
     return false;
   };
   callbacks.WriteWholeFile = [](std::string*, const std::string&, const std::vector<unsigned char>&, void*) {
@@ -294,7 +294,7 @@ tinygltf::TinyGLTF closedLoader() {
 
 }  // namespace
 
-std::variant<std::vector<SurfaceTriangle>, std::string> readGltfMesh(const std::string& bytes) {
+MeshTriangles readGltfMesh(const std::string& bytes) {
   tinygltf::Model model;
   std::string error;
   std::string warning;
@@ -305,20 +305,20 @@ std::variant<std::vector<SurfaceTriangle>, std::string> readGltfMesh(const std::
                                                              reinterpret_cast<const unsigned char*>(bytes.data()), size)
                                : loader.LoadASCIIFromString(&model, &error, &warning, bytes.data(), size, "");
   if (!isRead) {
-    // the library's words end in a line feed
+    // the library's message ends in a line feed
     while (!error.empty() && (error.back() == '\n' || error.back() == ' ')) {
       error.pop_back();
     }
-    return "it is no glTF 2.0: " + error;
+    return tl::unexpected("it is not a glTF 2.0 file: " + error);
   }
   if (!model.extensionsRequired.empty()) {
-    return "it needs the extension " + model.extensionsRequired.front() + ", which is not read here";
+    return tl::unexpected("it needs the extension " + model.extensionsRequired.front() + ", which is not supported");
   }
   try {
     return SceneReader(model).read();
   } catch (const Unreadable& problem) {
-    return problem.what;
+    return tl::unexpected(problem.what);
   }
 }
 
-}  // namespace espalier::language
+}  // namespace espalier::files

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cctype>
 
-namespace espalier::language {
+namespace espalier::files {
 namespace {
 
 bool endsIn(std::string_view name, std::string_view suffix) {
@@ -31,13 +31,12 @@ SurfaceTriangle triangleOf(const std::array<MeshCorner, 3>& corners) {
   return triangle;
 }
 
-std::variant<std::vector<SurfaceTriangle>, std::string> readMeshFile(std::string_view name, const std::string& bytes) {
-  auto read = endsIn(name, ".obj") ? readObjMesh(bytes) : readGltfMesh(bytes);
-  const auto* triangles = std::get_if<std::vector<SurfaceTriangle>>(&read);
-  if (triangles != nullptr && triangles->empty()) {
-    return "it has no triangles";
+MeshTriangles readMeshFile(std::string_view name, const std::string& bytes) {
+  MeshTriangles read = endsIn(name, ".obj") ? readObjMesh(bytes) : readGltfMesh(bytes);
+  if (read && read->empty()) {
+    return tl::unexpected<std::string>("it has no triangles");
   }
   return read;
 }
 
-}  // namespace espalier::language
+}  // namespace espalier::files

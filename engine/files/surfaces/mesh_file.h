@@ -4,31 +4,33 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <variant>
+#include <tl/expected.hpp>
 #include <vector>
 
 #include "engine/files/view_settings.h"
 
-namespace espalier::language {
+namespace espalier::files {
 
-/// Bound of what is read from one mesh file, the instances of its scene counted.
+/// Most triangles of one mesh file, with all instances of its scene.
 inline constexpr std::size_t kMostMeshTriangles = 1'000'000;
 
-/// Whether a file's name says that it holds a mesh that readMeshFile understands: `.obj`, `.glb` or `.gltf`.
+/// Whether a file's name has a suffix of a mesh format: `.obj`, `.glb` or `.gltf`.
 [[nodiscard]] bool isMeshFile(std::string_view name);
 
-/// Reads the triangles of a mesh made by another program, in the file's own coordinates: Wavefront OBJ (polygons are
-/// cut into triangles), or glTF 2.0, binary or as text with its data inside, with the transformations of its scene.
-/// Colours, materials, textures, bones and animations are not looked at. A corner without a normal gets that of its
-/// triangle. Texture coordinates have v upward. Anything wrong gives a sentence that says what. Reads no other files.
-[[nodiscard]] std::variant<std::vector<SurfaceTriangle>, std::string> readMeshFile(std::string_view name,
-                                                                                   const std::string& bytes);
+/// The triangles of a mesh, or a sentence about the file ("it has no triangles").
+using MeshTriangles = tl::expected<std::vector<SurfaceTriangle>, std::string>;
+
+/// Reads the triangles of a mesh made by another program, in the file's own coordinates. Wavefront OBJ: polygons are
+/// cut into triangles. glTF 2.0, binary or text with its data inside: the transformations of the scene are applied.
+/// Colours, materials, textures, bones and animations are ignored. A corner without a normal gets the normal of its
+/// triangle. Texture coordinates have v upward. No other file is read.
+[[nodiscard]] MeshTriangles readMeshFile(std::string_view name, const std::string& bytes);
 
 /// The same for one format.
-[[nodiscard]] std::variant<std::vector<SurfaceTriangle>, std::string> readObjMesh(const std::string& text);
-[[nodiscard]] std::variant<std::vector<SurfaceTriangle>, std::string> readGltfMesh(const std::string& bytes);
+[[nodiscard]] MeshTriangles readObjMesh(const std::string& text);
+[[nodiscard]] MeshTriangles readGltfMesh(const std::string& bytes);
 
-/// The corners of a triangle as a file has them, and what follows where the file leaves normals out.
+/// A corner of a triangle as the file has it; triangleOf supplies a missing normal.
 struct MeshCorner {
   core::Vec3 position;
   std::optional<core::Vec3> normal;
@@ -36,4 +38,4 @@ struct MeshCorner {
 };
 [[nodiscard]] SurfaceTriangle triangleOf(const std::array<MeshCorner, 3>& corners);
 
-}  // namespace espalier::language
+}  // namespace espalier::files

@@ -10,12 +10,12 @@
 #include "engine/core/polygon.h"
 #include "engine/files/surfaces/mesh_file.h"
 
-namespace espalier::language {
+namespace espalier::files {
 namespace {
 
-constexpr std::size_t kMostCorners = 10'000;  // of one face: cutting it takes their square
+constexpr std::size_t kMostCorners = 10'000;  // of one face: the time to cut it grows with their square
 
-// the vector number `index` of an array of threes; nothing when there is none
+// vector `index` of an array of threes; nothing when there is none
 std::optional<core::Vec3> vectorAt(const std::vector<tinyobj::real_t>& numbers, int index) {
   if (index < 0 || 3 * static_cast<std::size_t>(index) + 2 >= numbers.size()) {
     return std::nullopt;
@@ -64,7 +64,7 @@ void appendFace(const std::vector<MeshCorner>& corners, std::vector<SurfaceTrian
 
 namespace {
 
-/// A vertex whose coordinates are not three finite numbers, which the reader would take as 0; with its line.
+/// The first vertex line without three finite coordinates, as a sentence: the library would read 0 there.
 std::optional<std::string> wrongVertex(std::string_view text) {
   std::size_t line = 0;
   while (!text.empty()) {
@@ -88,7 +88,7 @@ std::optional<std::string> wrongVertex(std::string_view text) {
       if ((problem != std::errc() && !isTiny) || last != digits.data() + digits.size() || !std::isfinite(number)) {
         return "line " + std::to_string(line) + ": a vertex has " +
                (word.empty() ? "fewer than three coordinates"
-                             : "the coordinate '" + std::string(word) + "', which is no finite number");
+                             : "the coordinate '" + std::string(word) + "', which is not a finite number");
       }
       rest.remove_prefix(word.size());
     }
@@ -98,18 +98,19 @@ std::optional<std::string> wrongVertex(std::string_view text) {
 
 }  // namespace
 
-std::variant<std::vector<SurfaceTriangle>, std::string> readObjMesh(const std::string& text) {
+MeshTriangles readObjMesh(const std::string& text) {
   if (auto problem = wrongVertex(text)) {
-    return *problem;
+    return tl::unexpected(*problem);
   }
   tinyobj::ObjReader reader;
   tinyobj::ObjReaderConfig config;
-  config.triangulate = false;  // it cuts concave faces wrongly
+  config.triangulate = false;  // the library cuts concave faces wrongly
   config.vertex_color = false;
   // the material file is not read
   if (!reader.ParseFromString(text, "", config)) {
     const std::string& error = reader.Error();
-    return "it is no Wavefront OBJ: " + (error.empty() ? std::string("nothing in it can be read") : error);
+    return tl::unexpected("it is not a Wavefront OBJ file: " +
+                          (error.empty() ? std::string("it has no readable line") : error));
   }
   std::vector<SurfaceTriangle> triangles;
   std::vector<MeshCorner> corners;
@@ -119,13 +120,13 @@ std::variant<std::vector<SurfaceTriangle>, std::string> readObjMesh(const std::s
       const std::span<const tinyobj::index_t> indices(shape.mesh.indices.data() + first, cornerCount);
       first += cornerCount;
       if (triangles.size() + cornerCount > kMostMeshTriangles) {
-        return "it has more than " + std::to_string(kMostMeshTriangles) + " triangles";
+        return tl::unexpected("it has more than " + std::to_string(kMostMeshTriangles) + " triangles");
       }
       if (cornerCount > kMostCorners) {
-        return "a face has more than " + std::to_string(kMostCorners) + " corners";
+        return tl::unexpected("a face has more than " + std::to_string(kMostCorners) + " corners");
       }
       if (auto problem = readCorners(reader.GetAttrib(), indices, corners)) {
-        return *problem;
+        return tl::unexpected(*problem);
       }
       appendFace(corners, triangles);
     }
@@ -133,4 +134,4 @@ std::variant<std::vector<SurfaceTriangle>, std::string> readObjMesh(const std::s
   return triangles;
 }
 
-}  // namespace espalier::language
+}  // namespace espalier::files

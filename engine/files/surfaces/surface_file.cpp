@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-namespace espalier::language {
+namespace espalier::files {
 namespace {
 
 using core::Vec3;
@@ -17,8 +17,8 @@ using core::Vec3;
 constexpr int kDefaultSubdivision = 5;
 constexpr int kMostSubdivision = 10;
 
-/// The eight neighbours of a patch, in the order of the file, and where the patch stands in that neighbour's own list:
-/// above left is answered by below right, and so on.
+/// The eight neighbours of a patch, in the order of the file, and the index of the patch in that neighbour's own list:
+/// a neighbour above left names the patch as below right, and so on.
 constexpr std::array<std::string_view, 8> kNeighbourKeywords = {
     "AL: ", "A: ", "AR: ", "L: ", "R: ", "BL: ", "B: ", "BR: "};
 constexpr std::array<std::size_t, 8> kOpposite = {7, 6, 5, 4, 3, 2, 1, 0};
@@ -30,14 +30,14 @@ struct NamedPatch {
   std::array<std::string_view, 8> neighbours;
 };
 
-/// The head of the file: where the surface sits in its own coordinates.
+/// The head of the file: the placement of the surface in its own coordinates.
 struct Placement {
   int precision = kDefaultSubdivision;
   Vec3 contact, end, heading, up;
   double size = 1.0;
 };
 
-/// Reads the keywords and numbers of a `.s` file, in which blanks and newlines are the same.
+/// Reads the keywords and numbers of a `.s` file; a newline is a blank there.
 class SurfaceReader {
  public:
   explicit SurfaceReader(const DataFile& file) : file_(file), cursor_(file.cursor()) {}
@@ -134,7 +134,7 @@ class SurfaceReader {
   TextCursor cursor_;
 };
 
-/// The turtle's local coordinates of points of a surface file.
+/// Transforms points of a surface file to the turtle's local coordinates.
 class LocalFrame {
  public:
   LocalFrame(const Placement& placement, double scale) : contact_(placement.contact), factor_(scale / placement.size) {
@@ -170,7 +170,7 @@ bool areNeighboursMutual(const DataFile& file, const std::vector<NamedPatch>& pa
       const std::string place = "'" + keyword + "' of patch '" + std::string(patch.name) + "' names '" +
                                 std::string(patch.neighbours[i]) + "'";
       if (neighbour == byName.end()) {
-        file.warn(patch.range, place + ", which is no patch of this surface",
+        file.warn(patch.range, place + ", which is not a patch of this surface",
                   "the surface is undefined and draws nothing; write ~ for no neighbour");
         return false;
       }
@@ -219,15 +219,15 @@ std::optional<Surface> readSurfaceFile(const DataFile& file, char id, double sca
   if (!isPlaced) {
     file.warn({0, 1},
               "the size " + std::string(placement.size == 0.0 ? "0" : "or a point") +
-                  " of the surface gives points that are no numbers",
+                  " of the surface gives points that are not finite",
               "the surface is undefined and draws nothing");
     return std::nullopt;
   }
-  // the file's one precision serves both directions
+  // the file has one precision for both directions
   const int fromFile = placement.precision;
   surface.subdivisionS = std::clamp(subdivisionS != 0 ? subdivisionS : fromFile, 1, kMostSubdivision);
   surface.subdivisionT = std::clamp(subdivisionT != 0 ? subdivisionT : fromFile, 1, kMostSubdivision);
   return surface;
 }
 
-}  // namespace espalier::language
+}  // namespace espalier::files

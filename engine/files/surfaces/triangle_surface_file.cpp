@@ -6,7 +6,7 @@
 
 #include "engine/files/surfaces/surface_file.h"
 
-namespace espalier::language {
+namespace espalier::files {
 namespace {
 
 using core::Vec3;
@@ -91,4 +91,4 @@ std::optional<TriangleSurface> readTriangleSurfaceFile(const DataFile& file, cha
   return surface;
 }
 
-}  // namespace espalier::language
+}  // namespace espalier::files

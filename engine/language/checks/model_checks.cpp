@@ -39,7 +39,7 @@ class Checks {
         }
       });
     }
-    // letters of words that were meant as names would only repeat the first message
+    // about the letters of such words further messages would only repeat the first
     if (!checkWords(text_, model_, messages_)) {
       checkNeverMade();
       checkUnread();
@@ -130,7 +130,7 @@ class Checks {
         (!earlier.rightContext.empty() && earlier.predecessor.size() != later.predecessor.size())) {
       return false;
     }
-    // the nearest module of a left context is the last
+    // the last module of a left context is the nearest
     return std::equal(earlier.predecessor.begin(), earlier.predecessor.end(), later.predecessor.begin(), sameTypes) &&
            std::equal(earlier.leftContext.rbegin(), earlier.leftContext.rend(), later.leftContext.rbegin(),
                       sameElements) &&
@@ -147,9 +147,9 @@ class Checks {
       if (hiding != earlier.end()) {
         const core::SourceRange range = (*hiding)->range;
         messages_.warning(production.predecessorRange,
-                          "this production is never applied: an earlier one matches wherever it would",
-                          "the earlier one is: " + textOf({range.begin, std::min(range.end, range.begin + 60)}) +
-                              "; put it after this one");
+                          "this production is never applied: an earlier production matches wherever this one would",
+                          "the earlier production is: " + textOf({range.begin, std::min(range.end, range.begin + 60)}) +
+                              "; move it behind this one");
       } else if (isAlwaysTrue(production)) {
         earlier.push_back(&production);
       }
@@ -198,7 +198,7 @@ class Checks {
     }
   }
 
-  // ---- parameters that nothing reads
+  // ---- parameters that no production reads
 
   void collectNames(ExpressionIndex expression, std::set<std::string>& names) const {
     if (expression == kNoExpression) {
@@ -234,7 +234,7 @@ class Checks {
     return names;
   }
 
-  /// Modules whose parameters somebody outside the productions reads or writes: the turtle or the environment.
+  /// Modules whose parameters the turtle or the environment reads or writes.
   [[nodiscard]] std::set<core::ModuleTypeId> outsideTypes() const {
     std::set<core::ModuleTypeId> types;
     for (core::ModuleTypeId type = 0; type < model_.symbols.types().size(); ++type) {
@@ -279,7 +279,7 @@ class Checks {
     }
     const std::set<core::ModuleTypeId> outside = outsideTypes();
     for (const auto& [type, use] : uses) {
-      // one that is read shows that the module's values matter
+      // a parameter that is read shows that the module's values matter
       if (outside.contains(type) || std::find(use.isRead.begin(), use.isRead.end(), true) == use.isRead.end()) {
         continue;
       }
@@ -288,7 +288,7 @@ class Checks {
           const NameSyntax& parameter = use.first->parameters[i];
           messages_.warning(parameter.range,
                             "no production reads the parameter '" + parameter.text + "' of " + textOf(use.first->range),
-                            "use it or leave it out");
+                            "use it or remove it");
         }
       }
     }
@@ -317,7 +317,7 @@ class Checks {
         const ProductionSyntax& first = *productions.front();
         messages_.warning(model_.expressions[first.probability].range,
                           "the weights of all productions of " + textOf(first.predecessorRange) + " are 0",
-                          "the first one that matches is applied always; give at least one a weight above 0");
+                          "the first production that matches is always applied; give at least one a weight above 0");
       }
     }
   }

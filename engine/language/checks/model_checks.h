@@ -8,10 +8,10 @@
 
 namespace espalier::language {
 
-/// Warns about what is legal but probably not meant, in an analysed model without errors: words that are read as
-/// several modules, productions that can never be applied, brackets without partners, parameters that nothing reads,
-/// weights that are all zero, calls of L-systems that do not exist. Changes nothing. The rules are in README.md,
-/// "Warnings".
+/// Warns about legal but probably wrong parts of an analysed model without errors: words that are read as several
+/// modules, productions that are never applied, brackets without partners, parameters that no production reads, weights
+/// that are all zero, calls of L-systems that do not exist. Changes nothing. The rules are in
+/// engine/language/DESIGN.md, "Warnings".
 void checkModel(std::string_view text, core::Compatibility compatibility, const ModelSyntax& model,
                 MessageList& messages);
 

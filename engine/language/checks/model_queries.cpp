@@ -59,7 +59,7 @@ std::vector<core::Diagnostic> unansweredQueries(const Program& program, const st
     core::Diagnostic& warning = warnings.emplace_back();
     warning.severity = core::Severity::Warning;
     warning.location = program.sourceMap.locate(query.range);
-    warning.message = names.empty() ? "nobody answers ?" + query.name + ": no environment is given"
+    warning.message = names.empty() ? "?" + query.name + " gets no answer: no environment is given"
                                     : "no environment process is named '" + query.name + "'";
     warning.hint = names.empty() ? "give the model an environment; without one the parameters keep their values"
                                  : core::suggestName(query.name, names);
@@ -78,8 +78,9 @@ std::vector<core::Diagnostic> unwrittenFiles(const Program& program) {
     core::Diagnostic& warning = warnings.emplace_back();
     warning.severity = core::Severity::Warning;
     warning.location = program.sourceMap.locate(program.codeRanges[i]);
-    warning.message = "models write no files here: fopen(\"" + program.files[instruction.operand].name + "\") gives 0";
-    warning.hint = "the program 'espalier' writes them beside the model";
+    warning.message =
+        "models cannot write files here: fopen(\"" + program.files[instruction.operand].name + "\") returns 0";
+    warning.hint = "run the model with the program 'espalier' to write the file beside it";
   }
   return warnings;
 }

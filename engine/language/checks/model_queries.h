@@ -23,12 +23,12 @@ struct ModelQuery {
 /// The communication modules that the axioms and successors of a model make, each name once, in the order of the text.
 [[nodiscard]] std::vector<ModelQuery> queriesOf(const Program& program);
 
-/// A warning for every query of a model that no process answers. `processNames` are the names of the environment's
-/// processes, letter case aside; ?E(...) is answered by any. An empty list: there is no environment.
+/// A warning for every query of a model that no process answers. `processNames` are the processes of the environment;
+/// letter case does not matter. Every process answers ?E(...). An empty list: there is no environment.
 [[nodiscard]] std::vector<core::Diagnostic> unansweredQueries(const Program& program,
                                                               const std::vector<std::string>& processNames);
 
-/// A warning for every fopen that would write: for callers that let models write no files.
+/// A warning for every fopen that writes, for callers that do not let models write files.
 [[nodiscard]] std::vector<core::Diagnostic> unwrittenFiles(const Program& program);
 
 }  // namespace espalier::language

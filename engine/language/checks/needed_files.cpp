@@ -15,7 +15,7 @@ struct Need {
   core::SourceRange range;
 };
 
-/// Collects what the sequences of a model need.
+/// Collects the needs of the axioms and successors of a model.
 class NeedCollector {
  public:
   explicit NeedCollector(const Program& program) : program_(program) {}
@@ -36,7 +36,7 @@ class NeedCollector {
 void NeedCollector::addNumber(UnusableFile::Kind kind, const SuccessorModule& module,
                               const std::vector<Expression>& expressions) {
   if (program_.arity[module.type] == 0) {
-    return;  // contour 0 is the circle, texture 0 none
+    return;  // contour 0 is the circle, texture 0 is no texture
   }
   const Expression& number = expressions[module.firstExpression];
   const bool isKnown = number.kind == Expression::Kind::Constant;
@@ -72,7 +72,7 @@ std::vector<Need> needsOf(const Program& program) {
     }
   }
   std::vector<Need> needs = collector.take();
-  // what a surface in use always wears
+  // the texture of a surface in use
   const std::size_t count = needs.size();
   for (std::size_t i = 0; i < count; ++i) {
     const auto addTexture = [&](const auto& surface) {
@@ -109,7 +109,7 @@ std::vector<core::Diagnostic> neededFiles(const Program& program, const std::vec
   for (const UnusableFile& file : unusable) {
     // a later command may have given another file
     const auto isThis = [&file](const auto& item) { return item.id == file.id; };
-    const ViewSettings& view = program.view;
+    const files::ViewSettings& view = program.view;
     if ((file.kind == UnusableFile::Kind::Surface &&
          (std::ranges::any_of(view.surfaces, isThis) || std::ranges::any_of(view.triangleSurfaces, isThis))) ||
         (file.kind == UnusableFile::Kind::Contour && std::ranges::any_of(view.contours, isThis))) {
@@ -127,7 +127,7 @@ std::vector<core::Diagnostic> neededFiles(const Program& program, const std::vec
     error.message =
         "the model draws with " + nameOf(file) + ", whose file '" + file.file + "' cannot be used (warning above)";
     error.hint = "needed at " + place.file + ":" + std::to_string(place.line) + ":" + std::to_string(place.column) +
-                 "; mend or add the file, or take that out of the model";
+                 "; repair or add the file, or remove this from the model";
   }
   return errors;
 }

@@ -39,11 +39,11 @@ class WordFinder {
     }
   }
 
-  /// The words that are meant as names, each once.
+  /// The words that look like names, each once.
   [[nodiscard]] std::vector<Word> names() const {
     std::vector<Word> result;
     std::copy_if(words_.begin(), words_.end(), std::back_inserter(result), [&](const Word& word) {
-      // a letter with productions of its own is a module, and a row of moves is no word
+      // a letter with its own productions is a module, and a row of moves is not a word
       const bool hasModules =
           std::any_of(word.text.begin(), word.text.end(), [&](char c) { return single_.contains(c); });
       const bool isMoves = word.text.find_first_not_of("fg", 1) == std::string::npos;

@@ -7,8 +7,8 @@
 
 namespace espalier::language {
 
-/// Warns about words that a person means as the name of one module but that are read letter by letter, as `Apex(1)` is
-/// without `Module: Apex(age)`. True: there are such words.
+/// Warns about words that look like the name of one module but are read letter by letter, such as `Apex(1)` without
+/// `Module: Apex(age)`. True: there are such words.
 bool checkWords(std::string_view text, const ModelSyntax& model, MessageList& messages);
 
 }  // namespace espalier::language

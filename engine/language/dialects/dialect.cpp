@@ -31,7 +31,7 @@ bool isSame(std::string_view a, std::string_view b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](char x, char y) { return lower(x) == lower(y); });
 }
 
-// the entry that is meant, or the first with a note; the name as the file writes it
+// the wanted entry, or the first with a note; the name as the file writes it
 std::optional<std::string> chosenEntry(const TranslatedModel& translated, const std::string& wanted,
                                        DialectReport& report) {
   const auto& list = translated.dialect->entries;
@@ -47,7 +47,7 @@ std::optional<std::string> chosenEntry(const TranslatedModel& translated, const 
   if (!wanted.empty()) {
     report.error(
         0, 1, "the file has no entry '" + wanted + "'",
-        names.empty() ? "it holds one model: leave the ':' and the name out" : core::suggestName(wanted, names));
+        names.empty() ? "the file holds one model: remove the ':' and the name" : core::suggestName(wanted, names));
     return std::nullopt;
   }
   if (entries.size() > 1) {
@@ -56,7 +56,7 @@ std::optional<std::string> chosenEntry(const TranslatedModel& translated, const 
       all += (all.empty() ? "" : ", ") + std::string(name);
     }
     report.note(entries.front().offset, 1,
-                "the file holds " + std::to_string(entries.size()) + " models and the first is used: " + all,
+                "the file holds " + std::to_string(entries.size()) + " models; the first is used: " + all,
                 translated.foreign.name + ":NAME chooses another");
   }
   return entries.empty() ? std::string{} : entries.front().name;
@@ -107,7 +107,7 @@ std::optional<TranslatedModel> translateForeign(const CompileInput& input, core:
     return std::nullopt;
   }
   TranslatedModel translated;
-  translated.foreign = {named.file, asUtf8(*text)};
+  translated.foreign = {named.file, files::asUtf8(*text)};
   const std::string& foreign = translated.foreign.text;
   const bool isAsked = !input.dialect.empty();
   if (!isAsked && looksLikeCpfg(foreign)) {
@@ -134,8 +134,9 @@ std::optional<TranslatedModel> translateForeign(const CompileInput& input, core:
   return translated;
 }
 
-SourceMap foreignSourceMap(const SourceMap& map, const MappedText& translation, const SourceMap::File& foreign) {
-  SourceMap result;
+files::SourceMap foreignSourceMap(const files::SourceMap& map, const MappedText& translation,
+                                  const files::SourceMap::File& foreign) {
+  files::SourceMap result;
   result.files = map.files;
   result.expansions = map.expansions;
   if (!result.files.empty()) {
@@ -148,13 +149,13 @@ SourceMap foreignSourceMap(const SourceMap& map, const MappedText& translation, 
     return next == runs.begin() ? runs.end() : next - 1;
   };
   for (std::size_t i = 0; i < map.segments.size(); ++i) {
-    const SourceMap::Segment& segment = map.segments[i];
+    const files::SourceMap::Segment& segment = map.segments[i];
     const std::uint32_t end = i + 1 < map.segments.size() ? map.segments[i + 1].outputBegin : segment.outputBegin;
-    if (segment.file != 0 || segment.expansion != SourceMap::kNoExpansion) {
+    if (segment.file != 0 || segment.expansion != files::SourceMap::kNoExpansion) {
       result.segments.push_back(segment);
       continue;
     }
-    // a copied run keeps its bytes in step; each byte of a made one stands for the same place
+    // in a copied run each byte has its own place; all bytes of a made run have one place
     const auto last = static_cast<std::uint32_t>(translation.text().size());
     const std::uint32_t length = i + 1 < map.segments.size() ? end - segment.outputBegin : last - segment.fileOffset;
     for (std::uint32_t done = 0; done < length;) {
@@ -165,7 +166,7 @@ SourceMap foreignSourceMap(const SourceMap& map, const MappedText& translation, 
       const std::uint32_t inRun = segment.fileOffset + done - run->begin;
       const std::uint32_t runEnd = run + 1 == runs.end() ? last : (run + 1)->begin;
       const std::uint32_t rest = runEnd - (segment.fileOffset + done);
-      SourceMap::Segment part = segment;
+      files::SourceMap::Segment part = segment;
       part.outputBegin = segment.outputBegin + done;
       part.fileOffset = run->foreignOffset + (run->isCopied ? inRun : 0);
       result.segments.push_back(part);

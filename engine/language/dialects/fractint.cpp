@@ -11,29 +11,29 @@
 namespace espalier::language {
 namespace {
 
-constexpr std::uint64_t kOrder = 2;  // derivation length: the file does not say, Fractint asks for it
+constexpr std::uint64_t kOrder = 2;  // derivation length; it is not in the file, Fractint asks the user
 constexpr int kLeastAngle = 3;
 constexpr std::size_t kMostRepeated = 255;  // colours
 
-// the 16 colours of a VGA, which Fractint's colour numbers mean; 0 is the background
-constexpr PaletteColour kColours[16] = {{0, 0, 0},     {0, 0, 168},    {0, 168, 0},    {0, 168, 168},
-                                        {168, 0, 0},   {168, 0, 168},  {168, 84, 0},   {168, 168, 168},
-                                        {84, 84, 84},  {84, 84, 252},  {84, 252, 84},  {84, 252, 252},
-                                        {252, 84, 84}, {252, 84, 252}, {252, 252, 84}, {252, 252, 252}};
+// the 16 colours of a VGA by Fractint's colour numbers; 0 is the background
+constexpr files::PaletteColour kColours[16] = {{0, 0, 0},     {0, 0, 168},    {0, 168, 0},    {0, 168, 168},
+                                               {168, 0, 0},   {168, 0, 168},  {168, 84, 0},   {168, 168, 168},
+                                               {84, 84, 84},  {84, 84, 252},  {84, 252, 84},  {84, 252, 252},
+                                               {252, 84, 84}, {252, 84, 252}, {252, 252, 84}, {252, 252, 252}};
 constexpr int kFirstColour = 15;
 
 std::string_view withoutComment(std::string_view line) {
   return line.substr(0, line.find(';'));
 }
 
-/// What the braces of an entry enclose.
+/// The text between the braces of an entry.
 struct EntryText {
   DialectEntry entry;
   TextPiece body;
   bool isClosed = false;
 };
 
-// comments may hold braces, so lines are looked at without them
+// comments may hold braces, so the search ignores them
 std::vector<EntryText> entryTexts(std::string_view text) {
   std::vector<EntryText> found;
   bool isOpen = false;
@@ -61,7 +61,7 @@ std::vector<EntryText> entryTexts(std::string_view text) {
       isOpen = false;
     }
   }
-  // Fractint's own blocks of remarks are no entries
+  // Fractint's blocks of remarks are not entries
   std::erase_if(found, [](const EntryText& entry) { return lowered(entry.entry.name) == "comment"; });
   return found;
 }
@@ -154,7 +154,7 @@ class FractintReader {
     checkBrackets(text_, successor.offset, successor.offset + successor.text.size(),
                   std::string("the rule of ") + symbol, report_);
     used_.insert(symbol);
-    // several rules of one character add up
+    // several rules of one character are joined
     auto [rule, isNew] = rules_.try_emplace(symbol);
     if (isNew) {
       order_.push_back(symbol);
@@ -164,7 +164,7 @@ class FractintReader {
   }
 
   static char upper(char c) { return static_cast<char>(std::toupper(static_cast<unsigned char>(c))); }
-  // of those that cpfg can hold as a symbol without a parameter
+  // of the characters that cpfg can use as a symbol without a parameter
   static bool isSymbol(char c) {
     return c > ' ' && c < 127 && std::string_view("<>:*%?$();,\"'{}#~&^._").find(c) == std::string_view::npos;
   }
@@ -264,7 +264,7 @@ class FractintReader {
       }
     };
     draw('G', "f");
-    // F and G have a heading of their own, that + - | turn, D and M another one, that \ and / turn
+    // + - | turn the heading of F and G, \ and / turn the heading of D and M
     const auto uses = [&](std::string_view symbols) {
       return std::any_of(symbols.begin(), symbols.end(), [&](char symbol) { return used_.count(symbol) > 0; });
     };
@@ -284,7 +284,7 @@ class FractintReader {
       draw('-', "*");
     }
     draw('@', "@Di(x)");
-    // half a turn, or the most below it that has whole parts
+    // half a turn, or the largest smaller turn of whole parts
     draw('|', ignoresParts ? "*" : "+(" + cpfgNumber(parts / 2 * 360.0 / parts) + ")");
     // the turtle on its back has left and right exchanged
     draw('!', hasTwo ? "/(180)@X/(180)@X" : "/(180)");

@@ -18,10 +18,10 @@ constexpr std::array<std::string_view, 9> kCommands{"generations", "scale", "col
 
 struct NamedColour {
   std::string_view name;
-  PaletteColour colour;
+  files::PaletteColour colour;
 };
 
-// the thirteen names; their values are those of the web's colours, the publication does not give them
+// the thirteen names with the values of the web colours; the publication gives no values
 constexpr std::array kNamedColours = {
     NamedColour{"red", {255, 0, 0}},
     NamedColour{"blue", {0, 0, 255}},
@@ -46,7 +46,7 @@ struct Command {
   TextPiece line;
 };
 
-// a line without a remark; nothing is left of an empty one
+// a line without its remark; nothing for an empty line
 std::optional<Command> commandOf(const TextPiece& line) {
   const TextPiece code = line.trimmed();
   if (code.empty() || code.text.starts_with('#') || code.text.starts_with(';') || code.text.starts_with("//")) {
@@ -122,7 +122,7 @@ class LsystemViewerReader {
       model_.derivationLength = static_cast<std::uint64_t>(*number);
     } else if (name == "scale") {
       if (!(*number > 0.0)) {
-        return refuse("a number above 0", "a step of the next generation is so many times as long");
+        return refuse("a number above 0", "the step length of the next generation is multiplied by it");
       }
       scale_ = *number;
     } else if (name == "step") {
@@ -192,7 +192,7 @@ class LsystemViewerReader {
     if (length == 0 || arrow == 0) {
       report_.error(command.line.offset, command.line.text.size(),
                     "expected a rule such as 'F -> F+F' while reading 'prule'",
-                    "one symbol, '->' (or '→' or '='), and what takes its place");
+                    "one symbol, '->' (or '→' or '='), and its successor");
       return;
     }
     const char symbol = value.front();
@@ -228,7 +228,7 @@ class LsystemViewerReader {
       const char c = piece.text[at];
       const std::size_t length = std::min(characterLength(c), piece.text.size() - at);
       if (c == ' ' || c == '\t') {
-        // blanks mean nothing
+        // blanks have no meaning
       } else if (!isSymbol(c)) {
         report_.error(piece.offset + at, length,
                       "the character '" + std::string(piece.text.substr(at, length)) + "' cannot be a symbol here",
@@ -279,7 +279,7 @@ class LsystemViewerReader {
     model_.colour = kLineColour;
     model_.palette.try_emplace(kLineColour, kNamedColours.front().colour);
     model_.palette[0] = {255, 255, 255};
-    model_.lost.emplace_back("the color of the lines, which a colour map beside the model would have to hold");
+    model_.lost.emplace_back("the color of the lines (put a colour map beside the model)");
   }
 
   std::string_view text_;

@@ -77,7 +77,7 @@ void PainterObjects::readVector(const TextPiece& value) {
   }
   if (count != numbers.size()) {
     report_.error(value.offset, value.text.size(), "expected three numbers while reading 'vector'",
-                  "write 'vector: 0, -0.1, 0': what is drawn moves by it");
+                  "write 'vector: 0, -0.1, 0': everything drawn moves by it");
     return;
   }
   vector_ = core::Vec3{numbers[0], numbers[1], numbers[2]};
@@ -109,7 +109,7 @@ void PainterObjects::addDrawing(const std::set<char>& plainSymbols, CpfgModel& m
   if (vector_) {
     model.viewCommands.emplace_back("displacement: " + cpfgNumber(vector_->x) + "," + cpfgNumber(vector_->y) + "," +
                                     cpfgNumber(vector_->z));
-    model.lost.emplace_back("the constant vector that moves what is drawn");
+    model.lost.emplace_back("the constant vector that moves everything drawn");
   }
   model.colour = kBark;
   model.palette[0] = {250, 248, 242};

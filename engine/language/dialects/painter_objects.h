@@ -11,9 +11,9 @@
 
 namespace espalier::language {
 
-/// What Turtle Painter draws beyond lines: `p(x)`, an object of the user's (`object p: leaf.obj 0.5`) or a leaf of
-/// ours, scaled by x; `o`, a fruit (`object o: ...`, or a ball); F(d,s), a stem of length d and thickness s; and the
-/// constant vector (`vector: 0, -0.1, 0`) that moves everything drawn.
+/// The objects of Turtle Painter: `p(x)`, the user's object (`object p: leaf.obj 0.5`) or our leaf, scaled by x; `o`, a
+/// fruit (`object o: ...`, or a ball); F(d,s), a stem of length d and thickness s; and the constant vector
+/// (`vector: 0, -0.1, 0`) that moves everything drawn.
 class PainterObjects {
  public:
   PainterObjects(bool isActive, DialectReport& report) : isActive_(isActive), report_(report) {}
@@ -29,12 +29,12 @@ class PainterObjects {
 
   bool isActive_;
   DialectReport& report_;
-  std::string leaf_;   // file and scale of `p`; empty: ours
+  std::string leaf_;   // file and scale of `p`; empty: our leaf
   std::string fruit_;  // of `o`
   std::optional<core::Vec3> vector_;
 };
 
-/// Whether a statement is one of these.
+/// Whether a statement is `object ...` or `vector: ...`.
 [[nodiscard]] bool isPainterStatement(std::string_view statement);
 
 }  // namespace espalier::language

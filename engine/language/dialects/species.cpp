@@ -50,7 +50,7 @@ struct SpeciesStatement {
   TextPiece line;
 };
 
-// what a line with a label says; a line without one goes on with the rules before it
+// the value of a line with a label; a line without a label continues the rules before it
 std::optional<SpeciesStatement> statementOf(const TextPiece& line) {
   const TextPiece code = line.trimmed();
   for (const std::string_view word : kSpecies) {
@@ -187,7 +187,7 @@ class SpeciesReader {
     return {*first, *last};
   }
 
-  // rules parted by commas; in rules commas are no symbols
+  // rules separated by commas; a comma in a rule is not a symbol
   void readRules(const TextPiece& value) {
     for (std::size_t begin = 0; begin <= value.text.size();) {
       const std::size_t end = std::min(value.text.find(',', begin), value.text.size());
@@ -200,7 +200,7 @@ class SpeciesReader {
       if (arrow == std::string_view::npos || rule.to(arrow).trimmed().text.size() != 1) {
         report_.error(rule.offset, rule.text.size(),
                       "expected a rule such as 'F -> F[+F]F', found '" + std::string(rule.text.substr(0, 40)) + "'",
-                      "one variable, '->' and what takes its place; rules are parted by commas");
+                      "one variable, '->' and its successor; rules are separated by commas");
         continue;
       }
       const std::size_t length = rule.text[arrow] == '-' ? 2 : std::string_view("→").size();
@@ -217,10 +217,10 @@ class SpeciesReader {
       const bool isKnown = std::isalnum(static_cast<unsigned char>(c)) != 0 ||
                            std::string_view("+-[]").find(c) != std::string_view::npos;
       if (c != ' ' && !isKnown) {
-        report_.error(
-            piece.offset + i, characterLength(c),
-            "the character '" + std::string(piece.text.substr(i, characterLength(c))) + "' is no symbol of a species",
-            "symbols are letters, digits, + - [ ]");
+        report_.error(piece.offset + i, characterLength(c),
+                      "the character '" + std::string(piece.text.substr(i, characterLength(c))) +
+                          "' is not a symbol of a species",
+                      "symbols are letters, digits, + - [ ]");
         i += characterLength(c) - 1;
       } else if (c != ' ') {
         result.copy(piece.text.substr(i, 1), piece.offset + i);
@@ -230,7 +230,7 @@ class SpeciesReader {
     return result;
   }
 
-  // as printed, species 3 to 5 begin with X and rewrite F only: what makes X is X's
+  // as printed, species 3 to 5 begin with X and rewrite only F: the rules that make X become rules of X
   void correctRules() {
     const bool grows = std::any_of(rules_.begin(), rules_.end(), [&](const Rule& rule) {
       return axiom_.text.find(rule.variable) != std::string_view::npos;
@@ -289,7 +289,7 @@ class SpeciesReader {
     }
   }
 
-  // a number drawn between two bounds, or the one that there is
+  // a number drawn between two bounds, or the only number
   static std::string drawn(const Range& range, bool isWhole) {
     const double span = range.most - range.least + (isWhole ? 1.0 : 0.0);
     if (range.most == range.least) {
@@ -327,7 +327,7 @@ class SpeciesReader {
     draw("+ --> -(angle)");
     draw("- --> +(angle)");
     if (turn_ != 0.0) {
-      // a macro, so that who runs the species can leave the turn out
+      // a macro, so that a run can set the turn to 0
       model_.items.emplace_back("#define GIRO " + cpfgNumber(turn_), offset_);
       draw("[ --> [/(GIRO)");
     }

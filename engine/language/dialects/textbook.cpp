@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::array<std::string_view, 5> kArrows{"→", "⟶", "-->", "->", "⇒"};
 constexpr double kMostSteps = 1e6;
-constexpr double kProbabilityTolerance = 0.0101;  // three thirds may be printed as 0.33
+constexpr double kProbabilityTolerance = 0.0101;  // a third may be printed as 0.33
 constexpr std::string_view kShape = "shape ";
 
 enum class Setting : std::uint8_t { Axiom, Angle, Steps, Heading, Step, Turns, Productions, Sets };
@@ -57,7 +57,7 @@ std::optional<std::pair<std::size_t, std::size_t>> arrowOf(std::string_view text
   return first;
 }
 
-// a line without a remark
+// a line without its remark
 TextPiece withoutRemark(const TextPiece& line) {
   const std::size_t slashes = std::min(line.text.find("//"), line.text.find("/*"));
   // in a string of modules two slashes are two rolls: a remark stands after blanks, or alone
@@ -66,7 +66,7 @@ TextPiece withoutRemark(const TextPiece& line) {
   return (isRemark ? line.to(slashes) : line).trimmed();
 }
 
-// statements: lines, the ones that begin with an arrow joined to the one before
+// statements: lines; a line that begins with an arrow is joined to the line before
 std::vector<TextPiece> statementsOf(std::string_view text) {
   std::vector<TextPiece> statements;
   for (const TextPiece& line : linesOf(text)) {
@@ -220,7 +220,7 @@ class TextbookReader {
         "write 'ω: F', 'p1: F → F+F', 'δ = 60°', 'n = 3', 'd = 1', '#ignore: +-'");
   }
 
-  // `shape X: modules`: what a symbol is drawn as; brackets too, so that they need no partner there
+  // `shape X: modules`: the drawing of a symbol; for a bracket, too, so that brackets need no partner in it
   void readShape(const TextPiece& shape) {
     const std::size_t colon = shape.text.find(':');
     if (colon == std::string_view::npos || shape.to(colon).trimmed().empty()) {
@@ -277,7 +277,7 @@ class TextbookReader {
         if (!isClockwise_ && lowered(setting.value.text) != "counterclockwise") {
           report_.error(setting.value.offset, setting.value.text.size(),
                         "expected 'clockwise' or 'counterclockwise', found '" + std::string(setting.value.text) + "'",
-                        "it says where + turns");
+                        "it sets the direction in which + turns");
         }
         return;
       case Setting::Step:
@@ -382,7 +382,7 @@ class TextbookReader {
       report_.error(
           production.offset, production.text.size(),
           "expected '→' while reading a production, found '" + std::string(production.text.substr(0, 40)) + "'",
-          "a production is a predecessor, '→' and what takes its place");
+          "a production is a predecessor, '→' and its successor");
       return;
     }
     const TextPiece left = production.to(arrow->first).trimmed();
@@ -438,7 +438,7 @@ class TextbookReader {
     }
   }
 
-  // not an error: weights that do not sum to 1 are scaled
+  // not an error: weights with another sum than 1 are scaled
   void checkProbabilities() {
     for (const auto& [side, chances] : chances_) {
       if (chances.areNumbers && std::abs(chances.sum - 1.0) > kProbabilityTolerance) {
@@ -489,12 +489,12 @@ class TextbookReader {
     rule.add(successor.empty() ? MappedText("*", right.offset) : successor);
     const bool isBase = !isLevel && head.subscript.shift == 0;
     if (isBase) {
-      // level 0 is what is drawn
+      // level 0 is drawn
       bases_.insert(head.name);
       model_.drawing.push_back(std::move(rule));
       return;
     }
-    // a symbol that stays at its level is one step behind
+    // a symbol that keeps its level is one step behind
     isBehind_ = isBehind_ || successor.text().find("(n)") != std::string::npos;
     if (firstRecurrence_.empty() || head.subscript.shift > highestLevel_) {
       firstRecurrence_ = firstRecurrence_.empty() || !isLevel ? head.name : firstRecurrence_;
@@ -564,7 +564,7 @@ class TextbookReader {
     if (painter_.isActive()) {
       return painter_.addDrawing(symbols_.plain, model_);
     }
-    // the chapter's matrices roll the other way round
+    // the chapter's matrices roll in the opposite direction
     if (uses('/')) {
       draw("/", "\\" + angle);
     }

@@ -11,7 +11,7 @@ namespace {
 
 using Pair = std::pair<std::string_view, std::string_view>;
 
-// signs that print as one character and mean another
+// signs that are printed as one character and mean another
 constexpr std::array kSigns = {Pair{"−", "-"}, Pair{"–", "-"}, Pair{"—", "-"}, Pair{"ˆ", "^"}};
 constexpr std::array kOperators = {Pair{"≤", "<="},  Pair{"≥", ">="},  Pair{"≠", "!="},  Pair{"∧", "&&"},
                                    Pair{"∨", "||"},  Pair{"−", "-"},   Pair{"·", "*"},   Pair{"×", "*"},
@@ -224,7 +224,7 @@ MappedText TextbookModules::expression(const TextPiece& piece) {
 
 void TextbookModules::appendExpression(MappedText& result, const TextPiece& piece, bool isCondition) const {
   const std::string_view text = piece.text;
-  char previous = '(';  // the last character that is no blank
+  char previous = '(';  // the last character that is not a blank
   for (std::size_t at = 0; at < text.size();) {
     const char c = text[at];
     const std::size_t offset = piece.offset + at;
@@ -262,7 +262,7 @@ void TextbookModules::appendExpression(MappedText& result, const TextPiece& piec
 }
 
 void TextbookModules::appendParameters(MappedText& result, const TextPiece& piece, bool isTurn) const {
-  // a comma of its own list parts the bounds of a random angle
+  // a comma of its own list separates the bounds of a random angle
   std::vector<std::size_t> commas;
   int depth = 0;
   for (std::size_t i = 0; i < piece.text.size(); ++i) {

@@ -27,14 +27,14 @@ struct TextbookSymbols {
   bool hasLeaf = false;            // the sign ♠
 };
 
-/// What Turtle Painter adds to the notation.
+/// The additions of Turtle Painter to the notation.
 struct PainterSigns {
   /// `%` as a value is a random whole number from 0 to 99, `t` the number of the step, and a turn with two parameters
   /// is by a random angle between them.
   bool areRead = false;
 };
 
-/// Brings strings of modules and expressions of the textbook notation into cpfg's.
+/// Translates strings of modules and expressions of the textbook notation to cpfg's.
 class TextbookModules {
  public:
   TextbookModules(DialectReport& report, TextbookSymbols& symbols, PainterSigns painter)
@@ -43,8 +43,8 @@ class TextbookModules {
   /// The names of a production's formal parameters: they hide `t`.
   void setFormals(const TextPiece& predecessor);
 
-  /// A string of modules: blanks are left out, subscripts become names or parameters. In a successor levels count from
-  /// the predecessor's, `n + predecessorShift`.
+  /// A string of modules: blanks are removed, subscripts become names or parameters. In a successor levels are relative
+  /// to the predecessor's, `n + predecessorShift`.
   [[nodiscard]] MappedText modules(const TextPiece& piece, int predecessorShift = 0);
   /// A condition or probability: `=` is `==`, `≤`, `≥`, `≠`, `∧` and `∨` are written out.
   [[nodiscard]] MappedText expression(const TextPiece& piece);

@@ -9,7 +9,7 @@
 namespace espalier::language {
 namespace {
 
-// what a cpfg turtle acts on when it stands without a parameter
+// the commands of the cpfg turtle without a parameter
 constexpr std::string_view kTurtleSymbols = "FGfg+-&^/\\|;,#!{.}~$%_@?";
 // the turns by the angle increment
 constexpr std::string_view kTurns = "+-&^/\\";
@@ -18,7 +18,7 @@ std::string triple(double x, double y, double z) {
   return cpfgNumber(x) + "," + cpfgNumber(y) + "," + cpfgNumber(z);
 }
 
-// cosine and sine without the dust of right angles
+// cosine and sine, exactly 0 and 1 at right angles
 std::pair<double, double> direction(double degrees) {
   const auto clean = [](double value) {
     const double nearest = std::round(value);
@@ -33,7 +33,7 @@ void addLine(MappedText& text, const MappedText& line) {
   text.make("\n", line.runs().empty() ? 0 : line.runs().back().foreignOffset);
 }
 
-// the start of the turtle as modules
+// modules that bring the turtle to its start
 std::string startModules(const CpfgModel& model) {
   std::string modules;
   if (model.position != core::Vec3{}) {
@@ -86,8 +86,8 @@ void DialectReport::add(core::Severity severity, std::size_t offset, std::size_t
   diagnostic.severity = severity;
   diagnostic.message = std::move(message);
   diagnostic.hint = std::move(hint);
-  diagnostic.location = locateInFile(file_, static_cast<std::uint32_t>(offset),
-                                     static_cast<std::uint32_t>(std::max<std::size_t>(1, length)));
+  diagnostic.location = files::locateInFile(file_, static_cast<std::uint32_t>(offset),
+                                            static_cast<std::uint32_t>(std::max<std::size_t>(1, length)));
   diagnostics_.add(std::move(diagnostic));
 }
 
@@ -113,7 +113,7 @@ MappedText modelText(const CpfgModel& model, bool isAlone) {
   }
   text.make("Axiom: " + (isAlone ? startModules(model) : std::string{}), 0);
   addLine(text, model.axiom);
-  // a model needs a production, if only one that changes nothing
+  // a model needs a production; this one changes nothing
   if (model.productions.empty()) {
     text.make("F --> F\n", 0);
   }

@@ -14,11 +14,11 @@
 
 namespace espalier::language {
 
-/// Text of a translation that knows for each byte which place of the foreign text it stands for.
+/// Text of a translation, with the place in the foreign text of each byte.
 class MappedText {
  public:
-  /// Bytes [begin, ...) of the text that stand for the foreign text at `foreignOffset`: as copies of consecutive bytes,
-  /// or all of them for the construct there.
+  /// Bytes [begin, ...) of the text that come from the foreign text at `foreignOffset`: copies of consecutive bytes, or
+  /// text made for the construct there.
   struct Run {
     std::uint32_t begin = 0;
     std::uint32_t foreignOffset = 0;
@@ -44,11 +44,11 @@ class MappedText {
   std::vector<Run> runs_;  // sorted, without gaps
 };
 
-/// Messages about a foreign text, in its own lines.
+/// Reports messages about a foreign text, with places in that text.
 class DialectReport {
  public:
   /// Both must outlive the object.
-  DialectReport(const SourceMap::File& file, core::DiagnosticList& diagnostics)
+  DialectReport(const files::SourceMap::File& file, core::DiagnosticList& diagnostics)
       : file_(file), diagnostics_(diagnostics) {}
 
   void error(std::size_t offset, std::size_t length, std::string message, std::string hint = {});
@@ -58,45 +58,44 @@ class DialectReport {
  private:
   void add(core::Severity severity, std::size_t offset, std::size_t length, std::string message, std::string hint);
 
-  const SourceMap::File& file_;
+  const files::SourceMap::File& file_;
   core::DiagnosticList& diagnostics_;
 };
 
-/// A model in the terms of cpfg, as a dialect's reader makes it: what goes into the model's text, and how its turtle
-/// starts and looks.
+/// A translated model: the parts of the cpfg text, and the start and look of the turtle.
 struct CpfgModel {
   std::uint64_t derivationLength = 1;
   std::vector<MappedText> items;        // before the axiom: `ignore:`, `Start:`, ...
   MappedText axiom;                     // modules; never empty
   std::vector<MappedText> productions;  // without newlines; empty: nothing is rewritten
-  std::vector<MappedText> drawing;      // productions of the homomorphism: what the symbols draw
+  std::vector<MappedText> drawing;      // productions of the homomorphism: the drawing of the symbols
 
   double angleDegrees = 45.0;    // of turns without a parameter
   double headingDegrees = 90.0;  // of the first step: 0 is +x, counter-clockwise
   core::Vec3 position;           // where the turtle starts, length units
   int colour = 128;
-  std::map<int, PaletteColour> palette;  // by turtle colour, 0: the background; empty: Espalier's own colours
+  std::map<int, files::PaletteColour> palette;  // by turtle colour, 0: the background; empty: Espalier's own colours
   std::vector<std::string> viewCommands;
 
-  /// Whether +, -, &, ^, / and \ without a parameter are drawn as the turtle does, by `angleDegrees`. False when
-  /// `drawing` says what they do.
+  /// Whether +, -, &, ^, / and \ without a parameter turn the turtle by `angleDegrees`. False when `drawing` defines
+  /// them.
   bool turnsByAngle = true;
-  bool isStochastic = false;       // productions have probabilities, which count in cpfg only beside a seed
-  std::vector<std::string> lost;   // what cpfg cannot say and the text alone leaves out, for who converts
-  std::vector<std::string> needs;  // what the text needs and cpfg does not have: it is no cpfg model
+  bool isStochastic = false;       // productions have probabilities; cpfg uses them only with a seed
+  std::vector<std::string> lost;   // parts that cpfg cannot express and a converted text lacks
+  std::vector<std::string> needs;  // parts that the text needs and cpfg does not have: the text is not a cpfg model
 };
 
 /// The model's text. `isAlone`: as a file for other programs, that needs no view file: turns have their angle, and the
 /// start of the turtle is written before the axiom.
 [[nodiscard]] MappedText modelText(const CpfgModel& model, bool isAlone);
-/// The view file that belongs to the text which does not stand alone.
+/// The view file of the text when it is not alone.
 [[nodiscard]] std::string viewText(const CpfgModel& model);
 
 /// Reports each bracket of foreign[begin, end) that has no partner there; `where` completes "in ...".
 void checkBrackets(std::string_view foreign, std::size_t begin, std::size_t end, const std::string& where,
                    DialectReport& report);
 
-/// Adds drawing productions `X --> *` for those of the symbols without parameters that cpfg's turtle would act on.
+/// Adds drawing productions `X --> *` for the given symbols without parameters that cpfg's turtle would obey.
 void silence(const std::set<char>& symbols, std::string_view meaningful, CpfgModel& model);
 
 /// A number as cpfg reads it.

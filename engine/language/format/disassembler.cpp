@@ -64,7 +64,7 @@ class Disassembler {
     }
   }
 
-  /// Where a production stands, and its line as it was written.
+  /// The place of a production, and its line as it was written.
   void writePlace(core::SourceRange range) {
     if (places_ == DisassemblyPlaces::Shown) {
       const core::SourceLocation place = program_.sourceMap.locate(range);

@@ -14,7 +14,7 @@
 namespace espalier::language {
 namespace {
 
-/// The caller's files with another text in place of the model's.
+/// The caller's files, with another text for the model file.
 class ReplacedFile final : public core::FileProvider {
  public:
   ReplacedFile(core::FileProvider& files, const std::string& name, const std::string& text)
@@ -32,10 +32,10 @@ class ReplacedFile final : public core::FileProvider {
 /// The offsets of the newlines of file 0, the model, that stand in the preprocessed text.
 std::unordered_set<std::uint32_t> activeLineEnds(const Program& program) {
   std::unordered_set<std::uint32_t> ends;
-  const std::vector<SourceMap::Segment>& segments = program.sourceMap.segments;
+  const std::vector<files::SourceMap::Segment>& segments = program.sourceMap.segments;
   for (std::size_t i = 0; i < segments.size(); ++i) {
     const std::size_t end = i + 1 < segments.size() ? segments[i + 1].outputBegin : program.text.size();
-    if (segments[i].file != 0 || segments[i].expansion != SourceMap::kNoExpansion) {
+    if (segments[i].file != 0 || segments[i].expansion != files::SourceMap::kNoExpansion) {
       continue;
     }
     for (std::size_t k = segments[i].outputBegin; k < end; ++k) {
@@ -103,7 +103,7 @@ class Formatter {
     return true;
   }
 
-  /// Accepts all items of a range that keep the meaning, halving a range that does not.
+  /// Accepts a range of items that keeps the meaning; halves a range that does not.
   void accept(std::size_t begin, std::size_t end) {
     if (begin == end) {
       return;
@@ -149,7 +149,7 @@ class Formatter {
       }
       const std::size_t last = raw.find_last_not_of(" \t\r\n");
       if (last == std::string_view::npos && !line.startsInComment) {
-        // one empty line is enough, and none at the beginning
+        // at most one empty line, and none at the beginning
         if (++emptyLines == 1 && !text.empty()) {
           text += newline_;
         }
@@ -182,7 +182,7 @@ class Formatter {
 
   const CompileInput& input_;
   core::FileProvider& files_;
-  std::vector<std::shared_ptr<const Program>> originals_;  // by mode; null: the model is wrong in it
+  std::vector<std::shared_ptr<const Program>> originals_;  // by mode; null: the model has errors in that mode
   const CodeOfFile* code_ = nullptr;
   std::string newline_;
   std::vector<LaidOutItem> items_;

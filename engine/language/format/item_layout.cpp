@@ -28,7 +28,7 @@ bool isSeparator(TokenKind kind) {
   }
 }
 
-/// Whether two characters that met a blank between them would read differently without it.
+/// Whether two characters with a blank between them would be read differently without it.
 bool wouldJoin(char left, char right) {
   if (isIdentifierPart(left) || left == '.') {
     return isIdentifierPart(right) || right == '.';
@@ -323,7 +323,7 @@ bool ItemLayout::layOut(LaidOutItem& item) const {
     }
     item.text += code_.file.substr(tokens_[i].begin, tokens_[i].end - tokens_[i].begin);
   }
-  // what follows on the last line is a comment
+  // the rest of the last line is a comment
   std::string_view rest = code_.file.substr(tokens_.back().end, code_.lines[item.lastLine].end - tokens_.back().end);
   const std::size_t begin = rest.find_first_not_of(" \t\r\n");
   if (begin != std::string_view::npos) {

@@ -12,13 +12,13 @@
 
 namespace espalier::language {
 
-/// A model file cut into logical lines, and its code: the lines that count, without directives and comments, macros not
-/// expanded. Every byte of the code knows its place in the file.
+/// A model file cut into logical lines, and its code: the active lines without directives and comments, with macros not
+/// expanded. Every byte of the code has its place in the file.
 struct CodeOfFile {
   struct Line {
     std::uint32_t begin = 0;  // in the file
     std::uint32_t end = 0;    // behind its newline
-    bool isCode = true;       // false: a directive, or left out by #if
+    bool isCode = true;       // false: a directive, or excluded by #if
     bool startsInComment = false;
     bool hasSplice = false;  // `\` joins physical lines
   };
@@ -42,8 +42,8 @@ struct LaidOutItem {
   std::string text;  // without a final newline
 };
 
-/// Cuts code into items with the real Lexer, in the modes that the parser would choose, and lays each one out anew.
-/// Items that cannot be read so, or that hold directives or joined lines, are left out of the result.
+/// Cuts code into items with the real Lexer, in the modes that the parser would choose, and gives each a new layout.
+/// The result lacks items that cannot be read so, or that hold directives or joined lines.
 class ItemLayout {
  public:
   /// `code` must outlive the object. `declared` are the named modules that the whole model knows.
@@ -55,7 +55,7 @@ class ItemLayout {
   struct Placed {
     Token token;
     std::uint32_t begin = 0, end = 0;  // in the file
-    std::uint32_t blockDepth = 0;      // of its line, were it the first on it
+    std::uint32_t blockDepth = 0;      // of a line that begins with it
     bool isInString = false;           // a module's name or a bracket of a string
     bool isCompact = false;            // inside parentheses or subscripts
     bool isOperand = false;            // a value ends here
@@ -82,7 +82,7 @@ class ItemLayout {
   std::uint32_t subscripts_ = 0;
   std::uint32_t branches_ = 0;  // open `[` of a string
   std::uint32_t blocks_ = 0;
-  bool expectsBlock_ = false;  // behind Start: and its relatives
+  bool expectsBlock_ = false;  // behind Start:, StartEach:, EndEach: or End:
   bool isFinished_ = false;
 };
 

@@ -4,8 +4,8 @@
 
 namespace espalier::language {
 
-/// Whether two Programs mean the same: everything that a run reads is equal. Where things stand in the text, the text
-/// itself, and the hash may differ.
+/// Whether two Programs mean the same: everything that a run reads is equal. The text, its places and the hash may
+/// differ.
 [[nodiscard]] bool isSameProgram(const Program& first, const Program& second);
 
 }  // namespace espalier::language

@@ -16,7 +16,7 @@ using String = std::vector<std::uint16_t>;
 // a part of a string that became a symbol's successor
 using Part = std::span<const std::uint16_t>;
 
-// what is not yet explained of one step: from[first..last) became to[nextFirst..nextLast)
+// the part of one step that is not yet explained: from[first..last) became to[nextFirst..nextLast)
 struct Window {
   std::size_t first = 0;
   std::size_t last = 0;
@@ -56,7 +56,7 @@ class Search {
     }
   }
 
-  // false: given up
+  // false: the search was stopped
   bool run() {
     State state;
     if (begin(state)) {
@@ -267,7 +267,7 @@ class Search {
         if (state.least[symbol] > state.most[symbol]) {
           return false;
         }
-        // the sums above are now wider than they need be: the next round narrows again
+        // the sums above are now too wide: the next round narrows them
       }
     }
     work_ += names_.size();
@@ -362,7 +362,7 @@ class Search {
   }
 
   bool mayContinue() {
-    // the question may cost as much as reading a clock
+    // the call may take as long as reading a clock
     constexpr std::size_t kWorkBetween = 100'000;
     if (work_ >= kWorkBetween || !hasAsked_) {
       hasAsked_ = true;

@@ -18,7 +18,7 @@ class StepStringsReader {
       : fileName_(fileName), diagnostics_(diagnostics) {}
 
   StepStrings read(std::string_view text) {
-    text = withoutByteOrderMark(text);
+    text = files::withoutByteOrderMark(text);
     while (!text.empty()) {
       const std::size_t end = text.find('\n');
       ++line_;
@@ -26,9 +26,10 @@ class StepStringsReader {
       text = end == std::string_view::npos ? std::string_view() : text.substr(end + 1);
     }
     if (result_.strings.size() < 2 && !diagnostics_.hasErrors()) {
-      fail({}, 0, 0,
-           result_.strings.empty() ? "there is no string in this file" : "one string is not enough to infer from",
-           "write the strings of successive steps, one a line, as `espalier derive MODEL.l --every` prints them");
+      fail(
+          {}, 0, 0,
+          result_.strings.empty() ? "there is no string in this file" : "one string is not enough to infer productions",
+          "write the strings of successive steps, one a line, as `espalier derive MODEL.l --every` prints them");
     }
     return std::move(result_);
   }
@@ -48,7 +49,7 @@ class StepStringsReader {
     if (hasNumber) {
       if (nextNumber_ && number != *nextNumber_) {
         fail(line, 0, tab, "step " + std::to_string(number) + " follows step " + std::to_string(*nextNumber_ - 1),
-             "the strings of successive steps are needed: each is made from the one before");
+             "the strings of successive steps are needed: each step is derived from the previous one");
       }
       nextNumber_ = number + 1;
     }
@@ -59,7 +60,7 @@ class StepStringsReader {
     std::vector<std::uint16_t> symbols;
     std::vector<std::size_t> open;  // where brackets wait for their partner
     while (at < line.size()) {
-      std::size_t length = sequenceLength(line.substr(at));
+      std::size_t length = files::sequenceLength(line.substr(at));
       if (length == 0) {
         fail(line, at, 1, "this is not UTF-8 text", "save the file as UTF-8");
         return;

@@ -20,9 +20,9 @@ struct StepStrings {
 };
 
 /// Reads one string a line: alone, or after the number of its step and a TAB as `espalier derive --every` prints them.
-/// Every character is a symbol, a module with parameters like /(180) is one too; blanks between them and lines that are
-/// blank do not count (an erased string is a number and a TAB). Numbers must be successive. What is wrong is an error
-/// of `diagnostics`: a parenthesis that belongs to no module, a number that is not the next one, text that is not
+/// Every character is a symbol; a module with parameters such as /(180) is one symbol. Blanks between symbols and blank
+/// lines are ignored (an erased string is a number and a TAB). Numbers must be successive. Mistakes are errors in
+/// `diagnostics`: a parenthesis that belongs to no module, a number that is not the next one, text that is not
 /// UTF-8, fewer than two strings. The result is complete when there was no error.
 [[nodiscard]] StepStrings readStepStrings(const std::string& fileName, std::string_view text,
                                           core::DiagnosticList& diagnostics);

@@ -11,7 +11,7 @@ namespace {
 
 struct KeywordText {
   Keyword keyword;
-  // first letter in lower case; a blank stands for one or more, '~' for none or more
+  // the first letter in lower case; a blank matches one blank or more, '~' any number of blanks
   std::string_view pattern;
   bool onlyAtLineStart;
 };

@@ -39,7 +39,7 @@ enum class TokenKind : std::uint8_t {
   CloseBrace,
   OpenBracket,
   CloseBracket,
-  // text that is no token; `text` says why
+  // not a token; `text` is the reason
   Invalid,
 };
 
@@ -93,7 +93,7 @@ class Lexer {
   /// The keyword that starts at the next non-blank, or none (EndOfFile).
   [[nodiscard]] Token peekKeyword();
 
-  /// One character of an `ignore:` or `consider:` list, a declared name, or EndOfLine: nothing has a special meaning.
+  /// One character of an `ignore:` or `consider:` list, a declared name, or EndOfLine; no character is special there.
   [[nodiscard]] const Token& peekPlain() { return peek(Mode::Plain); }
 
   /// Inside `{...}` newlines are blanks.
@@ -102,7 +102,7 @@ class Lexer {
   [[nodiscard]] std::uint32_t blockDepth() const { return blockDepth_; }
   void setNesting(std::uint32_t depth);
 
-  /// In free syntax newlines inside `(...)` and `[...]` are blanks too.
+  /// In free syntax newlines inside `(...)` and `[...]` are blanks, too.
   void setBracketDepth(std::uint32_t depth);
   [[nodiscard]] std::uint32_t bracketDepth() const { return bracketDepth_; }
 
@@ -112,15 +112,15 @@ class Lexer {
   [[nodiscard]] std::uint32_t position() const { return position_; }
   [[nodiscard]] std::string_view text() const { return text_; }
 
-  /// Moves behind the end of the current item or production, and out of any block. In a block it stops before a line
+  /// Moves behind the end of the current item or production, out of all blocks. In a block it stops before a line
   /// that starts with a keyword.
   void skipLine();
 
   /// Skips lines that start with a blank other than TAB, up to the first other line.
   void skipIndentedLines();
 
-  /// Whether the line at or after the current position, the next one when the current one has ended, starts with blanks
-  /// where a TAB would have continued the line before.
+  /// Whether the current line, or the next line when the current one has ended, starts with blanks although only a TAB
+  /// would continue the previous line.
   [[nodiscard]] bool nextLineIsIndented() const;
 
   /// Whether the line that holds `position` starts with blanks instead of a TAB.
@@ -152,7 +152,7 @@ class Lexer {
   Token peeked_;
 };
 
-/// How a message names a token: 'x', the number 12, the end of the line, ...
+/// The words of a message for a token: 'x', the number 12, the end of the line, ...
 [[nodiscard]] std::string describe(const Token& token);
 
 }  // namespace espalier::language

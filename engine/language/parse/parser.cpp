@@ -15,7 +15,7 @@ bool startsSection(Keyword keyword) {
 }  // namespace
 
 std::string tabHint() {
-  return "a line that continues the one before must start with a TAB, not with blanks (or write 'Syntax: free' before "
+  return "a continuation line must start with a TAB, not with blanks (or write 'Syntax: free' before "
          "the "
          "first L-system)";
 }
@@ -41,7 +41,7 @@ bool Parser::expected(std::string_view what, const Token& token, std::string hin
     hint = tabHint();
     skipsIndentedLines_ = true;
   } else if (token.kind == TokenKind::Keyword && hint.empty()) {
-    hint = "these letters are a keyword wherever they stand; blanks between symbols keep them apart";
+    hint = "these letters are a keyword everywhere; put blanks between them to write symbols";
   }
   messages_.error(
       token.range,
@@ -108,7 +108,7 @@ void Parser::parseFile() {
                    ? "macros and includes start with '#': #" + std::string(line.substr(0, line.find(' ')))
                    : "every L-system starts with 'Lsystem:' and a label, and ends with 'endlsystem'");
       recover();
-      // one message is enough for a text that is no L-system
+      // one message is enough for a text that is not an L-system
       while (lexer_.peekSymbol().kind != TokenKind::EndOfFile &&
              !(lexer_.peekSymbol().kind == TokenKind::Keyword && lexer_.peekSymbol().keyword == Keyword::Lsystem)) {
         lexer_.skipLine();
@@ -191,7 +191,7 @@ void Parser::parseItems(LSystemSyntax& system) {
       parseItem(system);
     } else {
       if (!hasComplained) {
-        // productions without an axiom: one message, and the productions are read as such
+        // productions without an axiom give one message; the productions are read
         if (lineAt(token.range.begin).find("-->") != std::string_view::npos) {
           expected("'Axiom:'", token,
                    "every L-system has an axiom before its productions, the string it starts from: 'Axiom: A(1)'");
@@ -208,9 +208,9 @@ void Parser::parseItems(LSystemSyntax& system) {
           lowered[0] = static_cast<char>(lowered[0] - 'A' + 'a');
         }
         const std::string_view near = core::nearestName(lowered, kItems);
-        std::string hint = "the items come first, then 'Axiom:', then the productions";
+        std::string hint = "write the items first, then 'Axiom:', then the productions";
         if (line.find(':') != std::string_view::npos && !near.empty()) {
-          // a misspelt word hides nothing that follows: the next one is reported too
+          // continue behind a misspelt word, so that the next one is reported, too
           Token misspelt = token;
           misspelt.text = word;
           misspelt.range.end = token.range.begin + static_cast<std::uint32_t>(word.size());

@@ -11,8 +11,8 @@
 
 namespace espalier::language {
 
-/// Reads preprocessed text into a syntax tree by recursive descent. After a mistake reading goes on at the next
-/// statement or production, so that all mistakes of a file are found; what could not be read is left out of the tree.
+/// Reads preprocessed text into a syntax tree by recursive descent. After a mistake the parser continues at the next
+/// statement or production, so that it finds all mistakes of a file. The tree lacks the parts with mistakes.
 class Parser {
  public:
   /// All references must outlive the parser.
@@ -30,7 +30,7 @@ class Parser {
   void parseProductions(LSystemSyntax& system, ProductionListSyntax& list, std::string_view name);
   void parseSectionHead(ProductionListSyntax& list);
 
-  // parser_items.cpp: what stands before the axiom
+  // parser_items.cpp: the items before the axiom
   void parseItem(LSystemSyntax& system);
   void parseValueItem(ExpressionIndex& value, std::string_view name);
   void parseSymbolList(std::vector<core::SymbolId>& symbols, std::string_view name);
@@ -60,7 +60,7 @@ class Parser {
   [[nodiscard]] std::string productionHint(std::uint32_t begin) const;
   bool skipsNoProduction(std::string_view name);
 
-  // parser_hints.cpp: advice for mistakes that people make
+  // parser_hints.cpp: advice for frequent mistakes
   [[nodiscard]] std::string adviceFor(const Token& token) const;
   [[nodiscard]] std::string unclosedHint(core::SourceRange open, const Token& found) const;
   [[nodiscard]] std::string_view lineAt(std::uint32_t position) const;
@@ -99,15 +99,15 @@ class Parser {
   ModelSyntax& model_;
   MessageList& messages_;
   Lexer lexer_;
-  std::string reading_ = "the model";  // what is being read, for messages
+  std::string reading_ = "the model";  // the part that is being read, for messages
   core::SourceRange predecessor_;      // of the production being read; empty: none
   std::uint32_t expressionDepth_ = 0;  // recursion of the parser itself
   std::uint32_t productionBegin_ = 0;  // of the production being read
   bool skipsIndentedLines_ = false;    // the last message was about lines that start with blanks
-  bool hasReportedEnd_ = false;        // a message said that the file ended too early: one is enough
+  bool hasReportedEnd_ = false;        // an early end of the file was reported: one message is enough
 };
 
-/// What a message says where a TAB was meant.
+/// The hint of a message about a line that should start with a TAB.
 [[nodiscard]] std::string tabHint();
 
 }  // namespace espalier::language

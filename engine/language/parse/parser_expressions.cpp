@@ -225,7 +225,7 @@ ExpressionIndex Parser::parseName() {
     lexer_.setBracketDepth(depth + 1);
     if (lexer_.peekExpression().kind == TokenKind::CloseParenthesis) {
       isGood = expected("an argument of '" + name.text + "'", lexer_.peekExpression(),
-                        "every function takes at least one argument, some a dummy one: " + name.text + "(0)");
+                        "every function needs an argument, sometimes only a dummy: " + name.text + "(0)");
     } else {
       isGood = parseArguments(node.children, open);
     }

@@ -9,7 +9,7 @@
 namespace espalier::language {
 namespace {
 
-// characters that text programs put in the place of ASCII ones, and what to write instead
+// characters that editors put in the place of ASCII characters, and the advice for each
 constexpr std::array<std::pair<std::string_view, std::string_view>, 20> kLookalikes{{
     {"\xE2\x89\xA4", "write '<='"},
     {"\xE2\x89\xA5", "write '>='"},
@@ -18,14 +18,14 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 20> kLookali
     {"\xC2\xB7", "write '*' for a product"},
     {"\xC3\xB7", "write '/' for a quotient"},
     {"\xE2\x88\x92", "write the minus sign of the keyboard, '-'"},
-    {"\xE2\x80\x93", "a text program has joined two hyphens into a dash: write the arrow as '-->'"},
-    {"\xE2\x80\x94", "a text program has joined two hyphens into a dash: write the arrow as '-->'"},
+    {"\xE2\x80\x93", "an editor has joined two hyphens into a dash: write the arrow as '-->'"},
+    {"\xE2\x80\x94", "an editor has joined two hyphens into a dash: write the arrow as '-->'"},
     {"\xE2\x86\x92", "write the arrow as '-->'"},
     {"\xE2\x80\x9C", "write the straight quote of the keyboard, '\"'"},
     {"\xE2\x80\x9D", "write the straight quote of the keyboard, '\"'"},
     {"\xE2\x80\x98", "write the straight quote of the keyboard"},
     {"\xE2\x80\x99", "write the straight quote of the keyboard"},
-    {"\xC2\xB0", "angles are in degrees already: leave the sign out"},
+    {"\xC2\xB0", "angles are always in degrees: remove the sign"},
     {"\xC2\xA0", "this is a no-break space, which looks like a blank: type the blank again"},
     {"\xC2\xB2", "write the square as '^2'"},
     {"\xC2\xB3", "write the cube as '^3'"},
@@ -40,14 +40,14 @@ std::string_view Parser::lineAt(std::uint32_t position) const {
   return rest.substr(0, rest.find('\n'));
 }
 
-/// What to do about a token that nothing can use, by the habit that led to it. Empty: nothing special.
+/// Advice about an unusable token, by the habit that led to it. Empty: no special advice.
 std::string Parser::adviceFor(const Token& token) const {
   const char before = token.range.begin > 0 ? lexer_.text()[token.range.begin - 1] : '\n';
   if ((token.kind == TokenKind::Arrow || token.kind == TokenKind::Keyword) && !lexer_.isFreeSyntax()) {
     const std::size_t newline =
         token.range.begin == 0 ? std::string_view::npos : lexer_.text().rfind('\n', token.range.begin - 1);
     if (newline != std::string_view::npos && lexer_.text()[newline + 1] == '\t') {
-      return "this line starts with a TAB and so continues the line before; start it in column 1";
+      return "this line starts with a TAB and therefore continues the previous line; start it in column 1";
     }
   }
   switch (token.kind) {
@@ -76,12 +76,11 @@ std::string Parser::adviceFor(const Token& token) const {
       }
       return token.text == "+" && before == '+' ? "there is no '++': write n = n + 1" : std::string();
     case TokenKind::Identifier:
-      return token.text == "and"   ? "write '&&'"
-             : token.text == "or"  ? "write '||'"
-             : token.text == "not" ? "write '!'"
-             : token.text == "if" && reading_ == "a production"
-                 ? "a condition stands behind ':', as in A(x) : x > 1 --> B"
-                 : std::string();
+      return token.text == "and"                                ? "write '&&'"
+             : token.text == "or"                               ? "write '||'"
+             : token.text == "not"                              ? "write '!'"
+             : token.text == "if" && reading_ == "a production" ? "a condition follows ':', as in A(x) : x > 1 --> B"
+                                                                : std::string();
     case TokenKind::EndOfLine:
       return before == '%' ? "'%' is the remainder of a division; 50% is 0.5" : std::string();
     default:
@@ -89,7 +88,7 @@ std::string Parser::adviceFor(const Token& token) const {
   }
 }
 
-/// A parenthesis that was opened at `open` and is not closed where `found` stands.
+/// Advice about a parenthesis that was opened at `open` and is not closed at `found`.
 std::string Parser::unclosedHint(core::SourceRange open, const Token& found) const {
   switch (found.kind) {
     case TokenKind::Identifier:
@@ -103,7 +102,7 @@ std::string Parser::unclosedHint(core::SourceRange open, const Token& found) con
     default:
       return {};
   }
-  // the text from the character before the parenthesis shows which one is meant
+  // the text from the character before the parenthesis shows which parenthesis it is
   const std::uint32_t begin = open.begin > 0 && lexer_.text()[open.begin - 1] != '\n' ? open.begin - 1 : open.begin;
   const std::uint32_t end = std::min(found.range.begin, begin + 30);
   const bool isValue = found.kind == TokenKind::Identifier || found.kind == TokenKind::Number;

@@ -4,7 +4,7 @@
 
 namespace espalier::language {
 
-// ---- what stands before the axiom
+// ---- items before the axiom
 
 void Parser::parseItem(LSystemSyntax& system) {
   const Token token = lexer_.peekSymbol();

@@ -26,7 +26,7 @@ int rankOf(TokenKind separator) {
 struct Parser::Segment {
   std::vector<FormalModuleSyntax> modules;
   bool isStar = false;
-  core::SourceRange range;  // empty: nothing stands here
+  core::SourceRange range;  // empty: the part is absent
   core::SourceRange starRange;
 };
 
@@ -59,8 +59,8 @@ std::string Parser::productionHint(std::uint32_t begin) const {
   return !lexer_.isFreeSyntax() && lexer_.lineIsIndented(begin) ? tabHint() : std::string();
 }
 
-/// Reports a line that cannot be a production: one that starts with blanks where a TAB was meant, or a misspelt section
-/// word. True: the line was reported and skipped.
+/// Reports a line that cannot be a production: it starts with blanks instead of a TAB, or with a misspelt section word.
+/// True: the line was reported and skipped.
 bool Parser::skipsNoProduction(std::string_view name) {
   const Token token = lexer_.peekSymbol();
   const std::string_view line = lineAt(token.range.begin);
@@ -93,13 +93,13 @@ bool Parser::skipsNoProduction(std::string_view name) {
   reading_ = name;
   expected(near == "endlsystem" ? "a production or 'endlsystem'" : "a production", misspelt,
            "did you mean '" + std::string(near) + "'?");
-  // the end was meant: the end of the file is no further mistake
+  // a misspelt endlsystem: the end of the file is not another mistake
   hasReportedEnd_ = hasReportedEnd_ || near == "endlsystem";
   recover();
   return true;
 }
 
-/// Reports a production, begun at `begin`, that goes on wrongly; at its arrow when that is misspelt.
+/// Reports a mistake in the production that begins at `begin`; at its arrow when that is misspelt.
 bool Parser::expectedArrow(std::string_view what, const Token& token, std::uint32_t begin, std::string hint) {
   const std::string_view line = lineAt(begin);
   std::size_t arrow = std::min(line.find("->"), line.find("=>"));
@@ -357,7 +357,7 @@ bool Parser::parseFormalModule(FormalModuleSyntax& module) {
                                            : "there is a comma too many";
         } else if (parameter.kind == TokenKind::Number) {
           hint =
-              "predecessors and contexts have names as parameters; compare values in the condition, as in A(x) : x == "
+              "parameters of predecessors and contexts are names; compare values in the condition, as in A(x) : x == "
               "1";
         }
         return expectedArrow("a parameter name", parameter, productionBegin_, std::move(hint));
@@ -368,7 +368,7 @@ bool Parser::parseFormalModule(FormalModuleSyntax& module) {
     const Token close = lexer_.peekExpression();
     if (close.kind != TokenKind::CloseParenthesis) {
       return expectedArrow("',' or ')'", close, productionBegin_,
-                           "predecessors and contexts have names as parameters, separated by commas: A(x, y)");
+                           "parameters of predecessors and contexts are names, separated by commas: A(x, y)");
     }
     module.range.end = close.range.end;
     lexer_.advance();

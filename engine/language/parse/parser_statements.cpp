@@ -36,7 +36,7 @@ bool Parser::parseStatements(std::vector<Statement>& statements) {
     return false;
   }
   if (lexer_.peekExpression().kind == TokenKind::CloseBrace) {
-    expected("a statement", lexer_.peekExpression(), "an empty block is not allowed; leave it out");
+    expected("a statement", lexer_.peekExpression(), "an empty block is not allowed; remove it");
   }
   while (lexer_.peekExpression().kind != TokenKind::CloseBrace) {
     // a keyword here means that a brace is missing
@@ -146,7 +146,7 @@ bool Parser::parseStatementCondition(ExpressionIndex& condition, std::string_vie
   const Token& open = lexer_.peekExpression();
   if (open.kind != TokenKind::OpenParenthesis) {
     return expected("'(' after '" + std::string(name) + "'", open,
-                    "a condition stands in parentheses: " + std::string(name) + " (n > 1) { ... }");
+                    "put the condition in parentheses: " + std::string(name) + " (n > 1) { ... }");
   }
   lexer_.advance();
   condition = parseExpression();

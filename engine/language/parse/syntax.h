@@ -13,8 +13,8 @@
 
 namespace espalier::language {
 
-/// The syntax tree of a model: what the parser makes, the analyser completes and the code generator reads. Expressions
-/// live in one array (ModelSyntax::expressions) and refer to each other by index.
+/// The syntax tree of a model. The parser makes it, the analyser completes it and the code generator reads it. All
+/// expressions are in one array (ModelSyntax::expressions) and refer to each other by index.
 using ExpressionIndex = std::uint32_t;
 inline constexpr ExpressionIndex kNoExpression = 0xFFFFFFFF;
 
@@ -30,14 +30,14 @@ enum class ExpressionKind : std::uint8_t {
   Call,         // text(children...); callee
 };
 
-/// What a name stands for; set by the analyser.
+/// The meaning of a name; set by the analyser.
 struct Binding {
   enum class Kind : std::uint8_t { Unbound, Slot, Static, Variable, Array, Step, Length, Pi };
   Kind kind = Kind::Unbound;
   std::uint32_t index = 0;
 };
 
-/// What a call calls; set by the analyser.
+/// The called function; set by the analyser.
 enum class Callee : std::uint8_t { Unknown, Function, Print, FileOpen, FileClose, FileFlush, FilePrint, FileScan };
 
 struct ExpressionNode {

@@ -16,7 +16,7 @@ struct DirectiveProblem {
 };
 
 /// The value of an #if or #elif expression in which macros are already expanded and every `defined` is already 0 or 1:
-/// C's integer operators on 64 bits, unknown names are 0. Nothing after a mistake, which is written to `problem`.
+/// C's integer operators on 64 bits, unknown names are 0. After a mistake: nothing, and `problem` is set.
 /// Nesting deeper than `maximumDepth` is a mistake.
 [[nodiscard]] std::optional<std::int64_t> evaluateDirective(std::string_view text, std::uint32_t maximumDepth,
                                                             DirectiveProblem& problem);

@@ -194,7 +194,8 @@ class MacroTable::Expansion {
     }
     if (depth > 0) {
       report("expected ')' while reading the arguments of the macro '" + macro.name + "', found the end of the line",
-             "the arguments of a macro stand on one line; a '\\' at its end joins the next line to it", false);
+             "the arguments of a macro must stand on one line; a '\\' at the end of a line joins the next line to it",
+             false);
       return false;
     }
     if (macro.parameters.empty() && arguments.size() == 1 && arguments[0].empty()) {

@@ -17,11 +17,11 @@ namespace espalier::language {
 struct Macro {
   std::string name;
   bool isFunctionLike = false;
-  bool isFixed = false;                          // an override: #define and #undef leave it alone
-  std::vector<std::string> parameters;           // of a function-like macro
-  std::string body;                              // comments are blanks, no blanks at the ends
-  std::uint32_t file = SourceMap::kNoExpansion;  // where it was defined; kNoExpansion: by the caller
-  std::uint32_t offset = 0;                      // of its name there
+  bool isFixed = false;                                 // an override: #define and #undef do not change it
+  std::vector<std::string> parameters;                  // of a function-like macro
+  std::string body;                                     // comments are blanks, no blanks at the ends
+  std::uint32_t file = files::SourceMap::kNoExpansion;  // where it was defined; kNoExpansion: by the caller
+  std::uint32_t offset = 0;                             // of its name there
 };
 
 /// A part of an expanded line.
@@ -32,22 +32,22 @@ struct ExpandedPiece {
   std::string text;              // replacement; empty for a copied piece
 };
 
-/// What went wrong in an expansion: where in the input, and a message with its hint.
+/// A mistake in an expansion: its place in the input, and a message with its hint.
 struct ExpansionProblem {
   std::size_t begin = 0;
   std::size_t end = 0;
   std::string message;
   std::string hint;
-  bool isFatal = false;  // a limit: reading cannot go on
+  bool isFatal = false;  // a limit was reached: the preprocessor stops
 };
 
-/// The macros of one preprocessor run and their expansion: whole identifiers only, arguments expanded first, the result
-/// scanned again, no macro inside itself, nothing inside string literals.
+/// The macros of one preprocessor run and their expansion. Only whole identifiers are replaced, and never inside string
+/// literals. Arguments are expanded first, and the result is scanned again. A macro is not expanded inside itself.
 class MacroTable {
  public:
   explicit MacroTable(const core::Limits& limits) : limits_(limits) {}
 
-  /// Adds or replaces a macro. False: the name is fixed by the caller and nothing was changed.
+  /// Adds or replaces a macro. False: the name is an override, and nothing was changed.
   bool define(Macro macro);
   void undefine(std::string_view name);
   [[nodiscard]] std::vector<std::string> names() const;
@@ -79,7 +79,7 @@ class MacroTable {
 }
 
 /// The end of the string literal that opens at `begin`, after its closing quote; `begin` itself when the line has none,
-/// so that a quote used as a symbol protects nothing.
+/// so that a quote used as a symbol begins no string.
 [[nodiscard]] std::size_t stringLiteralEnd(std::string_view line, std::size_t begin);
 
 /// The end of the identifier or number that starts at `begin`; `begin` when there is none.

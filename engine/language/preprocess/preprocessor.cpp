@@ -15,8 +15,8 @@ namespace {
 /// An open #if.
 struct Conditional {
   std::uint32_t offset = 0;
-  bool wasActive = true;  // the lines around it count
-  bool hasTaken = false;  // one of its branches counted already
+  bool wasActive = true;  // the lines around it are active
+  bool hasTaken = false;  // one of its branches was active already
   bool isActive = true;
   bool hasElse = false;
 };
@@ -105,7 +105,7 @@ class Preprocessor {
       result_.hasLostText = true;
       error(file, static_cast<std::uint32_t>(reader.commentBegin()), 2,
             "expected '*/' while reading a comment, found the end of the file",
-            "everything from here on is part of the comment");
+            "the rest of the file is part of the comment");
     }
     while (conditionals_.size() > outerConditionals) {
       error(file, conditionals_.back().offset, 1,
@@ -116,7 +116,7 @@ class Preprocessor {
     openFiles_.pop_back();
     // the text of the including file starts on a line of its own
     if (!result_.text.empty() && result_.text.back() != '\n') {
-      emit('\n', file, static_cast<std::uint32_t>(text.size()), SourceMap::kNoExpansion);
+      emit('\n', file, static_cast<std::uint32_t>(text.size()), files::SourceMap::kNoExpansion);
     }
   }
 
@@ -130,10 +130,10 @@ class Preprocessor {
                 std::to_string(input_.limits.maximumSourceBytes) + " bytes)");
       return;
     }
-    std::vector<SourceMap::Segment>& segments = result_.sourceMap.segments;
+    std::vector<files::SourceMap::Segment>& segments = result_.sourceMap.segments;
     const bool continues = !segments.empty() && segments.back().file == file &&
                            segments.back().expansion == expansion &&
-                           (expansion != SourceMap::kNoExpansion ||
+                           (expansion != files::SourceMap::kNoExpansion ||
                             segments.back().fileOffset + (position - segments.back().outputBegin) == offset);
     if (!continues) {
       segments.push_back({position, file, offset, expansion});
@@ -146,7 +146,7 @@ class Preprocessor {
     for (const ExpandedPiece& piece : macros_.expand(line.text, problem)) {
       if (piece.macro == nullptr) {
         for (std::size_t i = piece.begin; i < piece.end && !hasStopped_; ++i) {
-          emit(line.text[i], file, line.offsets[i], SourceMap::kNoExpansion);
+          emit(line.text[i], file, line.offsets[i], files::SourceMap::kNoExpansion);
         }
       } else if (!piece.text.empty()) {
         const std::uint32_t use = line.offsets[piece.begin];
@@ -159,7 +159,7 @@ class Preprocessor {
       }
     }
     if (!hasStopped_) {
-      emit('\n', file, line.end, SourceMap::kNoExpansion);
+      emit('\n', file, line.end, files::SourceMap::kNoExpansion);
     }
   }
 
@@ -167,7 +167,7 @@ class Preprocessor {
 
   void add(core::Severity severity, std::uint32_t file, std::uint32_t offset, std::size_t length, std::string message,
            std::string hint) {
-    // a place costs a walk through its file; beyond its limit the list only counts
+    // finding a place takes a walk through its file; beyond its limit the list only counts
     const std::size_t count =
         severity == core::Severity::Error ? result_.diagnostics.errorCount() : result_.diagnostics.warningCount();
     if (count >= core::DiagnosticList::kLimit) {
@@ -175,7 +175,8 @@ class Preprocessor {
       return;
     }
     result_.diagnostics.add({severity, std::move(message),
-                             locateInFile(files_[file], offset, static_cast<std::uint32_t>(length)), std::move(hint)});
+                             files::locateInFile(files_[file], offset, static_cast<std::uint32_t>(length)),
+                             std::move(hint)});
   }
   void error(std::uint32_t file, std::uint32_t offset, std::size_t length, std::string message, std::string hint) {
     add(core::Severity::Error, file, offset, length, std::move(message), std::move(hint));
@@ -233,7 +234,7 @@ class Preprocessor {
 
   static bool isNullDirective(const LogicalLine& line, std::size_t begin) { return begin >= line.text.size(); }
 
-  // #line, # 12 "file", #pragma and #ident say nothing here
+  // #line, # 12 "file", #pragma and #ident have no effect
   static bool isIgnoredDirective(const std::string& name) {
     return name == "line" || name == "pragma" || name == "ident" || isDigit(name.front());
   }
@@ -355,13 +356,13 @@ class Preprocessor {
     macro.body = trimBlanks(std::string_view(line.text).substr(position));
     // a different second definition is probably a mistake
     const Macro* old = macros_.find(macro.name);
-    if (old != nullptr && !old->isFixed && old->file != SourceMap::kNoExpansion &&
+    if (old != nullptr && !old->isFixed && old->file != files::SourceMap::kNoExpansion &&
         (old->body != macro.body || old->parameters != macro.parameters)) {
-      const core::SourceLocation first = locateInFile(files_[old->file], old->offset, 1);
+      const core::SourceLocation first = files::locateInFile(files_[old->file], old->offset, 1);
       add(core::Severity::Warning, file, macro.offset, nameLength,
           "the macro '" + macro.name + "' is defined again; from here on this definition counts",
           "first defined at " + first.file + ":" + std::to_string(first.line) +
-              "; #undef it before to say that this is meant");
+              "; if this is intended, write #undef before the new definition");
     }
     macros_.define(std::move(macro));
   }
@@ -415,7 +416,7 @@ class Preprocessor {
             "");
       return;
     }
-    const std::string name = nameBeside(files_[file].name, rest.substr(1, close - 1));
+    const std::string name = files::nameBeside(files_[file].name, rest.substr(1, close - 1));
     if (depth + 1 > input_.limits.maximumIncludeDepth) {
       fatal(file, line.offsetOf(first), close + 1,
             "files are included deeper than the limit maximumIncludeDepth (" +
@@ -428,7 +429,7 @@ class Preprocessor {
     const std::optional<std::uint32_t> included = open(name);
     if (!included.has_value()) {
       error(file, line.offsetOf(first), close + 1, "cannot read the included file '" + name + "'",
-            "included files are looked for beside the file that names them");
+            "an included file is looked for beside the file that includes it");
       return;
     }
     processFile(*included, depth + 1);
@@ -438,7 +439,7 @@ class Preprocessor {
   core::FileProvider& provider_;
   MacroTable macros_;
   PreprocessResult result_;
-  std::deque<SourceMap::File> files_;  // stable addresses while files are being read
+  std::deque<files::SourceMap::File> files_;  // stable addresses while files are being read
   std::map<std::string, std::uint32_t> fileIndices_;
   std::vector<Conditional> conditionals_;
   std::vector<std::string> openFiles_;  // being read, each included by the one before

@@ -20,16 +20,16 @@ struct PreprocessInput {
 
 struct PreprocessResult {
   std::string text;
-  SourceMap sourceMap;
+  files::SourceMap sourceMap;
   core::DiagnosticList diagnostics;
-  std::vector<std::string> macros;  // names of those defined at the end
-  bool hasLostText = false;         // a comment without an end swallowed the rest of a file
-  bool isComplete = true;           // false: the file could not be read, or a limit ended the reading
+  std::vector<std::string> macros;  // names of the macros defined at the end
+  bool hasLostText = false;         // an open comment contains the rest of a file
+  bool isComplete = true;           // false: the file could not be read, or a limit was reached
 };
 
 /// A traditional C preprocessor: #define (also with arguments), #undef, #include, #if and its relatives, both comment
-/// forms, line continuation. Used for `.l` and `.v` files and background scenes. Includes are looked for beside the
-/// file that names them.
+/// forms, line continuation. Used for `.l` and `.v` files and background scenes. An included file is looked for
+/// beside the file that includes it.
 [[nodiscard]] PreprocessResult preprocess(const PreprocessInput& input, core::FileProvider& files);
 
 }  // namespace espalier::language

@@ -18,13 +18,13 @@
 
 namespace espalier::language {
 
-/// What stands between the numbers of a command.
+/// The characters between the numbers of a command.
 inline constexpr std::string_view kNumberSeparators = " \t\r,:";
 
-/// What the commands of a view file read from and write to.
+/// The input and output of the commands of a view file.
 struct ViewCommandContext {
   ViewLexer& lexer;
-  TextReport& report;
+  files::TextReport& report;
   ViewFileResult& result;
   core::FileProvider& files;
   const std::string& viewFile;
@@ -38,15 +38,15 @@ struct ViewCommandContext {
   };
   std::vector<NamedContour> contours{};
 
-  // what the files named may still take
+  // what the named files may still use
   std::uint64_t remainingBytes = 0;
   int openedFileCount = 0;
-  ReadingBudget budget{};
-  std::size_t remainingTexturePixels = kMostImagePixels;
+  files::ReadingBudget budget{};
+  std::size_t remainingTexturePixels = files::kMostImagePixels;
 
-  [[nodiscard]] ViewSettings& settings() const { return result.settings; }
+  [[nodiscard]] files::ViewSettings& settings() const { return result.settings; }
   [[nodiscard]] bool isCompatible() const { return compatibility != core::Compatibility::Espalier; }
-  /// Writes down that a file of the present command cannot be used: an error if the model needs it.
+  /// Records that a file of the current command cannot be used: an error if the model needs it.
   void addUnusable(UnusableFile::Kind kind, int id, core::SourceRange range, std::string file) const {
     result.unusable.push_back({kind, id, report.locate(range), std::move(file)});
   }
@@ -62,7 +62,7 @@ struct ViewCommand {
   bool (*execute)(ViewCommandContext& context);
 };
 
-/// The commands that set numbers, flags and styles, the camera's, and those that only a picture needs.
+/// The commands that set numbers, flags, styles and the camera, and the commands that only a picture needs.
 [[nodiscard]] std::span<const ViewCommand> valueCommands();
 /// The commands that name files of the model folder.
 [[nodiscard]] std::span<const ViewCommand> fileCommands();
@@ -70,17 +70,19 @@ struct ViewCommand {
 /// Reads the contours that the view file named.
 void readNamedContours(ViewCommandContext& context);
 
-/// Reads the line of a `tropism:` or `torque:` (FILES §4.3); nothing, with a warning, when the command is dropped.
-void readMovement(ViewCommandContext& context, Movement::Kind kind);
+/// Reads the line of a `tropism:` or `torque:` (docs/model-files.md, 4.3). A wrong line gives a
+/// warning and has no effect.
+void readMovement(ViewCommandContext& context, files::Movement::Kind kind);
 
-/// A file beside the view file; nothing, with a warning that says the consequence, when it cannot be read.
-[[nodiscard]] std::optional<DataFile> openFile(ViewCommandContext& context, core::SourceRange range,
-                                               const std::string& name, const std::string& consequence);
+/// A file beside the view file. When it cannot be read: nothing, and a warning with the consequence.
+[[nodiscard]] std::optional<files::DataFile> openFile(ViewCommandContext& context, core::SourceRange range,
+                                                      const std::string& name, const std::string& consequence);
 
-/// Reads the line of a `texture:` (FILES §11.3) and its picture.
+/// Reads the line of a `texture:` (docs/model-files.md, 11.3) and its picture.
 void readTexture(ViewCommandContext& context);
 
-/// Reads the line of a `light:` (FILES §4.4); nothing, with a warning, when the light is dropped.
+/// Reads the line of a `light:` (docs/model-files.md, 4.4). A wrong line gives a warning and no
+/// light.
 void readLight(ViewCommandContext& context);
 
 }  // namespace espalier::language

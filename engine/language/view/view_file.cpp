@@ -27,12 +27,12 @@ const ViewCommand* findCommand(std::string_view label) {
   return nullptr;
 }
 
-/// The label without its colon, for messages and for the search of a near name.
+/// The label without its colon, for messages and for the nearest name.
 std::string_view withoutColon(std::string_view label) {
   return label.ends_with(':') ? label.substr(0, label.size() - 1) : label;
 }
 
-void warnUnknown(const TextReport& report, const ViewLexer::Label& label) {
+void warnUnknown(const files::TextReport& report, const ViewLexer::Label& label) {
   constexpr std::size_t kLongest = 40;
   if (report.isFull()) {
     return report.warn(label.range, {});
@@ -69,14 +69,14 @@ void warnUnknown(const TextReport& report, const ViewLexer::Label& label) {
 }
 
 void warnMissing(const ViewCommandContext& context, const ViewLexer::Label& label) {
-  const TextCursor& at = context.lexer.cursor();
-  TextCursor next = at;
+  const files::TextCursor& at = context.lexer.cursor();
+  files::TextCursor next = at;
   const std::string found = next.found();
   const bool isLost = context.isCompatible();
   context.report.warn(
       label.range,
       "expected " + context.lexer.expected() + " while reading '" + std::string(label.text) + "', found " + found,
-      isLost ? "the command is ignored, and what stands where the argument was looked for is skipped"
+      isLost ? "the command is ignored, and the text in the place of its argument is skipped"
              : "the command is ignored");
 }
 
@@ -111,7 +111,7 @@ ViewFileResult readViewFile(const std::string& file, core::FileProvider& files, 
   input.file = file;
   input.limits = limits;
   PreprocessResult text = preprocess(input, files);
-  // a view file never ends a run
+  // a view file never stops a run
   for (core::Diagnostic diagnostic : text.diagnostics.entries()) {
     if (diagnostic.severity == core::Severity::Error) {
       diagnostic.severity = core::Severity::Warning;
@@ -121,7 +121,7 @@ ViewFileResult readViewFile(const std::string& file, core::FileProvider& files, 
   result.sources = text.sourceMap.files;
 
   ViewLexer lexer(text.text, compatibility);
-  TextReport report(text.sourceMap, result.diagnostics);
+  files::TextReport report(text.sourceMap, result.diagnostics);
   ViewCommandContext context{lexer, report, result, files, file, compatibility};
   // places in a file are 32-bit numbers
   context.remainingBytes =
@@ -129,7 +129,7 @@ ViewFileResult readViewFile(const std::string& file, core::FileProvider& files, 
   executeCommands(context);
   readNamedContours(context);
 
-  ViewSettings& settings = result.settings;
+  files::ViewSettings& settings = result.settings;
   if (settings.viewpoint == settings.viewReferencePoint) {
     report.warn({0, 1}, "viewpoint and view reference point are equal; the view is from 0,0,-1 to 0,0,0");
     settings.viewpoint = {0.0, 0.0, -1.0};

@@ -13,8 +13,8 @@
 
 namespace espalier::language {
 
-/// A file of a surface, contour or texture that is missing or broken. What is wrong with it is a warning of the view
-/// file; it becomes an error when the model draws with it (unusableFilesInUse).
+/// A file of a surface, contour or texture that is missing or broken. The view file has a warning about it; the model
+/// gets an error when it draws with the file (neededFiles).
 struct UnusableFile {
   enum class Kind : std::uint8_t { Surface, Contour, Texture };
   Kind kind = Kind::Surface;
@@ -24,13 +24,15 @@ struct UnusableFile {
 };
 
 struct ViewFileResult {
-  ViewSettings settings;
-  core::DiagnosticList diagnostics;      // a view file alone never causes an error: warnings only
-  std::vector<UnusableFile> unusable;    // in the order of the commands
-  std::vector<SourceMap::File> sources;  // the view file, its includes and every file it names that could be read
+  files::ViewSettings settings;
+  core::DiagnosticList diagnostics;    // only warnings: a view file alone never causes an error
+  std::vector<UnusableFile> unusable;  // in the order of the commands
+  std::vector<files::SourceMap::File>
+      sources;  // the view file, its includes and every file it names that could be read
 };
 
-/// Reads a view file and the functions, curves, surfaces and contours that it names (beside it). FILES §4 to §9.
+/// Reads a view file and the functions, curves, surfaces and contours that it names (beside it). The formats are in
+/// docs/model-files.md.
 [[nodiscard]] ViewFileResult readViewFile(const std::string& file, core::FileProvider& files,
                                           core::Compatibility compatibility, const core::Limits& limits);
 

@@ -22,11 +22,11 @@ namespace {
 
 using Context = ViewCommandContext;
 
-// tables of the reference program, kept in the compatible modes because the entries beyond them change strings there
+// table sizes of the reference program; in its modes the entries beyond them change strings
 constexpr std::size_t kReferenceSurfaces = 14;
 constexpr std::size_t kReferenceTriangleSurfaces = 20;
 constexpr std::size_t kReferenceBlobs = 10;
-// so that a short file cannot ask for tables without end
+// a short file must not ask for unlimited tables
 constexpr int kMostFiles = 1000;
 constexpr int kLastContour = 31;
 
@@ -37,7 +37,7 @@ struct SurfaceArguments {
   double scale = 1.0;
 };
 
-/// Nothing when an argument is missing. An id of 0: the command is to be ignored, the warning is written.
+/// Nothing when an argument is missing. An id of 0: the command is ignored, and its warning is written.
 std::optional<SurfaceArguments> readSurfaceArguments(Context& c) {
   const std::optional<std::string_view> id = c.lexer.word();
   const std::optional<std::string_view> file = id ? c.lexer.word() : std::nullopt;
@@ -50,7 +50,7 @@ std::optional<SurfaceArguments> readSurfaceArguments(Context& c) {
     c.warn("a surface scale that is not positive is taken as 1");
   }
   const auto hasId = [&](const auto& surface) { return surface.id == arguments.id; };
-  const ViewSettings& settings = c.settings();
+  const files::ViewSettings& settings = c.settings();
   if (id->size() > 1) {
     c.warn("the name of a surface is one character, found '" + std::string(id->substr(0, 40)) +
                "'; the surface is ignored",
@@ -68,22 +68,22 @@ void addUnusableSurface(Context& c, const SurfaceArguments& arguments) {
   c.addUnusable(UnusableFile::Kind::Surface, arguments.id, c.lexer.commandRange(), arguments.file);
 }
 
-/// A surface from a mesh that another program made, for `surface:` and `tsurface:` alike.
+/// Adds a surface from a mesh file, for `surface:` and `tsurface:`.
 void addMeshSurface(Context& c, const SurfaceArguments& arguments, int texture) {
   const std::string name = std::string("~") + arguments.id;
   const std::string consequence = name + " draws nothing";
   const core::SourceRange range = c.lexer.commandRange();
-  const std::optional<DataFile> file = openFile(c, range, arguments.file, consequence);
+  const std::optional<files::DataFile> file = openFile(c, range, arguments.file, consequence);
   if (!file) {
     return addUnusableSurface(c, arguments);
   }
-  auto read = readMeshFile(file->name(), file->text());
-  if (const auto* problem = std::get_if<std::string>(&read)) {
-    c.report.warn(range, "the mesh '" + file->name() + "' cannot be used: " + *problem + "; " + consequence);
+  auto read = files::readMeshFile(file->name(), file->text());
+  if (!read) {
+    c.report.warn(range, "the mesh '" + file->name() + "' cannot be used: " + read.error() + "; " + consequence);
     return addUnusableSurface(c, arguments);
   }
-  TriangleSurface surface{arguments.id, file->name(), std::move(std::get<std::vector<SurfaceTriangle>>(read)), texture};
-  for (SurfaceTriangle& triangle : surface.triangles) {
+  files::TriangleSurface surface{arguments.id, file->name(), std::move(*read), texture};
+  for (files::SurfaceTriangle& triangle : surface.triangles) {
     for (core::Vec3& point : triangle.points) {
       point = point * arguments.scale;
     }
@@ -106,7 +106,7 @@ bool surface(Context& c) {
   if (arguments->id == 0) {
     return true;
   }
-  if (isMeshFile(arguments->file)) {
+  if (files::isMeshFile(arguments->file)) {
     addMeshSurface(c, *arguments, texture.value_or(-1));
     return true;
   }
@@ -119,12 +119,12 @@ bool surface(Context& c) {
     c.warn("the reference program has at most 14 surfaces; " + name + " is ignored");
     return true;
   }
-  const std::optional<DataFile> file =
+  const std::optional<files::DataFile> file =
       openFile(c, c.lexer.commandRange(), arguments->file, name + " draws nothing and the turtle stays");
-  std::optional<Surface> read;
+  std::optional<files::Surface> read;
   if (file) {
-    read = readSurfaceFile(*file, arguments->id, arguments->scale, hasSubdivisions ? *extra[0] : 0,
-                           hasSubdivisions ? *extra[1] : 0);
+    read = files::readSurfaceFile(*file, arguments->id, arguments->scale, hasSubdivisions ? *extra[0] : 0,
+                                  hasSubdivisions ? *extra[1] : 0);
   }
   if (read) {
     read->texture = texture.value_or(-1);
@@ -140,7 +140,7 @@ bool triangleSurface(Context& c) {
   if (!arguments || arguments->id == 0) {
     return arguments.has_value();
   }
-  if (isMeshFile(arguments->file)) {
+  if (files::isMeshFile(arguments->file)) {
     addMeshSurface(c, *arguments, -1);
     return true;
   }
@@ -149,11 +149,11 @@ bool triangleSurface(Context& c) {
     c.warn("the reference program has at most 20 triangle surfaces; " + name + " is ignored");
     return true;
   }
-  const std::optional<DataFile> file =
+  const std::optional<files::DataFile> file =
       openFile(c, c.lexer.commandRange(), arguments->file, name + " draws nothing and the turtle stays");
-  std::optional<TriangleSurface> read;
+  std::optional<files::TriangleSurface> read;
   if (file) {
-    read = readTriangleSurfaceFile(*file, arguments->id, arguments->scale);
+    read = files::readTriangleSurfaceFile(*file, arguments->id, arguments->scale);
   }
   if (read) {
     c.settings().triangleSurfaces.push_back(std::move(*read));
@@ -170,10 +170,10 @@ bool function(Context& c) {
   }
   const std::string fileName(*name);
   const std::optional<int> samples = c.lexer.optionalInteger();
-  std::vector<SplineFunction>& functions = c.settings().functions;
-  const std::optional<DataFile> file = openFile(
+  std::vector<files::SplineFunction>& functions = c.settings().functions;
+  const std::optional<files::DataFile> file = openFile(
       c, c.lexer.commandRange(), fileName, "function " + std::to_string(functions.size() + 1) + " is 0 everywhere");
-  functions.push_back(file ? readFunctionFile(*file, samples) : zeroFunction());
+  functions.push_back(file ? files::readFunctionFile(*file, samples) : files::zeroFunction());
   c.settings().functionSetDefinesMacros = false;
   return true;
 }
@@ -183,10 +183,10 @@ bool functionSet(Context& c) {
   if (!name) {
     return false;
   }
-  const std::optional<DataFile> file =
+  const std::optional<files::DataFile> file =
       openFile(c, c.lexer.commandRange(), std::string(*name), "it defines no functions");
   // a set discards the functions before it
-  c.settings().functions = file ? readFunctionSet(*file, c.compatibility) : std::vector<SplineFunction>{};
+  c.settings().functions = file ? files::readFunctionSet(*file, c.compatibility) : std::vector<files::SplineFunction>{};
   c.settings().functionSetDefinesMacros = c.compatibility != core::Compatibility::CpfgBatch;
   return true;
 }
@@ -197,11 +197,12 @@ bool curve(Context& c) {
     return false;
   }
   const std::string fileName(*name);
-  const int samples = c.lexer.optionalInteger().value_or(kDefaultCurveSamples);
-  std::vector<ParametricCurve>& curves = c.settings().curves;
-  const std::optional<DataFile> file = openFile(
+  const int samples = c.lexer.optionalInteger().value_or(files::kDefaultCurveSamples);
+  std::vector<files::ParametricCurve>& curves = c.settings().curves;
+  const std::optional<files::DataFile> file = openFile(
       c, c.lexer.commandRange(), fileName, "curve " + std::to_string(curves.size() + 1) + " is the origin everywhere");
-  curves.push_back(file ? readCurveFile(*file, boundedSampleCount(*file, {0, 1}, samples)) : zeroCurve());
+  curves.push_back(file ? files::readCurveFile(*file, files::boundedSampleCount(*file, {0, 1}, samples))
+                        : files::zeroCurve());
   return true;
 }
 
@@ -235,8 +236,8 @@ bool blob(Context& c) {
     c.warn("the reference program has at most 10 blob fields; '" + fileName.substr(0, 40) + "' is ignored");
     return true;
   }
-  const std::optional<DataFile> file = openFile(c, range, fileName, "the field is 0 everywhere");
-  c.settings().blobFields.push_back(file ? readBlobFile(*file) : BlobField{});
+  const std::optional<files::DataFile> file = openFile(c, range, fileName, "the field is 0 everywhere");
+  c.settings().blobFields.push_back(file ? files::readBlobFile(*file) : files::BlobField{});
   return true;
 }
 
@@ -255,17 +256,17 @@ constexpr std::array kFileCommands = {
 
 }  // namespace
 
-std::optional<DataFile> openFile(ViewCommandContext& c, core::SourceRange range, const std::string& name,
-                                 const std::string& consequence) {
+std::optional<files::DataFile> openFile(ViewCommandContext& c, core::SourceRange range, const std::string& name,
+                                        const std::string& consequence) {
   if (++c.openedFileCount > kMostFiles) {
     c.report.warn(range, "more than " + std::to_string(kMostFiles) + " files in one view file; " + consequence);
     return std::nullopt;
   }
-  const std::string file = nameBeside(c.viewFile, name);
+  const std::string file = files::nameBeside(c.viewFile, name);
   std::optional<std::string> text = c.files.read(file);
   if (!text) {
     c.report.warn(range, "the file '" + file + "' cannot be read; " + consequence,
-                  "files of a view file are looked for beside it");
+                  "the file is looked for beside the view file");
     return std::nullopt;
   }
   if (text->size() > c.remainingBytes) {
@@ -275,11 +276,11 @@ std::optional<DataFile> openFile(ViewCommandContext& c, core::SourceRange range,
   }
   c.remainingBytes -= text->size();
   const bool isNew = std::none_of(c.result.sources.begin(), c.result.sources.end(),
-                                  [&](const SourceMap::File& source) { return source.name == file; });
+                                  [&](const files::SourceMap::File& source) { return source.name == file; });
   if (isNew) {
     c.result.sources.push_back({file, *text});
   }
-  return DataFile(file, std::move(*text), c.result.diagnostics, &c.budget);
+  return files::DataFile(file, std::move(*text), c.result.diagnostics, &c.budget);
 }
 
 std::span<const ViewCommand> fileCommands() {
@@ -288,15 +289,15 @@ std::span<const ViewCommand> fileCommands() {
 
 void readNamedContours(ViewCommandContext& context) {
   for (const ViewCommandContext::NamedContour& named : context.contours) {
-    const std::optional<DataFile> file =
+    const std::optional<files::DataFile> file =
         openFile(context, named.range, named.file, "contour " + std::to_string(named.id) + " is the circle");
-    std::optional<Contour> read = file ? readContourFile(*file, named.id) : std::nullopt;
+    std::optional<files::Contour> read = file ? files::readContourFile(*file, named.id) : std::nullopt;
     if (!read) {
       context.addUnusable(UnusableFile::Kind::Contour, named.id, named.range, named.file);
       continue;
     }
     // a later contour of the same number replaces the earlier one
-    std::erase_if(context.settings().contours, [&](const Contour& other) { return other.id == named.id; });
+    std::erase_if(context.settings().contours, [&](const files::Contour& other) { return other.id == named.id; });
     context.settings().contours.push_back(std::move(*read));
   }
 }

@@ -5,7 +5,7 @@
 namespace espalier::language {
 
 std::optional<ViewLexer::Label> ViewLexer::nextLabel() {
-  // a line of blanks only is no label, whatever the blanks are
+  // a line of blanks and TABs is not a label
   while (!cursor_.atEnd() && cursor_.atLineEnd()) {
     (void)cursor_.takeLine();
   }
@@ -72,7 +72,7 @@ std::optional<core::Vec3> ViewLexer::triple() {
 }
 
 std::optional<double> ViewLexer::optionalNumber() {
-  TextCursor next = cursor_;
+  files::TextCursor next = cursor_;
   next.skipSpace();
   const std::optional<double> value = next.number();
   if (value) {
@@ -82,7 +82,7 @@ std::optional<double> ViewLexer::optionalNumber() {
 }
 
 std::optional<int> ViewLexer::optionalInteger() {
-  TextCursor next = cursor_;
+  files::TextCursor next = cursor_;
   next.skipSpace();
   const std::optional<int> value = next.integer();
   if (value) {
@@ -92,7 +92,7 @@ std::optional<int> ViewLexer::optionalInteger() {
 }
 
 std::string_view ViewLexer::optionalUnit() {
-  TextCursor next = cursor_;
+  files::TextCursor next = cursor_;
   next.skip(" ");
   if (next.position() == cursor_.position() || next.atEnd() || next.atLineEnd() || next.peek() == '\t') {
     return {};
@@ -104,8 +104,8 @@ std::string_view ViewLexer::optionalUnit() {
 
 void ViewLexer::recover() {
   if (!isCompatible_) {
-    // back to the label when the argument was looked for beyond its line
-    TextCursor labelLine = cursor_;
+    // back to the label when the search for the argument went beyond its line
+    files::TextCursor labelLine = cursor_;
     labelLine.setPosition(labelEnd_);
     (void)labelLine.takeLine();
     if (cursor_.position() >= labelLine.position()) {

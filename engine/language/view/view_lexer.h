@@ -10,10 +10,11 @@
 
 namespace espalier::language {
 
-/// Reads labels and their arguments from the preprocessed text of a view file (FILES §4.1).
+/// Reads labels and their arguments from the preprocessed text of a view file (docs/model-files.md,
+/// 4.1).
 ///
-/// Numbers are looked for across newlines in every mode. When an argument is missing, the compatible modes have gone to
-/// the next line and lose it; the Espalier mode keeps it.
+/// Numbers are looked for across newlines in every mode. When an argument is missing, the compatible modes skip the
+/// next line; the Espalier mode reads it as a command.
 class ViewLexer {
  public:
   /// The text must outlive the object.
@@ -27,26 +28,26 @@ class ViewLexer {
   /// The next label; nothing at the end of the file. A TAB before it belongs to it.
   [[nodiscard]] std::optional<Label> nextLabel();
 
-  // arguments: each returns nothing when it is missing, and then expected() says what it should have been
+  // arguments: each returns nothing when it is missing; expected() then names it
   [[nodiscard]] std::optional<double> number();
   [[nodiscard]] std::optional<int> integer();
   [[nodiscard]] std::optional<std::string_view> word();
   /// Three numbers, a comma directly after the first and the second.
   [[nodiscard]] std::optional<core::Vec3> triple();
 
-  /// A number if one follows; nothing is missing otherwise.
+  /// A number if one follows; its absence is not a mistake.
   [[nodiscard]] std::optional<double> optionalNumber();
   [[nodiscard]] std::optional<int> optionalInteger();
   /// The next word of the same line after blanks, but not after a TAB; empty: none.
   [[nodiscard]] std::string_view optionalUnit();
   /// The rest of the line; the position is then on the next one.
-  [[nodiscard]] TextCursor line() { return cursor_.takeLine(); }
-  /// The rest of the line is not needed.
+  [[nodiscard]] files::TextCursor line() { return cursor_.takeLine(); }
+  /// Skips the rest of the line.
   void skipLine() { (void)cursor_.takeLine(); }
 
   [[nodiscard]] const std::string& expected() const { return expected_; }
-  [[nodiscard]] const TextCursor& cursor() const { return cursor_; }
-  /// After a missing argument of a label: passes what is not to be read again.
+  [[nodiscard]] const files::TextCursor& cursor() const { return cursor_; }
+  /// After a missing argument of a label: passes the text that is not read again.
   void recover();
   /// From the last label's beginning to the position, on the label's line.
   [[nodiscard]] core::SourceRange commandRange() const;
@@ -54,7 +55,7 @@ class ViewLexer {
  private:
   void beginArgument(std::string_view expected);
 
-  TextCursor cursor_;
+  files::TextCursor cursor_;
   bool isCompatible_;
   std::size_t labelBegin_ = 0;
   std::size_t labelEnd_ = 0;

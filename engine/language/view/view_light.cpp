@@ -13,7 +13,7 @@ bool isLetter(char c) {
 }
 
 /// The first letter of the next word, passed with the rest of the word; 0 when none is next.
-char takeKey(TextCursor& line) {
+char takeKey(files::TextCursor& line) {
   line.skip(kNumberSeparators);
   const char key = isLetter(line.peek()) ? line.peek() : '\0';
   while (isLetter(line.peek())) {
@@ -22,7 +22,7 @@ char takeKey(TextCursor& line) {
   return key;
 }
 
-/// The numbers that a light's letter takes; 0: there is no such letter.
+/// The numbers that a light's letter takes; 0: the letter is unknown.
 int argumentCount(char key) {
   switch (key) {
     case 'O':
@@ -39,7 +39,7 @@ int argumentCount(char key) {
   }
 }
 
-void setPart(Light& light, char key, const std::array<double, 5>& n) {
+void setPart(files::Light& light, char key, const std::array<double, 5>& n) {
   const core::Vec3 three{n[0], n[1], n[2]};
   switch (key) {
     case 'O':
@@ -71,8 +71,8 @@ void setPart(Light& light, char key, const std::array<double, 5>& n) {
 
 void readLight(ViewCommandContext& context) {
   const core::SourceRange range = context.lexer.commandRange();
-  Light light;
-  TextCursor line = context.lexer.line();
+  files::Light light;
+  files::TextCursor line = context.lexer.line();
   for (line.skip(kNumberSeparators); !line.atEnd(); line.skip(kNumberSeparators)) {
     const std::string found = line.found();
     const char key = takeKey(line);

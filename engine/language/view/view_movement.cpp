@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t kReferenceMovements = 10;
 
 /// Reads `count` numbers; false when there are fewer.
-bool readNumbers(TextCursor& line, double* numbers, int count) {
+bool readNumbers(files::TextCursor& line, double* numbers, int count) {
   for (int i = 0; i < count; ++i) {
     line.skip(kNumberSeparators);
     const std::optional<double> number = line.number();
@@ -25,18 +25,18 @@ bool readNumbers(TextCursor& line, double* numbers, int count) {
 
 }  // namespace
 
-void readMovement(ViewCommandContext& context, Movement::Kind kind) {
-  const std::string name = kind == Movement::Kind::Tropism ? "tropism" : "torque";
+void readMovement(ViewCommandContext& context, files::Movement::Kind kind) {
+  const std::string name = kind == files::Movement::Kind::Tropism ? "tropism" : "torque";
   const core::SourceRange range = context.lexer.commandRange();
   const auto drop = [&](const std::string& message, const std::string& hint = {}) {
     context.report.warn(range, "the " + name + " is dropped: " + message, hint);
   };
-  Movement movement;
+  files::Movement movement;
   movement.kind = kind;
   std::optional<core::Vec3> given;
   double intensity = 0.0;
   bool hasIntensity = false;
-  TextCursor line = context.lexer.line();
+  files::TextCursor line = context.lexer.line();
   for (line.skip(kNumberSeparators); !line.atEnd(); line.skip(kNumberSeparators)) {
     const std::string found = line.found();
     const char key = line.peek();
@@ -81,7 +81,7 @@ void readMovement(ViewCommandContext& context, Movement::Kind kind) {
   if (!(length > 0.0) || (hasIntensity && intensity == 0.0)) {
     return drop(length > 0.0 ? "its intensity is 0" : "its direction has no length");
   }
-  // the reference scales a given direction, not its unit vector, and never makes it longer
+  // the reference scales the given direction, not its unit vector, and never lengthens it
   const double factor = hasIntensity ? std::clamp(intensity / length, -1.0, 1.0) : 1.0 / length;
   movement.direction = *given * factor;
   if (context.isCompatible() && context.settings().movements.size() >= kReferenceMovements) {

@@ -3,10 +3,10 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <tl/expected.hpp>
 #include <utility>
-#include <variant>
 
-#include "engine/files/image_file.h"
+#include "engine/files/images/image_file.h"
 #include "engine/language/view/view_commands.h"
 
 namespace espalier::language {
@@ -16,13 +16,7 @@ constexpr std::string_view kTextureSeparators = " \t\r:";
 constexpr std::size_t kMostTextures = 20;
 constexpr std::array<std::string_view, 6> kMinifications{"n", "l", "mnn", "mln", "mnl", "mll"};
 
-/// The words of a line: the key is the first letter of a word, its value the next word.
-struct TextureLine {
-  Texture texture;
-  std::string problem;  // empty: none
-};
-
-std::string_view nextWord(TextCursor& line) {
+std::string_view nextWord(files::TextCursor& line) {
   line.skip(kTextureSeparators);
   const std::size_t begin = line.position();
   while (!line.atEnd() && kTextureSeparators.find(line.peek()) == std::string_view::npos) {
@@ -31,7 +25,7 @@ std::string_view nextWord(TextCursor& line) {
   return line.textBetween(begin, line.position());
 }
 
-bool setMinification(Texture& texture, std::string_view value) {
+bool setMinification(files::Texture& texture, std::string_view value) {
   const auto* const found = std::ranges::find(kMinifications, value == "m" ? "mll" : value);
   if (found == kMinifications.end()) {
     return false;
@@ -40,25 +34,24 @@ bool setMinification(Texture& texture, std::string_view value) {
   return true;
 }
 
-bool setUse(Texture& texture, char value) {
+bool setUse(files::Texture& texture, char value) {
   const std::size_t index = std::string_view("mdb").find(value);
   if (index != std::string_view::npos) {
-    texture.use = static_cast<Texture::Use>(index);
+    texture.use = static_cast<files::Texture::Use>(index);
   }
   return index != std::string_view::npos;
 }
 
-TextureLine readLine(TextCursor line) {
-  TextureLine result;
-  Texture& texture = result.texture;
+/// A texture from the words of its line: the key is the first letter of a word, its value the next word.
+tl::expected<files::Texture, std::string> readTextureLine(files::TextCursor line) {
+  files::Texture texture;
   for (std::string_view key = nextWord(line); !key.empty(); key = nextWord(line)) {
     if (key.front() == 'S') {
       texture.isPerSurface = true;
       continue;
     }
     if (std::string_view("FHLER").find(key.front()) == std::string_view::npos) {
-      result.problem = "expected F, H, L, E, S or R, found '" + std::string(key.substr(0, 40)) + "'";
-      return result;
+      return tl::unexpected("expected F, H, L, E, S or R, found '" + std::string(key.substr(0, 40)) + "'");
     }
     const std::string value(nextWord(line));
     bool isGood = !value.empty();
@@ -77,7 +70,7 @@ TextureLine readLine(TextCursor line) {
         isGood = setUse(texture, value[0]);
         break;
       case 'R': {
-        TextCursor number(value);
+        files::TextCursor number(value);
         texture.ratio = number.number().value_or(0.0);
         isGood = texture.ratio > 0.0;
         break;
@@ -86,39 +79,43 @@ TextureLine readLine(TextCursor line) {
         break;
     }
     if (!isGood) {
-      result.problem = "'" + value.substr(0, 40) + "' is no value of " + std::string(1, key.front());
-      return result;
+      return tl::unexpected("'" + value.substr(0, 40) + "' is not a value of " + std::string(1, key.front()));
     }
   }
-  result.problem = texture.file.empty() ? "it names no file (F)" : "";
-  return result;
+  if (texture.file.empty()) {
+    return tl::unexpected<std::string>("it names no file (F)");
+  }
+  return texture;
 }
 
 }  // namespace
 
 void readTexture(ViewCommandContext& context) {
   const core::SourceRange range = context.lexer.commandRange();
-  std::vector<Texture>& textures = context.settings().textures;
+  std::vector<files::Texture>& textures = context.settings().textures;
   const std::string name = "texture " + std::to_string(textures.size() + 1);
-  auto [texture, problem] = readLine(context.lexer.line());
+  const auto line = readTextureLine(context.lexer.line());
   if (textures.size() >= kMostTextures) {
     return context.report.warn(range, "a view file has at most 20 textures; this one is ignored");
   }
-  if (!problem.empty()) {
-    context.report.warn(range, name + " is dropped: " + problem, "write it as 'texture: F bark.png H l L m E m R 2'");
-  } else if (std::optional<DataFile> file = openFile(context, range, texture.file, "what wears it is plain")) {
-    auto read = readImageFile(file->name(), file->text());
-    auto* const image = std::get_if<Image>(&read);
-    if (image == nullptr) {
-      context.report.warn(range, "the picture '" + file->name() + "' of " + name +
-                                     " cannot be used: " + std::get<std::string>(read) + "; what wears it is plain");
+  files::Texture texture = line.value_or(files::Texture{});
+  if (!line) {
+    context.report.warn(range, name + " is dropped: " + line.error(),
+                        "write it as 'texture: F bark.png H l L m E m R 2'");
+  } else if (std::optional<files::DataFile> file =
+                 openFile(context, range, texture.file, "surfaces with it are plain")) {
+    auto image = files::readImageFile(file->name(), file->text());
+    if (!image) {
+      context.report.warn(range, "the picture '" + file->name() + "' of " + name + " cannot be used: " + image.error() +
+                                     "; surfaces with it are plain");
     } else if (image->pixels.size() / 4 > context.remainingTexturePixels) {
-      context.report.warn(range, "the pictures of the view file have more than " + std::to_string(kMostImagePixels) +
-                                     " points: '" + file->name() + "' is not used; what wears it is plain");
+      context.report.warn(range, "the pictures of the view file have more than " +
+                                     std::to_string(files::kMostImagePixels) + " pixels: '" + file->name() +
+                                     "' is not used; surfaces with it are plain");
     } else {
       context.remainingTexturePixels -= image->pixels.size() / 4;
       texture.bytes = std::make_shared<const std::string>(file->text());
-      texture.image = std::make_shared<const Image>(std::move(*image));
+      texture.image = std::make_shared<const files::Image>(std::move(*image));
     }
   }
   if (texture.image == nullptr) {

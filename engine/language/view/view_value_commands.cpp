@@ -14,7 +14,7 @@ using Context = ViewCommandContext;
 constexpr int kLeastContourSides = 3;
 constexpr int kMostContourSides = 1000;
 
-template <double ViewSettings::*Member>
+template <double files::ViewSettings::*Member>
 bool setNumber(Context& c) {
   const std::optional<double> value = c.lexer.number();
   if (value) {
@@ -23,8 +23,8 @@ bool setNumber(Context& c) {
   return value.has_value();
 }
 
-/// A factor: 0 would make everything vanish and becomes 1.
-template <double ViewSettings::*Member>
+/// A factor; 0 would hide the whole plant and becomes 1.
+template <double files::ViewSettings::*Member>
 bool setFactor(Context& c) {
   const std::optional<double> value = c.lexer.number();
   if (!value) {
@@ -58,11 +58,12 @@ bool colourMapEntry(Context& c) {
     return false;
   }
   const auto isByte = [](double value) { return value >= 0.0 && value <= 255.0; };
-  if (*index < 0 || *index >= Palette::kBlockSize || !isByte(colour->x) || !isByte(colour->y) || !isByte(colour->z)) {
+  if (*index < 0 || *index >= files::Palette::kBlockSize || !isByte(colour->x) || !isByte(colour->y) ||
+      !isByte(colour->z)) {
     c.warn("a color map has entries 0 to 255 with red, green and blue from 0 to 255; this one is ignored");
     return true;
   }
-  Palette& palette = c.settings().palette;
+  files::Palette& palette = c.settings().palette;
   palette.maps[palette.base][static_cast<std::size_t>(*index)] = {static_cast<std::uint8_t>(std::lround(colour->x)),
                                                                   static_cast<std::uint8_t>(std::lround(colour->y)),
                                                                   static_cast<std::uint8_t>(std::lround(colour->z))};
@@ -82,7 +83,7 @@ std::optional<bool> readFlag(Context& c, bool isPresent) {
   return isPresent;
 }
 
-template <bool ViewSettings::*Member>
+template <bool files::ViewSettings::*Member>
 bool setFlag(Context& c) {
   const std::optional<bool> flag = readFlag(c, c.settings().*Member);
   if (flag) {
@@ -91,7 +92,7 @@ bool setFlag(Context& c) {
   return flag.has_value();
 }
 
-template <core::Vec3 ViewSettings::*Member>
+template <core::Vec3 files::ViewSettings::*Member>
 bool setTriple(Context& c) {
   const std::optional<core::Vec3> value = c.lexer.triple();
   if (value) {
@@ -122,9 +123,9 @@ bool initialLineWidth(Context& c) {
   c.settings().initialLineWidth = *value;
   // the unit also chooses the line style
   const std::string_view unit = c.lexer.optionalUnit();
-  c.settings().lineStyle = unit.starts_with('p')   ? LineStyle::Pixel
-                           : unit.starts_with('s') ? LineStyle::Cylinder
-                                                   : LineStyle::Polygon;
+  c.settings().lineStyle = unit.starts_with('p')   ? files::LineStyle::Pixel
+                           : unit.starts_with('s') ? files::LineStyle::Cylinder
+                                                   : files::LineStyle::Polygon;
   return true;
 }
 
@@ -157,13 +158,13 @@ bool lineStyle(Context& c) {
     return false;
   }
   if (*word == "pixel" || *word == "1") {
-    c.settings().lineStyle = LineStyle::Pixel;
+    c.settings().lineStyle = files::LineStyle::Pixel;
   } else if (*word == "polygon" || *word == "2") {
-    c.settings().lineStyle = LineStyle::Polygon;
+    c.settings().lineStyle = files::LineStyle::Polygon;
   } else if (*word == "cylinder" || *word == "3") {
-    c.settings().lineStyle = LineStyle::Cylinder;
+    c.settings().lineStyle = files::LineStyle::Cylinder;
   } else if (*word != "wireframe") {
-    // `wireframe` stands in many published files and means nothing
+    // `wireframe` occurs in many published files and has no effect
     c.warn("unknown line style '" + std::string(word->substr(0, 40)) + "'; the style stays as it is",
            core::suggestName(*word, {"pixel", "polygon", "cylinder"}));
   }
@@ -195,12 +196,12 @@ bool polygonizationLevel(Context& c) {
 }
 
 bool tropism(Context& c) {
-  readMovement(c, Movement::Kind::Tropism);
+  readMovement(c, files::Movement::Kind::Tropism);
   return true;
 }
 
 bool torque(Context& c) {
-  readMovement(c, Movement::Kind::Torque);
+  readMovement(c, files::Movement::Kind::Torque);
   return true;
 }
 
@@ -218,7 +219,7 @@ bool tropismDirection(Context& c) {
   return true;
 }
 
-template <double OldTropism::*Member>
+template <double files::OldTropism::*Member>
 bool setOldTropism(Context& c) {
   const std::optional<double> value = c.lexer.number();
   if (value) {
@@ -272,7 +273,7 @@ bool twist(Context& c) {
 /// `box: x: a,b y: a,b z: a,b` on one line.
 bool box(Context& c) {
   const core::SourceRange range = c.lexer.commandRange();
-  TextCursor line = c.lexer.line();
+  files::TextCursor line = c.lexer.line();
   std::array<double, 6> bounds{};
   for (std::size_t i = 0; i < bounds.size(); ++i) {
     line.skipBlanks();
@@ -295,7 +296,7 @@ bool box(Context& c) {
     }
     bounds[i] = *number;
   }
-  c.settings().box = Box{{bounds[0], bounds[2], bounds[4]}, {bounds[1], bounds[3], bounds[5]}};
+  c.settings().box = files::Box{{bounds[0], bounds[2], bounds[4]}, {bounds[1], bounds[3], bounds[5]}};
   return true;
 }
 
@@ -309,7 +310,7 @@ bool renderMode(Context& c) {
   }
   for (std::size_t i = 0; i < kRenderModes.size(); ++i) {
     if (*word == kRenderModes[i] || *word == std::to_string(i + 1)) {
-      c.settings().renderMode = static_cast<RenderMode>(i);
+      c.settings().renderMode = static_cast<files::RenderMode>(i);
       return true;
     }
   }
@@ -323,10 +324,10 @@ bool shadeMode(Context& c) {
   const std::optional<int> mode = c.lexer.integer();
   if (mode) {
     const bool isWireframe = *mode == 4 || *mode == 5 || *mode == 7;
-    c.settings().renderMode = *mode == 2                 ? RenderMode::Interpolated
-                              : *mode == 3 || *mode == 6 ? RenderMode::Shaded
-                              : isWireframe              ? RenderMode::Wireframe
-                                                         : RenderMode::Filled;
+    c.settings().renderMode = *mode == 2                 ? files::RenderMode::Interpolated
+                              : *mode == 3 || *mode == 6 ? files::RenderMode::Shaded
+                              : isWireframe              ? files::RenderMode::Wireframe
+                                                         : files::RenderMode::Filled;
   }
   return mode.has_value();
 }
@@ -360,7 +361,7 @@ bool lineCap(Context& c) {
   return cap.has_value();
 }
 
-// what only a picture would need: the arguments are read so that a command behind them on the same line is found
+// commands for pictures of other programs: the arguments are read to find the next command on the same line
 
 bool passNumber(Context& c) {
   return c.lexer.number().has_value();
@@ -378,7 +379,7 @@ bool passLine(Context& c) {
   c.lexer.skipLine();
   return true;
 }
-// commands whose files no picture of ours shows
+// commands whose files our pictures do not show
 bool backgroundScene(Context& c) {
   c.report.note(c.lexer.commandRange(), "the background scene is not drawn; an environment may still read its file");
   return passLine(c);
@@ -389,40 +390,40 @@ bool rayshadeObjects(Context& c) {
 }
 
 constexpr std::array kValueCommands = {
-    ViewCommand{"angle increment:", setNumber<&ViewSettings::angleIncrementDegrees>},
+    ViewCommand{"angle increment:", setNumber<&files::ViewSettings::angleIncrementDegrees>},
     ViewCommand{"angle factor:", angleFactor},
     ViewCommand{"initial line width:", initialLineWidth},
-    ViewCommand{"line width increment:", setNumber<&ViewSettings::lineWidthIncrement>},
+    ViewCommand{"line width increment:", setNumber<&files::ViewSettings::lineWidthIncrement>},
     ViewCommand{"initial color:", initialColour},
     ViewCommand{"color increment:", colourIncrement},
-    ViewCommand{"initial scale:", setFactor<&ViewSettings::initialScale>},
-    ViewCommand{"initial position:", setTriple<&ViewSettings::initialPosition>},
+    ViewCommand{"initial scale:", setFactor<&files::ViewSettings::initialScale>},
+    ViewCommand{"initial position:", setTriple<&files::ViewSettings::initialPosition>},
     ViewCommand{"initial heading:", initialHeading},
-    ViewCommand{"displacement:", setTriple<&ViewSettings::displacement>},
+    ViewCommand{"displacement:", setTriple<&files::ViewSettings::displacement>},
     ViewCommand{"color map entry:", colourMapEntry},
-    ViewCommand{"scale multiplier:", setFactor<&ViewSettings::scaleMultiplier>},
+    ViewCommand{"scale multiplier:", setFactor<&files::ViewSettings::scaleMultiplier>},
     ViewCommand{"line style:", lineStyle},
-    ViewCommand{"tapered lines:", setFlag<&ViewSettings::hasTaperedLines>},
+    ViewCommand{"tapered lines:", setFlag<&files::ViewSettings::hasTaperedLines>},
     ViewCommand{"contour sides:", contourSides},
     ViewCommand{"polygonization level:", polygonizationLevel},
-    ViewCommand{"twist of cylinders:", setFlag<&ViewSettings::hasTwistOfCylinders>},
+    ViewCommand{"twist of cylinders:", setFlag<&files::ViewSettings::hasTwistOfCylinders>},
     ViewCommand{"tropism:", tropism},
     ViewCommand{"torque:", torque},
     ViewCommand{"tropism direction:", tropismDirection},
-    ViewCommand{"initial elasticity:", setOldTropism<&OldTropism::initialElasticity>},
-    ViewCommand{"elasticity increment:", setOldTropism<&OldTropism::elasticityIncrement>},
+    ViewCommand{"initial elasticity:", setOldTropism<&files::OldTropism::initialElasticity>},
+    ViewCommand{"elasticity increment:", setOldTropism<&files::OldTropism::elasticityIncrement>},
     ViewCommand{"interpretation past %:", interpretationPastCut},
     ViewCommand{"environment display:", environmentDisplay},
     ViewCommand{"interpretation step:", passNumber},
     ViewCommand{"generate on view change:", passWord},
     ViewCommand{"projection:", projection},
-    ViewCommand{"viewpoint:", setTriple<&ViewSettings::viewpoint>},
-    ViewCommand{"view reference point:", setTriple<&ViewSettings::viewReferencePoint>},
+    ViewCommand{"viewpoint:", setTriple<&files::ViewSettings::viewpoint>},
+    ViewCommand{"view reference point:", setTriple<&files::ViewSettings::viewReferencePoint>},
     ViewCommand{"twist:", twist},
-    ViewCommand{"viewing angle:", setNumber<&ViewSettings::viewingAngleDegrees>},
+    ViewCommand{"viewing angle:", setNumber<&files::ViewSettings::viewingAngleDegrees>},
     ViewCommand{"front distance:", passNumber},
     ViewCommand{"back distance:", passNumber},
-    ViewCommand{"scale factor:", setFactor<&ViewSettings::scaleFactor>},
+    ViewCommand{"scale factor:", setFactor<&files::ViewSettings::scaleFactor>},
     ViewCommand{"box:", box},
     ViewCommand{"min zoom:", passNumber},
     ViewCommand{"max zoom:", passNumber},

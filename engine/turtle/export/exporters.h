@@ -26,8 +26,8 @@ using ModuleVisitor = std::function<void(const TurtleRecord&, std::uint64_t firs
 /// What is exported. Everything referred to must outlive the export.
 struct ExportInput {
   const Scene& scene;
-  const language::ViewSettings& view;          // surfaces, contours, camera: of the model that drew the scene
-  const language::Palette* palette = nullptr;  // a model folder's colours; null or empty: Espalier's own
+  const files::ViewSettings& view;             // surfaces, contours, camera: of the model that drew the scene
+  const files::Palette* palette = nullptr;     // a model folder's colours; null or empty: Espalier's own
   std::span<const TurtleRecord> records = {};  // of the same interpretation
   double detail = 1.0;          // factor of the sides and subdivisions of meshes: a half is a coarser level of detail
   unsigned threads = 1;         // that make meshes: nothing in a file depends on them

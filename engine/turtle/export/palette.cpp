@@ -52,7 +52,7 @@ Colour defaultColour(std::int32_t index) {
   return kRamp.back().colour;
 }
 
-Palette::Palette(const Scene& scene, const language::Palette* colours)
+Palette::Palette(const Scene& scene, const files::Palette* colours)
     : colours_(colours != nullptr && !colours->empty() ? colours : nullptr) {
   isPlain_ = colours_ == nullptr && std::all_of(scene.segments.begin(), scene.segments.end(),
                                                 [](const Segment& segment) { return segment.colour == kDefaultIndex; });
@@ -81,12 +81,12 @@ Colour Palette::ofIndex(std::int32_t index) const {
   if (colours_ == nullptr) {
     return defaultColour(index);
   }
-  const language::PaletteColour colour = colours_->colour(indexOf(index));
+  const files::PaletteColour colour = colours_->colour(indexOf(index));
   return {colour.red, colour.green, colour.blue};
 }
 
 double Palette::opacityOfIndex(std::int32_t index) const {
-  const std::optional<language::Material> material = folderMaterial(index);
+  const std::optional<files::Material> material = folderMaterial(index);
   return material ? material->opacity : 1.0;
 }
 
@@ -94,11 +94,11 @@ Colour Palette::background() const {
   if (colours_ == nullptr) {
     return kBackground;
   }
-  const language::PaletteColour colour = colours_->background();
+  const files::PaletteColour colour = colours_->background();
   return {colour.red, colour.green, colour.blue};
 }
 
-std::optional<language::Material> Palette::folderMaterial(std::int32_t index) const {
+std::optional<files::Material> Palette::folderMaterial(std::int32_t index) const {
   if (colours_ == nullptr || !colours_->usesMaterials) {
     return std::nullopt;
   }

@@ -22,7 +22,7 @@ struct Colour {
 class Palette {
  public:
   /// `colours` is a model folder's and must outlive the object; null or empty: there is none.
-  explicit Palette(const Scene& scene, const language::Palette* colours = nullptr);
+  explicit Palette(const Scene& scene, const files::Palette* colours = nullptr);
 
   [[nodiscard]] Colour ofSegment(const Segment& segment) const;
   [[nodiscard]] Colour ofIndex(std::int32_t index) const;
@@ -31,13 +31,13 @@ class Palette {
   /// The page's colour.
   [[nodiscard]] Colour background() const;
   /// The folder's material of a colour index; nothing when the folder has none.
-  [[nodiscard]] std::optional<language::Material> folderMaterial(std::int32_t index) const;
+  [[nodiscard]] std::optional<files::Material> folderMaterial(std::int32_t index) const;
   /// A number that is equal for segments of equal colour, for naming materials: the colour index, or 256 + order.
   [[nodiscard]] std::int32_t materialOf(const Segment& segment) const;
   [[nodiscard]] Colour ofMaterial(std::int32_t material) const;
 
  private:
-  const language::Palette* colours_ = nullptr;
+  const files::Palette* colours_ = nullptr;
   bool isPlain_ = false;
   std::uint32_t maximumOrder_ = 0;
 };

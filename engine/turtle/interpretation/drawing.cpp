@@ -16,7 +16,7 @@ constexpr std::int32_t kDefaultStripCount = 4;
 
 }  // namespace
 
-Drawing::Drawing(Scene* scene, const language::ViewSettings& view, std::uint32_t plant)
+Drawing::Drawing(Scene* scene, const files::ViewSettings& view, std::uint32_t plant)
     : scene_(scene), view_(&view), plant_(plant) {
   if (scene_ != nullptr) {
     scene_->lineStyle = view.lineStyle;

@@ -21,7 +21,7 @@ namespace espalier::turtle {
 class Drawing {
  public:
   /// `view` must outlive the object; so must `scene`, which may be null.
-  Drawing(Scene* scene, const language::ViewSettings& view, std::uint32_t plant);
+  Drawing(Scene* scene, const files::ViewSettings& view, std::uint32_t plant);
 
   /// The string's module that is being interpreted: what is drawn belongs to it.
   void setModule(std::uint64_t module) { module_ = module; }
@@ -68,7 +68,7 @@ class Drawing {
   [[nodiscard]] CylinderPoint pointOf(const TurtleState& state, std::int32_t stripCount) const;
 
   Scene* scene_;
-  const language::ViewSettings* view_;
+  const files::ViewSettings* view_;
   std::uint32_t plant_;
   std::uint64_t module_ = 0;
   std::vector<OpenShape> open_;  // innermost last

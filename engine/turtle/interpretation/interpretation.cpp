@@ -346,7 +346,7 @@ std::uint64_t Interpretation::executeSurface(const Sequence& sequence, std::uint
   const core::Vec3 factor =
       arguments.count >= 3 ? core::Vec3{a, arguments.values[1], arguments.values[2]} : core::Vec3{a, a, a};
   for (std::size_t k = 0; k < view_.surfaces.size(); ++k) {
-    const language::Surface& surface = view_.surfaces[k];
+    const files::Surface& surface = view_.surfaces[k];
     if (surface.id != id) {
       continue;
     }

@@ -157,7 +157,7 @@ class Interpretation {
   }
 
   const language::Program& program_;
-  const language::ViewSettings& view_;
+  const files::ViewSettings& view_;
   const InterpretationTables& tables_;
   std::set<std::string>& reported_;
   derivation::Derivation& derivation_;

@@ -15,7 +15,7 @@ namespace {
 constexpr double kSmallestTurn = 1e-6;  // radians
 constexpr double kLargestTurn = 1.0;    // radians
 
-Vec3 pullOf(const language::Movement& movement, const Vec3& heading) {
+Vec3 pullOf(const files::Movement& movement, const Vec3& heading) {
   if (movement.angleDegrees == 0.0) {
     return movement.direction;
   }
@@ -28,7 +28,7 @@ Vec3 pullOf(const language::Movement& movement, const Vec3& heading) {
 
 }  // namespace
 
-void applyMovements(TurtleState& state, std::span<const language::Movement> movements) {
+void applyMovements(TurtleState& state, std::span<const files::Movement> movements) {
   // sum the pulls of both kinds
   Vec3 pull;
   Vec3 torque;
@@ -36,8 +36,8 @@ void applyMovements(TurtleState& state, std::span<const language::Movement> move
   bool hasTorque = false;
   const std::size_t count = std::min(movements.size(), kMaximumMovements);
   for (std::size_t i = 0; i < count; ++i) {
-    const language::Movement& movement = movements[i];
-    if (movement.kind == language::Movement::Kind::Tropism) {
+    const files::Movement& movement = movements[i];
+    if (movement.kind == files::Movement::Kind::Tropism) {
       pull = pull + state.elasticity[i] * pullOf(movement, state.frame.heading);
       hasTropism = true;
     } else {
@@ -69,7 +69,7 @@ void applyMovements(TurtleState& state, std::span<const language::Movement> move
   }
 }
 
-void applyOldTropism(TurtleState& state, const language::OldTropism& tropism) {
+void applyOldTropism(TurtleState& state, const files::OldTropism& tropism) {
   const double pitch = std::clamp(state.oldElasticity * core::dot(tropism.direction, state.frame.up), -1.0, 1.0);
   pitchDown(state.frame, std::asin(pitch));
   const double turn = std::clamp(state.oldElasticity * core::dot(tropism.direction, state.frame.left), -1.0, 1.0);

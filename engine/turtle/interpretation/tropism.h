@@ -11,10 +11,10 @@ namespace espalier::turtle {
 /// Tropisms: H turns toward E = sum of e (cos g T + sin g T x (H x T) / |H x T|) by |H x E| radians, at most 1 and not
 /// below 1e-6; U is then carried without twist from the last drawn segment. Torques: U turns about H by |U x W| radians
 /// away from W, the part of the sum of e T that is normal to H, and the result counts as the last frame. O(movements).
-void applyMovements(TurtleState& state, std::span<const language::Movement> movements);
+void applyMovements(TurtleState& state, std::span<const files::Movement> movements);
 
 /// The old single tropism, after the advance: H turns by asin(e T.U) in the H-U plane, then by asin(e T.L) in the H-L
 /// plane.
-void applyOldTropism(TurtleState& state, const language::OldTropism& tropism);
+void applyOldTropism(TurtleState& state, const files::OldTropism& tropism);
 
 }  // namespace espalier::turtle

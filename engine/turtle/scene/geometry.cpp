@@ -74,8 +74,8 @@ void addMesh(const Mesh& mesh, Geometry& geometry) {
 
 }  // namespace
 
-void appendGeometry(Scene&& scene, const language::ViewSettings& view, const SymbolOf& symbolOf, Geometry& geometry) {
-  geometry.areWidthsPixels = scene.lineStyle == language::LineStyle::Pixel;
+void appendGeometry(Scene&& scene, const files::ViewSettings& view, const SymbolOf& symbolOf, Geometry& geometry) {
+  geometry.areWidthsPixels = scene.lineStyle == files::LineStyle::Pixel;
   addSegments(std::exchange(scene.segments, {}), symbolOf, geometry);
   // without its lines the scene's meshes are its organs
   const ExportInput input{.scene = scene, .view = view};

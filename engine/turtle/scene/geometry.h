@@ -50,7 +50,7 @@ struct Geometry {
 
 /// Appends the geometry of a scene. `symbolOf` gives the symbol of a plant's module. The scene's segments are left
 /// moved-from. Fails (core::SimulationFailure) when it takes more than 2^32 vertices. O(scene).
-void appendGeometry(Scene&& scene, const language::ViewSettings& view,
+void appendGeometry(Scene&& scene, const files::ViewSettings& view,
                     const std::function<core::SymbolId(std::uint32_t plant, std::uint64_t module)>& symbolOf,
                     Geometry& geometry);
 

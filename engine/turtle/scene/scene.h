@@ -127,7 +127,7 @@ struct Scene {
   std::vector<GeneralizedCylinder> cylinders;
   std::vector<Patch> patches;
   std::vector<Label> labels;
-  language::LineStyle lineStyle = language::LineStyle::Pixel;
+  files::LineStyle lineStyle = files::LineStyle::Pixel;
 
   void clear();
   [[nodiscard]] bool empty() const;

@@ -8,11 +8,11 @@ namespace espalier::turtle {
 
 using core::Vec3;
 
-std::optional<language::Box> boundsOf(const Scene& scene, const language::ViewSettings& view) {
-  std::optional<language::Box> box;
+std::optional<files::Box> boundsOf(const Scene& scene, const files::ViewSettings& view) {
+  std::optional<files::Box> box;
   const auto include = [&](const Vec3& p) {
     if (!box) {
-      box = language::Box{p, p};
+      box = files::Box{p, p};
       return;
     }
     box->minimum = {std::min(box->minimum.x, p.x), std::min(box->minimum.y, p.y), std::min(box->minimum.z, p.z)};

@@ -5,7 +5,7 @@
 
 #include "engine/files/animation_file.h"
 
-namespace espalier::language {
+namespace espalier::files {
 namespace {
 
 struct Read {
@@ -137,4 +137,4 @@ TEST(AnimationFile, TheFinalFrameIsWhereTheFramesEnd) {
 }
 
 }  // namespace
-}  // namespace espalier::language
+}  // namespace espalier::files

@@ -4,7 +4,7 @@
 
 #include "engine/files/colour_files.h"
 
-namespace espalier::language {
+namespace espalier::files {
 namespace {
 
 std::string map() {
@@ -87,4 +87,4 @@ TEST(Palette, TheKindReadLastCounts) {
 }
 
 }  // namespace
-}  // namespace espalier::language
+}  // namespace espalier::files

@@ -5,7 +5,7 @@
 
 #include "engine/files/model_folder.h"
 
-namespace espalier::language {
+namespace espalier::files {
 namespace {
 
 using Names = std::vector<std::string>;
@@ -86,16 +86,16 @@ TEST(ModelFolder, ReadsEverySwitchThatMatters) {
 
 TEST(ModelFolder, NamesUnusedSwitchesWithTheirConsequence) {
   const ModelFolder folder = read("*\ngo:\n\tcpfg -w 300 200 -wt title -ps out.ps -g p.l p.v\n");
-  EXPECT_EQ(texts(folder.diagnostics), (Names{"plant/specifications:3:7: note: the switch -w is not used: there is no "
-                                              "window; the picture has its own size\n"
+  EXPECT_EQ(texts(folder.diagnostics), (Names{"plant/specifications:3:7: note: the switch -w is not used: this program "
+                                              "has no window; choose the size of a picture with its options\n"
                                               "    3 | \tcpfg -w 300 200 -wt title -ps out.ps -g p.l p.v\n"
                                               "      | \t     ^~",
-                                              "plant/specifications:3:18: note: the switch -wt is not used: there is "
-                                              "no window; the picture has its own size\n"
+                                              "plant/specifications:3:18: note: the switch -wt is not used: this "
+                                              "program has no window; choose the size of a picture with its options\n"
                                               "    3 | \tcpfg -w 300 200 -wt title -ps out.ps -g p.l p.v\n"
                                               "      | \t                ^~~",
-                                              "plant/specifications:3:28: note: the switch -ps is not used: choose "
-                                              "what is written with the options of this program\n"
+                                              "plant/specifications:3:28: note: the switch -ps is not used: choose the "
+                                              "output with the options of this program\n"
                                               "    3 | \tcpfg -w 300 200 -wt title -ps out.ps -g p.l p.v\n"
                                               "      | \t                          ^~~",
                                               "plant/specifications:3:39: note: the switch -g runs in batch mode, "
@@ -115,14 +115,14 @@ std::string firstMessage(const ModelFolder& folder) {
   return std::to_string(first.location.line) + ":" + std::to_string(first.location.column) + " " + first.message;
 }
 
-TEST(ModelFolder, WarnsAboutWhatItDoesNotUnderstand) {
+TEST(ModelFolder, WarnsAboutUnknownParts) {
   EXPECT_EQ(firstMessage(read("*\ngo:\n\tcpfg -q p.l p.v\n")), "3:7 unknown switch '-q' is ignored");
   EXPECT_EQ(firstMessage(read("*\ngo:\n\tcpfg -m12 p.map p.l p.v\n")), "3:7 unknown switch '-m12' is ignored");
   EXPECT_EQ(firstMessage(read("*\ngo:\n\tcpfg p.l p.v -e\n")),
             "3:15 expected an environment file after '-e', found the end of the command");
   EXPECT_EQ(firstMessage(read("*\ngo:\n\tcpfg -c x p.l p.v\n")), "3:10 the colour base of -c is 0 to 11, found 'x'");
   EXPECT_EQ(firstMessage(read("*\ngo:\n\tcpfg p.l p.v p.a more\n")),
-            "3:19 'more' is ignored: a command names a model, a view file and an animation file");
+            "3:19 'more' is ignored: a command names only a model, a view file and an animation file");
   EXPECT_EQ(firstMessage(read("*\ngo:\n\tcpfg p.l\n")), "3:2 the command is ignored: it names no view file");
 }
 
@@ -171,4 +171,4 @@ TEST(ModelFolder, ReadsThePaletteOfACommand) {
 }
 
 }  // namespace
-}  // namespace espalier::language
+}  // namespace espalier::files

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace espalier::language {
+namespace espalier::files {
 namespace {
 
 SourceMap twoSegments() {
@@ -62,4 +62,4 @@ TEST(SourceMap, LocateInFileClampsToTheFileAndTheLine) {
 }
 
 }  // namespace
-}  // namespace espalier::language
+}  // namespace espalier::files

@@ -5,7 +5,7 @@
 
 #include "engine/files/text_cursor.h"
 
-namespace espalier::language {
+namespace espalier::files {
 namespace {
 
 std::optional<double> number(std::string_view text) {
@@ -22,7 +22,7 @@ TEST(TextCursor, ReadsNumbersAsStrtodDoes) {
   EXPECT_EQ(number("1e-999"), 0.0);
 }
 
-TEST(TextCursor, RefusesWhatIsNoFiniteDecimalNumber) {
+TEST(TextCursor, RefusesNumbersThatAreNotDecimalAndFinite) {
   for (const char* text : {"", "x", "-", "+-1", "--1", ".", "inf", "nan", "-inf", "1e999"}) {
     EXPECT_EQ(number(text), std::nullopt) << text;
   }
@@ -63,4 +63,4 @@ TEST(TextCursor, KeywordsMatchAcrossBlanksOrNotAtAll) {
 }
 
 }  // namespace
-}  // namespace espalier::language
+}  // namespace espalier::files

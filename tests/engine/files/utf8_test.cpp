@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace espalier::language {
+namespace espalier::files {
 namespace {
 
 TEST(Utf8, SequencesHaveOneToFourBytes) {
@@ -12,8 +12,8 @@ TEST(Utf8, SequencesHaveOneToFourBytes) {
   EXPECT_EQ(sequenceLength("\xF0\x9F\x8C\xB1"), 4U);
 }
 
-TEST(Utf8, WhatIsNoSequenceHasNone) {
-  // none, cut off, a byte that goes on, two overlong ones, beyond the last code point
+TEST(Utf8, AnInvalidSequenceHasNoLength) {
+  // empty, cut off, a continuation byte, two overlong forms, beyond the last code point
   for (const char* const text : {"", "\xCE", "\xE2\x86", "\x86", "\xC0\x80", "\xC1\xBF", "\xF5\x80\x80\x80", "\xCE!"}) {
     EXPECT_EQ(sequenceLength(text), 0U) << text;
   }
@@ -32,4 +32,4 @@ TEST(Utf8, OtherTextIsTakenForLatin1) {
 }
 
 }  // namespace
-}  // namespace espalier::language
+}  // namespace espalier::files

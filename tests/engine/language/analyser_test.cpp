@@ -111,7 +111,7 @@ TEST(Analyser, UnknownNamesAreZeroWithAWarning) {
   EXPECT_TRUE(contains(codeOf(text), "LoadStatic 0 lenght"));
 }
 
-TEST(Analyser, ABlockMayReadWhatOnlyProductionsAssign) {
+TEST(Analyser, ABlockMayReadAVariableThatOnlyProductionsAssign) {
   const std::string text = header("EndEach: {printf(\"%g\", n);}", "A(x) : {n = n + 1;} * --> A(x)");
   EXPECT_EQ(messagesOf(text), Messages{});
   EXPECT_TRUE(contains(codeOf(text), "StoreVariable 0 n"));
@@ -170,7 +170,7 @@ TEST(Analyser, FormatsAreChecked) {
                         "A(n) --> A(n)")),
       (Messages{
           "2:16: warning: the format of 'printf' has 2 conversions for 1 value",
-          "2:38: error: the conversion '%s' of 'printf' is not one for numbers | use %g, %f, %e or %d; '%%' prints a "
+          "2:38: error: the conversion '%s' of 'printf' does not fit a number | use %g, %f, %e or %d; '%%' prints a "
           "percent sign",
           "2:55: error: expected a format in quotes as argument 1 of 'printf'"}));
   EXPECT_EQ(messagesOf(header("Start: {printf(\"%g %d\\n\", 1);}", "A(n) --> A(n)")),
@@ -185,8 +185,8 @@ TEST(Analyser, FileFunctionsAreChecked) {
           "A(n) --> A(n)")),
       (Messages{
           "2:24: error: expected a mode such as \"r\" or \"w\" in quotes as argument 2 of 'fopen'",
-          "2:35: error: expected a variable as the first argument of 'fclose' | it holds what fopen returned: f = "
-          "fopen(\"name\", \"r\");",
+          "2:35: error: expected a variable as the first argument of 'fclose' | the variable holds the result of "
+          "fopen: f = fopen(\"name\", \"r\");",
           "2:78: error: expected a variable with '&' as argument 3 of 'fscanf' | write fscanf(f, \"%g\", &x)",
           "2:82: error: expected 3 to 1000 arguments of 'fscanf', found 2",
           "2:103: error: '&' has a meaning only among the arguments of fscanf",
@@ -195,15 +195,14 @@ TEST(Analyser, FileFunctionsAreChecked) {
 }
 
 TEST(Analyser, FilesAreOpenedInAKnownModeAndInsideTheFolder) {
-  EXPECT_EQ(
-      messagesOf(header("Start: {f = fopen(\"a.txt\", \"x\");}", "A(n) --> A(n)")),
-      Messages{"2:28: error: the mode \"x\" of 'fopen' is none | \"r\" reads, \"w\" writes a new file, \"a\" adds to "
-               "its end; \"r+\", \"w+\" and \"a+\" read and write"});
+  EXPECT_EQ(messagesOf(header("Start: {f = fopen(\"a.txt\", \"x\");}", "A(n) --> A(n)")),
+            Messages{"2:28: error: 'fopen' has no mode \"x\" | \"r\" reads, \"w\" writes a new file, \"a\" adds to "
+                     "its end; \"r+\", \"w+\" and \"a+\" read and write"});
   for (const char* name : {"/etc/passwd", "../passwd", "a/../../passwd", "C:passwd", "..\\\\passwd"}) {
     const Messages messages =
         messagesOf(header("Start: {f = fopen(\"" + std::string(name) + "\", \"r\");}", "A(n) --> A(n)"));
     ASSERT_EQ(messages.size(), 1U) << name;
-    EXPECT_NE(messages[0].find("is not inside the model's folder: fopen is refused and gives 0"), std::string::npos)
+    EXPECT_NE(messages[0].find("is not inside the model's folder: fopen fails and returns 0"), std::string::npos)
         << messages[0];
   }
   EXPECT_EQ(messagesOf(header("Start: {f = fopen(\"data/./a..b.txt\", \"rb+\");}", "A(n) --> A(n)")), Messages{});
@@ -219,10 +218,9 @@ TEST(Analyser, ManyVariablesAreNoTrouble) {
 }
 
 TEST(Analyser, TheFirstLSystemHasNoCallerWhoseVariablesItCouldShare) {
-  EXPECT_EQ(
-      messagesOf(header("define: {external n;}", "A(x) --> A(n)")),
-      Messages{
-          "2:19: warning: nobody calls the first L-system: the external variable 'n' is its own, with the value 0"});
+  EXPECT_EQ(messagesOf(header("define: {external n;}", "A(x) --> A(n)")),
+            Messages{"2:19: warning: no L-system calls the first one: its external variable 'n' is an ordinary "
+                     "variable with the value 0"});
 }
 
 TEST(Analyser, TargetsOfFscanfAreAssigned) {
@@ -250,10 +248,9 @@ TEST(Analyser, ItemsAreEvaluatedWithFunctions) {
 }
 
 TEST(Analyser, ItemsOutOfRangeCountAsTheNearestValue) {
-  EXPECT_EQ(
-      messagesOf(header("derivation length: -1", "A(n) --> A(n)")),
-      Messages{
-          "2:20: warning: the value of 'derivation length:' is out of range | it counts as the least possible value"});
+  EXPECT_EQ(messagesOf(header("derivation length: -1", "A(n) --> A(n)")),
+            Messages{"2:20: warning: the value of 'derivation length:' is out of range | the program uses the least "
+                     "possible value"});
 }
 
 TEST(Analyser, OnlyTheFirstDerivationLengthCounts) {
@@ -276,15 +273,15 @@ TEST(Analyser, ProbabilitiesMakeAnLSystemStochasticInEspaliersOwnMode) {
           "4:17: warning: probabilities are ignored: the L-system has no 'seed:', so the first production that matches "
           "is "
           "applied | put 'seed: 1' before the axiom",
-          "5:1: warning: this production is never applied: an earlier one matches wherever it would | the earlier one "
-          "is: A(n) --> A(n); put it after this one"}));
+          "5:1: warning: this production is never applied: an earlier production matches wherever this one would | the "
+          "earlier production is: A(n) --> A(n); move it behind this one"}));
 }
 
 TEST(Analyser, ProductionsBehindAnUnconditionalOneAreReported) {
   EXPECT_EQ(messagesOf(header("", "A(n) : n > 1 --> BA\nA(n) --> C\nA(n)B > C --> D\nA --> E")),
-            Messages{"6:1: warning: this production is never applied: an earlier one matches wherever it would | the "
-                     "earlier one is: "
-                     "A(n) --> C; put it after this one"});
+            Messages{"6:1: warning: this production is never applied: an earlier production matches wherever this one "
+                     "would | the earlier production is: "
+                     "A(n) --> C; move it behind this one"});
 }
 
 TEST(Analyser, ProbabilitiesOfADecompositionHaveNoEffect) {

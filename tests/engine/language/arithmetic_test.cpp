@@ -13,7 +13,7 @@ double call(Function function, std::vector<double> arguments) {
   return callPure(function, arguments, dividedByZero);
 }
 
-TEST(Arithmetic, DivisionByZeroDividesByOneAndSaysSo) {
+TEST(Arithmetic, DivisionByZeroDividesByOneAndSetsTheFlag) {
   bool dividedByZero = false;
   EXPECT_EQ(applyBinary(Operation::Divide, 7.0, 2.0, dividedByZero), 3.5);
   EXPECT_FALSE(dividedByZero);

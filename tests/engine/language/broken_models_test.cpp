@@ -1,4 +1,4 @@
-// Golden tests of what a person sees: every model in broken/ has a mistake, or several, and beside it the exact
+// Golden tests of messages: every model in broken/ has one mistake or several, and its .expected file the exact
 // messages.
 #include <gtest/gtest.h>
 
@@ -68,7 +68,7 @@ TEST(BrokenModels, EachGivesExactlyItsMessages) {
   }
 }
 
-// every place, in whatever file, is a real one and the caret stands below it
+// every message has a real place, and no two messages have the same
 TEST(BrokenModels, EveryMessageHasAPlaceAndNoneRepeatsAnother) {
   for (const std::string& model : modelNames()) {
     BrokenFiles files;

@@ -165,7 +165,7 @@ TEST(Compiler, ReadsTheFilesThatTheModelWillRead) {
   EXPECT_NE(disassemble(*program).find("FileOpen \"log\" \"w\""), std::string::npos);
 }
 
-TEST(Compiler, FscanfAssignsOnlyWhatWasRead) {
+TEST(Compiler, FscanfAssignsOnlyTheNumbersThatItRead) {
   const std::string code =
       disassemble(*programOf("Lsystem: 1\nStart: {f = 0; fscanf(f, \"%g\", &x);}\nAxiom: A\nA --> A\nendlsystem\n"));
   EXPECT_NE(
@@ -343,9 +343,8 @@ TEST(Compiler, AMissingModelIsAnErrorWithoutProgram) {
 TEST(Compiler, ErrorsOfThePreprocessorDoNotHideThoseOfTheText) {
   EXPECT_EQ(
       messagesOf("#include \"no.h\"\n" + model("A(n) --> B(")),
-      (Messages{"1:10: error: cannot read the included file 'no.h' | included files are looked for beside the file "
-                "that names "
-                "them",
+      (Messages{"1:10: error: cannot read the included file 'no.h' | an included file is looked for beside the file "
+                "that includes it",
                 "4:12: error: expected an expression while reading the successor of A(n), found the end of the line"}));
 }
 

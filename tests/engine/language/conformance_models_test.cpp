@@ -65,7 +65,7 @@ TEST(ConformanceModels, FewGiveWarnings) {
   EXPECT_LE(count, 12U) << all;
 }
 
-// the gallery is what people copy from
+// authors copy models of the gallery
 TEST(GalleryModels, GiveNoWarnings) {
   FolderFiles files;
   std::size_t count = 0;

@@ -11,23 +11,23 @@
 namespace espalier::turtle {
 
 /// A texture of 2 by 2 points: red and green above, blue and white below.
-inline language::Texture fourColours(language::Texture::Use use = language::Texture::Use::Modulate) {
-  language::Image image{2, 2, {255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255, 255, 255, 255, 255}};
+inline files::Texture fourColours(files::Texture::Use use = files::Texture::Use::Modulate) {
+  files::Image image{2, 2, {255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255, 255, 255, 255, 255}};
   core::StringSink sink;
   static_cast<void>(writePng(image, sink));
-  language::Texture texture;
+  files::Texture texture;
   texture.file = "four.png";
   texture.bytes = std::make_shared<const std::string>(sink.take());
-  texture.image = std::make_shared<const language::Image>(std::move(image));
+  texture.image = std::make_shared<const files::Image>(std::move(image));
   texture.use = use;
   return texture;
 }
 
 /// A flat surface `p`, a unit square in the plane of L and H, in front of the turtle; its own texture is the turtle's.
-inline language::Surface unitSquare() {
-  language::Surface surface;
+inline files::Surface unitSquare() {
+  files::Surface surface;
   surface.id = 'p';
-  language::SurfacePatch patch;
+  files::SurfacePatch patch;
   for (std::size_t i = 0; i < 16; ++i) {
     patch.points[i] = {static_cast<double>(i / 4) / 3.0, static_cast<double>(i % 4) / 3.0, 0.0};
   }
@@ -36,9 +36,9 @@ inline language::Surface unitSquare() {
 }
 
 /// Cylinders, the surface `p` and texture 1.
-inline language::ViewSettings texturedView() {
-  language::ViewSettings view;
-  view.lineStyle = language::LineStyle::Cylinder;
+inline files::ViewSettings texturedView() {
+  files::ViewSettings view;
+  view.lineStyle = files::LineStyle::Cylinder;
   view.surfaces.push_back(unitSquare());
   view.textures.push_back(fourColours());
   return view;

@@ -20,7 +20,7 @@ namespace espalier::turtle {
 /// name as given; parameters are numbers.
 class TurtleRun {
  public:
-  explicit TurtleRun(std::string_view text, language::ViewSettings view = {},
+  explicit TurtleRun(std::string_view text, files::ViewSettings view = {},
                      core::Compatibility compatibility = core::Compatibility::Espalier,
                      std::vector<std::string> declaredQueries = {}) {
     program.compatibility = compatibility;

@@ -50,10 +50,10 @@ TEST(Raster, ImagesThatCannotBeReadAreLocatedErrors) {
       errorsOf(cloverOf("input image: none.png\n", warnings)),
       "m/clover.spec:1:14: error: 'input image' names the file 'm/none.png', which cannot be read; it is looked for "
       "beside the specification\n    1 | input image: none.png\n      |              ^~~~~~~~");
-  EXPECT_EQ(errorsOf(cloverOf("input image: broken.pnm\n", warnings)),
-            "m/clover.spec:1:14: error: 'input image' names the file 'm/broken.pnm', which is a damaged PNM file: its "
-            "pixels are cut off or beyond the largest value\n    1 | input image: broken.pnm\n      |              "
-            "^~~~~~~~~~");
+  EXPECT_EQ(
+      errorsOf(cloverOf("input image: broken.pnm\n", warnings)),
+      "m/clover.spec:1:14: error: 'input image' names the file 'm/broken.pnm', which cannot be used: the file ends "
+      "before the picture is complete\n    1 | input image: broken.pnm\n      |              ^~~~~~~~~~");
 }
 
 TEST(Raster, CellsBelongToTheirLowBorders) {

@@ -11,7 +11,7 @@
 namespace espalier::environment {
 namespace {
 
-using language::Image;
+using files::Image;
 using turtle::Field;
 using Colour = std::array<std::uint8_t, 3>;
 

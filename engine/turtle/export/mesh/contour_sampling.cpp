@@ -24,10 +24,10 @@ Vec3 uniformBSpline(const std::vector<Vec3>& points, std::size_t segment, double
 
 }  // namespace
 
-std::vector<Vec3> sampleContour(const language::ViewSettings& view, std::int32_t id, int sides) {
+std::vector<Vec3> sampleContour(const files::ViewSettings& view, std::int32_t id, int sides) {
   std::vector<Vec3> samples;
   const auto contour =
-      std::find_if(view.contours.begin(), view.contours.end(), [id](const language::Contour& c) { return c.id == id; });
+      std::find_if(view.contours.begin(), view.contours.end(), [id](const files::Contour& c) { return c.id == id; });
   const bool isDefined = id != 0 && contour != view.contours.end() && contour->points.size() >= 4;
   if (!isDefined) {
     for (int k = 0; k <= sides; ++k) {

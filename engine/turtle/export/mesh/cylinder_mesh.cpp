@@ -243,15 +243,14 @@ std::vector<CylinderRun> runsOf(const GeneralizedCylinder& cylinder) {
   return runs;
 }
 
-void appendCylinder(Mesh& mesh, const GeneralizedCylinder& cylinder, const language::ViewSettings& view,
-                    double detail) {
+void appendCylinder(Mesh& mesh, const GeneralizedCylinder& cylinder, const files::ViewSettings& view, double detail) {
   for (const CylinderRun& run : runsOf(cylinder)) {
     appendCylinder(mesh, cylinder, run, view, detail);
   }
 }
 
 void appendCylinder(Mesh& mesh, const GeneralizedCylinder& cylinder, const CylinderRun& run,
-                    const language::ViewSettings& view, double detail) {
+                    const files::ViewSettings& view, double detail) {
   int sides = 3;
   for (const CylinderPoint& point : cylinder.points) {
     sides = std::max(sides, static_cast<int>(point.sideCount));

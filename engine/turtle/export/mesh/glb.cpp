@@ -162,7 +162,7 @@ void GlbWriter::writeMaterials(TextOutput& out) const {
     const MeshMaterial& material = plan_.meshes.materials()[number];
     const bool isTextured = material.texture != MeshMaterial::kNoTexture;
     const MeshTexture* const texture = isTextured ? &plan_.meshes.textures()[material.texture] : nullptr;
-    const bool isCovered = isTextured && texture->texture->use == language::Texture::Use::Decal;
+    const bool isCovered = isTextured && texture->texture->use == files::Texture::Use::Decal;
     const std::array<double, 3> diffuse = isCovered ? std::array{1.0, 1.0, 1.0} : material.diffuse();
     double roughness = kDefaultRoughness;
     Vec3 emission;

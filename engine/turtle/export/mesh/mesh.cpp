@@ -171,9 +171,9 @@ void appendPlaced(Mesh& mesh, const Mesh& local, const OrganPlacement& placement
   }
 }
 
-void appendLocalSurface(Mesh& mesh, const language::Surface& surface, double detail) {
+void appendLocalSurface(Mesh& mesh, const files::Surface& surface, double detail) {
   const std::size_t first = mesh.positions.size();
-  for (const language::SurfacePatch& patch : surface.patches) {
+  for (const files::SurfacePatch& patch : surface.patches) {
     appendPatch(mesh, patch.points, atDetail(std::clamp(surface.subdivisionS, 1, 100), detail, 1),
                 atDetail(std::clamp(surface.subdivisionT, 1, 100), detail, 1));
   }
@@ -199,8 +199,8 @@ void setWholeCoordinates(Mesh& mesh) {
   }
 }
 
-void appendLocalSurface(Mesh& mesh, const language::TriangleSurface& surface) {
-  for (const language::SurfaceTriangle& triangle : surface.triangles) {
+void appendLocalSurface(Mesh& mesh, const files::TriangleSurface& surface) {
+  for (const files::SurfaceTriangle& triangle : surface.triangles) {
     const auto first = static_cast<std::uint32_t>(mesh.positions.size());
     for (std::size_t k = 0; k < 3; ++k) {
       appendVertex(mesh, triangle.points[k], triangle.normals[k], triangle.coordinates[k][0],
@@ -213,7 +213,7 @@ void appendLocalSurface(Mesh& mesh, const language::TriangleSurface& surface) {
   }
 }
 
-void appendSurface(Mesh& mesh, const SurfaceInstance& instance, const language::ViewSettings& view) {
+void appendSurface(Mesh& mesh, const SurfaceInstance& instance, const files::ViewSettings& view) {
   Mesh local;
   if (instance.isTriangleSurface && instance.surface < view.triangleSurfaces.size()) {
     appendLocalSurface(local, view.triangleSurfaces[instance.surface]);

@@ -49,12 +49,12 @@ void appendPatch(Mesh& mesh, const std::array<core::Vec3, 16>& points, int subdi
 
 /// A surface `~c` of the view file in its own coordinates (along L, H, U), smooth across its patches. `detail`: factor
 /// of its subdivision. Texture coordinates are those of each patch, or go once over the whole surface in its x and y.
-void appendLocalSurface(Mesh& mesh, const language::Surface& surface, double detail = 1.0);
+void appendLocalSurface(Mesh& mesh, const files::Surface& surface, double detail = 1.0);
 void setWholeCoordinates(Mesh& mesh);
-void appendLocalSurface(Mesh& mesh, const language::TriangleSurface& surface);
+void appendLocalSurface(Mesh& mesh, const files::TriangleSurface& surface);
 
 /// A surface `~c` where the turtle placed it (FILES §6.1).
-void appendSurface(Mesh& mesh, const SurfaceInstance& instance, const language::ViewSettings& view);
+void appendSurface(Mesh& mesh, const SurfaceInstance& instance, const files::ViewSettings& view);
 
 /// A sphere of `rings` by `sides` quads.
 void appendSphere(Mesh& mesh, const core::Vec3& centre, double diameter, int rings, int sides);
@@ -95,12 +95,12 @@ struct CylinderRun {
 /// with equal normals. The second texture coordinate is the length along the axis, or, when the cylinder has a texture,
 /// that length in pictures as high as the texture's ratio says.
 void appendCylinder(Mesh& mesh, const GeneralizedCylinder& cylinder, const CylinderRun& run,
-                    const language::ViewSettings& view, double detail = 1.0);
+                    const files::ViewSettings& view, double detail = 1.0);
 /// All runs.
-void appendCylinder(Mesh& mesh, const GeneralizedCylinder& cylinder, const language::ViewSettings& view,
+void appendCylinder(Mesh& mesh, const GeneralizedCylinder& cylinder, const files::ViewSettings& view,
                     double detail = 1.0);
 
 /// `sides + 1` points of a contour at equal distances along it (FILES §8); a circle when `id` is not in the view file.
-[[nodiscard]] std::vector<core::Vec3> sampleContour(const language::ViewSettings& view, std::int32_t id, int sides);
+[[nodiscard]] std::vector<core::Vec3> sampleContour(const files::ViewSettings& view, std::int32_t id, int sides);
 
 }  // namespace espalier::turtle

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "engine/core/streams.h"
-#include "engine/files/image_file.h"
+#include "engine/files/images/image_file.h"
 #include "engine/turtle/export/picture/png.h"
 
 namespace espalier::turtle {
@@ -28,7 +28,7 @@ bool isEqual(const Colour& a, const Colour& b) {
 }  // namespace
 
 std::string MeshTexture::fileBytes() const {
-  if (language::isPng(*texture->bytes) || language::isJpeg(*texture->bytes)) {
+  if (files::isPng(*texture->bytes) || files::isJpeg(*texture->bytes)) {
     return *texture->bytes;
   }
   core::StringSink sink;
@@ -37,7 +37,7 @@ std::string MeshTexture::fileBytes() const {
 }
 
 std::string MeshTexture::suffix() const {
-  return language::isJpeg(*texture->bytes) ? ".jpg" : ".png";
+  return files::isJpeg(*texture->bytes) ? ".jpg" : ".png";
 }
 
 bool MeshTexture::hasHoles() const {
@@ -54,7 +54,7 @@ std::array<double, 3> MeshMaterial::diffuse() const {
   return folder ? folder->diffuse : std::array{colour.red / 255.0, colour.green / 255.0, colour.blue / 255.0};
 }
 
-std::uint32_t MaterialTable::addTexture(const language::Texture& texture, std::int32_t number) {
+std::uint32_t MaterialTable::addTexture(const files::Texture& texture, std::int32_t number) {
   const auto found = std::ranges::find_if(textures_, [&](const MeshTexture& other) {
     return (other.texture->bytes == texture.bytes || *other.texture->bytes == *texture.bytes) &&
            other.texture->use == texture.use && other.texture->isSmoothNear == texture.isSmoothNear &&
@@ -67,7 +67,7 @@ std::uint32_t MaterialTable::addTexture(const language::Texture& texture, std::i
   return static_cast<std::uint32_t>(found - textures_.begin());
 }
 
-std::uint32_t MaterialTable::add(const Palette& palette, std::int32_t number, const language::ViewSettings& view,
+std::uint32_t MaterialTable::add(const Palette& palette, std::int32_t number, const files::ViewSettings& view,
                                  std::int32_t texture) {
   MeshMaterial material{"colour_" + std::to_string(number), palette.ofMaterial(number), palette.folderMaterial(number)};
   if (texture > 0) {

@@ -16,7 +16,7 @@ namespace espalier::turtle {
 /// A picture that meshes wear.
 struct MeshTexture {
   std::string name;  // `texture_1`, unique in a file
-  const language::Texture* texture = nullptr;
+  const files::Texture* texture = nullptr;
 
   /// The bytes of a file that holds the picture, and its suffix: the view file's own when it is PNG or JPEG, else PNG.
   [[nodiscard]] std::string fileBytes() const;
@@ -31,8 +31,8 @@ struct MeshMaterial {
 
   std::string name;  // `colour_12` or `colour_12_texture_1`, unique in a file
   Colour colour;
-  std::optional<language::Material> folder;  // of the model folder
-  std::uint32_t texture = kNoTexture;        // index into MaterialTable::textures
+  std::optional<files::Material> folder;  // of the model folder
+  std::uint32_t texture = kNoTexture;     // index into MaterialTable::textures
 
   /// Red, green, blue, 0 to 1.
   [[nodiscard]] std::array<double, 3> diffuse() const;
@@ -43,14 +43,13 @@ struct MeshMaterial {
 class MaterialTable {
  public:
   /// The material of a number of the palette (Palette::materialOf) with a texture of the view file, from 1; 0: none.
-  std::uint32_t add(const Palette& palette, std::int32_t number, const language::ViewSettings& view,
-                    std::int32_t texture);
+  std::uint32_t add(const Palette& palette, std::int32_t number, const files::ViewSettings& view, std::int32_t texture);
 
   [[nodiscard]] std::span<const MeshMaterial> materials() const { return materials_; }
   [[nodiscard]] std::span<const MeshTexture> textures() const { return textures_; }
 
  private:
-  std::uint32_t addTexture(const language::Texture& texture, std::int32_t number);
+  std::uint32_t addTexture(const files::Texture& texture, std::int32_t number);
 
   std::vector<MeshMaterial> materials_;
   std::vector<MeshTexture> textures_;

@@ -123,7 +123,7 @@ void ObjWriter::writeMaterials(core::ByteSink& sink) const {
     const MeshMaterial& material = meshes_.materials()[index];
     const bool isTextured = material.texture != MeshMaterial::kNoTexture;
     const MeshTexture* const texture = isTextured ? &meshes_.textures()[material.texture] : nullptr;
-    const bool isCovered = isTextured && texture->texture->use == language::Texture::Use::Decal;
+    const bool isCovered = isTextured && texture->texture->use == files::Texture::Use::Decal;
     out << "newmtl " << material.name << '\n';
     writeComponents("Kd", isCovered ? std::array{1.0, 1.0, 1.0} : material.diffuse(), out);
     if (material.folder) {

@@ -23,7 +23,7 @@ std::int32_t materialOfColour(std::int32_t colour) {
 
 // world units per unit of line width: pixels have no size in the world, so one is a fixed part of the plant's extent
 double widthUnitOf(const Scene& scene) {
-  if (scene.lineStyle != language::LineStyle::Pixel || scene.segments.empty()) {
+  if (scene.lineStyle != files::LineStyle::Pixel || scene.segments.empty()) {
     return 1.0;
   }
   Vec3 low = scene.segments[0].start;
@@ -61,7 +61,7 @@ SceneMeshes::SceneMeshes(const ExportInput& input, MaterialTable& materials)
   makeSharedMeshes();
 }
 
-const language::Texture* SceneMeshes::textureOf(std::int32_t texture) const {
+const files::Texture* SceneMeshes::textureOf(std::int32_t texture) const {
   return texture > 0 ? &view_.textures[static_cast<std::size_t>(texture) - 1] : nullptr;
 }
 
@@ -116,16 +116,16 @@ void SceneMeshes::collectParts(MaterialTable& materials) {
 }
 
 void SceneMeshes::makeSharedMeshes() {
-  for (const language::Surface& surface : view_.surfaces) {
+  for (const files::Surface& surface : view_.surfaces) {
     appendLocalSurface(shared_.emplace_back(), surface, detail_);
   }
-  for (const language::TriangleSurface& surface : view_.triangleSurfaces) {
+  for (const files::TriangleSurface& surface : view_.triangleSurfaces) {
     appendLocalSurface(shared_.emplace_back(), surface);
   }
   const int sides = std::max(sides_, atDetail(kLeastSphereSides, detail_, 3));
   appendSphere(shared_.emplace_back(), {}, 1.0, std::max(2, sides * 2 / 3), sides);
   appendDisc(shared_.emplace_back(), {.kind = Ball::Kind::Disc, .centre = {}, .frame = kWorldFrame}, sides);
-  if (std::ranges::any_of(view_.textures, &language::Texture::isPerSurface)) {
+  if (std::ranges::any_of(view_.textures, &files::Texture::isPerSurface)) {
     for (std::size_t i = 0; i < view_.surfaces.size(); ++i) {
       shared_.push_back(shared_[i]);
       setWholeCoordinates(shared_.back());
@@ -140,7 +140,7 @@ std::uint32_t SceneMeshes::sharedMeshOf(const MeshPart& part) const {
     const SurfaceInstance& instance = scene_.surfaces[part.index];
     const std::size_t index = instance.surface + (instance.isTriangleSurface ? surfaces : 0);
     ESPALIER_CHECK(index < (instance.isTriangleSurface ? all : surfaces));
-    const language::Texture* const texture = textureOf(instance.texture);
+    const files::Texture* const texture = textureOf(instance.texture);
     const bool isWhole = texture != nullptr && texture->isPerSurface && !instance.isTriangleSurface;
     return static_cast<std::uint32_t>(isWhole ? all + 2 + index : index);
   }
@@ -182,7 +182,7 @@ void SceneMeshes::make(const MeshPart& part, Mesh& mesh) const {
   mesh.clear();
   switch (part.kind) {
     case OrganKind::Branch: {
-      const language::Texture* const texture = textureOf(scene_.segments[part.index].texture);
+      const files::Texture* const texture = textureOf(scene_.segments[part.index].texture);
       appendTube(mesh, ringsOf(scene_, palette_, chains_, part.index, widthUnit_), sides_,
                  texture != nullptr ? texture->ratio : 0.0);
       return;

@@ -73,11 +73,11 @@ class SceneMeshes {
  private:
   void collectParts(MaterialTable& materials);
   void makeSharedMeshes();
-  [[nodiscard]] const language::Texture* textureOf(std::int32_t texture) const;
+  [[nodiscard]] const files::Texture* textureOf(std::int32_t texture) const;
 
   const ExportInput& input_;
   const Scene& scene_;
-  const language::ViewSettings& view_;
+  const files::ViewSettings& view_;
   Palette palette_;
   SegmentChains chains_;
   std::vector<MeshPart> parts_;

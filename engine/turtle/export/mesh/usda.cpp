@@ -83,7 +83,7 @@ void SceneWriter::writeArray(std::string_view declaration, const std::vector<Ele
 // the picture, its place on the mesh, and how it meets the colour
 void SceneWriter::writeTexture(const MeshMaterial& material, const std::string& path) {
   const MeshTexture& texture = meshes_.textures()[material.texture];
-  const bool isCovered = texture.texture->use == language::Texture::Use::Decal;
+  const bool isCovered = texture.texture->use == files::Texture::Use::Decal;
   const std::array<double, 3> diffuse = material.diffuse();
   const auto scale = [&](std::size_t k) { return isCovered ? 1.0 : linearComponent(diffuse[k]); };
   out_ << "            def Shader \"picture\"\n            {\n"

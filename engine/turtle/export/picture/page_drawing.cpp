@@ -44,7 +44,7 @@ Worn wornBy(const Colour& below, const RasterTexture* texture, const std::array<
 
 }  // namespace
 
-PageDrawing::PageDrawing(const Scene& scene, const language::ViewSettings& view, const Palette& palette, double width,
+PageDrawing::PageDrawing(const Scene& scene, const files::ViewSettings& view, const Palette& palette, double width,
                          double height, double marginFraction, const std::optional<PictureFrame>& frame)
     : scene_(scene), view_(view), palette_(palette), projection_(view), textures_(view) {
   light_ = core::normalised(-0.45 * projection_.right() + 0.75 * projection_.up() + 0.6 * projection_.towardViewer());

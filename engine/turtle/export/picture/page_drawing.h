@@ -53,8 +53,8 @@ class PageDrawing {
  public:
   /// `scene` and `palette` must outlive the object. The page is at most `width` by `height` and as small as the drawing
   /// with a margin of `marginFraction` of the larger side allows; with a `frame` that is what there is room for.
-  PageDrawing(const Scene& scene, const language::ViewSettings& view, const Palette& palette, double width,
-              double height, double marginFraction, const std::optional<PictureFrame>& frame = {});
+  PageDrawing(const Scene& scene, const files::ViewSettings& view, const Palette& palette, double width, double height,
+              double marginFraction, const std::optional<PictureFrame>& frame = {});
 
   [[nodiscard]] double width() const { return width_; }
   [[nodiscard]] double height() const { return height_; }
@@ -74,10 +74,10 @@ class PageDrawing {
   void addShapes();
   void addLines();
   void fit(double width, double height, double marginFraction);
-  [[nodiscard]] bool hasPixelLines() const { return scene_.lineStyle == language::LineStyle::Pixel; }
+  [[nodiscard]] bool hasPixelLines() const { return scene_.lineStyle == files::LineStyle::Pixel; }
 
   const Scene& scene_;
-  const language::ViewSettings& view_;
+  const files::ViewSettings& view_;
   const Palette& palette_;
   Projection projection_;
   RasterTextures textures_;

@@ -79,7 +79,7 @@ void forParts(core::WorkerTeam& team, std::size_t partCount, std::size_t partsIn
 }
 
 // a perspective whose viewer stands inside the scene shows nothing sensible in a fitted picture: draw it in parallel
-Projection chosenProjection(const PlacedGeometry& geometry, const language::ViewSettings& view,
+Projection chosenProjection(const PlacedGeometry& geometry, const files::ViewSettings& view,
                             const PictureOptions& options, core::WorkerTeam& team) {
   Projection projection(view);
   if (projection.isPerspective() && options.framing == PictureFraming::Fitted) {
@@ -162,7 +162,7 @@ Colour backgroundOf(const Palette& palette, PictureBackground background) {
 
 }  // namespace
 
-PictureImage renderPicture(const Scene& scene, const language::ViewSettings& view, const PictureOptions& options) {
+PictureImage renderPicture(const Scene& scene, const files::ViewSettings& view, const PictureOptions& options) {
   const ExportInput input{.scene = scene, .view = view, .palette = options.palette};
   const ScenePlacement here;
   return renderPlaced({{&input, 1}, {&here, 1}}, options);
@@ -171,7 +171,7 @@ PictureImage renderPicture(const Scene& scene, const language::ViewSettings& vie
 PictureFrame pictureFrame(const PlacedScenes& placed, const PictureOptions& options) {
   core::WorkerTeam team(std::max(1U, options.threads));
   const PlacedGeometry geometry(placed);
-  const language::ViewSettings& view = placed.scenes[0].view;
+  const files::ViewSettings& view = placed.scenes[0].view;
   const Projection projection = chosenProjection(geometry, view, options, team);
   return {boundsOf(geometry, projection, team), Projection(view).isPerspective() && !projection.isPerspective()};
 }
@@ -181,7 +181,7 @@ PictureImage renderPlaced(const PlacedScenes& placed, const PictureOptions& opti
   ESPALIER_CHECK(options.heightPixels > 0 && options.heightPixels <= kMaximumPicturePixels);
   core::WorkerTeam team(std::max(1U, options.threads));
   PlacedGeometry geometry(placed);
-  const language::ViewSettings& view = placed.scenes[0].view;
+  const files::ViewSettings& view = placed.scenes[0].view;
   const Colour background = backgroundOf(geometry.scenes()[0].palette, options.background);
   const bool isFramed = options.frame && options.framing == PictureFraming::Fitted;
   Projection projection = isFramed ? Projection(view) : chosenProjection(geometry, view, options, team);

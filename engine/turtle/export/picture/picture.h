@@ -6,7 +6,7 @@
 
 #include "engine/core/streams.h"
 #include "engine/files/colour_files.h"
-#include "engine/files/image_file.h"
+#include "engine/files/images/image_file.h"
 #include "engine/files/view_settings.h"
 #include "engine/turtle/export/exporters.h"
 #include "engine/turtle/export/palette.h"
@@ -31,23 +31,23 @@ struct PictureOptions {
   double marginFraction = 0.05;  // of a fitted picture, at each edge
   PictureBackground background = PictureBackground::Model;
   PictureFraming framing = PictureFraming::Fitted;
-  std::optional<PictureFrame> frame = {};      // what a fitted picture shows; nothing: all that is drawn in it
-  std::uint64_t sampleBytes = 320'000'000;     // memory for samples; a larger picture is made in strips, with more time
-  unsigned threads = 1;                        // the picture does not depend on them
-  int maximumColours = 0;                      // 2 to 256: of the file; 0: as many as there are
-  const language::Palette* palette = nullptr;  // a model folder's colours; null or empty: Espalier's own
+  std::optional<PictureFrame> frame = {};   // what a fitted picture shows; nothing: all that is drawn in it
+  std::uint64_t sampleBytes = 320'000'000;  // memory for samples; a larger picture is made in strips, with more time
+  unsigned threads = 1;                     // the picture does not depend on them
+  int maximumColours = 0;                   // 2 to 256: of the file; 0: as many as there are
+  const files::Palette* palette = nullptr;  // a model folder's colours; null or empty: Espalier's own
 };
 
 /// Largest width and height of a picture.
 inline constexpr int kMaximumPicturePixels = 16'384;
 
-using PictureImage = language::Image;
+using PictureImage = files::Image;
 
 /// Renders a scene: triangles with depth, shaded by the view file's lights, or by Espalier's own (a key light from the
 /// upper left, a weaker one from the right, light from the sky); lines in the view file's style; 16 samples a pixel.
 /// Needs 128 bytes for each pixel of a strip (PictureOptions::sampleBytes) and little more, whatever the size of the
 /// scene.
-[[nodiscard]] PictureImage renderPicture(const Scene& scene, const language::ViewSettings& view,
+[[nodiscard]] PictureImage renderPicture(const Scene& scene, const files::ViewSettings& view,
                                          const PictureOptions& options);
 
 /// The same for copies of scenes. Colours are those of each scene's own palette, not of the options.

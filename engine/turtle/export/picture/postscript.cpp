@@ -142,7 +142,7 @@ void PostScriptWriter::writeShape(const PageShape& shape) {
 
 }  // namespace
 
-void writePostScript(const Scene& scene, const language::ViewSettings& view, const PostScriptOptions& options,
+void writePostScript(const Scene& scene, const files::ViewSettings& view, const PostScriptOptions& options,
                      core::ByteSink& sink) {
   constexpr double kMargin = 0.03;
   const Palette palette(scene, options.palette);

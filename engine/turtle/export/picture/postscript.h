@@ -13,14 +13,14 @@ namespace espalier::turtle {
 struct PostScriptOptions {
   double widthPoints = 540.0;  // of the box that the drawing is fitted into; a point is 1/72 inch
   double heightPoints = 720.0;
-  const language::Palette* palette = nullptr;  // a model folder's colours; null or empty: Espalier's own
-  std::optional<PictureFrame> frame = {};      // what the drawing has room for; nothing: what is drawn
+  const files::Palette* palette = nullptr;  // a model folder's colours; null or empty: Espalier's own
+  std::optional<PictureFrame> frame = {};   // what the drawing has room for; nothing: what is drawn
 };
 
 /// Writes a drawing as Encapsulated PostScript, level 2, one page: lines by branch order, then organs from far to near,
 /// then labels; no background, no opacity (PostScript has none). Line ends as the view file's `PS linecap` says.
 /// Deterministic text.
-void writePostScript(const Scene& scene, const language::ViewSettings& view, const PostScriptOptions& options,
+void writePostScript(const Scene& scene, const files::ViewSettings& view, const PostScriptOptions& options,
                      core::ByteSink& sink);
 
 }  // namespace espalier::turtle

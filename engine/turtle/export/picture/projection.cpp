@@ -9,7 +9,7 @@ namespace espalier::turtle {
 
 using core::Vec3;
 
-Projection::Projection(const language::ViewSettings& view)
+Projection::Projection(const files::ViewSettings& view)
     : target_(view.viewReferencePoint), isPerspective_(view.isPerspective) {
   Vec3 back = view.viewpoint - view.viewReferencePoint;
   if (core::length(back) == 0.0) {

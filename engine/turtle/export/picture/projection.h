@@ -17,7 +17,7 @@ struct ProjectedPoint {
 /// up. Picture units are world units at the reference point; fitting them to a page is the caller's.
 class Projection {
  public:
-  explicit Projection(const language::ViewSettings& view);
+  explicit Projection(const files::ViewSettings& view);
 
   [[nodiscard]] ProjectedPoint project(const core::Vec3& point) const;
   /// Toward the viewer.

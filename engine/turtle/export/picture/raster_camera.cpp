@@ -11,7 +11,7 @@ using core::Vec3;
 
 namespace {
 
-PictureBounds boundsOfBox(const language::Box& box, const Projection& projection) {
+PictureBounds boundsOfBox(const files::Box& box, const Projection& projection) {
   PictureBounds bounds;
   for (const double x : {box.minimum.x, box.maximum.x}) {
     for (const double y : {box.minimum.y, box.maximum.y}) {
@@ -25,7 +25,7 @@ PictureBounds boundsOfBox(const language::Box& box, const Projection& projection
 
 }  // namespace
 
-RasterCamera::RasterCamera(const Projection& projection, const language::ViewSettings& view, const PictureBounds& drawn,
+RasterCamera::RasterCamera(const Projection& projection, const files::ViewSettings& view, const PictureBounds& drawn,
                            const PictureOptions& options)
     : projection_(projection) {
   const double width = options.widthPixels;

@@ -21,7 +21,7 @@ struct PagePoint {
 class RasterCamera {
  public:
   /// `bounds` is what is drawn, in the projection's picture units.
-  RasterCamera(const Projection& projection, const language::ViewSettings& view, const PictureBounds& bounds,
+  RasterCamera(const Projection& projection, const files::ViewSettings& view, const PictureBounds& bounds,
                const PictureOptions& options);
 
   [[nodiscard]] PagePoint onPage(const core::Vec3& point) const;

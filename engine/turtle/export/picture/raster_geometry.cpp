@@ -28,9 +28,9 @@ Vec3 directionOf(const Segment& segment) {
 
 }  // namespace
 
-RasterGeometry::RasterGeometry(const Scene& scene, const language::ViewSettings& view, const Palette& palette)
+RasterGeometry::RasterGeometry(const Scene& scene, const files::ViewSettings& view, const Palette& palette)
     : scene_(scene), view_(view), palette_(palette), continuation_(continuationsOf(scene, kSharpestJoint)) {
-  hasTubes_ = scene.lineStyle == language::LineStyle::Cylinder &&
+  hasTubes_ = scene.lineStyle == files::LineStyle::Cylinder &&
               std::ranges::any_of(scene.segments, [](const Segment& segment) { return segment.texture > 0; });
   if (hasTubes_) {
     chains_ = chainsOf(scene, palette);
@@ -41,10 +41,10 @@ RasterGeometry::RasterGeometry(const Scene& scene, const language::ViewSettings&
       scene_.cylinders.size(), scene_.surfaces.size(), scene_.patches.size(), scene_.polygons.size(),
       tubes_.size(),           scene_.segments.size(), scene_.balls.size(),   scene_.labels.size()};
   std::exclusive_scan(counts.begin(), counts.end(), firstParts_.begin(), std::size_t{0});
-  for (const language::Surface& surface : view.surfaces) {
+  for (const files::Surface& surface : view.surfaces) {
     appendLocalSurface(surfaces_.emplace_back(), surface);
   }
-  for (const language::TriangleSurface& surface : view.triangleSurfaces) {
+  for (const files::TriangleSurface& surface : view.triangleSurfaces) {
     appendLocalSurface(surfaces_.emplace_back(), surface);
   }
   for (std::size_t i = 0; i < view.surfaces.size(); ++i) {
@@ -134,7 +134,7 @@ void RasterGeometry::include(std::size_t number, const ScenePlacement& placement
   const auto projected = [&](const Vec3& point) { return projection.project(placedPoint(placement, point)); };
   if (part.kind == Kind::Segment) {
     const Segment& segment = scene_.segments[part.index];
-    const double halfWidth = scene_.lineStyle != language::LineStyle::Pixel ? 0.5 * placement.scale : 0.0;
+    const double halfWidth = scene_.lineStyle != files::LineStyle::Pixel ? 0.5 * placement.scale : 0.0;
     const ProjectedPoint a = projected(segment.start);
     const ProjectedPoint b = projected(segment.end);
     bounds.include(a, halfWidth * segment.startWidth * a.magnification);
@@ -189,7 +189,7 @@ void RasterGeometry::appendSegment(std::uint32_t index, const ScenePlacement& pl
   const Segment& segment = scene_.segments[index];
   const auto turned = [&placement](const Vec3& v) { return placedDirection(placement, v); };
   // pixels have no scale
-  const double half = scene_.lineStyle == language::LineStyle::Pixel ? 0.5 : 0.5 * placement.scale;
+  const double half = scene_.lineStyle == files::LineStyle::Pixel ? 0.5 : 0.5 * placement.scale;
   const Vec3 direction = directionOf(segment);
   const Vec3 left = turned(segment.frame.left);
   LineEnd start{placedPoint(placement, segment.start), turned(direction), left, half * segment.startWidth,
@@ -211,11 +211,11 @@ void RasterGeometry::appendSegment(std::uint32_t index, const ScenePlacement& pl
     end.shape = LineEnd::Shape::Joint;
   }
   switch (scene_.lineStyle) {
-    case language::LineStyle::Pixel:
+    case files::LineStyle::Pixel:
       return pen.pixelLine(start, end);
-    case language::LineStyle::Polygon:
+    case files::LineStyle::Polygon:
       return pen.strip(start, end);
-    case language::LineStyle::Cylinder:
+    case files::LineStyle::Cylinder:
       return appendRoundLine(index, start, end, pen);
   }
 }

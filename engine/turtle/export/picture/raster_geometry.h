@@ -25,7 +25,7 @@ namespace espalier::turtle {
 class RasterGeometry {
  public:
   /// All must outlive the object.
-  RasterGeometry(const Scene& scene, const language::ViewSettings& view, const Palette& palette);
+  RasterGeometry(const Scene& scene, const files::ViewSettings& view, const Palette& palette);
 
   [[nodiscard]] std::size_t partCount() const;
   /// Adds what a part covers in the picture plane, where a copy of the scene stands. Lines of the pixel style count
@@ -62,7 +62,7 @@ class RasterGeometry {
   [[nodiscard]] bool isPartOfTube(const Segment& segment) const { return hasTubes_ && segment.texture > 0; }
 
   const Scene& scene_;
-  const language::ViewSettings& view_;
+  const files::ViewSettings& view_;
   const Palette& palette_;
   std::vector<std::uint32_t> continuation_;  // the segment that goes on with a tube (segmentCount); kNoParent: none
   bool hasTubes_ = false;

@@ -44,7 +44,7 @@ double highlight(const Vec3& normal, const Vec3& towardLight, const Vec3& toward
 }
 
 // how much of a point light or spot arrives, and its direction
-double arrival(const language::Light& light, const Vec3& point, Vec3& towardLight) {
+double arrival(const files::Light& light, const Vec3& point, Vec3& towardLight) {
   if (light.isDirectional) {
     towardLight = core::normalised(light.place);
     return 1.0;
@@ -68,14 +68,14 @@ const RasterTexture* RasterTextures::find(std::int32_t texture, const Colour& be
   if (texture <= 0) {
     return nullptr;
   }
-  const language::Texture& picture = view_.textures[static_cast<std::size_t>(texture) - 1];
-  const bool isForAll = picture.use == language::Texture::Use::Modulate;
+  const files::Texture& picture = view_.textures[static_cast<std::size_t>(texture) - 1];
+  const bool isForAll = picture.use == files::Texture::Use::Modulate;
   const std::pair key(texture, isForAll ? -1 : below.red << 16 | below.green << 8 | below.blue);
   const std::lock_guard lock(mutex_);
   return &textures_.try_emplace(key, picture, below).first->second;
 }
 
-RasterShading::RasterShading(const language::ViewSettings& view, const Projection& projection, const Palette& palette,
+RasterShading::RasterShading(const files::ViewSettings& view, const Projection& projection, const Palette& palette,
                              RasterTextures& textures, const PictureBounds& bounds, const Colour& background)
     : view_(view), projection_(projection), palette_(palette), textures_(textures), background_(fraction(background)) {
   const Vec3& right = projection.right();
@@ -84,7 +84,7 @@ RasterShading::RasterShading(const language::ViewSettings& view, const Projectio
   key_ = view.lightDirection.value_or(core::normalised(-0.5 * right + 0.75 * up + 0.65 * toward));
   fill_ = core::normalised(0.85 * right + 0.1 * up + 0.5 * toward);
   sky_ = up;
-  using language::RenderMode;
+  using files::RenderMode;
   isWireframe_ = view.renderMode == RenderMode::Wireframe;
   isLit_ = !isWireframe_ && view.renderMode != RenderMode::Filled;
   isFlat_ = view.renderMode == RenderMode::Flat;
@@ -137,13 +137,13 @@ Vec3 RasterShading::litByOwnLights(const Look& look, const Vec3& normal, const V
 
 Vec3 RasterShading::litByViewLights(const Look& look, const Vec3& point, const Vec3& normal,
                                     const Vec3& towardViewer) const {
-  const language::Material own;
+  const files::Material own;
   const bool hasMaterial = look.material.has_value();
-  const language::Material& material = hasMaterial ? *look.material : own;
+  const files::Material& material = hasMaterial ? *look.material : own;
   const Vec3 diffuse = hasMaterial ? vector(material.diffuse) : fraction(look.colour);
   Vec3 colour = vector(material.emission) + kLeastLight * diffuse;
   for (std::size_t i = 0; i < std::min(view_.lights.size(), kMostLights); ++i) {
-    const language::Light& light = view_.lights[i];
+    const files::Light& light = view_.lights[i];
     Vec3 towardLight;
     const double strength = arrival(light, point, towardLight);
     const double incidence = std::max(0.0, core::dot(normal, towardLight));

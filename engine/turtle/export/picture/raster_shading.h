@@ -19,7 +19,7 @@ namespace espalier::turtle {
 /// What a shape is made of.
 struct Look {
   Colour colour;
-  std::optional<language::Material> material;  // of the folder
+  std::optional<files::Material> material;  // of the folder
   double opacity = 1.0;
   const RasterTexture* texture = nullptr;  // null: none
   bool isThin = false;                     // a leaf or petal, through which light comes
@@ -29,12 +29,12 @@ struct Look {
 class RasterTextures {
  public:
   /// `view` must outlive the object.
-  explicit RasterTextures(const language::ViewSettings& view) : view_(view) {}
+  explicit RasterTextures(const files::ViewSettings& view) : view_(view) {}
   /// A texture of the view file, from 1, over a colour; 0: null.
   [[nodiscard]] const RasterTexture* find(std::int32_t texture, const Colour& below);
 
  private:
-  const language::ViewSettings& view_;
+  const files::ViewSettings& view_;
   std::mutex mutex_;
   std::map<std::pair<std::int32_t, int>, RasterTexture> textures_;  // by number and the colour below, -1: any
 };
@@ -45,7 +45,7 @@ class RasterShading {
  public:
   /// `view`, which has the lights, `projection`, `palette` and `textures` must outlive the object. `bounds` is what the
   /// picture shows.
-  RasterShading(const language::ViewSettings& view, const Projection& projection, const Palette& palette,
+  RasterShading(const files::ViewSettings& view, const Projection& projection, const Palette& palette,
                 RasterTextures& textures, const PictureBounds& bounds, const Colour& background);
 
   [[nodiscard]] Look lookOfIndex(std::int32_t index, std::int32_t texture = 0) const;
@@ -72,7 +72,7 @@ class RasterShading {
                                            const core::Vec3& towardViewer) const;
   [[nodiscard]] std::array<float, 3> faded(const core::Vec3& colour, double depth) const;
 
-  const language::ViewSettings& view_;
+  const files::ViewSettings& view_;
   const Projection& projection_;
   const Palette& palette_;
   RasterTextures& textures_;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/files/image_file.h"
+#include "engine/files/images/image_file.h"
 
 namespace espalier::turtle {
 
@@ -15,9 +15,9 @@ std::uint8_t rounded(double value) {
 
 }  // namespace
 
-RasterTexture::RasterTexture(const language::Texture& texture, const Colour& below)
-    : hidesColour_(texture.use != language::Texture::Use::Modulate) {
-  const language::Image& image = *texture.image;
+RasterTexture::RasterTexture(const files::Texture& texture, const Colour& below)
+    : hidesColour_(texture.use != files::Texture::Use::Modulate) {
+  const files::Image& image = *texture.image;
   Level full{image.width, image.height, image.pixels};
   const std::array<double, 3> base{static_cast<double>(below.red), static_cast<double>(below.green),
                                    static_cast<double>(below.blue)};
@@ -25,9 +25,9 @@ RasterTexture::RasterTexture(const language::Texture& texture, const Colour& bel
     const double opacity = full.pixels[at + 3] / 255.0;
     for (std::size_t k = 0; k < 3; ++k) {
       const double own = full.pixels[at + k];
-      if (texture.use == language::Texture::Use::Decal) {
+      if (texture.use == files::Texture::Use::Decal) {
         full.pixels[at + k] = rounded(opacity * own + (1.0 - opacity) * base[k]);
-      } else if (texture.use == language::Texture::Use::Blend) {
+      } else if (texture.use == files::Texture::Use::Blend) {
         full.pixels[at + k] = rounded(base[k] + own / 255.0 * (255.0 - base[k]));
       } else {
         full.pixels[at + k] = rounded(opacity * own);

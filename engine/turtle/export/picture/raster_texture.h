@@ -13,7 +13,7 @@ namespace espalier::turtle {
 class RasterTexture {
  public:
   /// A texture that multiplies the colour below it is the same for all colours; of others the colour becomes part.
-  RasterTexture(const language::Texture& texture, const Colour& below);
+  RasterTexture(const files::Texture& texture, const Colour& below);
 
   /// Colours of the shape are to be computed as of white: the picture holds the shape's own.
   [[nodiscard]] bool hidesColour() const { return hidesColour_; }

@@ -216,7 +216,7 @@ void SvgWriter::writeShape(const PageShape& shape) {
 
 }  // namespace
 
-void writeSvg(const Scene& scene, const language::ViewSettings& view, const SvgOptions& options, core::ByteSink& sink) {
+void writeSvg(const Scene& scene, const files::ViewSettings& view, const SvgOptions& options, core::ByteSink& sink) {
   const Palette palette(scene, options.palette);
   const PageDrawing page(scene, view, palette, options.widthPixels, options.heightPixels, options.marginFraction,
                          options.frame);

@@ -15,7 +15,7 @@ struct SvgOptions {
   double heightPixels = 800.0;
   double marginFraction = 0.05;
   bool hasBackground = true;
-  const language::Palette* palette =
+  const files::Palette* palette =
       nullptr;  // a model folder's colours, its background too; null or empty: Espalier's own
   std::optional<PictureFrame> frame = {};  // what the drawing has room for; nothing: what is drawn
 };
@@ -23,6 +23,6 @@ struct SvgOptions {
 /// Writes a drawing of the scene as SVG 1.1 in the view file's projection: one path for each branch order (and colour),
 /// with the class `order-N`: strokes when all its lines have one width, else outlines; then organs from far to near,
 /// then labels. The viewBox is the drawing with its margin, no larger than asked for. Deterministic text. O(n log n).
-void writeSvg(const Scene& scene, const language::ViewSettings& view, const SvgOptions& options, core::ByteSink& sink);
+void writeSvg(const Scene& scene, const files::ViewSettings& view, const SvgOptions& options, core::ByteSink& sink);
 
 }  // namespace espalier::turtle

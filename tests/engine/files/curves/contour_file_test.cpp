@@ -4,7 +4,7 @@
 
 #include "engine/files/curves/contour_file.h"
 
-namespace espalier::language {
+namespace espalier::files {
 namespace {
 
 struct Read {
@@ -34,7 +34,7 @@ TEST(ContourFile, ReadsVersion13AndRepeatsPoints) {
   EXPECT_EQ(result.contour->points[3], (core::Vec3{1, 0.2, 0}));
 }
 
-TEST(ContourFile, SkipsWhatEditorsAdd) {
+TEST(ContourFile, SkipsLinesThatEditorsAdd) {
   const Read result = read(
       "cver 1 3\nname: leaf\npoints: 2 6\ntype: ce\nsamples: 8\nbackground: a\nbackgroundXY: 0 0\nmarkers: 1\n0.5\n"
       "-1 0 0 3\n1 0.2 0 3\n");
@@ -53,7 +53,7 @@ TEST(ContourFile, ReadsTheOlderForms) {
   EXPECT_FALSE(read("4 3 whatever\n1 0 0\n0 1 0\n-1 0 0\n0 0 5\n").contour->isClosed);
 }
 
-TEST(ContourFile, ReportsWhatIsWrong) {
+TEST(ContourFile, ReportsEachMistake) {
   EXPECT_EQ(read("cver 1 4\n").message,
             "1:9 expected version '1 1', '1 2' or '1 3' while reading a contour, found the end");
   EXPECT_EQ(read("hello\n").message,
@@ -70,4 +70,4 @@ TEST(ContourFile, ReportsWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace espalier::language
+}  // namespace espalier::files

@@ -5,7 +5,7 @@
 
 #include "engine/files/curves/function_file.h"
 
-namespace espalier::language {
+namespace espalier::files {
 namespace {
 
 constexpr const char* kRamp =
@@ -40,7 +40,7 @@ TEST(FunctionFile, ReadsVersion11WithTheSamplesOfTheFile) {
   EXPECT_NEAR(result.function.value(0.25), 0.338344, 1e-5);
 }
 
-TEST(FunctionFile, SkipsWhatEditorsAdd) {
+TEST(FunctionFile, SkipsLinesThatEditorsAdd) {
   const Read result = read(
       "fver 1 1\nname: ramp\nsamples: 100\nbackground: a.png\nbackgroundXY: 1 2\nmarkers: 2\n0.1\n0.2\nflip: on\n"
       "points: 4\r\n0 0 1\n0.25 0.5\n0.75 0.5\n1 2");
@@ -122,7 +122,7 @@ TEST(FunctionSet, ReadsItsFunctionsAndNamesThemByTheirMacros) {
   EXPECT_NEAR(functions[1].value(0.6), 0.366491, 1e-5);
 }
 
-TEST(FunctionSet, GoesOnBehindAnItemWithAnErrorOutsideTheCompatibleModes) {
+TEST(FunctionSet, ContinuesBehindAnItemWithAnErrorOutsideTheCompatibleModes) {
   std::string text = kSet;
   text.replace(text.find("points: 4"), 9, "points: 1");
   core::DiagnosticList diagnostics;
@@ -153,4 +153,4 @@ TEST(FunctionSet, ReportsItsHeadAndMissingItems) {
 }
 
 }  // namespace
-}  // namespace espalier::language
+}  // namespace espalier::files

@@ -7,7 +7,7 @@
 #include "engine/files/curves/curve_file.h"
 #include "engine/files/view_settings.h"
 
-namespace espalier::language {
+namespace espalier::files {
 namespace {
 
 using core::Vec3;
@@ -123,7 +123,7 @@ TEST(CurveFile, ReportsAPointWithTooFewNumbersAndIsTheOriginThen) {
   EXPECT_EQ(result.curve.arcLength(), 0.0);
 }
 
-TEST(CurveFile, ReportsWhatIsMissing) {
+TEST(CurveFile, ReportsMissingParts) {
   EXPECT_EQ(firstMessage(read("type: bspline\n").diagnostics),
             "2:1 expected 'points:' while reading a curve, found the end");
   EXPECT_EQ(firstMessage(read("points: 5\n0 0\n1 1\n2 2\n3 3\n").diagnostics),
@@ -145,4 +145,4 @@ TEST(CurveFile, LargeCountsAskForNoMemoryBeforeTheDataIsSeen) {
 }
 
 }  // namespace
-}  // namespace espalier::language
+}  // namespace espalier::files

@@ -7,7 +7,7 @@
 
 #include "engine/files/view_settings.h"
 
-namespace espalier::language {
+namespace espalier::files {
 namespace {
 
 using Points = std::vector<std::array<double, 2>>;
@@ -55,4 +55,4 @@ TEST(SplineFunction, SearchEndsWhereTheCurveNeverReachesX) {
 }
 
 }  // namespace
-}  // namespace espalier::language
+}  // namespace espalier::files

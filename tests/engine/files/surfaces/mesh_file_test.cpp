@@ -11,7 +11,7 @@
 #include "engine/language/view/view_file.h"
 #include "tests/support/places.h"
 
-namespace espalier::language {
+namespace espalier::files {
 namespace {
 
 using core::Vec3;
@@ -24,16 +24,13 @@ std::string fileText(const std::string& name) {
 
 std::vector<SurfaceTriangle> trianglesOf(const std::string& name) {
   auto read = readMeshFile(name, fileText(name));
-  if (const auto* problem = std::get_if<std::string>(&read)) {
-    ADD_FAILURE() << name << ": " << *problem;
-    return {};
-  }
-  return std::get<std::vector<SurfaceTriangle>>(read);
+  EXPECT_TRUE(read) << name << ": " << read.error();
+  return read.value_or(std::vector<SurfaceTriangle>{});
 }
 
 std::string problemOf(const std::string& name, const std::string& bytes) {
-  auto read = readMeshFile(name, bytes);
-  return std::holds_alternative<std::string>(read) ? std::get<std::string>(read) : "";
+  const auto read = readMeshFile(name, bytes);
+  return read ? "" : read.error();
 }
 
 struct Measures {
@@ -121,7 +118,7 @@ TEST(MeshFile, ConcaveFacesAreCutIntoTrianglesOfTheirArea) {
 TEST(MeshFile, TextureCoordinatesHaveVUpwardInBothFormats) {
   // the corner that glTF calls (0, 0) is the upper left of the picture, that of OBJ the lower left
   const auto object = readObjMesh("v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0.25 0.75\nf 1/1 2/1 3/1\n");
-  EXPECT_EQ(std::get<0>(object)[0].coordinates[0], (std::array<double, 2>{0.25, 0.75}));
+  EXPECT_EQ(object.value()[0].coordinates[0], (std::array<double, 2>{0.25, 0.75}));
   for (const SurfaceTriangle& t : trianglesOf("BoxTextured.glb")) {
     for (const auto& uv : t.coordinates) {
       EXPECT_GE(uv[0], -1e-6);
@@ -131,23 +128,24 @@ TEST(MeshFile, TextureCoordinatesHaveVUpwardInBothFormats) {
 
 TEST(MeshFile, NegativeIndicesAndPolygonsOfObjAreRead) {
   const auto read = readObjMesh("v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nf -4 -3 -2 -1\n");
-  ASSERT_EQ(std::get<0>(read).size(), 2U);
-  EXPECT_NEAR(measure(std::get<0>(read)).area, 4.0, 1e-6);
-  EXPECT_EQ(std::get<0>(read)[0].normals[0], (Vec3{0, 0, 1})) << "the side's, where the file has none";
+  ASSERT_EQ(read.value().size(), 2U);
+  EXPECT_NEAR(measure(read.value()).area, 4.0, 1e-6);
+  EXPECT_EQ(read.value()[0].normals[0], (Vec3{0, 0, 1})) << "the side's, where the file has none";
 }
 
-TEST(MeshFile, WhatCannotBeUsedIsRefusedWithAReason) {
+TEST(MeshFile, AnUnusableFileIsRefusedWithAReason) {
   EXPECT_EQ(problemOf("a.obj", ""), "it has no triangles");
   EXPECT_EQ(problemOf("a.obj", "v 1 2 3\n"), "it has no triangles");
   EXPECT_EQ(problemOf("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n"), "a face has the vertex 9 of 3");
-  EXPECT_NE(problemOf("a.glb", "no mesh").find("it is no glTF 2.0: "), std::string::npos);
+  EXPECT_NE(problemOf("a.glb", "no mesh").find("it is not a glTF 2.0 file: "), std::string::npos);
   EXPECT_NE(problemOf("malformed.obj", fileText("malformed.obj")), "");
   EXPECT_EQ(problemOf("BoxWithInfinites.glb", fileText("BoxWithInfinites.glb")).find("vertex "), 0U);
   EXPECT_EQ(problemOf("RecursiveNodes.gltf", fileText("RecursiveNodes.gltf")),
-            "its scene has more nodes, or deeper ones, than are read here");
-  EXPECT_NE(problemOf("IndexOutOfRange.gltf", fileText("IndexOutOfRange.gltf"))
-                .find("it needs the file 'IndexOutOfRange.bin': only data inside the file is read. Export as .glb"),
-            std::string::npos);
+            "its scene has too many nodes, or nodes at too deep a level");
+  EXPECT_NE(
+      problemOf("IndexOutOfRange.gltf", fileText("IndexOutOfRange.gltf"))
+          .find("it needs the file 'IndexOutOfRange.bin', but only data inside the file is read; export it as .glb"),
+      std::string::npos);
 }
 
 TEST(MeshFile, AFileThatIsCutOffAnywhereIsRefused) {
@@ -182,7 +180,7 @@ TEST(MeshFile, SurfacesOfAViewFileCanBeMeshes) {
   files.add("m/broken.glb", "?");
   files.add("m/plant.v",
             "surface: l box.obj 2\ntsurface: m box.glb 1\nsurface: b broken.glb 1\nsurface: n none.obj 1\n");
-  const ViewFileResult read = readViewFile("m/plant.v", files, core::Compatibility::Espalier, {});
+  const language::ViewFileResult read = language::readViewFile("m/plant.v", files, core::Compatibility::Espalier, {});
   ASSERT_EQ(read.settings.triangleSurfaces.size(), 2U);
   EXPECT_EQ(read.settings.triangleSurfaces[0].id, 'l');
   EXPECT_NEAR(measure(read.settings.triangleSurfaces[0].triangles).signedVolume, 8.0, 1e-6);
@@ -192,11 +190,11 @@ TEST(MeshFile, SurfacesOfAViewFileCanBeMeshes) {
     messages += core::formatDiagnostic(diagnostic) + "\n";
   }
   EXPECT_NE(messages.find("m/plant.v:3:"), std::string::npos) << messages;
-  EXPECT_NE(messages.find("the mesh 'm/broken.glb' cannot be used: it is no glTF 2.0: "), std::string::npos)
+  EXPECT_NE(messages.find("the mesh 'm/broken.glb' cannot be used: it is not a glTF 2.0 file: "), std::string::npos)
       << messages;
   EXPECT_NE(messages.find("~b draws nothing"), std::string::npos) << messages;
   EXPECT_NE(messages.find("the file 'm/none.obj' cannot be read; ~n draws nothing"), std::string::npos) << messages;
 }
 
 }  // namespace
-}  // namespace espalier::language
+}  // namespace espalier::files

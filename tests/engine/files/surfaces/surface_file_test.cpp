@@ -5,7 +5,7 @@
 #include "engine/core/frame.h"
 #include "engine/files/surfaces/surface_file.h"
 
-namespace espalier::language {
+namespace espalier::files {
 namespace {
 
 using core::Vec3;
@@ -94,10 +94,10 @@ TEST(SurfaceFile, NeighboursMustExistAndBeMutual) {
   EXPECT_EQ(oneSided.message, "7:1 'A:' of patch 'one' names 'one', whose 'B:' does not name it back");
   const Read unknown = withNeighbours("AL: ~ A: ~ AR: ~ L: two R: ~ BL: ~ B: ~ BR: ~");
   EXPECT_FALSE(unknown.surface.has_value());
-  EXPECT_EQ(unknown.message, "7:1 'L:' of patch 'one' names 'two', which is no patch of this surface");
+  EXPECT_EQ(unknown.message, "7:1 'L:' of patch 'one' names 'two', which is not a patch of this surface");
 }
 
-TEST(SurfaceFile, ReportsWhatIsMissing) {
+TEST(SurfaceFile, ReportsMissingParts) {
   EXPECT_EQ(read("0 1 0 1 0").message,
             "1:10 expected the six numbers of the bounding box while reading a surface, found the end");
   EXPECT_EQ(read("0 1 0 1 0 1\nEND POINT").message,
@@ -114,7 +114,7 @@ TEST(SurfaceFile, ReportsWhatIsMissing) {
 TEST(SurfaceFile, SizeOfZeroIsRefused) {
   const Read result = read(surfaceText(kUpright, "X: 0 Y: 0 Z: -1", "X: 0 Y: 1 Z: 0", "0"));
   EXPECT_FALSE(result.surface.has_value());
-  EXPECT_EQ(result.message, "1:1 the size 0 of the surface gives points that are no numbers");
+  EXPECT_EQ(result.message, "1:1 the size 0 of the surface gives points that are not finite");
 }
 
 TEST(TriangleSurfaceFile, ReadsVerticesScalesPositionsAndFillsNormals) {
@@ -142,4 +142,4 @@ TEST(TriangleSurfaceFile, AnIncompleteTriangleDiscardsTheSurface) {
 }
 
 }  // namespace
-}  // namespace espalier::language
+}  // namespace espalier::files

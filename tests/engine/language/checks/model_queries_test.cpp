@@ -43,9 +43,9 @@ TEST(ModelQueries, EachQueryThatNoProcessAnswersIsReported) {
 
 TEST(ModelQueries, WithoutAnEnvironmentNobodyAnswers) {
   const std::string hint = " | give the model an environment; without one the parameters keep their values";
-  EXPECT_EQ(unanswered({}), (Messages{"3:10: warning: nobody answers ?E: no environment is given" + hint,
-                                      "4:8: warning: nobody answers ?Light: no environment is given" + hint,
-                                      "6:8: warning: nobody answers ?Water: no environment is given" + hint}));
+  EXPECT_EQ(unanswered({}), (Messages{"3:10: warning: ?E gets no answer: no environment is given" + hint,
+                                      "4:8: warning: ?Light gets no answer: no environment is given" + hint,
+                                      "6:8: warning: ?Water gets no answer: no environment is given" + hint}));
 }
 
 TEST(ModelQueries, FilesThatWouldBeWrittenAreReportedWhereNoneAre) {
@@ -56,9 +56,9 @@ TEST(ModelQueries, FilesThatWouldBeWrittenAreReportedWhereNoneAre) {
   for (const core::Diagnostic& diagnostic : unwrittenFiles(*result.program)) {
     messages.push_back(brief(diagnostic));
   }
-  const std::string hint = " | the program 'espalier' writes them beside the model";
-  EXPECT_EQ(messages, (Messages{"2:34: warning: models write no files here: fopen(\"b\") gives 0" + hint,
-                                "2:55: warning: models write no files here: fopen(\"c\") gives 0" + hint}));
+  const std::string hint = " | run the model with the program 'espalier' to write the file beside it";
+  EXPECT_EQ(messages, (Messages{"2:34: warning: models cannot write files here: fopen(\"b\") returns 0" + hint,
+                                "2:55: warning: models cannot write files here: fopen(\"c\") returns 0" + hint}));
 }
 
 }  // namespace

@@ -41,13 +41,13 @@ TEST(NeededFiles, ASurfaceThatIsDrawnAndCannotBeReadIsAnErrorWithBothLines) {
   EXPECT_FALSE(result.isCompiled);
   EXPECT_EQ(result.errors,
             Messages{"m.v:2:1: error: the model draws with ~l, whose file 'none.s' cannot be used (warning above) | "
-                     "needed at m.l:3:10; mend or add the file, or take that out of the model"});
-  // as broken as missing, and wherever it stands
+                     "needed at m.l:3:10; repair or add the file, or remove this from the model"});
+  // a broken file counts as a missing one, in an axiom as in a successor
   EXPECT_EQ(compiled("surface: l bad.s 1\n", "A --> F", "~l").errors.size(), 1U);
   EXPECT_EQ(compiled("tsurface: l none.obj 1\n", "A --> F\nhomomorphism\nA --> ~l").errors.size(), 1U);
 }
 
-TEST(NeededFiles, WhatTheModelDoesNotDrawStaysAWarning) {
+TEST(NeededFiles, AFileThatTheModelDoesNotDrawStaysAWarning) {
   const Result result = compiled("surface: l none.s 1\ncontour: 2 none.con\ntexture: F none.png\n", "A --> F l");
   EXPECT_TRUE(result.isCompiled);
   EXPECT_EQ(result.errors, Messages{});
@@ -61,14 +61,15 @@ TEST(NeededFiles, AnotherFileOfTheSameNameServes) {
 TEST(NeededFiles, ContoursAndTexturesCountByTheirNumbers) {
   const std::string view = "contour: 2 none.con\ntexture: F none.png\n";
   const auto errors = [&view](const std::string& successor) { return compiled(view, "A --> " + successor).errors; };
-  EXPECT_EQ(errors("@#(2)F"),
-            Messages{"m.v:1:1: error: the model draws with contour 2, whose file 'none.con' cannot be "
-                     "used (warning above) | needed at m.l:3:8; mend or add the file, or take that "
-                     "out of the model"});
+  EXPECT_EQ(
+      errors("@#(2)F"),
+      Messages{"m.v:1:1: error: the model draws with contour 2, whose file 'none.con' cannot be "
+               "used (warning above) | needed at m.l:3:8; repair or add the file, or remove this from the model"});
   EXPECT_EQ(errors("@#(1)F@#"), Messages{});
-  EXPECT_EQ(errors("@Tx(1)F"), Messages{"m.v:2:1: error: the model draws with texture 1, whose file 'none.png' cannot "
-                                        "be used (warning above) | needed at m.l:3:9; mend or add the file, or take "
-                                        "that out of the model"});
+  EXPECT_EQ(
+      errors("@Tx(1)F"),
+      Messages{"m.v:2:1: error: the model draws with texture 1, whose file 'none.png' cannot "
+               "be used (warning above) | needed at m.l:3:9; repair or add the file, or remove this from the model"});
   EXPECT_EQ(errors("@Tx(2)F@Tx(0)"), Messages{});
   // a number that is only known in the run
   EXPECT_EQ(compiled(view, "A(i) --> @Tx(i)F", "A(1)").errors.size(), 1U);

@@ -67,7 +67,7 @@ TEST(Dialect, AnEntryThatIsNotThereIsAnError) {
   EXPECT_EQ(foreignMessages(kTwo, "Secnd"),
             Messages{"1:1: error: the file has no entry 'Secnd' | Did you mean 'Second'? Available: First, Second."});
   EXPECT_EQ(foreignMessages("ω: F\nF → FF\n", "X"),
-            Messages{"1:1: error: the file has no entry 'X' | it holds one model: leave the ':' and the name out"});
+            Messages{"1:1: error: the file has no entry 'X' | the file holds one model: remove the ':' and the name"});
 }
 
 TEST(Dialect, MessagesOfTheCompilerNameTheForeignLine) {
@@ -81,7 +81,7 @@ TEST(Dialect, ASnapshotsFilesCompileToTheSameProgram) {
   const CompileResult first = compileForeign(kTwo, "Second");
   ASSERT_NE(first.program, nullptr);
   core::MemoryFileProvider files;
-  for (const SourceMap::File& file : first.program->sources) {
+  for (const files::SourceMap::File& file : first.program->sources) {
     files.add(file.name, file.text);
   }
   CompileInput input;

@@ -23,7 +23,7 @@ TEST(Fractint, StartsAlongXAndTurnsByAPartOfTheCircle) {
   EXPECT_EQ(result.program->view.initialHeading, (core::Vec3{1.0, 0.0, 0.0}));
 }
 
-TEST(Fractint, RulesOfOneCharacterAddUp) {
+TEST(Fractint, RulesOfOneCharacterAreJoined) {
   EXPECT_NE(cpfgText(entry("angle 6\naxiom f\nf=f+\nf=f\n")).find("\nF --> F+F\n"), std::string::npos);
   EXPECT_NE(cpfgText(entry("angle 6\naxiom f\nf=\n")).find("\nF --> *\n"), std::string::npos);
 }
@@ -43,8 +43,8 @@ TEST(Fractint, ColoursAreThoseOfTheScreen) {
   EXPECT_NE(result.program->sources.front().text.find("C(x) --> ;(x)\n"), std::string::npos);
   EXPECT_NE(result.program->sources.front().text.find("G --> f\n"), std::string::npos);
   EXPECT_EQ(result.program->view.initialColour, 15);
-  EXPECT_EQ(result.program->view.palette.colour(4), (PaletteColour{168, 0, 0}));
-  EXPECT_EQ(result.program->view.palette.background(), (PaletteColour{0, 0, 0}));
+  EXPECT_EQ(result.program->view.palette.colour(4), (files::PaletteColour{168, 0, 0}));
+  EXPECT_EQ(result.program->view.palette.background(), (files::PaletteColour{0, 0, 0}));
 }
 
 TEST(Fractint, TurnsRoundByWholePartsAndExchangesLeftAndRight) {

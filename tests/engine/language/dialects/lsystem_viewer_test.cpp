@@ -20,21 +20,21 @@ TEST(LsystemViewer, AcceptsEveryPunctuation) {
   EXPECT_EQ(cpfgText("# a remark\nGENERATIONS 2\nangle 120/2\naxiom F\nprule F --> F + F\n"), plain);
 }
 
-TEST(LsystemViewer, HasTheDefaultsThatAreStated) {
+TEST(LsystemViewer, HasTheStatedDefaults) {
   const CompileResult result = compileForeign("axiom F\nstep 2\n");
   ASSERT_NE(result.program, nullptr);
-  const ViewSettings& view = result.program->view;
+  const files::ViewSettings& view = result.program->view;
   EXPECT_EQ(view.initialHeading, (core::Vec3{1.0, 0.0, 0.0}));
   EXPECT_EQ(view.initialPosition, core::Vec3{});
-  EXPECT_EQ(view.palette.colour(view.initialColour), (PaletteColour{255, 0, 0}));
+  EXPECT_EQ(view.palette.colour(view.initialColour), (files::PaletteColour{255, 0, 0}));
   EXPECT_EQ(result.program->derivationLength, 0U);
 }
 
 TEST(LsystemViewer, SetsColourHeadingAndOrigin) {
   const CompileResult result = compileForeign("axiom F\nstep 2\ncolor DarkBlue\nheading 180\norigin (3, -1/2)\n");
   ASSERT_NE(result.program, nullptr);
-  const ViewSettings& view = result.program->view;
-  EXPECT_EQ(view.palette.colour(view.initialColour), (PaletteColour{0, 0, 139}));
+  const files::ViewSettings& view = result.program->view;
+  EXPECT_EQ(view.palette.colour(view.initialColour), (files::PaletteColour{0, 0, 139}));
   EXPECT_EQ(view.initialHeading, (core::Vec3{-1.0, 0.0, 0.0}));
   EXPECT_EQ(view.initialPosition, (core::Vec3{3.0, -0.5, 0.0}));
 }
@@ -60,15 +60,15 @@ TEST(LsystemViewer, ErrorsNameItsLinesAndTerms) {
   EXPECT_EQ(
       messages("generations 2\naxiom F\nprule F F+F\n"),
       Messages{"3:1: error: expected a rule such as 'F -> F+F' while reading 'prule' | one symbol, '->' (or '→' or "
-               "'='), and what takes its place"});
+               "'='), and its successor"});
   EXPECT_EQ(
       messages("generations 2\naxiom F\nprule F -> F\nprule F -> FF\n"),
       Messages{"4:7: error: there is a rule for 'F' already | each symbol has one rule in a deterministic L-system"});
   EXPECT_EQ(messages("generations 2\naxiom F+F\n"),
             Messages{"1:1: error: the model turns with + or - and has no angle | 'angle 60' turns by 60 degrees"});
   EXPECT_EQ(messages("generations 2\naxiom F\nscale 0\n"),
-            Messages{"3:7: error: expected a number above 0 while reading 'scale', found '0' | a step of the next "
-                     "generation is so many times as long"});
+            Messages{"3:7: error: expected a number above 0 while reading 'scale', found '0' | the step length of the "
+                     "next generation is multiplied by it"});
   EXPECT_EQ(
       messages("generations 2\naxiom F\nstep long\n"),
       Messages{"3:6: error: expected a number while reading 'step', found 'long' | write it with a point, or as a "

@@ -36,7 +36,7 @@ TEST(Species, RangesAreDrawnForEachTree) {
 }
 
 TEST(Species, ATurnAboutTheAxisMayComeWithEachBranch) {
-  // by a macro, that --define overrides
+  // by a macro that --define overrides
   EXPECT_TRUE(contains(cpfgText(species("Giro: 30\n")), "\n#define GIRO 30\n"));
   EXPECT_TRUE(contains(cpfgText(species("Giro: 30\n")), "[ --> [/(GIRO)\n"));
   EXPECT_FALSE(contains(cpfgText(species("Giro: 0\n")), "[ -->"));
@@ -71,17 +71,16 @@ TEST(Species, ErrorsNameItsLinesAndTerms) {
       Messages{
           "7:10: error: expected how rules are drawn, found 'dado' | 'geração' (generation): one rule for the whole "
           "string; 'módulo' (module): one for each module"});
-  EXPECT_EQ(
-      foreignMessages(species(", FF\n")),
-      Messages{"7:3: error: expected a rule such as 'F -> F[+F]F', found 'FF' | one variable, '->' and what takes its "
-               "place; rules are parted by commas"});
+  EXPECT_EQ(foreignMessages(species(", FF\n")),
+            Messages{"7:3: error: expected a rule such as 'F -> F[+F]F', found 'FF' | one variable, '->' and its "
+                     "successor; rules are separated by commas"});
   EXPECT_EQ(
       foreignMessages("Espécie 1\nAxioma: F\nRegras: F -> F[F\n"),
       Messages{"3:15: error: the bracket '[' is never closed in the rule | a ']' goes back to where the turtle was at "
                "'['"});
   EXPECT_EQ(
       foreignMessages("Espécie 1\nAxioma: F\nRegras: F -> F*F\n"),
-      Messages{"3:15: error: the character '*' is no symbol of a species | symbols are letters, digits, + - [ ]"});
+      Messages{"3:15: error: the character '*' is not a symbol of a species | symbols are letters, digits, + - [ ]"});
   EXPECT_EQ(foreignMessages(species("Espécie 7\nPaso: 4\nAxioma: F\nRegras: F -> F\n"), "7").front().substr(0, 59),
             "8:1: error: expected a label of a species, found 'Paso' | D");
   EXPECT_EQ(foreignMessages("Espécie 1\nVariáveis: F, Y\nAxioma: F\nRegras: F -> FF\n"),

@@ -52,7 +52,7 @@ TEST(Textbook, SeveralAxiomsAreSeveralModels) {
   EXPECT_TRUE(contains(cpfgText("w: A(1,2)\nA(x,y) -> A(y,x)\n"), "Axiom: A(1,2)\n"));
 }
 
-TEST(Textbook, RollsTheOtherWayRoundAndMayTurnClockwise) {
+TEST(Textbook, RollsInTheOppositeDirectionAndMayTurnClockwise) {
   const std::string text = cpfgText("ω: F/F\\F+\nδ = 30°\nturns: clockwise\nF → F\n");
   EXPECT_TRUE(contains(text, "+ --> -(30)\n- --> +(30)\n/ --> \\(30)\n\\ --> /(30)\n")) << text;
 }
@@ -69,7 +69,7 @@ TEST(Textbook, AStepMayShrinkWithEachGeneration) {
   EXPECT_TRUE(contains(cpfgText("ω: F\nd = 3\nF → FF\n"), "F --> F(3)\n"));
 }
 
-TEST(Textbook, AShapeSaysWhatASymbolLooksLike) {
+TEST(Textbook, AShapeDefinesTheDrawingOfASymbol) {
   EXPECT_TRUE(contains(cpfgText("ω: A\nA → [A]A\nshape A: F\nshape ]: ]/(180)\n"), "A --> F\n] --> ]/(180)\n"));
 }
 
@@ -110,7 +110,8 @@ TEST(Textbook, ErrorsNameItsLinesAndTerms) {
           "1:6: error: the parenthesis '(' of A is never closed | the parameters of a module stand between '(' and "
           "')'"});
   EXPECT_EQ(foreignMessages("ω: F\nturns: left\nF → F\n"),
-            Messages{"2:8: error: expected 'clockwise' or 'counterclockwise', found 'left' | it says where + turns"});
+            Messages{"2:8: error: expected 'clockwise' or 'counterclockwise', found 'left' | it sets the direction in "
+                     "which + turns"});
   EXPECT_EQ(foreignMessages("ω: F\nd = 0\nF → F\n"),
             Messages{"2:5: error: expected a length or a quotient such as d/4, found '0' | d is the length of a step"});
   EXPECT_EQ(foreignMessages("ω: F\nA < → F\n"),
@@ -133,7 +134,7 @@ TEST(Textbook, ErrorsNameItsLinesAndTerms) {
 TEST(Textbook, ProbabilitiesThatDoNotSumToOneAreAWarning) {
   EXPECT_EQ(foreignMessages("ω: A(1)F\np1: A(x) → A(x+1) : 0.4\np2: A(x) → B(x) : 0.7\nF → F : 0.33\nF → FF : 0.66\n"),
             Messages{"2:5: warning: the probabilities of A(x) sum to 1.1 | they are scaled to 1"});
-  // other left sides, or expressions: nobody knows
+  // other left sides, or expressions: the sum is unknown
   EXPECT_EQ(foreignMessages("ω: A(1)\nA(x) : x<2 → A(x+1) : 0.4\nA(x) : x>=2 → B(x) : 1\n").size(), 1U);
   EXPECT_EQ(foreignMessages("ω: A(1)\nA(x) → A(x+1) : x/2\nA(x) → B(x) : 0.1\n"), Messages{});
 }

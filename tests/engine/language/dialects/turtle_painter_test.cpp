@@ -67,10 +67,9 @@ TEST(TurtlePainter, ErrorsNameItsLinesAndTerms) {
   EXPECT_EQ(
       foreignMessages(painter("ω = F\nF → F\nobject p: a.obj 0\n")),
       Messages{"4:11: error: expected a size above 0 behind the file of an object | write 'object p: leaf.obj 0.5'"});
-  EXPECT_EQ(
-      foreignMessages(painter("ω = F\nF → F\nvector: 1, 2\n")),
-      Messages{"4:9: error: expected three numbers while reading 'vector' | write 'vector: 0, -0.1, 0': what is drawn "
-               "moves by it"});
+  EXPECT_EQ(foreignMessages(painter("ω = F\nF → F\nvector: 1, 2\n")),
+            Messages{"4:9: error: expected three numbers while reading 'vector' | write 'vector: 0, -0.1, 0': "
+                     "everything drawn moves by it"});
 }
 
 }  // namespace

@@ -73,17 +73,17 @@ TEST(StepStrings, WarnOfBracketsWithoutAPartner) {
   EXPECT_EQ(diagnostics.entries()[1].message, "the bracket ']' closes nothing in this string");
 }
 
-TEST(StepStrings, SayWhatIsWrongAndWhere) {
+TEST(StepStrings, ReportEachMistakeWithItsPlace) {
   EXPECT_EQ(errorOf("F\n(2)F\n"), "2:1 a '(' without its module");
   EXPECT_EQ(errorOf("F\nF(2F\n"), "2:2 a '(' without its module");
   EXPECT_EQ(errorOf("F\nF)F\n"), "2:2 a ')' without its module");
   EXPECT_EQ(errorOf("0\ta\n2\tb\n"), "2:1 step 2 follows step 0");
   EXPECT_EQ(errorOf("a\nb\xff\n"), "2:2 this is not UTF-8 text");
-  EXPECT_EQ(errorOf("a\n"), "0:0 one string is not enough to infer from");
+  EXPECT_EQ(errorOf("a\n"), "0:0 one string is not enough to infer productions");
   EXPECT_EQ(errorOf(" \n"), "0:0 there is no string in this file");
 }
 
-TEST(LengthEquations, DetermineWhatTheyCan) {
+TEST(LengthEquations, DetermineEveryLengthThatIsUnique) {
   // x + y = 5, 2x + 3y = 12 and z free: x = 3, y = 2
   const SolvedLengths solved = solveLengths({{1, 1, 0}, {2, 3, 0}}, {5, 12});
   EXPECT_FALSE(solved.isContradiction);
@@ -226,7 +226,7 @@ void expectRecovered(bool hasBranches) {
     options.systemLimit = 100;
     const Inference found = inferD0l(original.steps, options);
     ASSERT_FALSE(found.systems.empty()) << i;
-    // what the strings can tell: productions of symbols before the last string
+    // the productions that the strings determine: those of symbols before the last string
     D0lSystem visible = original.system;
     for (std::size_t symbol = 0; symbol < visible.successors.size(); ++symbol) {
       if (!found.systems.front().successors[symbol]) {

@@ -125,9 +125,8 @@ TEST(Parser, ACommentOverLinesEndsTheProduction) {
   EXPECT_EQ(
       messagesOf(model("A(n) --> B /* one\ntwo */ [C]")),
       Messages{
-          "4:8: error: expected a production while reading the productions after the axiom, found '[' | a line that "
-          "continues "
-          "the one before must start with a TAB, not with blanks (or write 'Syntax: free' before the first L-system)"});
+          "4:8: error: expected a production while reading the productions after the axiom, found '[' | a continuation "
+          "line must start with a TAB, not with blanks (or write 'Syntax: free' before the first L-system)"});
 }
 
 // ---- additions
@@ -195,8 +194,7 @@ TEST(Parser, MistakesInExpressions) {
                       "'B(n' is missing, "
                       "or an operator or a comma before this",
                       "8:16: error: expected an argument of 'sin' while reading the successor of A(n), found ')' | "
-                      "every function takes at "
-                      "least one argument, some a dummy one: sin(0)",
+                      "every function needs an argument, sometimes only a dummy: sin(0)",
                       "9:15: error: expected ']' while reading the successor of A(n), found ',' | every dimension has "
                       "its own brackets: "
                       "w[i][j]",
@@ -209,36 +207,36 @@ TEST(Parser, MistakesInExpressions) {
 }
 
 TEST(Parser, MistakesInHeads) {
-  EXPECT_EQ(messagesOf(model(
-                "A(2) --> B\nA(n --> B\n* --> B\nA < > B --> C\n< A --> B\nA > B < C --> D\nA * < B --> C\nA > = --> "
+  EXPECT_EQ(
+      messagesOf(
+          model("A(2) --> B\nA(n --> B\n* --> B\nA < > B --> C\n< A --> B\nA > B < C --> D\nA * < B --> C\nA > = --> "
                 "C\nA(n) B\nA() --> B\nA(n) -> B(n)\n > A --> B\nA(n) => B")),
-            (Messages{"3:3: error: expected a parameter name while reading a production, found the number 2 | "
-                      "predecessors and contexts have "
-                      "names as parameters; compare values in the condition, as in A(x) : x == 1",
-                      "4:5: error: expected ',' or ')' while reading a production, found '-->' | predecessors and "
-                      "contexts have names as "
-                      "parameters, separated by commas: A(x, y)",
-                      "5:1: error: expected a predecessor while reading a production, found '*' | there is no wildcard "
-                      "predecessor; '*' stands "
-                      "for a whole context, condition or successor",
-                      "6:5: error: expected a predecessor while reading a production, found '>'",
-                      "7:1: error: expected a context before '<' while reading a production, found '<'",
-                      "8:7: error: expected '-->' while reading a production, found '<' | the order is: newLeft << "
-                      "left < predecessor > right "
-                      ">> newRight",
-                      "9:3: error: '*' stands for a whole left context, not for one module | there is no wildcard for "
-                      "a single module",
-                      "10:5: error: '=' must be followed by another module in a right context | '=' goes to the end of "
-                      "the branch: write '=]'",
-                      "11:7: error: expected '-->' while reading a production, found the end of the line",
-                      "12:3: error: expected a parameter name while reading a production, found ')' | a module without "
-                      "parameters has no "
-                      "parentheses",
-                      "13:6: error: expected '-->' while reading a production, found '->' | the arrow of a production "
-                      "has two strokes",
-                      "14:2: error: expected a predecessor while reading a production, found '>'",
-                      "15:6: error: expected '-->' while reading a production, found '=>' | the arrow of a production "
-                      "has two strokes"}));
+      (Messages{
+          "3:3: error: expected a parameter name while reading a production, found the number 2 | "
+          "parameters of predecessors and contexts are names; compare values in the condition, as in A(x) : x == 1",
+          "4:5: error: expected ',' or ')' while reading a production, found '-->' | parameters of predecessors and "
+          "contexts are names, separated by commas: A(x, y)",
+          "5:1: error: expected a predecessor while reading a production, found '*' | there is no wildcard "
+          "predecessor; '*' stands "
+          "for a whole context, condition or successor",
+          "6:5: error: expected a predecessor while reading a production, found '>'",
+          "7:1: error: expected a context before '<' while reading a production, found '<'",
+          "8:7: error: expected '-->' while reading a production, found '<' | the order is: newLeft << "
+          "left < predecessor > right "
+          ">> newRight",
+          "9:3: error: '*' stands for a whole left context, not for one module | there is no wildcard for "
+          "a single module",
+          "10:5: error: '=' must be followed by another module in a right context | '=' goes to the end of "
+          "the branch: write '=]'",
+          "11:7: error: expected '-->' while reading a production, found the end of the line",
+          "12:3: error: expected a parameter name while reading a production, found ')' | a module without "
+          "parameters has no "
+          "parentheses",
+          "13:6: error: expected '-->' while reading a production, found '->' | the arrow of a production "
+          "has two strokes",
+          "14:2: error: expected a predecessor while reading a production, found '>'",
+          "15:6: error: expected '-->' while reading a production, found '=>' | the arrow of a production "
+          "has two strokes"}));
 }
 
 TEST(Parser, MistakesInBodies) {
@@ -251,7 +249,7 @@ TEST(Parser, MistakesInBodies) {
           "condition that is "
           "always true",
           "4:9: error: expected a statement while reading a block of A(n), found '}' | an empty block is not allowed; "
-          "leave it out",
+          "remove it",
           "5:16: error: expected ';' while reading a block of A(n), found '}'",
           "6:15: error: expected a condition while reading the condition of A(n), found '-->' | write '*' for the "
           "condition that is "
@@ -267,7 +265,7 @@ TEST(Parser, MistakesInBodies) {
           "11:14: error: expected an expression while reading the probability of A(n), found the end of the line",
           "12:11: error: expected a module, ':' or the end of the line while reading the successor of A(n), found the "
           "keyword "
-          "'warnings' | these letters are a keyword wherever they stand; blanks between symbols keep them apart",
+          "'warnings' | these letters are a keyword everywhere; put blanks between them to write symbols",
           "13:10: error: expected '-->' while reading the condition of A(n), found 'B'",
           "14:10: error: expected a module or '*' while reading the successor of A(n), found the character 'ä', which "
           "is not 7-bit "
@@ -282,7 +280,7 @@ TEST(Parser, MistakesInBlocks) {
       (Messages{
           "2:14: error: expected an expression while reading Start, found ';'",
           "2:22: error: expected ';' while reading Start, found 'c'",
-          "2:32: error: expected '(' after 'if' while reading Start, found 'a' | a condition stands in parentheses: if "
+          "2:32: error: expected '(' after 'if' while reading Start, found 'a' | put the condition in parentheses: if "
           "(n > 1) "
           "{ ... }",
           "2:47: error: expected ';' while reading Start, found '=' | only a variable or an array element can stand "
@@ -308,7 +306,7 @@ TEST(Parser, AnIndentedProductionMayHaveItsArrowOnTheNextLine) {
 
 TEST(Parser, MistakesOfLinesWithBlanksForTabs) {
   const std::string hint =
-      " | a line that continues the one before must start with a TAB, not with blanks (or write 'Syntax: free' before "
+      " | a continuation line must start with a TAB, not with blanks (or write 'Syntax: free' before "
       "the first "
       "L-system)";
   EXPECT_EQ(

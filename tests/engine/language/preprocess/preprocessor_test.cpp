@@ -69,14 +69,13 @@ TEST(Preprocessor, CommentsAndMacrosInsideStringsStay) {
   EXPECT_EQ(textOf("#define n 3\nprintf(\"// n /* %g\\\" n\",n)\n"), "printf(\"// n /* %g\\\" n\",3)\n");
 }
 
-TEST(Preprocessor, AQuoteWithoutPartnerProtectsNothing) {
+TEST(Preprocessor, AQuoteWithoutPartnerBeginsNoString) {
   EXPECT_EQ(textOf("A\" // x\n"), "A\"  \n");
 }
 
 TEST(Preprocessor, AnOpenCommentIsAnError) {
   EXPECT_EQ(problemsOf("A /* b\nc\n"), Messages{"1:3: error: expected '*/' while reading a comment, found the end of "
-                                                "the file | everything from here on is part "
-                                                "of the comment"});
+                                                "the file | the rest of the file is part of the comment"});
 }
 
 // ---- macros
@@ -121,7 +120,7 @@ TEST(Preprocessor, AnotherDefinitionOfAMacroIsAWarning) {
   EXPECT_EQ(
       problemsOf("#define A 1\n#define A 1\n#define A 2\n"),
       Messages{"3:9: warning: the macro 'A' is defined again; from here on this definition counts | first defined at "
-               "m.l:2; #undef it before to say that this is meant"});
+               "m.l:2; if this is intended, write #undef before the new definition"});
 }
 
 TEST(Preprocessor, AWrongNumberOfArgumentsIsAnError) {
@@ -133,7 +132,7 @@ TEST(Preprocessor, OpenArgumentsAreAnError) {
   EXPECT_EQ(
       problemsOf("#define F(a) a\nF(1\n)\n"),
       Messages{"2:1: error: expected ')' while reading the arguments of the macro 'F', found the end of the line | the "
-               "arguments of a macro stand on one line; a '\\' at its end joins the next line to it"});
+               "arguments of a macro must stand on one line; a '\\' at the end of a line joins the next line to it"});
 }
 
 TEST(Preprocessor, WrongDefinitionsAreErrors) {
@@ -174,7 +173,7 @@ TEST(Preprocessor, ConditionsKnowDefinedAndTheOperatorsOfC) {
   EXPECT_EQ(textOf("#if 1 ? 0 : 1\na\n#else\nb\n#endif\n"), "b\n");
 }
 
-TEST(Preprocessor, DirectivesLeaveNoLineSoThatAProductionGoesOnBehindThem) {
+TEST(Preprocessor, DirectivesLeaveNoLineSoThatAProductionContinuesBehindThem) {
   EXPECT_EQ(textOf("A --> B\n#if 1\n\tC\n#endif\n"), "A --> B\n\tC\n");
 }
 
@@ -236,13 +235,11 @@ TEST(Preprocessor, IncludesAreLookedForBesideTheFileThatNamesThem) {
 }
 
 TEST(Preprocessor, AMissingIncludeIsAnError) {
-  EXPECT_EQ(
-      problemsOf("#include \"no.h\"\n#include no\n#include\n"),
-      (Messages{
-          "1:10: error: cannot read the included file 'no.h' | included files are looked for beside the file that "
-          "names them",
-          "2:10: error: expected \"file\" or <file> while reading #include, found 'no'",
-          "3:9: error: expected \"file\" or <file> while reading #include, found the end of the line"}));
+  EXPECT_EQ(problemsOf("#include \"no.h\"\n#include no\n#include\n"),
+            (Messages{"1:10: error: cannot read the included file 'no.h' | an included file is looked for beside the "
+                      "file that includes it",
+                      "2:10: error: expected \"file\" or <file> while reading #include, found 'no'",
+                      "3:9: error: expected \"file\" or <file> while reading #include, found the end of the line"}));
 }
 
 TEST(Preprocessor, AMissingFileIsAnError) {

@@ -39,7 +39,7 @@ TEST(ViewFile, DefaultsAreTheReferences) {
   EXPECT_EQ(result.settings.angleIncrementDegrees, 45.0);
   EXPECT_EQ(result.settings.contourSides, 8);
   EXPECT_EQ(result.settings.initialColour, 128);
-  EXPECT_EQ(result.settings.lineStyle, LineStyle::Pixel);
+  EXPECT_EQ(result.settings.lineStyle, files::LineStyle::Pixel);
   EXPECT_TRUE(result.settings.interpretsPastCut);
 }
 
@@ -65,13 +65,14 @@ TEST(ViewFile, MissingFileIsAWarningWithDefaults) {
 }
 
 TEST(ViewFile, SetsNumbersFlagsAndVectors) {
-  const ViewSettings s = read(
-                             "angle increment: 30\nline width increment: .5\ninitial scale: 2.\nscale multiplier: 1e1\n"
-                             "initial color: 2 3\ncolor increment: 4 5\ntapered lines: off\ncontour sides: 5\n"
-                             "twist of cylinders: on\ninterpretation past %: off\nenvironment display: before\n"
-                             "projection: perspective\nviewpoint: 1, 2,3\nview reference point: 4,5,6\ntwist: 450\n"
-                             "viewing angle: 60\nscale factor: 1.5\n")
-                             .settings;
+  const files::ViewSettings s =
+      read(
+          "angle increment: 30\nline width increment: .5\ninitial scale: 2.\nscale multiplier: 1e1\n"
+          "initial color: 2 3\ncolor increment: 4 5\ntapered lines: off\ncontour sides: 5\n"
+          "twist of cylinders: on\ninterpretation past %: off\nenvironment display: before\n"
+          "projection: perspective\nviewpoint: 1, 2,3\nview reference point: 4,5,6\ntwist: 450\n"
+          "viewing angle: 60\nscale factor: 1.5\n")
+          .settings;
   EXPECT_EQ(s.angleIncrementDegrees, 30.0);
   EXPECT_EQ(s.lineWidthIncrement, 0.5);
   EXPECT_EQ(s.initialScale, 2.0);
@@ -133,7 +134,7 @@ TEST(ViewFile, IsPreprocessed) {
 TEST(ViewFile, AcceptsCarriageReturnsAndAMissingFinalNewline) {
   const ViewFileResult result = read("line style: cylinder\r\nangle increment: 30\r\nz buffer: on\r\ninitial scale: 2");
   EXPECT_EQ(messages(result), Texts{});
-  EXPECT_EQ(result.settings.lineStyle, LineStyle::Cylinder);
+  EXPECT_EQ(result.settings.lineStyle, files::LineStyle::Cylinder);
   EXPECT_EQ(result.settings.initialScale, 2.0);
 }
 
@@ -156,19 +157,19 @@ TEST(ViewFile, NumbersAreFoundOnTheNextLine) {
 }
 
 TEST(ViewFile, LineWidthAlsoSetsTheLineStyle) {
-  EXPECT_EQ(read("initial line width: 2 pixels\n").settings.lineStyle, LineStyle::Pixel);
-  EXPECT_EQ(read("initial line width: 2 s\n").settings.lineStyle, LineStyle::Cylinder);
-  EXPECT_EQ(read("initial line width: 2\n").settings.lineStyle, LineStyle::Polygon);
-  EXPECT_EQ(read("initial line width: 2 world\n").settings.lineStyle, LineStyle::Polygon);
-  EXPECT_EQ(read("line style: cylinder\ninitial line width: 2 p\n").settings.lineStyle, LineStyle::Pixel);
-  EXPECT_EQ(read("initial line width: 2 p\nline style: 3\n").settings.lineStyle, LineStyle::Cylinder);
+  EXPECT_EQ(read("initial line width: 2 pixels\n").settings.lineStyle, files::LineStyle::Pixel);
+  EXPECT_EQ(read("initial line width: 2 s\n").settings.lineStyle, files::LineStyle::Cylinder);
+  EXPECT_EQ(read("initial line width: 2\n").settings.lineStyle, files::LineStyle::Polygon);
+  EXPECT_EQ(read("initial line width: 2 world\n").settings.lineStyle, files::LineStyle::Polygon);
+  EXPECT_EQ(read("line style: cylinder\ninitial line width: 2 p\n").settings.lineStyle, files::LineStyle::Pixel);
+  EXPECT_EQ(read("initial line width: 2 p\nline style: 3\n").settings.lineStyle, files::LineStyle::Cylinder);
   // behind a TAB there is no unit
-  EXPECT_EQ(read("initial line width: 2\tpixels\n").settings.lineStyle, LineStyle::Polygon);
+  EXPECT_EQ(read("initial line width: 2\tpixels\n").settings.lineStyle, files::LineStyle::Polygon);
 }
 
 TEST(ViewFile, UnknownLineStyleKeepsTheStyle) {
   const ViewFileResult result = read("line style: cylinder\nline style: wireframe\nline style: cilinder\n");
-  EXPECT_EQ(result.settings.lineStyle, LineStyle::Cylinder);
+  EXPECT_EQ(result.settings.lineStyle, files::LineStyle::Cylinder);
   EXPECT_EQ(messages(result), Texts{"3:1 unknown line style 'cilinder'; the style stays as it is"});
 }
 
@@ -196,7 +197,8 @@ TEST(ViewFile, VectorsNeedCommasDirectlyBehindTheirNumbers) {
 }
 
 TEST(ViewFile, OldTropismIsNormalised) {
-  const ViewSettings s = read("tropism direction: 0,-2,0\ninitial elasticity: .2\nelasticity increment: .1\n").settings;
+  const files::ViewSettings s =
+      read("tropism direction: 0,-2,0\ninitial elasticity: .2\nelasticity increment: .1\n").settings;
   EXPECT_TRUE(s.oldTropism.isActive);
   EXPECT_EQ(s.oldTropism.direction, (Vec3{0, -1, 0}));
   EXPECT_EQ(s.oldTropism.initialElasticity, 0.2);
@@ -207,11 +209,11 @@ TEST(ViewFile, MovementsAcceptEverySeparator) {
   const ViewFileResult result = read("tropism: T: 0,1,0 A 90 E:.2\ntorque: T 0 0 2, S:.5\n");
   EXPECT_EQ(messages(result), Texts{});
   ASSERT_EQ(result.settings.movements.size(), 2U);
-  EXPECT_EQ(result.settings.movements[0].kind, Movement::Kind::Tropism);
+  EXPECT_EQ(result.settings.movements[0].kind, files::Movement::Kind::Tropism);
   EXPECT_EQ(result.settings.movements[0].direction, (Vec3{0, 1, 0}));
   EXPECT_EQ(result.settings.movements[0].angleDegrees, 90.0);
   EXPECT_EQ(result.settings.movements[0].elasticity, 0.2);
-  EXPECT_EQ(result.settings.movements[1].kind, Movement::Kind::Torque);
+  EXPECT_EQ(result.settings.movements[1].kind, files::Movement::Kind::Torque);
   EXPECT_EQ(result.settings.movements[1].direction, (Vec3{0, 0, 1}));
   EXPECT_EQ(result.settings.movements[1].elasticityStep, 0.5);
 }
@@ -312,7 +314,7 @@ constexpr const char* kSurface =
     "SIZE: 1\n";
 
 TEST(ViewFile, SurfaceArgumentsAreScaleThenTextureOrSubdivisions) {
-  const ViewSettings s =
+  const files::ViewSettings s =
       read("surface: a p.s 2\nsurface: b p.s 1 3\nline: c p.s 1 4 6\nsurface: d p.s -1 4 6 0\n", {{"m/p.s", kSurface}})
           .settings;
   ASSERT_EQ(s.surfaces.size(), 4U);

@@ -26,7 +26,7 @@ TEST(ViewLight, AllPartsOfALightAreRead) {
       "light: V: 1,2,2\nlight:\n");
   EXPECT_TRUE(result.diagnostics.entries().empty());
   ASSERT_EQ(result.settings.lights.size(), 3U);
-  const Light& point = result.settings.lights[0];
+  const files::Light& point = result.settings.lights[0];
   EXPECT_FALSE(point.isDirectional);
   EXPECT_EQ(point.place, (Vec3{1, 2, 3}));
   EXPECT_EQ(point.ambient, (Vec3{.1, .2, .3}));
@@ -52,12 +52,12 @@ TEST(ViewLight, AWrongLightIsDroppedAndNamed) {
 }
 
 TEST(ViewLight, ModesDirectionAndCapsAreRead) {
-  const ViewSettings view = read("render mode: flat\nlight direction: 0,3,4\nPS linecap: 2\n").settings;
-  EXPECT_EQ(view.renderMode, RenderMode::Flat);
+  const files::ViewSettings view = read("render mode: flat\nlight direction: 0,3,4\nPS linecap: 2\n").settings;
+  EXPECT_EQ(view.renderMode, files::RenderMode::Flat);
   EXPECT_EQ(view.lightDirection, (Vec3{0, 0.6, 0.8}));
   EXPECT_EQ(view.postScriptLineCap, 2);
-  EXPECT_EQ(read("render mode: 5\n").settings.renderMode, RenderMode::Shaded);
-  EXPECT_EQ(read("shade mode: 4\n").settings.renderMode, RenderMode::Wireframe);
+  EXPECT_EQ(read("render mode: 5\n").settings.renderMode, files::RenderMode::Shaded);
+  EXPECT_EQ(read("shade mode: 4\n").settings.renderMode, files::RenderMode::Wireframe);
   EXPECT_EQ(read("").settings.renderMode, std::nullopt);
   EXPECT_EQ(onlyMessage(read("render mode: shady\n")), "unknown render mode 'shady'; the command is ignored");
   EXPECT_EQ(onlyMessage(read("light direction: 0,0,0\n")), "the light direction has no length and is ignored");

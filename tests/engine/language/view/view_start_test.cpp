@@ -1,4 +1,4 @@
-// The view commands that say where the turtle starts, and those of Espalier's own about drawing.
+// View commands for the start of the turtle, and Espalier's own commands about drawing.
 
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@ ViewFileResult read(const std::string& text) {
 }
 
 TEST(ViewStart, TheTurtleStartsElsewhereAndLooksElsewhere) {
-  const ViewSettings settings = read("initial position: 1,2,3\ninitial heading: 0,0,5\n").settings;
+  const files::ViewSettings settings = read("initial position: 1,2,3\ninitial heading: 0,0,5\n").settings;
   EXPECT_EQ(settings.initialPosition, (core::Vec3{1.0, 2.0, 3.0}));
   EXPECT_EQ(settings.initialHeading, (core::Vec3{0.0, 0.0, 1.0}));
   EXPECT_EQ(read("").settings.initialHeading, (core::Vec3{0.0, 1.0, 0.0}));
@@ -33,9 +33,9 @@ TEST(ViewStart, DrawingCanBeDisplaced) {
 }
 
 TEST(ViewStart, EntriesOfTheColourMapAreColours) {
-  const ViewSettings settings = read("color map entry: 0 255,255,255\ncolor map entry: 7 1,2,3\n").settings;
-  EXPECT_EQ(settings.palette.background(), (PaletteColour{255, 255, 255}));
-  EXPECT_EQ(settings.palette.colour(7), (PaletteColour{1, 2, 3}));
+  const files::ViewSettings settings = read("color map entry: 0 255,255,255\ncolor map entry: 7 1,2,3\n").settings;
+  EXPECT_EQ(settings.palette.background(), (files::PaletteColour{255, 255, 255}));
+  EXPECT_EQ(settings.palette.colour(7), (files::PaletteColour{1, 2, 3}));
   EXPECT_TRUE(read("").settings.palette.empty());
 }
 

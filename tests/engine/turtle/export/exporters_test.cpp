@@ -18,14 +18,14 @@ namespace {
 constexpr const char* kPlant =
     "!(0.4)F(2)[+(40)!(0.2)F(1)@O(0.5)]-(20)!(0.3)F(1)&(30)F(1){.+(30)f.+(60)f.+(60)f.}@c(0.6)@o(0.3){(1)f+(20)f}(1)~p";
 
-language::ViewSettings plantView() {
-  language::ViewSettings view;
-  view.lineStyle = language::LineStyle::Cylinder;
-  language::Surface surface;
+files::ViewSettings plantView() {
+  files::ViewSettings view;
+  view.lineStyle = files::LineStyle::Cylinder;
+  files::Surface surface;
   surface.id = 'p';
   surface.subdivisionS = 2;
   surface.subdivisionT = 3;
-  language::SurfacePatch patch;
+  files::SurfacePatch patch;
   for (std::size_t i = 0; i < 16; ++i) {
     patch.points[i] = {static_cast<double>(i % 4) / 3.0, static_cast<double>(i / 4) / 3.0, 0.0};
   }
@@ -34,7 +34,7 @@ language::ViewSettings plantView() {
   return view;
 }
 
-std::string svgOf(const Scene& scene, const language::ViewSettings& view, const SvgOptions& options = {}) {
+std::string svgOf(const Scene& scene, const files::ViewSettings& view, const SvgOptions& options = {}) {
   core::StringSink sink;
   writeSvg(scene, view, options, sink);
   return sink.take();
@@ -54,8 +54,7 @@ struct WrittenObj {
 };
 
 // an OBJ without a name has no companion
-void writeObj(const Scene& scene, const language::ViewSettings& view, const std::string& fileName,
-              WrittenObj& written) {
+void writeObj(const Scene& scene, const files::ViewSettings& view, const std::string& fileName, WrittenObj& written) {
   ExportTarget target{.fileName = fileName, .sink = written.object, .openCompanion = {}, .progress = {}};
   if (!fileName.empty()) {
     target.openCompanion = [&written](const std::string&) -> core::ByteSink& { return written.materials; };
@@ -142,7 +141,7 @@ TEST(Svg, EveryOrganIsPainted) {
 
 TEST(Svg, TheViewBoxIsTheDrawingWithItsMargin) {
   // a line of length 10 upward: the height of 100 less margins of a tenth of the larger side, 20 each
-  language::ViewSettings view;
+  files::ViewSettings view;
   TurtleRun run("F(4)F(6)", view);
   run.draw();
   const std::string svg = svgOf(run.scene, view, {.widthPixels = 200, .heightPixels = 100, .marginFraction = 0.1});
@@ -155,7 +154,7 @@ TEST(Svg, TheViewBoxIsTheDrawingWithItsMargin) {
 }
 
 TEST(Svg, EveryBranchOrderIsOnePath) {
-  language::ViewSettings view;
+  files::ViewSettings view;
   TurtleRun run("F[+F[+F]F]F[-F[-F]]F", view);
   run.draw();
   const std::string svg = svgOf(run.scene, view);
@@ -169,8 +168,8 @@ TEST(Svg, EveryBranchOrderIsOnePath) {
 }
 
 TEST(Svg, LinesThatTaperAreOutlines) {
-  language::ViewSettings view;
-  view.lineStyle = language::LineStyle::Cylinder;
+  files::ViewSettings view;
+  view.lineStyle = files::LineStyle::Cylinder;
   TurtleRun run("!(2)F(10)!(1)F(10)", view);
   run.draw();
   const std::string svg = svgOf(run.scene, view);
@@ -227,7 +226,7 @@ TEST(Projection, LooksAlongMinusZByDefault) {
 }
 
 TEST(Projection, PerspectiveMakesNearThingsLarger) {
-  language::ViewSettings view;
+  files::ViewSettings view;
   view.isPerspective = true;
   view.viewpoint = {10, 0, 0};
   const Projection projection(view);
@@ -238,7 +237,7 @@ TEST(Projection, PerspectiveMakesNearThingsLarger) {
 }
 
 TEST(Projection, LookingDownHasMinusZUp) {
-  language::ViewSettings view;
+  files::ViewSettings view;
   view.viewpoint = {0, 7, 0};
   const ProjectedPoint p = Projection(view).project({1, 0, -2});
   EXPECT_NEAR(p.x, 1.0, 1e-12);
@@ -275,8 +274,8 @@ TEST(Obj, IndicesAreValidNormalsUnitAndOrgansNamed) {
 }
 
 TEST(Obj, AStraightTubeHasItsRadiusAndSharesTheRingAtTheJoint) {
-  language::ViewSettings view;
-  view.lineStyle = language::LineStyle::Cylinder;
+  files::ViewSettings view;
+  view.lineStyle = files::LineStyle::Cylinder;
   view.contourSides = 6;
   TurtleRun run("!(2)F(3)F(4)", view);
   run.draw();
@@ -294,8 +293,8 @@ TEST(Obj, AStraightTubeHasItsRadiusAndSharesTheRingAtTheJoint) {
 }
 
 TEST(Obj, FacesLookOutward) {
-  language::ViewSettings view;
-  view.lineStyle = language::LineStyle::Cylinder;
+  files::ViewSettings view;
+  view.lineStyle = files::LineStyle::Cylinder;
   TurtleRun run("!(1)F(2)@M(5,0)@O(2)", view);
   run.draw();
   WrittenObj written;
@@ -336,7 +335,7 @@ TEST(Palette, ASceneThatSaysNothingAboutColourGoesFromBrownToGreen) {
 TEST(Palette, AFoldersColoursReplaceTheRamp) {
   Scene scene;
   scene.segments.emplace_back();
-  language::Palette colours;
+  files::Palette colours;
   EXPECT_FALSE(Palette(scene, &colours).folderMaterial(128));
   EXPECT_EQ(Palette(scene, &colours).materialOf(scene.segments[0]), 256) << "an empty palette is none";
 

@@ -26,7 +26,7 @@ TEST(Drawing, TaperedLinesBeginWithTheWidthOfTheLineTheyContinue) {
   EXPECT_EQ(run.scene.segments[1].endWidth, 2.0);
   // a side branch has its own width from its base
   EXPECT_EQ(run.scene.segments[2].startWidth, 1.0);
-  language::ViewSettings view;
+  files::ViewSettings view;
   view.hasTaperedLines = false;
   TurtleRun even("!(3)F!(2)F", view);
   even.draw();
@@ -34,7 +34,7 @@ TEST(Drawing, TaperedLinesBeginWithTheWidthOfTheLineTheyContinue) {
 }
 
 TEST(Drawing, WidthsChangeByTheIncrementAndStayPositive) {
-  language::ViewSettings view;
+  files::ViewSettings view;
   view.initialLineWidth = 2.0;
   view.lineWidthIncrement = 0.5;
   TurtleRun run("F#F!!F!(-4)F@D(2)!(3)F", view);
@@ -47,7 +47,7 @@ TEST(Drawing, WidthsChangeByTheIncrementAndStayPositive) {
 }
 
 TEST(Drawing, ColoursAreSetSteppedAndWrapped) {
-  language::ViewSettings view;
+  files::ViewSettings view;
   view.colourIncrement = 10;
   TurtleRun run("F;F,,F;(300)F,(-1)F@;(3)F", view);
   run.draw();
@@ -61,7 +61,7 @@ TEST(Drawing, ColoursAreSetSteppedAndWrapped) {
 }
 
 TEST(Drawing, PolygonsCollectTheirVertices) {
-  language::ViewSettings view;
+  files::ViewSettings view;
   view.angleIncrementDegrees = 90;
   TurtleRun run("{.f+f+f}{F G f}", view);
   run.draw();

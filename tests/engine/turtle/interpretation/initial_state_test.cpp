@@ -14,7 +14,7 @@ double distance(const Vec3& a, const Vec3& b) {
 }
 
 TEST(InitialState, TheFirstStepGoesWhereTheViewSays) {
-  language::ViewSettings view;
+  files::ViewSettings view;
   view.initialPosition = {5.0, 1.0, 0.0};
   view.initialHeading = {1.0, 0.0, 0.0};
   TurtleRun run("F(2)+(90)F(1)", view);
@@ -27,7 +27,7 @@ TEST(InitialState, TheFirstStepGoesWhereTheViewSays) {
 }
 
 TEST(InitialState, IsInThePlantsOwnCoordinates) {
-  language::ViewSettings view;
+  files::ViewSettings view;
   view.initialPosition = {1.0, 0.0, 0.0};
   view.initialHeading = {1.0, 0.0, 0.0};
   // a plant that lies: its y is the world's x, and its x the world's -y
@@ -41,7 +41,7 @@ TEST(InitialState, IsInThePlantsOwnCoordinates) {
 }
 
 TEST(InitialState, AHeadingOutOfThePlaneKeepsTheFrameOrthogonal) {
-  language::ViewSettings view;
+  files::ViewSettings view;
   view.initialHeading = {0.0, 0.0, 1.0};
   TurtleRun run("F(1)", view);
   run.draw();
@@ -51,7 +51,7 @@ TEST(InitialState, AHeadingOutOfThePlaneKeepsTheFrameOrthogonal) {
 }
 
 TEST(Displacement, MovesEachDrawnStepButNoMove) {
-  language::ViewSettings view;
+  files::ViewSettings view;
   view.displacement = {0.5, -0.25, 0.0};
   TurtleRun run("F(1)f(1)F(1)", view);
   run.draw();

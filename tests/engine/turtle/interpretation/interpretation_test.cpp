@@ -7,13 +7,13 @@
 namespace espalier::turtle {
 namespace {
 
-language::ViewSettings withAngle(double degrees) {
-  language::ViewSettings view;
+files::ViewSettings withAngle(double degrees) {
+  files::ViewSettings view;
   view.angleIncrementDegrees = degrees;
   return view;
 }
 
-std::vector<double> positionAfter(const std::string& text, language::ViewSettings view = {}) {
+std::vector<double> positionAfter(const std::string& text, files::ViewSettings view = {}) {
   TurtleRun run(text + "?P(0,0,0)", std::move(view));
   run.pass();
   return run.lastParameters();
@@ -51,14 +51,14 @@ TEST(Interpretation, AClosingBracketWithoutAnOpenOneIsIgnored) {
 }
 
 TEST(Interpretation, ScaleCommandsSetMultiplyAndDivide) {
-  language::ViewSettings view;
+  files::ViewSettings view;
   view.scaleMultiplier = 0.5;
   // recorded: 1, +3, +6, [ ], +1.5, +0.75, +1.5, +1
   expectParameters(positionAfter("F@D(3)F@Di(2)F[@Dd(12)F]@Dd(4)F@Di F@Dd F@D(1)F", view), {0, 14.75, 0});
 }
 
 TEST(Interpretation, InitialScaleMultipliesLengthsButNotPositions) {
-  language::ViewSettings view = withAngle(90);
+  files::ViewSettings view = withAngle(90);
   view.initialScale = 2.5;
   expectParameters(positionAfter("F+f(2)@M(1,1,1)G", view), {-1.5, 1, 1});
 }
@@ -99,7 +99,7 @@ TEST(Interpretation, TheTurtleHasASecondOrientation) {
   expectParameters(positionAfter("@X+(90)@X F@X F@X F"), {-1, 2, 0});
   expectParameters(positionAfter("@X+(90)[-(90)@X+(180)F]F@X F"), {-1, 1, 0});
   // both begin as the view file says
-  language::ViewSettings view;
+  files::ViewSettings view;
   view.initialHeading = {1.0, 0.0, 0.0};
   expectParameters(positionAfter("F@X F", view), {2, 0, 0});
 }
@@ -161,7 +161,7 @@ TEST(Interpretation, PastACutIsInterpretedUnlessTheViewFileSaysNo) {
   with.pass();
   expectParameters(with.parametersOf(5), {0, 2});
   expectParameters(with.lastParameters(), {0, 3});
-  language::ViewSettings view;
+  files::ViewSettings view;
   view.interpretsPastCut = false;
   TurtleRun without("F[%F?P(9,9)]F?P(9,9)%F?P(9,9)", view);
   without.pass();
@@ -172,7 +172,7 @@ TEST(Interpretation, PastACutIsInterpretedUnlessTheViewFileSaysNo) {
 }
 
 TEST(Interpretation, ACutInASubSystemEndsAtItsDollar) {
-  language::ViewSettings view;
+  files::ViewSettings view;
   view.interpretsPastCut = false;
   TurtleRun run("?(2)F%F?(3)F$F$F?P(0,0)", view);
   run.pass();
@@ -180,8 +180,8 @@ TEST(Interpretation, ACutInASubSystemEndsAtItsDollar) {
 }
 
 TEST(Interpretation, ASurfaceMovesToItsEndPointByTheFirstFactor) {
-  language::ViewSettings view;
-  language::Surface surface;
+  files::ViewSettings view;
+  files::Surface surface;
   surface.id = 'p';
   surface.endPoint = {-0.5, 1.0, -0.25};  // along L, H, U; at the start L = -x, U = -z
   view.surfaces.push_back(surface);
@@ -197,7 +197,7 @@ TEST(Interpretation, ASurfaceMovesToItsEndPointByTheFirstFactor) {
 }
 
 TEST(Interpretation, ATextureThatTheViewFileDoesNotHaveIsSaidOnce) {
-  language::ViewSettings view;
+  files::ViewSettings view;
   view.textures.emplace_back();
   TurtleRun run("@Tx(1)F@Tx(0)F@Tx(2)F[@Tx(2)F]", view);
   run.draw();
@@ -206,7 +206,7 @@ TEST(Interpretation, ATextureThatTheViewFileDoesNotHaveIsSaidOnce) {
 }
 
 TEST(Interpretation, ATriangleSurfaceDoesNotMove) {
-  language::ViewSettings view;
+  files::ViewSettings view;
   view.triangleSurfaces.push_back({.id = 't', .file = "", .triangles = {}});
   expectParameters(positionAfter("F~t(4)F", view), {0, 2, 0});
 }

@@ -8,8 +8,8 @@
 namespace espalier::turtle {
 namespace {
 
-language::Movement tropism(core::Vec3 direction, double elasticity, double angle = 0.0) {
-  return {.kind = language::Movement::Kind::Tropism,
+files::Movement tropism(core::Vec3 direction, double elasticity, double angle = 0.0) {
+  return {.kind = files::Movement::Kind::Tropism,
           .direction = direction,
           .angleDegrees = angle,
           .elasticity = elasticity,
@@ -20,7 +20,7 @@ TEST(Tropism, TurnsTheHeadingTowardTheDirectionByTheCrossProduct) {
   // H = +y, T = +x, e = 0.2: |H x E| = 0.2 radians toward +x
   TurtleState state;
   state.elasticity[0] = 0.2;
-  const std::vector<language::Movement> movements{tropism({1, 0, 0}, 0.2)};
+  const std::vector<files::Movement> movements{tropism({1, 0, 0}, 0.2)};
   applyMovements(state, movements);
   expectVector(state.frame.heading, std::sin(0.2), std::cos(0.2), 0, 1e-12);
   expectVector(state.frame.up, 0, 0, -1, 1e-12);
@@ -29,7 +29,7 @@ TEST(Tropism, TurnsTheHeadingTowardTheDirectionByTheCrossProduct) {
 TEST(Tropism, TurnsAtMostOneRadian) {
   TurtleState state;
   state.elasticity[0] = 50.0;
-  const std::vector<language::Movement> movements{tropism({1, 0, 0}, 50.0)};
+  const std::vector<files::Movement> movements{tropism({1, 0, 0}, 50.0)};
   applyMovements(state, movements);
   expectVector(state.frame.heading, std::sin(1.0), std::cos(1.0), 0, 1e-12);
 }
@@ -37,14 +37,14 @@ TEST(Tropism, TurnsAtMostOneRadian) {
 TEST(Tropism, AlignedDirectionChangesNothing) {
   TurtleState state;
   state.elasticity[0] = 0.5;
-  const std::vector<language::Movement> movements{tropism({0, 1, 0}, 0.5)};
+  const std::vector<files::Movement> movements{tropism({0, 1, 0}, 0.5)};
   applyMovements(state, movements);
   EXPECT_EQ(state.frame, core::Frame{});
 }
 
 // recorded: &(80)/(30)F with a tropism toward +y, elasticity 0.15
 TEST(Tropism, RecordedBendOfASegment) {
-  language::ViewSettings view;
+  files::ViewSettings view;
   view.movements.push_back(tropism({0, 1, 0}, 0.15));
   TurtleRun run("&(80)/(30)F?P(0,0,0)", view);
   run.pass();
@@ -53,7 +53,7 @@ TEST(Tropism, RecordedBendOfASegment) {
 
 // recorded: two tropisms add, one of them across its direction
 TEST(Tropism, RecordedDiatropismAndSum) {
-  language::ViewSettings view;
+  files::ViewSettings view;
   view.movements.push_back(tropism({0, 1, 0}, 0.2, 90.0));
   view.movements.push_back(tropism({1, 0, 0}, 0.05));
   TurtleRun run("&(30)F?H(0,0,0)", view);
@@ -63,7 +63,7 @@ TEST(Tropism, RecordedDiatropismAndSum) {
 
 // recorded: @Ts @Ti @Td
 TEST(Tropism, RecordedElasticities) {
-  language::ViewSettings view;
+  files::ViewSettings view;
   view.movements.push_back(tropism({0, -1, 0}, 0.1));
   TurtleRun run("&(60)F@Ts(1,0.3)F[@Ti(1,0.2)F@Td(1,0.4)F?H(0,0,0)]F@Ti(1)F@Td(1)F?P(0,0,0)", view);
   run.pass();
@@ -80,8 +80,8 @@ TEST(Tropism, ElasticityOfAnUnknownMovementIsReported) {
 
 // recorded: a torque of (0,-1,0), elasticity 0.25
 TEST(Tropism, RecordedTorque) {
-  language::ViewSettings view;
-  view.movements.push_back({.kind = language::Movement::Kind::Torque, .direction = {0, -1, 0}, .elasticity = 0.25});
+  files::ViewSettings view;
+  view.movements.push_back({.kind = files::Movement::Kind::Torque, .direction = {0, -1, 0}, .elasticity = 0.25});
   TurtleRun run("&(70)/(40)F?L(0,0,0)", view);
   run.pass();
   expectParameters(run.lastParameters(), {-0.660631, -0.705437, -0.256758});
@@ -89,7 +89,7 @@ TEST(Tropism, RecordedTorque) {
 
 // recorded: the old tropism of (0,-1,0), elasticity 0.2
 TEST(Tropism, RecordedOldTropism) {
-  language::ViewSettings view;
+  files::ViewSettings view;
   view.oldTropism = {.isActive = true, .direction = {0, -1, 0}, .initialElasticity = 0.2, .elasticityIncrement = 0.1};
   TurtleRun run("&(60)F?H(0,0,0)F_(0.4)F_F?H(0,0,0)", view);
   run.pass();
@@ -105,7 +105,7 @@ TEST(Tropism, WithoutAnOldTropismTheUnderscoreDoesNothing) {
 
 // recorded: transport without twist between segments, @Tf keeps a turn
 TEST(Tropism, RecordedTransportOfTheFrame) {
-  language::ViewSettings view;
+  files::ViewSettings view;
   view.movements.push_back(tropism({0, -1, 0}, 0.2));
   TurtleRun run("&(50)F+(40)F/(90)F?L(0,0,0)&(30)@Tf F?U(0,0,0)", view);
   run.pass();

@@ -7,7 +7,7 @@ namespace {
 
 using core::Vec3;
 
-Geometry geometryOf(const std::string& string, const language::ViewSettings& view = {}) {
+Geometry geometryOf(const std::string& string, const files::ViewSettings& view = {}) {
   TurtleRun run(string, view);
   run.draw();
   Geometry geometry;
@@ -42,10 +42,10 @@ TEST(Geometry, LinesAreSegmentsWithTheirModuleWidthsColourAndOrder) {
 }
 
 TEST(Geometry, OnlyLinesOfPixelsHaveNoSizeInTheWorld) {
-  language::ViewSettings view;
-  view.lineStyle = language::LineStyle::Pixel;
+  files::ViewSettings view;
+  view.lineStyle = files::LineStyle::Pixel;
   EXPECT_TRUE(geometryOf("F", view).areWidthsPixels);
-  view.lineStyle = language::LineStyle::Cylinder;
+  view.lineStyle = files::LineStyle::Cylinder;
   EXPECT_FALSE(geometryOf("F", view).areWidthsPixels);
 }
 
@@ -77,7 +77,7 @@ TEST(Geometry, ASphereComesAsTrianglesOfItsSize) {
 }
 
 TEST(Geometry, ScenesAreAppended) {
-  language::ViewSettings view;
+  files::ViewSettings view;
   Geometry geometry;
   for (int i = 0; i < 2; ++i) {
     TurtleRun run("F{.f-(90)f}", view);

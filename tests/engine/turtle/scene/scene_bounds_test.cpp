@@ -28,8 +28,8 @@ TEST(SceneBounds, HoldEveryKindOfThing) {
   Patch patch;
   patch.points[5] = {0.0, -3.0, 0.0};
   scene.patches.push_back(patch);
-  language::ViewSettings view;
-  language::Surface surface;
+  files::ViewSettings view;
+  files::Surface surface;
   surface.patches.emplace_back();
   surface.patches[0].points.fill(Vec3{0.0, 0.0, 0.0});
   view.surfaces.push_back(surface);

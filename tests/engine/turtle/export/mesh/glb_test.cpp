@@ -18,12 +18,12 @@ constexpr const char* kPlant =
     "!(0.4)F(2)[+(40)!(0.2)F(1)@O(0.5)];(3)-(20)!(0.3)F(1)&(30)/(20)F(1){.+(30)f.+(60)f.+(60)f.}@c(0.6){(1)f+(20)f}(1)"
     "~p+(30)~p(2)/(50)@D(0.5)~p(1,2,3)";
 
-language::ViewSettings plantView() {
-  language::ViewSettings view;
-  view.lineStyle = language::LineStyle::Cylinder;
-  language::Surface surface;
+files::ViewSettings plantView() {
+  files::ViewSettings view;
+  view.lineStyle = files::LineStyle::Cylinder;
+  files::Surface surface;
   surface.id = 'p';
-  language::SurfacePatch patch;
+  files::SurfacePatch patch;
   for (std::size_t i = 0; i < 16; ++i) {
     const double x = static_cast<double>(i % 4) / 3.0;
     patch.points[i] = {x, static_cast<double>(i / 4) / 3.0, 0.2 * x * x};
@@ -33,7 +33,7 @@ language::ViewSettings plantView() {
   return view;
 }
 
-std::string glbOf(const Scene& scene, const language::ViewSettings& view, const language::Palette* palette = nullptr) {
+std::string glbOf(const Scene& scene, const files::ViewSettings& view, const files::Palette* palette = nullptr) {
   core::StringSink sink;
   const ExportInput input{.scene = scene, .view = view, .palette = palette};
   EXPECT_EQ(
@@ -132,7 +132,7 @@ struct GlbContent {
 };
 
 // the same scene without a file between
-Mesh expectedMesh(const Scene& scene, const language::ViewSettings& view) {
+Mesh expectedMesh(const Scene& scene, const files::ViewSettings& view) {
   const ExportInput input{.scene = scene, .view = view};
   MaterialTable materials;
   const SceneMeshes meshes(input, materials);
@@ -240,7 +240,7 @@ TEST(Glb, EachPlantIsANode) {
 TEST(Glb, MaterialsHaveTheLinearColoursOfThePalette) {
   TurtleRun run(";(7)F@O(1)");
   run.draw();
-  language::Palette palette;
+  files::Palette palette;
   palette.maps[1][7] = {255, 0, 188};
   const GlbContent mapped(glbOf(run.scene, {}, &palette));
   ASSERT_EQ(mapped.text["materials"].size(), 1U);

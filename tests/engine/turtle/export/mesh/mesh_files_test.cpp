@@ -24,12 +24,12 @@ constexpr const char* kPlant =
     "!(0.4)F(2)[+(40)!(0.2)F(1)@O(0.5)];(3)-(20)!(0.3)F(1)&(30)/(20)F(1)[{.+(30)f.+(60)f.-(150)f.-(40)f(3).}]"
     "@c(0.6){(1)f+(20)f}(1)~p+(30)~p(2)/(50)@D(0.5)~p(1,-2,3)";
 
-language::ViewSettings plantView() {
-  language::ViewSettings view;
-  view.lineStyle = language::LineStyle::Cylinder;
-  language::Surface surface;
+files::ViewSettings plantView() {
+  files::ViewSettings view;
+  view.lineStyle = files::LineStyle::Cylinder;
+  files::Surface surface;
   surface.id = 'p';
-  language::SurfacePatch patch;
+  files::SurfacePatch patch;
   for (std::size_t i = 0; i < 16; ++i) {
     const double x = static_cast<double>(i % 4) / 3.0;
     patch.points[i] = {x, static_cast<double>(i / 4) / 3.0, 0.2 * x * x};

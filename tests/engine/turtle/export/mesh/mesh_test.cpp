@@ -88,7 +88,7 @@ TEST(Mesh, AnOpenBSplineCylinderReachesItsEnds) {
 }
 
 TEST(Mesh, ContoursAreSampledAtEqualDistancesFromPlusX) {
-  language::ViewSettings view;
+  files::ViewSettings view;
   // a closed square of control points: its B-spline is symmetric
   view.contours.push_back({.id = 4, .isClosed = true, .points = {{0, 1, 0}, {-1, 0, 0}, {0, -1, 0}, {1, 0, 0}}});
   const std::vector<core::Vec3> samples = sampleContour(view, 4, 8);
@@ -116,10 +116,10 @@ TEST(Mesh, APatchWhoseEdgeHasShrunkToAPointHasNormalsThere) {
 }
 
 TEST(Mesh, PatchesOfASurfaceThatMeetShareTheirNormals) {
-  language::Surface surface;
+  files::Surface surface;
   surface.subdivisionS = surface.subdivisionT = 2;
   for (const double sign : {1.0, -1.0}) {
-    language::SurfacePatch patch;
+    files::SurfacePatch patch;
     for (std::size_t i = 0; i < 16; ++i) {
       const double across = static_cast<double>(i / 4) / 3.0;
       // a shallow roof over the edge x = 0

@@ -13,15 +13,15 @@ using core::Vec3;
 using test::measure;
 using test::MeshMeasures;
 
-language::ViewSettings cylinderView(int sides) {
-  language::ViewSettings view;
-  view.lineStyle = language::LineStyle::Cylinder;
+files::ViewSettings cylinderView(int sides) {
+  files::ViewSettings view;
+  view.lineStyle = files::LineStyle::Cylinder;
   view.contourSides = sides;
   return view;
 }
 
 // all meshes of a string's scene
-std::vector<Mesh> meshesOf(const std::string& string, const language::ViewSettings& view, double detail = 1.0) {
+std::vector<Mesh> meshesOf(const std::string& string, const files::ViewSettings& view, double detail = 1.0) {
   TurtleRun run(string, view);
   run.draw();
   const ExportInput input{.scene = run.scene, .view = view, .detail = detail};
@@ -111,7 +111,7 @@ TEST(SceneMeshes, AnElbowIsNoThinnerThanItsTube) {
 }
 
 TEST(SceneMeshes, AChangeOfWidthOrColourOnAnAxisLeavesNoGap) {
-  language::ViewSettings view = cylinderView(6);
+  files::ViewSettings view = cylinderView(6);
   view.hasTaperedLines = false;
   for (const std::string string : {"!(1)F!(0.5)+(30)F", "!(1)F!(0.5)+(80)F"}) {
     const std::vector<Mesh> meshes = meshesOf(string, view);
@@ -142,7 +142,7 @@ TEST(SceneMeshes, TextureCoordinatesRunAroundAndAlongByLength) {
 }
 
 TEST(SceneMeshes, AForkGoesOnIntoOneLimbAndTheOtherBeginsInThePlaneBetweenItAndItsParent) {
-  language::ViewSettings view = cylinderView(8);
+  files::ViewSettings view = cylinderView(8);
   view.initialColour = 3;  // all one colour
   const std::vector<Mesh> meshes = meshesOf(";(3)!(0.2)F(1)[+(50)F(1)][-(50)F(1)]", view);
   ASSERT_EQ(meshes.size(), 2U) << "trunk and first limb are one tube";
@@ -178,7 +178,7 @@ TEST(SceneMeshes, TheThickestLimbOfAForkGoesOnAndOfEqualOnesTheStraightest) {
 }
 
 TEST(SceneMeshes, AtAForkTheTubeTakesTheLimbsWidthOverAShortWay) {
-  language::ViewSettings view = cylinderView(16);
+  files::ViewSettings view = cylinderView(16);
   view.hasTaperedLines = false;
   const std::vector<Mesh> meshes = meshesOf(";(3)!(0.4)F(1)[!(0.2)F(2)]", view);
   ASSERT_EQ(meshes.size(), 1U);
@@ -252,15 +252,15 @@ TEST(SceneMeshes, DetailScalesSidesAndSubdivisions) {
 }
 
 TEST(SceneMeshes, PixelLinesAreSweptAtAFixedPartOfTheExtent) {
-  language::ViewSettings view = cylinderView(4);
-  view.lineStyle = language::LineStyle::Pixel;
+  files::ViewSettings view = cylinderView(4);
+  view.lineStyle = files::LineStyle::Pixel;
   const MeshMeasures measures = measure(meshesOf("!(2)F(400)", view)[0]);
   // two of 800 pixels across
   EXPECT_NEAR(measures.high.x - measures.low.x, 1.0, 1e-9);
 }
 
 TEST(SceneMeshes, GeneralizedCylindersAreClosed) {
-  language::ViewSettings view = cylinderView(8);
+  files::ViewSettings view = cylinderView(8);
   // a concave section, clockwise and counter-clockwise
   std::vector<Vec3> section{{1, 0, 0}, {0.2, 0.2, 0}, {0, 1, 0}, {-0.2, 0.2, 0}, {-1, 0, 0}, {0, -1, 0}};
   view.contours.push_back({.id = 1, .isClosed = true, .points = section});

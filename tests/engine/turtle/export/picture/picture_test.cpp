@@ -9,14 +9,14 @@
 namespace espalier::turtle {
 namespace {
 
-Scene sceneOf(std::string_view text, const language::ViewSettings& view) {
+Scene sceneOf(std::string_view text, const files::ViewSettings& view) {
   TurtleRun run(text, view);
   run.draw();
   return run.scene;
 }
 
-language::ViewSettings viewOf(language::LineStyle style, double width = 1.0) {
-  language::ViewSettings view;
+files::ViewSettings viewOf(files::LineStyle style, double width = 1.0) {
+  files::ViewSettings view;
   view.lineStyle = style;
   view.initialLineWidth = width;
   return view;
@@ -41,7 +41,7 @@ constexpr PictureOptions kTransparent{
     .widthPixels = 200, .heightPixels = 100, .marginFraction = 0.0, .background = PictureBackground::Transparent};
 
 TEST(Picture, ABallFillsACircleOfThePage) {
-  const language::ViewSettings view = viewOf(language::LineStyle::Cylinder);
+  const files::ViewSettings view = viewOf(files::LineStyle::Cylinder);
   const PictureImage image = renderPicture(sceneOf("@O(3)", view), view, kTransparent);
   // the height decides: a circle of diameter 100, drawn with 40 corners: 0.4 % smaller
   EXPECT_NEAR(coverage(image), 0.996 * std::numbers::pi * 50 * 50, 8.0);
@@ -54,16 +54,16 @@ TEST(Picture, LinesHaveTheWidthThatTheirStyleSays) {
   // 200 pixels makes 160 long and 32 wide
   PictureOptions options = kTransparent;
   options.marginFraction = 0.1;
-  for (const auto style : {language::LineStyle::Polygon, language::LineStyle::Cylinder}) {
-    const language::ViewSettings view = viewOf(style, 2.0);
+  for (const auto style : {files::LineStyle::Polygon, files::LineStyle::Cylinder}) {
+    const files::ViewSettings view = viewOf(style, 2.0);
     const double covered = coverage(renderPicture(sceneOf("-(90)F(10)", view), view, options));
     // fitted with the radius on all sides: length 12, and a cylinder's free end is round
     const double scale = 160.0 / 12.0;
-    const double end = style == language::LineStyle::Cylinder ? std::numbers::pi / 2 * scale * scale : 0.0;
+    const double end = style == files::LineStyle::Cylinder ? std::numbers::pi / 2 * scale * scale : 0.0;
     EXPECT_NEAR(covered, 10 * 2 * scale * scale + end, 30.0);
   }
   // pixels: 160 long, 7 wide, with round ends, whatever the scale
-  const language::ViewSettings view = viewOf(language::LineStyle::Pixel, 7.0);
+  const files::ViewSettings view = viewOf(files::LineStyle::Pixel, 7.0);
   EXPECT_NEAR(coverage(renderPicture(sceneOf("-(90)F(10)", view), view, options)),
               160 * 7 + std::numbers::pi * 3.5 * 3.5, 10.0);
   EXPECT_NEAR(coverage(renderPicture(sceneOf("-(90)F(0.1)", view), view, options)),
@@ -71,7 +71,7 @@ TEST(Picture, LinesHaveTheWidthThatTheirStyleSays) {
 }
 
 TEST(Picture, AStripLiesInThePlaneOfTheTurtleAndStaysVisibleFromItsEdge) {
-  const language::ViewSettings view = viewOf(language::LineStyle::Polygon, 2.0);
+  const files::ViewSettings view = viewOf(files::LineStyle::Polygon, 2.0);
   PictureOptions options = kTransparent;
   options.marginFraction = 0.1;
   const double flat = coverage(renderPicture(sceneOf("F(10)", view), view, options));
@@ -83,8 +83,8 @@ TEST(Picture, AStripLiesInThePlaneOfTheTurtleAndStaysVisibleFromItsEdge) {
 }
 
 TEST(Picture, WhatIsNearerHidesWhatIsBehind) {
-  language::ViewSettings view = viewOf(language::LineStyle::Cylinder);
-  view.renderMode = language::RenderMode::Filled;
+  files::ViewSettings view = viewOf(files::LineStyle::Cylinder);
+  view.renderMode = files::RenderMode::Filled;
   // two discs facing the viewer at z = 1 and z = -1 (the viewer is at +z), the nearer one drawn first
   const char* const near = "@M(0,0,1);(200)@c(1)@M(0,0,-1);(10)@c(2)";
   const PictureImage image = renderPicture(sceneOf(near, view), view, kTransparent);
@@ -96,7 +96,7 @@ TEST(Picture, WhatIsNearerHidesWhatIsBehind) {
 }
 
 TEST(Picture, TheSamePictureForAnyNumberOfThreadsAndStrips) {
-  language::ViewSettings view = viewOf(language::LineStyle::Cylinder, 0.3);
+  files::ViewSettings view = viewOf(files::LineStyle::Cylinder, 0.3);
   view.viewpoint = {1, 1, 2};
   std::string text = "!(0.4)";
   for (int i = 0; i < 300; ++i) {
@@ -113,10 +113,10 @@ TEST(Picture, TheSamePictureForAnyNumberOfThreadsAndStrips) {
 }
 
 TEST(Picture, PerspectiveShowsTheNearerLarger) {
-  language::ViewSettings view = viewOf(language::LineStyle::Cylinder);
+  files::ViewSettings view = viewOf(files::LineStyle::Cylinder);
   view.isPerspective = true;
   view.viewpoint = {0, 0, 10};
-  const auto diameters = [&](const language::ViewSettings& settings) {
+  const auto diameters = [&](const files::ViewSettings& settings) {
     // two spheres side by side at z = 0 and z = 5
     const PictureImage image =
         renderPicture(sceneOf("@M(-2,0,0)@O(2)@M(2,0,5)@O(2)", settings), settings, kTransparent);
@@ -138,7 +138,7 @@ TEST(Picture, PerspectiveShowsTheNearerLarger) {
 }
 
 TEST(Picture, AViewerWithinTheSceneGetsAParallelPicture) {
-  language::ViewSettings view = viewOf(language::LineStyle::Cylinder);
+  files::ViewSettings view = viewOf(files::LineStyle::Cylinder);
   view.isPerspective = true;
   view.viewpoint = {0, 0, 1};
   const Scene scene = sceneOf("@M(0,0,5)@O(1)@M(0,0,0)@O(3)", view);
@@ -148,8 +148,8 @@ TEST(Picture, AViewerWithinTheSceneGetsAParallelPicture) {
 }
 
 TEST(Picture, TheViewFilesFramingUsesItsBoxAndScaleAndAngle) {
-  language::ViewSettings view = viewOf(language::LineStyle::Cylinder);
-  view.box = language::Box{{-4, -2, -1}, {4, 2, 1}};
+  files::ViewSettings view = viewOf(files::LineStyle::Cylinder);
+  view.box = files::Box{{-4, -2, -1}, {4, 2, 1}};
   PictureOptions options = kTransparent;
   options.framing = PictureFraming::View;
   const auto area = [&] { return coverage(renderPicture(sceneOf("@O(2)", view), view, options)); };
@@ -167,7 +167,7 @@ TEST(Picture, TheViewFilesFramingUsesItsBoxAndScaleAndAngle) {
 }
 
 TEST(Picture, RenderModesAreThoseOfTheViewFile) {
-  language::ViewSettings view = viewOf(language::LineStyle::Cylinder);
+  files::ViewSettings view = viewOf(files::LineStyle::Cylinder);
   const Scene scene = sceneOf(";(200)@O(2)", view);
   const Colour colour = defaultColour(200);
   const auto brightest = [&] {
@@ -182,26 +182,26 @@ TEST(Picture, RenderModesAreThoseOfTheViewFile) {
     }
     return std::array{smallest, largest, static_cast<int>(coverage(image))};
   };
-  view.renderMode = language::RenderMode::Filled;
+  view.renderMode = files::RenderMode::Filled;
   const auto filled = brightest();
   EXPECT_EQ(filled[0], colour.red);
   EXPECT_EQ(filled[1], colour.red);
-  view.renderMode = language::RenderMode::Shaded;
+  view.renderMode = files::RenderMode::Shaded;
   const auto shaded = brightest();
   EXPECT_GT(shaded[1] - shaded[0], 60);
   EXPECT_EQ(shaded[2], filled[2]);
-  view.renderMode = language::RenderMode::Wireframe;
+  view.renderMode = files::RenderMode::Wireframe;
   EXPECT_LT(brightest()[2], filled[2] / 5);
 }
 
 TEST(Picture, LightsOfTheViewFileGiveTheirColourAndDirection) {
-  language::ViewSettings view = viewOf(language::LineStyle::Cylinder);
-  language::Light light;
+  files::ViewSettings view = viewOf(files::LineStyle::Cylinder);
+  files::Light light;
   light.isDirectional = true;
   light.place = {1, 0, 0};
   light.diffuse = {1, 0, 0};
   view.lights = {light};
-  language::Palette palette;
+  files::Palette palette;
   palette.base = 0;
   palette.maps[0].fill({200, 200, 200});
   PictureOptions options = kTransparent;
@@ -222,7 +222,7 @@ TEST(Picture, LightsOfTheViewFileGiveTheirColourAndDirection) {
 
 TEST(Picture, LightComesThroughALeafToTheSideThatIsTurnedAway) {
   // the key light from behind the leaf, along it, and from the viewer
-  language::ViewSettings view = viewOf(language::LineStyle::Cylinder);
+  files::ViewSettings view = viewOf(files::LineStyle::Cylinder);
   view.lightDirection = core::Vec3{0, 0, -1};
   const auto brightness = [&](const std::string& string) {
     return static_cast<int>(pixelAt(renderPicture(sceneOf(string, view), view, kTransparent), 100, 50)[1]);
@@ -241,7 +241,7 @@ TEST(Picture, LightComesThroughALeafToTheSideThatIsTurnedAway) {
 }
 
 TEST(Picture, LabelsAreReadableText) {
-  const language::ViewSettings view = viewOf(language::LineStyle::Pixel);
+  const files::ViewSettings view = viewOf(files::LineStyle::Pixel);
   Scene scene;
   scene.labels.push_back({.position = {0, 0, 0}, .text = "I", .colour = 10});
   const double one = coverage(renderPicture(scene, view, kTransparent));

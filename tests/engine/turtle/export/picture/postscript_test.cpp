@@ -8,7 +8,7 @@
 namespace espalier::turtle {
 namespace {
 
-std::string postScriptOf(std::string_view text, const language::ViewSettings& view = {},
+std::string postScriptOf(std::string_view text, const files::ViewSettings& view = {},
                          const PostScriptOptions& options = {}) {
   TurtleRun run(text, view);
   run.draw();
@@ -79,8 +79,8 @@ TEST(PostScript, TheDrawingFillsItsBoundingBox) {
 }
 
 TEST(PostScript, EveryOrganIsPainted) {
-  language::ViewSettings view;
-  view.lineStyle = language::LineStyle::Cylinder;
+  files::ViewSettings view;
+  view.lineStyle = files::LineStyle::Cylinder;
   const Page page = interpret(postScriptOf("!(2)F(10)!(1)F(10)[+F(5)@O(2)]{.+(60)f.+(60)f.}@o(1)", view));
   EXPECT_EQ(page.tapered, 2);
   EXPECT_EQ(page.discs, 2);
@@ -88,7 +88,7 @@ TEST(PostScript, EveryOrganIsPainted) {
 }
 
 TEST(PostScript, LineCapAndLabelsAreThoseOfTheModel) {
-  language::ViewSettings view;
+  files::ViewSettings view;
   view.postScriptLineCap = 2;
   TurtleRun run("@L(0)F", view);
   run.program.strings.push_back("a(b)\\c");

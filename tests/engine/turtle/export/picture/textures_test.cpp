@@ -17,10 +17,10 @@ namespace espalier::turtle {
 namespace {
 
 using nlohmann::json;
-using Use = language::Texture::Use;
+using Use = files::Texture::Use;
 
 // the materials that the parts of a string's scene wear, in order
-std::vector<std::string> wornBy(const std::string& string, const language::ViewSettings& view) {
+std::vector<std::string> wornBy(const std::string& string, const files::ViewSettings& view) {
   TurtleRun run(string, view);
   run.draw();
   const ExportInput input{.scene = run.scene, .view = run.program.view};
@@ -40,8 +40,8 @@ std::array<int, 3> colourAt(const PictureImage& image, double x, double y) {
   return {image.pixels[at], image.pixels[at + 1], image.pixels[at + 2]};
 }
 
-PictureImage pictureOf(const std::string& string, language::ViewSettings view) {
-  view.renderMode = language::RenderMode::Filled;  // plain colours
+PictureImage pictureOf(const std::string& string, files::ViewSettings view) {
+  view.renderMode = files::RenderMode::Filled;  // plain colours
   TurtleRun run(string, view);
   run.draw();
   return renderPicture(run.scene, run.program.view, {.widthPixels = 100, .heightPixels = 100, .marginFraction = 0.0});
@@ -49,7 +49,7 @@ PictureImage pictureOf(const std::string& string, language::ViewSettings view) {
 
 TEST(Textures, TheTurtlesTextureIsOnLinesCylindersSurfacesAndPatches) {
   using Names = std::vector<std::string>;
-  const language::ViewSettings view = texturedView();
+  const files::ViewSettings view = texturedView();
   EXPECT_EQ(wornBy(";(3)F@Tx(1)F@Tx(0)F", view), (Names{"colour_3", "colour_3_texture_1", "colour_3"}));
   EXPECT_EQ(wornBy(";(3)@Tx(1)~p[@Tx(0)~p]", view), (Names{"colour_3_texture_1", "colour_3"}));
   EXPECT_EQ(wornBy(";(3)@Tx(1){(1)f}(1)", view), Names{"colour_3_texture_1"});
@@ -59,7 +59,7 @@ TEST(Textures, TheTurtlesTextureIsOnLinesCylindersSurfacesAndPatches) {
 }
 
 TEST(Textures, ASurfaceMayHaveItsOwnOrNone) {
-  language::ViewSettings view = texturedView();
+  files::ViewSettings view = texturedView();
   view.surfaces[0].texture = 1;
   EXPECT_EQ(wornBy(";(3)~p", view), std::vector<std::string>{"colour_3_texture_1"});
   view.surfaces[0].texture = 0;
@@ -67,7 +67,7 @@ TEST(Textures, ASurfaceMayHaveItsOwnOrNone) {
 }
 
 TEST(Textures, OnATubeOnePictureIsAsHighAsTheCircumferenceTimesItsRatio) {
-  language::ViewSettings view = texturedView();
+  files::ViewSettings view = texturedView();
   view.textures[0].ratio = 2.0;
   TurtleRun run("@Tx(1)!(0.5)F(3)F(1)", view);
   run.draw();
@@ -85,9 +85,9 @@ TEST(Textures, OnATubeOnePictureIsAsHighAsTheCircumferenceTimesItsRatio) {
 }
 
 TEST(Textures, PerSurfaceTheyGoOnceOverAllPatches) {
-  language::ViewSettings view = texturedView();
+  files::ViewSettings view = texturedView();
   // a second patch beside the first
-  language::SurfacePatch beside = view.surfaces[0].patches[0];
+  files::SurfacePatch beside = view.surfaces[0].patches[0];
   for (core::Vec3& point : beside.points) {
     point.x += 1.0;
   }
@@ -112,7 +112,7 @@ TEST(Textures, PerSurfaceTheyGoOnceOverAllPatches) {
 }
 
 TEST(Textures, InGlbThePictureIsInsideAndTheMaterialNamesIt) {
-  language::ViewSettings view = texturedView();
+  files::ViewSettings view = texturedView();
   view.textures[0].isSmoothNear = true;
   view.textures[0].minification = "mll";
   TurtleRun run(";(3)@Tx(1)F~p", view);
@@ -160,7 +160,7 @@ TEST(Textures, BesideObjAndUsdaThePictureIsAFileThatTheyName) {
 
 TEST(Textures, DrawingsHaveTheMeanColourOfEachFace) {
   // the square seen from its front, cut into one face, which has the mean of red, green, blue and white; into four
-  language::ViewSettings view = texturedView();
+  files::ViewSettings view = texturedView();
   view.textures[0].use = Use::Decal;
   const auto colours = [&view](std::string_view text, std::int32_t subdivision) {
     view.surfaces[0].subdivisionS = subdivision;
@@ -193,7 +193,7 @@ TEST(Textures, DrawingsHaveTheMeanColourOfEachFace) {
   EXPECT_EQ(std::ranges::count_if(quarters, [](const auto& c) { return c[1] > 2 * c[0] && c[1] > 2 * c[2]; }), 1);
   EXPECT_EQ(std::ranges::count_if(quarters, [](const auto& c) { return c[2] > 2 * c[0] && c[2] > 2 * c[1]; }), 1);
   // a picture with a hole in its lower half
-  auto holed = std::make_shared<language::Image>(*view.textures[0].image);
+  auto holed = std::make_shared<files::Image>(*view.textures[0].image);
   holed->pixels[11] = 0;
   holed->pixels[15] = 0;
   view.textures[0].image = holed;
@@ -203,7 +203,7 @@ TEST(Textures, DrawingsHaveTheMeanColourOfEachFace) {
 
 TEST(Textures, APictureOfTheSurfaceShowsThePicture) {
   // the square is seen from behind its front: L points to the left, so u runs to the left, v upward
-  language::ViewSettings view = texturedView();
+  files::ViewSettings view = texturedView();
   view.textures[0].use = Use::Decal;
   const PictureImage image = pictureOf("@Tx(1)~p", view);
   // within what is between the middle of a point of the picture and the middle of a point of the page
@@ -222,9 +222,9 @@ TEST(Textures, APictureOfTheSurfaceShowsThePicture) {
 TEST(Textures, TheColourBelowMultipliesShowsThroughOrIsLightened) {
   const Colour below{100, 50, 200};
   const auto at = [&below](Use use, int red, int opacity) {
-    language::Texture texture = fourColours(use);
-    texture.image = std::make_shared<const language::Image>(
-        language::Image{1, 1, {static_cast<std::uint8_t>(red), 0, 255, static_cast<std::uint8_t>(opacity)}});
+    files::Texture texture = fourColours(use);
+    texture.image = std::make_shared<const files::Image>(
+        files::Image{1, 1, {static_cast<std::uint8_t>(red), 0, 255, static_cast<std::uint8_t>(opacity)}});
     return RasterTexture(texture, below).at(0.5, 0.5, 0);
   };
   // multiplied: the picture alone, the colour comes with the light
@@ -254,9 +254,9 @@ TEST(Textures, BetweenPointsTheColourIsInterpolatedAndFarAwayItIsTheMean) {
 }
 
 TEST(Textures, HolesOfAPictureAreSeenThrough) {
-  language::ViewSettings view = texturedView();
+  files::ViewSettings view = texturedView();
   view.textures[0].image =
-      std::make_shared<const language::Image>(language::Image{2, 1, {255, 255, 255, 255, 255, 255, 255, 0}});
+      std::make_shared<const files::Image>(files::Image{2, 1, {255, 255, 255, 255, 255, 255, 255, 0}});
   const PictureImage image = pictureOf(";(200)@Tx(1)~p", view);
   const std::array<int, 3> page = colourAt(image, 0.25, 0.5);
   EXPECT_NE(colourAt(image, 0.75, 0.5), page);
@@ -266,7 +266,7 @@ TEST(Textures, HolesOfAPictureAreSeenThrough) {
 
 TEST(Textures, InAPerspectiveTheyAreNotBent) {
   // a square that leans away, of two triangles: on the page the middle of the picture is not halfway
-  language::ViewSettings view = texturedView();
+  files::ViewSettings view = texturedView();
   view.textures[0].use = Use::Decal;
   view.isPerspective = true;
   view.viewpoint = {-1.5, 1.0, 6.0};

@@ -271,7 +271,7 @@ TEST(ModuleTable, EveryModuleHasARowWithItsState) {
 }
 
 TEST(ModuleTable, WhatWasCutOffHasNoState) {
-  language::ViewSettings view;
+  files::ViewSettings view;
   view.interpretsPastCut = false;
   TurtleRun run("F[%F]F", view);
   const auto rows = linesOf(written(run, "csv"));

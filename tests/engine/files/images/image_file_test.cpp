@@ -1,6 +1,7 @@
-#include "engine/files/image_file.h"
+#include "engine/files/images/image_file.h"
 
 #include <gtest/gtest.h>
+#include <png.h>
 
 #include <array>
 #include <cmath>
@@ -10,7 +11,7 @@
 
 #include "tests/support/places.h"
 
-namespace espalier::language {
+namespace espalier::files {
 namespace {
 
 std::string fileText(const std::string& name) {
@@ -20,19 +21,18 @@ std::string fileText(const std::string& name) {
 
 Image imageOf(const std::string& name, const std::string& bytes) {
   auto read = readImageFile(name, bytes);
-  EXPECT_TRUE(std::holds_alternative<Image>(read)) << name << ": " << std::get<std::string>(read);
-  return std::holds_alternative<Image>(read) ? std::get<Image>(std::move(read)) : Image{};
+  EXPECT_TRUE(read) << name << ": " << read.error();
+  return read.value_or(Image{});
 }
 
 std::string problemOf(const std::string& name, const std::string& bytes) {
   const auto read = readImageFile(name, bytes);
-  EXPECT_TRUE(std::holds_alternative<std::string>(read)) << name;
-  return std::holds_alternative<std::string>(read) ? std::get<std::string>(read) : "";
+  EXPECT_FALSE(read) << name;
+  return read ? "" : read.error();
 }
 
 std::array<int, 4> pixelAt(const Image& image, int x, int y) {
-  const std::size_t at = static_cast<std::size_t>(y * image.width + x) * 4;
-  return {image.pixels[at], image.pixels[at + 1], image.pixels[at + 2], image.pixels[at + 3]};
+  return {image.at(x, y, 0), image.at(x, y, 1), image.at(x, y, 2), image.at(x, y, 3)};
 }
 
 // an SGI header: storage, dimensions, width, height, channels
@@ -62,7 +62,7 @@ std::string tgaHeader(int kind, int width, int height, int bits, int order) {
   return bytes;
 }
 
-TEST(ImageFile, ForeignPicturesOfOneMotifAgree) {
+TEST(ImageFile, TheSamePictureInThreeFormatsAgrees) {
   const Image png = imageOf("python.png", fileText("python.png"));
   EXPECT_EQ(png.width, 16);
   EXPECT_EQ(png.height, 16);
@@ -95,18 +95,19 @@ TEST(ImageFile, AnSgiPictureBeginsWithItsBottomRowAndHasPlanes) {
   EXPECT_EQ(pixelAt(image, 0, 1), (std::array{1, 5, 9, 13}));
   EXPECT_EQ(pixelAt(image, 1, 1), (std::array{2, 6, 10, 14}));
   EXPECT_EQ(pixelAt(image, 0, 0), (std::array{3, 7, 11, 15}));
-  EXPECT_EQ(problemOf("a.rgb", bytes.substr(0, bytes.size() - 1)), "the file ends before the picture does");
+  EXPECT_EQ(problemOf("a.rgb", bytes.substr(0, bytes.size() - 1)), "the file ends before the picture is complete");
   // one channel is grey
   EXPECT_EQ(pixelAt(imageOf("a.bw", sgiHeader(0, 2, 1, 1, 1) + "\x07"), 0, 0), (std::array{7, 7, 7, 255}));
 }
 
-TEST(ImageFile, ABrokenSgiPictureSaysWhatIsWrong) {
+TEST(ImageFile, ABrokenSgiPictureIsAnErrorWithAReason) {
   EXPECT_EQ(problemOf("a.rgb", sgiHeader(0, 3, 2, 2, 3, 2)),
-            "the SGI picture has more than one byte a channel; such pictures are not read");
-  EXPECT_EQ(problemOf("a.rgb", sgiHeader(0, 3, 2, 2, 5)), "the SGI picture has 5 channels; 1 to 4 are read");
-  EXPECT_EQ(problemOf("a.rgb", sgiHeader(0, 3, 0, 2, 3)), "the picture has no points");
-  EXPECT_EQ(problemOf("a.rgb", sgiHeader(0, 3, 20'000, 2, 3)),
-            "the picture has 20000 by 2 points; at most 16384 each way are read");
+            "the SGI picture has more than one byte a channel; only one byte is supported");
+  EXPECT_EQ(problemOf("a.rgb", sgiHeader(0, 3, 2, 2, 5)), "the SGI picture has 5 channels; 1 to 4 are supported");
+  EXPECT_EQ(problemOf("a.rgb", sgiHeader(0, 3, 0, 2, 3)), "the picture has no pixels");
+  EXPECT_EQ(problemOf("a.rgb", sgiHeader(0, 3, 2, 2, 3) + "abc"), "the file ends before the picture is complete");
+  EXPECT_EQ(problemOf("a.rgb", sgiHeader(1, 3, 2, 2, 3)), "the file ends before the picture is complete");
+  EXPECT_EQ(problemOf("a.rgb", "\x01\xda\x01"), "this is not an SGI picture");
   EXPECT_EQ(problemOf("a.rgb", sgiHeader(7, 3, 2, 2, 3)), "this is not an SGI picture");
   // tables that point nowhere
   EXPECT_EQ(problemOf("a.rgb", sgiHeader(1, 3, 1, 1, 1) + std::string(8, '\xff')), "row 0 of channel 0 is damaged");
@@ -115,6 +116,57 @@ TEST(ImageFile, ABrokenSgiPictureSaysWhatIsWrong) {
   EXPECT_EQ(problemOf("a.rgb", run), "row 0 of channel 0 is damaged");
   run[520] = 2;
   EXPECT_EQ(pixelAt(imageOf("a.rgb", run), 1, 0), (std::array{9, 9, 9, 255}));
+}
+
+TEST(ImageFile, AnSgiRowHasRunsAndLiterals) {
+  // one grey row of five: a run of three x, then two literals; tables of one offset and one length
+  std::string packed = sgiHeader(1, 3, 5, 1, 1);
+  packed += std::string("\0\0\x02\x08\0\0\0\x06", 8) + std::string("\x03x\x82yz\0", 6);
+  const Image grey = imageOf("a.rgb", packed);
+  EXPECT_EQ(pixelAt(grey, 2, 0), (std::array<int, 4>{'x', 'x', 'x', 255}));
+  EXPECT_EQ(grey.at(3, 0, 1), 'y');
+  EXPECT_EQ(grey.at(4, 0, 2), 'z');
+}
+
+TEST(ImageFile, PnmRowsComeFromTheTop) {
+  const Image image = imageOf("a", "P3\n# a comment\n2 2\n255\n1 2 3  4 5 6\n7 8 9  10 11 12\n");
+  EXPECT_EQ(image.width, 2);
+  EXPECT_EQ(image.height, 2);
+  EXPECT_EQ(pixelAt(image, 0, 0), (std::array{1, 2, 3, 255}));
+  EXPECT_EQ(pixelAt(image, 1, 1), (std::array{10, 11, 12, 255}));
+  EXPECT_EQ(imageOf("a", "P2 1 1 100 50").at(0, 0, 1), 127);
+  EXPECT_EQ(imageOf("a", std::string("P6 1 1 255\n") + "\x10\x20\x30").at(0, 0, 2), 0x30);
+  EXPECT_EQ(imageOf("a", std::string("P5 1 1 255\n") + "\x10").at(0, 0, 2), 0x10);
+  EXPECT_EQ(problemOf("a", "P3 2 2"), "the PNM picture must begin with width, height and a largest value up to 255");
+  EXPECT_EQ(problemOf("a", "P2 2 2 255 1 2 3"), "the file ends before the picture is complete");
+  EXPECT_EQ(problemOf("a", "P2 1 1 100 101"), "the PNM picture has a value above its largest value, 100");
+  EXPECT_EQ(problemOf("a", "P2 99999 99999 255 1"),
+            "the picture has 99999 by 99999 pixels; at most 67108864 pixels are read");
+}
+
+TEST(ImageFile, OverBlackLaysPngOverBlackAndDropsTheOpacityOfOtherFormats) {
+  const std::array<unsigned char, 8> pixels{255, 40, 0, 128, 9, 8, 7, 255};
+  png_image png{};
+  png.version = PNG_IMAGE_VERSION;
+  png.width = 1;
+  png.height = 2;
+  png.format = PNG_FORMAT_RGBA;
+  png_alloc_size_t size = 0;
+  ASSERT_NE(png_image_write_to_memory(&png, nullptr, &size, 0, pixels.data(), 0, nullptr), 0);
+  std::string bytes(size, '\0');
+  ASSERT_NE(png_image_write_to_memory(&png, bytes.data(), &size, 0, pixels.data(), 0, nullptr), 0);
+  const auto kept = readImageFile("a.png", bytes);
+  const auto opaque = readImageFile("a.png", bytes, Opacity::OverBlack);
+  ASSERT_TRUE(kept && opaque);
+  EXPECT_EQ(pixelAt(*kept, 0, 0), (std::array{255, 40, 0, 128}));
+  EXPECT_EQ(pixelAt(*kept, 0, 1), (std::array{9, 8, 7, 255}));
+  // half of white light is not half of its sRGB number: 255 * 0.502 ^ (1 / 2.2)
+  EXPECT_NEAR(opaque->at(0, 0, 0), 188, 2);
+  EXPECT_EQ(opaque->at(0, 0, 3), 255);
+  EXPECT_EQ(pixelAt(*opaque, 0, 1), (std::array{9, 8, 7, 255}));
+  const auto sgi = readImageFile("a.rgb", sgiHeader(0, 3, 1, 1, 4) + "abc\x09", Opacity::OverBlack);
+  ASSERT_TRUE(sgi);
+  EXPECT_EQ(pixelAt(*sgi, 0, 0), (std::array<int, 4>{'a', 'b', 'c', 255}));
 }
 
 TEST(ImageFile, ATgaPictureIsBlueGreenRedFromTheBottomUnlessItSaysOtherwise) {
@@ -127,12 +179,12 @@ TEST(ImageFile, ATgaPictureIsBlueGreenRedFromTheBottomUnlessItSaysOtherwise) {
       imageOf("a.tga", tgaHeader(10, 3, 1, 24, 0) + std::string("\x81\x03\x02\x01\x00\x06\x05\x04", 8));
   EXPECT_EQ(pixelAt(packed, 1, 0), (std::array{1, 2, 3, 255}));
   EXPECT_EQ(pixelAt(packed, 2, 0), (std::array{4, 5, 6, 255}));
-  EXPECT_EQ(problemOf("a.tga", tgaHeader(2, 2, 2, 24, 0) + points), "the file ends before the picture does");
-  EXPECT_EQ(problemOf("a.tga", tgaHeader(1, 2, 2, 8, 0) + points), "this is no TGA picture of true colour or grey");
+  EXPECT_EQ(problemOf("a.tga", tgaHeader(2, 2, 2, 24, 0) + points), "the file ends before the picture is complete");
+  EXPECT_EQ(problemOf("a.tga", tgaHeader(1, 2, 2, 8, 0) + points), "this is not a TGA picture of true colour or grey");
 }
 
-TEST(ImageFile, WhatIsNoPictureSaysWhichKindsAreRead) {
-  const std::string kinds = "it is no picture of a kind that is read: PNG, JPEG, SGI (.rgb) or TGA";
+TEST(ImageFile, AnUnknownFormatIsAnErrorThatNamesTheKnownOnes) {
+  const std::string kinds = "the format is unknown; use PNG, JPEG, SGI (.rgb), PNM or TGA";
   EXPECT_EQ(problemOf("a.bmp", "BM..."), kinds);
   EXPECT_EQ(problemOf("a.rle", ""), kinds);
   EXPECT_TRUE(problemOf("a.png", fileText("python.png").substr(0, 900)).starts_with("the PNG picture is damaged: "));
@@ -143,4 +195,4 @@ TEST(ImageFile, WhatIsNoPictureSaysWhichKindsAreRead) {
 }
 
 }  // namespace
-}  // namespace espalier::language
+}  // namespace espalier::files

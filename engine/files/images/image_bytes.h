@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+/// How the picture readers look at the bytes of a file.
+namespace espalier::files {
+
+inline constexpr const char* kImageIsCutOff = "the file ends before the picture is complete";
+
+/// Byte i of a file; 0 beyond its end.
+[[nodiscard]] inline std::uint8_t byteAt(std::string_view bytes, std::size_t i) {
+  return i < bytes.size() ? static_cast<std::uint8_t>(bytes[i]) : std::uint8_t{0};
+}
+
+/// A whole number of `count` bytes, the highest first.
+[[nodiscard]] inline std::uint32_t bigEndian(std::string_view bytes, std::size_t at, std::size_t count) {
+  std::uint32_t value = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    value = value << 8U | byteAt(bytes, at + i);
+  }
+  return value;
+}
+
+}  // namespace espalier::files
