@@ -24,7 +24,7 @@ void* mapAligned(std::size_t size, int protection) {
   if (memory == MAP_FAILED) {
     throw std::bad_alloc();
   }
-  // what is too much at both ends goes
+  // unmap the surplus at both ends
   char* begin = static_cast<char*>(memory);
   const std::size_t before =
       (kHugePageBytes - reinterpret_cast<std::uintptr_t>(begin) % kHugePageBytes) % kHugePageBytes;
@@ -49,7 +49,7 @@ void* mapPages(std::size_t byteCount) {
     throw std::bad_alloc();
   }
   void* memory = mapAligned(mappedSize(byteCount), PROT_READ | PROT_WRITE);
-  // advice only: without huge pages the memory works, slower to touch first
+  // only advice: without huge pages the first touch is slower
   static_cast<void>(madvise(memory, mappedSize(byteCount), MADV_HUGEPAGE));
   return memory;
 }
@@ -63,7 +63,7 @@ void* growPages(void* memory, std::size_t byteCount, std::size_t usedByteCount, 
     if (newSize == mappedSize(byteCount)) {
       return memory;
     }
-    // moved to where it begins at a huge page again, else the pages would be split
+    // the new address is the start of a huge page too, otherwise the system splits the pages
     void* target = mapAligned(newSize, PROT_NONE);
     void* moved = mremap(memory, mappedSize(byteCount), newSize, MREMAP_MAYMOVE | MREMAP_FIXED, target);
     if (moved == MAP_FAILED) {
@@ -96,7 +96,7 @@ void unmapPages(void* memory, std::size_t byteCount) noexcept {
 }
 
 void adviseHugePages(void* memory, std::size_t byteCount) noexcept {
-  // the huge pages that lie within
+  // the whole huge pages of the block
   const auto begin = (reinterpret_cast<std::uintptr_t>(memory) + kHugePageBytes - 1) & ~(kHugePageBytes - 1);
   const auto end = (reinterpret_cast<std::uintptr_t>(memory) + byteCount) & ~(kHugePageBytes - 1);
   if (end > begin) {

@@ -10,24 +10,24 @@ namespace espalier::core {
 
 inline constexpr std::size_t kHugePageBytes = std::size_t{2} << 20U;
 
-/// Maps or frees memory; large blocks begin at a huge page and ask for such pages, so that first touch is cheap. Throws
-/// std::bad_alloc.
+/// Maps or frees memory. A large block begins at a huge page and asks for huge pages, so that its first touch is cheap.
+/// Throws std::bad_alloc.
 [[nodiscard]] void* mapPages(std::size_t byteCount);
 void unmapPages(void* memory, std::size_t byteCount) noexcept;
 /// A block of `newByteCount` bytes in the place of one of `byteCount`, with the first `usedByteCount` bytes of its
-/// contents. A large block keeps the pages it has touched and is not copied. Throws std::bad_alloc, the old block then
-/// stays.
+/// contents. A large block moves with the pages it has touched, without a copy. Throws std::bad_alloc; the old block
+/// stays valid then.
 [[nodiscard]] void* growPages(void* memory, std::size_t byteCount, std::size_t usedByteCount, std::size_t newByteCount);
-/// Touches pages of a large block (address and size whole huge pages, or to the block's end) without changing what
-/// they hold. Help only: where the system cannot, nothing happens.
+/// Touches pages of a large block without changing their contents. Address and size are whole huge pages, or reach to
+/// the block's end. Does nothing where the system cannot do it.
 void populatePages(void* memory, std::size_t byteCount) noexcept;
 
-/// Asks for huge pages for memory that was had elsewhere and is about to be written for the first time. Advice: nothing
-/// depends on it.
+/// Asks for huge pages for memory of another allocator, before its first use. This is only advice: the system may
+/// ignore it.
 void adviseHugePages(void* memory, std::size_t byteCount) noexcept;
 
-/// A growable array of trivially copyable elements whose new elements are uninitialised. Grows by at least half, never
-/// shrinks unless told; clear() keeps the memory.
+/// A growable array of trivially copyable elements. New elements are uninitialised. It grows by at least half; clear()
+/// keeps the memory, release() frees it.
 template <typename T>
 class Buffer {
   static_assert(std::is_trivially_copyable_v<T>);

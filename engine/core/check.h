@@ -6,7 +6,7 @@
 
 namespace espalier::core {
 
-/// A bug of Espalier itself. It closes the simulation it happened in, never the server.
+/// A bug of Espalier itself. The server closes the simulation in which it happened, and runs on.
 class InternalError : public std::logic_error {
  public:
   using std::logic_error::logic_error;
@@ -16,7 +16,7 @@ class InternalError : public std::logic_error {
 
 }  // namespace espalier::core
 
-/// Checks what can only be false through our own bug; on in all builds. Throws InternalError.
+/// Checks a condition that only a bug of Espalier can make false. On in all builds. Throws InternalError.
 #define ESPALIER_CHECK(expression)                                               \
   do {                                                                           \
     if (!(expression)) {                                                         \

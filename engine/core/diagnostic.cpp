@@ -120,7 +120,7 @@ std::string_view nearestName(std::string_view name, const std::vector<std::strin
       continue;
     }
     const int distance = editDistance(name, candidate);
-    // a name all of whose characters changed is no near name
+    // two names that share no character are not near
     const bool sharesNothing = distance >= 2 * static_cast<int>(std::max(name.size(), candidate.size()));
     if (distance < best && !sharesNothing) {
       best = distance;

@@ -15,7 +15,7 @@ struct SourceRange {
   constexpr bool operator==(const SourceRange&) const = default;
 };
 
-/// A place in a file as a person names it.
+/// A place in a file, in the terms of a text editor.
 struct SourceLocation {
   std::string file;          // as the user named it; empty: no place is known
   std::uint32_t line = 0;    // 1-based
@@ -46,10 +46,10 @@ struct Diagnostic {
 ///           |                                 ^~
 ///        hint: did you mean 'w'?
 ///
-/// without a final newline. TABs of the source line are kept so that the caret stays below its column.
+/// without a final newline. TABs of the source line stay TABs, so that the caret stands below its column.
 [[nodiscard]] std::string formatDiagnostic(const Diagnostic& diagnostic);
 
-/// Collects diagnostics, at most `kLimit` errors and `kLimit` warnings; further ones are counted, not kept.
+/// Collects diagnostics. Keeps at most `kLimit` errors and `kLimit` warnings, and only counts the rest.
 class DiagnosticList {
  public:
   static constexpr std::size_t kLimit = 50;
@@ -66,12 +66,12 @@ class DiagnosticList {
   std::size_t warningCount_ = 0;
 };
 
-/// The name among `candidates` nearest to `name` by edit distance (insertion, deletion, substitution, transposition of
-/// neighbours; letter case counts half), or an empty string when none is near enough (distance above a third of the
-/// length, at least 1). Ties go to the first candidate. O(candidates * length^2).
+/// The candidate nearest to `name` by edit distance (insertion, deletion, substitution, transposition of neighbours; a
+/// change of letter case counts half). Empty when every distance is above a third of the length (at least 1). The first
+/// of equally near candidates wins. O(candidates * length^2).
 [[nodiscard]] std::string_view nearestName(std::string_view name, const std::vector<std::string_view>& candidates);
 
-/// "Did you mean 'chiba'? Available: chiba, clover." or only the list when no name is near. Names are listed as given.
+/// "Did you mean 'chiba'? Available: chiba, clover.", or only the list, in its order, when no candidate is near.
 [[nodiscard]] std::string suggestName(std::string_view name, const std::vector<std::string_view>& candidates);
 
 }  // namespace espalier::core

@@ -6,7 +6,7 @@
 
 namespace espalier::core {
 
-/// FNV-1a, 64 bits: equality of states and files, not security.
+/// FNV-1a, 64 bits. It compares states and files; it gives no security.
 class Hasher {
  public:
   void bytes(std::string_view text) {

@@ -13,8 +13,8 @@ using ModuleTypeId = std::uint16_t;
 inline constexpr SymbolId kNoSymbol = 0xFFFF;
 inline constexpr ModuleTypeId kNoModuleType = 0xFFFF;
 
-/// Whose numbers a run uses (LANGUAGE: modes). Espalier: doubles, counter-based draws. Cpfg: the reference program as
-/// started interactively (32-bit parameters, two sequential random streams). CpfgBatch: its batch run.
+/// The mode of a run (docs/language.md, section 0). Espalier: doubles, counter-based draws. Cpfg: as the reference
+/// program in interactive use (32-bit parameters, two sequential random streams). CpfgBatch: as its batch run.
 enum class Compatibility : std::uint8_t { Espalier, Cpfg, CpfgBatch };
 
 }  // namespace espalier::core

@@ -10,7 +10,7 @@ struct Limits {
   std::uint64_t maximumStringBytes = 16'000'000'000;  // one string's types and parameters
   std::uint32_t maximumArity = 1000;                  // parameters of one module
   std::uint64_t maximumLoopIterations = 100'000'000;  // loop turns in one execution of a block
-  std::uint32_t maximumRecursion = 10'000;            // decomposition or homomorphism depth, whatever the model asks
+  std::uint32_t maximumRecursion = 10'000;            // depth of decomposition or homomorphism; holds for every model
   std::uint64_t maximumQueries = 100'000'000;         // communication modules in one step
   std::uint32_t maximumTurtleStack = 1'000'000;       // open brackets while interpreting
   std::uint32_t maximumOpenFiles = 256;               // files that one plant has open at once (fopen)

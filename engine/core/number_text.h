@@ -6,21 +6,21 @@
 
 namespace espalier::core {
 
-/// How numbers are written in strings of modules.
+/// The two forms of a number in the text of a module string.
 enum class NumberStyle : unsigned char {
   Shortest,  // shortest decimal that reads back as the same double; an exponent gets a point: 1.0e+05
   PercentG,  // C's %g, six significant digits
 };
 
-/// Appends a number in the given style. -0 prints as 0 in the Shortest style. Non-finite values print as nan, inf,
-/// -inf.
+/// Appends a number in the given style. -0 becomes 0 in the Shortest style. Values that are not finite become nan, inf
+/// and -inf.
 void appendNumber(std::string& text, double value, NumberStyle style);
 
-/// The value of a decimal number that fills all of `text` (as C's strtod without hexadecimal, inf or nan); nothing
-/// otherwise.
+/// The value of a decimal number that fills all of `text`; nothing otherwise. Reads as C's strtod does, without
+/// hexadecimal numbers, inf and nan.
 [[nodiscard]] std::optional<double> parseNumber(std::string_view text);
 
-/// The value that survives printing with %g and reading back.
+/// The value that is left after printing with %g and reading back.
 [[nodiscard]] double roundThroughPercentG(double value);
 
 }  // namespace espalier::core

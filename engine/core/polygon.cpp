@@ -20,7 +20,7 @@ std::array<Vec3, 2> planeAxes(const Vec3& normal) {
   return {u, cross(normal, u)};
 }
 
-/// What is left of a polygon while its ears are cut off: a ring of vertices.
+/// The rest of a polygon while ears are cut off: a ring of vertices.
 class EarClipper {
  public:
   explicit EarClipper(const std::vector<Point>& points)
@@ -54,7 +54,7 @@ bool EarClipper::isEar(std::uint32_t i) const {
   }
   for (std::uint32_t k = next_[next_[i]]; k != before_[i]; k = next_[k]) {
     const Point& p = points_[k];
-    // a vertex at a corner does not hinder: polygons may touch themselves
+    // a vertex at a corner is allowed: polygons may touch themselves
     if (p == a || p == b || p == c || turnAt(k) > 0.0) {
       continue;
     }
@@ -75,7 +75,7 @@ std::vector<std::array<std::uint32_t, 3>> EarClipper::clip() {
   while (left > 3) {
     const bool isFlat = turnAt(at) == 0.0;
     if (isFlat || isEar(at) || tried == left) {
-      // nothing is an ear in a polygon that crosses itself: the corner that turns most goes
+      // a polygon that crosses itself may have no ear: cut off the corner that turns most
       const std::uint32_t cut = tried == left ? bestFallback : at;
       triangles.push_back({before_[cut], cut, next_[cut]});
       next_[before_[cut]] = next_[cut];

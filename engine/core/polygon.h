@@ -9,17 +9,17 @@
 
 namespace espalier::core {
 
-/// The normal of a polygon that need not be plane nor convex, by the sum over its edges (Newell; Sutherland, Sproull &
-/// Schumacker 1974): its length is twice the area of a plane polygon; zero when there is none.
+/// The normal of a polygon, which need not be plane or convex, by the sum over its edges (Newell; Sutherland, Sproull &
+/// Schumacker 1974). Its length is twice the area of a plane polygon; zero for a polygon without area.
 [[nodiscard]] Vec3 newellNormal(std::span<const Vec3> vertices);
 
-/// Triangles of a simple polygon as indices of its vertices, count - 2 of them, with the polygon's own sense: ears are
-/// cut off in its projection along `normal`. A polygon that crosses itself gives count - 2 triangles that cover it in
-/// some way. Repeated vertices are allowed. O(n²) at worst, O(n) for convex polygons.
+/// The vertexCount - 2 triangles of a simple polygon, as indices of its vertices, with the orientation of the polygon.
+/// Cuts ears off the projection along `normal`. A polygon that crosses itself gives as many triangles, which cover it
+/// somehow. Vertices may repeat. O(n²) at worst, O(n) for convex polygons.
 [[nodiscard]] std::vector<std::array<std::uint32_t, 3>> triangulate(std::span<const Vec3> vertices, const Vec3& normal);
 
-/// The corners of a polygon in the plane of the unit vector `normal`, relative to the first one; counter-clockwise
-/// there is counter-clockwise seen from where the normal points.
+/// The corners of a polygon in the plane of the unit vector `normal`, relative to the first corner. Counter-clockwise
+/// in the plane is counter-clockwise for a viewer towards whom the normal points.
 [[nodiscard]] std::vector<std::array<double, 2>> projectedCorners(std::span<const Vec3> vertices, const Vec3& normal);
 
 }  // namespace espalier::core

@@ -6,7 +6,7 @@
 
 namespace espalier::core {
 
-/// What a draw is for; draws of different domains are independent.
+/// The purpose of a draw. Draws of different domains are independent.
 enum class DrawDomain : std::uint32_t {
   Selection = 0,       // choice among stochastic productions
   Production = 1,      // ran and its relatives in productions (blocks, conditions, successors)
@@ -17,8 +17,8 @@ enum class DrawDomain : std::uint32_t {
 };
 
 /// Counter-based random numbers: Philox4x32-10 (Salmon et al. 2011) keyed by (seed, plant), with the counter (index,
-/// step, domain, block). A draw is a pure function of (seed, plant, step, domain, index, draw), so any part of a string
-/// can be derived on any thread, and a checkpoint needs no generator state.
+/// step, domain, block). A draw is a pure function of (seed, plant, step, domain, index, draw). So any thread can
+/// derive any part of a string, and a checkpoint needs no state of a generator.
 class CounterRandom {
  public:
   CounterRandom() = default;
@@ -31,7 +31,7 @@ class CounterRandom {
   [[nodiscard]] double selection(std::uint32_t step, std::uint64_t index) const;
 
   /// The words behind selection() of the modules 4 * firstBlock, 4 * firstBlock + 1, ... (4 * blockCount): selection()
-  /// is a word times 2^-32. Many at once cost a fraction of one at a time.
+  /// is a word times 2^-32. Many at once cost a fraction of many single calls.
   void selectionWords(std::uint32_t step, std::uint64_t firstBlock, std::size_t blockCount, std::uint32_t* words) const;
 
   /// The raw block of four words.

@@ -1,6 +1,6 @@
-// Many blocks of Philox4x32-10 at once. Four (AVX2) or two (SSE2) blocks share a register, one in each 64-bit lane, of
-// which the low half counts; the multiplication takes just that half and gives both words of a product. Compilers do
-// not find this by themselves: their code for the plain loop was slower than one block at a time.
+// Many blocks of Philox4x32-10 at once. Four (AVX2) or two (SSE2) blocks share a register: each 64-bit lane holds a
+// word of one block in its low half. The multiplication takes that half and gives both words of a product. Compilers do
+// not find this: their code for the plain loop was slower than one block at a time.
 #include "engine/core/random.h"
 
 #if defined(__x86_64__)

@@ -13,16 +13,16 @@ namespace espalier::core {
 enum class SimulationErrorCode : std::uint8_t {
   LimitExceeded,      // a Limits value; the message names it and its bound
   NonFinite,          // a parameter, position or reply became NaN or infinite
-  Model,              // the model did what the language forbids at run time
+  Model,              // the model broke a rule of the language while it ran
   EnvironmentFailed,  // the environment did not answer; the step can be tried again
   Cancelled,          // the caller asked to stop
-  Snapshot,           // a snapshot that cannot be read or does not belong to this model
+  Snapshot,           // the snapshot cannot be read or belongs to another model
 };
 
 /// A model that fails while running. The simulation stays at its last completed step.
 struct SimulationError {
   SimulationErrorCode code = SimulationErrorCode::Model;
-  std::string message;        // whole sentences: what happened and what to do
+  std::string message;        // whole sentences: the failure and its remedy
   SourceLocation location{};  // empty file: none
   std::uint64_t step = 0;     // the step that could not be completed
   std::uint32_t plant = 0;
@@ -30,7 +30,7 @@ struct SimulationError {
   bool isRetryable = false;
 };
 
-/// How a SimulationError travels inside the engine; Simulation catches it and returns it as a value.
+/// Carries a SimulationError inside the engine. Simulation catches it and returns the error as a value.
 class SimulationFailure : public std::exception {
  public:
   explicit SimulationFailure(SimulationError error) : error_(std::move(error)) {}

@@ -13,32 +13,32 @@
 
 namespace espalier::core {
 
-/// Where the engine's files come from. The engine itself opens none.
+/// Gives the engine its files. The engine itself opens none.
 class FileProvider {
  public:
   virtual ~FileProvider() = default;
   /// The whole content of a file, or nothing when it cannot be read. `name` is as the model or the user wrote it;
   /// names in a model are joined to the folder of the file that names them before the call.
   [[nodiscard]] virtual std::optional<std::string> read(const std::string& name) = 0;
-  /// The same for a file that a model opens itself (fopen): nothing when the file really lies outside `folder`, as one
-  /// behind a symbolic link can. `name` begins with `folder`; an empty folder is the working one.
+  /// The same for a file that a model opens (fopen). Nothing when the file lies outside `folder`, for example behind a
+  /// symbolic link. `name` begins with `folder`; an empty folder is the working folder.
   [[nodiscard]] virtual std::optional<std::string> readInside(const std::string& folder, const std::string& name) {
     static_cast<void>(folder);
     return read(name);
   }
 };
 
-/// Where the files go that models write (fopen, fprintf).
+/// Takes the files that models write (fopen, fprintf).
 class FileWriter {
  public:
   virtual ~FileWriter() = default;
-  /// Adds bytes to the end of a file, or makes them its whole content when it `replaces`. `name` is relative to the
-  /// model's folder and has no `..`. Returns a whole sentence when it cannot.
+  /// Adds bytes to the end of a file, or replaces its whole content by them. `name` is relative to the model's folder
+  /// and has no `..`. Returns a sentence that says why it failed, or nothing.
   [[nodiscard]] virtual std::optional<std::string> write(const std::string& name, bool replaces,
                                                          std::string_view bytes) = 0;
 };
 
-/// Files held in memory by name: sources that came over the wire, snapshots, tests.
+/// Files in memory, by name: sources from a client, snapshots, tests.
 class MemoryFileProvider final : public FileProvider {
  public:
   MemoryFileProvider() = default;
@@ -53,7 +53,7 @@ class MemoryFileProvider final : public FileProvider {
   std::map<std::string, std::string> files_;
 };
 
-/// Passes on what another provider reads and keeps a copy.
+/// Reads through another provider and keeps a copy of every file.
 class RecordingFileProvider final : public FileProvider {
  public:
   /// `files` must outlive it.
@@ -65,7 +65,7 @@ class RecordingFileProvider final : public FileProvider {
     }
     return text;
   }
-  /// Names and texts in the order they were read.
+  /// Names and texts, in the order of reading.
   [[nodiscard]] std::vector<std::pair<std::string, std::string>> take() { return std::move(recorded_); }
 
  private:
@@ -73,7 +73,7 @@ class RecordingFileProvider final : public FileProvider {
   std::vector<std::pair<std::string, std::string>> recorded_;
 };
 
-/// Where the engine's output goes.
+/// Takes the engine's output.
 class ByteSink {
  public:
   virtual ~ByteSink() = default;
@@ -93,7 +93,7 @@ class StringSink final : public ByteSink {
 
 enum class MessageKind : std::uint8_t { Printf, Warning };
 
-/// Receives a model's printf output (as printed, newlines included) and warnings at run time. May be empty.
+/// Receives the printf output of a model, newlines included, and the warnings of a run. May be empty.
 using MessageSink = std::function<void(MessageKind, std::string_view)>;
 
 }  // namespace espalier::core

@@ -19,16 +19,16 @@ struct DerivationOptions {
   bool hasSeed = false;
   std::uint32_t plant = 0;
   std::optional<std::uint64_t> derivationLength;  // replaces the model's (Z and when End runs)
-  unsigned threads = 1;  // for long strings; 0: as many as the machine has. Results do not depend on it
-  std::uint64_t threadedModules = 65536;  // the shortest string that is long
+  unsigned threads = 1;  // for long strings; 0: as many as the machine has. Results do not depend on them
+  std::uint64_t threadedModules = 65536;  // strings with so many modules are long
   core::Limits limits;
   const std::atomic<bool>* cancelled = nullptr;  // polled about every 65,536 modules; must outlive the Derivation
   core::MessageSink messages;                    // printf and run-time warnings; may be empty
-  bool canWriteFiles = false;  // the caller takes PlantState::files.output; otherwise fopen refuses to write
+  bool canWriteFiles = false;  // the caller takes PlantState::files.output; without, fopen refuses to write
 };
 
-/// Derives the strings of one plant. Holds working memory only: everything that matters between steps is in PlantState.
-/// Every function throws core::SimulationFailure when the model fails (limits, non-finite values, cancelled).
+/// Derives the strings of one plant. It holds only working memory: PlantState has everything that must last from step
+/// to step. Every function throws core::SimulationFailure when the model fails (limits, non-finite values, cancelled).
 class Derivation {
  public:
   /// `program` must outlive the object.
@@ -37,20 +37,20 @@ class Derivation {
   Derivation(Derivation&&) noexcept;
   Derivation& operator=(Derivation&&) noexcept;
 
-  /// Define blocks, Start, the axiom: sets `state` to step 0. `start` takes the axiom's place; its types are the
-  /// program's.
+  /// Sets `state` to step 0: define blocks, Start, the axiom. `start` takes the axiom's place, when it is given; its
+  /// types are those of the program.
   void rewind(PlantState& state, const ModuleString* start = nullptr);
 
-  /// One DerivationStep after the interpretation pass (LANGUAGE §1.5, 2 to 6): counter, StartEach, the scan with
-  /// decomposition, EndEach, and End when it is the last step. On failure `state` is as before the call, except for
-  /// the string's contents, which the caller may have changed before and which are untouched here.
+  /// One DerivationStep after the environment pass (docs/language.md, 1.5): counter, StartEach, the scan with
+  /// decomposition, EndEach, and End in the last step. A failure leaves `state` as it was before the call.
   void derive(PlantState& state);
 
-  /// The same, and writes down what the step does with the module `record.module` of the string. Slower: no shortcut of
-  /// the scan is taken. When the step fails, the record holds what happened to the module before that.
+  /// The same, and records everything that the step does with the module `record.module` of the string. Slower, because
+  /// it takes no shortcut. When the step fails, the record ends at the failure.
   void deriveRecorded(PlantState& state, ModuleRecord& record);
 
-  /// Whether interpreting has side effects on `state` or needs `expand` at all: any homomorphism production exists.
+  /// Whether the program has homomorphism productions. Without them, interpreting needs no `expand` and does not change
+  /// `state`.
   [[nodiscard]] bool hasHomomorphism() const;
 
   /// Prepares `expand` for the string in `state` (context links, the homomorphism's own random stream).
@@ -63,7 +63,7 @@ class Derivation {
   std::uint64_t expand(PlantState& state, std::uint32_t instance, std::uint64_t module, std::uint64_t parameterOffset,
                        ModuleString& image);
 
-  /// Restores the main random stream after a homomorphism with its own seed.
+  /// Ends the interpretation: random numbers come from the main stream again.
   void endInterpretation(PlantState& state);
 
   [[nodiscard]] const DerivationOptions& options() const;

@@ -19,7 +19,7 @@ namespace {
 using language::Production;
 using language::ProductionList;
 
-// modules shown on either side of the one that is explained
+// modules shown on either side of the explained module
 constexpr std::uint64_t kNeighbours = 8;
 // modules of a successor that are shown
 constexpr std::uint64_t kShownModules = 200;
@@ -44,7 +44,7 @@ class Writer {
     writeModule();
     if (record_.fate == ModuleRecord::Fate::CutAway) {
       line("What happened: it was cut away. " + module(record_.cutBy) +
-           ", a cut symbol without a production, removed what stood right of it in its branch.");
+           ", a cut symbol without a production, removed the modules right of it in its branch.");
     } else {
       writeFate();
       writeSearches();
@@ -63,7 +63,7 @@ class Writer {
 
   void writeModule() {
     line("Step " + std::to_string(state_.step + 1) + " reads the string of step " + std::to_string(state_.step) + ", " +
-         counted(state_.string.size(), "module") + ", answers of the environment included.");
+         counted(state_.string.size(), "module") + ", with the replies of the environment.");
     line("Module " + std::to_string(record_.module) + ": " + moduleAt(record_.module));
     const std::uint64_t begin = record_.module > kNeighbours ? record_.module - kNeighbours : 0;
     const std::uint64_t end = std::min(record_.module + kNeighbours + 1, state_.string.size());
@@ -96,7 +96,7 @@ class Writer {
         line("What happened: no production applies; the module was copied.");
         break;
       case ModuleRecord::Fate::Cut:
-        line("What happened: the cut symbol removed itself and what stood right of it in its branch.");
+        line("What happened: the cut symbol removed itself and the modules right of it in its branch.");
         break;
       default:
         line("What happened: the step failed while this module was rewritten.");
@@ -178,7 +178,7 @@ class Writer {
       const std::size_t has = program_.arity[search.type];
       line(arity != has
                ? "    failed: it wants " + counted(arity, "parameter") + ", the module has " + std::to_string(has)
-               : "    not tried: an earlier one applied");
+               : "    not tried: an earlier production applied");
       return;
     }
     const CandidateRecord& candidate = *found;
@@ -223,7 +223,7 @@ class Writer {
 
   [[nodiscard]] std::string weightText(const Production& production, double weight) const {
     if (!production.probability) {
-      return number(weight) + ", as none is given";
+      return number(weight) + " (none is given)";
     }
     const std::string source = sourceText(program_, production.probability->range);
     return source == number(weight) ? source : source + " = " + number(weight);
@@ -239,9 +239,9 @@ class Writer {
     for (const CandidateRecord& candidate : search.candidates) {
       sum += candidate.weight.value_or(0.0);
     }
-    line(search.draw ? "  choice: the draw " + number(*search.draw) + " of the weights' sum " + number(sum) + " is " +
-                           number(*search.draw * sum) + "; counted from the first, it falls to " + place(*search.chosen)
-                     : "  choice: only one applies, no draw decides");
+    line(search.draw ? "  choice: the draw " + number(*search.draw) + " times the sum of weights " + number(sum) +
+                           " is " + number(*search.draw * sum) + ", which selects " + place(*search.chosen)
+                     : "  choice: only one production applies, so nothing is drawn");
   }
 
   void writePredecessorFailure(const SearchRecord& search, const CandidateRecord& candidate) {
@@ -273,10 +273,10 @@ class Writer {
           }
           break;
         case ContextLook::Result::StringEnd:
-          text += side == "left" ? ", came to the beginning of the string" : ", came to the end of the string";
+          text += side == "left" ? ", reached the beginning of the string" : ", reached the end of the string";
           break;
         case ContextLook::Result::LoneBracket:
-          text += ", came to a bracket without partner";
+          text += ", reached a bracket without partner";
           break;
       }
       line(text);

@@ -41,7 +41,7 @@ bool Rewriter::matchesShape(const Production& production, const ContextRules& ru
   };
   // the strict predecessor: contiguous modules of equal type
   const std::size_t length = production.predecessor.size();
-  // from right to left the modules behind the first one are rewritten already
+  // from right to left, the modules behind the first are rewritten already
   if (place.size - place.module < length || (pieces_ != nullptr && length > 1 && place.types == around_.types)) {
     return differs(Result::Predecessor, place.size - place.module < length ? place.size - place.module : 1);
   }
@@ -177,7 +177,7 @@ const Production* Rewriter::chooseByWeights(const ProductionList& list, const Co
   if (record_ != nullptr) {
     beginSearch(list, place, searchDepth_).isStochastic = true;
   }
-  // every match keeps a frame of its own until one is chosen
+  // every match keeps a frame of its own until the choice
   matches_.clear();
   weights_.clear();
   double sum = 0.0;
@@ -244,13 +244,13 @@ void Rewriter::appendSuccessor(const Production& production, double* frame, Modu
 void Rewriter::applyNested(const Production& production, const ProductionList& list, const ContextRules& rules,
                            const Surroundings& surroundings, std::uint32_t depth, bool dropsCut,
                            core::DrawDomain domain, std::uint64_t step, std::uint64_t index, ModuleString& output) {
-  // an earlier failure may have left something behind
+  // an earlier failure may have left modules here
   scratch_.clear();
   levels_.clear();
   searchDepth_ = 0;
   apply(production, scratch_);
   levels_.push_back({0, 0, 0, 0, scratch_.size(), depth});
-  // the productions of the first level are of another list than the ones below it
+  // the first level belongs to another list of productions than the levels below
   if (depth == 0) {
     random_->key(domain, step, index);
   }
@@ -315,7 +315,7 @@ void Rewriter::warnAtDepth(const ProductionList& list, const ContextRules& rules
   if (!list.warnsAtDepth || std::find(warnedLists_.begin(), warnedLists_.end(), &list) != warnedLists_.end()) {
     return;
   }
-  // looking must not change anything: productions whose match has side effects are not tried
+  // this search must change nothing, so it skips productions whose match has side effects
   for (const std::uint32_t candidate : list.index.candidates(place.types[place.module])) {
     const Production& production = list.productions[candidate];
     if (!production.preBlock.empty() || (production.condition && !production.condition->isPure)) {

@@ -16,7 +16,7 @@
 
 namespace espalier::derivation {
 
-/// Where a predecessor is looked for. A view.
+/// The place where a predecessor must match. A view.
 struct PredecessorPlace {
   const core::ModuleTypeId* types = nullptr;
   const double* parameters = nullptr;
@@ -25,35 +25,35 @@ struct PredecessorPlace {
   std::uint64_t offset = 0;  // of its parameters
 };
 
-/// Where contexts are looked for, in the ContextString.
+/// The places in the ContextString where context searches begin.
 struct Surroundings {
   std::uint64_t left = 0;        // the left context ends before this module
   std::uint64_t leftOffset = 0;  // its parameters
   std::uint64_t right = 0;       // the right context begins here
   std::uint64_t rightOffset = 0;
-  bool isBehindPredecessor = true;  // `right` is where the predecessor ends, whatever its length; `right` is not used
+  bool isBehindPredecessor = true;  // the right context begins behind the predecessor; `right` is not used
 };
 
 /// Matches, chooses and applies single productions of any kind: contexts, conditions, blocks, weights, and the nested
-/// rewriting of decomposition and homomorphism. The clear and complete way; the scan has shortcuts for simple cases.
+/// rewriting of decomposition and homomorphism. The clear and complete way; the scans have shortcuts for simple cases.
 class Rewriter {
  public:
   /// All must outlive the object.
   Rewriter(const language::Program& program, Evaluator& evaluator, RandomSource& random, const core::Limits& limits);
 
-  /// The string around the predecessors, and the string being produced: from left to right (`<<` looks there) or from
-  /// right to left (`>>`); null: such contexts never match.
+  /// Gives the string around the predecessors, and the string being produced: `produced` from left to right, where `<<`
+  /// looks, or `pieces` from right to left, where `>>` looks. Null: such contexts never match.
   void setStrings(const ContextString& around, const ModuleString* produced, const ProducedPieces* pieces = nullptr);
   [[nodiscard]] const ContextString& around() const { return around_; }
 
-  /// A module type that a predecessor may begin with but never reach over (calls of sub-L-systems and their `$`), by
-  /// type.
+  /// Gives the module types that a predecessor may begin with but never reach over, by type: calls of sub-L-systems and
+  /// their `$`.
   void setBarriers(std::vector<std::uint8_t> isBarrier) { isBarrier_ = std::move(isBarrier); }
 
-  /// Is silent from now on about the lists that `other`, of the same Program, has warned about, and only about these.
+  /// Is silent from now on about the lists about which `other`, of the same Program, has warned, and only about these.
   void adoptWarnings(const Rewriter& other) { warnedLists_ = other.warnedLists_; }
 
-  /// Every search and application from now on is added to `record`; null: none. It changes nothing else.
+  /// Adds every search and application from now on to `record`; null: to no record. Changes nothing else.
   void setRecord(ModuleRecord* record) { record_ = record; }
 
   /// The first production of the list that matches, or null. Runs the pre-blocks of all candidates up to it.
@@ -77,14 +77,14 @@ class Rewriter {
                    const ContextRules& rules, const Surroundings& surroundings, std::uint32_t depth, bool dropsCut,
                    core::DrawDomain domain, std::uint64_t step, std::uint64_t index, ModuleString& output);
 
-  /// Parameters of a production's predecessor together.
+  /// Number of parameters of a production's predecessor.
   [[nodiscard]] std::uint64_t parameterCount(const language::Production& production) const;
 
   /// Throws LimitExceeded when a string is longer than the limits allow.
   void checkSize(std::uint64_t moduleCount, std::uint64_t parameterCount) const;
 
-  /// The value as it is stored in a string: rounded to a 32-bit float in the compatible modes; fails when it is not
-  /// finite in Espalier's own mode. `position` (from 0) and `type` name the parameter in the message.
+  /// The value as a string stores it: rounded to a 32-bit float in the compatible modes. In Espalier's own mode it
+  /// fails when the value is not finite; `position` (from 0) and `type` name the parameter in the message.
   [[nodiscard]] double stored(double value, const language::Expression& expression, std::size_t position,
                               core::ModuleTypeId type) const {
     if (storesFloats_) {
@@ -108,7 +108,7 @@ class Rewriter {
     std::uint64_t module = 0;  // next module
     std::uint64_t offset = 0;
     std::uint64_t end = 0;    // modules of this level end here
-    std::uint32_t depth = 0;  // rewritings it took to make them
+    std::uint32_t depth = 0;  // rewritings that made these modules
   };
 
   [[nodiscard]] bool matches(const language::Production& production, const ContextRules& rules,
@@ -130,12 +130,12 @@ class Rewriter {
   RandomSource* random_;
   const core::Limits* limits_;
   ModuleRecord* record_ = nullptr;  // of the caller; null: nothing is recorded
-  std::uint32_t searchDepth_ = 0;   // of the module that is looked at, for the record
+  std::uint32_t searchDepth_ = 0;   // of the present module, for the record
   bool storesFloats_;
   ContextString around_;
   const ModuleString* produced_ = nullptr;  // the string being produced, of the caller
   const ProducedPieces* pieces_ = nullptr;  // the same when it is produced from right to left
-  StringIndex producedIndex_;               // its bracket links, extended when asked for
+  StringIndex producedIndex_;               // its bracket links, as far as searches needed them
   std::vector<std::uint8_t> isBarrier_;     // by module type; empty: none
   std::vector<double> frames_;              // formal parameters, Program::maximumSlots for each candidate
   double* chosenFrame_ = nullptr;           // in frames_: of the production chosen last

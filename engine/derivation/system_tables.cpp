@@ -8,7 +8,7 @@ namespace {
 using language::Function;
 using language::Operation;
 
-/// Whether evaluating the code changes nothing that outlives it but the count of the module's draws.
+/// Whether evaluating the code has no lasting effect but the count of the module's draws.
 bool hasNoEffect(const language::Program& program, const language::Expression& expression) {
   if (expression.kind != language::Expression::Kind::Code || expression.isPure) {
     return true;
@@ -25,8 +25,7 @@ bool hasNoEffect(const language::Program& program, const language::Expression& e
                      });
 }
 
-/// Whether what a production makes of a module depends on the old string, the variables and the module's own draws
-/// alone.
+/// Whether the result of a production depends only on the old string, the variables and the draws of the module.
 bool isOrderFree(const language::Program& program, const language::Production& production) {
   const auto isFree = [&](const language::Expression& expression) { return hasNoEffect(program, expression); };
   return production.newLeftContext.empty() && production.newRightContext.empty() && production.preBlock.empty() &&
@@ -42,6 +41,7 @@ SystemTables::SystemTables(const language::Program& program, std::uint32_t syste
       rules(program, *system),
       plan(program, *system),
       batches(program, *system, rules, plan) {
+  hasContexts = looksAround(system->productions) || looksAround(system->decomposition);
   hasDecomposition = !system->decomposition.productions.empty() && system->decomposition.maximumDepth > 0;
   for (const language::Production& production : system->productions.productions) {
     const bool isDecomposed =
@@ -63,6 +63,12 @@ SystemTables::SystemTables(const language::Program& program, std::uint32_t syste
       }
     }
   }
+}
+
+bool looksAround(const language::ProductionList& list) {
+  return std::any_of(list.productions.begin(), list.productions.end(), [](const language::Production& production) {
+    return !production.leftContext.empty() || !production.rightContext.empty();
+  });
 }
 
 std::vector<SystemTables> makeSystemTables(const language::Program& program) {

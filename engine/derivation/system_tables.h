@@ -11,7 +11,7 @@
 
 namespace espalier::derivation {
 
-/// What the derivation knows about one L-system of a Program beyond the Program itself. Const after construction.
+/// The facts about one L-system of a Program that the derivation computes once. Const after construction.
 struct SystemTables {
   SystemTables(const language::Program& program, std::uint32_t systemIndex);
 
@@ -22,10 +22,14 @@ struct SystemTables {
   bool hasDecomposition = false;         // there are decomposition productions and the maximum depth is not 0
   std::vector<std::uint8_t> decomposes;  // by production: a module of its successor is a decomposition predecessor
   std::vector<std::uint8_t> isInside;    // by module type: a predecessor has it behind its first module
-  bool isOrderFree = false;  // what becomes of a module depends on no other's rewriting: no blocks, no `<<`, no `>>`
-  bool drawsRandom = false;  // a production or decomposition draws numbers besides the choice
-  bool isProducedBackwards = false;  // a production has a `>>` context: the scan runs from right to left
+  bool hasContexts = false;              // a production or decomposition looks at neighbours in the old string
+  bool isOrderFree = false;              // no module depends on the rewriting of another: no blocks, no `<<`, no `>>`
+  bool drawsRandom = false;              // a production or decomposition draws numbers besides the choice
+  bool isProducedBackwards = false;      // a production has a `>>` context: the scan runs from right to left
 };
+
+/// Whether a production of the list looks at neighbours in the string that is read.
+[[nodiscard]] bool looksAround(const language::ProductionList& list);
 
 /// The tables of all L-systems, in the order of Program::systems.
 [[nodiscard]] std::vector<SystemTables> makeSystemTables(const language::Program& program);

@@ -50,14 +50,14 @@ std::string problemOfMember(const Plant& member, std::uint64_t completedSteps) {
   return {};
 }
 
-std::string problemOfColours(const language::Palette& palette) {
+std::string problemOfColours(const files::Palette& palette) {
   bool isRight = isColourBlock(palette.base);
   for (const auto& [block, colours] : palette.maps) {
     isRight = isRight && isColourBlock(block);
   }
   for (const auto& [block, materials] : palette.materials) {
     isRight = isRight && isColourBlock(block);
-    for (const language::Material& material : materials) {
+    for (const files::Material& material : materials) {
       isRight = isRight && areFinite(material.ambient) && areFinite(material.diffuse) && areFinite(material.emission) &&
                 areFinite(material.specular) && std::isfinite(material.opacity) && std::isfinite(material.shininess);
     }

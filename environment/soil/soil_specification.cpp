@@ -12,7 +12,8 @@ namespace espalier::environment {
 namespace {
 
 /// The file that the first word of a line names, as an image.
-tl::expected<files::Image, std::string> imageOf(const PublishedLineInput& input, const std::vector<std::string>& words) {
+tl::expected<files::Image, std::string> imageOf(const PublishedLineInput& input,
+                                                const std::vector<std::string>& words) {
   if (words.empty()) {
     return tl::unexpected(std::string("names no image file"));
   }

@@ -190,7 +190,7 @@ LinkOutcome ChannelLink::exchange(const protocol::MessageId& id, const std::stri
         break;
       case protocol::Message::Kind::Request:
         if (const auto status = answer(message, deadline); status != LineChannel::Status::Done) {
-          return failureOf(status, timeout);
+          return tl::unexpected(failureOf(status, timeout));
         }
         break;
       case protocol::Message::Kind::Result:

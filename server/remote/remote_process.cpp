@@ -37,7 +37,7 @@ RemoteProcess::RemoteProcess(std::shared_ptr<EnvironmentLink> link, RemoteProces
 
 LinkOutcome RemoteProcess::call(std::string_view method, const protocol::Body& params,
                                 std::chrono::milliseconds timeout) const {
-  LinkOutcome outcome = LinkFailure{};
+  LinkOutcome outcome = tl::unexpected(LinkFailure{});
   const auto wait = [&] { outcome = link_->call(method, params, timeout); };
   options_.runWaiting ? options_.runWaiting(wait) : wait();
   return outcome;

@@ -29,7 +29,7 @@ TEST_F(LanguageTools, ExplainSaysWhichProductionFired) {
   const ProgramRun result = run("explain tree.l --step 3 --module 2");
   EXPECT_EQ(result.status, 0) << result.errors;
   EXPECT_EQ(result.output,
-            "Step 3 reads the string of step 2, 3 modules, answers of the environment included.\n"
+            "Step 3 reads the string of step 2, 3 modules, with the replies of the environment.\n"
             "Module 2: A(4)\n"
             "Around it: F(1)F(2) >>A(4)<< \n"
             "\n"

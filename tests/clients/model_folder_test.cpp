@@ -216,7 +216,7 @@ TEST_F(Folder, WhatCannotBeUsedIsNamedAndTheModelRuns) {
             "      | \t\t     ^~\n"
             "plant: warning: the folder has no file 'none.e': communication modules are not answered\n"
             "plant: warning: the folder has no file 'none.map': its colours are the default ones\n"
-            "plant/short.map: warning: a colour map has 768 bytes, this one 3; the other colours are grey\n"
+            "plant/short.map: warning: the colour map has 3 bytes instead of 768; the missing colours are grey\n"
             "plant/p.v:1:1: warning: the file 'plant/leaf.s' cannot be read; ~l draws nothing and the turtle stays\n"
             "    1 | surface: l leaf.s 1\n"
             "      | ^~~~~~~~~~~~~~~~~~~\n"

@@ -337,7 +337,7 @@ class OpenLsystems(unittest.TestCase):
                 steps = derived(f"open-l-systems/{name}.txt:{axiom}", "--steps", "4")
                 self.assertEqual(steps, rewritten(axiom, productions, 4))
         note = espalier("derive", chapter("open-l-systems/hilbert.txt"), "--steps", "0").stderr
-        self.assertIn("the file holds 2 models and the first is used: L, R", note)
+        self.assertIn("the file holds 2 models; the first is used: L, R", note)
 
     def test_signals_go_up_and_down(self) -> None:
         # Prusinkiewicz & Lindenmayer 1990, figure 1.30, without its turns being of consequence

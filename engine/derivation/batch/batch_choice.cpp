@@ -1,15 +1,15 @@
-// How a rule is chosen among several that apply, by weights and draws.
+// The choice among several rules that apply, by weights and draws.
 #include <algorithm>
 #include <array>
 #include <numeric>
 
 #include "engine/core/check.h"
-#include "engine/derivation/batch/batch_scan.h"
+#include "engine/derivation/batch/batch_rewriter.h"
 #include "engine/derivation/matching/production_plan.h"
 
 namespace espalier::derivation {
 
-void BatchScan::loadDraws() {
+void BatchRewriter::loadDraws() {
   if (!areDrawsLoaded_) {
     areDrawsLoaded_ = true;
     const std::uint64_t block = first_ / 4;
@@ -17,18 +17,18 @@ void BatchScan::loadDraws() {
   }
 }
 
-double BatchScan::draw(std::uint64_t module) {
+double BatchRewriter::draw(std::uint64_t module) {
   return areDrawsLoaded_ ? static_cast<double>(words_[module - first_ / 4 * 4]) * 0x1.0p-32
                          : step_.selection.selection(step_.number, module);
 }
 
-void BatchScan::chooseByThresholds(const BatchGroup& group, std::span<const std::uint32_t> sites) {
+void BatchRewriter::chooseByThresholds(const BatchGroup& group, std::span<const std::uint32_t> sites) {
   const BatchRule* rules = plan_->rules().data() + group.firstRule;
   if (group.ruleCount == 1) {
     accept(*rules, match(*rules, 1, sites));
     return;
   }
-  // the draws of the whole chunk at once, unless few are wanted
+  // the draws of the whole chunk at once, unless few sites need them
   constexpr std::size_t kFew = 16;
   const bool areFew = sites.size() * kFew < end_ - first_;
   if (!areFew) {
@@ -71,7 +71,7 @@ void BatchScan::chooseByThresholds(const BatchGroup& group, std::span<const std:
   }
 }
 
-void BatchScan::chooseByWeights(const BatchGroup& group, std::span<const std::uint32_t> sites) {
+void BatchRewriter::chooseByWeights(const BatchGroup& group, std::span<const std::uint32_t> sites) {
   constexpr std::size_t kLanes = ColumnEvaluator::kLanes;
   const BatchRule* rules = plan_->rules().data() + group.firstRule;
   weights_.resize(plan_->largestRuleCount() * kLanes);
@@ -85,7 +85,7 @@ void BatchScan::chooseByWeights(const BatchGroup& group, std::span<const std::ui
     for (std::size_t i = 0; i < part.size(); ++i) {
       positions_[part[i]] = static_cast<std::uint32_t>(i);
     }
-    // what matches where, and with which weight
+    // the rules that match at each site, and their weights
     std::fill_n(isMatched_.begin(), group.ruleCount * kLanes, std::uint8_t{0});
     for (std::uint32_t k = 0; k < group.ruleCount; ++k) {
       std::size_t count = match(rules[k], static_cast<std::uint8_t>(1U << std::min(k, 7U)), part);
@@ -103,7 +103,7 @@ void BatchScan::chooseByWeights(const BatchGroup& group, std::span<const std::ui
         isMatched_[entry] = 1;
       }
     }
-    // the choice, as everywhere
+    // the choice, by the function of the other ways
     for (std::size_t i = 0; i < part.size(); ++i) {
       candidateWeights_.clear();
       candidates_.clear();
@@ -124,7 +124,7 @@ void BatchScan::chooseByWeights(const BatchGroup& group, std::span<const std::ui
             candidates_[chooseByWeight(candidateWeights_, 1.0 - draw(first_ + siteModule_[part[i]]), false)];
       }
     }
-    // the lanes of what was chosen: neighbours are looked for once more, which is cheaper than keeping all of them
+    // the lanes of the chosen rules: finding their neighbours again is cheaper than keeping all neighbours
     for (std::uint32_t k = 0; k < group.ruleCount; ++k) {
       std::size_t count = 0;
       for (std::size_t i = 0; i < part.size(); ++i) {

@@ -9,10 +9,10 @@ namespace {
 using language::ContextElement;
 using language::Production;
 
-// more weights than this are not worth a table of thresholds
+// for more weights than this a table of thresholds does not pay
 constexpr std::size_t kMaximumThresholds = 32;
 constexpr std::uint8_t kAllBits = 0xFF;
-// of the marks of sites: one for what may change whatever stands beside it, the others for rules
+// marks of sites: one for modules that may change beside any neighbours, the others for rules
 constexpr std::uint8_t kAnywhere = 0x80;
 constexpr std::size_t kRuleMarks = 7;
 
@@ -20,8 +20,8 @@ std::uint8_t bitOf(std::size_t candidate) {
   return static_cast<std::uint8_t>(1U << std::min<std::size_t>(candidate, 7));
 }
 
-/// Whether the neighbour that a search meets first may be the one that the context asks for. `isBracket`: a bracket
-/// that this kind of search passes or enters.
+/// Whether the neighbour that a search meets first may match the context. `isBracket`: a bracket that this kind of
+/// search passes or enters.
 bool canBeNext(const std::vector<ContextElement>& context, core::ModuleTypeId neighbour, bool isBracket) {
   return context.empty() || isBracket || context[0].kind == ContextElement::Kind::SkipToBranchEnd ||
          context[0].module.type == neighbour;
@@ -51,7 +51,7 @@ bool hasContexts(const Production& production) {
   return !production.leftContext.empty() || !production.rightContext.empty();
 }
 
-/// Whether a context is no more than one module that is looked for past branches.
+/// Whether a context is one module, for which the search passes branches.
 bool isNear(const std::vector<ContextElement>& context) {
   return context.empty() || (context.size() == 1 && (context[0].kind == ContextElement::Kind::Module ||
                                                      context[0].kind == ContextElement::Kind::CloseBranch));
@@ -64,7 +64,7 @@ BatchPlan::BatchPlan(const language::Program& program, const language::LSystem& 
     : classes_(program.moduleTypeCount(), Class::Kept),
       indices_(program.moduleTypeCount(), 0),
       candidateBits_(program.moduleTypeCount() + 1, 0) {
-  // the block of a module that stays: nothing moves
+  // block 0, of modules that stay: nothing moves
   blocks_.emplace_back();
   blockTypes_.emplace_back();
   bool hasFixed = false;
@@ -100,7 +100,7 @@ void BatchPlan::planType(const language::Program& program, const language::LSyst
     indices_[type] = static_cast<std::uint32_t>(blocks_.size());
     candidateBits_[type] = kAllBits;
     addBlock({types, types + typePlan.length}, typePlan.copied, arity);
-    // a fixed block is always written, even when it is as long as what it replaces
+    // a fixed block is always written, even when it has the size of the old module
     blocks_.back().isResizing = true;
     return;
   }
@@ -126,12 +126,12 @@ void BatchPlan::planType(const language::Program& program, const language::LSyst
     ++used;
     const bool isAlways = !production.condition && !hasContexts(production);
     isUnmatchedPossible = isUnmatchedPossible && !isAlways;
-    // the first match wins: later productions are never looked at
+    // a production without a condition always matches: later productions have no effect
     if (isAlways && !system.isStochastic) {
       break;
     }
   }
-  // what happens to an unmatched module is decided by the general way
+  // the general way decides about an unmatched module
   if (isUnmatchedPossible && (system.decomposition.mayApplyTo(type) || program.nameOf(type) == "%")) {
     return;
   }
@@ -185,7 +185,7 @@ void BatchPlan::addRule(const language::Program& program, const Production& prod
                        : BatchRule::Context::Searched;
   }
 
-  // where the formal parameters come from
+  // the sources of the formal parameters
   for (std::uint32_t i = 0; i < production.slotCount; ++i) {
     rule.slots.push_back({SlotSource::Kind::Searched, i});
   }
@@ -302,7 +302,7 @@ void BatchPlan::makePairs(const language::Program& program, const ContextRules& 
         const BatchGroup& group = groups_[indices_[type]];
         for (std::uint32_t k = 0; k < group.ruleCount; ++k) {
           const Production& production = *rules_[group.firstRule + k].production;
-          // a bracket is not what a search ends at, except `]` on the right and `[` when it is asked for
+          // a search does not end at a bracket, except at `]` on the right, and at `[` when the context has it
           const bool isOpen = other == program.openBranch;
           if (canBeNext(production.leftContext, other, isOpen || other == program.closeBranch)) {
             left |= bitOf(k);
@@ -324,7 +324,7 @@ void BatchPlan::makeSiteMarks(const language::Program& program, const ContextRul
   if (!hasPairs_) {
     return;
   }
-  // one table for each side instead of pairs: each rule has a mark of its own, while there are enough
+  // one table for each side instead of pairs: rules have marks of their own as far as there are marks
   const auto markOf = [](std::size_t rule) { return static_cast<std::uint8_t>(1U << (rule % kRuleMarks)); };
   needsPairBits_ = rules_.size() > kRuleMarks;
   siteMarks_.before.assign(typeCount, kAnywhere);

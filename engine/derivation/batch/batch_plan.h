@@ -17,15 +17,15 @@
 
 namespace espalier::derivation {
 
-/// What is written in the place of a module, apart from the values of its parameters.
+/// The modules that take the place of a module, without the values of their parameters.
 struct BatchBlock {
-  std::array<core::ModuleTypeId, TypePlan::kInlineTypes> types{};  // the modules, when they are no more than this
+  std::array<core::ModuleTypeId, TypePlan::kInlineTypes> types{};  // the modules, when they fit in here
   std::uint32_t length = 0;                                        // modules
   std::uint32_t valueCount = 0;                                    // parameters
-  std::int32_t moduleGrowth = 0;                                   // modules that are more than before
-  std::int32_t parameterGrowth = 0;
-  const core::ModuleTypeId* allTypes = nullptr;  // (length), in the BatchPlan
-  bool isResizing = false;                       // not one module with as many parameters as before: what follows moves
+  std::int32_t moduleGrowth = 0;                                   // new modules minus old modules
+  std::int32_t parameterGrowth = 0;                                // the same for parameters
+  const core::ModuleTypeId* allTypes = nullptr;                    // (length), in the BatchPlan
+  bool isResizing = false;  // the size changes, so the modules behind the block move
 };
 
 /// A pure production whose predecessor is one module, compiled for batches.
@@ -33,7 +33,7 @@ struct BatchRule {
   enum class Context : std::uint8_t {
     None,
     Near,      // at most one module on each side, found in a few moves
-    Searched,  // anything else: by the context matcher
+    Searched,  // all others: by the context matcher
   };
   const language::Production* production = nullptr;  // in the Program
   Context context = Context::None;
@@ -44,7 +44,7 @@ struct BatchRule {
   ColumnExpression weight;  // 1 when there is none
   std::vector<ColumnExpression> values;
   std::uint32_t block = 0;    // in BatchPlan::blocks
-  bool changesParts = false;  // the block is one module and does not resize, but has another type
+  bool changesParts = false;  // the block is one module of the same size, but of another type
   bool needsLanes = false;    // it has values, or changes parts
   bool drawsRandom = false;   // a value calls ran
 };
@@ -56,35 +56,36 @@ struct BatchGroup {
   bool isWeighted = false;  // one is chosen by weight, else the first that matches
   bool looksLeft = false;   // a rule has a Near context on the left
   bool looksRight = false;  // or on the right
-  bool isLight = false;     // one module at a time is faster: a quick condition, another size, constant parameters
+  bool isLight = false;     // the PlainScan is faster: a quick condition, another size, constant parameters
   bool hasThresholds = false;
-  /// Weighted, weights constant, nothing else to decide: rule number k is chosen when exactly k thresholds are greater
-  /// than the module's draw word (ruleCount - 1).
+  /// When only constant weights decide: rule k is chosen when exactly k thresholds are greater than the module's draw
+  /// word (ruleCount - 1).
   std::vector<std::uint64_t> thresholds;
 };
 
-/// How a batch rewrites each module type: a table over the Program and the SystemTables' rules, which must outlive it.
+/// The ways in which a batch rewrites the module types. A table over the Program and the SystemTables' rules, which
+/// must outlive it.
 class BatchPlan {
  public:
   enum class Class : std::uint8_t {
     Kept,     // no production: the module stands for itself
     Fixed,    // always the same block, without parameters
     Group,    // a BatchGroup decides
-    General,  // what a batch cannot do: it ends before such a module
+    General,  // a batch cannot do it: it ends before such a module
   };
-  /// The most module types for which pairs of neighbours have a table.
+  /// The most module types for which there are tables of pairs of neighbours.
   static constexpr std::size_t kMaximumPairTypes = 512;
 
   BatchPlan(const language::Program& program, const language::LSystem& system, const ContextRules& rules,
             const ProductionPlan& plan);
 
-  /// Whether batches gain anything: some productions need more than copying, and batches can do them.
+  /// Whether batches gain anything: they can do some productions that need more than copying.
   [[nodiscard]] bool isUseful() const { return !groups_.empty(); }
   /// Whether batches can do every module.
   [[nodiscard]] bool isComplete() const { return isComplete_; }
   /// Whether every module becomes a fixed block or stays.
   [[nodiscard]] bool isFixedOnly() const { return isComplete_ && groups_.empty(); }
-  /// Whether one at a time does without the Rewriter whatever batches can do.
+  /// Whether the PlainScan can do everything that batches can do without calling the Rewriter.
   [[nodiscard]] bool isQuick() const { return isQuick_; }
   /// Has a table in some models where isFixedOnly.
   [[nodiscard]] const FixedBlocks& fixedBlocks() const { return fixedBlocks_; }
@@ -98,20 +99,20 @@ class BatchPlan {
   [[nodiscard]] const std::vector<BatchBlock>& blocks() const { return blocks_; }
   [[nodiscard]] bool hasOneKindOnly() const { return hasOneKindOnly_; }
 
-  /// Which candidates (as bits, the eighth for all further ones) may apply to a module when only its type is known. 0:
-  /// it stands for itself.
+  /// The candidates that may apply to a module of this type, as bits; the eighth bit stands for all further candidates.
+  /// 0: the module stays as it is.
   [[nodiscard]] const std::uint8_t* candidateBits() const { return candidateBits_.data(); }
-  /// The same when the module before, or behind, is known too: at [before * pairStride + type], [type * pairStride +
-  /// behind]. The type number moduleTypeCount stands for the string's ends.
+  /// The same by the module before, or behind, as well: at [before * pairStride + type] and [type * pairStride +
+  /// behind]. The type number moduleTypeCount stands for the ends of the string.
   [[nodiscard]] const std::uint8_t* leftBits() const { return leftBits_.data(); }
   [[nodiscard]] const std::uint8_t* rightBits() const { return rightBits_.data(); }
   [[nodiscard]] std::size_t pairStride() const { return pairStride_; }
   /// Whether the two tables exist and say more than candidateBits.
   [[nodiscard]] bool hasPairs() const { return hasPairs_; }
 
-  /// What finds the modules that may change: at least those with a bit in the tables above, though the bits are others.
+  /// The marks that find the modules that may change: at least those with a bit in the tables above. The bits differ.
   [[nodiscard]] const ModuleFinder::Marks& siteMarks() const { return siteMarks_; }
-  /// Whether the tables above rule out more than the marks do, or their bits are wanted.
+  /// Whether the tables above rule out more modules than the marks, or a batch needs their bits.
   [[nodiscard]] bool needsPairBits() const { return needsPairBits_; }
 
   [[nodiscard]] std::size_t largestSlotCount() const { return largestSlotCount_; }

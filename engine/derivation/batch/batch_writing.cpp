@@ -3,17 +3,17 @@
 #include <cstring>
 
 #include "engine/core/check.h"
-#include "engine/derivation/batch/batch_scan.h"
+#include "engine/derivation/batch/batch_rewriter.h"
 
 namespace espalier::derivation {
 namespace {
 
 using core::ModuleTypeId;
 
-// modules, or parameters, that are copied without asking how many count
+// modules, or parameters, that one copy moves at least, however many count
 constexpr std::uint64_t kTypesAtOnce = 24;
 constexpr std::uint64_t kParametersAtOnce = 16;
-// so many of a block are at hand in one place
+// modules of a block that its record holds
 constexpr std::uint64_t kBlockTypes = TypePlan::kInlineTypes;
 
 /// Copies `count` elements, or `kAtOnce` when that is more: short stretches cost no branch.
@@ -31,7 +31,8 @@ void copyStretch(T* target, const T* source, std::uint64_t count) {
   }
 }
 
-/// A sum of differences x - x is 0 only when every x is finite; several sums keep additions from waiting for another.
+/// Whether all values are finite. A sum of differences x - x is 0 only then. With several sums, no addition waits for
+/// the last addition.
 bool areFinite(const double* values, std::size_t count) {
   std::array<double, 8> sums{};
   std::size_t i = 0;
@@ -48,7 +49,7 @@ bool areFinite(const double* values, std::size_t count) {
 
 }  // namespace
 
-bool BatchScan::write(ModuleTypeId* types, double* parameters) {
+bool BatchRewriter::write(ModuleTypeId* types, double* parameters) {
   if (plan_->isFixedOnly()) {
     writeFixed(types, parameters);
     return true;
@@ -73,24 +74,24 @@ bool BatchScan::write(ModuleTypeId* types, double* parameters) {
   return isUsual && !evaluator_.isUnusual();
 }
 
-void BatchScan::writeBlocks(ModuleTypeId* types, double* parameters) const {
+void BatchRewriter::writeBlocks(ModuleTypeId* types, double* parameters) const {
   const BatchBlock* blocks = plan_->blocks().data();
   const std::uint16_t* arity = program_->arity.data();
   const ModuleTypeId* oldTypes = step_.old.types + first_;
   const double* oldParameters = step_.old.parameters + offset_;
-  // how far one can read, and how far write, from where the chunk begins
+  // modules and parameters that can be read and written from the beginning of the chunk
   const std::uint64_t readable = step_.old.size - first_;
   const std::uint64_t readableParameters = step_.old.parameterCount - offset_;
   const std::uint64_t made = madeModules_;
   const std::uint64_t madeParameters = madeParameters_;
-  // what is written may be anything to the compiler, so that members would be read again and again
+  // local pointers: to the compiler every write may change a member, which it then reads again
   const std::uint32_t* const siteModule = siteModule_.data();
   const std::uint32_t* const siteOffset = siteOffset_.data();
   const std::uint32_t* const siteBlock = siteBlock_.data();
   const std::uint32_t* const resizing = resizing_.data();
   const std::size_t resizingCount = resizingCount_;
 
-  // the first sites are so far from the ends that more modules may be read and written than count
+  // the first sites are so far from the ends that copies may move more modules than count
   std::size_t roomy = resizingCount;
   while (roomy > 0 && (madeModule_[resizing[roomy - 1]] + 2 * kTypesAtOnce > made ||
                        siteModule[resizing[roomy - 1]] + kTypesAtOnce > readable)) {
@@ -112,7 +113,7 @@ void BatchScan::writeBlocks(ModuleTypeId* types, double* parameters) const {
     const BatchBlock& block = blocks[siteBlock[site]];
     const std::uint64_t endModule = siteModule[site];
     const std::uint64_t endOffset = siteOffset[site];
-    // what stands between this site and the one before, then the block; its parameters follow when all gaps are closed
+    // the modules between the last site and this site, then the block; its parameters follow after all gaps
     if (i < roomy) [[likely]] {
       copyStretch<kTypesAtOnce>(types + target, oldTypes + module, endModule - module);
       target += endModule - module;
@@ -139,7 +140,7 @@ void BatchScan::writeBlocks(ModuleTypeId* types, double* parameters) const {
   ESPALIER_CHECK(target == made && targetOffset == madeParameters);
 }
 
-bool BatchScan::writeValues(const RuleLanes& lanes, double* parameters) {
+bool BatchRewriter::writeValues(const RuleLanes& lanes, double* parameters) {
   const BatchRule& rule = *lanes.rule;
   const std::uint32_t* const madeOffset = isResized_ ? madeOffset_.data() : siteOffset_.data();
   std::array<std::uint32_t, ColumnEvaluator::kLanes> offsets;

@@ -11,7 +11,7 @@ using language::Function;
 using language::Instruction;
 using language::Operation;
 
-/// target[i] = f(a[i], b[i]): a loop without branches for each way in which one side may be the same for all lanes.
+/// target[i] = f(a[i], b[i]). There is a loop without branches for each side that may be the same for all lanes.
 template <typename F>
 void forEach(double* target, const ColumnValue& a, const ColumnValue& b, std::size_t count, F f) {
   if (a.values != nullptr && b.values != nullptr) {
@@ -189,7 +189,7 @@ void ColumnEvaluator::run(const ColumnInstruction& instruction) {
     default:
       break;
   }
-  // what no loop without branches computes: the same function as everywhere, lane by lane
+  // everything else lane by lane, by the function that the Evaluator uses too
   bool dividesByZero = false;
   if (instruction.operation == Operation::Call && static_cast<Function>(instruction.function) == Function::Ran) {
     const auto step = static_cast<std::uint32_t>(step_);

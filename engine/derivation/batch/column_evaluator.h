@@ -10,7 +10,7 @@
 
 namespace espalier::derivation {
 
-/// Where the value of a formal parameter is found for a lane of a batch.
+/// The place of a formal parameter's value, for a lane of a batch.
 struct SlotSource {
   enum class Kind : std::uint8_t {
     Own,       // parameter `position` of the module itself
@@ -22,13 +22,13 @@ struct SlotSource {
   std::uint32_t position = 0;
 };
 
-/// The modules that a batch works on, up to ColumnEvaluator::kLanes of them. A view.
+/// The modules of one evaluation, at most ColumnEvaluator::kLanes. A view.
 struct Lanes {
   std::size_t count = 0;
   const SlotSource* slots = nullptr;       // by formal parameter
-  const double* ownParameters = nullptr;   // what `own` counts from
+  const double* ownParameters = nullptr;   // `own` counts from here
   const double* parameters = nullptr;      // of the whole string
-  const double* rows = nullptr;            // what context searches filled
+  const double* rows = nullptr;            // filled by context searches
   const std::uint32_t* own = nullptr;      // (count) offset of the module's parameters
   const std::uint64_t* left = nullptr;     // (count) offset of the left neighbour's parameters, or of the row
   const std::uint64_t* right = nullptr;    // (count)
@@ -41,23 +41,23 @@ struct ColumnValue {
   double constant = 0.0;
 };
 
-/// Evaluates pure expressions for many modules at once, operation by operation, with the same bits as the Evaluator
-/// gives one by one. It warns nobody: what the Evaluator would warn about is only noted, so that the caller repeats the
-/// work there. Each thread has its own.
+/// Evaluates pure expressions for many modules at once, operation by operation, with the same bits as the Evaluator. It
+/// gives no warnings: it notes that the Evaluator would warn, and the caller repeats the work there. Each thread has
+/// its own object.
 class ColumnEvaluator {
  public:
   static constexpr std::size_t kLanes = 256;
 
-  /// `program` must outlive the object; `slotCount` and `columnCount` bound the expressions that it is given.
+  /// `program` must outlive the object. `slotCount` and `columnCount` bound the expressions of later calls.
   ColumnEvaluator(const language::Program& program, std::size_t slotCount, std::size_t columnCount);
 
-  /// Q and Z, and the places that have warned already (by instruction; of the caller, until the next begin).
-  /// `draws` is what ran draws from.
+  /// Gives Q and Z, and the places that have warned already (by instruction; the caller keeps them until the next
+  /// begin). ran draws from `draws`.
   void begin(double step, double length, const std::uint8_t* hasWarned, const core::CounterRandom& draws = {});
   /// The lanes of the following expressions.
   void setLanes(const Lanes& lanes);
   [[nodiscard]] ColumnValue value(const ColumnExpression& expression);
-  /// Whether anything since begin or clearUnusual would have made the Evaluator warn.
+  /// Whether the Evaluator would have warned since begin or clearUnusual.
   [[nodiscard]] bool isUnusual() const { return isUnusual_; }
   void clearUnusual() { isUnusual_ = false; }
 
@@ -77,7 +77,7 @@ class ColumnEvaluator {
   core::CounterRandom draws_;
   bool isUnusual_ = false;
   std::vector<double> slots_;            // gathered parameters, kLanes for each slot
-  std::vector<std::uint64_t> gathered_;  // by slot: the lanes_ it was gathered for, as a count of setLanes
+  std::vector<std::uint64_t> gathered_;  // by slot: the call of setLanes for which it was gathered
   std::uint64_t generation_ = 0;
   std::vector<double> columns_;  // intermediate results, kLanes each
   std::vector<double> frame_;    // formal parameters of one lane

@@ -17,7 +17,7 @@ bool isJump(Operation operation) {
          operation == Operation::JumpIfOrSkips;
 }
 
-/// Operands an instruction takes from the stack; all of them leave one value, except Pop.
+/// The number of operands that an instruction takes from the stack. Every instruction but Pop leaves one value.
 std::uint16_t operandCount(const Instruction& instruction) {
   switch (instruction.operation) {
     case Operation::Negate:
@@ -69,7 +69,7 @@ bool isColumnExpression(const language::Program& program, const Expression& expr
   }
   for (std::uint32_t at = expression.code.begin; at < expression.code.end; ++at) {
     const Instruction& instruction = program.code[at];
-    // a jump back would be a loop, whose turns are counted
+    // a jump back is a loop, and the Evaluator counts its turns
     if (!isColumnInstruction(instruction) || (isJump(instruction.operation) && instruction.operand <= at)) {
       return false;
     }
@@ -86,7 +86,7 @@ bool isDrawingColumnExpression(const language::Program& program, const Expressio
   }
   for (std::uint32_t at = expression.code.begin; at < expression.code.end; ++at) {
     const Instruction& instruction = program.code[at];
-    // behind a jump it would depend on the parameters how many draws are made
+    // behind a jump the number of draws depends on the parameters
     if (isJump(instruction.operation) || !(isColumnInstruction(instruction) || isRan(instruction))) {
       return false;
     }
@@ -113,7 +113,7 @@ ColumnExpression makeColumnExpression(const language::Program& program, const Ex
     return result;
   }
 
-  // the stack as it is before each instruction; an intermediate result is named by its height
+  // the stack before each instruction; the height of an intermediate result is its number
   std::vector<ColumnOperand> stack;
   for (std::uint32_t at = expression.code.begin; at < expression.code.end; ++at) {
     const Instruction& instruction = program.code[at];
@@ -133,7 +133,7 @@ ColumnExpression makeColumnExpression(const language::Program& program, const Ex
         stack.push_back({ColumnOperand::Kind::Length, 0, 0.0});
         break;
       default: {
-        // with jumps the heights do not follow from the order of the code; only the slots are wanted
+        // with jumps the order of the code does not give the heights; only the slots are needed
         if (result.isPerLane) {
           break;
         }

@@ -9,14 +9,14 @@
 
 namespace espalier::derivation {
 
-/// Writes what modules become where every module becomes the same block each time and none has parameters: two modules
-/// at a time by a table of pairs, because finding the block of a module and storing it cost more than the modules that
-/// it holds.
+/// Writes the new modules of a model without parameters in which every module type always becomes the same block. It
+/// takes two modules at a time, by a table of pairs, because the lookup and the store cost more than the modules in a
+/// block.
 class FixedBlocks {
  public:
-  /// Models of more types have no table.
+  /// Models with more types have no table.
   static constexpr std::size_t kMostTypes = 32;
-  /// Modules of a pair's blocks that are written without asking how many count.
+  /// Modules that are written for every pair, however many of them count.
   static constexpr std::size_t kPairTypes = 32;
 
   /// No table.
@@ -26,8 +26,8 @@ class FixedBlocks {
   FixedBlocks(const language::Program& program, const ProductionPlan& plan);
 
   [[nodiscard]] bool hasTable() const { return !pairs_.empty(); }
-  /// Writes what `count` modules from `modules` on become to `target` and returns where that ends. Nothing is written
-  /// at `limit` or behind, but up to there more than counts. Only with a table, and where all that counts has room.
+  /// Writes the blocks of `count` modules from `modules` on to `target`, and returns their end. May write further, up
+  /// to `limit`. Only with a table, and with room for all blocks.
   core::ModuleTypeId* write(const core::ModuleTypeId* modules, std::uint64_t count, core::ModuleTypeId* target,
                             const core::ModuleTypeId* limit) const;
 

@@ -5,8 +5,8 @@
 
 namespace espalier::derivation {
 
-/// An array whose elements have no values until they are written, so that making it costs nothing and memory that is
-/// never used is never touched. For working memory of numbers.
+/// An array of numbers without initial values, for working memory. Making it costs nothing, and unused memory is never
+/// touched.
 template <class T>
 class Scratch {
  public:

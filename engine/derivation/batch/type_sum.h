@@ -8,8 +8,9 @@
 
 namespace espalier::derivation {
 
-/// Adds up a number by module type over a stretch of a string: its parameters, or the modules that it becomes. Sixteen
-/// modules at a time where the processor has AVX2, the model no more than 64 module types, and no number is above 255.
+/// Adds up a number by module type over a stretch of a string: the parameters of the modules, or the modules that they
+/// become. It takes sixteen modules at a time where the processor has AVX2, the model has at most 64 module types, and
+/// no number is above 255.
 class TypeSum {
  public:
   explicit TypeSum(std::vector<std::uint32_t> byType);

@@ -10,9 +10,9 @@
 
 namespace espalier::derivation {
 
-/// The L-systems that are active at one place of the string: the main one and the calls of sub-L-systems around the
-/// place, outermost first. Entering a call copies its external variables from the nearest enclosing L-system that has a
-/// variable of that name; leaving it copies them back (LANGUAGE §1.4).
+/// The L-systems that are active at one place of the string: the main L-system and the calls of sub-L-systems around
+/// the place, outermost first. Entering a call copies each external variable from the nearest enclosing L-system that
+/// has a variable of that name; leaving the call copies it back (docs/language.md, 1.4).
 class CallStack {
  public:
   static constexpr std::size_t kMaximumDepth = 100;
@@ -48,7 +48,7 @@ class CallStack {
   std::vector<InstanceState>* instances_ = nullptr;  // of the plant that reset was called for
   std::vector<Frame> frames_;
   std::vector<Binding> bindings_;
-  std::vector<std::uint8_t> hasWarned_;  // by L-system: an external variable without a caller's was reported
+  std::vector<std::uint8_t> hasWarned_;  // by L-system: an external variable that no caller has was reported
 };
 
 }  // namespace espalier::derivation

@@ -16,7 +16,7 @@ using language::Function;
 using language::Instruction;
 using language::Operation;
 
-// how often a loop looks whether it was cancelled: a mask of its iteration count
+// a loop polls for cancellation where these bits of its iteration count are 0
 constexpr std::uint64_t kCancelMask = 0xFFFF;
 
 /// A 1-based index into a list of the view file as an offset, or nothing (size) when it is outside.
@@ -132,7 +132,7 @@ void Evaluator::run(language::CodeRange code, double* frame) {
         top[-1] = language::applyBinary(instruction.operation, top[-1], top[0], dividedByZero);
         if (dividedByZero) {
           dividedByZero = false;
-          warnOnce(at, "division by 0; 1 is taken as the divisor");
+          warnOnce(at, "division by 0; the divisor counts as 1");
         }
         break;
       case Operation::Power:
@@ -189,7 +189,7 @@ void Evaluator::run(language::CodeRange code, double* frame) {
         }
         break;
       case Operation::JumpIfOrSkips:
-        // either way the left value stays
+        // with and without the jump, the left value stays
         if (language::orSkips(top[-1])) {
           next = operand;
         }
@@ -213,7 +213,7 @@ void Evaluator::run(language::CodeRange code, double* frame) {
         top[-1] = 0.0;
         break;
       case Operation::FileFlush:
-        // what a step writes is passed on when the step is complete
+        // the bytes of a step leave when the step is complete
         top[-1] = 0.0;
         break;
       case Operation::FilePrint:
@@ -267,7 +267,7 @@ double Evaluator::call(Function function, std::span<const double> arguments, std
     bool dividedByZero = false;
     const double result = language::callPure(function, arguments, dividedByZero);
     if (dividedByZero) {
-      warnOnce(at, "division by 0; 1 is taken as the divisor");
+      warnOnce(at, "division by 0; the divisor counts as 1");
     }
     return result;
   }
@@ -346,7 +346,7 @@ double Evaluator::call(Function function, std::span<const double> arguments, std
     case Function::Display:
       return 0.0;
     case Function::Play:
-      warnOnce(at, "play is refused: models start nothing here");
+      warnOnce(at, "play is refused: a model cannot play sounds");
       return 0.0;
     default:
       break;

@@ -18,8 +18,8 @@
 namespace espalier::derivation {
 
 /// Runs the code of a Program: a stack machine over doubles (engine/language/instruction.def). It works on the state
-/// given by attach and enter and allocates nothing while it runs. Code draws its random numbers from the RandomSource,
-/// whose key the caller sets.
+/// that attach and enter have given, and allocates nothing while it runs. Code draws its random numbers from the
+/// RandomSource, whose key the caller sets.
 class Evaluator {
  public:
   struct Options {
@@ -62,8 +62,8 @@ class Evaluator {
     return stack_[0];
   }
 
-  /// Runs code; a value it leaves is at the bottom of the stack. Throws SimulationFailure: too many loop iterations,
-  /// cancelled.
+  /// Runs code; its value, if it has one, is then at the bottom of the stack. Throws SimulationFailure: too many loop
+  /// iterations, cancelled.
   void run(language::CodeRange code, double* frame);
 
   /// The name and the present value of the variable that an instruction loads (a static, an L-system's variable, Q or
@@ -71,15 +71,15 @@ class Evaluator {
   [[nodiscard]] std::optional<std::pair<std::string, double>> variableRead(
       const language::Instruction& instruction) const;
 
-  /// By instruction: not 0 where a warning was given, so that the same place is silent from then on.
+  /// By instruction: not 0 where the code has warned. Each place warns once.
   [[nodiscard]] const std::uint8_t* hasWarned() const { return hasWarned_.data(); }
 
   /// Replaces Options::messages.
   void setMessages(core::MessageSink messages) { options_.messages = std::move(messages); }
-  /// Is silent from now on where `other`, of the same Program, has warned, and only there.
+  /// Is silent from now on at the places where `other`, of the same Program, has warned, and only there.
   void adoptWarnings(const Evaluator& other) { hasWarned_ = other.hasWarned_; }
 
-  /// Reports a warning with a place in the model, if anybody listens.
+  /// Reports a warning with a place in the model, if the caller has given a message sink.
   void warn(const std::string& message, core::SourceRange range) const;
   /// Throws SimulationFailure when the caller asked to stop.
   void pollCancelled() const;
@@ -92,13 +92,13 @@ class Evaluator {
   [[nodiscard]] double call(language::Function function, std::span<const double> arguments, std::uint32_t at);
   [[nodiscard]] double* element(std::uint32_t array, std::span<const double> subscripts, std::uint32_t at);
   void print(const std::string& format, std::span<const double> arguments) const;
-  /// vvXmin and its relatives but vvScale.
+  /// vvXmin and its relatives, without vvScale.
   [[nodiscard]] double viewVolume(language::Function function) const;
   // evaluator_files.cpp
   [[nodiscard]] double openFile(std::uint32_t file, std::uint16_t mode, std::uint32_t at);
   void closeFile(double handle, std::uint32_t at);
   void printToFile(double handle, const std::string& format, std::span<const double> arguments, std::uint32_t at);
-  /// Fills `numbers`; returns how many were read.
+  /// Fills `numbers` and returns their count.
   [[nodiscard]] double scanFile(double handle, const std::string& format, std::span<double> numbers, std::uint32_t at);
   void warnOnce(std::uint32_t at, const std::string& message);
 

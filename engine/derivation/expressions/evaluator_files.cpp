@@ -15,7 +15,7 @@ double Evaluator::openFile(std::uint32_t file, std::uint16_t mode, std::uint32_t
   if (const double* handle = std::get_if<double>(&opened)) {
     return *handle;
   }
-  // a name outside the folder was warned about when the model was read
+  // the compiler has warned about a name outside the folder
   if (!files::isNameInside(program_->files[file].name)) {
     return 0.0;
   }

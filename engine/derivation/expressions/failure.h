@@ -8,7 +8,7 @@
 
 namespace espalier::derivation {
 
-/// Where in a derivation something goes wrong: what a failure's message starts with.
+/// A place in a derivation, with which the message of a failure begins.
 struct FailurePlace {
   std::uint64_t step = 0;  // the step that cannot be completed; 0: rewinding
   std::uint32_t plant = 0;
@@ -25,7 +25,7 @@ struct FailurePlace {
 /// The model's text in a range, with runs of blanks and newlines folded to one blank.
 [[nodiscard]] std::string sourceText(const language::Program& program, core::SourceRange range);
 
-/// 'nan' or 'infinite' as a person reads it: "NaN" or "infinite".
+/// The name of a value that is not finite: "NaN" or "infinite".
 [[nodiscard]] const char* nonFiniteName(double value);
 
 }  // namespace espalier::derivation

@@ -46,7 +46,7 @@ FileOutput& ModelFiles::outputOf(std::uint32_t file) {
 std::variant<double, std::string> ModelFiles::open(std::uint32_t file, const language::FileMode& mode) {
   const language::ModelFile& named = program_->files[file];
   if (named.isRefused) {
-    return std::string("a model opens only files inside its folder, and does not write over its own text");
+    return std::string("a model can open only files inside its folder, and cannot overwrite its own text");
   }
   if (mode.canWrite && !canWrite_) {
     return std::string("models write no files here");

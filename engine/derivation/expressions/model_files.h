@@ -13,17 +13,17 @@
 
 namespace espalier::derivation {
 
-/// The file functions of the language (fopen, fclose, fprintf, fscanf) on the FileState of one plant. A view: made for
-/// one call. A handle is 1, 2, ... as a number; 0 is none.
+/// The file functions of the language (fopen, fclose, fprintf, fscanf) on the FileState of one plant. A view, made for
+/// one call. A handle is a number 1, 2, ...; 0 is no handle.
 class ModelFiles {
  public:
-  /// All must outlive the object. `canWrite`: whether the caller takes what is written.
+  /// All must outlive the object. `canWrite`: the caller takes the written bytes.
   ModelFiles(const language::Program& program, FileState& state, const core::Limits& limits, bool canWrite)
       : program_(&program), state_(&state), limits_(&limits), canWrite_(canWrite) {}
 
-  /// A handle, or why there is none: a sentence without a full stop.
+  /// A handle, or the reason for the failure: a sentence without a full stop.
   [[nodiscard]] std::variant<double, std::string> open(std::uint32_t file, const language::FileMode& mode);
-  /// False: the handle is of no open file.
+  /// False: no open file has this handle.
   [[nodiscard]] bool close(double handle);
 
   enum class Written : std::uint8_t { Done, NotOpen, NotForWriting, TooLong };
@@ -46,11 +46,11 @@ class ModelFiles {
   bool canWrite_;
 };
 
-/// Takes the output of a plant, with the content that kept files have now.
+/// Takes the output of a plant, with the present content of the kept files.
 [[nodiscard]] std::vector<FileOutput> takeOutput(FileState& state);
 
-/// The name under which plant `plant` writes a file: the model's name for the first, and with the plant's number before
-/// the suffix for the others ("growth.txt", "growth.1.txt"), so that plants do not overwrite each other.
+/// The name under which plant `plant` writes a file. The first plant uses the name in the model, the others put their
+/// number before the suffix ("growth.txt", "growth.1.txt"), so that plants do not overwrite each other's files.
 [[nodiscard]] std::string fileNameOfPlant(const std::string& name, std::uint32_t plant);
 
 }  // namespace espalier::derivation

@@ -32,7 +32,7 @@ int readNumber(const std::string& format, std::size_t& i) {
   return number;
 }
 
-/// Reads what follows a `%`; `i` moves behind the conversion letter. False: the format ends before the letter.
+/// Reads the conversion behind a `%` and moves `i` behind its letter. False: the format ends before the letter.
 bool readConversion(const std::string& format, std::size_t& i, Conversion& conversion) {
   for (; i < format.size() && isOneOf(format[i], "-+ #0"); ++i) {
     if (!isOneOf(format[i], conversion.flags)) {
@@ -84,7 +84,7 @@ void appendConversion(std::string& text, const Conversion& conversion, double va
     length =
         std::snprintf(buffer.data(), buffer.size(), specification.c_str(), static_cast<int>(toInteger(value) & 0xFF));
   } else {
-    // only numbers exist: %s and whatever else is unknown print like %g
+    // only numbers exist: %s and unknown letters print like %g
     specification.push_back(isOneOf(conversion.letter, "eEfFgGaA") ? conversion.letter : 'g');
     length = std::snprintf(buffer.data(), buffer.size(), specification.c_str(), value);
   }

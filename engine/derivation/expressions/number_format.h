@@ -5,8 +5,8 @@
 
 namespace espalier::derivation {
 
-/// The text that printf makes of a format and numbers: one number per conversion, 0 where numbers are missing; integer
-/// conversions get the number truncated; %% is a percent sign. Widths and precisions above 1000 are cut.
+/// The text that printf makes of a format and numbers. Each conversion takes a number, or 0 when no number is left.
+/// Integer conversions truncate the number. %% is a percent sign. Widths and precisions above 1000 count as 1000.
 [[nodiscard]] std::string formatNumbers(const std::string& format, std::span<const double> numbers);
 
 }  // namespace espalier::derivation

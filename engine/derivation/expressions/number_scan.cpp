@@ -26,7 +26,7 @@ struct ScanConversion {
   char letter = 'g';
 };
 
-/// Reads what follows a `%`; `i` moves behind the letter. Nothing: the format ends before it.
+/// Reads the conversion behind a `%` and moves `i` behind its letter. Nothing: the format ends before the letter.
 std::optional<ScanConversion> readConversion(std::string_view format, std::size_t& i) {
   ScanConversion conversion;
   if (i < format.size() && format[i] == '*') {

@@ -7,10 +7,10 @@
 namespace espalier::derivation {
 namespace {
 
-// a rejection method that gets arguments it cannot work for gives up after so many draws
+// a rejection method gives up after so many draws, because some arguments never end it
 constexpr int kMaximumTries = 100'000;
 
-/// The integer part as 64 bits, negative numbers in two's complement; 0 for what no integer is.
+/// The integer part as 64 bits, negative numbers in two's complement; 0 when the number has no 64-bit integer part.
 std::uint64_t integerSeed(double value) {
   if (!(std::fabs(value) < 9.0e18)) {
     return 0;

@@ -9,16 +9,17 @@
 
 namespace espalier::derivation {
 
-/// All random numbers of one plant, in both modes (LANGUAGE §1.3).
+/// All random numbers of one plant, in all modes (docs/language.md, 1.3).
 ///
-/// Espalier's own mode: counter-based; a draw is named by (seed, plant, domain, step, index, draw number). key() names
-/// the first three of them and starts counting draws at 0. The compatible modes: two sequential streams held in
-/// RandomState, and key() has no effect.
+/// Espalier's own mode is counter-based: (seed, plant, domain, step, index, draw number) name a draw. key() gives
+/// domain, step and index, and counts draws from 0 again. The compatible modes use the two sequential streams of
+/// RandomState; there key() has no effect.
 class RandomSource {
  public:
   RandomSource(core::Compatibility compatibility, std::uint32_t plant);
 
-  /// The state that streams and seeds are kept in; it must outlive the next attach. Called before any other function.
+  /// Uses the streams and seeds of `state`, which must stay in place until the next attach. Comes before every other
+  /// call.
   void attach(RandomState& state);
 
   /// The following draws are number 0, 1, ... of module `index` in step `step`.
@@ -31,14 +32,14 @@ class RandomSource {
 
   /// Uniform in [0, 1), from the main stream.
   [[nodiscard]] double uniform();
-  /// Normally distributed, by the polar Box-Muller method. The reference keeps the second value of a pair for the next
-  /// call; Espalier's own mode makes a fresh pair each time, so that no module depends on the one before.
+  /// Normally distributed, by the polar Box-Muller method. The reference program keeps the second value of a pair for
+  /// the next call. Espalier's own mode makes a fresh pair each time, so that no module depends on the module before.
   [[nodiscard]] double normal(double mean, double deviation);
   /// Beta distributed: algorithm BA of Cheng (1978).
   [[nodiscard]] double beta(double a, double b);
   /// Binomially distributed: the number of `count` draws that are at most `probability`.
   [[nodiscard]] double binomial(double count, double probability);
-  /// srand: seeds the main stream (an integer part; the reference uses its low 32 bits) and drops a kept normal value.
+  /// srand: seeds the main stream with the integer part (the reference: its low 32 bits) and drops a kept normal value.
   void seed(double value);
 
   /// The selection draw of a string position, uniform in [0, 1). In Espalier's own mode a pure function of (step,
@@ -60,8 +61,8 @@ class RandomSource {
   [[nodiscard]] const core::CounterRandom& mainSource() const { return main_; }
   [[nodiscard]] bool isSequential() const { return isSequential_; }
 
-  /// Creates the stream that a homomorphism's own seed names. Between usePrivateStream(true) and (false) the main
-  /// stream is replaced by it.
+  /// Creates the stream of a homomorphism's own seed. It replaces the main stream between usePrivateStream(true) and
+  /// usePrivateStream(false).
   void startPrivateStream(double seed);
   void usePrivateStream(bool isUsed);
 
@@ -70,7 +71,7 @@ class RandomSource {
 
   bool isSequential_;
   std::uint32_t plant_;
-  RandomState* state_ = nullptr;   // owned by the PlantState of the current call
+  RandomState* state_ = nullptr;   // of the attached plant
   core::CounterRandom selection_;  // of state_->seed
   core::CounterRandom main_;       // of state_->mainSeed
   core::DrawDomain domain_ = core::DrawDomain::Blocks;
@@ -80,7 +81,7 @@ class RandomSource {
   std::uint64_t selectionStep_ = ~std::uint64_t{0};
   std::uint64_t selectionBlock_ = ~std::uint64_t{0};
   std::array<std::uint32_t, 4> selectionWords_{};
-  RandomState private_;  // the stream that is not in use: private, or main while the private one is in state_
+  RandomState private_;  // the private stream, or the main stream while the private one is in state_
   bool isPrivate_ = false;
 };
 

@@ -13,7 +13,7 @@ void bind(const language::Program& program, const language::FormalModule& formal
   }
 }
 
-/// Adds an entry to `looks`, if anybody wants it, and returns whether the element matched.
+/// Adds an entry to `looks`, unless it is null, and returns whether the element matched.
 bool look(std::vector<ContextLook>* looks, ContextLook::Result result, const language::Program& program,
           const ContextString& string, std::uint64_t module, std::uint64_t offset) {
   if (looks != nullptr) {
@@ -45,7 +45,7 @@ bool matchesLeft(const language::Program& program, const ContextRules& rules, co
     if (element.kind != ContextElement::Kind::Module) {
       return false;
     }
-    // in a ring whose modules are all ignored the search would never end
+    // without a bound, the search would never end in a ring of ignored modules
     std::uint64_t remaining = string.size + 1;
     std::uint32_t passed = 0;
     while (true) {
@@ -110,7 +110,7 @@ bool matchesRight(const language::Program& program, const ContextRules& rules, c
         return look(looks, ContextLook::Result::StringEnd, program, string, 0, 0);
       }
       const core::ModuleTypeId type = string.types[module];
-      // the end of the branch is found by its brackets alone
+      // brackets alone decide where the branch ends
       if (isBranchEnd && type == program.closeBranch) {
         look(looks, ContextLook::Result::Matched, program, string, module, offset);
         break;

@@ -11,7 +11,7 @@
 
 namespace espalier::derivation {
 
-/// How an L-system looks at neighbours: its ignore table by module type, and whether its string is a ring.
+/// The rules of an L-system for context searches: the ignored module types, and whether its string is a ring.
 class ContextRules {
  public:
   ContextRules(const language::Program& program, const language::LSystem& system);
@@ -23,7 +23,7 @@ class ContextRules {
   bool isRing_ = false;
 };
 
-/// The string that neighbours are looked for in. A view: string and index must stay unchanged while it is used.
+/// The string in which a search looks for neighbours. A view: string and index must stay unchanged while it is used.
 struct ContextString {
   const core::ModuleTypeId* types = nullptr;
   const double* parameters = nullptr;
@@ -31,7 +31,7 @@ struct ContextString {
   std::uint64_t parameterCount = 0;
   const StringIndex* index = nullptr;
   bool canWrap = true;                 // false: no search continues at the other end, even in a ring
-  LeftShortcuts* shortcuts = nullptr;  // of this string and the rules it is searched with; null: long searches walk
+  LeftShortcuts* shortcuts = nullptr;  // for this string and the rules of the search; null: long searches walk
 };
 
 /// What a search saw for one element of a context.
@@ -44,15 +44,15 @@ struct ContextLook {
 };
 
 /// Whether the modules left of module `module` (its parameters begin at `offset`) match a left context, given nearest
-/// first; the parameters found are bound to `frame`. Branches that end on the way are skipped, a `[` leads into the
-/// mother axis, ignored symbols are skipped (LANGUAGE §1.6). `looks`, when given, gets an entry for each element up to
-/// the first that fails. O(modules passed), or O(1) on average with shortcuts.
+/// first. Binds the parameters that it finds to `frame`. The search skips branches that end on the way and ignored
+/// symbols; a `[` leads into the mother axis (docs/language.md, 1.6). `looks`, when given, gets an entry for each
+/// element up to the first that fails. O(modules passed), or O(1) on average with shortcuts.
 [[nodiscard]] bool matchesLeft(const language::Program& program, const ContextRules& rules, const ContextString& string,
                                std::span<const language::ContextElement> context, std::uint64_t module,
                                std::uint64_t offset, double* frame, std::vector<ContextLook>* looks = nullptr);
 
-/// The same to the right, from module `module` on: ignored symbols are skipped first, then a branch unless the context
-/// names its `[`; `]` is a symbol like any other.
+/// The same to the right, from module `module` on. The search skips ignored symbols first, then a branch, unless the
+/// context names its `[`. A `]` is a symbol like any other.
 [[nodiscard]] bool matchesRight(const language::Program& program, const ContextRules& rules,
                                 const ContextString& string, std::span<const language::ContextElement> context,
                                 std::uint64_t module, std::uint64_t offset, double* frame,

@@ -5,8 +5,8 @@
 namespace espalier::derivation {
 namespace {
 
-/// Moves `place` from one `[` to the next that a search to the left comes to; false when it comes to none, `place` is
-/// then where the search ends.
+/// Moves `place` from one `[` to the next that a search to the left reaches. False when it reaches none; `place` is
+/// then the end of the search.
 bool moveToNextOpen(const language::Program& program, const ContextRules& rules, const ContextString& string,
                     LeftShortcuts::Place& place) {
   while (place.module > 0) {

@@ -12,7 +12,7 @@ void ProducedPieces::begin() {
 }
 
 void ProducedPieces::dropBefore(std::uint64_t count) {
-  // they stay as empty pieces, so that every old module keeps one
+  // keep them as empty pieces, so that every old module has a piece
   const std::size_t firstDropped = pieces_.size() - 1 - count;
   const Piece first = pieces_[firstDropped];
   for (std::size_t i = firstDropped; i < pieces_.size(); ++i) {
@@ -37,7 +37,7 @@ void ProducedPieces::appendTo(ModuleString& string) const {
 }
 
 void ProducedPieces::settle(Cursor& cursor) const {
-  // at the end of a piece the one made before it follows
+  // behind the end of a piece comes the piece that was made before it
   while (cursor.piece > 0 && cursor.module == endModule(cursor.piece - 1)) {
     --cursor.piece;
     if (cursor.piece > 0) {
@@ -69,7 +69,7 @@ bool ProducedPieces::skipBranch(const language::Program& program, Cursor& cursor
 
 bool ProducedPieces::matchesRight(const language::Program& program, const ContextRules& rules,
                                   std::span<const language::ContextElement> context, double* frame) const {
-  // the piece begun last is the one being made: the search starts behind it
+  // the last piece is still being made: the search starts behind it
   if (pieces_.size() < 2) {
     return false;
   }

@@ -10,24 +10,24 @@
 
 namespace espalier::derivation {
 
-/// A string that is produced from right to left, as pieces in the order they were made: the piece of the last old
-/// module first. Inside a piece the modules stand as they will in the new string.
+/// A string that is produced from right to left, as pieces in the order of production: the piece of the last old module
+/// comes first. The modules of a piece have the order of the new string.
 class ProducedPieces {
  public:
   void clear();
 
-  /// Begins the piece of the next old module to the left; what is appended to modules() from now on belongs to it.
+  /// Begins the piece of the next old module to the left. Modules appended to modules() from now on belong to it.
   void begin();
   [[nodiscard]] ModuleString& modules() { return modules_; }
 
-  /// Empties the `count` pieces before the last one begun, which must be empty itself: they are cut off.
+  /// Empties the `count` pieces before the last piece, because a cut removes them. The last piece must be empty.
   void dropBefore(std::uint64_t count);
 
   /// Appends the whole new string to `string`, left to right. O(modules).
   void appendTo(ModuleString& string) const;
 
-  /// Whether the new string right of the piece that is being made matches a right context, given nearest first; with
-  /// the search rules of matchesRight, without ring. O(modules passed).
+  /// Whether the new string right of the last piece matches a right context, given nearest first, by the search rules
+  /// of matchesRight, without ring. O(modules passed).
   [[nodiscard]] bool matchesRight(const language::Program& program, const ContextRules& rules,
                                   std::span<const language::ContextElement> context, double* frame) const;
 

@@ -12,7 +12,7 @@ using language::Instruction;
 using language::Operation;
 using language::Production;
 
-/// Operators that need no warning, so that they can be computed outside the Evaluator.
+/// Operators that never warn, so that they need no Evaluator.
 bool isQuickOperator(Operation operation, bool isDivisorSafe) {
   switch (operation) {
     case Operation::Add:
@@ -81,7 +81,7 @@ QuickValue makeQuickValue(const language::Program& program, const Expression& ex
   return value;
 }
 
-/// Whether only condition and weight decide, and nothing happens to the successor after it is made.
+/// Whether only condition and weight decide, and the successor stays as it is made.
 bool isQuickProduction(const language::LSystem& system, const Production& production) {
   if (production.predecessor.size() != 1 || production.predecessor[0].firstSlot != 0 ||
       !production.leftContext.empty() || !production.rightContext.empty() || !production.newLeftContext.empty() ||
@@ -101,7 +101,7 @@ bool isCode(const QuickValue& value) {
   return value.form == QuickValue::Form::Code;
 }
 
-/// Symbols that the scan treats specially when no production applies.
+/// Symbols that the scan does not simply copy when no production applies.
 bool isScanSymbol(const language::Program& program, core::ModuleTypeId type) {
   return program.nameOf(type) == "%";
 }
@@ -228,12 +228,12 @@ void ProductionPlan::planType(const language::Program& program, const language::
     plan.usesCode = plan.usesCode || isCode(rule.condition) || isCode(rule.weight) ||
                     std::any_of(values_.begin() + rule.firstValue, values_.end(), isCode);
     isUnmatchedPossible = isUnmatchedPossible && rule.hasCondition;
-    // without a condition the first match wins: later productions are never looked at
+    // a production without a condition always matches: later productions have no effect
     if (!system.isStochastic && !rule.hasCondition) {
       break;
     }
   }
-  // what happens to an unmatched module is decided by the general way
+  // the general way decides about an unmatched module
   if (isUnmatchedPossible && !standsForItself) {
     plan.kind = TypePlan::Kind::General;
     return;

@@ -29,12 +29,12 @@ struct QuickValue {
   const language::Expression* expression = nullptr;  // in the Program
 };
 
-/// The forms above that need no Evaluator. Identical to what the Evaluator computes.
+/// The value of a form that needs no Evaluator, with the same bits as the Evaluator's.
 [[nodiscard]] double quickValue(const QuickValue& value, const double* frame);
 
-/// The offset of the chosen weight: w / sum is the chance of each, weights in file order, `draw` uniform. Espalier's
-/// own mode takes draws in (0, 1] and doubles; the reference takes [0, 1) and keeps the sum and the remainder in 32-bit
-/// floats. When all weights are 0 the first is chosen.
+/// The index of the chosen weight. The probability of each is weight / sum; weights are in file order, `draw` is
+/// uniform. Espalier's own mode takes draws in (0, 1] and doubles. The reference takes draws in [0, 1) and keeps the
+/// sum and the remainder in 32-bit floats. When all weights are 0 the first is chosen.
 [[nodiscard]] std::size_t chooseByWeight(std::span<const double> weights, double draw, bool usesFloats);
 
 /// A production without contexts and blocks whose predecessor is one module: only a condition and a weight decide.
@@ -50,7 +50,7 @@ struct QuickRule {
   std::uint32_t valueCount = 0;
 };
 
-/// What the scan does with a module of one type.
+/// The way in which the PlainScan rewrites the modules of one type.
 struct TypePlan {
   static constexpr std::size_t kInlineTypes = 16;
 
@@ -72,8 +72,7 @@ struct TypePlan {
   bool usesCode = false;     // Rules, Weights: an expression needs the Evaluator
 };
 
-/// How one L-system rewrites each module type, precomputed for the scan. A table over the Program, which must outlive
-/// it.
+/// The ways in which one L-system rewrites its module types, by type. A table over the Program, which must outlive it.
 class ProductionPlan {
  public:
   ProductionPlan(const language::Program& program, const language::LSystem& system);
@@ -81,7 +80,7 @@ class ProductionPlan {
   [[nodiscard]] const TypePlan& operator[](core::ModuleTypeId type) const { return plans_[type]; }
   [[nodiscard]] const TypePlan* plans() const { return plans_.data(); }
   [[nodiscard]] const QuickRule* rules() const { return rules_.data(); }
-  /// All successors, one after the other, followed by kInlineTypes further entries, so that reads may pass an end.
+  /// All successors, one after the other, and then kInlineTypes further entries, so that a read may pass the end.
   [[nodiscard]] const core::ModuleTypeId* types() const { return types_.data(); }
   [[nodiscard]] const QuickValue* values() const { return values_.data(); }
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// Tables of bytes by module type in vector registers, for the loops over a string that look at sixteen modules at a
-// time. Only for the .cpp files that hold such loops.
+// Tables of bytes by module type in vector registers, for loops that look at sixteen modules of a string at a time.
+// Only .cpp files with such loops include this.
 
 #include <array>
 #include <cstddef>
@@ -12,7 +12,7 @@
 #if defined(__x86_64__)
 #include <immintrin.h>
 
-/// What a vector loop and everything that is inlined into it may use.
+/// The instructions that a vector loop and the functions inlined into it may use.
 #define ESPALIER_VECTOR_TARGET gnu::target("avx2,bmi,popcnt")
 #define ESPALIER_VECTOR_INLINE [[ESPALIER_VECTOR_TARGET, gnu::always_inline]] inline
 #endif
@@ -24,8 +24,8 @@ inline constexpr std::size_t kMostByteTypes = 64;
 /// A byte for each module type.
 using ByteTable = std::array<std::uint8_t, kMostByteTypes>;
 
-/// How many times 16 types a model has, rounded up to 1, 2 or 4, or 0 when it has too many types or the processor lacks
-/// the instructions.
+/// The blocks of 16 types that a model needs, rounded up to 1, 2 or 4. 0 when it has too many types or the processor
+/// lacks the instructions.
 [[nodiscard]] inline std::uint32_t byteTableBlocks(std::size_t typeCount) {
 #if defined(__x86_64__)
   if (typeCount <= kMostByteTypes && __builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("bmi") != 0 &&
@@ -67,7 +67,7 @@ ESPALIER_VECTOR_INLINE __m128i lookUp(const ByteRegisters<kBlocks>& table, __m12
   if constexpr (kBlocks == 1) {
     return _mm_shuffle_epi8(table.blocks[0], types);
   } else {
-    // a blend is decided by the top bit of each byte
+    // the top bit of each byte decides the blend
     const __m128i bit4 = _mm_slli_epi16(types, 3);
     const __m128i low =
         _mm_blendv_epi8(_mm_shuffle_epi8(table.blocks[0], types), _mm_shuffle_epi8(table.blocks[1], types), bit4);

@@ -53,7 +53,7 @@ struct VectorFinder {
         _mm_store_si128(reinterpret_cast<__m128i*>(found.data()), common);
         _mm_store_si128(reinterpret_cast<__m128i*>(sums.data()), _mm_sub_epi8(sum, counts));
         const auto foundCount = static_cast<std::uint32_t>(_mm_popcnt_u32(mask));
-        // always four, so that few cost no branch; without a bit left the place is 32, of which nothing is kept
+        // always four, so that small numbers cost no branch; a place of 32 means no bit left, and is not kept
         const auto writeFour = [&](std::uint32_t first) __attribute__((target("avx2,bmi,popcnt"), always_inline)) {
           for (std::uint32_t k = first; k < first + 4; ++k) {
             const std::uint32_t place = _tzcnt_u32(mask) & 31U;
@@ -128,7 +128,7 @@ void ModuleFinder::findOne(const core::ModuleTypeId* types, std::uint32_t module
 
 void ModuleFinder::findAll(const core::ModuleTypeId* types, std::uint32_t begin, std::uint32_t end,
                            const Target& target, Count& count) const {
-  // what is written may be anything to the compiler, so that members would be read again and again
+  // local pointers: to the compiler every write may change a member, which it then reads again
   const Target to = target;
   const std::uint16_t* arity = arity_.data();
   const std::uint8_t* own = marks_.own.data();
@@ -182,7 +182,7 @@ ModuleFinder::Count ModuleFinder::find(const core::ModuleTypeId* types, std::uin
   if (blockCount_ != 0 && count > 0) {
     Count result;
     std::uint32_t module = 0;
-    // the ends, which may lack a neighbour, apart
+    // the first and the last module on their own: they may lack a neighbour
     const std::uint32_t end = !looksAround_ || hasBehind ? count : count - 1;
     if (looksAround_ && !hasBefore && end > 0) {
       findOne(types, 0, false, true, target, result);

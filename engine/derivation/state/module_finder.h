@@ -10,19 +10,20 @@
 
 namespace espalier::derivation {
 
-/// Finds the modules of a stretch that tables by module type mark, and the parameters that stand before each of them:
-/// the brackets of a string, or the modules that productions may change. Sixteen modules at a time where the processor
-/// has AVX2 and the model no more than 64 module types of at most 15 parameters; the same result everywhere.
+/// Finds the modules of a stretch that tables by module type mark, and counts the parameters before each of them. It
+/// finds the brackets of a string, or the modules that productions may change. It takes sixteen modules at a time where
+/// the processor has AVX2 and the model has at most 64 module types of at most 15 parameters. Results are equal
+/// everywhere.
 class ModuleFinder {
  public:
-  /// Bits by module type. A module is found when its own bits, those of the module before it and those of the module
-  /// behind it have one in common. `before` and `behind` both empty: neighbours do not matter.
+  /// Bits by module type. A module is found when one bit is set for its own type, for the type before it and for the
+  /// type behind it. `before` and `behind` both empty: neighbours do not matter.
   struct Marks {
     std::vector<std::uint8_t> own;
     std::vector<std::uint8_t> before;
     std::vector<std::uint8_t> behind;
   };
-  /// Where the found modules go. Each array needs room for kSlack more than are found.
+  /// Receives the found modules. Each array needs room for kSlack more.
   struct Target {
     std::uint32_t* modules = nullptr;  // counted from the first module of the stretch
     std::uint32_t* offsets = nullptr;  // parameters before the module, counted from the stretch's first
@@ -38,7 +39,7 @@ class ModuleFinder {
   ModuleFinder(std::span<const std::uint16_t> arity, Marks marks);
 
   /// Looks through `count` modules from `types` on. When neighbours matter, `hasBefore` and `hasBehind` say that
-  /// types[-1] and types[count] can be read; where one cannot, it is taken to have all bits.
+  /// types[-1] and types[count] can be read; a missing neighbour counts as one with all bits.
   [[nodiscard]] Count find(const core::ModuleTypeId* types, std::uint32_t count, bool hasBefore, bool hasBehind,
                            const Target& target) const;
   /// The same without vector instructions.
@@ -46,7 +47,7 @@ class ModuleFinder {
                                  const Target& target) const;
 
  private:
-  /// What the vector loop looks up.
+  /// The tables of the vector loop.
   struct ByteTables {
     ByteTable own{};
     ByteTable before{};

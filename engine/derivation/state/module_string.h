@@ -29,7 +29,7 @@ class ModuleString {
     return parameters_.span();
   }
 
-  /// Writes one parameter. The string still knows its mark (earlierMark) and about where it was written to.
+  /// Writes one parameter. The string still knows its mark (earlierMark), and the blocks of parameters that changed.
   void setParameter(std::uint64_t offset, double value) {
     double& parameter = parameters_.data()[offset];
     if (std::bit_cast<std::uint64_t>(parameter) == std::bit_cast<std::uint64_t>(value)) {
@@ -42,15 +42,15 @@ class ModuleString {
     }
   }
 
-  /// The mark of the contents as they are; null: none was made.
+  /// The mark of the present contents; null: none was made.
   [[nodiscard]] const std::shared_ptr<const StringMark>& mark() const {
     return written_.empty() ? earlierMark() : noMark();
   }
-  /// The mark of the contents as they were before parameters were set; null: none was made.
+  /// The mark of the contents before setParameter changed any; null: none was made.
   [[nodiscard]] const std::shared_ptr<const StringMark>& earlierMark() const {
     return mark_ != nullptr && markedModules_ == size() && markedParameters_ == parameterCount() ? mark_ : noMark();
   }
-  /// Whether any of these parameters may have been set since.
+  /// Whether setParameter may have changed any of these parameters since then.
   [[nodiscard]] bool wereSet(std::uint64_t offset, std::uint64_t count) const {
     if (written_.empty() || count == 0) {
       return false;
@@ -64,14 +64,14 @@ class ModuleString {
     const auto end = block(offset + count - 1) + 1;
     return std::find(block(offset), end, true) != end;
   }
-  /// The same, made when there is none.
+  /// The mark of the present contents, made when there is none.
   [[nodiscard]] std::shared_ptr<const StringMark> marked() {
     if (mark() == nullptr) {
       setMark(std::make_shared<const StringMark>());
     }
     return mark_;
   }
-  /// Whatever else changes the contents forgets the mark.
+  /// Gives the contents a mark. Every other change of the contents forgets it.
   void setMark(std::shared_ptr<const StringMark> mark) {
     written_.clear();
     mark_ = std::move(mark);
@@ -92,7 +92,7 @@ class ModuleString {
     std::swap(markedModules_, other.markedModules_);
     std::swap(markedParameters_, other.markedParameters_);
   }
-  // appending costs nothing for marks: a mark is of as many modules as there were
+  // appending costs nothing for marks: a mark holds for the number of modules that it was made with
   void append(core::ModuleTypeId type, std::span<const double> parameters) {
     types_.push_back(type);
     parameters_.append(parameters);
@@ -101,7 +101,7 @@ class ModuleString {
     types_.append(types);
     parameters_.append(parameters);
   }
-  /// The raw arrays (moduleCount) and (parameterCount), for passes that count first and then write into place.
+  /// The raw arrays (moduleCount) and (parameterCount), for passes that count first and then write.
   [[nodiscard]] core::Buffer<core::ModuleTypeId>& typeBuffer() {
     forgetMark();
     return types_;
@@ -126,10 +126,10 @@ class ModuleString {
 
   core::Buffer<core::ModuleTypeId> types_;  // type of each module (moduleCount)
   core::Buffer<double> parameters_;         // parameters of all modules, concatenated (parameterCount)
-  std::shared_ptr<const StringMark> mark_;  // of the contents when there were so many modules and parameters
+  std::shared_ptr<const StringMark> mark_;  // of contents with the two numbers below
   std::uint64_t markedModules_ = 0;
   std::uint64_t markedParameters_ = 0;
-  std::vector<bool> written_;  // by block of parameters: one was set since; empty: none was
+  std::vector<bool> written_;  // by block of parameters: one was set since; empty: none was set
 };
 
 }  // namespace espalier::derivation

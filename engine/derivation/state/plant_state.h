@@ -25,10 +25,10 @@ struct RandomState {
   core::SequentialRandom selection;     // the reference's selection stream
   core::SequentialRandom main{0x330E};  // the reference's main stream
   double normalCache = 0.0;             // the second value of a pair that nran keeps
-  double normalCacheFlag = 10.0;        // not 0: nran keeps a value; so it is at the reference's start
+  double normalCacheFlag = 10.0;        // not 0: nran keeps a value, as at the start of the reference program
 };
 
-/// Everything of a plant that a step changes. A value: copying it is a complete copy.
+/// Everything of a plant that a step changes. A value: a copy is complete.
 struct PlantState {
   ModuleString string;
   std::uint64_t step = 0;                // completed steps; Q while the next one runs is step + 1
@@ -38,7 +38,7 @@ struct PlantState {
   std::vector<InstanceState> instances;  // [0] the main L-system; others in order of their calls in the string
   RandomState random;
   FileState files;
-  files::Box viewVolume;  // of vvXmin ...: set before each step by whoever interprets the string; not kept
+  files::Box viewVolume;  // of vvXmin ...: the simulation sets it before each step; no snapshot keeps it
 };
 
 }  // namespace espalier::derivation

@@ -14,7 +14,7 @@ constexpr std::uint8_t kCloses = 2;
 constexpr std::uint64_t kFoundAtOnce = 1024;
 // modules of two strings that are compared at once
 constexpr std::size_t kComparedAtOnce = 64;
-// of brackets among the shapes of types, which are numbers of parameters
+// shapes of the brackets; the other shapes are numbers of parameters
 constexpr std::uint32_t kOpenShape = std::numeric_limits<std::uint32_t>::max();
 constexpr std::uint32_t kCloseShape = kOpenShape - 1;
 
@@ -77,13 +77,13 @@ std::uint64_t StringIndex::linkStretch(const core::ModuleTypeId* types, std::uin
     const auto count = static_cast<std::uint32_t>(std::min(kFoundAtOnce, end - begin));
     const ModuleFinder::Count found =
         brackets_.find(types + begin, count, false, false, {modules.data(), offsets.data(), bits.data()});
-    // room for all of them, should all be `[`
+    // room for all modules, because all may be `[`
     std::uint64_t depth = open.size();
     open.resize(depth + found.found + 1);
     Open* const stack = open.data();
     for (std::size_t i = 0; i < found.found; ++i) {
-      // no branch between `[` and `]`, whose order nothing foretells: both write the place above the top, and both
-      // write two links, which for `[` are its own
+      // the processor cannot predict the order of `[` and `]`, so one code serves both: both write the place above the
+      // top, and both write two links, which for `[` are its own
       const Open here{begin + modules[i], offset + offsets[i]};
       const bool closes = bits[i] == kCloses;
       if (closes && depth == 0) [[unlikely]] {

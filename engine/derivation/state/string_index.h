@@ -13,8 +13,8 @@
 
 namespace espalier::derivation {
 
-/// Links between the brackets of a string, so that a context search skips a branch in one move. Eight bytes a module,
-/// written (and touched) at brackets only; the few branches that are too long for that are kept beside.
+/// Links between the brackets of a string, so that a context search skips a branch in one move. Takes eight bytes a
+/// module, of which only those at brackets are touched. A map holds the few branches that are too long for eight bytes.
 class StringIndex {
  public:
   static constexpr std::uint64_t kNone = std::numeric_limits<std::uint64_t>::max();
@@ -24,8 +24,8 @@ class StringIndex {
     std::uint64_t parameterCount;  // parameters of all modules between the two
   };
 
-  /// `program` must outlive the object. Branches of more than `longestShortBranch` modules or parameters (at most the
-  /// default) are kept beside.
+  /// `program` must outlive the object. The map holds branches of more than `longestShortBranch` modules or parameters
+  /// (at most the default).
   explicit StringIndex(const language::Program& program,
                        std::uint64_t longestShortBranch = std::numeric_limits<std::int32_t>::max());
 
@@ -40,7 +40,7 @@ class StringIndex {
     std::uint64_t close;
     std::uint64_t parameterCount;
   };
-  /// The brackets of a part of a string whose partners are outside of it; offsets count from the part's first
+  /// The brackets of a part of a string whose partners lie outside the part. Offsets count from the part's first
   /// parameter.
   struct OpenEnds {
     std::vector<Open> closed;   // `]` without `[` before it
@@ -50,8 +50,9 @@ class StringIndex {
 
   void clear();
 
-  /// Makes room for the links of a string that is indexed in parts. Then linkPart for each part [first, end), on any
-  /// threads at the same time, then joinPart in the order of the parts, with the offset of each one's parameters.
+  /// Makes room for the links of a string that is indexed in parts. The caller then calls linkPart for each part
+  /// [first, end), on any threads at the same time, and after that joinPart in the order of the parts, with the offset
+  /// of each part's parameters.
   void beginParts(std::uint64_t size);
   void linkPart(const core::ModuleTypeId* types, std::uint64_t first, std::uint64_t end, OpenEnds& ends);
   void joinPart(const OpenEnds& ends, std::uint64_t parameterOffset);
@@ -60,9 +61,9 @@ class StringIndex {
   /// yet. O(new modules).
   void extend(const ModuleString& string);
 
-  /// Whether the links of the string `before`, if it is the one that is indexed, are those of the string `now` too: as
-  /// many modules, brackets at the same places, and elsewhere modules with as many parameters. O(modules), where both
-  /// have the same types no more than a comparison of bytes.
+  /// Whether the links of the indexed string, `before`, hold for the string `now` too: as many modules, brackets at the
+  /// same places, and elsewhere modules with as many parameters. O(modules); a comparison of bytes where the types are
+  /// equal.
   [[nodiscard]] bool isShared(std::span<const core::ModuleTypeId> before,
                               std::span<const core::ModuleTypeId> now) const;
 
@@ -86,9 +87,10 @@ class StringIndex {
     std::int32_t distance;         // to the partner, negative at `]`; or one of the two values above
     std::uint32_t parameterCount;  // parameters of all modules between the two
   };
-  /// Links the brackets of [first, end), whose parameters begin at `offset`, with each other and with those in `open`;
-  /// what stays open is left there. Calls onClosed(Open) for a `]` without partner and onLong(Branch) for a branch that
-  /// is too long. Returns the offset behind the last module. For different stretches from several threads.
+  /// Links the brackets of [first, end), whose parameters begin at `offset`, with each other and with those in `open`.
+  /// Leaves the brackets without partner in `open`. Calls onClosed(Open) for a `]` without partner and onLong(Branch)
+  /// for a branch that is too long. Returns the offset behind the last module. Several threads may link different
+  /// stretches.
   template <typename OnClosed, typename OnLong>
   std::uint64_t linkStretch(const core::ModuleTypeId* types, std::uint64_t first, std::uint64_t end,
                             std::uint64_t offset, core::Buffer<Open>& open, OnClosed onClosed, OnLong onLong);
@@ -99,7 +101,7 @@ class StringIndex {
   void linkLong(const Branch& branch);
 
   ModuleFinder brackets_;
-  std::vector<std::uint32_t> shape_;  // by module type: what two types have in common that can stand for another
+  std::vector<std::uint32_t> shape_;  // by module type: equal for types that can replace each other without new links
   std::uint64_t longestShortBranch_;
   core::Buffer<ShortLink> links_;                      // by module; defined at brackets only (moduleCount)
   std::unordered_map<std::uint64_t, Link> longLinks_;  // by module

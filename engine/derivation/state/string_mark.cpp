@@ -6,7 +6,7 @@
 namespace espalier::derivation {
 namespace {
 
-/// Goes on with the last where it can.
+/// Appends a run, as part of the last run where it continues that run.
 void append(std::vector<KeptModules>& list, const KeptModules& next) {
   if (!list.empty()) {
     KeptModules& last = list.back();
@@ -18,13 +18,13 @@ void append(std::vector<KeptModules>& list, const KeptModules& next) {
   list.push_back(next);
 }
 
-/// What is kept by two steps, one after the other.
+/// The runs that two steps in a row keep.
 std::vector<KeptModules> joined(const std::vector<KeptModules>& first, const std::vector<KeptModules>& second) {
   std::vector<KeptModules> result;
   auto a = first.begin();
   auto b = second.begin();
   while (a != first.end() && b != second.end()) {
-    // in the string between the two
+    // positions in the string between the two steps
     const std::uint64_t begin = std::max(a->to, b->from);
     const std::uint64_t end = std::min(a->to + a->modules, b->from + b->modules);
     if (begin < end) {
@@ -55,7 +55,7 @@ void KeptModulesRecorder::begin(const std::shared_ptr<const StringMark>& old) {
   if (old == nullptr) {
     return;
   }
-  // somebody besides the string keeps its mark, or one before it
+  // a caller keeps the mark of the string, or an earlier mark
   isDirect_ = old.use_count() > 1;
   base_ = isDirect_ ? old : old->base.lock();
   if (!isDirect_ && base_ != nullptr) {

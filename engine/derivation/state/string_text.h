@@ -16,9 +16,9 @@ void appendText(std::string& text, const language::Program& program, const Modul
                 core::NumberStyle style);
 [[nodiscard]] std::string toText(const language::Program& program, const ModuleString& string, core::NumberStyle style);
 
-/// Reads the text form of a string, with blanks and newlines between modules, as modules of the Program; declared names
-/// are taken before single symbols, the longest first. An error sentence names the place (line:column) and what stands
-/// there: a module that the model does not have, a parameter that is not a number.
+/// Reads the text form of a string as modules of the Program. Blanks and newlines may stand between modules. Declared
+/// names count before single symbols, the longest first. Otherwise returns a sentence with the place (line:column) and
+/// the mistake: a module that the model does not have, or a parameter that is not a number.
 [[nodiscard]] std::variant<ModuleString, std::string> parseText(const language::Program& program,
                                                                 std::string_view text);
 

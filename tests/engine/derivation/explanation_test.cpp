@@ -40,7 +40,7 @@ bool contains(const std::string& text, const std::string& part) {
 
 TEST(Explanation, ContextFree) {
   EXPECT_EQ(explained(modelText("", "A(1)B", "A(l) --> F(l)A(l*2)\nA(l,m) --> F\nA(x) : x > 0 --> B\n"), 1, 1),
-            "Step 2 reads the string of step 1, 3 modules, answers of the environment included.\n"
+            "Step 2 reads the string of step 1, 3 modules, with the replies of the environment.\n"
             "Module 1: A(2)\n"
             "Around it: F(1) >>A(2)<< B\n"
             "\n"
@@ -54,7 +54,7 @@ TEST(Explanation, ContextFree) {
             "  model.l:5:1: A(l,m) --> F\n"
             "    failed: it wants 2 parameters, the module has 1\n"
             "  model.l:6:1: A(x) : x > 0 --> B\n"
-            "    not tried: an earlier one applied\n");
+            "    not tried: an earlier production applied\n");
 }
 
 TEST(Explanation, AFailingConditionShowsItsValueAndWhatItReads) {
@@ -87,7 +87,7 @@ TEST(Explanation, ContextsShowWhatTheySawOverBranches) {
             "    failed: the right context does not match\n"
             "  model.l:7:1: A(l) > B(x)C --> Y\n"
             "    right context: wants B(x), saw B(0.5) (module 9)\n"
-            "    right context: wants C, came to the end of the string\n"
+            "    right context: wants C, reached the end of the string\n"
             "    failed: the right context does not match\n"
             "  model.l:8:1: B(y) < A(l) > [C]B(x) : x < 1 --> F(l+y)\n"
             "    right context: wants [, saw [ (module 6)\n"
@@ -102,7 +102,7 @@ TEST(Explanation, AContextModuleWithAnotherNumberOfParametersIsSaid) {
   const std::string text = events("", "B(1)A", "B < A --> X\nA < A --> X\n", 1);
   EXPECT_TRUE(contains(text, "left context: wants B, saw B(1) (module 0): another number of parameters\n")) << text;
   const std::string first = events("", "AB", "B < A --> X\n", 0);
-  EXPECT_TRUE(contains(first, "left context: wants B, came to the beginning of the string\n")) << first;
+  EXPECT_TRUE(contains(first, "left context: wants B, reached the beginning of the string\n")) << first;
 }
 
 TEST(Explanation, StochasticChoiceShowsWeightsAndDraw) {
@@ -117,12 +117,12 @@ TEST(Explanation, StochasticChoiceShowsWeightsAndDraw) {
   const std::string text = explained(model, 0, 0, core::Compatibility::Cpfg);
   EXPECT_TRUE(contains(text, "    weight 2\n")) << text;
   EXPECT_TRUE(contains(text, "    weight 3*Q = 3\n")) << text;
-  EXPECT_TRUE(contains(text, "    weight 1, as none is given\n")) << text;
-  EXPECT_TRUE(contains(text, "choice: the draw " + drawText + " of the weights' sum 6 is ")) << text;
+  EXPECT_TRUE(contains(text, "    weight 1 (none is given)\n")) << text;
+  EXPECT_TRUE(contains(text, "choice: the draw " + drawText + " times the sum of weights 6 is ")) << text;
   const char* chosen = draw * 6 <= 2 ? "model.l:5:1" : draw * 6 <= 5 ? "model.l:6:1" : "model.l:7:1";
-  EXPECT_TRUE(contains(text, std::string("it falls to ") + chosen + "\n")) << text;
+  EXPECT_TRUE(contains(text, std::string("which selects ") + chosen + "\n")) << text;
   EXPECT_TRUE(contains(text, std::string("What happened: ") + chosen + " fired")) << text;
-  EXPECT_TRUE(contains(explained(model, 0, 1), "  choice: only one applies, no draw decides\n"));
+  EXPECT_TRUE(contains(explained(model, 0, 1), "  choice: only one production applies, so nothing is drawn\n"));
 }
 
 TEST(Explanation, AModuleWithoutProductionIsCopied) {
@@ -145,7 +145,7 @@ TEST(Explanation, AModuleInsideAPredecessorOfSeveralModules) {
             "  model.l:4:1: AB(x) --> F(x)\n"
             "    applied with x = 2\n"
             "  model.l:5:1: A --> A\n"
-            "    not tried: an earlier one applied\n");
+            "    not tried: an earlier production applied\n");
   const std::string failed = events("", "AB(2)AC", "AB(x) --> F(x)\nA --> A\n", 2);
   EXPECT_TRUE(contains(failed, "failed: module 2 of its predecessor is B(x), the string has C (module 3)\n")) << failed;
 }
@@ -180,12 +180,13 @@ TEST(Explanation, DecompositionIsShownLevelByLevel) {
 }
 
 TEST(Explanation, CutsAreNamed) {
-  EXPECT_EQ(events("", "A[%BC]D", "A --> A\n", 4),
-            "What happened: it was cut away. % (module 2), a cut symbol without a production, removed what stood right "
-            "of it in "
-            "its branch.\n");
+  EXPECT_EQ(
+      events("", "A[%BC]D", "A --> A\n", 4),
+      "What happened: it was cut away. % (module 2), a cut symbol without a production, removed the modules right "
+      "of it in "
+      "its branch.\n");
   EXPECT_TRUE(
-      contains(events("", "A[%BC]D", "A --> A\n", 2), "the cut symbol removed itself and what stood right of it"));
+      contains(events("", "A[%BC]D", "A --> A\n", 2), "the cut symbol removed itself and the modules right of it"));
   // also where the string is produced from right to left, and what is cut was rewritten before
   const std::string backwards = events("", "A[%AC]D", "A >> D --> A\nA --> B\n", 3);
   EXPECT_TRUE(contains(backwards, "it was cut away. % (module 2)")) << backwards;

@@ -48,7 +48,7 @@ TEST(ColourMap, ShortFileLeavesTheRestGreyWithAWarning) {
   EXPECT_EQ(palette.colour(2), (PaletteColour{200, 200, 200}));
   ASSERT_EQ(diagnostics.warningCount(), 1U);
   EXPECT_EQ(core::formatDiagnostic(diagnostics.entries()[0]),
-            "a.map: warning: a colour map has 768 bytes, this one 7; the other colours are grey");
+            "a.map: warning: the colour map has 7 bytes instead of 768; the missing colours are grey");
 }
 
 TEST(Materials, RecordsAreReadByTheirNumberAndTheLastWins) {

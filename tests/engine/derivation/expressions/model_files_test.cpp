@@ -115,7 +115,7 @@ TEST_F(ModelFilesTest, AModelReadsWhatItHasWritten) {
 }
 
 TEST_F(ModelFilesTest, RefusalsSayWhy) {
-  EXPECT_EQ(refusal(3, "w"), "a model opens only files inside its folder, and does not write over its own text");
+  EXPECT_EQ(refusal(3, "w"), "a model can open only files inside its folder, and cannot overwrite its own text");
   EXPECT_EQ(refusal(1, "w", false), "models write no files here");
   EXPECT_EQ(refusal(2, "r"), "there is no such file in the model's folder");
   limits_.maximumOpenFiles = 1;

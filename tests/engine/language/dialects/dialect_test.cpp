@@ -58,8 +58,7 @@ TEST(Dialect, WithoutAnEntryTheFirstIsUsedAndTheOthersAreNamed) {
   ASSERT_NE(result.program, nullptr);
   ASSERT_EQ(result.diagnostics.entries().size(), 1U);
   EXPECT_EQ(result.diagnostics.entries().front().severity, core::Severity::Note);
-  EXPECT_EQ(result.diagnostics.entries().front().message,
-            "the file holds 2 models and the first is used: First, Second");
+  EXPECT_EQ(result.diagnostics.entries().front().message, "the file holds 2 models; the first is used: First, Second");
   EXPECT_EQ(result.diagnostics.entries().front().hint, "m.txt:NAME chooses another");
 }
 

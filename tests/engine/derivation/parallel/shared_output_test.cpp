@@ -1,4 +1,4 @@
-#include "engine/derivation/batch/shared_output.h"
+#include "engine/derivation/parallel/shared_output.h"
 
 #include <gtest/gtest.h>
 

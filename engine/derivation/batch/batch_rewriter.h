@@ -16,21 +16,20 @@
 
 namespace espalier::derivation {
 
-/// Rewrites stretches of a string, a chunk at a time, in two passes: choose() decides what becomes of every module and
-/// counts, write() writes it into place. Between the two the caller learns how long the result is. It reads the old
-/// string and writes where it is told, nothing else, so several threads can work on one step, each with its own object.
+/// Rewrites a chunk of a string in two passes: choose() decides about every module and counts the result, write()
+/// writes the result. Between the two the caller learns its length. The object reads the old string and writes only to
+/// the given place, so several threads can work on one step, each with its own object.
 ///
-/// Whatever would make the Evaluator warn or the step fail is not done here: the chunk is called unusual, and the
-/// caller repeats it in the general way, which does that in the order of the string.
-class BatchScan {
+/// It neither warns nor fails. Where the Evaluator would warn or the step would fail, it calls the chunk unusual; the
+/// caller then repeats the chunk by the PlainScan, in the order of the string.
+class BatchRewriter {
  public:
-  /// The most modules of one chunk, except where every module becomes a fixed block or stays: there a chunk is as long
-  /// as its caller likes.
+  /// The most modules of one chunk. Where every module becomes a fixed block or stays, chunks may be of any length.
   static constexpr std::uint64_t kChunkModules = 2048;
 
-  /// What all chunks of a step have in common.
+  /// The facts that all chunks of a step share.
   struct Step {
-    ContextString old;  // the string that is read; its shortcuts are used by this object alone until the next begin
+    ContextString old;  // the string that is read; until the next begin, no other object uses its shortcuts
     std::uint32_t number = 0;
     double length = 0.0;                      // Z
     core::CounterRandom selection;            // Espalier's own mode
@@ -40,7 +39,7 @@ class BatchScan {
   };
 
   struct Outcome {
-    std::uint64_t endModule = 0;     // where the chunk ended: before a General module, or where it was to end
+    std::uint64_t endModule = 0;     // the end of the chunk: a General module, or the end that the caller gave
     std::uint64_t endParameter = 0;  // of the old string
     std::uint64_t moduleCount = 0;   // that write() will make
     std::uint64_t parameterCount = 0;
@@ -50,14 +49,14 @@ class BatchScan {
   };
 
   /// `program`, `rules`, `plan` and `productions` must outlive the object.
-  BatchScan(const language::Program& program, const ContextRules& rules, const BatchPlan& plan,
-            const ProductionPlan& productions);
+  BatchRewriter(const language::Program& program, const ContextRules& rules, const BatchPlan& plan,
+                const ProductionPlan& productions);
 
   void begin(const Step& step);
   /// Decides about the modules [first, end), no more than a chunk; the parameters of the first begin at `offset`.
   [[nodiscard]] Outcome choose(std::uint64_t first, std::uint64_t end, std::uint64_t offset);
-  /// Writes what was chosen last: exactly the modules and parameters of the Outcome. False: a value is unusual; what
-  /// was written is of no use when the step fails, and right when it only warns.
+  /// Writes the last choice: exactly the modules and parameters of its Outcome. False: a value is unusual. The result
+  /// is then right if the step only warns, and of no use if it fails.
   [[nodiscard]] bool write(core::ModuleTypeId* types, double* parameters);
 
  private:
@@ -98,12 +97,12 @@ class BatchScan {
   const ProductionPlan* productions_;
   Step step_;
   ColumnEvaluator evaluator_;
-  LeftShortcuts shortcuts_;  // in use unless the Step has some
+  LeftShortcuts shortcuts_;  // used unless the Step has its own
   ModuleFinder finder_;
-  TypeSum fixedModuleSum_;  // what the modules of a stretch become; fixed models only
+  TypeSum fixedModuleSum_;  // modules that a stretch becomes; fixed models only
   TypeSum fixedParameterSum_;
   TypeSum parameterSum_;
-  std::vector<std::uint8_t> passing_;  // by module type: what a search from the left or right does there
+  std::vector<std::uint8_t> passing_;  // by module type: whether context searches pass it, as bits
 
   // the chunk
   std::uint64_t first_ = 0;
@@ -122,8 +121,8 @@ class BatchScan {
   Scratch<std::uint32_t> siteModule_;  // counted from the chunk's first module
   Scratch<std::uint32_t> siteOffset_;  // parameters, counted from those of the chunk's first module
   Scratch<std::uint8_t> siteBits_;     // candidates that may apply
-  Scratch<std::uint32_t> siteBlock_;   // what is written: in BatchPlan::blocks
-  Scratch<std::uint32_t> madeModule_;  // where it is written, counted from where the chunk's result begins
+  Scratch<std::uint32_t> siteBlock_;   // the new modules: in BatchPlan::blocks
+  Scratch<std::uint32_t> madeModule_;  // their place, counted from the beginning of the chunk's result
   Scratch<std::uint32_t> madeOffset_;
   Scratch<std::uint32_t> resizing_;  // sites whose block has another size than the module
   std::size_t resizingCount_ = 0;
@@ -134,14 +133,14 @@ class BatchScan {
   Scratch<std::uint32_t> sorted_;           // sites by group
   std::vector<std::uint32_t> groupOf_;      // by module type: the group; groupCount: fixed; groupCount + 1: general
   Scratch<std::uint32_t> siteGroup_;        // by site
-  std::vector<std::uint32_t> groupCounts_;  // by group: how many sites, then where the next one goes; two of each
+  std::vector<std::uint32_t> groupCounts_;  // by group: count of sites, then the place of the next site; two of each
   std::vector<std::uint32_t> groupBegin_;   // (groupCount + 1)
-  Scratch<std::uint32_t> remaining_;        // sites that no rule took so far
+  Scratch<std::uint32_t> remaining_;        // sites that no rule has taken so far
 
   // the lanes of all rules that chose sites
   std::size_t laneCount_ = 0;
   Scratch<std::uint32_t> laneSite_;
-  Scratch<std::uint64_t> laneLeft_;       // parameters of the left neighbour, or where the row of the search begins
+  Scratch<std::uint64_t> laneLeft_;       // parameters of the left neighbour, or the begin of the search's row
   Scratch<std::uint64_t> laneRight_;      // parameters of the right neighbour
   Scratch<core::ModuleTypeId> leftType_;  // by site: the nearest neighbour, or kNoModuleType
   Scratch<core::ModuleTypeId> rightType_;
@@ -150,12 +149,12 @@ class BatchScan {
   std::vector<double> rows_;  // frames that context searches filled
   std::vector<RuleLanes> ruleLanes_;
   Scratch<std::uint32_t> own_;      // offsets of the lanes that are evaluated
-  Scratch<std::uint64_t> modules_;  // their places in the string, when something is drawn for them
+  Scratch<std::uint64_t> modules_;  // their places in the string, for expressions that draw
 
   Scratch<std::uint32_t> words_;  // draws of the chunk's modules, from a multiple of 4 on
   std::vector<double> weights_;   // by rule of a group and lane
   std::vector<std::uint8_t> isMatched_;
-  Scratch<std::uint32_t> positions_;  // by site: its lane among those that are weighed
+  Scratch<std::uint32_t> positions_;  // by site: its lane among the weighed sites
   std::vector<std::uint32_t> chosenRule_;
   std::vector<double> candidateWeights_;
   std::vector<std::uint32_t> candidates_;

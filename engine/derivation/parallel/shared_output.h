@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "engine/derivation/batch/output_pages.h"
+#include "engine/derivation/parallel/output_pages.h"
 #include "engine/derivation/state/module_string.h"
 
 namespace espalier::derivation {

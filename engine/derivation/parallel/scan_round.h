@@ -5,20 +5,21 @@
 
 namespace espalier::derivation {
 
-/// What the threads of one round over the chunks of a string share: chunks are taken in order, and in that order their
-/// places in the result are decided. Only the thread whose turn it is reads or writes `modules` and `parameters`.
+/// The state that threads share in one round over the chunks of a string. Threads take chunks in order, and the places
+/// of their results are decided in that order. Only the thread that has the turn reads or writes `modules` and
+/// `parameters`.
 struct ScanRound {
   std::uint64_t chunkCount = 0;
   std::uint64_t modules = 0;  // made by all chunks before `turn`
   std::uint64_t parameters = 0;
-  std::atomic<std::uint64_t> next{0};      // chunk that nobody has taken yet
-  std::atomic<std::uint64_t> turn{0};      // chunk whose place is decided next
-  std::atomic<std::uint64_t> stop{~0ULL};  // no chunk from here on is written in this round
-  std::atomic<std::uint32_t> changes{0};   // of `turn` and `stop`, counted: what waiting threads sleep on
+  std::atomic<std::uint64_t> next{0};      // the first chunk that no thread has taken
+  std::atomic<std::uint64_t> turn{0};      // the chunk whose place is decided next
+  std::atomic<std::uint64_t> stop{~0ULL};  // this round writes no chunk from here on
+  std::atomic<std::uint32_t> changes{0};   // counts changes of `turn` and `stop`; waiting threads sleep on it
 
   ScanRound(std::uint64_t firstChunk, std::uint64_t count) : chunkCount(count), next(firstChunk), turn(firstChunk) {}
 
-  /// Takes the next chunk; false when there is none left in this round.
+  /// Takes the next chunk. False when no chunk is left in this round.
   [[nodiscard]] bool take(std::uint64_t& chunk) {
     chunk = next.fetch_add(1);
     return chunk < chunkCount && chunk < stop.load();
@@ -31,7 +32,7 @@ struct ScanRound {
     tell();
   }
 
-  /// Whether the turn of the chunk came; false when the round ends before.
+  /// Waits for the turn of the chunk. False when the round ends before.
   [[nodiscard]] bool awaitTurn(std::uint64_t chunk) const {
     for (int spins = 0;; ++spins) {
       const std::uint32_t seen = changes.load(std::memory_order_acquire);
@@ -60,8 +61,8 @@ struct ScanRound {
   }
 
  private:
-  // times a waiting thread looks again before it sleeps. One that only gave way would get its processor back before the
-  // thread it waits for, where other programs keep all processors busy
+  // times that a waiting thread looks again before it sleeps. Yielding instead is worse where other programs keep all
+  // processors busy: the thread gets its processor back before the thread that it waits for
   static constexpr int kSpins = 200;
 
   void tell() {

@@ -1,4 +1,4 @@
-#include "engine/derivation/batch/output_pages.h"
+#include "engine/derivation/parallel/output_pages.h"
 
 #include <gtest/gtest.h>
 

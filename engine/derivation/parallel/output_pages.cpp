@@ -1,4 +1,4 @@
-#include "engine/derivation/batch/output_pages.h"
+#include "engine/derivation/parallel/output_pages.h"
 
 #include <algorithm>
 
@@ -32,7 +32,7 @@ void OutputPages::prepare(std::size_t begin, std::size_t end) {
     if (states_[page].load(std::memory_order_acquire) == Ready || claim(page)) {
       continue;
     }
-    // another thread is at it: the next one will be wanted soon
+    // another thread clears this page: clear the next page, which is needed soon
     if (page + 1 < states_.size()) {
       claim(page + 1);
     }

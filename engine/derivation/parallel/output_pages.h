@@ -8,13 +8,14 @@
 namespace espalier::derivation {
 
 /// The huge pages of a block of memory that several threads write from front to back. Two threads that touch the same
-/// fresh page at the same time both wait for it to be cleared, and would gain nothing from being two; here one of them
-/// has the page cleared and the other meanwhile the next one.
+/// fresh page at the same time both wait while the system clears it. With this class one thread has the page cleared,
+/// and the other thread the next page meanwhile.
 class OutputPages {
  public:
   /// `bytes` of memory from `memory` on; nothing is touched yet.
   void cover(void* memory, std::size_t bytes);
-  /// Returns when the bytes [begin, end) can be written without a page fault, or the system gives no such help.
+  /// Returns when the bytes [begin, end) can be written without a page fault, or at once where the system cannot clear
+  /// pages ahead.
   void prepare(std::size_t begin, std::size_t end);
 
  private:

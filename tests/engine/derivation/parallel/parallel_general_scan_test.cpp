@@ -45,7 +45,7 @@ void expectEqualOnThreads(const std::string& text, std::uint64_t stepCount) {
   }
 }
 
-TEST(PartedScan, DecompositionIsTheSame) {
+TEST(ParallelGeneralScan, DecompositionIsTheSame) {
   expectEqualOnThreads(
       test::modelText(
           "", repeated("M(#)[N(#)]", 900),
@@ -54,7 +54,7 @@ TEST(PartedScan, DecompositionIsTheSame) {
       5);
 }
 
-TEST(PartedScan, DrawsOfEveryKindAreTheSame) {
+TEST(ParallelGeneralScan, DrawsOfEveryKindAreTheSame) {
   expectEqualOnThreads(
       test::modelText("Seed: 5\n", repeated("A(#)B(#,1)C", 1500),
                       "A(x) : ran(1)<0.5 --> A(nran(x,1)) : ran(2)\nA(x) --> A(x+bran(2,3)) : 1\n"
@@ -62,7 +62,7 @@ TEST(PartedScan, DrawsOfEveryKindAreTheSame) {
       5);
 }
 
-TEST(PartedScan, PredecessorsOfSeveralModulesReachOverChunks) {
+TEST(ParallelGeneralScan, PredecessorsOfSeveralModulesReachOverChunks) {
   // no place is safe: every module may be inside a predecessor
   expectEqualOnThreads(test::modelText("", "AB" + repeated("A", 1000) + repeated("BAAB", 700),
                                        "A B A --> BBA\nB A --> AB\nA A --> AC\n"),
@@ -71,7 +71,7 @@ TEST(PartedScan, PredecessorsOfSeveralModulesReachOverChunks) {
                        6);
 }
 
-TEST(PartedScan, WhatIsCutMayReachOverManyChunks) {
+TEST(ParallelGeneralScan, WhatIsCutMayReachOverManyChunks) {
   expectEqualOnThreads(test::modelText("", repeated("[F(#)C(#)" + repeated("F", 170) + "]", 60),
                                        "C(x) : x>6 --> %\nC(x) --> C(x+1)\nF --> F\nF F(x) --> F(x)F\n"),
                        8);
@@ -81,20 +81,20 @@ TEST(PartedScan, WhatIsCutMayReachOverManyChunks) {
                        5);
 }
 
-TEST(PartedScan, PartsThatAreKeptStandInTheirOrder) {
+TEST(ParallelGeneralScan, PartsThatAreKeptStandInTheirOrder) {
   expectEqualOnThreads(test::modelText("", repeated("[F(#)C(#)F(1)F(2)]", 800) + "%(0,0)",
                                        "C(x) : x>6 --> %(x)\nC(x) --> C(x+1)\nF(x) F --> F(x)F\n"),
                        6);
 }
 
-TEST(PartedScan, VariablesAreRead) {
+TEST(ParallelGeneralScan, VariablesAreRead) {
   expectEqualOnThreads(
       test::modelText("Define: {array weights[3] = {1,2,3};}\nStart: {grown=1;}\nStartEach: {grown=grown*1.5;}\n",
                       repeated("A(#)", 3000), "A(x) : x<grown --> A(x+weights[x%3])\n"),
       5);
 }
 
-TEST(PartedScan, EveryPlaceWarnsOnce) {
+TEST(ParallelGeneralScan, EveryPlaceWarnsOnce) {
   // one place divides by 0 in the first chunk, the other in the last: both are reported, each once
   const std::string text = test::modelText("", "B(0)" + repeated("A(1)GH", 1500) + "A(0)B(0)A(0)",
                                            "A(x) --> A(2/x)\nB(x) --> B(3/x)\nG H --> HG\n");
@@ -107,7 +107,7 @@ TEST(PartedScan, EveryPlaceWarnsOnce) {
   }
 }
 
-TEST(PartedScan, TheFirstModuleThatFailsIsNamed) {
+TEST(ParallelGeneralScan, TheFirstModuleThatFailsIsNamed) {
   const std::string text =
       test::modelText("", repeated("A(1)GH", 900) + "A(0)" + repeated("A(1)GH", 900) + "B(1000)A(0)",
                       "B(x) --> B(exp(x))\nA(x) --> A(log(x))\nG H --> HG\n");
@@ -119,7 +119,7 @@ TEST(PartedScan, TheFirstModuleThatFailsIsNamed) {
   }
 }
 
-TEST(PartedScan, LimitsHoldForTheWholeString) {
+TEST(ParallelGeneralScan, LimitsHoldForTheWholeString) {
   for (const unsigned threads : {1U, 2U, 4U}) {
     derivation::DerivationOptions options = onThreads(threads);
     options.limits.maximumModules = 10000;
@@ -134,7 +134,7 @@ TEST(PartedScan, LimitsHoldForTheWholeString) {
   }
 }
 
-TEST(PartedScan, BlocksAndNewContextsGoModuleByModule) {
+TEST(ParallelGeneralScan, BlocksAndNewContextsGoModuleByModule) {
   // what one module does is seen by the next: the order must be that of the string
   expectEqualOnThreads(test::modelText("Start: {counted=0;}\n", repeated("A(#)", 2000),
                                        "A(x) : {counted=counted+1;} 1 --> A(counted)\n"),

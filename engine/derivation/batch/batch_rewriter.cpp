@@ -1,4 +1,4 @@
-#include "engine/derivation/batch/batch_scan.h"
+#include "engine/derivation/batch/batch_rewriter.h"
 
 #include <algorithm>
 #include <array>
@@ -14,13 +14,13 @@ namespace {
 
 using core::ModuleTypeId;
 
-/// What a context search does at a module, as bits.
+/// The effect of a module on context searches, as bits.
 constexpr std::uint8_t kSkippedLeft = 1;   // passed by a search to the left
 constexpr std::uint8_t kSkippedRight = 2;  // passed by a search to the right
 constexpr std::uint8_t kJumpedLeft = 4;    // `]`: the branch is passed
 constexpr std::uint8_t kJumpedRight = 8;   // `[`
 
-/// A number of each module type's plan.
+/// One number of each module type's plan, by type.
 std::vector<std::uint32_t> byType(const ProductionPlan& productions, std::size_t typeCount,
                                   std::uint32_t (*number)(const TypePlan&)) {
   std::vector<std::uint32_t> numbers(typeCount);
@@ -32,8 +32,8 @@ std::vector<std::uint32_t> byType(const ProductionPlan& productions, std::size_t
 
 }  // namespace
 
-BatchScan::BatchScan(const language::Program& program, const ContextRules& rules, const BatchPlan& plan,
-                     const ProductionPlan& productions)
+BatchRewriter::BatchRewriter(const language::Program& program, const ContextRules& rules, const BatchPlan& plan,
+                             const ProductionPlan& productions)
     : program_(&program),
       rules_(&rules),
       plan_(&plan),
@@ -96,7 +96,7 @@ BatchScan::BatchScan(const language::Program& program, const ContextRules& rules
   }
 }
 
-void BatchScan::begin(const Step& step) {
+void BatchRewriter::begin(const Step& step) {
   step_ = step;
   if (step_.old.shortcuts == nullptr) {
     shortcuts_.clear();
@@ -105,7 +105,7 @@ void BatchScan::begin(const Step& step) {
   evaluator_.begin(static_cast<double>(step.number), step.length, step.hasWarned, step.draws);
 }
 
-BatchScan::Outcome BatchScan::choose(std::uint64_t first, std::uint64_t end, std::uint64_t offset) {
+BatchRewriter::Outcome BatchRewriter::choose(std::uint64_t first, std::uint64_t end, std::uint64_t offset) {
   first_ = first;
   end_ = end;
   offset_ = offset;
@@ -154,7 +154,7 @@ BatchScan::Outcome BatchScan::choose(std::uint64_t first, std::uint64_t end, std
   return outcome;
 }
 
-BatchScan::Outcome BatchScan::countFixed() {
+BatchRewriter::Outcome BatchRewriter::countFixed() {
   const ModuleTypeId* types = step_.old.types + first_;
   fixedModules_ = fixedModuleSum_.of(types, end_ - first_);
   fixedParameters_ = fixedParameterSum_.of(types, end_ - first_);
@@ -162,7 +162,7 @@ BatchScan::Outcome BatchScan::countFixed() {
   return {end_, endOffset_, fixedModules_, fixedParameters_, false};
 }
 
-void BatchScan::writeFixed(ModuleTypeId* types, double* parameters) const {
+void BatchRewriter::writeFixed(ModuleTypeId* types, double* parameters) const {
   ModuleTypeId* const end = types + fixedModules_;
   if (plan_->fixedBlocks().hasTable()) {
     plan_->fixedBlocks().write(step_.old.types + first_, end_ - first_, types, end);
@@ -190,7 +190,7 @@ void BatchScan::writeFixed(ModuleTypeId* types, double* parameters) const {
   }
 }
 
-void BatchScan::collectSites() {
+void BatchRewriter::collectSites() {
   const ModuleFinder::Count count =
       finder_.find(step_.old.types + first_, static_cast<std::uint32_t>(end_ - first_), first_ > 0,
                    end_ < step_.old.size, {siteModule_.data(), siteOffset_.data(), siteBits_.data()});
@@ -201,12 +201,12 @@ void BatchScan::collectSites() {
   }
 }
 
-void BatchScan::dropPairs() {
+void BatchRewriter::dropPairs() {
   const ModuleTypeId* types = step_.old.types;
   const std::uint8_t* leftBits = plan_->leftBits();
   const std::uint8_t* rightBits = plan_->rightBits();
   const std::size_t stride = plan_->pairStride();
-  // beyond the string's ends there may be anything
+  // beyond the ends of the string every type is possible
   const auto unknown = static_cast<std::size_t>(program_->moduleTypeCount());
   std::size_t kept = 0;
   for (std::size_t site = 0; site < siteCount_; ++site) {
@@ -223,8 +223,8 @@ void BatchScan::dropPairs() {
   siteCount_ = kept;
 }
 
-void BatchScan::sortSites() {
-  // what is written may be anything to the compiler, so that members would be read again and again
+void BatchRewriter::sortSites() {
+  // local pointers: to the compiler every write may change a member, which it then reads again
   const ModuleTypeId* const types = step_.old.types + first_;
   const std::uint32_t* const siteModule = siteModule_.data();
   const std::uint32_t* const groupOf = groupOf_.data();
@@ -232,7 +232,7 @@ void BatchScan::sortSites() {
   std::uint32_t* const siteBlock = siteBlock_.data();
   std::uint32_t* const sorted = sorted_.data();
   const auto groupCount = static_cast<std::uint32_t>(plan_->groups().size());
-  // two counts for each group, of the sites in turn: a single one would have every addition wait for the one before
+  // two counts for each group, for even and odd sites: with one count every addition waits for the last addition
   std::uint32_t* const counts = groupCounts_.data();
   std::fill(groupCounts_.begin(), groupCounts_.end(), 0U);
   std::size_t siteCount = siteCount_;
@@ -282,7 +282,7 @@ void BatchScan::sortSites() {
   }
 }
 
-void BatchScan::chooseGroup(const BatchGroup& group, std::span<const std::uint32_t> sites) {
+void BatchRewriter::chooseGroup(const BatchGroup& group, std::span<const std::uint32_t> sites) {
   lightSites_ += group.isLight ? sites.size() : 0;
   // the neighbours are the same for all rules
   if (group.looksLeft) {
@@ -300,7 +300,7 @@ void BatchScan::chooseGroup(const BatchGroup& group, std::span<const std::uint32
   }
 }
 
-void BatchScan::chooseFirst(const BatchGroup& group, std::span<const std::uint32_t> sites) {
+void BatchRewriter::chooseFirst(const BatchGroup& group, std::span<const std::uint32_t> sites) {
   const std::uint32_t* const siteBlock = siteBlock_.data();
   std::uint32_t* const remaining = remaining_.data();
   for (std::uint32_t i = 0; i < group.ruleCount && !sites.empty(); ++i) {
@@ -322,7 +322,7 @@ void BatchScan::chooseFirst(const BatchGroup& group, std::span<const std::uint32
   }
 }
 
-std::size_t BatchScan::match(const BatchRule& rule, std::uint8_t bit, std::span<const std::uint32_t> sites) {
+std::size_t BatchRewriter::match(const BatchRule& rule, std::uint8_t bit, std::span<const std::uint32_t> sites) {
   std::size_t lane = laneCount_;
   switch (rule.context) {
     case BatchRule::Context::None:
@@ -350,7 +350,7 @@ std::size_t BatchScan::match(const BatchRule& rule, std::uint8_t bit, std::span<
 }
 
 template <bool kLooksLeft, bool kLooksRight>
-std::size_t BatchScan::matchNear(const BatchRule& rule, std::span<const std::uint32_t> sites) {
+std::size_t BatchRewriter::matchNear(const BatchRule& rule, std::span<const std::uint32_t> sites) {
   std::uint32_t* const laneSite = laneSite_.data();
   std::uint64_t* const laneLeft = laneLeft_.data();
   std::uint64_t* const laneRight = laneRight_.data();
@@ -377,7 +377,7 @@ std::size_t BatchScan::matchNear(const BatchRule& rule, std::span<const std::uin
   return lane;
 }
 
-void BatchScan::findLeft(std::span<const std::uint32_t> sites) {
+void BatchRewriter::findLeft(std::span<const std::uint32_t> sites) {
   const ContextString old = step_.old;
   const std::uint16_t* arity = program_->arity.data();
   const std::uint8_t* passing = passing_.data();
@@ -409,7 +409,7 @@ void BatchScan::findLeft(std::span<const std::uint32_t> sites) {
         module = link.partner;
         offset -= link.parameterCount;
       }
-      // a long way over branches is walked once for all
+      // all searches together walk a long way over branches once
       if (++passed > LeftShortcuts::kNearModules && old.types[module] == openBranch) [[unlikely]] {
         const LeftShortcuts::Place end = old.shortcuts->follow(*program_, *rules_, old, {module, offset});
         module = end.module;
@@ -422,7 +422,7 @@ void BatchScan::findLeft(std::span<const std::uint32_t> sites) {
   }
 }
 
-void BatchScan::findRight(std::span<const std::uint32_t> sites) {
+void BatchRewriter::findRight(std::span<const std::uint32_t> sites) {
   const ContextString old = step_.old;
   const std::uint16_t* arity = program_->arity.data();
   const std::uint8_t* passing = passing_.data();
@@ -460,7 +460,7 @@ void BatchScan::findRight(std::span<const std::uint32_t> sites) {
   }
 }
 
-bool BatchScan::matchSearched(const BatchRule& rule, std::uint32_t site, std::size_t lane) {
+bool BatchRewriter::matchSearched(const BatchRule& rule, std::uint32_t site, std::size_t lane) {
   const language::Production& production = *rule.production;
   const std::uint64_t module = first_ + siteModule_[site];
   const std::uint64_t offset = offset_ + siteOffset_[site];
@@ -478,7 +478,7 @@ bool BatchScan::matchSearched(const BatchRule& rule, std::uint32_t site, std::si
   return true;
 }
 
-void BatchScan::setLanes(const BatchRule& rule, std::size_t begin, std::size_t count) {
+void BatchRewriter::setLanes(const BatchRule& rule, std::size_t begin, std::size_t count) {
   const std::uint32_t* const site = laneSite_.data() + begin;
   const std::uint32_t* const siteOffset = siteOffset_.data();
   std::uint32_t* const own = own_.data();
@@ -494,7 +494,7 @@ void BatchScan::setLanes(const BatchRule& rule, std::size_t begin, std::size_t c
                        own_.data(), laneLeft_.data() + begin, laneRight_.data() + begin, modules_.data()});
 }
 
-std::size_t BatchScan::keepWhereTrue(const BatchRule& rule, std::size_t count) {
+std::size_t BatchRewriter::keepWhereTrue(const BatchRule& rule, std::size_t count) {
   std::uint32_t* const laneSite = laneSite_.data();
   std::uint64_t* const laneLeft = laneLeft_.data();
   std::uint64_t* const laneRight = laneRight_.data();
@@ -524,7 +524,7 @@ std::size_t BatchScan::keepWhereTrue(const BatchRule& rule, std::size_t count) {
   return kept - laneCount_;
 }
 
-void BatchScan::accept(const BatchRule& rule, std::size_t count) {
+void BatchRewriter::accept(const BatchRule& rule, std::size_t count) {
   if (count == 0) {
     return;
   }
@@ -541,7 +541,7 @@ void BatchScan::accept(const BatchRule& rule, std::size_t count) {
   }
 }
 
-void BatchScan::place() {
+void BatchRewriter::place() {
   const BatchBlock* const blocks = plan_->blocks().data();
   const std::uint32_t* const siteModule = siteModule_.data();
   const std::uint32_t* const siteOffset = siteOffset_.data();

@@ -1,0 +1,57 @@
+#include "engine/derivation/scan/cut_parts.h"
+
+#include <algorithm>
+#include <array>
+#include <span>
+
+namespace espalier::derivation {
+
+CutParts::CutParts(const language::Program& program)
+    : program_(&program), cut_(program.cut), keepingCut_(program.findType("%", 1)), marker_(program.findType("%", 2)) {}
+
+StringPart CutParts::find(const ModuleString& old, std::uint64_t module, std::uint64_t offset) const {
+  const std::span<const core::ModuleTypeId> types = old.types();
+  StringPart part{module + 1, module + 1, offset + program_->arity[types[module]], 0};
+  part.endParameter = part.firstParameter;
+  std::uint64_t depth = 0;
+  for (; part.endModule < types.size(); ++part.endModule) {
+    const core::ModuleTypeId type = types[part.endModule];
+    if (type == program_->openBranch) {
+      ++depth;
+    } else if (type == program_->closeBranch) {
+      if (depth == 0) {
+        break;
+      }
+      --depth;
+    }
+    part.endParameter += program_->arity[type];
+  }
+  return part;
+}
+
+void CutParts::add(const ModuleString& old, const StringPart& part, std::uint64_t offset) {
+  if (keepsPart(old.types()[part.firstModule - 1])) {
+    kept_.push_back({part, old.parameters()[offset]});
+  }
+}
+
+void CutParts::appendTo(ModuleString& string, const ModuleString& old, const Evaluator& evaluator) const {
+  if (kept_.empty()) {
+    return;
+  }
+  if (marker_ == core::kNoModuleType) {
+    evaluator.warn("the part that %(p) cuts is dropped: the model has no %(p,n) to append it behind", {});
+    return;
+  }
+  // n counts on from the markers that are in the string already
+  const std::span<const core::ModuleTypeId> made = string.types();
+  auto number = static_cast<double>(std::count(made.begin(), made.end(), marker_));
+  for (const auto& [part, parameter] : kept_) {
+    string.append(marker_, std::array<double, 2>{parameter, number});
+    string.appendAll(old.types().subspan(part.firstModule, part.endModule - part.firstModule),
+                     old.parameters().subspan(part.firstParameter, part.endParameter - part.firstParameter));
+    number += 1.0;
+  }
+}
+
+}  // namespace espalier::derivation

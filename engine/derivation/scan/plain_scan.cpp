@@ -1,0 +1,233 @@
+#include "engine/derivation/scan/plain_scan.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "engine/derivation/batch/fixed_blocks.h"
+
+namespace espalier::derivation {
+namespace {
+
+// the most old modules between two looks at the limits and at `cancelled`
+constexpr std::uint64_t kMostModules = 4096;
+// the most new modules or parameters between two looks at the limits
+constexpr std::uint64_t kMostOutput = 65536;
+// modules or parameters that a move may write beyond the end
+constexpr std::uint64_t kSlack = 64;
+// parameters that one move copies, even when fewer count
+constexpr std::uint64_t kCopiedAtOnce = 4;
+
+}  // namespace
+
+PlainScan::PlainScan(ScanContext& context, ModuleRewriter& rewriter)
+    : context_(&context),
+      rewriter_(&rewriter),
+      plans_(context.tables.front().plan.plans()),
+      rules_(context.tables.front().plan.rules()),
+      values_(context.tables.front().plan.values()),
+      successors_(context.tables.front().plan.types()),
+      storesFloats_(context.rewriter.storesFloats()),
+      frame_(context.program.maximumSlots + std::size_t{1}, 0.0) {
+  const std::vector<std::uint16_t>& arity = context.program.arity;
+  hasParameters_ = std::any_of(arity.begin(), arity.end(), [](std::uint16_t count) { return count > 0; });
+  const ProductionPlan& plan = context.tables.front().plan;
+  chunkModules_ = std::clamp<std::uint64_t>(kMostOutput / std::max(plan.largestLength(), plan.largestParameterCount()),
+                                            1, kMostModules);
+}
+
+void PlainScan::run(std::uint64_t end, ScanPlace& place) {
+  if (context_->drawsEachPosition(*context_->tables.front().system)) {
+    hasParameters_ ? scan<true, true>(end, place) : scan<true, false>(end, place);
+  } else {
+    hasParameters_ ? scan<false, true>(end, place) : scan<false, false>(end, place);
+  }
+}
+
+template <bool kDrawsEachPosition, bool kHasParameters>
+void PlainScan::scan(std::uint64_t end, ScanPlace& place) {
+  while (place.module < end) {
+    context_->evaluator.clearModule();
+    context_->evaluator.pollCancelled();
+    context_->rewriter.checkSize(context_->output.size(), context_->output.parameterCount());
+    scanChunk<kDrawsEachPosition, kHasParameters>(std::min(end, place.module + chunkModules_), place);
+  }
+}
+
+PlainScan::Target PlainScan::startWriting(std::uint64_t moduleCount) {
+  const ProductionPlan& plan = context_->tables.front().plan;
+  ModuleString& output = context_->output;
+  context_->reserveOutput(output.size() + moduleCount * plan.largestLength() + kSlack,
+                          output.parameterCount() + moduleCount * plan.largestParameterCount() + kSlack);
+  return {output.typeBuffer().data() + output.size(), output.parameterBuffer().data() + output.parameterCount()};
+}
+
+// by value: a target whose address is known elsewhere would live in memory, not in registers
+void PlainScan::stopWriting(Target target) {
+  ModuleString& output = context_->output;
+  output.typeBuffer().resize(static_cast<std::size_t>(target.type - output.typeBuffer().data()));
+  output.parameterBuffer().resize(static_cast<std::size_t>(target.parameter - output.parameterBuffer().data()));
+}
+
+[[gnu::always_inline]] inline double PlainScan::evaluate(const QuickValue& value) {
+  return value.form == QuickValue::Form::Code ? context_->evaluator.value(*value.expression, frame_.data())
+                                              : quickValue(value, frame_.data());
+}
+
+[[gnu::always_inline]] inline const QuickRule* PlainScan::chooseRule(const TypePlan& plan, std::uint64_t module,
+                                                                     double draw) {
+  if (plan.usesCode) {
+    context_->evaluator.setModule(module, context_->old->types()[module]);
+    if (plan.drawsRandom) {
+      context_->random.key(core::DrawDomain::Production, context_->step, module);
+    }
+  }
+  const QuickRule* const first = rules_ + plan.firstRule;
+  const QuickRule* const last = first + plan.ruleCount;
+  if (plan.kind == TypePlan::Kind::Weights) {
+    return chooseByWeights(first, last, module, draw);
+  }
+  for (const QuickRule* rule = first; rule != last; ++rule) {
+    if (!rule->hasCondition || evaluate(rule->condition) != 0.0) {
+      return rule;
+    }
+  }
+  return nullptr;
+}
+
+[[gnu::always_inline]] inline void PlainScan::writeSuccessor(const QuickRule& rule, std::uint64_t module,
+                                                             Target& target) {
+  const core::ModuleTypeId* const successor = successors_ + rule.firstType;
+  if (rule.length <= TypePlan::kInlineTypes) [[likely]] {
+    std::memcpy(target.type, successor, TypePlan::kInlineTypes * sizeof(core::ModuleTypeId));
+  } else {
+    std::memcpy(target.type, successor, rule.length * sizeof(core::ModuleTypeId));
+  }
+  target.type += rule.length;
+  const QuickValue* value = values_ + rule.firstValue;
+  for (std::uint32_t i = 0; i < rule.valueCount; ++i, ++value) {
+    const double result = evaluate(*value);
+    if (storesFloats_) {
+      *target.parameter++ = static_cast<double>(static_cast<float>(result));
+    } else if (result - result == 0.0) [[likely]] {
+      *target.parameter++ = result;
+    } else {
+      failNonFinite(rule, i, result, module);
+    }
+  }
+}
+
+template <bool kDrawsEachPosition, bool kHasParameters>
+void PlainScan::scanChunk(std::uint64_t end, ScanPlace& place) {
+  const SystemTables& tables = context_->tables.front();
+  const TypePlan* const plans = plans_;
+  const ModuleString& old = *context_->old;
+  const core::ModuleTypeId* types = old.types().data();
+  const double* parameters = old.parameters().data();
+  const std::uint64_t parameterCount = old.parameterCount();
+  std::uint64_t module = place.module;
+  std::uint64_t offset = place.offset;
+  Target target = startWriting(end - module);
+
+  // two modules at a time, where every module becomes the same block each time
+  if constexpr (!kDrawsEachPosition && !kHasParameters) {
+    if (const FixedBlocks& blocks = tables.batches.fixedBlocks(); blocks.hasTable()) {
+      const core::Buffer<core::ModuleTypeId>& reserved = context_->output.typeBuffer();
+      target.type = blocks.write(types + module, end - module, target.type, reserved.data() + reserved.capacity());
+      module = end;
+    }
+  }
+  while (module < end) {
+    const TypePlan& plan = plans[types[module]];
+    double draw = 0.0;
+    if constexpr (kDrawsEachPosition) {
+      draw = context_->random.selection(context_->step, module);
+    }
+
+    // the same modules every time: written whole, however many of them count
+    if (plan.kind == TypePlan::Kind::Fixed) [[likely]] {
+      std::memcpy(target.type, plan.types.data(), sizeof(plan.types));
+      if (plan.length > TypePlan::kInlineTypes) [[unlikely]] {
+        std::memcpy(target.type, successors_ + plan.firstType, plan.length * sizeof(core::ModuleTypeId));
+      }
+      target.type += plan.length;
+      if constexpr (kHasParameters) {
+        if (plan.arity <= kCopiedAtOnce && offset + kCopiedAtOnce <= parameterCount) [[likely]] {
+          std::memcpy(target.parameter, parameters + offset, kCopiedAtOnce * sizeof(double));
+        } else if (plan.copied > 0) {
+          std::memcpy(target.parameter, parameters + offset, plan.copied * sizeof(double));
+        }
+        target.parameter += plan.copied;
+        offset += plan.arity;
+      }
+      ++module;
+      continue;
+    }
+
+    if (plan.kind == TypePlan::Kind::General) {
+      stopWriting(target);
+      ScanPlace next{module, offset};
+      rewriter_->rewriteNext(tables, draw, next);
+      module = next.module;
+      offset = next.offset;
+      context_->rewriter.checkSize(context_->output.size(), context_->output.parameterCount());
+      target = startWriting(end > module ? end - module : 0);
+      continue;
+    }
+
+    // productions that only a condition and a weight decide between
+    std::copy_n(parameters + offset, plan.arity, frame_.data());
+    const QuickRule* const rule = chooseRule(plan, module, draw);
+    if (rule != nullptr) {
+      writeSuccessor(*rule, module, target);
+    } else {
+      // no production applies: the module stands for itself
+      *target.type++ = types[module];
+      target.parameter = std::copy_n(parameters + offset, plan.arity, target.parameter);
+    }
+    offset += plan.arity;
+    ++module;
+  }
+  stopWriting(target);
+  place = {module, offset};
+}
+
+const QuickRule* PlainScan::chooseByWeights(const QuickRule* first, const QuickRule* last, std::uint64_t module,
+                                            double draw) {
+  // the weights of the rules whose condition holds
+  weights_.clear();
+  matching_.clear();
+  double sum = 0.0;
+  for (const QuickRule* rule = first; rule != last; ++rule) {
+    if (!rule->hasCondition || evaluate(rule->condition) != 0.0) {
+      const double weight = evaluate(rule->weight);
+      weights_.push_back(weight);
+      matching_.push_back(rule);
+      sum += weight;
+    }
+  }
+  if (matching_.size() < 2) {
+    return matching_.empty() ? nullptr : matching_.front();
+  }
+  if (!storesFloats_ && !(sum - sum == 0.0)) {
+    context_->rewriter.failWeights(*matching_.front()->production);
+  }
+  return matching_[chooseByWeight(
+      weights_, storesFloats_ ? draw : 1.0 - context_->random.selection(context_->step, module), storesFloats_)];
+}
+
+void PlainScan::failNonFinite(const QuickRule& rule, std::uint32_t valueIndex, double value, std::uint64_t module) {
+  // which parameter of which module of the successor it is
+  context_->evaluator.setModule(module, context_->old->types()[module]);
+  std::uint32_t remaining = valueIndex;
+  for (const language::SuccessorModule& made : rule.production->successor) {
+    const std::uint32_t arity = context_->program.arity[made.type];
+    if (remaining < arity) {
+      context_->rewriter.failNonFinite(value, rule.production->expressions[made.firstExpression + remaining], remaining,
+                                       made.type);
+    }
+    remaining -= arity;
+  }
+  context_->evaluator.failHere(core::SimulationErrorCode::NonFinite, "a parameter is not finite");
+}
+
+}  // namespace espalier::derivation

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "engine/derivation/matching/production_plan.h"
+#include "engine/derivation/scan/module_rewriter.h"
+#include "engine/derivation/scan/scan_context.h"
+
+namespace espalier::derivation {
+
+/// One module after the other, each by the table of its type (ProductionPlan). Only types of the general kind cost a
+/// call of the ModuleRewriter.
+class PlainScan {
+ public:
+  /// Both must outlive the object.
+  PlainScan(ScanContext& context, ModuleRewriter& rewriter);
+
+  /// Rewrites the modules of the old string from `place` up to `end`, and moves `place` behind them. It ends further
+  /// behind when a predecessor or a cut reaches over `end`.
+  void run(std::uint64_t end, ScanPlace& place);
+
+ private:
+  /// Where the next module and the next parameter are written: behind the end of the output.
+  struct Target {
+    core::ModuleTypeId* type = nullptr;
+    double* parameter = nullptr;
+  };
+
+  template <bool kDrawsEachPosition, bool kHasParameters>
+  void scan(std::uint64_t end, ScanPlace& place);
+  template <bool kDrawsEachPosition, bool kHasParameters>
+  void scanChunk(std::uint64_t end, ScanPlace& place);
+  [[nodiscard]] Target startWriting(std::uint64_t moduleCount);
+  void stopWriting(Target target);
+  [[nodiscard]] double evaluate(const QuickValue& value);
+  [[nodiscard]] const QuickRule* chooseRule(const TypePlan& plan, std::uint64_t module, double draw);
+  [[nodiscard]] const QuickRule* chooseByWeights(const QuickRule* first, const QuickRule* last, std::uint64_t module,
+                                                 double draw);
+  void writeSuccessor(const QuickRule& rule, std::uint64_t module, Target& target);
+  [[noreturn]] void failNonFinite(const QuickRule& rule, std::uint32_t valueIndex, double value, std::uint64_t module);
+
+  ScanContext* context_;
+  ModuleRewriter* rewriter_;
+  const TypePlan* plans_;  // the next four: of the ProductionPlan
+  const QuickRule* rules_;
+  const QuickValue* values_;
+  const core::ModuleTypeId* successors_;
+  bool storesFloats_;                       // Rewriter::storesFloats
+  bool hasParameters_ = false;              // some module type of the Program has parameters
+  std::uint64_t chunkModules_ = 1;          // old modules between two looks at the limits and at `cancelled`
+  std::vector<double> frame_;               // formal parameters of the module (Program::maximumSlots)
+  std::vector<double> weights_;             // of the rules that match
+  std::vector<const QuickRule*> matching_;  // the same rules
+};
+
+}  // namespace espalier::derivation
