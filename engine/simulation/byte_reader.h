@@ -8,9 +8,9 @@
 
 namespace espalier::simulation {
 
-/// Reads what ByteWriter wrote, from bytes that nobody vouches for. Reading beyond the end, or a length that the bytes
-/// left cannot hold, makes hasFailed() true for good; every read then gives zeros and empty values. Never allocates
-/// more than the bytes it was given describe.
+/// Reads the output of ByteWriter from untrusted bytes. After a read beyond the end, or of a length that the remaining
+/// bytes cannot hold, hasFailed() stays true and every read gives zeros and empty values. Never allocates more than the
+/// bytes describe.
 class ByteReader {
  public:
   explicit ByteReader(std::string_view bytes) : bytes_(bytes) {}
@@ -48,7 +48,7 @@ class ByteReader {
     return values;
   }
 
-  /// What was read has no meaning.
+  /// For a caller that finds a value without meaning.
   void fail() { hasFailed_ = true; }
   [[nodiscard]] bool hasFailed() const { return hasFailed_; }
   [[nodiscard]] std::uint64_t remaining() const { return hasFailed_ ? 0 : bytes_.size() - position_; }

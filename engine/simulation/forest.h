@@ -17,7 +17,7 @@ namespace espalier::simulation {
 /// The models of a simulation, in their order.
 using Programs = std::vector<std::shared_ptr<const language::Program>>;
 
-/// What a plant is made from.
+/// The model and the place of a plant.
 struct PlantOrigin {
   std::uint32_t model = 0;  // index into the simulation's Programs
   turtle::PlantPlacement placement;
@@ -31,8 +31,8 @@ inline constexpr int kBlocksPerModel = 16;
 
 inline constexpr std::uint64_t kStillAlive = std::numeric_limits<std::uint64_t>::max();
 
-/// A plant of a simulation, living or dead. Its number is its place in the simulation's list and is never given to
-/// another.
+/// A plant of a simulation, living or dead. Its number is its place in the simulation's list; no other plant ever has
+/// that number.
 struct Plant {
   PlantOrigin origin;
   std::uint64_t birthStep = 0;            // completed steps when it began as its axiom

@@ -16,8 +16,8 @@
 
 namespace espalier::simulation {
 
-/// The Programs of a simulation, what interprets them, and the one numbering of symbols, surfaces and contours in which
-/// environments and pictures see the plants of all of them. With one Program every number is that Program's own.
+/// The Programs of a simulation, their Interpreters, and one numbering of symbols, surfaces and contours for all of
+/// them. Environments and pictures use that numbering. With one Program every number is that Program's own.
 class ModelSet {
  public:
   /// At least one Program; all of one compatibility mode.
@@ -57,8 +57,8 @@ class ModelSet {
     [[nodiscard]] bool isEmpty() const;
     std::size_t segments, polygons, balls, surfaces, cylinders, patches, labels;
   };
-  /// Turns what the elements behind `mark`, drawn by a plant of `model`, refer to into the common numbers and adds
-  /// `colourShift` to their colours.
+  /// Gives the elements behind `mark`, which a plant of `model` drew, the common numbers of surfaces and contours, and
+  /// adds `colourShift` to their colours.
   void toCommonNumbers(std::uint32_t model, std::int32_t colourShift, const SceneMark& mark,
                        turtle::Scene& scene) const;
 

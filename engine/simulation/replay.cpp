@@ -42,7 +42,7 @@ class ReplayProcess final : public turtle::EnvironmentProcess {
                                                              turtle::ReplyBatch& replies) override {
     const TraceEvent* const expected = next();
     if (queries.size() == 0 && (expected == nullptr || expected->kind == TraceEventKind::Tick)) {
-      // whoever was recorded needed no geometry, the witness does
+      // the recorded environment needed no geometry, the witness does
       tell(queries, replies);
       return std::nullopt;
     }
@@ -155,7 +155,7 @@ class ReplayProcess final : public turtle::EnvironmentProcess {
              numberText(a.x) + ", " + numberText(a.y) + ", " + numberText(a.z) + ").";
     }
     if (vector(recorded.heading, now.heading) || vector(recorded.left, now.left) || vector(recorded.up, now.up)) {
-      return "the turtle is turned otherwise.";
+      return "the turtle has another orientation.";
     }
     return {};
   }
@@ -285,7 +285,7 @@ class Replay {
     options.world = event.context.world;
     std::unique_ptr<ReplayProcess> process;
     if (event.hasEnvironment) {
-      // who looked at the geometry is not there; a witness may
+      // the recorded environment is not here, so only the witness can need geometry
       event.description.needs.geometry = witness_.needsGeometry;
       process = std::make_unique<ReplayProcess>(event.description, event.context.symbols, witness_);
     }

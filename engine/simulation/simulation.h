@@ -29,25 +29,25 @@ struct RecordChain;
 
 namespace espalier::simulation {
 
-/// What happens when the environment does not answer.
+/// The reaction to an environment that does not answer.
 enum class EnvironmentPolicy : std::uint8_t {
   Fail,  // the step fails, the simulation stays at its last completed step
   Keep,  // the modules keep what they sent
 };
 
-/// How the caller made the environment, in words of its own: the name it goes by and the files it was read from. A
-/// snapshot keeps it, so that whoever resumes can make the environment again with the same configuration.
+/// The caller's own description of the environment: its name and the files of its configuration. A snapshot keeps it,
+/// so that the program that resumes can make the same environment again.
 struct EnvironmentOrigin {
-  std::string name;                                        // empty: not said
+  std::string name;                                        // empty: not given
   std::vector<std::pair<std::string, std::string>> files;  // name, text
 
   bool operator==(const EnvironmentOrigin&) const = default;
 };
 
-/// Iterated (implicit) coupling: within a step the environment answers again from the state it had before the step, to
-/// queries that hold what it answered, until the answers stay as they are. ?E(x) then is a fixed point of both sides.
+/// Iterated (implicit) coupling: within a step the environment returns to its state before the step and answers queries
+/// that hold its last answers, until the answers no longer change. ?E(x) then is a fixed point of both sides.
 struct Coupling {
-  std::uint32_t iterations = 1;  // at most so many exchanges a step; 1: not iterated
+  std::uint32_t iterations = 1;  // maximum number of exchanges in a step; 1: not iterated
   double tolerance = 0.0;        // a parameter that changes by no more than this stays as it is; 0: the same bits
 
   bool operator==(const Coupling&) const = default;
@@ -68,7 +68,7 @@ struct SimulationOptions {
   files::Palette palette;   // colours of the model folder: for pictures only, snapshots carry them
   std::string startString;  // takes the axiom's place in every plant, as its text; empty: the axiom
   core::MessageSink messages;
-  std::shared_ptr<core::FileWriter> fileWriter;  // takes what models write, after each step; null: they may not
+  std::shared_ptr<core::FileWriter> fileWriter;  // receives the output of models after each step; null: none
 };
 
 /// Figures of the last step, or summed over a run.
@@ -88,13 +88,13 @@ struct StepStatistics {
 /// One plant or several, of one Program or several, with an environment, advanced together. Not thread-safe: one worker
 /// at a time.
 ///
-/// Plants come and go during a run: a seed that a plant drops becomes a plant of its own at the end of the step, a
-/// plant that asks for its death is gone at the end of the step (forest.h). A plant keeps its number for life; one that
-/// is gone has an empty string.
+/// Plants come and go during a run (forest.h). A seed that takes root becomes a plant at the end of the step. A plant
+/// that asks for its death is gone at the end of the step. A plant keeps its number; the string of a dead plant is
+/// empty.
 ///
-/// A step: queries of all plants -> environment -> write back -> derive each plant. A step that fails leaves everything
-/// as after the last completed step and can be tried again; replies that had arrived for it are kept and not asked for
-/// twice.
+/// A step: queries of all plants -> environment -> write back -> derive each plant. After a failure everything is as
+/// after the last completed step, and the step can be tried again. Replies that have arrived are kept: the environment
+/// is not asked twice.
 class Simulation {
  public:
   Simulation(std::shared_ptr<const language::Program> program, std::vector<turtle::PlantPlacement> placements,
@@ -112,13 +112,13 @@ class Simulation {
   /// Goes to step 0: Start, axiom, environment opened. Must be called (or a snapshot restored) before the first step.
   [[nodiscard]] std::optional<core::SimulationError> rewind();
 
-  /// One step; setCancelled(true) from another thread gives it up. May be called beyond the derivation length (the
-  /// derivation simply goes on) but not after the model has stopped itself.
+  /// One step; setCancelled(true) from another thread cancels it. A step beyond the derivation length is allowed. A
+  /// step after the model has stopped itself is an error.
   [[nodiscard]] std::optional<core::SimulationError> step();
 
-  /// Only the interpretation pass of the next step: queries are answered and written into the strings, nothing is
-  /// derived. step() afterwards does not repeat it. What `derive --answered` prints. A model with `environment display:
-  /// before` means its strings to be shown after this pass; the strings themselves do not depend on when it is made.
+  /// Only the interpretation pass of the next step: answers are written into the strings, and nothing is derived.
+  /// step() does not repeat the pass. `derive --answered` prints the strings after it, and a model with `environment
+  /// display: before` is shown after it. The strings do not depend on when the pass is made.
   [[nodiscard]] std::optional<core::SimulationError> answer();
 
   /// The derivation length is reached or the model called stop().
@@ -135,7 +135,7 @@ class Simulation {
   [[nodiscard]] const derivation::ModuleString& string(std::size_t plant = 0) const;
   /// Everything that the next derivation of a plant starts from.
   [[nodiscard]] const derivation::PlantState& plantState(std::size_t plant = 0) const;
-  /// What its Derivation was made with.
+  /// The options of its Derivation.
   [[nodiscard]] derivation::DerivationOptions derivationOptions(std::size_t plant = 0) const;
   [[nodiscard]] std::string stringText(std::size_t plant = 0) const;
   [[nodiscard]] const StepStatistics& statistics() const;
@@ -144,8 +144,8 @@ class Simulation {
   [[nodiscard]] const Programs& programs() const;
   /// Names of the symbols by the numbers of turtleRecords() and of the queries to the environment.
   [[nodiscard]] const std::vector<std::string>& symbolNames() const;
-  /// What the surfaces, contours and line styles of scene() refer to: the first Program's view settings, with the
-  /// surfaces and contours of all. Valid as long as the simulation.
+  /// The view settings for scene(): those of the first Program, with the surfaces and contours of all Programs. Valid
+  /// as long as the simulation.
   [[nodiscard]] const files::ViewSettings& view() const;
   [[nodiscard]] const SimulationOptions& options() const;
   [[nodiscard]] turtle::EnvironmentProcess* environment();  // null: none
@@ -156,8 +156,8 @@ class Simulation {
   /// The turtle stream's records of the current strings, all plants; symbols are places in symbolNames(). Does not
   /// change the simulation.
   [[nodiscard]] std::variant<std::vector<turtle::TurtleRecord>, core::SimulationError> turtleRecords() const;
-  /// The same as stretches of the strings, of which those that `base` (null: nothing) has already are taken from there:
-  /// a chain of this simulation at any other time. Null when the models' drawings are not repeatable (record_chain.h).
+  /// The same as a chain of stretches. `base` is a chain of this simulation at any other time, or null: stretches that
+  /// it has are shared. Null when the models' drawings are not repeatable (record_chain.h).
   [[nodiscard]] std::variant<std::shared_ptr<const turtle::RecordChain>, core::SimulationError> recordChain(
       const turtle::RecordChain* base) const;
   /// Calls `visit` after each module of all plants, in order, with the turtle's state then (InterpretationOutput::

@@ -16,22 +16,22 @@
 namespace espalier::simulation {
 
 /// First bytes of a snapshot file, then the version as a little-endian 32-bit number. The layout is in
-/// engine/simulation/README.md.
+/// engine/simulation/FORMATS.md.
 inline constexpr std::string_view kSnapshotMagic = "ESPALIER";
 inline constexpr std::uint32_t kSnapshotVersion = 2;
 
-/// What one of a snapshot's models is compiled from.
+/// The sources and options of one of a snapshot's models.
 struct SnapshotSource {
   language::CompileInput compileInput;  // names into `files`
   core::MemoryFileProvider files;       // every source of the model
   std::uint64_t programHash = 0;
 };
 
-/// The name of an environment that has not yet said what it is, because it is away: any environment's state may be
-/// restored into it, and what is saved with it into any environment.
+/// The name of an environment in another process that is not connected yet. The state of any environment can be
+/// restored into it, and its state into any environment.
 inline constexpr std::string_view kUnknownEnvironment = "?";
 
-/// What a snapshot says about itself, enough to compile its model and create a Simulation to restore it into.
+/// The head of a snapshot: enough to compile its models and to create the Simulation that restores it.
 struct SnapshotInfo {
   std::uint32_t version = kSnapshotVersion;
   std::vector<SnapshotSource> models;  // at least one
@@ -43,7 +43,7 @@ struct SnapshotInfo {
   std::uint32_t plantCount = 1;
   std::vector<Plant> plants;            // (plantCount), living and dead
   SeedRules seeds;                      // SimulationOptions::seeds
-  EnvironmentOrigin environmentOrigin;  // how the caller that saved had made it
+  EnvironmentOrigin environmentOrigin;  // the saving caller's description of it
   std::string environmentName;          // empty: none
   files::Palette palette;               // of pictures
 };
@@ -52,7 +52,7 @@ struct SnapshotInfo {
 [[nodiscard]] std::variant<Programs, core::DiagnosticList> compileModels(SnapshotInfo& info,
                                                                          const core::Limits& limits);
 
-/// Reads the head of a snapshot. Errors say what is wrong: not a snapshot, a newer version, cut off.
+/// Reads the head of a snapshot. Errors name the reason: not a snapshot, a newer version, cut off, damaged.
 [[nodiscard]] std::variant<SnapshotInfo, core::SimulationError> readSnapshotInfo(std::string_view snapshot);
 
 }  // namespace espalier::simulation

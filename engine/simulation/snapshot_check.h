@@ -10,8 +10,8 @@ namespace espalier::simulation {
 // A snapshot can come from a stranger, and its checksum proves nothing: anybody can compute one. These checks stand
 // between the bytes and every part of the engine that indexes by them.
 
-/// What is wrong with the values of a snapshot that need no Program to be checked (steps, places, rules for seeds,
-/// colours, coupling, replies), as the end of a sentence; empty: nothing. Without plants only the head is checked.
+/// The first wrong value of a snapshot that can be found without a Program (steps, places, rules for seeds, colours,
+/// coupling, replies), as the end of a sentence. Empty: all are right.
 [[nodiscard]] std::string problemOfRun(const SnapshotContent& content);
 
 /// Checks every plant against the Program it is to run with and turns its module types into the Program's. A whole

@@ -209,7 +209,7 @@ void readTypes(ByteReader& reader, SnapshotModel& model) {
   }
 }
 
-/// Whether there is more to say than models and placements: what version 1 has no place for.
+/// Whether the run has something that version 1 cannot hold: more than one model and the places of plants.
 bool isForest(const SnapshotContent& content) {
   return content.models.size() > 1 || content.seeds != SeedRules() ||
          std::any_of(content.members.begin(), content.members.end(), [](const Plant& member) {
@@ -398,7 +398,7 @@ void readPending(ByteReader& reader, SnapshotContent& content) {
   content.replies.surplusCount = reader.number64();
 }
 
-// a sink that hashes what it passes on
+// a sink that hashes the bytes that it passes on
 class HashingSink {
  public:
   explicit HashingSink(core::ByteSink& sink) : sink_(&sink) {}

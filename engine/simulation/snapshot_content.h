@@ -29,7 +29,7 @@ struct SnapshotModel {
   std::vector<std::pair<std::string, std::uint16_t>> types;  // module types of the strings: name and arity
 };
 
-/// Everything in a snapshot, as plain data. The layout of the bytes is in README.md.
+/// Everything in a snapshot, as plain data. The layout of the bytes is in FORMATS.md.
 struct SnapshotContent {
   std::vector<SnapshotModel> models{1};
   core::Compatibility compatibility = core::Compatibility::Espalier;  // of all
@@ -59,9 +59,9 @@ struct SnapshotContent {
 /// Writes a snapshot in pieces, the checksum last.
 void writeSnapshot(const SnapshotContent& content, core::ByteSink& sink);
 
-/// Reads a snapshot. With `headOnly` the plants, the environment's state and the replies are left out. Errors name what
-/// is wrong: not a snapshot, a newer version, cut off, damaged. The values are right by themselves; whether they fit
-/// a Program is for adoptPrograms (snapshot_check.h).
+/// Reads a snapshot. With `headOnly` the plants, the environment's state and the replies are left out. Errors name the
+/// reason: not a snapshot, a newer version, cut off, damaged. The values are right by themselves; adoptPrograms
+/// (snapshot_check.h) checks whether they fit the Programs.
 [[nodiscard]] std::variant<SnapshotContent, core::SimulationError> readSnapshot(std::string_view snapshot,
                                                                                 bool headOnly);
 

@@ -57,7 +57,7 @@ class Types {
   const SnapshotModel* model_;
 };
 
-/// The first module behind what is pruned at `begin`.
+/// The first module behind the part that is pruned at `begin`.
 std::uint64_t endOfPruned(std::span<const core::ModuleTypeId> string, const Types& types, std::uint64_t begin) {
   const bool isBranch = types.isOpening(string[begin]);
   std::uint64_t depth = 0;
@@ -76,7 +76,7 @@ std::uint64_t endOfPruned(std::span<const core::ModuleTypeId> string, const Type
   return string.size();
 }
 
-/// What is wrong with the modules to put in, or an empty text. Fills `chosen` with their types.
+/// The reason why the modules cannot be put in, or an empty text. Fills `chosen` with their types.
 std::string problemOf(const std::vector<EditedModule>& modules, const Types& types,
                       std::vector<core::ModuleTypeId>& chosen) {
   std::uint64_t depth = 0;

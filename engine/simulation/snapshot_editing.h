@@ -23,7 +23,7 @@ struct EditedModule {
 struct StringEdit {
   enum class Kind : std::uint8_t {
     Insert,  // `modules` before `module`, or at the end when it is the string's length
-    Prune,   // `module` and everything it carries goes: to the end of its branch, or the whole branch when it is `[`
+    Prune,   // removes `module` and all modules behind it in its branch; for a `[` the whole branch
     Replace  // `modules` take the place of `module`
   };
   Kind kind = Kind::Insert;
@@ -43,8 +43,8 @@ using EditedSnapshot = std::variant<std::string, core::SimulationError>;
 [[nodiscard]] EditedSnapshot setVariables(std::string_view snapshot, const Programs& programs,
                                           const std::vector<std::pair<std::string, double>>& values);
 
-/// The snapshot as one of `programs`, which have the same sources with other definitions. What does not fit is found
-/// when it is restored.
+/// The snapshot as one of `programs`, which have the same sources with other definitions. restore() finds parts that do
+/// not fit.
 [[nodiscard]] EditedSnapshot withPrograms(std::string_view snapshot, const Programs& programs);
 
 }  // namespace espalier::simulation

@@ -15,7 +15,7 @@ std::uint64_t checksumOf(std::string_view bytes) {
   return hasher.value();
 }
 
-/// Passes everything on and writes down what was answered.
+/// Passes every call on and records the answers.
 class RecordingProcess final : public turtle::EnvironmentProcess {
  public:
   RecordingProcess(std::unique_ptr<turtle::EnvironmentProcess> process, std::shared_ptr<TraceRecorder> recorder)
@@ -61,7 +61,7 @@ class RecordingProcess final : public turtle::EnvironmentProcess {
 void TraceRecorder::write(TraceEventKind kind, std::string_view content) {
   ByteWriter frame;
   if (!hasBegun_) {
-    // what was asked before the start is not of this run
+    // queries before the start belong to no run
     if (kind != TraceEventKind::Start) {
       return;
     }

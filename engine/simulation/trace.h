@@ -17,16 +17,16 @@
 
 namespace espalier::simulation {
 
-/// First bytes of a trace, then the version as a little-endian 32-bit number. The layout is in README.md.
+/// First bytes of a trace, then the version as a little-endian 32-bit number. The layout is in FORMATS.md.
 inline constexpr std::string_view kTraceMagic = "ESPTRACE";
 inline constexpr std::uint32_t kTraceVersion = 1;
 
-/// What happened, in its order.
+/// The kinds of events, in their order.
 enum class TraceEventKind : std::uint8_t {
   Start = 1,     // where the run begins: snapshot, environment's description and context
   Step = 2,      // queries and their replies
   Tick = 3,      // a step without queries
-  Failure = 4,   // the environment did not answer; the step was not made, or made as `message` says
+  Failure = 4,   // the environment did not answer; `message` has the consequence
   Complete = 5,  // a step is complete: hashes of the plants
 };
 
@@ -54,8 +54,8 @@ struct TraceEvent {
   std::vector<std::vector<std::uint32_t>> pieceHashes;  // of each plant
 };
 
-/// Writes a trace as a simulation runs. Two halves of one thing: the process between the simulation and its
-/// environment, and the caller's word that a run begins or a step is complete.
+/// Writes a trace while a simulation runs. The recording process notes the dialogue with the environment; the caller
+/// reports that a run begins or that a step is complete.
 ///
 ///     auto recorder = std::make_shared<TraceRecorder>(sink);
 ///     Simulation simulation(program, placements, record(std::move(process), recorder), options);
@@ -71,7 +71,7 @@ class TraceRecorder {
   void begin(Simulation& simulation);
   /// After each step that succeeded.
   void complete(const Simulation& simulation);
-  /// The environment failed, and what is done about it.
+  /// The environment failed; `message` has the consequence.
   void fail(std::uint64_t step, std::string_view message);
 
   // for the recording process
@@ -91,7 +91,7 @@ class TraceRecorder {
 [[nodiscard]] std::unique_ptr<turtle::EnvironmentProcess> record(std::unique_ptr<turtle::EnvironmentProcess> process,
                                                                  std::shared_ptr<TraceRecorder> recorder);
 
-/// Reads a trace event by event. Believes nothing: a damaged or cut event is an error that names its place.
+/// Reads an untrusted trace event by event. A damaged or cut event is an error that names its place.
 class TraceReader {
  public:
   /// `bytes` must outlive the reader.
@@ -119,16 +119,15 @@ struct ReplayResult {
   std::optional<Divergence> divergence;
 };
 
-/// Who looks on while a run is made again, as another environment that is put the same questions. Empty functions are
-/// not called.
+/// An observer of a replay, as another environment that receives the same queries. Empty functions are not called.
 struct ReplayWitness {
-  bool needsGeometry = false;  // the questions come with what the plants look like
+  bool needsGeometry = false;  // the queries come with the geometry of the plants
   std::function<void(const turtle::EnvironmentContext&)> opened;
   std::function<void(const turtle::QueryBatch&, const turtle::ReplyBatch& recorded)> asked;
   std::function<void(std::uint64_t step)> ticked;
 };
 
-/// Makes the recorded run again without its environment: the model comes from the trace, the replies too. Stops at the
+/// Makes the recorded run again without its environment: the model and the replies come from the trace. Stops at the
 /// first difference in a query, a reply or a string. An error sentence when the trace cannot be read or its model does
 /// not compile. `threads` and `limits` as in SimulationOptions.
 [[nodiscard]] std::variant<ReplayResult, std::string> replayTrace(std::string_view trace, unsigned threads,

@@ -8,7 +8,7 @@
 
 namespace espalier::simulation {
 
-// The bytes of trace events. The layout is in README.md.
+// The bytes of trace events. The layout is in FORMATS.md.
 
 [[nodiscard]] std::string encodeStart(const std::string& snapshot, const turtle::EnvironmentDescription* description,
                                       const turtle::EnvironmentContext& context);
@@ -17,7 +17,7 @@ namespace espalier::simulation {
 [[nodiscard]] std::string encodeFailure(std::uint64_t step, std::string_view message);
 [[nodiscard]] std::string encodeComplete(const Simulation& simulation);
 
-/// What an event's content says; false when it is not of its kind.
+/// Reads the content of an event; false when it is not an event.
 [[nodiscard]] bool decodeEvent(std::string_view content, TraceEvent& event);
 
 /// A check over the replies to one query.

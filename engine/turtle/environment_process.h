@@ -27,7 +27,7 @@ struct EnvironmentNeeds {
   bool scale = false;
   bool parameters = false;
   bool following = false;
-  bool geometry = false;  // what all plants look like (geometry.h)
+  bool geometry = false;  // the shape of all plants (geometry.h)
 
   constexpr bool operator==(const EnvironmentNeeds&) const = default;
 };
@@ -48,7 +48,7 @@ struct EnvironmentDescription {
   bool isStateful = false;                   // has state that a snapshot must hold
 };
 
-/// The world a simulation lives in (ENVIRONMENTS §1).
+/// The world of a simulation: units, directions, place and time.
 struct World {
   std::string lengthUnit = "m";
   core::Vec3 up{0.0, 1.0, 0.0};
@@ -59,11 +59,11 @@ struct World {
   std::string start;  // ISO 8601 date or empty
 };
 
-/// What a process is told when it is opened.
+/// The facts about a simulation that a process receives in open().
 struct EnvironmentContext {
   std::string simulation;  // identifier, for messages
   std::uint32_t plantCount = 1;
-  std::vector<std::string> symbols;  // names by SymbolId: what QueryBatch::symbol and following refer to
+  std::vector<std::string> symbols;  // names by SymbolId, for QueryBatch::symbol and following
   std::uint64_t seed = 0;
   World world;
 };
@@ -101,7 +101,7 @@ struct QueryBatch {
 /// The answers, laid out as QueryBatch::parameters: value k of query q is at parameterOffset[q] + k.
 struct ReplyBatch {
   std::vector<double> values;
-  std::vector<std::uint8_t> isSet;  // 0: the module keeps what it sent
+  std::vector<std::uint8_t> isSet;  // 0: the module keeps its value
   std::uint64_t answeredCount = 0;  // queries with at least one value set
   std::uint64_t surplusCount = 0;   // values beyond a module's parameters, dropped
 
@@ -120,7 +120,7 @@ struct ReplyBatch {
 
 /// Why an environment could not answer.
 struct EnvironmentError {
-  std::string message;       // whole sentences: which environment, what happened, what to do
+  std::string message;       // whole sentences: the environment, the failure, the remedy
   bool isRetryable = false;  // the same step may succeed later
 };
 

@@ -9,7 +9,7 @@
 
 namespace espalier::turtle {
 
-/// A quantity in the cells of a box along the world's axes: what an environment holds or last computed, for files and
+/// A quantity in the cells of a box along the world's axes, as an environment holds or last computed it. For files and
 /// pictures.
 struct Field {
   std::string name;  // "waterContent"; of a member of several environments "soil.waterContent"

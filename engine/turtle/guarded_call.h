@@ -11,9 +11,9 @@
 
 namespace espalier::turtle {
 
-/// Calls an environment process; an exception that leaves it is an error that names the process, like any it returns.
-/// `name` is for messages only. A process that throws has to be as before the call, like one that returns an error:
-/// those built in are, and one from outside is watched by somebody who can bring its state back.
+/// Calls an environment process and turns an exception into an error that names the process. `name` is for messages
+/// only. As after an error, the process must be in its state before the call. The built-in processes are; the server
+/// restores the state of a process from outside.
 template <typename Call>
 [[nodiscard]] std::optional<EnvironmentError> guardedCall(const std::string& name, Call&& call) {
   try {

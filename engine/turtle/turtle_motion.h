@@ -74,7 +74,7 @@ void setHeading(TurtleState& state, const core::Vec3& heading, const core::Vec3&
 void rollToVertical(core::Frame& frame);
 
 /// ?Q: the unit quaternion (x, y, z, w) of the matrix with rows H, L, U by the algorithm of Shoemake 1985 ("Animating
-/// rotation with quaternion curves", appendix), applied as the field's tools do although the rows are left-handed.
+/// rotation with quaternion curves", appendix), applied as cpfg applies it, although the rows are left-handed.
 [[nodiscard]] std::array<double, 4> quaternionOf(const core::Frame& frame);
 
 }  // namespace espalier::turtle

@@ -47,9 +47,10 @@ def table(rows: list[list[str]]) -> str:
 class Page:
     """Collects tables and writes them as one page."""
 
-    def __init__(self, espalier: str) -> None:
+    def __init__(self, espalier: str, names: list[str]) -> None:
+        """`names` are those that the run was restricted to; none: a whole run."""
         version = subprocess.run([espalier, "--version"], capture_output=True, text=True, check=True).stdout.strip()
-        self.parts = [HEAD + table([*machine(), ["version", version]])]
+        self.parts = [HEAD + table([*machine(), ["version", version], ["benchmarks", ", ".join(names) or "all"]])]
 
     def add_table(self, title: str, rows: list[list[str]]) -> None:
         self.parts.append(f"## {title}\n\n{table(rows)}")

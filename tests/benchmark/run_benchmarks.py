@@ -282,7 +282,7 @@ def main() -> int:
     failed = {name: entry for name, entry in entries.items() if entry.get("error_occurred")}
     entries = {name: entry for name, entry in entries.items() if name not in failed}
 
-    page = results_page.Page(options.espalier)
+    page = results_page.Page(options.espalier, options.names)
     commands = time_commands(options.espalier, options.models, entries)
     print_table("Targets, one core", target_rows(entries, baseline, commands), page)
     if not options.names or "derive" in options.names:

@@ -23,7 +23,7 @@ struct PictureOptions;
 /// Receives the turtle's state after each module of a string (InterpretationOutput::onModule).
 using ModuleVisitor = std::function<void(const TurtleRecord&, std::uint64_t first)>;
 
-/// What is exported. Everything referred to must outlive the export.
+/// A scene and its strings to export. Everything referred to must outlive the export.
 struct ExportInput {
   const Scene& scene;
   const files::ViewSettings& view;             // surfaces, contours, camera: of the model that drew the scene
@@ -62,13 +62,13 @@ struct PlacedScenes {
   std::span<const ScenePlacement> placements;
 };
 
-/// What a format is written from.
+/// The source that a format needs.
 enum class ExportSource : std::uint8_t {
   Scene,    // ExportInput::scene
   Modules,  // program, strings, visitModules; the scene may be empty
 };
 
-/// Told how far an export is: parts written and parts in all. Called from time to time and with the last part.
+/// Receives the progress of an export: parts written and parts in all. Called from time to time and with the last part.
 using ExportProgress = std::function<void(std::uint64_t done, std::uint64_t total)>;
 
 /// Calls a progress function, if there is one, at every 4096th part and at the last.
@@ -110,7 +110,7 @@ class GrowthExport {
 struct ExportFormat {
   std::string_view name;     // as in `--format`
   std::string_view suffix;   // with its point, lower case
-  std::string_view summary;  // what it is, a few words
+  std::string_view summary;  // a few words
   std::optional<std::string> (*write)(const ExportInput& input, const ExportTarget& target);
   /// Begins a file that holds a whole growth animation; null: the format has one scene a file. `target` must outlive
   /// the result.

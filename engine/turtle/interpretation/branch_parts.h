@@ -9,7 +9,7 @@
 
 namespace espalier::turtle {
 
-/// A branch of a string that is interpreted apart from what is around it.
+/// A branch of a string that is interpreted apart from the modules around it.
 struct BranchPart {
   std::uint64_t firstModule = 0;  // behind its `[`
   std::uint64_t endModule = 0;    // its `]`
@@ -17,8 +17,8 @@ struct BranchPart {
   std::uint64_t endOffset = 0;
 };
 
-/// Disjoint branches of at least `smallest` and at most `largest` modules, in the order of the string. Of branches
-/// within one another the outermost that is not too large is taken, so that few modules are left around them.
+/// Disjoint branches of at least `smallest` and at most `largest` modules, in the order of the string. Of nested
+/// branches the outermost that is not too large is taken, so that few modules are left around them.
 /// O(modules).
 [[nodiscard]] std::vector<BranchPart> findBranchParts(const InterpretationTables& tables,
                                                       std::span<const std::uint16_t> arity,

@@ -15,15 +15,15 @@
 
 namespace espalier::turtle {
 
-/// Collects what one turtle draws into a Scene; without a scene every function does nothing. Polygons and `{(t)`
-/// cylinders may be nested and may begin in one branch and end in another, hence their own stack; a `@Gs` cylinder
-/// belongs to its axis and is part of the turtle's state.
+/// Draws for one turtle into a Scene; without a scene every function does nothing. Polygons and `{(t)` cylinders may be
+/// nested and may end in another branch than they begin in, so they have their own stack. A `@Gs` cylinder belongs to
+/// its axis and is a part of the turtle's state.
 class Drawing {
  public:
   /// `view` must outlive the object; so must `scene`, which may be null.
   Drawing(Scene* scene, const files::ViewSettings& view, std::uint32_t plant);
 
-  /// The string's module that is being interpreted: what is drawn belongs to it.
+  /// The module that is being interpreted: the elements that it draws belong to it.
   void setModule(std::uint64_t module) { module_ = module; }
 
   /// F, G: a line from `start` to the present position, unless a generalized cylinder is being drawn in its place.

@@ -103,7 +103,7 @@ bool Interpretation::walkOne(std::uint64_t& module, std::uint64_t& offset) {
   if (wasCut_) {
     return false;
   }
-  // a symbol that those behind it belong to: `@`, `~`, `?`, and what may be the second of three
+  // a symbol that takes the next ones with it: `@`, `~`, `?`, and a possible second of three
   const auto* types = plantState_.string.types().data();
   const auto takesMore = [&](std::uint64_t i) {
     const TurtleCommand command = tables_.commandOf[types[i]];
@@ -324,7 +324,7 @@ std::uint64_t Interpretation::executeAt(const Sequence& sequence, std::uint64_t 
       return 2;
     }
   }
-  // unknown: what follows is interpreted on its own
+  // unknown: the symbols behind it are interpreted on their own
   warnOnce("the turtle knows no '@" + name + "'; the symbols after the '@' are interpreted on their own");
   return 1;
 }
@@ -436,7 +436,7 @@ void Interpretation::noteClosing() {
   if (stack_.size() > notes.lowest) {
     return;
   }
-  // what grows from there names the record by its place in the notes
+  // records that grow from there name the record by its place in the notes
   TurtleState& state = stack_.back();
   notes.lowest = stack_.size() - 1;
   notes.closed.push_back(state);

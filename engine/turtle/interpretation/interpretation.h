@@ -24,7 +24,7 @@ namespace espalier::turtle {
 /// interpretation_queries.cpp (query and communication modules).
 class Interpretation {
  public:
-  /// What is interpreted. Everything must outlive the Interpretation.
+  /// The plant to interpret. Everything must outlive the Interpretation.
   struct Subject {
     const language::Program& program;
     const InterpretationTables& tables;
@@ -35,21 +35,21 @@ class Interpretation {
     const PlantPlacement& placement;
   };
 
-  /// How much a part of an environment pass has given.
+  /// The amount of output so far.
   struct OutputMark {
     std::size_t queries = 0;
     std::size_t changes = 0;
     std::size_t warnings = 0;
   };
 
-  /// How the turtle comes to a branch that is interpreted apart.
+  /// The state at the start of a branch that is interpreted apart.
   struct BranchStart {
     bool isReached = false;  // false: a cut or a failure came before
     TurtleState state;
-    OutputMark mark;  // what the walk around it had given so far
+    OutputMark mark;  // output of the walk around it so far
   };
 
-  /// What a stretch of the string takes from the branches that were open before it.
+  /// The uses that a stretch of the string makes of branches and records from before it.
   struct StretchNotes {
     std::size_t lowest = 0;            // of the open branches, those from here on were opened within the stretch
     std::vector<TurtleState> closed;   // those that it closes, the innermost first
@@ -60,24 +60,24 @@ class Interpretation {
 
   /// The whole string.
   void run();
-  /// The string without these branches, which are skipped from the module behind `[` up to `]`; how they start is
-  /// written down in `starts` (branches.size()). Warnings are collected in `warnings`.
+  /// The string without these branches, which are skipped from the module behind `[` up to `]`. Their starts are noted
+  /// in `starts` (branches.size()), warnings in `warnings`.
   void runAround(std::span<const BranchPart> branches, std::span<BranchStart> starts,
                  std::vector<std::string>& warnings);
   /// One of these branches. Nothing may be drawn or recorded: it would have no parent.
   void runBranch(const BranchPart& branch, const BranchStart& start, std::vector<std::string>& warnings);
 
-  /// The string in pieces, from its first module on, for whoever may know already what comes of some of them: `begin`
-  /// before the first, `end` after the last.
+  /// The string in pieces, from its first module on, for a caller that may already have the records of some pieces:
+  /// `begin` before the first piece, `end` after the last.
   void begin();
   void end();
-  /// Interprets a module, with those that belong to it, and goes behind them. Whether nothing of what was done depends
-  /// on the modules behind it.
+  /// Interprets a module with those that belong to it, and moves behind them. Returns whether the result is independent
+  /// of the modules behind it.
   [[nodiscard]] bool walkOne(std::uint64_t& module, std::uint64_t& offset);
   [[nodiscard]] TurtleState& state() { return state_; }
   /// The turtle's states at the open brackets, the outermost first.
   [[nodiscard]] std::vector<TurtleState>& openBranches() { return stack_; }
-  /// Where walkOne notes what it closes; null: nowhere.
+  /// walkOne notes closed branches here; null: nowhere.
   void noteIn(StretchNotes* notes) { notes_ = notes; }
 
   /// Gives a warning unless it was given before.
@@ -189,7 +189,7 @@ class Interpretation {
   derivation::ModuleString image_;
 };
 
-/// An integer parameter: truncated, 0 for what no int holds.
+/// An integer parameter: truncated; 0 when an int cannot hold it.
 [[nodiscard]] std::int32_t wholeNumber(double value);
 
 }  // namespace espalier::turtle

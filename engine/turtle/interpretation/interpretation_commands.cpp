@@ -151,7 +151,7 @@ void Interpretation::changeWidth(const Arguments& arguments, double sign) {
 void Interpretation::setTexture(std::int32_t texture) {
   state_.texture = texture;
   if (texture < 0 || static_cast<std::size_t>(texture) > view_.textures.size()) {
-    warnOnce("there is no texture " + std::to_string(texture) + " for '@Tx' in the view file; what wears it is plain");
+    warnOnce("there is no texture " + std::to_string(texture) + " for '@Tx' in the view file; parts with it are plain");
   }
 }
 

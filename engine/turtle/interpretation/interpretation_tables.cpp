@@ -5,7 +5,7 @@ namespace {
 
 using Role = InterpretationTables::Role;
 
-// what a module of the command adds at most
+// the most that a module of the command adds
 std::uint8_t addedBy(TurtleCommand command) {
   using Tables = InterpretationTables;
   switch (command) {

@@ -8,14 +8,14 @@
 
 namespace espalier::turtle {
 
-/// What interpretation needs to know of each module type of a Program, looked up once.
+/// The properties of each module type of a Program that interpretation needs, computed once.
 struct InterpretationTables {
   explicit InterpretationTables(const language::Program& program);
 
-  /// What a module means for the structure of the string.
+  /// The meaning of a module for the structure of the string.
   enum class Role : std::uint8_t { None, OpenBranch, CloseBranch, Call, SystemEnd };
 
-  /// What a module adds to the output, as bits. Of a group of modules (`@M(x,y)`) the first counts.
+  /// The output that a module can add, as bits. Of a group of modules (`@M(x,y)`) the first counts.
   static constexpr std::uint8_t kSegment = 1;
   static constexpr std::uint8_t kRecord = 2;
 
@@ -28,7 +28,7 @@ struct InterpretationTables {
 
   bool hasImages = false;               // any homomorphism production exists
   bool hasCut = false;                  // `%` or `@mc`: modules may be skipped
-  bool hasIndependentBranches = false;  // what a branch does depends on the turtle at its start alone
+  bool hasIndependentBranches = false;  // a branch depends only on the turtle at its start
 };
 
 }  // namespace espalier::turtle

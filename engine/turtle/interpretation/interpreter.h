@@ -35,14 +35,14 @@ struct ParameterChange {
   double before = 0.0;
 };
 
-/// Where the parameters of a query made by a homomorphism are: nowhere in the string.
+/// The parameter offset of a query that a homomorphism made: its parameters are not in the string.
 inline constexpr std::uint64_t kTransientQuery = std::numeric_limits<std::uint64_t>::max();
 
-/// What one interpretation produces. Null members are not produced.
+/// The outputs of one interpretation. A null output is not produced.
 struct InterpretationOutput {
   Scene* scene = nullptr;
   QueryBatch* queries = nullptr;  // communication modules are appended
-  EnvironmentNeeds needs{};       // of whoever reads `queries`
+  EnvironmentNeeds needs{};       // of the environment that reads `queries`
   std::vector<TurtleRecord>* records = nullptr;
   /// Called after each module of the string, or after the modules that belong together, with the turtle's state then
   /// and the first of them; the record's module is the last, its parent is not set.
@@ -55,7 +55,7 @@ struct InterpretationOutput {
 
 /// Interprets the string of one plant from left to right, with homomorphism, filling ?P ?H ?L ?U ?Q (and ?F) in place.
 /// An interpretation with `queries` is an environment pass: in the compatible modes it does not execute width and
-/// colour symbols, and it overwrites the legacy `s`. The table of symbols is in README.md. Throws
+/// colour symbols, and it overwrites the legacy `s`. SYMBOLS.md specifies the symbols. Throws
 /// core::SimulationFailure: a position that is not finite, a limit, cancelled; the string may then be partly filled
 /// (`changes` tells how to undo it). O(modules). Warnings go to the Derivation's message sink, each text once per
 /// Interpreter. An environment pass with several threads (DerivationOptions::threads) interprets branches of a long

@@ -15,7 +15,7 @@ constexpr std::uint64_t kBranchesPerThread = 16;   // about so many, so that no 
 
 template <typename T>
 void appendRange(std::vector<T>& to, const std::vector<T>& from, std::size_t begin, std::size_t end) {
-  // what a process does not need is empty
+  // columns that the process does not need are empty
   if (!from.empty()) {
     to.insert(to.end(), from.begin() + static_cast<std::ptrdiff_t>(begin),
               from.begin() + static_cast<std::ptrdiff_t>(end));
@@ -107,7 +107,7 @@ bool PartedInterpretation::run(const Interpretation::Subject& subject, const Int
   for (const BranchPart& branch : branches_) {
     covered += branch.endModule - branch.firstModule;
   }
-  // what is around the branches is walked by one thread
+  // one thread walks the modules around the branches
   if (branches_.size() < 2 || covered < string.size() / 2) {
     return false;
   }
@@ -160,7 +160,7 @@ bool PartedInterpretation::hasFailed() const {
 }
 
 bool PartedInterpretation::appendChanges(const InterpretationOutput& output) const {
-  // before anything else that may fail: whoever undoes the step needs them
+  // before anything else that may fail: the step is taken back with them
   if (output.changes == nullptr) {
     return true;
   }

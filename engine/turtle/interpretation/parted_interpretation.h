@@ -9,19 +9,19 @@
 
 namespace espalier::turtle {
 
-/// Environment passes with several threads (DerivationOptions::threads): the axis and its small branches first, which
-/// gives the turtle's state at the start of every larger branch, then those branches at the same time, each into an
-/// output of its own; the outputs are joined in the order of the string, so that the result is that of one thread, bit
-/// by bit. Holds working memory only.
+/// Environment passes with several threads (DerivationOptions::threads). First one thread interprets the axis and its
+/// small branches, which gives the turtle's state at the start of each larger branch. Then threads interpret those
+/// branches at the same time, each into its own output. The outputs are joined in the order of the string: the result
+/// is bit by bit that of one thread. Holds working memory only.
 class PartedInterpretation {
  public:
-  /// Returns false, with nothing changed, when there is no gain in it or it cannot be done: one thread, a scene or
-  /// records are asked for, a short string, hardly any branches, a homomorphism, `?(id,k)`, or a failure, which the
-  /// caller then meets in the order of the string.
+  /// Returns false, with nothing changed, when there is no gain or it is not possible: one thread, an output of scene
+  /// or records, a short string, few branches, a homomorphism, `?(id,k)`. Also after a failure: the caller then meets
+  /// it in the order of the string.
   [[nodiscard]] bool run(const Interpretation::Subject& subject, const InterpretationOutput& output);
 
  private:
-  /// What one branch, or the walk around the branches, gives.
+  /// The output of one branch, or of the walk around the branches.
   struct Part {
     QueryBatch queries;
     std::vector<std::uint64_t> queryOffsets;

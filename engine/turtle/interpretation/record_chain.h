@@ -12,13 +12,13 @@
 
 namespace espalier::turtle {
 
-/// From here on a record's number names one before the part of a string that it is numbered in: the part's outer record
-/// at the number less kOuterRecord. Outer records are the one that the part's entry has, then those of the branches
-/// that it closes.
+/// Records of a part of a string are numbered within the part. A number from here on names an outer record, which is
+/// before the part: the outer record number `number - kOuterRecord`. Outer records are that of the part's entry, then
+/// those of the branches that the part closes.
 inline constexpr std::uint32_t kOuterRecord = 0x80000000;
 
-/// How the turtle comes to a part of a string and how it leaves it. Where the same modules follow the same turtle
-/// again, the same comes of them, wherever they are in the string.
+/// The turtle before and behind a part of a string. Where the same modules follow the same turtle again, they give the
+/// same records, wherever they are in the string.
 struct TurtlePassage {
   TurtleState entry;                // before it
   std::vector<TurtleState> closed;  // at the branches open before it that it closes, the innermost first
@@ -30,14 +30,14 @@ struct TurtlePassage {
   std::uint32_t records = 0;        // that it gave
 };
 
-/// What the interpretation of a stretch of a plant's string, of about a hundred modules, gave.
+/// The records of a stretch of a plant's string of about a hundred modules.
 struct RecordStretch {
   TurtlePassage passage;
   std::vector<TurtleRecord> records;  // `module` counts from its first module; `parent` as in the passage
   std::uint64_t bytes = 0;            // of memory
 };
 
-/// Stretches one after the other, with their modules. Where all of them come again, one look is enough.
+/// Stretches one after the other, with their modules. One comparison finds the whole group again.
 struct RecordGroup {
   struct Link {
     std::shared_ptr<const RecordStretch> stretch;
@@ -59,8 +59,8 @@ struct RecordGroup {
 /// The most stretches of a group.
 inline constexpr std::size_t kMostStretches = 64;
 
-/// The turtle records of a simulation as stretches of its strings in groups, both shared with the chains of other steps
-/// that have them too. Never changes.
+/// The turtle records of a simulation as groups of stretches of its strings. Chains of several steps share equal groups
+/// and stretches. Immutable.
 struct RecordChain {
   /// Which of the Programs a plant has, and where it stands.
   struct Origin {
@@ -101,8 +101,8 @@ struct RecordChain {
   [[nodiscard]] std::uint32_t outerRecordOf(const Place& place, std::size_t k) const;
 };
 
-/// Whether what a module draws depends on the module and on the turtle alone: without homomorphism, or with one that
-/// has neither contexts nor chance nor blocks and reads no variable; without sub-L-systems and `?(id,k)`.
+/// Whether the drawing of a module depends only on the module and on the turtle. It does without sub-L-systems and
+/// `?(id,k)`, and without a homomorphism that has contexts, chance or blocks or reads a variable.
 [[nodiscard]] bool isRepeatable(const language::Program& program);
 
 }  // namespace espalier::turtle

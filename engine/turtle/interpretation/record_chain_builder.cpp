@@ -304,7 +304,7 @@ void RecordChainBuilder::interpret() {
   rename_(stretch->records);
   stretch->bytes = bytesOf(*stretch);
 
-  // what follows numbers records as in the whole
+  // from here on records are numbered as in the whole
   state.record = resolved(state.record);
   for (auto opened = open.begin() + static_cast<std::ptrdiff_t>(notes_.lowest); opened != open.end(); ++opened) {
     opened->record = resolved(opened->record);

@@ -15,15 +15,14 @@ namespace espalier::turtle {
 
 /// Makes the links of one plant (Interpreter::appendRecords).
 ///
-/// The string is gone through from left to right, from group to group and, where one does not follow, from stretch to
-/// stretch. The next of the base is taken when its modules are those that follow and the turtle, with the branches that
-/// it closes, is the one that it began with: bits are compared, so what is taken is what would have been made.
-/// Otherwise modules are interpreted until the turtle is again where a later stretch of the base began and its modules
-/// follow, or until there are enough for a stretch of their own. No difference of the strings is needed, and a string
-/// without brackets is no special case.
+/// The builder goes through the string from left to right, from group to group, and from stretch to stretch where a
+/// group does not follow. It takes the next part of the base when the same modules follow and the turtle, with the
+/// branches that the part closes, is the same. Bits are compared, so the part taken equals the part that interpretation
+/// would make. Otherwise it interprets modules until the turtle is in the state before a later stretch of the base
+/// whose modules follow, or until there are enough modules for a new stretch. It needs no difference of the strings.
 class RecordChainBuilder {
  public:
-  /// About so many modules are a stretch: with fewer, states cost more, with more, one change costs more.
+  /// Modules of a stretch, about. With fewer, states cost more; with more, one change costs more.
   static constexpr std::uint64_t kStretchModules = 128;
 
   /// Everything must outlive the object. `base` may be null.
@@ -70,7 +69,7 @@ class RecordChainBuilder {
   std::uint64_t offset_ = 0;            // of its parameters
   std::uint32_t recordCount_ = 0;       // so far, of the whole
 
-  // what the string has of that of the base, as the derivation tells, and the next of these
+  // runs of modules that the derivation kept from the base's string, and the next of them
   std::vector<derivation::KeptModules> kept_;
   std::size_t nextKept_ = 0;
 

@@ -5,7 +5,7 @@
 namespace espalier::turtle {
 namespace {
 
-/// What happens to records' numbers along the stretches of a group, and to the branches that it opens and closes.
+/// Follows the numbers of records, and open branches, along the stretches of a group.
 class Numbering {
  public:
   explicit Numbering(RecordGroup& group) : group_(group) {
@@ -81,7 +81,7 @@ void RecordGroupMaker::add(std::shared_ptr<const RecordStretch> stretch, std::ui
                            std::span<const std::uint32_t> outer) {
   waiting_.push_back({std::move(stretch), entryHash, outer_.size()});
   outer_.insert(outer_.end(), outer.begin(), outer.end());
-  // two halves, so that both have room for what grows in them
+  // two halves, so that both have room to grow
   if (waiting_.size() == kMostStretches) {
     makeGroup(kMostStretches / 2);
   }

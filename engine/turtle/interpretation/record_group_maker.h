@@ -22,7 +22,7 @@ class RecordGroupMaker {
   [[nodiscard]] std::size_t waiting() const { return waiting_.size(); }
   /// The stretches that wait become a group; nothing when none do.
   void finish() { makeGroup(waiting_.size()); }
-  /// What follows next in the string is a group that is there already.
+  /// The next part of the string is an existing group.
   void pass(const TurtlePassage& passage);
 
  private:

@@ -4,7 +4,7 @@
 
 namespace espalier::turtle {
 
-/// What a symbol makes the turtle do. The order of the enumerators has no meaning.
+/// The turtle's command for a symbol. The order of the enumerators has no meaning.
 enum class TurtleCommand : std::uint8_t {
   None,
   // one symbol

@@ -17,17 +17,17 @@ struct GeometrySources {
   std::vector<std::uint32_t> plant;        // (n)
   std::vector<std::uint64_t> module;       // index in the plant's string of the module that drew it (n)
   std::vector<core::SymbolId> symbol;      // of that module; a homomorphism may have drawn something else for it (n)
-  std::vector<std::uint8_t> colour;        // index of the colour or material: what a model tags organs with (n)
+  std::vector<std::uint8_t> colour;        // index of the colour or material, a model's tag for organs (n)
   std::vector<std::uint32_t> branchOrder;  // (n)
 
   [[nodiscard]] std::size_t size() const { return plant.size(); }
   bool operator==(const GeometrySources&) const = default;
 };
 
-/// What an organ is made of.
+/// The shape of an organ.
 enum class GeometryKind : std::uint8_t { Cylinder, Polygon, Surface, Patch, Ball };
 
-/// What an environment sees of the plants: the lines as segments, everything else as triangles. World coordinates and
+/// The plants as an environment sees them: lines as segments, everything else as triangles. World coordinates and
 /// units, all plants, by plant and then in the order of drawing (organs: by plant, kind, order of drawing). The organ
 /// that a communication module stands before has the module index of its query plus one.
 struct Geometry {

@@ -12,7 +12,7 @@ namespace {
 
 using core::Vec3;
 
-/// A quick hash of what a row looks like.
+/// A quick hash of a row's content.
 class RowHash {
  public:
   void add(std::uint64_t value) {
@@ -152,7 +152,7 @@ void extend(std::vector<GeometryRun>& runs, std::uint32_t row, std::uint64_t mod
 // rows added or taken away that are looked for, where two tables part, before all rows are searched
 constexpr std::size_t kAddedRows = 64;
 
-/// Rows of a table by what they look like, each to be taken once, those of equal looks in their order.
+/// Rows of a table by their hashes. Each row is taken once; rows with equal hashes are taken in their order.
 template <typename Table>
 class RowFinder {
  public:
@@ -256,7 +256,7 @@ std::optional<std::string> rebuild(const char* name, const Geometry& before, con
   std::size_t nextAdded = 0;
   std::uint64_t total = 0;
   for (const GeometryRun& run : runs) {
-    // each row is used once: what a peer sends cannot grow without end
+    // each row is used once: a peer's difference cannot grow without end
     total += run.count;
     if (total > rowsBefore + rowsAdded) {
       return std::string("the runs of ") + name + " take more rows than the " + std::to_string(rowsBefore) +

@@ -21,19 +21,19 @@ struct GeometryRun {
   bool operator==(const GeometryRun&) const = default;
 };
 
-/// How a geometry comes from the one before: its tables are runs of rows that were there, whose modules may have other
-/// indices now, and rows that are new. What a plant grew in a step is in `added`, the rest is a few runs.
+/// A geometry as the changes from the one before. Its tables are runs of earlier rows, whose modules may have other
+/// indices now, and new rows. The growth of a step is in `added`; the rest is a few runs.
 struct GeometryDifference {
   std::vector<GeometryRun> segments, organs;  // in the order of the rows
   Geometry added;                             // the new rows
 };
 
-/// O(rows + vertices), expected: one pass over both while few rows change, and a table of all rows where the two part
-/// for long.
+/// Expected O(rows + vertices): one pass over both while few rows change. Where the two differ for long, a table of all
+/// rows is built.
 [[nodiscard]] GeometryDifference differenceOf(const Geometry& before, const Geometry& now);
 
 /// Makes `now`, which is cleared first, from the geometry before and the difference: differenceOf's inverse, bit by
-/// bit. An error sentence when the difference is not one of this geometry; `now` is then without meaning.
+/// bit. An error sentence when the difference does not belong to this geometry; then `now` has no meaning.
 [[nodiscard]] std::optional<std::string> applyDifference(const Geometry& before, const GeometryDifference& difference,
                                                          Geometry& now);
 

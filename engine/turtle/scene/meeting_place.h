@@ -6,9 +6,9 @@
 
 namespace espalier::turtle {
 
-/// Where two lists that have parted go on alike: how many elements of the earlier and of the later one are left out.
-/// `isAlike(removed, added)` compares the elements behind so many. Looks nearest first, at up to 8 changed together and
-/// at up to `farthest` that only one of the lists has; nothing when they do not meet there.
+/// Resynchronises two lists that differ: how many elements of the earlier and of the later list to skip.
+/// `isAlike(removed, added)` compares the elements behind so many. The nearest place is tried first: up to 8 elements
+/// changed together, and up to `farthest` that only one list has. Nothing when the lists do not meet there.
 template <typename IsAlike>
 [[nodiscard]] std::optional<std::pair<std::size_t, std::size_t>> meetingPlace(std::size_t farthest,
                                                                               const IsAlike& isAlike) {

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kQuarter = std::numbers::pi / 2.0;
 
-// LANGUAGE: each turn by 90 degrees from the initial frame
+// docs/language.md, Turtle interpretation: each turn by 90 degrees from the initial frame
 TEST(TurtleMotion, TurnLeftFromTheInitialFrame) {
   core::Frame frame;
   turnLeft(frame, kQuarter);

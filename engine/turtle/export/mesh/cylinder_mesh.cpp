@@ -150,7 +150,7 @@ std::vector<Vec3> normalsAlong(const std::vector<AxisSample>& samples, bool isCl
     }
   }
   if (isClosed && !hasTurtleTwist && along.back() > 0.0) {
-    // what the frame has turned after one round is taken back evenly along it
+    // the turn of the frame after one round is taken back evenly along it
     const Vec3& tangent = samples.front().tangent;
     const double angle =
         std::atan2(core::dot(core::cross(ups.back(), ups.front()), tangent), core::dot(ups.back(), ups.front()));

@@ -161,7 +161,7 @@ void GlbPlan::planNodes() {
       plants.push_back({.plant = copy.firstPlant, .placement = &copy.placement, .ownMesh = ofScene.begin});
     }
   }
-  // plants, then instances, then what stands below the plants
+  // plants, then instances, then the nodes below the plants
   std::size_t node = plants.size() + instances.size();
   for (PlantNode& plant : plants) {
     plant.firstChild = node;

@@ -52,7 +52,7 @@ struct PartOf {
   std::uint32_t part = 0;
 };
 
-/// A plant of a copy, and what stands below its node.
+/// A plant of a copy, and the nodes below it.
 struct PlantNode {
   std::uint32_t plant = 0;  // among all copies
   const ScenePlacement* placement = nullptr;
@@ -87,7 +87,7 @@ struct Block {
   std::uint64_t byteCount = 0;
 };
 
-/// What is in a .glb, and where, without its meshes: made before anything is written.
+/// The contents of a .glb with their places, without the meshes. The plan is made before anything is written.
 struct GlbPlan {
   using Shape = std::pair<std::uint32_t, std::uint32_t>;  // scene and shared mesh
 

@@ -53,7 +53,7 @@ void appendLocalSurface(Mesh& mesh, const files::Surface& surface, double detail
 void setWholeCoordinates(Mesh& mesh);
 void appendLocalSurface(Mesh& mesh, const files::TriangleSurface& surface);
 
-/// A surface `~c` where the turtle placed it (FILES §6.1).
+/// A surface `~c` where the turtle placed it.
 void appendSurface(Mesh& mesh, const SurfaceInstance& instance, const files::ViewSettings& view);
 
 /// A sphere of `rings` by `sides` quads.
@@ -100,7 +100,7 @@ void appendCylinder(Mesh& mesh, const GeneralizedCylinder& cylinder, const Cylin
 void appendCylinder(Mesh& mesh, const GeneralizedCylinder& cylinder, const files::ViewSettings& view,
                     double detail = 1.0);
 
-/// `sides + 1` points of a contour at equal distances along it (FILES §8); a circle when `id` is not in the view file.
+/// `sides + 1` points of a contour at equal distances along it; a circle when `id` is not in the view file.
 [[nodiscard]] std::vector<core::Vec3> sampleContour(const files::ViewSettings& view, std::int32_t id, int sides);
 
 }  // namespace espalier::turtle

@@ -20,7 +20,7 @@ struct Bounds {
   static constexpr double kLargest = std::numeric_limits<double>::max();
 };
 
-/// What keeps the mesh of a part of a scene from being written: a position that is not finite in 32 bits. Names plant,
+/// The reason why the mesh of a part cannot be written: a position that is not finite in 32 bits. Names plant,
 /// module (on a tube that of the first such position) with its symbol and, when the scene's input knows it, the step.
 [[nodiscard]] std::optional<std::string> problemOf(const Mesh& mesh, const SceneMeshes& scene, const MeshPart& part);
 

@@ -25,7 +25,7 @@ struct MeshTexture {
   [[nodiscard]] bool hasHoles() const;
 };
 
-/// What a mesh is painted with.
+/// The paint of a mesh.
 struct MeshMaterial {
   static constexpr std::uint32_t kNoTexture = 0xFFFFFFFF;
 

@@ -30,11 +30,11 @@ struct SceneCopy {
 [[nodiscard]] core::Frame placedFrame(const ScenePlacement& placement, const core::Frame& frame);
 void place(Mesh& mesh, const ScenePlacement& placement);
 
-/// The meshes of copies of scenes: what mesh formats are written from. Holds no mesh but the shared ones of each
+/// The meshes of copies of scenes, for the mesh formats. Holds no mesh but the shared ones of each
 /// scene's organs.
 class PlacedMeshes {
  public:
-  /// What is referred to must outlive the object.
+  /// Everything referred to must outlive the object.
   explicit PlacedMeshes(const PlacedScenes& placed);
 
   [[nodiscard]] std::span<const MeshMaterial> materials() const { return table_.materials(); }
@@ -66,7 +66,7 @@ class PlacedMeshes {
 
  private:
   MaterialTable table_;
-  std::deque<SceneMeshes> scenes_;  // a deque: they hold references to what they are made from
+  std::deque<SceneMeshes> scenes_;  // a deque: they hold references to their inputs
   std::vector<SceneCopy> copies_;
   std::vector<std::size_t> firstParts_;  // number of each copy's first part; behind them their count (copyCount + 1)
   core::WorkerTeam team_;

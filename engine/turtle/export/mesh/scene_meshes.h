@@ -16,7 +16,7 @@
 
 namespace espalier::turtle {
 
-/// What a part of a scene is; the order in which a plant's parts are written.
+/// The kind of a part of a scene, in the order in which a plant's parts are written.
 enum class OrganKind : std::uint8_t { Branch, Cylinder, Polygon, Surface, Patch, Ball };
 
 /// `branches`, `cylinders`, `polygons`, `surfaces`, `patches`, `balls`.
@@ -40,7 +40,7 @@ struct Provenance {
   std::uint32_t branchOrder = 0;
 };
 
-/// The meshes of a scene, one at a time: what every mesh format is written from. Holds a few bytes a part and the
+/// The meshes of a scene, one at a time, for the mesh formats. Holds a few bytes a part and the
 /// shared meshes of organs, never the meshes of the scene. World coordinates, right-handed; faces counter-clockwise
 /// seen from where their normals point. Lines are swept to tubes whatever the view file's line style.
 class SceneMeshes {

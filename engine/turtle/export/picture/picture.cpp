@@ -36,7 +36,7 @@ class PlacedGeometry {
     }
   }
 
-  /// What one scene needs in a picture.
+  /// The data of one scene in a picture.
   struct SceneParts {
     explicit SceneParts(const ExportInput& input)
         : palette(input.scene, input.palette), textures(input.view), geometry(input.scene, input.view, palette) {}

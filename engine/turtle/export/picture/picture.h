@@ -15,13 +15,13 @@
 
 namespace espalier::turtle {
 
-/// What is behind the plants of a picture.
+/// The background of a picture.
 enum class PictureBackground : std::uint8_t { Model, White, Transparent };  // Model: Palette::background()
 
 /// Which part of the scene a picture shows. Both look from the view file's viewpoint, in its projection.
 enum class PictureFraming : std::uint8_t {
   Fitted,  // everything drawn, as large as the page allows
-  View,    // what the view file says: `box`, `scale factor`, `viewing angle`
+  View,    // as in the view file: `box`, `scale factor`, `viewing angle`
 };
 
 /// How a picture of points is made.
@@ -31,7 +31,7 @@ struct PictureOptions {
   double marginFraction = 0.05;  // of a fitted picture, at each edge
   PictureBackground background = PictureBackground::Model;
   PictureFraming framing = PictureFraming::Fitted;
-  std::optional<PictureFrame> frame = {};   // what a fitted picture shows; nothing: all that is drawn in it
+  std::optional<PictureFrame> frame = {};   // the extent that a fitted picture shows; nothing: its own
   std::uint64_t sampleBytes = 320'000'000;  // memory for samples; a larger picture is made in strips, with more time
   unsigned threads = 1;                     // the picture does not depend on them
   int maximumColours = 0;                   // 2 to 256: of the file; 0: as many as there are
@@ -54,7 +54,7 @@ using PictureImage = files::Image;
 [[nodiscard]] PictureImage renderPlaced(const PlacedScenes& placed, const PictureOptions& options,
                                         const ExportProgress& progress = {});
 
-/// What a fitted picture of these scenes would show.
+/// The extent that a fitted picture of these scenes shows.
 [[nodiscard]] PictureFrame pictureFrame(const PlacedScenes& placed, const PictureOptions& options);
 
 }  // namespace espalier::turtle

@@ -20,7 +20,7 @@ struct PictureBounds {
   void include(const PictureBounds& other);
 };
 
-/// What fitted pictures show: everything that is drawn, of one scene or of all frames of an animation, so that they
+/// The extent that fitted pictures show: everything drawn in one scene, or in all frames of an animation, so that they
 /// have one scale and do not jump.
 struct PictureFrame {
   PictureBounds bounds;

@@ -14,7 +14,7 @@ struct PostScriptOptions {
   double widthPoints = 540.0;  // of the box that the drawing is fitted into; a point is 1/72 inch
   double heightPoints = 720.0;
   const files::Palette* palette = nullptr;  // a model folder's colours; null or empty: Espalier's own
-  std::optional<PictureFrame> frame = {};   // what the drawing has room for; nothing: what is drawn
+  std::optional<PictureFrame> frame = {};   // the extent of the drawing; nothing: that of the scene
 };
 
 /// Writes a drawing as Encapsulated PostScript, level 2, one page: lines by branch order, then organs from far to near,

@@ -20,7 +20,7 @@ struct PagePoint {
 /// From the world to the page of a picture.
 class RasterCamera {
  public:
-  /// `bounds` is what is drawn, in the projection's picture units.
+  /// `bounds` is the extent of the drawing in the projection's picture units.
   RasterCamera(const Projection& projection, const files::ViewSettings& view, const PictureBounds& bounds,
                const PictureOptions& options);
 

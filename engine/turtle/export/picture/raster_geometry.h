@@ -20,7 +20,7 @@
 namespace espalier::turtle {
 
 /// The parts of a scene as triangles on a page, one part at a time so that no second copy of the scene is made. Parts
-/// are numbered: cylinders, surfaces, patches, polygons, tubes, lines, balls, labels; of what is equally near the later
+/// are numbered: cylinders, surfaces, patches, polygons, tubes, lines, balls, labels; of equally near parts the later
 /// ones are seen. A tube is a chain of lines that wears a texture, in the cylinder style.
 class RasterGeometry {
  public:
@@ -28,7 +28,7 @@ class RasterGeometry {
   RasterGeometry(const Scene& scene, const files::ViewSettings& view, const Palette& palette);
 
   [[nodiscard]] std::size_t partCount() const;
-  /// Adds what a part covers in the picture plane, where a copy of the scene stands. Lines of the pixel style count
+  /// Adds the extent of a part in the picture plane, for one copy of the scene. Lines of the pixel style count
   /// without their width.
   void include(std::size_t part, const ScenePlacement& placement, const Projection& projection,
                PictureBounds& bounds) const;
@@ -46,7 +46,7 @@ class RasterGeometry {
     Kind kind;
     std::size_t index;
   };
-  /// What a mesh of a part looks like.
+  /// The look of a mesh of a part.
   struct Wear {
     std::int32_t colour = 0;
     std::int32_t texture = 0;

@@ -10,7 +10,7 @@ using core::Vec3;
 
 namespace {
 
-constexpr double kStrongestFade = 0.25;  // share of the page's colour in what is farthest
+constexpr double kStrongestFade = 0.25;  // share of the page's colour in the farthest part
 constexpr std::size_t kMostLights = 8;
 
 // Espalier's own light, as shares of a surface's colour
@@ -23,7 +23,7 @@ constexpr double kSheen = 0.10;  // white, around the mirrored key light
 // light from above, its share of the light on a side that looks down
 constexpr double kThroughLeaf = 0.6;
 constexpr double kBelowLeaf = 0.54;
-// what lights of the view file leave in the dark
+// the share of light where no light of the view file comes
 constexpr double kLeastLight = 0.22;
 
 Vec3 fraction(const Colour& colour) {

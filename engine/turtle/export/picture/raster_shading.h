@@ -16,7 +16,7 @@
 
 namespace espalier::turtle {
 
-/// What a shape is made of.
+/// The material of a shape.
 struct Look {
   Colour colour;
   std::optional<files::Material> material;  // of the folder

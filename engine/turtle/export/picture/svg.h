@@ -17,7 +17,7 @@ struct SvgOptions {
   bool hasBackground = true;
   const files::Palette* palette =
       nullptr;  // a model folder's colours, its background too; null or empty: Espalier's own
-  std::optional<PictureFrame> frame = {};  // what the drawing has room for; nothing: what is drawn
+  std::optional<PictureFrame> frame = {};  // the extent of the drawing; nothing: that of the scene
 };
 
 /// Writes a drawing of the scene as SVG 1.1 in the view file's projection: one path for each branch order (and colour),

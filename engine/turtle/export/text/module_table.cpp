@@ -17,7 +17,7 @@ constexpr std::string_view kHeader =
 constexpr std::uint64_t kNone = ~std::uint64_t{0};
 constexpr int kStateColumns = 14;
 
-// a field that may hold anything
+// a cell with any text
 void appendField(std::string& line, std::string_view text) {
   if (text.find_first_of(",\"\r\n") == std::string_view::npos) {
     line.append(text);

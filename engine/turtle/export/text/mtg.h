@@ -24,7 +24,7 @@ namespace espalier::turtle {
 /// belong to no module with a letter. An error sentence when brackets do not match.
 [[nodiscard]] std::optional<std::string> writeMtg(const ExportInput& input, const ExportTarget& target);
 
-/// What an MTG says as strings.
+/// The strings of an MTG.
 struct MtgStrings {
   std::vector<std::string> strings;  // one for each entity of the coarsest scale
   std::string modules;               // of entities without `Text`: the classes with the features that are their

@@ -55,7 +55,7 @@ std::vector<std::string_view> wordsOf(std::string_view line) {
   return words;
 }
 
-/// An entity and what it is joined to.
+/// An entity and its relations.
 struct Vertex {
   std::string entityClass;
   int scale = 0;
@@ -185,7 +185,7 @@ std::string MtgReader::readLabel(std::string_view& code, Vertex& vertex) const {
   return {};
 }
 
-// a part of what its base belongs to; the first part of a branch grows where its complex does
+// a part of the entity that its base belongs to; the first part of a branch grows where its complex does
 void MtgReader::joinPart(Vertex& vertex, std::size_t base) const {
   // scales may be left out
   vertex.complex = base;
@@ -437,7 +437,7 @@ void MtgReader::appendModule(std::string& text, const Vertex& vertex) const {
   text += ')';
 }
 
-// a branch that ends, or an entity with what grows on it
+// a branch that ends, or an entity with everything that grows on it
 void MtgReader::appendTree(std::string& text, std::size_t root) const {
   constexpr std::size_t kClose = kNoVertex;
   std::vector<std::size_t> waiting{root};
@@ -453,7 +453,7 @@ void MtgReader::appendTree(std::string& text, std::size_t root) const {
       text += '[';
     }
     appendModule(text, vertex);
-    // branches first, then what goes on with the axis: the stack takes them in the opposite order
+    // branches first, then the rest of the axis: the stack takes them in the opposite order
     std::vector<std::size_t> order;
     for (const char edge : {'+', '<'}) {
       for (const std::size_t child : vertex.children) {

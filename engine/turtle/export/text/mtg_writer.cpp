@@ -25,7 +25,7 @@ std::string classOf(std::string_view symbol) {
   return letters;
 }
 
-/// What must be known before the first line.
+/// The facts that the writer needs before the first line.
 struct MtgPlan {
   std::set<std::string> classes;  // of the entities that are modules
   std::string plantClass;

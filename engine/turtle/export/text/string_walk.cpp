@@ -60,7 +60,7 @@ std::optional<std::string> walkStrings(const ExportInput& input, const ExportPro
   ESPALIER_CHECK(input.program != nullptr && input.visitModules);
   Walk walk(input, progress, visit);
   const auto problem = input.visitModules([&walk](const TurtleRecord& state, std::uint64_t first) {
-    // what was cut off comes before
+    // the part that was cut off comes before
     walk.advance(state.plant, first, nullptr);
     walk.advance(state.plant, state.module + 1, &state);
   });

@@ -202,7 +202,7 @@ TEST(Interpretation, ATextureThatTheViewFileDoesNotHaveIsSaidOnce) {
   TurtleRun run("@Tx(1)F@Tx(0)F@Tx(2)F[@Tx(2)F]", view);
   run.draw();
   EXPECT_EQ(run.messages,
-            std::vector<std::string>{"there is no texture 2 for '@Tx' in the view file; what wears it is plain"});
+            std::vector<std::string>{"there is no texture 2 for '@Tx' in the view file; parts with it are plain"});
 }
 
 TEST(Interpretation, ATriangleSurfaceDoesNotMove) {
