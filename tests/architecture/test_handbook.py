@@ -23,7 +23,6 @@ LONG_READMES = ("protocol/", "clients/gallery/", "tests/conformance/")
 FOREIGN_PAGES = re.compile(r"\b(?:LANGUAGE|ENVIRONMENTS|FIDELITY|DIALECTS|PANELS|USERS)\b(?!_)|\b(?:FILES|PROTOCOL|STYLE|ARCHITECTURE) §"
                            r"|\bSTYLE\.md\b|\bPROTOCOL\.md\b|\bFILES\.md\b")
 # what other changes on their way bring; empty when they are here
-UNFINISHED_PAGES: set[str] = set()
 UNFINISHED_FOLDERS: tuple[str, ...] = ("engine/simulation/",)
 SHARED_FOLDER = re.compile(r"\.\./shared\b")
 
@@ -90,8 +89,6 @@ def broken_links(page: Path, text: str) -> List[str]:
     for target in links(text):
         name, _, fragment = target.partition("#")
         path = (page.parent / name) if name else page
-        if os.path.relpath(path, ROOT) in UNFINISHED_PAGES and not path.exists():
-            continue
         if not path.exists():
             breaches.append(f"{relative(page)}: no such file: {target}")
         elif fragment and (path.suffix != ".md" or fragment not in anchors(read(path))):
@@ -107,8 +104,6 @@ def broken_citations(name: str, text: str, base: Path) -> List[str]:
     breaches = []
     for page, section in CITATION.findall(text):
         path = next((place / page for place in (ROOT, base) if (place / page).exists()), None)
-        if path is None and any(page.split("/")[-1] == name.split("/")[-1] for name in UNFINISHED_PAGES):
-            continue
         if path is None:
             breaches.append(f"{name}: cites {page}, which does not exist")
         elif not any(re.match(rf"{re.escape(section)}(?![\d])\.?", heading) for heading in headings(read(path))):
@@ -137,9 +132,8 @@ class Pages(unittest.TestCase):
         breaches = []
         for path, text in source_texts():
             # the tests look for validation data that may not be published
-            is_exempt = relative(path).startswith(UNFINISHED_FOLDERS)
             for pattern in (FOREIGN_PAGES, SHARED_FOLDER):
-                if is_exempt or (pattern is SHARED_FOLDER and relative(path).startswith("tests/")):
+                if pattern is SHARED_FOLDER and relative(path).startswith("tests/"):
                     continue
                 for match in pattern.finditer(text):
                     line = text.count("\n", 0, match.start()) + 1
