@@ -48,6 +48,12 @@ std::string_view LineSplitter::next() {
   return {};
 }
 
+std::size_t LineSplitter::nextBytes() {
+  const std::size_t end = buffer_.find('\n', scanned_);
+  scanned_ = std::min(end, buffer_.size());
+  return end == std::string::npos ? 0 : end - begin_;
+}
+
 std::size_t LineSplitter::take(char* target, std::size_t count) {
   const std::size_t taken = std::min(count, buffer_.size() - begin_);
   std::memcpy(target, buffer_.data() + begin_, taken);

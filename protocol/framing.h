@@ -28,6 +28,11 @@ class LineSplitter {
   /// The next complete line without its end, or a null data() when there is none. Valid until the next feed().
   [[nodiscard]] std::string_view next();
 
+  /// Bytes of the line that next() would return, its end not counted; 0: none is complete. Valid until the next feed().
+  [[nodiscard]] std::size_t nextBytes();
+  /// The limit of the lines that next() has not returned yet.
+  void setMaximumLineBytes(std::size_t bytes) { maximumLineBytes_ = bytes; }
+
   /// A line, complete or not, is longer than the limit. next() returns no more lines.
   [[nodiscard]] bool isOverflowed() const { return isOverflowed_; }
   /// Bytes of the line that overflowed, as far as received.
@@ -40,6 +45,8 @@ class LineSplitter {
 
   /// Whether the end of the stream now would cut a line.
   [[nodiscard]] bool hasPartialLine() const { return begin_ < buffer_.size(); }
+  /// Bytes that next() has not returned yet.
+  [[nodiscard]] std::size_t heldBytes() const { return buffer_.size() - begin_; }
 
  private:
   std::size_t maximumLineBytes_;
@@ -69,6 +76,12 @@ class MessageReader {
   /// The next complete message, or nothing when there is none.
   [[nodiscard]] std::optional<Read> next();
   void allowBlocks() { areBlocksAllowed_ = true; }
+  /// The limit of the lines that have not been returned yet.
+  void setLineBytes(std::size_t bytes) { lines_.setMaximumLineBytes(bytes); }
+  /// Bytes of the line that the next call of next() would decode; 0: none.
+  [[nodiscard]] std::size_t nextLineBytes() { return waiting_ ? 0 : lines_.nextBytes(); }
+  /// Bytes of messages that next() has not returned yet.
+  [[nodiscard]] std::size_t heldBytes() const { return lines_.heldBytes() + (waiting_ ? filled_ : 0); }
 
   /// The reason why the framing is lost: a line or a block beyond its limit, or blocks that were not agreed. The caller
   /// tells the peer and closes the connection. next() returns nothing more.

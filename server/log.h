@@ -6,7 +6,7 @@
 
 namespace espalier::server {
 
-/// What a line of the log is about; empty: nothing of that kind.
+/// The session and the simulation that a line of the log is about. Empty: none.
 struct LogSubject {
   std::string_view session{};
   std::string_view simulation{};

@@ -63,6 +63,7 @@ std::string prometheusText(const Metrics& metrics, const Gauges& gauges) {
   append(text, "espalier_string_bytes", "gauge", "Strings of all simulations.", gauges.stringBytes);
   append(text, "espalier_stream_bytes", "gauge", "Kept to tell viewers differences.", gauges.streamBytes);
   append(text, "espalier_outbox_bytes", "gauge", "Waiting for peers to read them.", gauges.outboxBytes);
+  append(text, "espalier_decoding_bytes", "gauge", "Received from peers, not decoded yet.", gauges.decodingBytes);
   append(text, "espalier_store_bytes", "gauge", "The data folder's database on disk.", gauges.storeBytes);
   appendFamily(text, "espalier_step_seconds", "histogram", "Wall time of a step, environment included.");
   metrics.stepSeconds.appendTo(text, "espalier_step_seconds");

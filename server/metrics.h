@@ -23,7 +23,7 @@ class DurationHistogram {
   std::atomic<std::uint64_t> nanoseconds_{0};
 };
 
-/// What the server has done since it was started. Thread-safe.
+/// Counts since the server was started. Thread-safe.
 struct Metrics {
   std::atomic<std::uint64_t> steps{0};
   std::atomic<std::uint64_t> failedSteps{0};
@@ -32,23 +32,24 @@ struct Metrics {
   std::atomic<std::uint64_t> requests{0};
   std::atomic<std::uint64_t> bytesReceived{0};
   std::atomic<std::uint64_t> bytesSent{0};
-  std::atomic<std::uint64_t> sessions{0};  // that were opened
+  std::atomic<std::uint64_t> sessions{0};  // of peers that said hello
   std::atomic<std::uint64_t> frames{0};    // of streams, sent
   std::atomic<std::uint64_t> drops{0};     // frames left out because a viewer was slow
   DurationHistogram stepSeconds;
   DurationHistogram environmentSeconds;  // calls of environments in other processes
 };
 
-/// What the server has now.
+/// Values of this moment.
 struct Gauges {
   std::uint64_t sessions = 0;
   std::uint64_t simulations = 0;
   std::uint64_t workers = 0;
   std::uint64_t residentBytes = 0;
-  // what is held where
+  // memory and disk
   std::uint64_t stringBytes = 0;
   std::uint64_t streamBytes = 0;
   std::uint64_t outboxBytes = 0;
+  std::uint64_t decodingBytes = 0;
   std::uint64_t storeBytes = 0;
 };
 

@@ -11,7 +11,7 @@
 namespace espalier::server {
 namespace {
 
-/// How long running steps may take after the server was told to stop, and then the last lines of each connection.
+/// After stop(): the time for running steps, and then for the last lines of each connection.
 constexpr std::chrono::milliseconds kPatienceForSteps{10'000};
 constexpr std::chrono::milliseconds kPatienceForConnections{2'000};
 
@@ -25,6 +25,8 @@ class Server::Implementation {
     if (closer_.joinable()) {
       closer_.join();
     }
+    // a worker may still hold a connection, which must not outlive the network
+    core_.waitForWorkers();
   }
 
   std::optional<std::string> listen() {
@@ -52,7 +54,7 @@ class Server::Implementation {
   void run(bool handleSignals) {
     core_.log().info("serving on " + core_.options().host + ":" + std::to_string(port()));
     network_.run(handleSignals, [this] { stop(); });
-    // run() can be here before stop() has kept the thread it started
+    // stop() may not have stored its thread yet
     std::thread closer;
     {
       const std::lock_guard lock(mutex_);
@@ -82,7 +84,7 @@ class Server::Implementation {
   }
 
  private:
-  /// Why a host may not be listened on, or nothing.
+  /// Why the server may not listen on a host, or nothing.
   [[nodiscard]] std::optional<std::string> problemOfHost(const std::string& host) const {
     const ServerOptions& options = core_.options();
     if (host.empty() || Network::isLoopback(host)) {

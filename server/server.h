@@ -30,11 +30,11 @@ struct ServerOptions {
   std::vector<std::string> allowedOrigins;  // of pages that may open WebSockets, beside the server's own
   std::string dataFolder;                   // empty: simulations are not saved
   std::string galleryFolder;                // empty: no gallery models by name
-  std::string token;                        // empty: none asked for; needed for any address but loopback
+  std::string token;                        // empty: clients need none; any address but loopback needs one
   bool isInsecureAllowed = false;           // a non-loopback address without TLS
-  bool isSpawnAllowed = false;  // callers from other machines may have commands started (stdio environments)
-  unsigned workers = 0;         // 0: as many as cores
-  unsigned threads = 1;         // of one step; the plant is the same for any number
+  bool isSpawnAllowed = false;              // also clients on other machines may start commands (stdio environments)
+  unsigned workers = 0;                     // 0: as many as cores
+  unsigned threads = 1;                     // of one step; the plant is the same for any number
   ServerLimits limits;
   std::string logLevel = "info";   // trace debug info warn error off
   std::string logFormat = "text";  // text or json

@@ -217,6 +217,11 @@ void ServerCore::beginShutdown() {
   }
 }
 
+void ServerCore::waitForWorkers() {
+  while (!pool_.waitUntilIdle(std::chrono::hours(1))) {
+  }
+}
+
 void ServerCore::finishRunning(std::chrono::milliseconds patience) {
   if (!pool_.waitUntilIdle(patience)) {
     for (const auto& runner : all()) {

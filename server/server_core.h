@@ -48,30 +48,33 @@ class ServerCore {
   [[nodiscard]] std::optional<std::string> loadSaved();
 
   [[nodiscard]] std::shared_ptr<SimulationRunner> find(const std::string& simulation) const;
-  /// Those in the data folder that could not be loaded, with the reason. They stay there until they are removed.
+  /// The simulations in the data folder that could not be loaded, with the reason. They stay there until removed.
   [[nodiscard]] std::vector<protocol::SimulationInformation> damaged() const;
   [[nodiscard]] std::optional<protocol::SimulationInformation> findDamaged(const std::string& simulation) const;
   [[nodiscard]] std::optional<std::string> removeDamaged(const std::string& simulation);
-  /// An identifier that no simulation has, reserved for add(); one of the session's until it is removed. The error of
-  /// the limit when there are too many simulations, of the session or in all.
+  /// Reserves a new identifier for add(). It counts for the session until it is removed. An error when the session, or
+  /// the server, has as many simulations as it may have.
   [[nodiscard]] std::variant<std::string, protocol::Error> reserve(const std::string& session);
   void add(const std::string& simulation, std::unique_ptr<HostedSimulation> hosted);
   /// Forgets an identifier, and the simulation when there is one. It is not closed.
   void remove(const std::string& simulation);
   [[nodiscard]] std::vector<std::shared_ptr<SimulationRunner>> all() const;
 
-  /// From now on nothing new is begun.
+  /// From now on no request begins anything new.
   void beginShutdown();
   [[nodiscard]] bool isShuttingDown() const { return isShuttingDown_; }
-  /// Waits for running turns; those that still run after `patience` are given up. Then saves what is not saved.
+  /// Waits for running turns and gives up those that still run after `patience`. Then saves each unsaved simulation.
   void finishRunning(std::chrono::milliseconds patience);
+  /// Waits for everything that runs on the pool, however long it takes.
+  void waitForWorkers();
 
-  std::atomic<std::uint32_t> sessionCount{0};
+  std::atomic<std::uint32_t> sessionCount{0};   // of peers that have said hello
+  std::atomic<std::uint64_t> decodingBytes{0};  // of messages that have come and are not decoded yet
   Metrics metrics;
   /// Sessions say when they begin and end.
   void enter(const Session& session);
   void leave(const Session& session);
-  /// What waits for peers to read it.
+  /// Bytes that wait for peers to read them.
   [[nodiscard]] std::uint64_t outboxBytes() const;
   [[nodiscard]] std::chrono::steady_clock::time_point started() const { return started_; }
 

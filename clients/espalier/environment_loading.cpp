@@ -32,7 +32,7 @@ bool startsWith(const std::string& text, const char* prefix) {
   return text.rfind(prefix, 0) == 0;
 }
 
-// the process, or null after its errors were printed, each after the name of the file it is about
+// the process, or null after the errors are printed, each with the name of its file
 Process orPrintErrors(environment::ProcessOrErrors&& made, const std::string& file) {
   if (made) {
     return std::move(*made);
@@ -46,13 +46,13 @@ Process orPrintErrors(environment::ProcessOrErrors&& made, const std::string& fi
   return nullptr;
 }
 
-/// What making an environment needs to know of the command line.
+/// The parts of the command line that every environment needs.
 struct Making {
   const RemoteOptions& remote;
   std::shared_ptr<server::FailureSink> onFailure;
 };
 
-// how long a step may take: what the entry says, else the command line, else `otherwise`
+// the longest time of a step: from the entry, else from the command line, else `otherwise`
 std::chrono::milliseconds timeOfStep(const Making& making, std::optional<std::chrono::milliseconds> ofEntry,
                                      std::chrono::milliseconds otherwise) {
   const double seconds = making.remote.timeoutSeconds;
@@ -60,7 +60,7 @@ std::chrono::milliseconds timeOfStep(const Making& making, std::optional<std::ch
   return ofEntry.value_or(seconds > 0.0 ? asked : otherwise);
 }
 
-// `entryJson` has the settings of an entry; `what` says in errors whose they are
+// `entryJson` has the settings of an entry; errors begin with `what`
 std::optional<server::RemoteSettings> readSettings(const std::string& entryJson, const std::string& what,
                                                    const Making& making) {
   auto read = server::readRemoteSettings(entryJson, making.remote.policy);
@@ -110,7 +110,7 @@ Process loadPlugin(const std::string& library, const std::string& entryJson, con
       [sink = making.onFailure](std::uint64_t step, const std::string& message) { (*sink)(step, message); });
 }
 
-// a built-in process; it comes back by itself, but may be given less time for a step than it takes
+// a built-in process; with a time limit it is supervised and made again after a time-out
 Process makeBuiltIn(const std::string& name, const std::string& configurationJson, const std::string& file,
                     const Making& making) {
   Process made = orPrintErrors(environment::makeProcess(name, configurationJson), file);
@@ -129,14 +129,14 @@ Process makeBuiltIn(const std::string& name, const std::string& configurationJso
 Process makeEntry(const environment::EnvironmentEntry& entry, const std::string& file, const Making& making) {
   if (entry.type == "offered" || entry.type == "gallery" || entry.type == "field") {
     printError(file + ": the environment '" + entry.name + "' " +
-               (entry.type == "offered" ? "offers itself to a server" : "is a field file beside others on a server") +
-               ": give one with --environment, such as tcp://HOST:PORT or a file");
+               (entry.type == "offered" ? "is offered to a server" : "is an environment file on a server") +
+               ": give another one, such as tcp://HOST:PORT or a file");
     return nullptr;
   }
   if (entry.type == "plugin") {
     const auto library = protocol::memberOf(entry.configuration, "library");
     if (!library) {
-      printError(file + ": the environment '" + entry.name + "' needs a 'library': the file of the plug-in");
+      printError(file + ": the environment '" + entry.name + "' needs a member 'library': the file of the plug-in");
       return nullptr;
     }
     return loadPlugin(*library, entry.configuration, file + ": the environment '" + entry.name + "': ", making);
@@ -148,8 +148,8 @@ Process makeEntry(const environment::EnvironmentEntry& entry, const std::string&
   const std::string key = isTcp ? "address" : "command";
   const std::string target = protocol::memberOf(entry.configuration, key).value_or("");
   if (target.empty()) {
-    printError(file + ": the environment '" + entry.name + "' needs a '" + key +
-               "': " + (isTcp ? "HOST:PORT" : "a command line that starts it"));
+    printError(file + ": the environment '" + entry.name + "' needs a member '" + key +
+               "': " + (isTcp ? "HOST:PORT" : "the command that starts it"));
     return nullptr;
   }
   const bool isWhole = isTcp && (startsWith(target, "tcp://") || startsWith(target, "unix:"));
@@ -157,7 +157,7 @@ Process makeEntry(const environment::EnvironmentEntry& entry, const std::string&
   return connectRemote(scheme + target, entry.configuration, file + ": the environment '" + entry.name + "': ", making);
 }
 
-// one process as it is, several as a set whose members are addressed by their names
+// a single process, or a set of processes that queries address by name
 Process loadConfiguration(const std::string& file, core::FileProvider& files, std::vector<std::string>& names,
                           const Making& making) {
   const std::optional<std::string> json = files.read(file);
@@ -179,7 +179,8 @@ Process loadConfiguration(const std::string& file, core::FileProvider& files, st
     }
   }
   if (entries.empty()) {
-    printError("'" + file + "' names no environment: give an object such as {\"type\":\"height\"}, or leave it out");
+    printError("'" + file +
+               "' lists no environment: add an object such as {\"type\":\"height\"}, or leave out the file");
     return nullptr;
   }
   std::vector<std::pair<std::string, Process>> processes;
@@ -191,13 +192,13 @@ Process loadConfiguration(const std::string& file, core::FileProvider& files, st
     if (entries.size() > 1) {
       names.push_back(entry.name);
     }
-    // a single environment takes all queries, whatever they are called
+    // a single environment answers all queries, of any name
     processes.emplace_back(entries.size() == 1 ? std::string{} : entry.name, std::move(process));
   }
   return environment::makeEnvironmentSet(std::move(processes));
 }
 
-// the program of an environment file that is not built in but there, started; null: it is for makeFromEnvironmentFile
+// the started program of an environment file (.e) when the program exists and is not built in; else null
 Process loadLegacyProgram(const std::string& file, bool isQuiet, core::FileProvider& files) {
   std::vector<core::Diagnostic> warnings;
   std::vector<core::Diagnostic> errors;
@@ -211,7 +212,7 @@ Process loadLegacyProgram(const std::string& file, bool isQuiet, core::FileProvi
   auto made = server::makeLegacyProcess(file, files, {}, warnings);
   printDiagnostics(warnings, isQuiet);
   if (!isQuiet) {
-    printNote("'" + field.program + "' is not built in: the program that " + file + " names is started");
+    printNote("'" + field.program + "' is not a built-in environment: starting the program that " + file + " names");
   }
   return orPrintErrors(std::move(made), "");
 }
@@ -246,7 +247,7 @@ Process makeEnvironment(const std::string& name, core::Compatibility compatibili
   if (suffix == ".e") {
     return loadFieldFile(name, compatibility, isQuiet, files);
   }
-  // a model folder may give its field file any name; no built-in process is called like a path
+  // a model folder may give its environment file any name; no built-in process has a name like a path
   if (name.find_first_of("./") != std::string::npos && files.read(name)) {
     return loadFieldFile(name, compatibility, isQuiet, files);
   }

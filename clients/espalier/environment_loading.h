@@ -14,7 +14,7 @@
 
 namespace espalier::command {
 
-/// How environments in other processes are treated unless their entry says otherwise.
+/// Settings of environments in other processes. The entry of an environment may override them.
 struct RemoteOptions {
   std::string policy = "fail";  // fail, keep or fallback:NAME
   double timeoutSeconds = 0.0;  // of a step; 0: the default
@@ -22,17 +22,16 @@ struct RemoteOptions {
 
 struct LoadedEnvironment {
   std::unique_ptr<turtle::EnvironmentProcess> process;
-  simulation::EnvironmentOrigin origin;   // its name and the files it was read from, to make it again from a snapshot
-  std::vector<std::string> processNames;  // of several processes in one; empty: one that answers every query
-  /// Hears of failures that a policy passed over: says so on standard error, and what else is put here.
+  simulation::EnvironmentOrigin origin;   // its name and its files, to make it again from a snapshot
+  std::vector<std::string> processNames;  // of a set of processes; empty: a single process answers every query
+  /// Receives the failures that a policy tolerates. It prints them on standard error.
   std::shared_ptr<server::FailureSink> onFailure;
 };
 
 /// Makes the environment that a command line names: `tcp://HOST:PORT`, `unix:PATH` and `stdio:COMMAND` are other
-/// processes, `*.json`
-/// is a configuration of one process or several, `*.so` a plug-in, `*.e` a field file, anything else the name of a
-/// built-in process with its defaults. Writes what is wrong, and warnings unless `isQuiet`, to standard error; nothing
-/// on an error.
+/// processes, `*.json` is a configuration of one process or several, `*.so` a plug-in, `*.e` a published environment
+/// file. Any other text is the name of a built-in process with its defaults. Prints errors, and warnings unless
+/// `isQuiet`, on standard error. Returns nothing after an error.
 [[nodiscard]] std::optional<LoadedEnvironment> loadEnvironment(const std::string& name,
                                                                core::Compatibility compatibility, bool isQuiet,
                                                                core::FileProvider& files,

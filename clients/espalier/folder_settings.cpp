@@ -31,7 +31,7 @@ std::optional<files::AnimationSettings> readAnimation(const std::string& file, c
     return interval.motion != files::FrameInterval::Motion::None;
   });
   if (moves) {
-    remark(core::Severity::Note, file, "pictures are neither turned nor scaled as its frame intervals say",
+    remark(core::Severity::Note, file, "pictures ignore the rotations and scalings of its frame intervals",
            diagnostics);
   }
   return settings;
@@ -50,7 +50,7 @@ FolderSettings readFolderSettings(const ModelFiles& model, bool isAnimated, core
   const bool usesAnimation = isAnimated || model.startsInAnimation;
   if (usesAnimation && model.animation.empty()) {
     remark(core::Severity::Warning, model.model,
-           "there is no animation file for it; the derivation length decides which step is last", diagnostics);
+           "the model has no animation file; the derivation length decides which step is last", diagnostics);
   } else if (usesAnimation) {
     folder.animation = readAnimation(model.animation, files, diagnostics);
   } else if (model.isFolder && !model.animation.empty()) {
@@ -76,7 +76,7 @@ bool isOver(const simulation::Simulation& simulation, std::optional<std::uint64_
   if (!last) {
     return simulation.isFinished();
   }
-  // finished before its derivation length: the model has stopped itself
+  // finished before its derivation length: the model called stop()
   return simulation.completedSteps() >= *last ||
          (simulation.isFinished() && simulation.completedSteps() < simulation.derivationLength());
 }

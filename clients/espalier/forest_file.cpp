@@ -69,7 +69,7 @@ std::optional<protocol::ForestParams> readForest(const std::string& file, core::
   return std::move(*decoded);
 }
 
-// every model has blocks of its own; where some have colours, the others have Espalier's own in theirs
+// every model has its own blocks; a model without colours gets the default colours when another model has colours
 files::Palette joined(const std::vector<files::Palette>& palettes) {
   files::Palette whole;
   if (std::all_of(palettes.begin(), palettes.end(), [](const auto& palette) { return palette.empty(); })) {
@@ -171,7 +171,7 @@ std::optional<LoadedModel> loadForest(const std::string& file, ModelOptions& opt
   for (const auto& [value, name] :
        {std::pair{&options.object, "--object"}, {&options.view, "--view"}, {&options.startFile, "--from"}}) {
     if (!value->empty()) {
-      printError(std::string(name) + " is of one model: '" + file + "' lists several");
+      printError(std::string(name) + " is for a single model: '" + file + "' lists several models");
       return std::nullopt;
     }
   }
@@ -183,7 +183,7 @@ std::optional<LoadedModel> loadForest(const std::string& file, ModelOptions& opt
   if (!loadEnvironmentOf(*forest, file, options, files, loaded)) {
     return std::nullopt;
   }
-  // the run: what the command line says, what the file says, what the models say
+  // the run: the command line wins over the file, the file over the models
   if (!options.steps) {
     options.steps = forest->derivationLength;
   }

@@ -12,9 +12,9 @@ namespace espalier::command {
 /// Nothing: MODEL is one model.
 [[nodiscard]] std::optional<std::string> forestFileOf(const std::string& model);
 
-/// Reads a forest: the models it lists, where its plants stand, its environment. Files are found from the forest file's
-/// folder; options of the command line win over what the file says. The format is in README.md. Writes what is wrong
-/// to standard error; nothing on an error.
+/// Reads a forest: its models, the places of its plants, its environment. File names are relative to the folder of the
+/// forest file. Options of the command line win over the file. docs/command-line.md, 4, describes the format. Prints
+/// errors on standard error and returns nothing after an error.
 [[nodiscard]] std::optional<LoadedModel> loadForest(const std::string& file, ModelOptions& options,
                                                     core::FileProvider& files);
 

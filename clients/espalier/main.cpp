@@ -15,15 +15,15 @@
 int main(int argumentCount, char** arguments) {
   using namespace espalier::command;
   CLI::App program{
-      "Espalier derives L-systems (the cpfg dialect) and lets plants grow against their environment.\n"
+      "Espalier derives L-systems (the cpfg dialect) and grows plants in an environment.\n"
       "Results go to standard output, everything else to standard error.\n"
-      "Exit status: 0 success, 1 what was asked failed, 2 wrong usage.",
+      "Exit status: 0 success, 1 the command failed, 2 wrong command line.",
       "espalier"};
   program.require_subcommand(1);
   program.set_version_flag("--version", "espalier " ESPALIER_VERSION);
   program.footer("`espalier COMMAND --help` explains a command. Start with: espalier derive MODEL.l --every");
 
-  // a file that may not grow further is an error of that file, not the end of the program
+  // a file that reaches the size limit is an error of that file and does not end the program
   std::signal(SIGXFSZ, SIG_IGN);
   int status = kSuccess;
   addDerive(program, status);
@@ -47,7 +47,7 @@ int main(int argumentCount, char** arguments) {
   addStatus(program, status);
   addLoad(program, status);
 
-  // a mistyped command, before the options that belong to none
+  // name a mistyped command before its options are read
   if (argumentCount > 1 && arguments[1][0] != '-') {
     std::vector<std::string> names;
     for (const CLI::App* command : program.get_subcommands({})) {
@@ -71,14 +71,14 @@ int main(int argumentCount, char** arguments) {
     printError(std::string("this is a bug of Espalier, please report it: ") + error.what());
     return kFailure;
   } catch (const std::bad_alloc&) {
-    printError("out of memory: run fewer steps, or a machine with more memory");
+    printError("out of memory: run fewer steps, or use a machine with more memory");
     return kFailure;
   } catch (const std::exception& error) {
     printError(std::string("this is a bug of Espalier, please report it: ") + error.what());
     return kFailure;
   }
 
-  // a full disk or a closed pipe must not look like success
+  // a full disk or a closed pipe is a failure
   if (std::fflush(stdout) != 0) {
     printError("the results could not be written to standard output");
     return kFailure;

@@ -9,7 +9,7 @@ namespace espalier::command {
 namespace {
 
 void writeToStandardError(std::string_view text) {
-  // results that are still buffered come first, so that a terminal shows both in the order they were made
+  // write buffered results first, so that a terminal shows both in their order
   std::fflush(stdout);
   std::fwrite(text.data(), 1, text.size(), stderr);
 }
@@ -34,10 +34,10 @@ void printDiagnostics(const std::vector<core::Diagnostic>& diagnostics, bool isQ
 }
 
 std::string formatSimulationError(const core::SimulationError& error) {
-  // the engine's own messages name their step; an environment's do not know it
+  // messages of the engine name their step, messages of an environment do not
   const bool needsStep = error.code == core::SimulationErrorCode::EnvironmentFailed && error.step > 0;
   std::string text = (needsStep ? "step " + std::to_string(error.step) + ": " : std::string{}) + error.message;
-  // how to set the limit that was reached
+  // add how to set the limit
   if (error.code == core::SimulationErrorCode::LimitExceeded) {
     if (const server::LimitEntry* limit = server::nameLimit(text)) {
       text += " (--limit " + std::string(limit->name) + "=N sets another bound.)";
@@ -51,7 +51,7 @@ core::MessageSink standardErrorMessages(bool isQuiet) {
     if (kind == core::MessageKind::Printf) {
       writeToStandardError(text);
     } else if (!isQuiet) {
-      // a warning with a place says in its first line that it is one
+      // a warning with a place has the word in its first line
       const bool isMarked = text.substr(0, text.find('\n')).find("warning: ") != std::string_view::npos;
       writeToStandardError((isMarked ? "" : "warning: ") + std::string(text) + "\n");
     }

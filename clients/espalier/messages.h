@@ -12,7 +12,7 @@ namespace espalier::command {
 
 /// Exit statuses of the program.
 inline constexpr int kSuccess = 0;
-inline constexpr int kFailure = 1;  // what was asked failed: bad model, environment gone, unwritable output
+inline constexpr int kFailure = 1;  // the command failed: bad model, environment gone, unwritable output
 inline constexpr int kUsage = 2;    // wrong command line
 
 /// Writes "error: " and the sentence as one line on standard error.
@@ -24,8 +24,7 @@ void printNote(std::string_view line);
 /// Writes diagnostics on standard error in the order given. With `isQuiet` only the errors.
 void printDiagnostics(const std::vector<core::Diagnostic>& diagnostics, bool isQuiet);
 
-/// The line for a model that failed while running: which step, what happened, and the step that the simulation stays
-/// at.
+/// The line for a model that failed while running: the step, the failure, and the step at which the simulation stays.
 [[nodiscard]] std::string formatSimulationError(const core::SimulationError& error);
 
 /// A model's printf output and run-time warnings on standard error. With `isQuiet` the printf output only.

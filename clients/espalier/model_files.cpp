@@ -14,8 +14,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-using FilesOrProblem = std::variant<ModelFiles, std::string>;
-
 constexpr std::string_view kTitleSeparator = " / ";
 
 std::string nameOf(const std::string& file) {
@@ -47,7 +45,8 @@ std::string besideModel(const fs::path& model, const char* suffix) {
   return isFile(file) ? file.string() : std::string{};
 }
 
-// beside a model of a folder: the file of its stem, else the only one of its kind; a remark names what is left out
+// the companion of a model in a folder: the file with its stem, else the only file with the suffix; a remark names
+// every file that is not used
 std::string companion(const fs::path& model, const char* suffix, const std::string& consequence, ModelFiles& files) {
   const std::vector<fs::path> candidates = filesWithSuffix(model.parent_path(), suffix);
   std::string chosen = besideModel(model, suffix);
@@ -74,14 +73,14 @@ std::string listOf(const std::vector<fs::path>& files) {
   return text;
 }
 
-FilesOrProblem onlyModelOf(const std::string& folder) {
+Result<ModelFiles> onlyModelOf(const std::string& folder) {
   const std::vector<fs::path> models = filesWithSuffix(folder, ".l");
   if (models.empty()) {
-    return "the folder '" + folder + "' holds no L-system file (.l): give a folder that does, or the file itself";
+    return problem("the folder '" + folder + "' holds no L-system file (.l): give another folder, or the file itself");
   }
   if (models.size() > 1) {
-    return "the folder '" + folder + "' holds more than one L-system file (" + listOf(models) +
-           "): give the name of one";
+    return problem("the folder '" + folder + "' holds more than one L-system file (" + listOf(models) +
+                   "): give the name of one");
   }
   ModelFiles files;
   files.isFolder = true;
@@ -97,7 +96,7 @@ FilesOrProblem onlyModelOf(const std::string& folder) {
   if (!map.empty()) {
     files.colours.push_back({map, 1, false});
   }
-  // of a map and materials the last one named counts
+  // materials win over a map
   if (!materials.empty()) {
     files.colours.push_back({materials, 1, true});
   }
@@ -119,9 +118,8 @@ bool isCalled(const files::FolderCommand& command, const std::string& object) {
 }
 
 // the command that `object` means, by number or by name
-std::variant<files::FolderCommand, std::string> chosenCommand(const std::string& folder,
-                                                              const std::vector<files::FolderCommand>& commands,
-                                                              const std::string& object) {
+Result<files::FolderCommand> chosenCommand(const std::string& folder, const std::vector<files::FolderCommand>& commands,
+                                           const std::string& object) {
   for (std::size_t i = 0; i < commands.size(); ++i) {
     if (object == std::to_string(i + 1)) {
       return commands[i];
@@ -133,11 +131,11 @@ std::variant<files::FolderCommand, std::string> chosenCommand(const std::string&
   if (called.size() == 1) {
     return called.front();
   }
-  return "the folder '" + folder + "' has " + (called.empty() ? "no object" : "several objects") + " '" + object +
-         "': give one of " + listOf(commands);
+  return problem("the folder '" + folder + "' has " + (called.empty() ? "no object" : "several objects") + " '" +
+                 object + "': give one of " + listOf(commands));
 }
 
-// the sentence for a command whose model is not there
+// the sentence about a command with a missing model
 std::string missingModel(const std::string& folder, const std::string& model, const std::vector<std::string>& names) {
   const std::vector<std::string_view> candidates(names.begin(), names.end());
   const std::string_view nearest = core::nearestName(nameOf(model), candidates);
@@ -146,7 +144,7 @@ std::string missingModel(const std::string& folder, const std::string& model, co
                           : ": did you mean '" + std::string(nearest) + "'?");
 }
 
-FilesOrProblem commandOf(const std::string& path, const std::string& object) {
+Result<ModelFiles> commandOf(const std::string& path, const std::string& object) {
   std::vector<std::string> names;
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(path, error)) {
@@ -160,28 +158,28 @@ FilesOrProblem commandOf(const std::string& path, const std::string& object) {
   files.isFolder = true;
   for (const core::Diagnostic& diagnostic : folder.diagnostics.entries()) {
     if (diagnostic.severity == core::Severity::Error) {
-      return diagnostic.location.file + ": " + diagnostic.message + ": " + diagnostic.hint;
+      return problem(diagnostic.location.file + ": " + diagnostic.message + ": " + diagnostic.hint);
     }
     files.remarks.push_back(diagnostic);
   }
   files::FolderCommand command = folder.commands.front();
   if (!object.empty()) {
     auto chosen = chosenCommand(path, folder.commands, object);
-    if (const std::string* problem = std::get_if<std::string>(&chosen)) {
-      return *problem;
+    if (!chosen) {
+      return problem(std::move(chosen.error()));
     }
-    command = std::get<files::FolderCommand>(chosen);
+    command = std::move(*chosen);
   } else if (folder.commands.size() > 1) {
     core::Diagnostic remark;
     remark.severity = core::Severity::Note;
     remark.location.file = path;
     remark.message = "the folder offers " + std::to_string(folder.commands.size()) +
-                     " objects and the first is used: " + listOf(folder.commands);
+                     " objects, and the first is used: " + listOf(folder.commands);
     remark.hint = "--object TITLE chooses another";
     files.remarks.push_back(std::move(remark));
   }
   if (!isFile(command.model)) {
-    return missingModel(path, command.model, names);
+    return problem(missingModel(path, command.model, names));
   }
   if (command.writesAfterHomomorphism) {
     core::Diagnostic remark;
@@ -191,7 +189,7 @@ FilesOrProblem commandOf(const std::string& path, const std::string& object) {
     files.remarks.push_back(std::move(remark));
   }
   files.model = command.model;
-  // files that are not there were named in remarks
+  // the remarks name the missing files
   files.view = isFile(command.view) ? command.view : std::string{};
   files.environment = isFile(command.environment) ? command.environment : std::string{};
   files.animation = isFile(command.animation) ? command.animation : std::string{};
@@ -207,28 +205,28 @@ FilesOrProblem commandOf(const std::string& path, const std::string& object) {
 
 }  // namespace
 
-std::variant<ModelFiles, std::string> findModelFiles(const std::string& path, const std::string& object) {
+Result<ModelFiles> findModelFiles(const std::string& path, const std::string& object) {
   std::error_code error;
-  // one of the models in a file of a foreign dialect: what is beside the file is beside the model
+  // one model of a file with several: its companions are those of the file
   server::DiskFileProvider provider;
   const language::NamedEntry named = language::splitEntry(path, provider);
   if (!named.entry.empty() && isFile(named.file) && object.empty()) {
     auto found = findModelFiles(named.file);
-    if (ModelFiles* files = std::get_if<ModelFiles>(&found)) {
-      files->model = path;
+    if (found) {
+      found->model = path;
     }
     return found;
   }
   const bool isFolder = fs::is_directory(path, error);
   if (!isFolder && !fs::exists(path, error)) {
-    return "there is no file '" + path + "': give the name of an L-system file (.l) or of the folder that holds it";
+    return problem("there is no file '" + path + "': give the name of an L-system file (.l) or of its folder");
   }
   if (isFolder && isFile(fs::path(path) / "specifications")) {
     return commandOf(path, object);
   }
   if (!object.empty()) {
-    return "--object chooses among the commands of a folder's specifications, and '" + path +
-           "' has none: leave it out";
+    return problem("--object chooses one of the commands in a folder's specifications, and '" + path +
+                   "' has none: leave out --object");
   }
   if (isFolder) {
     return onlyModelOf(path);

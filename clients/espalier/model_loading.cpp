@@ -24,7 +24,7 @@
 namespace espalier::command {
 namespace {
 
-// why a file that was named on the command line cannot be used, or nothing
+// the problem with a file that the command line names, or nothing
 std::optional<std::string> whyUnreadable(const std::string& file, const char* option) {
   std::error_code error;
   if (std::filesystem::is_regular_file(file, error)) {
@@ -33,7 +33,7 @@ std::optional<std::string> whyUnreadable(const std::string& file, const char* op
   return std::string("there is no file '") + file + "' (" + option + "): check the name and the working folder";
 }
 
-// the string of a file, from an MTG too
+// the string in a file; the file may be an MTG
 std::optional<std::string> readStartString(const std::string& file, core::FileProvider& files, bool isQuiet) {
   std::optional<std::string> text = files.read(file);
   if (!text) {
@@ -48,7 +48,8 @@ std::optional<std::string> readStartString(const std::string& file, core::FilePr
     }
     const auto& [strings, modules] = std::get<turtle::MtgStrings>(read);
     if (strings.size() != 1) {
-      printError("'" + file + "' has " + std::to_string(strings.size()) + " plants; a run starts from one");
+      printError("'" + file + "' has " + std::to_string(strings.size()) +
+                 " plants, and a run starts from one: give a file with one plant");
       return std::nullopt;
     }
     text = strings.front();
@@ -70,15 +71,15 @@ bool drawsRandom(const language::ProductionList& list) {
 
 constexpr std::string_view kSeconds = "seconds=";
 
-// a sentence about a limit that is none of a run, or an empty text
+// a sentence about a limit that a run does not have, or an empty text
 std::string problemOfLimit(const std::string& text) {
   server::ServerLimits limits;
   const bool isTime = text.starts_with(kSeconds);
   const server::LimitEntry* entry = server::findLimit(std::string_view(text).substr(0, text.find('=')));
   if (!isTime && entry != nullptr && !entry->isOfSimulation) {
-    return "the limit " + std::string(entry->name) + " is one of servers";
+    return "the limit " + std::string(entry->name) + " is a limit of servers, not of a run";
   }
-  // as the server's limit of the same unit
+  // the time has the bounds of the server limit with the same unit
   return server::setLimit(limits, isTime ? "callSeconds=" + text.substr(kSeconds.size()) : text)
       .value_or(std::string{});
 }
@@ -86,7 +87,8 @@ std::string problemOfLimit(const std::string& text) {
 // the names with their meanings and defaults
 std::string limitHelp() {
   std::string text =
-      "A bound of the run; each error names its limit. May be repeated. Names: seconds (processor time; 0)";
+      "A limit of the run; an error names the limit that was reached. May be repeated. Names: seconds (processor time; "
+      "0)";
   server::ServerLimits limits;
   limits.simulation = core::Limits{};
   for (const server::LimitEntry& entry : server::limitEntries()) {
@@ -141,34 +143,34 @@ std::vector<std::string> dialectChoices() {
 }  // namespace
 
 void addReadingOptions(CLI::App& command, ModelOptions& options, bool isModelRequired) {
-  CLI::Option* model = command.add_option("model", options.model,
-                                          "The L-system file (.l or of another dialect; FILE:ENTRY where a file holds "
-                                          "several), a model\nfolder, or a forest (.json)");
+  CLI::Option* model =
+      command.add_option("model", options.model,
+                         "An L-system file (.l, or a file of another dialect; FILE:ENTRY for one of several "
+                         "models in it),\na model folder, or a forest (.json)");
   model->type_name("MODEL");
   model->required(isModelRequired);
-  command.add_option("--dialect", options.dialect, "How the model is written; without it found by its content")
+  command.add_option("--dialect", options.dialect, "Dialect of the model (default: recognised by its content)")
       ->check(CLI::IsMember(dialectChoices()));
   command
       .add_option("--object", options.object,
-                  "Of a folder whose specifications run several models: the one with this title in the\n"
-                  "menu, model file or number; without it the first")
+                  "For a folder whose specifications list several models: title in the menu, model file or\n"
+                  "number of one of them (default: the first)")
       ->type_name("TITLE");
-  command.add_option("--view", options.view, "View file; without it the .v beside the model with the same name")
+  command.add_option("--view", options.view, "View file (default: the .v file beside the model with the same name)")
       ->type_name("FILE.v");
   command
       .add_option("--environment", options.environment,
-                  "What answers the communication modules ?E: the name of a built-in process,\n"
-                  "a field file (.e), a configuration (.json), tcp://HOST:PORT, unix:PATH or\n"
-                  "stdio:COMMAND; "
-                  "without it the .e beside the model")
+                  "The environment that answers communication modules ?E: name of a built-in process,\n"
+                  "environment file (.e), configuration (.json), plug-in (.so), tcp://HOST:PORT, unix:PATH\n"
+                  "or stdio:COMMAND (default: the .e file beside the model)")
       ->type_name("ENVIRONMENT");
   command
       .add_option("--compat", options.compatibility,
-                  "Reproduce the reference program: its interactive run (cpfg) or its batch run (cpfg-batch)")
+                  "Reproduce the program cpfg: its interactive run (cpfg) or its batch run (cpfg-batch)")
       ->check(CLI::IsMember({"cpfg", "cpfg-batch"}));
   command
       .add_option("--define", options.defines,
-                  "A macro for the model's preprocessor; it wins over the model's #define. May be repeated")
+                  "A macro for the preprocessor; it wins over a #define of the model. May be repeated")
       ->type_name("NAME=VALUE")
       ->allow_extra_args(false)
       ->check([](const std::string& text) {
@@ -178,7 +180,7 @@ void addReadingOptions(CLI::App& command, ModelOptions& options, bool isModelReq
       ->type_name("NAME=NUMBER")
       ->allow_extra_args(false)
       ->check([](const std::string& text) { return problemOfLimit(text); });
-  command.add_flag("--quiet", options.isQuiet, "Only results and errors: no warnings, no seed, no progress");
+  command.add_flag("--quiet", options.isQuiet, "Print only results and errors: no warnings, no seed, no progress");
 }
 
 void addRunningOptions(CLI::App& command, ModelOptions& options) {
@@ -186,33 +188,32 @@ void addRunningOptions(CLI::App& command, ModelOptions& options) {
                  [&options](std::uint64_t steps) { options.steps = steps; })
       ->type_name("N");
   command.add_flag("-a,--animate", options.isAnimated,
-                   "The folder's animation file decides which step is the last, as with its switch -a");
+                   "The animation file of the folder decides which step is the last, as with its switch -a");
   command
       .add_option("--environment-policy", options.remote.policy,
-                  "When an environment in another process or a plug-in fails: fail (the step fails), keep "
-                  "(the\nmodules keep what they "
-                  "sent) or fallback:NAME (a built-in answers)")
+                  "When an environment in another process or a plug-in fails: fail (the step fails), keep (the\n"
+                  "modules keep their values) or fallback:NAME (a built-in environment answers)")
       ->type_name("POLICY")
       ->check([](const std::string& words) {
         const auto read = server::readRemotePolicy(words);
         return read ? std::string{} : read.error();
       });
   command
-      .add_option(
-          "--environment-timeout", options.remote.timeoutSeconds,
-          "How long an environment may take for a step; in another process and in a plug-in 60,\nunless set here")
+      .add_option("--environment-timeout", options.remote.timeoutSeconds,
+                  "Longest time of an environment for a step (default: 60 for another process or a plug-in, no\n"
+                  "limit for a built-in environment)")
       ->type_name("SECONDS")
       ->check(CLI::Range(0.001, 86'400.0));
   addWholeNumber(
       command, "--iterations",
-      "Ask the environment again in each step with what it answered, at most so often,\nuntil its answers stay "
-      "as they are (1: once)",
+      "In each step, ask the environment again with its own answers until they no longer change, at\n"
+      "most N times (1: no repetition)",
       1, 10'000,
       [&options](std::uint64_t iterations) { options.coupling.iterations = static_cast<std::uint32_t>(iterations); })
       ->type_name("N");
   command
       .add_option("--tolerance", options.coupling.tolerance,
-                  "With --iterations: an answer that changes a parameter by no more than this stays as it is (0)")
+                  "With --iterations: an answer that differs by at most X counts as unchanged (0)")
       ->type_name("X")
       ->check(CLI::NonNegativeNumber);
   addWholeNumber(command, "--seed", "Seed of the random numbers; it replaces the model's `seed:`", 0,
@@ -220,12 +221,12 @@ void addRunningOptions(CLI::App& command, ModelOptions& options) {
       ->type_name("S");
   command
       .add_option("--from", options.startFile,
-                  "A string that takes the axiom's place: a file of `run -o NAME.string` or an MTG (.mtg)")
+                  "A string that replaces the axiom: a file of `run -o NAME.string` or an MTG (.mtg)")
       ->type_name("FILE");
   command
       .add_option("--threads", options.threads,
-                  "Threads for strings of more than 65536 modules; 0: as many as the machine has. The result does not "
-                  "depend on them")
+                  "Threads for strings of more than 65536 modules; 0: as many as the machine has. The result\n"
+                  "does not depend on their number")
       ->type_name("N")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
@@ -253,12 +254,12 @@ bool needsDrawnSeed(const language::Program& program) {
 
 std::shared_ptr<const language::Program> loadProgram(ModelOptions& options, core::FileProvider& files,
                                                      FolderSettings* folder) {
-  auto found = findModelFiles(options.model, options.object);
-  if (const std::string* problem = std::get_if<std::string>(&found)) {
-    printError(*problem);
+  const Result<ModelFiles> found = findModelFiles(options.model, options.object);
+  if (!found) {
+    printError(found.error());
     return nullptr;
   }
-  const ModelFiles& modelFiles = std::get<ModelFiles>(found);
+  const ModelFiles& modelFiles = *found;
   core::DiagnosticList remarks;
   for (const core::Diagnostic& remark : modelFiles.remarks) {
     remarks.add(remark);
@@ -302,7 +303,7 @@ simulation::SimulationOptions simulationOptionsFor(const ModelOptions& options, 
   result.coupling = options.coupling;
   result.limits = options.simulationLimits();
   result.messages = standardErrorMessages(options.isQuiet);
-  // a model that comes from a snapshot may have no folder here: it writes into the working one
+  // the folder of a model from a snapshot may not exist here: the model then writes into the working folder
   const std::string folder = files::folderOf(program.modelFile);
   std::error_code error;
   result.fileWriter =

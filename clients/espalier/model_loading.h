@@ -21,13 +21,13 @@ class App;
 
 namespace espalier::command {
 
-/// What derive, run and check are told about a model on the command line.
+/// Options of the command line about a model and its run.
 struct ModelOptions {
   std::string model;        // a `.l` file, a model folder or a forest file
   std::string dialect;      // of the model's file; empty: found by its content
-  std::string object;       // which command of the folder; empty: the first
-  std::string view;         // empty: the folder's, or the one beside the model
-  std::string environment;  // empty: the folder's, or the `.e` beside the model
+  std::string object;       // the command of the folder; empty: the first
+  std::string view;         // empty: the view file of the folder, or the `.v` file beside the model
+  std::string environment;  // empty: the environment of the folder, or the `.e` file beside the model
   std::optional<std::uint64_t> steps;
   std::optional<std::uint64_t> seed;
   std::string compatibility;         // "", "cpfg" or "cpfg-batch"
@@ -48,14 +48,14 @@ struct ModelOptions {
   [[nodiscard]] std::uint64_t seconds() const;
 };
 
-/// The options which say how a model is read: MODEL, --object, --view, --environment, --compat, --define, --limit,
+/// Adds the options for reading a model: MODEL, --object, --view, --environment, --compat, --define, --limit,
 /// --quiet.
 void addReadingOptions(CLI::App& command, ModelOptions& options, bool isModelRequired);
-/// The options which say how it is run: --steps, --animate, --environment-policy, --environment-timeout, --iterations,
+/// Adds the options for running it: --steps, --animate, --environment-policy, --environment-timeout, --iterations,
 /// --tolerance, --seed, --from, --threads.
 void addRunningOptions(CLI::App& command, ModelOptions& options);
 
-/// `NAME=VALUE` as the preprocessor's -D has it: without `=` the value is 1.
+/// `NAME=VALUE` as in the option -D of a preprocessor: without `=` the value is 1.
 [[nodiscard]] std::pair<std::string, std::string> splitDefine(const std::string& text);
 
 /// Whether the program draws random numbers.
@@ -65,8 +65,8 @@ void addRunningOptions(CLI::App& command, ModelOptions& options);
 [[nodiscard]] bool needsDrawnSeed(const language::Program& program);
 
 /// Reads and compiles the model of `options` and completes options.view and options.environment with the files beside
-/// it. `folder`, when not null, receives its colours and animation. Writes diagnostics and errors to standard error;
-/// null when there is an error.
+/// it. `folder`, when not null, receives its colours and animation. Prints diagnostics and errors on standard error.
+/// Returns null after an error.
 [[nodiscard]] std::shared_ptr<const language::Program> loadProgram(ModelOptions& options, core::FileProvider& files,
                                                                    FolderSettings* folder = nullptr);
 
@@ -81,11 +81,11 @@ struct LoadedModel {
   simulation::SimulationOptions simulationOptions;
 };
 
-/// A forest (forest_file.h), or loadProgram, then its environment, then the options of the simulation; draws a seed and
-/// says so when one is needed.
+/// Loads a forest (forest_file.h) or a model with its environment and the options of the simulation. Draws a seed, and
+/// prints it, when the model needs one. Returns nothing after an error.
 [[nodiscard]] std::optional<LoadedModel> loadModel(ModelOptions& options, core::FileProvider& files);
 
-/// The simulation options that `options` asks for, with a seed drawn and said on standard error when one is needed.
+/// The simulation options. Draws a seed, and prints it on standard error, when the model needs one.
 [[nodiscard]] simulation::SimulationOptions simulationOptionsFor(const ModelOptions& options,
                                                                  const language::Program& program);
 

@@ -11,7 +11,7 @@
 namespace espalier::command {
 namespace {
 
-// the model given on the command line, or the one that the snapshot carries
+// the model of the command line, or the model in the snapshot
 simulation::Programs resumedPrograms(ModelOptions& options, simulation::SnapshotInfo& info, FolderSettings& folder,
                                      core::FileProvider& files) {
   if (const auto forest = forestFileOf(options.model)) {
@@ -31,7 +31,7 @@ simulation::Programs resumedPrograms(ModelOptions& options, simulation::Snapshot
   return std::move(std::get<simulation::Programs>(compiled));
 }
 
-// the environment given on the command line, or made again as the snapshot says
+// the environment of the command line, or the environment of the snapshot, made again
 std::optional<LoadedEnvironment> resumedEnvironment(const ModelOptions& options, const simulation::SnapshotInfo& info,
                                                     core::Compatibility compatibility, core::FileProvider& files) {
   if (!options.environment.empty()) {
@@ -41,8 +41,8 @@ std::optional<LoadedEnvironment> resumedEnvironment(const ModelOptions& options,
     return LoadedEnvironment{};
   }
   if (info.environmentOrigin.name.empty()) {
-    printError("the snapshot was made with the environment '" + info.environmentName +
-               "' and does not say how it was set up: give it with --environment");
+    printError("the snapshot needs the environment '" + info.environmentName +
+               "' but does not hold its configuration: give the environment with --environment");
     return std::nullopt;
   }
   core::MemoryFileProvider carried;
@@ -72,7 +72,7 @@ std::optional<ResumedRun> readResumedRun(const std::string& file, const std::str
 
 std::optional<LoadedModel> loadResumed(ModelOptions& options, simulation::SnapshotInfo& info,
                                        core::FileProvider& files) {
-  // the run's own seed, not a new one
+  // keep the seed of the run
   if (!options.seed) {
     options.seed = info.seed;
   }

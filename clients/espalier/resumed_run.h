@@ -9,17 +9,17 @@
 
 namespace espalier::command {
 
-/// A snapshot file and what it says about itself.
+/// A snapshot file and its description.
 struct ResumedRun {
   std::string bytes;
   simulation::SnapshotInfo info;
 };
 
-/// Reads a snapshot. Writes an error, naming `option` when it is not empty, and returns nothing when it cannot be read.
+/// Reads a snapshot. Prints an error and returns nothing when it cannot be read. The error names `option` unless empty.
 [[nodiscard]] std::optional<ResumedRun> readResumedRun(const std::string& file, const std::string& option,
                                                        core::FileProvider& files);
 
-/// The model of a snapshot, or the one that `options` name, ready to be restored: with its environment and colours.
+/// The model of a snapshot, or the model of `options`, with its environment and colours, ready to restore the snapshot.
 [[nodiscard]] std::optional<LoadedModel> loadResumed(ModelOptions& options, simulation::SnapshotInfo& info,
                                                      core::FileProvider& files);
 

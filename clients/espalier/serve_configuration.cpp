@@ -11,7 +11,7 @@
 namespace espalier::command {
 namespace {
 
-/// Options that a configuration has not: it has a section for limits, and a token belongs into a file of its own.
+/// Options that a configuration file does not have: limits have their own section, a token has its own file.
 bool isLeftOut(const std::string& name) {
   constexpr std::array<std::string_view, 5> kNames{"help", "config", "print-config", "limit", "token"};
   return std::find(kNames.begin(), kNames.end(), name) != kNames.end();
@@ -32,10 +32,10 @@ std::optional<std::string> applyOption(CLI::App& command, const CLI::ConfigItem&
   const std::vector<std::string> keys = keysOf(command);
   if (!item.parents.empty() || std::find(keys.begin(), keys.end(), item.name) == keys.end()) {
     const std::vector<std::string_view> views(keys.begin(), keys.end());
-    return "'" + item.fullname() + "' is not known. " + core::suggestName(item.fullname(), views);
+    return "'" + item.fullname() + "' is not an option. " + core::suggestName(item.fullname(), views);
   }
   CLI::Option* const option = command.get_option("--" + item.name);
-  // the command line wins; an empty value is none
+  // the command line wins; an empty value sets nothing
   const bool isEmpty =
       std::all_of(item.inputs.begin(), item.inputs.end(), [](const auto& text) { return text.empty(); });
   if (option->count() > 0 || isEmpty) {
@@ -64,12 +64,12 @@ std::optional<std::string> readServeConfiguration(CLI::App& command, const std::
   const std::string where = "the configuration '" + file + "': ";
   std::ifstream stream(file);
   if (!stream) {
-    return "there is no configuration '" + file + "' that can be read (--config): check the name.";
+    return "the configuration '" + file + "' (--config) cannot be read: check the name and the working folder.";
   }
   try {
     for (const CLI::ConfigItem& item : CLI::ConfigTOML().from_config(stream)) {
       if (item.name == "++" || item.name == "--") {
-        continue;  // marks of the reader where a section begins and ends
+        continue;  // the reader marks the begin and the end of a section so
       }
       const bool isLimit = item.parents.size() == 1 && item.parents.front() == "limits" && item.inputs.size() == 1;
       const auto problem =

@@ -12,8 +12,8 @@ class App;
 namespace espalier::command {
 
 /// Reads the configuration of `serve`, TOML or INI: the command's long options without their dashes, and a section
-/// [limits]. What the command line says wins. Call it while the command's options have been read and not used. An error
-/// sentence for what cannot be read or is not known.
+/// [limits]. The command line wins. Call it after the options of the command are read and before they are used. Returns
+/// an error sentence when the file cannot be read or has an unknown key.
 [[nodiscard]] std::optional<std::string> readServeConfiguration(CLI::App& command, const std::string& file,
                                                                 server::ServerLimits& limits);
 

@@ -43,7 +43,7 @@ void TimeLimit::watch(simulation::Simulation& simulation, double seconds) {
       simulation.setCancelled(true);
       return;
     }
-    // sooner than this it cannot be used up
+    // the time cannot be used up earlier than this
     ended_.wait_for(lock, std::chrono::duration<double>(std::max(kShortestWait, left / threads)));
   }
 }

@@ -12,8 +12,8 @@
 
 namespace espalier::command {
 
-/// Gives up what a simulation does once the program has used a number of seconds of processor time, on all threads
-/// together, since the object was made.
+/// Cancels the step of a simulation when the program has used a number of seconds of processor time on all threads
+/// since the construction of the object.
 class TimeLimit {
  public:
   /// `simulation` must outlive the object. 0 seconds: no limit.
@@ -22,7 +22,7 @@ class TimeLimit {
   TimeLimit(const TimeLimit&) = delete;
   TimeLimit& operator=(const TimeLimit&) = delete;
 
-  /// The error as a person should read it: a step that was given up for its time says so.
+  /// The error for a person: when the time limit cancelled the step, the message says so.
   [[nodiscard]] core::SimulationError explained(core::SimulationError error) const;
 
  private:

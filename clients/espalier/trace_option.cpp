@@ -9,7 +9,7 @@ namespace espalier::command {
 
 void TraceOption::addTo(CLI::App& command) {
   command.add_option("--trace", fileName_,
-                     "Record all queries and replies in this file, for `espalier replay` (.zst: compressed)");
+                     "Record all queries and replies in this file for `espalier replay` (.zst: compressed)");
 }
 
 bool TraceOption::open(LoadedEnvironment& environment) {

@@ -13,18 +13,19 @@ class App;
 
 namespace espalier::command {
 
-/// The option --trace FILE of commands that make steps: records the dialogue with the environment.
+/// The option --trace FILE of commands that make steps. It records the queries and replies of the environment.
 class TraceOption {
  public:
   void addTo(CLI::App& command);
 
-  /// Opens the file when one was asked for and puts the recorder before the environment. False: an error was written.
+  /// Opens the file when the option is given, and puts the recorder before the environment. False: an error was
+  /// printed.
   [[nodiscard]] bool open(LoadedEnvironment& environment);
   /// The run begins.
   void begin(simulation::Simulation& simulation);
   /// A step is complete.
   void complete(const simulation::Simulation& simulation);
-  /// Ends the file. False: it is not complete, an error was written.
+  /// Ends the file. False: the file is not complete, and an error was printed.
   [[nodiscard]] bool close();
 
  private:

@@ -136,12 +136,13 @@ HttpPage pageFor(SimulationRunner& runner, const DownloadPath& path, std::uint64
     case DownloadPath::Kind::Trace: {
       auto trace = hosted.readTrace(std::strtoul(path.name.c_str(), nullptr, 10), bound);
       return trace ? filePage(std::move(*trace), path.simulation + "-" + path.name + ".trace.zst")
-                   : problemPage(404, "There is no trace " + path.name + " of this simulation that may be downloaded.");
+                   : problemPage(404, "This simulation has no trace " + path.name +
+                                          ", or the trace is larger than blockBytes.");
     }
     case DownloadPath::Kind::List:
       break;
   }
-  return problemPage(404, "There is nothing of that name.");
+  return problemPage(404, "There is no download of that name.");
 }
 
 }  // namespace

@@ -10,8 +10,8 @@
 
 namespace espalier::server {
 
-/// What the path of a download asks for: `/simulations` (a list), `/simulations/ID/NAME.SUFFIX` (an export in the
-/// format of the suffix, or the `.snapshot`), `/simulations/ID/checkpoints/NAME`, `/simulations/ID/traces/NUMBER`.
+/// The thing that the path of a download names: `/simulations` (a list), `/simulations/ID/NAME.SUFFIX` (an export in
+/// the format of the suffix, or the `.snapshot`), `/simulations/ID/checkpoints/NAME`, `/simulations/ID/traces/NUMBER`.
 struct DownloadPath {
   enum class Kind { List, Export, Snapshot, Checkpoint, Trace };
   Kind kind = Kind::List;
@@ -22,10 +22,10 @@ struct DownloadPath {
 /// The path of a target without its query, percent-decoded; nothing when it is not the path of a download.
 [[nodiscard]] std::optional<DownloadPath> downloadPathOf(std::string_view target);
 
-/// Makes a download on a worker and hands it on; from any thread, once. The bytes are bounded by blockBytes.
+/// Makes a download on a worker and calls `done` once, on any thread. blockBytes bounds the bytes.
 void makeDownload(ServerCore& core, const DownloadPath& path, std::function<void(HttpPage)> done);
 
-/// Whether a request with this field `Authorization` may download: with a token of the server it must be
+/// Whether a request with this header `Authorization` may download. When the server has a token, it must be
 /// `Bearer TOKEN`.
 [[nodiscard]] bool mayDownload(std::string_view authorization, const std::string& token);
 

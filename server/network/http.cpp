@@ -19,36 +19,67 @@ using asio::ip::tcp;
 using Request = http::request<http::empty_body>;
 
 constexpr std::size_t kRequestBytes = 16'384;
+// for each request after the first, and for each part of an answer that the peer reads
 constexpr std::chrono::seconds kIdle{60};
+// of one connection
+constexpr int kMostRequests = 1'000;
 
 /// Messages over a WebSocket: a text frame each, or a binary frame with blocks.
 template <typename Stream>
 class WebSocketConnection final : public PeerConnection {
  public:
-  WebSocketConnection(websocket::stream<Stream> stream, ServerCore& core, std::string peerName, bool isLocal)
-      : PeerConnection(stream.get_executor(), core, std::move(peerName), isLocal), stream_(std::move(stream)) {
-    const protocol::FrameLimits limits = frameLimits();
-    stream_.read_message_max(limits.lineBytes + limits.blockBytes);
+  /// `upgrade`: the request that asked for it.
+  WebSocketConnection(Stream stream, Request upgrade, ServerCore& core, Accepted accepted)
+      : PeerConnection(stream.get_executor(), core, std::move(accepted)),
+        stream_(std::move(stream)),
+        upgrade_(std::move(upgrade)) {
+    beast::get_lowest_layer(stream_).expires_never();
+    stream_.set_option(websocket::stream_base::timeout::suggested(beast::role_type::server));
   }
 
  protected:
+  asio::awaitable<bool> prepare() override {
+    const auto [error] = co_await stream_.async_accept(upgrade_, kAsTuple);
+    co_return !error;
+  }
+
   asio::awaitable<bool> receive() override {
-    const auto [error, count] = co_await stream_.async_read(buffer_, kAsTuple);
-    if (error == websocket::error::message_too_big) {
-      const protocol::FrameLimits limits = frameLimits();
-      lose(protocol::limitError("lineBytes", limits.lineBytes + limits.blockBytes + 1, limits.lineBytes,
-                                "Send smaller messages; the connection is closed."));
-      co_return isReading();
-    }
-    if (error) {
-      co_return false;
-    }
-    PeerConnection::count(count);
-    const std::string_view frame(static_cast<const char*>(buffer_.data().data()), buffer_.size());
-    if (isReading()) {
-      take(frame);
+    const protocol::FrameLimits limits = frameLimits();
+    const std::size_t most = isGreeted() ? limits.lineBytes + limits.blockBytes : limits.lineBytes;
+    stream_.read_message_max(most);
+    // in parts: bytes of a message that has not come whole are counted
+    do {
+      const auto [error, count] = co_await stream_.async_read_some(buffer_, kPartBytes, kAsTuple);
+      if (error == websocket::error::message_too_big) {
+        lose(protocol::limitError("lineBytes", most + 1, limits.lineBytes,
+                                  "Send smaller messages; the connection is closed."));
+        co_return isReading();
+      }
+      if (error) {
+        co_return false;
+      }
+      PeerConnection::count(count);
+      if (!hold(buffer_.size())) {
+        buffer_ = {};
+        co_return true;
+      }
+    } while (!stream_.is_message_done());
+    const Decode decode = [this, bound = limits.lineBytes, isBinary = stream_.got_binary(),
+                           areBlocksAllowed = areBlocksAgreed()](std::optional<protocol::Error>& problem) {
+      return decodeFrame(bound, isBinary, areBlocksAllowed, problem);
+    };
+    if (isReading() && buffer_.size() > kBigMessage) {
+      co_await handOnWorker(decode);
+    } else if (isReading()) {
+      std::optional<protocol::Error> problem;
+      if (const auto read = decode(problem)) {
+        hand(*read);
+      } else {
+        lose(*problem);
+      }
     }
     buffer_.consume(buffer_.size());
+    (void)hold(0);
     co_return true;
   }
 
@@ -68,47 +99,44 @@ class WebSocketConnection final : public PeerConnection {
   void shutdownSend() override {
     stream_.async_close(websocket::close_code::normal, [self = shared_from_this()](const error_code&) {});
   }
-  void closeTransport() override {
-    error_code ignored;
-    beast::get_lowest_layer(stream_).shutdown(asio::socket_base::shutdown_both, ignored);
-    beast::get_lowest_layer(stream_).close(ignored);
-  }
+  void closeTransport() override { beast::get_lowest_layer(stream_).close(); }
 
  private:
-  void take(std::string_view frame) {
-    if (!stream_.got_binary() && frame.size() > frameLimits().lineBytes) {
-      lose(protocol::limitError("lineBytes", frame.size(), frameLimits().lineBytes,
-                                "Send smaller messages; the connection is closed."));
-      return;
+  static constexpr std::size_t kPartBytes = 262'144;
+
+  /// The message in the buffer, or a problem.
+  std::optional<protocol::MessageReader::Read> decodeFrame(std::size_t bound, bool isBinary, bool areBlocksAllowed,
+                                                           std::optional<protocol::Error>& problem) {
+    const std::string_view frame(static_cast<const char*>(buffer_.data().data()), buffer_.size());
+    if (!isBinary && frame.size() > bound) {
+      problem =
+          protocol::limitError("lineBytes", frame.size(), bound, "Send smaller messages; the connection is closed.");
+      return std::nullopt;
     }
-    std::optional<protocol::Error> problem;
-    const auto read = protocol::readFrame(frame, stream_.got_binary(), areBlocksAgreed(), bulk_, problem);
-    if (read) {
-      hand(*read);
-    } else {
-      lose(*problem);
-    }
+    return protocol::readFrame(frame, isBinary, areBlocksAllowed, bulk_, problem);
   }
 
-  websocket::stream<Stream> stream_;
+  // without compression: what a peer sends costs its own size
+  websocket::stream<Stream, false> stream_;
+  Request upgrade_;
   beast::flat_buffer buffer_;
   protocol::BulkTextReader bulk_;
 };
 
-http::response<http::string_body> responseOf(const HttpPage& page, const Request& request) {
+http::response<http::string_body> responseOf(HttpPage page, const Request& request, bool isMoreAllowed) {
   http::response<http::string_body> response{static_cast<http::status>(page.status), request.version()};
   response.set(http::field::server, "espalier");
   response.set(http::field::content_type, page.type);
   response.set("X-Content-Type-Options", "nosniff");
   if (page.type.starts_with("text/html")) {
-    // its own script, styles in the page, images made by the script, and the WebSocket of this server: nothing else
+    // only its own script, styles in the page, images that the script makes, and the WebSocket of this server
     response.set("Content-Security-Policy",
                  "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
                  "connect-src 'self' blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'");
   }
   if (!page.fileName.empty()) {
     std::string name = page.fileName;
-    // quotes and what is not printable would end the field
+    // a quote or an unprintable character would end the header
     std::replace_if(
         name.begin(), name.end(), [](char c) { return c < ' ' || c == '"' || c == '\\' || c > '~'; }, '_');
     response.set(http::field::content_disposition, "attachment; filename=\"" + name + "\"");
@@ -116,8 +144,8 @@ http::response<http::string_body> responseOf(const HttpPage& page, const Request
   if (page.status == 401) {
     response.set(http::field::www_authenticate, "Bearer");
   }
-  response.keep_alive(request.keep_alive());
-  response.body() = page.body;
+  response.keep_alive(request.keep_alive() && isMoreAllowed);
+  response.body() = std::move(page.body);
   response.prepare_payload();
   if (request.method() == http::verb::head) {
     response.body().clear();
@@ -151,102 +179,142 @@ asio::awaitable<HttpPage> download(DownloadPath path, ServerCore& core) {
   co_return std::move(*waiting->page);
 }
 
-asio::awaitable<HttpPage> answerTo(const Request& request, ServerCore& core, bool isLoopback) {
-  if (request.method() != http::verb::get && request.method() != http::verb::head) {
-    co_return HttpPage{405, "text/plain; charset=utf-8", "Only GET and HEAD are answered here.\n"};
-  }
-  const std::string target(request.target().data(), request.target().size());
-  auto path = downloadPathOf(target);
-  if (!path) {
-    co_return pageOf(target, core);
-  }
-  if (!isHostAllowed(fieldOf(request, http::field::host), isLoopback)) {
-    co_return HttpPage{403, "text/plain; charset=utf-8", "Downloads are for this machine: ask localhost for them.\n"};
-  }
-  if (!mayDownload(fieldOf(request, http::field::authorization), core.options().token)) {
-    co_return HttpPage{401, "text/plain; charset=utf-8",
-                       "Downloads need the server's token: Authorization: Bearer TOKEN.\n"};
-  }
-  co_return co_await download(std::move(*path), core);
-}
+constexpr std::string_view kText = "text/plain; charset=utf-8";
 
-/// Makes a session of the connection.
+/// One connection of the HTTP side. Its coroutine keeps it.
 template <typename Stream>
-asio::awaitable<void> upgrade(Stream stream, Request request, const HttpServices& services) {
-  error_code ignored;
-  const auto endpoint = beast::get_lowest_layer(stream).remote_endpoint(ignored);
-  const std::string peerName = endpoint.address().to_string() + ":" + std::to_string(endpoint.port());
-  const bool isLocal = endpoint.address().is_loopback();
-  websocket::stream<Stream> socket(std::move(stream));
-  socket.set_option(websocket::stream_base::timeout::suggested(beast::role_type::server));
-  const auto [error] = co_await socket.async_accept(request, kAsTuple);
-  if (!error) {
-    services.admit(std::make_shared<WebSocketConnection<Stream>>(std::move(socket), *services.core, peerName, isLocal));
-  }
-}
+class HttpConnection final : public std::enable_shared_from_this<HttpConnection<Stream>> {
+ public:
+  HttpConnection(Stream stream, Accepted accepted, HttpServices services)
+      : stream_(std::move(stream)), accepted_(std::move(accepted)), services_(std::move(services)) {}
 
-template <typename Stream>
-asio::awaitable<void> serve(Stream stream, HttpServices services) {
-  beast::flat_buffer buffer(kRequestBytes);
-  // a peer that sends its request byte by byte does not keep the connection
-  asio::steady_timer patience(stream.get_executor());
-  const auto limit = [&patience, &stream](std::chrono::milliseconds time) {
-    patience.expires_after(time);
-    patience.async_wait([&stream](const error_code& error) {
-      if (!error) {
-        error_code ignored;
-        beast::get_lowest_layer(stream).close(ignored);
+  void start() {
+    accepted_.place->onEvicted([weak = this->weak_from_this()] {
+      if (const auto self = weak.lock()) {
+        self->lowest().close();
       }
     });
-  };
-  bool isFirst = true;
-  error_code unknown;
-  const bool isLoopback = beast::get_lowest_layer(stream).local_endpoint(unknown).address().is_loopback();
-  while (true) {
-    limit(isFirst ? std::chrono::milliseconds(services.core->options().limits.handshakeMilliseconds) : kIdle);
-    isFirst = false;
-    http::request_parser<http::empty_body> parser;
-    parser.header_limit(kRequestBytes);
-    const auto [error, count] = co_await http::async_read(stream, buffer, parser, kAsTuple);
-    patience.cancel();
-    if (error) {
-      co_return;
-    }
-    Request request = parser.release();
-    HttpPage page;
-    if (websocket::is_upgrade(request) && request.target() == "/espalier/1") {
-      const std::string origin = fieldOf(request, http::field::origin);
-      if (isOriginAllowed(origin, fieldOf(request, http::field::host), isLoopback,
-                          services.core->options().allowedOrigins)) {
-        co_await upgrade(std::move(stream), std::move(request), services);
+    asio::co_spawn(
+        stream_.get_executor(), [self = this->shared_from_this()] { return self->serve(); }, asio::detached);
+  }
+
+ private:
+  auto& lowest() { return beast::get_lowest_layer(stream_); }
+
+  asio::awaitable<void> serve() {
+    lowest().expires_at(accepted_.deadline);
+    if constexpr (requires(Stream & stream) { stream.next_layer(); }) {
+      const auto [error] = co_await stream_.async_handshake(asio::ssl::stream_base::server, kAsTuple);
+      if (error) {
         co_return;
       }
-      page = {403, "text/plain; charset=utf-8",
-              "Pages from " + origin + " may not connect; start the server with --allow-origin " + origin + ".\n"};
-    } else {
-      page = co_await answerTo(request, *services.core, isLoopback);
     }
-    auto response = responseOf(page, request);
-    const auto [writeError, written] = co_await http::async_write(stream, response, kAsTuple);
-    if (writeError || !response.keep_alive()) {
-      error_code ignored;
-      beast::get_lowest_layer(stream).shutdown(asio::socket_base::shutdown_send, ignored);
-      co_return;
+    error_code unknown;
+    isLoopback_ = lowest().socket().local_endpoint(unknown).address().is_loopback();
+    for (int count = 1; count <= kMostRequests; ++count) {
+      http::request_parser<http::empty_body> parser;
+      parser.header_limit(kRequestBytes);
+      const auto [error, bytes] = co_await http::async_read(stream_, buffer_, parser, kAsTuple);
+      if (error) {
+        co_return;
+      }
+      Request request = parser.release();
+      if (isUpgradeAllowed(request)) {
+        services_.admit(std::make_shared<WebSocketConnection<Stream>>(std::move(stream_), std::move(request),
+                                                                      *services_.core, std::move(accepted_)));
+        co_return;
+      }
+      lowest().expires_never();
+      HttpPage page = co_await pageFor(request);
+      const bool isKept = co_await write(responseOf(std::move(page), request, count < kMostRequests));
+      if (!isKept) {
+        error_code ignored;
+        lowest().socket().shutdown(asio::socket_base::shutdown_send, ignored);
+        co_return;
+      }
+      accepted_.place->renew();
+      lowest().expires_after(kIdle);
     }
   }
+
+  [[nodiscard]] bool isOfProtocol(const Request& request) const {
+    return websocket::is_upgrade(request) && request.target() == "/espalier/1";
+  }
+
+  [[nodiscard]] bool isUpgradeAllowed(const Request& request) const {
+    return isOfProtocol(request) &&
+           isOriginAllowed(fieldOf(request, http::field::origin), fieldOf(request, http::field::host), isLoopback_,
+                           services_.core->options().allowedOrigins);
+  }
+
+  asio::awaitable<HttpPage> pageFor(const Request& request) {
+    if (accepted_.place->isBeyondAddressBound()) {
+      co_return HttpPage{503, std::string(kText),
+                         "Your address has more connections than connectionsPerAddress=" +
+                             std::to_string(accepted_.place->bounds().perAddress) + " allows. Close one.\n"};
+    }
+    if (isOfProtocol(request)) {
+      const std::string origin = fieldOf(request, http::field::origin);
+      co_return HttpPage{
+          403, std::string(kText),
+          "Pages from " + origin + " may not connect; start the server with --allow-origin " + origin + ".\n"};
+    }
+    if (request.method() != http::verb::get && request.method() != http::verb::head) {
+      co_return HttpPage{405, std::string(kText), "Only GET and HEAD are answered here.\n"};
+    }
+    const std::string target(request.target().data(), request.target().size());
+    auto path = downloadPathOf(target);
+    if (!path) {
+      co_return pageOf(target, *services_.core);
+    }
+    if (!isHostAllowed(fieldOf(request, http::field::host), isLoopback_)) {
+      co_return HttpPage{403, std::string(kText), "Downloads are for this machine: ask localhost for them.\n"};
+    }
+    const std::string& token = services_.core->options().token;
+    if (!mayDownload(fieldOf(request, http::field::authorization), token)) {
+      co_return HttpPage{401, std::string(kText), "Downloads need the server's token: Authorization: Bearer TOKEN.\n"};
+    }
+    if (!token.empty()) {
+      // strangers do not end the download; without a place of its own it waits like any other connection
+      (void)accepted_.place->trust();
+    }
+    co_return co_await download(std::move(*path), *services_.core);
+  }
+
+  /// Writes in parts: a peer that reads nothing for kIdle is given up. Whether the connection is kept for more.
+  asio::awaitable<bool> write(http::response<http::string_body> response) {
+    http::response_serializer<http::string_body> serializer(response);
+    while (!serializer.is_done()) {
+      lowest().expires_after(kIdle);
+      const auto [error, count] = co_await http::async_write_some(stream_, serializer, kAsTuple);
+      if (error) {
+        co_return false;
+      }
+    }
+    co_return response.keep_alive();
+  }
+
+  Stream stream_;
+  Accepted accepted_;
+  HttpServices services_;
+  beast::flat_buffer buffer_{kRequestBytes};
+  bool isLoopback_ = false;  // it came in on this machine's own address
+};
+
+template <typename Stream>
+void serve(Stream stream, Accepted accepted, HttpServices services) {
+  std::make_shared<HttpConnection<Stream>>(std::move(stream), std::move(accepted), std::move(services))->start();
 }
 
 }  // namespace
 
-asio::awaitable<void> serveHttp(tcp::socket socket, HttpServices services) {
-  return serve(std::move(socket), std::move(services));
+void serveHttp(tcp::socket socket, Accepted accepted, HttpServices services) {
+  serve(beast::tcp_stream(std::move(socket)), std::move(accepted), std::move(services));
 }
 
-asio::awaitable<void> serveHttps(asio::ssl::stream<tcp::socket> stream, HttpServices services) {
-  const auto [error] = co_await stream.async_handshake(asio::ssl::stream_base::server, kAsTuple);
-  if (!error) {
-    co_await serve(std::move(stream), std::move(services));
-  }
+void serveHttps(tcp::socket socket, asio::ssl::context& encryption, Accepted accepted, HttpServices services) {
+  serve(asio::ssl::stream<beast::tcp_stream>(beast::tcp_stream(std::move(socket)), encryption), std::move(accepted),
+        std::move(services));
 }
 
 }  // namespace espalier::server

@@ -7,7 +7,7 @@
 
 namespace espalier::server {
 
-// For the files that know the network library only.
+// Only for the files that know the network library.
 
 /// What the HTTP side needs of the network.
 struct HttpServices {
@@ -16,10 +16,10 @@ struct HttpServices {
   std::function<void(std::shared_ptr<PeerConnection>)> admit;
 };
 
-/// Serves requests of one connection until it ends or becomes a WebSocket: `/`, `/health`, `/metrics`, and the upgrade
-/// at `/espalier/1`.
-asio::awaitable<void> serveHttp(asio::ip::tcp::socket socket, HttpServices services);
-/// The same over TLS.
-asio::awaitable<void> serveHttps(asio::ssl::stream<asio::ip::tcp::socket> stream, HttpServices services);
+/// Serves the requests of one connection until it ends or becomes a WebSocket: pages, downloads and the upgrade at
+/// `/espalier/1`. TLS, the first request, the upgrade and hello have one deadline together.
+void serveHttp(asio::ip::tcp::socket socket, Accepted accepted, HttpServices services);
+/// The same over TLS. `encryption` outlives the connection.
+void serveHttps(asio::ip::tcp::socket socket, asio::ssl::context& encryption, Accepted accepted, HttpServices services);
 
 }  // namespace espalier::server

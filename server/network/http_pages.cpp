@@ -25,6 +25,7 @@ HttpPage metricsPage(const ServerCore& core) {
                 .workers = core.pool().workers(),
                 .residentBytes = residentBytes(),
                 .outboxBytes = core.outboxBytes(),
+                .decodingBytes = core.decodingBytes,
                 .storeBytes = core.store().bytes()};
   for (const auto& runner : runners) {
     gauges.stringBytes += runner->stringBytes();
@@ -49,7 +50,7 @@ HttpPage pageOf(std::string_view target, const ServerCore& core) {
     return metricsPage(core);
   }
   if (path == "/espalier/1") {
-    return {426, "text/plain; charset=utf-8", "This is where WebSockets are opened: ask for an upgrade.\n"};
+    return {426, "text/plain; charset=utf-8", "WebSockets are opened here: ask for an upgrade.\n"};
   }
   return {404, "text/plain; charset=utf-8",
           "There is no such page. There are /health, /metrics, /simulations and /espalier/1.\n"};

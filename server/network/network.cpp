@@ -1,6 +1,5 @@
 #include "server/network/network.h"
 
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -11,6 +10,7 @@
 #include "protocol/envelope.h"
 #include "protocol/json_writer.h"
 #include "server/network/http.h"
+#include "server/network/listening.h"
 #include "server/network/stream_connection.h"
 #include "server/server_core.h"
 #include "server/session/session.h"
@@ -21,8 +21,6 @@ namespace {
 using asio::ip::tcp;
 
 constexpr std::string_view kUnix = "unix:";
-// peers at a time that are told that there is no room; more are closed without a word
-constexpr std::uint64_t kMostRefused = 1'000;
 
 }  // namespace
 
@@ -46,13 +44,19 @@ class Network::Implementation {
 
   std::optional<std::string> listen() {
     const ServerOptions& options = core_->options();
-    if (auto problem = loadCertificate(options)) {
-      return problem;
-    }
-    if (options.host.starts_with(kUnix)) {
-      if (auto problem = listenOnUnixSocket(options.host.substr(kUnix.size()))) {
+    setBounds();
+    isEncrypted_ = !options.certificateFile.empty();
+    if (isEncrypted_) {
+      if (auto problem = loadCertificate(encryption_, options.certificateFile, options.keyFile)) {
         return problem;
       }
+    }
+    if (options.host.starts_with(kUnix)) {
+      const std::string path = options.host.substr(kUnix.size());
+      if (auto problem = listenOnUnixSocket(unixAcceptor_, path)) {
+        return problem;
+      }
+      unixPath_ = path;
     } else if (auto problem = listenOn(acceptor_, options.host, options.port, "--listen")) {
       return problem;
     }
@@ -75,19 +79,21 @@ class Network::Implementation {
                      asio::detached);
     }
     if (unixAcceptor_.is_open()) {
-      asio::co_spawn(
-          context_,
-          accept(unixAcceptor_,
-                 [this](UnixSocket socket) {
-                   admit(std::make_shared<StreamConnection<UnixSocket>>(std::move(socket), *core_, "unix", true));
-                 }),
-          asio::detached);
+      asio::co_spawn(context_, accept(unixAcceptor_, [this](UnixSocket socket) { admitUnix(std::move(socket)); }),
+                     asio::detached);
     }
     if (httpAcceptor_.is_open()) {
       asio::co_spawn(context_, accept(httpAcceptor_, [this](tcp::socket socket) { admitHttp(std::move(socket)); }),
                      asio::detached);
     }
-    context_.run();
+    while (!context_.stopped()) {
+      try {
+        context_.run();
+      } catch (const std::exception& exception) {
+        // one connection's trouble is not the server's
+        core_->log().error(std::string("internal error on the network thread: ") + exception.what());
+      }
+    }
   }
 
   void stopAccepting() {
@@ -131,6 +137,18 @@ class Network::Implementation {
   }
 
  private:
+  /// Never more connections than there are descriptors for.
+  void setBounds() {
+    const ServerLimits& limits = core_->options().limits;
+    const std::size_t descriptors = raiseDescriptorBound(AdmissionBounds::neededDescriptors(limits));
+    admission_.setBounds(AdmissionBounds::of(limits, descriptors));
+    if (const std::size_t sessions = admission_.bounds().sessions; sessions < limits.sessions) {
+      core_->log().warn("the system allows " + std::to_string(descriptors) + " open descriptors, enough for " +
+                        std::to_string(sessions) +
+                        " sessions. Raise it with 'ulimit -n', or lower --limit sessions=N.");
+    }
+  }
+
   void endWhenEmpty() {
     if (isClosing_ && connections_.empty()) {
       patience_.cancel();
@@ -156,85 +174,6 @@ class Network::Implementation {
     return error ? std::uint16_t{0} : endpoint.port();
   }
 
-  std::optional<std::string> loadCertificate(const ServerOptions& options) {
-    isEncrypted_ = !options.certificateFile.empty();
-    if (!isEncrypted_) {
-      return std::nullopt;
-    }
-    error_code error;
-    encryption_.set_options(
-        asio::ssl::context::default_workarounds | asio::ssl::context::no_tlsv1 | asio::ssl::context::no_tlsv1_1, error);
-    encryption_.use_certificate_chain_file(options.certificateFile, error);
-    if (error) {
-      return "the certificate '" + options.certificateFile + "' cannot be used: " + error.message() +
-             ". ./dev certificate makes one for tests.";
-    }
-    encryption_.use_private_key_file(options.keyFile, asio::ssl::context::pem, error);
-    if (error) {
-      return "the key '" + options.keyFile + "' cannot be used: " + error.message() +
-             ". Give --key the private key of the certificate.";
-    }
-    return std::nullopt;
-  }
-
-  std::optional<std::string> listenOn(tcp::acceptor& acceptor, const std::string& host, std::uint16_t port,
-                                      const std::string& option) {
-    error_code error;
-    tcp::resolver resolver(context_);
-    const auto found = resolver.resolve(host, std::to_string(port), tcp::resolver::passive, error);
-    if (error || found.empty()) {
-      return "cannot listen on '" + host + "': the address is unknown. Use 127.0.0.1 or an address of this machine.";
-    }
-    const tcp::endpoint endpoint = found.begin()->endpoint();
-    acceptor.open(endpoint.protocol(), error);
-    if (!error) {
-      acceptor.set_option(tcp::acceptor::reuse_address(true), error);
-      acceptor.bind(endpoint, error);
-    }
-    if (!error) {
-      acceptor.listen(asio::socket_base::max_listen_connections, error);
-    }
-    if (error == asio::error::address_in_use) {
-      return "cannot listen on " + host + ":" + std::to_string(port) + ": the port is in use. Choose another with " +
-             option + ", or port 0 for a free one.";
-    }
-    if (error) {
-      return "cannot listen on " + host + ":" + std::to_string(port) + ": " + error.message() +
-             ". Choose another address with " + option + ".";
-    }
-    return std::nullopt;
-  }
-
-  std::optional<std::string> listenOnUnixSocket(const std::string& path) {
-    error_code error;
-    const asio::local::stream_protocol::endpoint endpoint(path);
-    // what a killed server left behind is taken away, a living one is not
-    UnixSocket probe(context_);
-    probe.connect(endpoint, error);
-    if (!error) {
-      return "cannot listen on unix:" + path + ": another server does. Choose another path with --listen.";
-    }
-    if (error == asio::error::connection_refused) {
-      ::unlink(path.c_str());
-    }
-    error.clear();
-    unixAcceptor_.open(endpoint.protocol(), error);
-    // only this user may connect
-    const mode_t before = ::umask(0177);
-    if (!error) {
-      unixAcceptor_.bind(endpoint, error);
-    }
-    ::umask(before);
-    if (!error) {
-      unixAcceptor_.listen(asio::socket_base::max_listen_connections, error);
-    }
-    if (error) {
-      return "cannot listen on unix:" + path + ": " + error.message() + ". Choose another path with --listen.";
-    }
-    unixPath_ = path;
-    return std::nullopt;
-  }
-
   template <typename Acceptor, typename Take>
   asio::awaitable<void> accept(Acceptor& acceptor, Take take) {
     while (acceptor.is_open()) {
@@ -242,8 +181,11 @@ class Network::Implementation {
       if (error == asio::error::operation_aborted || !acceptor.is_open()) {
         co_return;
       }
+      if (error == asio::error::no_descriptors && admission_.evictOne()) {
+        // the connection that has waited longest gave back its descriptor
+        continue;
+      }
       if (error) {
-        // out of descriptors: try again when one may be free
         core_->log().warn("cannot accept a connection: " + error.message());
         asio::steady_timer pause(context_, std::chrono::milliseconds(100));
         co_await pause.async_wait(kAsTuple);
@@ -259,61 +201,65 @@ class Network::Implementation {
     socket.set_option(asio::socket_base::keep_alive(true), ignored);
   }
 
-  void admitStream(tcp::socket socket) {
+  Accepted acceptedFrom(const tcp::socket& socket, Side side) {
     error_code error;
     const auto endpoint = socket.remote_endpoint(error);
-    const std::string peerName =
-        error ? "unknown" : endpoint.address().to_string() + ":" + std::to_string(endpoint.port());
     const bool isLocal = !error && endpoint.address().is_loopback();
+    const std::string address = error ? "unknown" : endpoint.address().to_string();
+    return {address + ":" + std::to_string(endpoint.port()), isLocal, helloDeadline(),
+            admission_.enter(side, isLocal ? std::string() : address)};
+  }
+
+  [[nodiscard]] std::chrono::steady_clock::time_point helloDeadline() const {
+    return std::chrono::steady_clock::now() + std::chrono::milliseconds(core_->options().limits.handshakeMilliseconds);
+  }
+
+  void admitUnix(UnixSocket socket) {
+    admit(std::make_shared<StreamConnection<UnixSocket>>(
+        std::move(socket), *core_, Accepted{"unix", true, helloDeadline(), admission_.enter(Side::Protocol, {})}));
+  }
+
+  void admitStream(tcp::socket socket) {
+    Accepted accepted = acceptedFrom(socket, Side::Protocol);
     prepare(socket);
     if (isEncrypted_) {
       using Encrypted = asio::ssl::stream<tcp::socket>;
-      admit(std::make_shared<StreamConnection<Encrypted>>(Encrypted(std::move(socket), encryption_), *core_, peerName,
-                                                          isLocal));
+      admit(std::make_shared<StreamConnection<Encrypted>>(Encrypted(std::move(socket), encryption_), *core_,
+                                                          std::move(accepted)));
     } else {
-      admit(std::make_shared<StreamConnection<tcp::socket>>(std::move(socket), *core_, peerName, isLocal));
+      admit(std::make_shared<StreamConnection<tcp::socket>>(std::move(socket), *core_, std::move(accepted)));
     }
   }
 
   void admitHttp(tcp::socket socket) {
+    Accepted accepted = acceptedFrom(socket, Side::Http);
     prepare(socket);
     HttpServices services{core_, [this](std::shared_ptr<PeerConnection> connection) { admit(std::move(connection)); }};
     if (isEncrypted_) {
-      asio::co_spawn(context_,
-                     serveHttps(asio::ssl::stream<tcp::socket>(std::move(socket), encryption_), std::move(services)),
-                     asio::detached);
+      serveHttps(std::move(socket), encryption_, std::move(accepted), std::move(services));
     } else {
-      asio::co_spawn(context_, serveHttp(std::move(socket), std::move(services)), asio::detached);
+      serveHttp(std::move(socket), std::move(accepted), std::move(services));
     }
   }
 
+  /// Gives a session to a connection and keeps it until it is closed.
   void admit(std::shared_ptr<PeerConnection> connection) {
-    const std::uint32_t bound = core_->options().limits.sessions;
-    const std::string id = std::to_string(++sessionCount_);
-    // those that are only told that there is no room take none
-    const bool isRefused = connections_.size() - refusedCount_ >= bound;
     connections_.insert(connection);
-    std::uint64_t& count = isRefused ? refusedCount_ : admittedCount_;
-    ++count;
-    core_->sessionCount = static_cast<std::uint32_t>(admittedCount_);
-    ++core_->metrics.sessions;
-    connection->onClosed = [this, &count, weak = std::weak_ptr(connection)] {
+    connection->onClosed = [this, weak = std::weak_ptr(connection)] {
       connections_.erase(weak.lock());
-      --count;
-      core_->sessionCount = static_cast<std::uint32_t>(admittedCount_);
       endWhenEmpty();
     };
-    connection->start(std::make_shared<Session>(id, *core_, connection));
-    if (isRefused && refusedCount_ > kMostRefused) {
-      connection->closeNow();
-    } else if (isRefused) {
+    connection->start(std::make_shared<Session>(std::to_string(++connectionCount_), *core_, connection));
+    if (connection->isBeyondAddressBound()) {
+      const std::uint64_t bound = admission_.bounds().perAddress;
       connection->send(std::make_shared<const std::string>(protocol::encodeError(
-          {}, protocol::limitError("sessions", bound + 1, bound, "Close one, or try again later."))));
+          {}, protocol::limitError("connectionsPerAddress", bound + 1, bound, "Close one, or try again later."))));
       connection->closeWhenSent();
     }
   }
 
   ServerCore* core_;
+  Admission admission_;  // connections hold places of it
   asio::io_context context_;
   tcp::acceptor acceptor_;
   asio::local::stream_protocol::acceptor unixAcceptor_;
@@ -325,9 +271,7 @@ class Network::Implementation {
   asio::steady_timer patience_;
   std::set<std::shared_ptr<PeerConnection>> connections_;
   std::function<void()> onStop_;
-  std::uint64_t sessionCount_ = 0;   // that there have been
-  std::uint64_t admittedCount_ = 0;  // of connections_
-  std::uint64_t refusedCount_ = 0;   // of connections_, which are being closed because there are too many
+  std::uint64_t connectionCount_ = 0;  // that there have been
   bool isClosing_ = false;
 };
 

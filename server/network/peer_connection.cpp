@@ -1,27 +1,44 @@
 #include "server/network/peer_connection.h"
 
+#include <algorithm>
+#include <utility>
+
 namespace espalier::server {
 namespace {
 
 constexpr std::chrono::seconds kGrace{1};
-// how long who sends no more is answered what it has asked, and how often it is looked whether all is
+// how long a peer that sends no more is still answered, and how often the rest is looked for
 constexpr std::chrono::seconds kLastAnswers{2};
 constexpr std::chrono::milliseconds kLook{10};
-// messages up to so many bytes are written at once where that is possible
+// messages up to so many bytes are written by the thread that sends them
 constexpr std::size_t kSmall = 65'536;
 
 }  // namespace
 
-PeerConnection::PeerConnection(asio::any_io_executor executor, ServerCore& core, std::string peerName, bool isLocal)
+PeerConnection::PeerConnection(asio::any_io_executor executor, ServerCore& core, Accepted accepted)
     : executor_(std::move(executor)),
       wake_(executor_),
       handshake_(executor_),
       heartbeat_(executor_),
       reminder_(executor_),
       core_(&core),
-      peerName_(std::move(peerName)),
-      isLocal_(isLocal) {
+      accepted_(std::move(accepted)) {
   wake_.expires_at(std::chrono::steady_clock::time_point::max());
+}
+
+PeerConnection::~PeerConnection() {
+  core_->decodingBytes -= heldBytes_;
+}
+
+std::optional<protocol::Error> PeerConnection::admit() {
+  if (!accepted_.place->trust()) {
+    const std::uint64_t bound = accepted_.place->bounds().sessions;
+    return protocol::limitError("sessions", bound + 1, bound, "Close one, or try again later.");
+  }
+  isAdmitted_ = true;
+  ++core_->sessionCount;
+  ++core_->metrics.sessions;
+  return std::nullopt;
 }
 
 void PeerConnection::send(std::shared_ptr<const std::string> message) {
@@ -61,7 +78,7 @@ void PeerConnection::closeWhenSent() {
 void PeerConnection::remind(std::chrono::milliseconds delay) {
   asio::post(executor_, [self = shared_from_this(), delay] {
     const auto time = std::chrono::steady_clock::now() + delay;
-    // one timer, for the earliest; those that it comes too early for ask again
+    // one timer, for the earliest time; streams that want a later time ask again
     if (self->isClosed_ || (self->isReminderSet_ && self->reminder_.expiry() <= time)) {
       return;
     }
@@ -83,14 +100,19 @@ void PeerConnection::start(std::shared_ptr<Session> session) {
       executor_, [self = shared_from_this()] { return self->readAll(); }, asio::detached);
   asio::co_spawn(
       executor_, [self = shared_from_this()] { return self->writeAll(); }, asio::detached);
-  handshake_.expires_after(std::chrono::milliseconds(core_->options().limits.handshakeMilliseconds));
+  accepted_.place->onEvicted([weak = weak_from_this()] {
+    if (const auto self = weak.lock()) {
+      self->closeNow();
+    }
+  });
+  handshake_.expires_at(accepted_.deadline);
   handshake_.async_wait([self = shared_from_this()](const error_code& error) {
     if (error || self->session_ == nullptr) {
       return;
     }
     self->session_->onHandshakeTimeout();
     if (!self->isReady_) {
-      // it cannot be told before the transport works
+      // the peer cannot be told before the transport works
       self->closeNow();
     }
   });
@@ -110,7 +132,7 @@ void PeerConnection::beat() {
       self->beat();
       return;
     }
-    self->core_->log().info("session with " + self->peerName_ + " is closed: it does not answer ping");
+    self->core_->log().info("session with " + self->peerName() + " is closed: it does not answer ping");
     self->closeNow();
   });
 }
@@ -135,6 +157,10 @@ void PeerConnection::closeNow() {
     session_ = nullptr;
     session->onClosed();
   }
+  if (isAdmitted_) {
+    --core_->sessionCount;
+  }
+  accepted_.place.reset();
   if (onClosed) {
     onClosed();
   }
@@ -142,26 +168,95 @@ void PeerConnection::closeNow() {
 
 protocol::FrameLimits PeerConnection::frameLimits() const {
   const ServerLimits& limits = core_->options().limits;
-  return {static_cast<std::size_t>(limits.lineBytes), static_cast<std::size_t>(limits.blockBytes)};
+  const std::uint64_t lineBytes = isGreeted() ? limits.lineBytes : std::min(limits.lineBytes, limits.helloBytes);
+  return {static_cast<std::size_t>(lineBytes), static_cast<std::size_t>(limits.blockBytes)};
+}
+
+void PeerConnection::setHeld(bool isHeld) {
+  if (isHeld != isHolding_) {
+    isHolding_ = isHeld;
+    const std::lock_guard lock(mutex_);
+    isHeld_ = isHeld;
+  }
 }
 
 void PeerConnection::hand(const protocol::MessageReader::Read& read, bool isMoreToCome) {
-  if (isMoreToCome != isHolding_) {
-    isHolding_ = isMoreToCome;
-    const std::lock_guard lock(mutex_);
-    isHeld_ = isMoreToCome;
-  }
+  setHeld(isMoreToCome);
   session_->onRead(read);
-  if (session_ != nullptr && session_->isGreeted() && !isBeating_) {
+  if (isGreeted() && !isBeating_) {
     isBeating_ = true;
     handshake_.cancel();
     beat();
   }
 }
 
+/// A message that a worker handles. Shared with the worker, which may outlive the frame of the coroutine.
+struct PeerConnection::BigMessage {
+  std::shared_ptr<PeerConnection> self;
+  std::shared_ptr<Session> session;
+  Decode decode;
+  asio::steady_timer done;
+  bool isDone = false;  // network thread
+};
+
+std::shared_ptr<PeerConnection::BigMessage> PeerConnection::postToWorker(Decode decode) {
+  const auto message = std::make_shared<BigMessage>(
+      BigMessage{shared_from_this(), session_, std::move(decode), asio::steady_timer(executor_)});
+  message->done.expires_at(std::chrono::steady_clock::time_point::max());
+  auto run = [message = message]() mutable {
+    try {
+      std::optional<protocol::Error> problem;
+      if (const auto read = message->decode(problem)) {
+        message->session->onRead(*read);
+      } else if (problem) {
+        message->session->onLost(*problem);
+      }
+    } catch (const std::exception& exception) {
+      message->session->onLost({protocol::ErrorCode::Internal,
+                                std::string("This message could not be handled: ") + exception.what() +
+                                    ". Send smaller messages; the connection is closed.",
+                                {}});
+    }
+    // the network thread drops the connection, if it is the last to hold it
+    const auto executor = message->self->executor_;
+    asio::post(executor, [message = std::move(message)] {
+      message->isDone = true;
+      message->done.cancel();
+    });
+  };
+  core_->pool().post({.run = std::move(run), .lane = Lane::Decode, .owner = session_->id()});
+  return message;
+}
+
+asio::awaitable<void> PeerConnection::handOnWorker(Decode decode) {
+  setHeld(false);
+  const auto message = postToWorker(std::move(decode));
+  while (!message->isDone) {
+    co_await message->done.async_wait(kAsTuple);
+  }
+  // what the message began may not have existed yet when the connection was closed
+  if (isClosed_) {
+    message->session->onClosed();
+  }
+}
+
+bool PeerConnection::hold(std::size_t bytes) {
+  const std::uint64_t all = core_->decodingBytes += bytes - heldBytes_;
+  heldBytes_ = bytes;
+  const std::uint64_t bound = core_->options().limits.decodingBytes;
+  // a short line costs others nothing
+  if (bytes <= kBigMessage || all <= bound) {
+    return true;
+  }
+  core_->decodingBytes -= std::exchange(heldBytes_, 0);
+  lose(protocol::limitError("decodingBytes", all, bound, "Try again later; the connection is closed."));
+  return false;
+}
+
 void PeerConnection::lose(const protocol::Error& error) {
   if (isReading()) {
     session_->onLost(error);
+    isClosing_ = true;
   }
 }
 
@@ -174,7 +269,7 @@ void PeerConnection::wakeWriter() {
   const std::uint64_t bound = core_->options().limits.outboxBytes;
   if (outboxBytes_ > 2 * bound && !isClosing_) {
     core_->log().warn(
-        "session with " + peerName_ +
+        "session with " + peerName() +
         " is closed: it does not read, and its outbox grew beyond twice outboxBytes=" + std::to_string(bound));
     closeNow();
     return;

@@ -11,42 +11,58 @@
 #include <vector>
 
 #include "protocol/framing.h"
+#include "server/network/admission.h"
 #include "server/server_core.h"
 #include "server/session/connection.h"
 #include "server/session/session.h"
 
 namespace espalier::server {
 
-// For the files that know the network library only: network.cpp, stream_connection.cpp, http.cpp.
+// Only for the files that know the network library: network.cpp, listener.cpp, peer_connection.cpp, http.cpp.
 
 namespace asio = boost::asio;
 using boost::system::error_code;
 inline constexpr auto kAsTuple = asio::as_tuple(asio::use_awaitable);
 
+/// What is known of a connection from accept() on.
+struct Accepted {
+  std::string peerName;  // for the log
+  bool isLocal = false;  // the peer is on this machine
+  /// Until then the peer has said hello, after TLS, HTTP and whatever else comes before.
+  std::chrono::steady_clock::time_point deadline;
+  std::unique_ptr<Admission::Place> place;
+};
+
 /// One connected peer over any transport: a reader that hands messages to the session, a writer that empties the
-/// outbox. What nothing waits before is written by the thread that sends it, where the system takes it at once. Members
-/// run on the network thread unless they are Connection's.
+/// outbox. When the outbox is empty, the thread that sends a message writes it, as far as the system takes it at once.
+/// Members run on the network thread unless they are Connection's.
 class PeerConnection : public Connection, public std::enable_shared_from_this<PeerConnection> {
  public:
   using Batch = std::deque<std::shared_ptr<const std::string>>;
 
-  PeerConnection(asio::any_io_executor executor, ServerCore& core, std::string peerName, bool isLocal);
+  PeerConnection(asio::any_io_executor executor, ServerCore& core, Accepted accepted);
+  ~PeerConnection() override;
 
   // ---- Connection: any thread ----
   void send(std::shared_ptr<const std::string> message) override;
   void closeWhenSent() override;
   void remind(std::chrono::milliseconds delay) override;
   [[nodiscard]] std::size_t outboxBytes() const override { return outboxBytes_; }
-  [[nodiscard]] bool isLocal() const override { return isLocal_; }
-  [[nodiscard]] std::string peerName() const override { return peerName_; }
+  [[nodiscard]] bool isLocal() const override { return accepted_.isLocal; }
+  [[nodiscard]] std::string peerName() const override { return accepted_.peerName; }
 
   // ---- network thread ----
+  [[nodiscard]] std::optional<protocol::Error> admit() override;
   void start(std::shared_ptr<Session> session);
   void closeNow();
+  /// The peer is to be told, then closed.
+  [[nodiscard]] bool isBeyondAddressBound() const {
+    return accepted_.place != nullptr && accepted_.place->isBeyondAddressBound();
+  }
   std::function<void()> onClosed;
 
  protected:
-  /// What comes before the first message (TLS). False: the peer is not wanted.
+  /// What comes before the first message (TLS, the upgrade to a WebSocket). False: the peer is not wanted.
   virtual asio::awaitable<bool> prepare() { co_return true; }
   /// Waits for bytes and hands on what is complete. False: the peer has ended.
   virtual asio::awaitable<bool> receive() = 0;
@@ -60,6 +76,7 @@ class PeerConnection : public Connection, public std::enable_shared_from_this<Pe
 
   [[nodiscard]] ServerCore& core() { return *core_; }
   [[nodiscard]] bool isReading() const { return session_ != nullptr && !isClosing_; }
+  /// What the peer may send now; before hello it is little.
   [[nodiscard]] protocol::FrameLimits frameLimits() const;
   void count(std::size_t receivedBytes) {
     core_->metrics.bytesReceived += receivedBytes;
@@ -67,14 +84,29 @@ class PeerConnection : public Connection, public std::enable_shared_from_this<Pe
   }
   /// `isMoreToCome`: the bytes of another message are there.
   void hand(const protocol::MessageReader::Read& read, bool isMoreToCome = false);
+  /// Messages of more bytes are handed on by handOnWorker().
+  static constexpr std::size_t kBigMessage = 65'536;
+  /// `problem` receives why the framing is lost. Nothing: there is no message.
+  using Decode = std::function<std::optional<protocol::MessageReader::Read>(std::optional<protocol::Error>& problem)>;
+  /// Decodes a big message and hands it on, on a worker: other peers do not wait. This one's reader does. `decode` uses
+  /// nothing that the network thread uses meanwhile, and not session_.
+  asio::awaitable<void> handOnWorker(Decode decode);
+  /// So many bytes have come from the peer and are not decoded. False: those of all peers are too many. The peer is
+  /// told and closed; the caller frees the bytes.
+  [[nodiscard]] bool hold(std::size_t bytes);
   void lose(const protocol::Error& error);
   /// Nothing more comes from the peer, which may still read.
   void noteEnd() { hasEnded_ = true; }
   /// Both sides agreed on blocks.
   [[nodiscard]] bool areBlocksAgreed() const { return session_ != nullptr && session_->areBlocksAgreed(); }
+  [[nodiscard]] bool isGreeted() const { return session_ != nullptr && session_->isGreeted(); }
 
  private:
+  struct BigMessage;
+
+  [[nodiscard]] std::shared_ptr<BigMessage> postToWorker(Decode decode);
   void beat();
+  void setHeld(bool isHeld);
   void wakeWriter();
   asio::awaitable<void> readAll();
   asio::awaitable<void> writeAll();
@@ -92,8 +124,9 @@ class PeerConnection : public Connection, public std::enable_shared_from_this<Pe
   ServerCore* core_;
   std::shared_ptr<Session> session_;  // null: closed
   std::atomic<std::size_t> outboxBytes_{0};
-  std::string peerName_;
-  bool isLocal_ = false;
+  Accepted accepted_;
+  std::size_t heldBytes_ = 0;  // hold()
+  bool isAdmitted_ = false;
   bool isBeating_ = false;  // heartbeats have begun: the peer was greeted
   bool wasHeard_ = false;   // since the last heartbeat
   bool hasEnded_ = false;

@@ -9,13 +9,13 @@
 
 namespace espalier::server {
 
-/// Messages as lines and raw bytes over a stream of bytes: TCP, a Unix socket, or TLS over TCP. For the files that know
-/// the network library only.
+/// Messages as lines and raw bytes over a stream of bytes: TCP, a Unix socket, or TLS over TCP. Only for the files that
+/// know the network library.
 template <typename Stream>
 class StreamConnection final : public PeerConnection {
  public:
-  StreamConnection(Stream stream, ServerCore& core, std::string peerName, bool isLocal)
-      : PeerConnection(stream.get_executor(), core, std::move(peerName), isLocal),
+  StreamConnection(Stream stream, ServerCore& core, Accepted accepted)
+      : PeerConnection(stream.get_executor(), core, std::move(accepted)),
         stream_(std::move(stream)),
         socket_(lowest().native_handle()),
         reader_(frameLimits()) {}
@@ -42,18 +42,23 @@ class StreamConnection final : public PeerConnection {
       co_return true;
     }
     reader_.feed({bytes_->data(), count});
-    while (isReading()) {
+    while (isReading() && !reader_.lost()) {
+      if (reader_.nextLineBytes() > kBigMessage) {
+        co_await handOnWorker([this](std::optional<protocol::Error>&) { return reader_.next(); });
+        continue;
+      }
       const auto read = reader_.next();
       if (!read) {
         break;
       }
       hand(*read, reader_.hasPartialMessage());
-      if (areBlocksAgreed()) {
-        reader_.allowBlocks();
-      }
+      adoptTerms();
     }
     if (reader_.lost()) {
       lose(*reader_.lost());
+    }
+    if (!hold(reader_.heldBytes())) {
+      reader_ = protocol::MessageReader(frameLimits());
     }
     co_return true;
   }
@@ -89,6 +94,16 @@ class StreamConnection final : public PeerConnection {
 
  private:
   static constexpr bool kIsEncrypted = requires(Stream & stream) { stream.next_layer(); };
+
+  /// After hello the peer may send more.
+  void adoptTerms() {
+    if (isGreeted()) {
+      reader_.setLineBytes(frameLimits().lineBytes);
+    }
+    if (areBlocksAgreed()) {
+      reader_.allowBlocks();
+    }
+  }
 
   auto& lowest() { return stream_.lowest_layer(); }
 

@@ -37,16 +37,23 @@ constexpr LimitEntry ofSimulation(std::string_view name, std::string_view meanin
 // a hello must fit into a line, and its answer into the outbox
 constexpr std::uint64_t kSmallestLine = 1'000;
 constexpr std::uint64_t kSmallestOutbox = 10'000;
+constexpr std::uint64_t kSmallestDecoding = 1'000'000;
 
 using Server = ServerLimits;
 using Simulation = core::Limits;
 
 constexpr std::array kEntries{
     ofServer<&Server::lineBytes>("lineBytes", kSmallestLine, "bytes of one line from a peer"),
+    ofServer<&Server::helloBytes>("helloBytes", kSmallestLine, "bytes of one line from a peer before hello"),
+    ofServer<&Server::decodingBytes>("decodingBytes", kSmallestDecoding,
+                                     "bytes of all messages that have come and are not decoded yet"),
     ofServer<&Server::blockBytes>("blockBytes", kSmallestLine, "raw bytes behind one line from a peer"),
     ofServer<&Server::outboxBytes>("outboxBytes", kSmallestOutbox, "bytes that wait for a peer to read them"),
     ofServer<&Server::streamBytes>("streamBytes", 0, "bytes that a simulation keeps to tell its viewers differences"),
-    ofServer<&Server::sessions>("sessions", 1, "connections at a time"),
+    ofServer<&Server::sessions>("sessions", 1, "peers at a time that have said hello"),
+    ofServer<&Server::waitingConnections>("waitingConnections", 1, "connections of one side that have not said hello"),
+    ofServer<&Server::connectionsPerAddress>("connectionsPerAddress", 0,
+                                             "connections of one address of another machine; 0: no bound"),
     ofServer<&Server::simulations>("simulations", 1, "simulations of the server"),
     ofServer<&Server::simulationsPerSession>("simulationsPerSession", 1, "simulations that one connection made"),
     ofServer<&Server::streamsPerSession>("streamsPerSession", 1, "streams of one connection"),

@@ -14,10 +14,14 @@ namespace espalier::server {
 /// the error it causes.
 struct ServerLimits {
   std::uint64_t lineBytes = 64'000'000;
-  std::uint64_t blockBytes = 256'000'000;     // raw bytes of one message, for peers that agreed on binary blocks
-  std::uint64_t outboxBytes = 256'000'000;    // per session; a slow viewer is moved to the latest key frame instead
-  std::uint64_t streamBytes = 1'000'000'000;  // of a simulation, kept to tell its viewers differences
+  std::uint64_t helloBytes = 65'536;            // of a line or message before the peer has said hello
+  std::uint64_t decodingBytes = 1'000'000'000;  // of all messages of all peers that have come and are not decoded yet
+  std::uint64_t blockBytes = 256'000'000;       // raw bytes of one message, for peers that agreed on binary blocks
+  std::uint64_t outboxBytes = 256'000'000;      // per session; a slow viewer is moved to the latest key frame instead
+  std::uint64_t streamBytes = 1'000'000'000;    // of a simulation, kept to tell its viewers differences
   std::uint32_t sessions = 1'000;
+  std::uint32_t waitingConnections = 1'000;   // of one side (protocol, HTTP) whose peers have not said hello
+  std::uint32_t connectionsPerAddress = 500;  // but not from this machine; 0: no bound
   std::uint32_t simulations = 10'000;
   std::uint32_t simulationsPerSession = 1'000;  // that it made, as long as they exist
   std::uint32_t streamsPerSession = 100;

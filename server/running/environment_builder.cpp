@@ -90,7 +90,7 @@ environment::ProcessOrErrors makeFromGallery(const environment::EnvironmentEntry
   core::RecordingFileProvider files(disk);
   std::vector<core::Diagnostic> warnings;
   auto made = environment::makeFromEnvironmentFile(file, files, compatibility, warnings);
-  // where the gallery is on this machine is nobody's business
+  // where the gallery is on this machine stays unknown to clients
   const auto inGallery = [&services](const std::string& name) {
     return std::filesystem::path(name).lexically_relative(services.galleryFolder).generic_string();
   };
@@ -101,7 +101,7 @@ environment::ProcessOrErrors makeFromGallery(const environment::EnvironmentEntry
   return made;
 }
 
-/// The process that a field file on the wire names; only the files that came with it can be read.
+/// The process that a specification on the wire names. It can read only the files that came with it.
 std::variant<std::unique_ptr<turtle::EnvironmentProcess>, protocol::Error> makeFromSentFiles(
     const environment::EnvironmentEntry& entry, const std::string& path, core::Compatibility compatibility,
     simulation::EnvironmentOrigin& origin) {
@@ -189,7 +189,7 @@ std::variant<BuiltEnvironment, protocol::Error> buildEnvironment(const std::stri
     // a single environment takes all queries, whatever they are called
     processes.emplace_back(entries.size() == 1 ? std::string() : entry.name, std::move(process));
   }
-  // a field file alone is an environment by itself; anything else is a configuration
+  // a specification alone is an environment by itself; anything else is a configuration
   const bool isFieldFile = entries.size() == 1 && !fieldOrigin.name.empty();
   built.origin = isFieldFile
                      ? std::move(fieldOrigin)

@@ -21,7 +21,7 @@ namespace espalier::server {
 class OfferedEnvironments;
 struct Metrics;
 
-/// What a simulation and its environment need of the server.
+/// The services of the server for a simulation and its environment.
 struct EnvironmentServices {
   const OfferedEnvironments* offered = nullptr;
   std::function<void(const std::function<void()>&)> runWaiting;  // lets another worker compute
@@ -32,7 +32,7 @@ struct EnvironmentServices {
   Metrics* metrics = nullptr;                    // null: nothing is counted
   std::string traceFolder;                       // empty: no traces
   std::optional<protocol::BoundsRecord> bounds;  // told to environments in other processes
-  FailureSink onFailure;                         // hears of environments with a policy that failed
+  FailureSink onFailure;                         // called when an environment with a policy has failed
   unsigned threads = 1;                          // of one step
 };
 
@@ -46,9 +46,9 @@ struct BuiltEnvironment {
 
 /// Makes the environment of a simulation from the `environment` array of simulation.create. `isAbsenceTolerated`:
 /// entries in other processes may be away (simulations loaded from disk). Besides the built-in processes there are the
-/// types `offered` {name}, `tcp` {address}, `stdio` {command}, `gallery` {model}: the field file (`.e`) of a gallery
-/// folder, and `field` {main, files}: a field file with the files it names, as texts. An
-/// entry in another process may have a `policy`: fail (the default), keep, or fallback:NAME of a built-in.
+/// types `offered` {name}, `tcp` {address}, `stdio` {command}, `gallery` {model}: the specification (`.e`) of a gallery
+/// folder, and `field` {main, files}: a specification with the files that it names, as texts. An entry in another
+/// process may have a `policy`: fail (the default), keep, or fallback:NAME of a built-in.
 [[nodiscard]] std::variant<BuiltEnvironment, protocol::Error> buildEnvironment(const std::string& environmentJson,
                                                                                core::Compatibility compatibility,
                                                                                bool isAbsenceTolerated,

@@ -19,12 +19,12 @@
 
 namespace espalier::server {
 
-/// A simulation of the server with what is needed to make it again. One worker at a time, except where a member says
-/// otherwise.
+/// A simulation of the server, with the record from which it can be made again. For one worker at a time, except where
+/// a member says otherwise.
 class HostedSimulation {
  public:
   /// Builds the environment, goes to step 0 and saves. `limits` are the server's; the record can lower them.
-  /// `interruption` ends it, as long as nothing is saved.
+  /// `interruption` can end this until the simulation is saved.
   [[nodiscard]] static std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> create(
       SimulationRecord record, simulation::Programs programs, const core::Limits& limits,
       const EnvironmentServices& services, Store& store, Interruption& interruption);
@@ -43,22 +43,22 @@ class HostedSimulation {
   /// The names by which queries address the environments.
   [[nodiscard]] const std::vector<std::string>& processNames() const { return processNames_; }
   [[nodiscard]] bool isSaved() const { return isSaved_; }
-  /// From now on what steps ask the environment is kept, or not.
+  /// From now on the queries of steps are kept, or not.
   void recordQueries(bool isRecorded) { queries_->want(isRecorded); }
-  /// Of the last step that was made while they were recorded; null: none.
+  /// The queries of the last step that was recorded. Null: none.
   [[nodiscard]] std::shared_ptr<const QueryRecord> lastQueries() const { return queries_->last(); }
   /// A failure of this simulation for the wire.
   [[nodiscard]] protocol::Error errorOf(const core::SimulationError& error) const;
 
-  /// One step and its copy on disk when one is due. `milliseconds` receives the wall time of the step alone. A step
-  /// that could not be saved is complete all the same: an error says so, and no further one is made before it is saved.
+  /// One step, saved when that is due. `milliseconds` receives the wall time of the step alone. A step that could not
+  /// be saved is complete all the same: an error says so, and the step is saved before the next step runs.
   [[nodiscard]] std::optional<protocol::Error> step(double& milliseconds);
   /// Back to step 0; with a new seed when given.
   [[nodiscard]] std::optional<protocol::Error> reset(std::optional<std::uint64_t> seed);
   [[nodiscard]] std::string snapshot() const;
   /// Changes a plant's string. On failure nothing changes.
   [[nodiscard]] std::optional<protocol::Error> edit(const protocol::EditParams& params);
-  /// Gives variables of the model, and names that it defines (#define), other values. On failure nothing changes.
+  /// Sets variables of the model, or names that it defines (#define). On failure nothing changes.
   [[nodiscard]] std::optional<protocol::Error> set(const std::vector<std::pair<std::string, std::string>>& values);
   [[nodiscard]] std::optional<protocol::Error> restore(std::string_view snapshot);
   /// Writes the present state to disk, unless the simulation is not kept or is saved already.
@@ -82,7 +82,7 @@ class HostedSimulation {
   }
   [[nodiscard]] std::optional<protocol::Error> removeFromDisk();
 
-  /// From any thread: the step being made is given up, also while it waits for an environment; false makes steps
+  /// From any thread. True: the running step is given up, also while it waits for an environment. False: steps are
   /// possible again.
   void setCancelled(bool isCancelled);
 
@@ -91,13 +91,13 @@ class HostedSimulation {
                    Store& store);
   [[nodiscard]] std::optional<protocol::Error> build(simulation::Programs programs, bool isAbsenceTolerated);
   void beginTrace();
-  /// After a change that was asked for: saves unless only requests do.
+  /// Saves after a change that a client asked for, unless the simulation is saved on request only.
   [[nodiscard]] std::optional<protocol::Error> saveChange();
   /// Saves state and, when `withRecord`, record.
   [[nodiscard]] std::optional<protocol::Error> save(bool withRecord);
-  /// Takes over what another one, made from the same record, was built of.
+  /// Takes over the parts of another one that was made from the same record.
   void adopt(HostedSimulation& fresh);
-  /// Takes the model with other definitions.
+  /// Compiles the models again with other definitions and goes on in the same state.
   [[nodiscard]] std::optional<protocol::Error> define(const std::vector<std::pair<std::string, std::string>>& defines);
   [[nodiscard]] protocol::Error storageError(const std::string& problem) const;
 
@@ -113,7 +113,7 @@ class HostedSimulation {
   std::shared_ptr<SimulationTrace> trace_;  // null: none
   std::shared_ptr<QueryRecorder> queries_ = std::make_shared<QueryRecorder>();
   bool isSaved_ = false;    // the copy on disk is of the present step
-  bool isSaveDue_ = false;  // it ought to be, and could not be written
+  bool isSaveDue_ = false;  // it could not be written: the next step saves it first
 };
 
 }  // namespace espalier::server

@@ -7,12 +7,12 @@
 
 namespace espalier::server {
 
-/// Ends a piece of work from another thread. The work says how it can be stopped while it can. Thread-safe.
+/// Ends a piece of work from another thread. The work says how it can be stopped, and when. Thread-safe.
 class Interruption {
  public:
   enum class Reason : std::uint8_t {
     None,
-    Cancelled,    // by its caller, or its caller has left
+    Cancelled,    // by the caller, or the caller has left
     CallSeconds,  // it took longer than a call may
   };
 

@@ -62,7 +62,7 @@ std::optional<std::string> SimulationRunner::saveAtEnd() {
   {
     const std::lock_guard lock(mutex_);
     if (isScheduled_) {
-      return "it still computes; it will be at its last saved step";
+      return "the simulation still computes: after the restart it is at its last saved step";
     }
   }
   if (hosted_->record().create.save.every == 0) {
@@ -220,7 +220,7 @@ void SimulationRunner::publishFrames(bool isDue) {
     std::erase_if(streams_, [](const auto& stream) { return stream->isClosed(); });
     streams = streams_;
   }
-  // queries are copied only for those who look
+  // queries are copied only when a viewer wants them
   hosted_->recordQueries(std::any_of(streams.begin(), streams.end(),
                                      [](const auto& stream) { return stream->params().what == "queries"; }));
   FrameMaker maker = frameMaker();
@@ -242,7 +242,7 @@ void SimulationRunner::publishFirstFrame(Stream& stream) {
 
 FrameMaker SimulationRunner::frameMaker() const {
   const simulation::Simulation& simulation = hosted_->simulation();
-  // those of the last step, not of one before a reset or of one that failed
+  // the queries of the last step, not of a step before a reset or of one that failed
   auto queries = hosted_->lastQueries();
   const bool isOfLastStep = queries != nullptr && queries->queries.step + 1 == simulation.completedSteps();
   return {simulation, milliseconds_, isOfLastStep ? std::move(queries) : nullptr};

@@ -20,21 +20,22 @@ class Log;
 struct ServerLimits;
 class SimulationRunner;
 
-/// Something to do with a simulation. `advance` runs on a worker and returns whether it wants another turn: long
-/// commands do one step a turn, so that others get in between. `fail` is called instead when the simulation goes away.
+/// A piece of work on a simulation. `advance` runs on a worker and returns whether it wants another turn: a long
+/// command makes one step a turn, so that other commands get in between. When the simulation goes away, `fail` is
+/// called instead.
 struct Command {
   std::function<bool(SimulationRunner&, Command&)> advance;
   std::function<void(const protocol::Error&)> fail;
   Lane lane = Lane::Short;  // of its turns
   std::string owner;        // the session whose share of the workers they take
   std::atomic<bool> isCancelled{false};
-  bool isPaused = false;                 // to be ended between two steps; the owner of the simulation's
-  std::atomic<bool> isAnswered{false};   // nobody waits for it any more, although its last turn may not be over
+  bool isPaused = false;                 // it ends between two steps; for the worker that owns the simulation
+  std::atomic<bool> isAnswered{false};   // the caller has the answer; the last turn may not be over
   std::atomic<bool> isOverLimit{false};  // this turn took longer than a call may
 };
 
-/// Gives a simulation its turns on the pool: one worker owns it at a time, commands run in the order they came, and
-/// everyone else sees the published information. Lives as long as somebody holds it.
+/// Gives a simulation its turns on the pool. One worker owns it at a time. Commands run in the order in which they
+/// came. Other threads see the published information.
 class SimulationRunner final : public std::enable_shared_from_this<SimulationRunner> {
  public:
   /// A turn that computes longer than the limit callSeconds is given up.
@@ -45,36 +46,36 @@ class SimulationRunner final : public std::enable_shared_from_this<SimulationRun
   void submit(std::shared_ptr<Command> command);
   /// Gives a command up: at once when it runs, else when its turn comes.
   void cancel(const std::shared_ptr<Command>& command);
-  /// Fails everything queued and all to come; the running turn is finished, or given up when `isInterrupting`.
+  /// Fails all commands that wait and all that come later. The running turn ends, or is given up (`isInterrupting`).
   void close(const protocol::Error& reason, bool isInterrupting);
-  /// The same, giving up what runs, with one last command after it.
+  /// The same, giving up the running turn; then runs one last command.
   void closeWith(std::shared_ptr<Command> last, const protocol::Error& reason);
   [[nodiscard]] protocol::SimulationInformation information() const;
   [[nodiscard]] const std::string& id() const { return id_; }
-  /// Bytes of what its streams keep to tell differences from.
+  /// Bytes that its streams keep to find differences.
   [[nodiscard]] std::uint64_t streamBytes() const { return streamBytes_; }
   /// Bytes of its strings after its last turn.
   [[nodiscard]] std::uint64_t stringBytes() const { return stringBytes_; }
   void addStream(std::shared_ptr<Stream> stream);
-  /// A stream may be ready for the frames it missed.
+  /// Sends a frame to streams that missed one and are ready again.
   void catchUp();
   /// Ends all streams with a reason.
   void endStreams(const std::string& reason);
   [[nodiscard]] bool isClosing() const;
-  /// Writes what its policy has not written yet, unless a turn still runs. An error sentence, or nothing.
+  /// Saves the state if its policy has not saved it, unless a turn still runs. An error sentence, or nothing.
   [[nodiscard]] std::optional<std::string> saveAtEnd();
 
   // inside Command::advance only
   [[nodiscard]] HostedSimulation& hosted() { return *hosted_; }
   [[nodiscard]] std::uint32_t callSeconds() const { return callSeconds_; }
-  /// What others are told about the simulation is what it is now, with this command behind it; before the answer to the
-  /// command, so that who has the answer and asks again does not hear of the state before it.
+  /// Publishes the information as it is after this command. To be called before the answer is sent: a caller that has
+  /// received an answer never sees an older state.
   void publishEndOf(Command& command);
   /// Sends frames of the present state to the streams that want one. `isDue`: a step was just completed.
   void publishFrames(bool isDue);
-  /// A viewer that comes late sees the present state at once.
+  /// Sends a new viewer the present state at once.
   void publishFirstFrame(Stream& stream);
-  /// Marks every command that waits for a turn as paused; how many there are.
+  /// Marks every command that waits for a turn as paused. Returns how many steps or runs there are.
   std::size_t pauseWaiting();
   void setMilliseconds(double milliseconds) { milliseconds_ = milliseconds; }
   [[nodiscard]] double milliseconds() const { return milliseconds_; }
@@ -88,7 +89,7 @@ class SimulationRunner final : public std::enable_shared_from_this<SimulationRun
   void runGuarded(Command& command, bool& wantsMore);
   void publishTo(Stream& stream, FrameMaker& maker);
   [[nodiscard]] FrameMaker frameMaker() const;
-  /// Keeps what streams tell differences from within its bound.
+  /// Keeps the memory of differences within its bound.
   void boundBases(const std::vector<std::shared_ptr<Stream>>& streams);
 
   const std::string id_;
@@ -97,8 +98,8 @@ class SimulationRunner final : public std::enable_shared_from_this<SimulationRun
   const Log* log_;
   const std::uint32_t callSeconds_;
   const std::uint64_t streamBytesBound_;
-  double milliseconds_ = 0.0;  // of the last step; the owner's
-  std::string lastError_;      // the owner's
+  double milliseconds_ = 0.0;  // of the last step; for the worker that owns the simulation
+  std::string lastError_;      // the same
   std::atomic<std::uint64_t> stringBytes_{0};
   std::atomic<std::uint64_t> streamBytes_{0};
 

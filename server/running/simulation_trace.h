@@ -22,13 +22,13 @@ struct StoredTrace {
 /// step whenever the server ends.
 class SimulationTrace {
  public:
-  /// `FOLDER/ID-N.trace.zst` with the first N that is free; the folder is made. An error sentence when that fails.
+  /// `FOLDER/ID-N.trace.zst` with the first free N. Makes the folder. An error sentence when that fails.
   [[nodiscard]] static std::variant<std::unique_ptr<SimulationTrace>, std::string> create(const std::string& folder,
                                                                                           const std::string& id);
 
-  /// Those of a simulation, by number. `folder` empty: nothing is kept.
+  /// The traces of a simulation, by number. `folder` empty: there are none.
   [[nodiscard]] static std::vector<StoredTrace> list(const std::string& folder, const std::string& id);
-  /// The bytes of one, as far as it was written; nothing when it is not there or larger than `bound`.
+  /// The bytes of a trace as far as it was written. Nothing when there is none or it is larger than `bound`.
   [[nodiscard]] static std::optional<std::string> read(const std::string& folder, const std::string& id,
                                                        std::uint64_t number, std::uint64_t bound);
 
@@ -46,7 +46,7 @@ class SimulationTrace {
     recorder_->complete(simulation);
     file_->flush();
   }
-  /// What is done about an environment that failed.
+  /// Adds a note: an environment failed and this was done about it.
   void note(std::uint64_t step, const std::string& message) { recorder_->fail(step, message); }
 
  private:

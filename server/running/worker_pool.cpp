@@ -6,7 +6,7 @@
 namespace espalier::server {
 namespace {
 
-/// How often the keeper looks while tasks run, at most.
+/// The longest time between two looks of the keeper while tasks run.
 constexpr std::chrono::milliseconds kLongestLook{50};
 
 }  // namespace
@@ -18,6 +18,7 @@ WorkerPool::WorkerPool(const WorkerPoolOptions& options)
       overtime_(options.overtime) {
   lanes_[static_cast<std::size_t>(Lane::Short)].workers = std::max(2U, workers_);
   lanes_[static_cast<std::size_t>(Lane::Step)].workers = workers_;
+  lanes_[static_cast<std::size_t>(Lane::Decode)].workers = workers_;
   keeper_ = std::thread([this] { keepTime(); });
 }
 
@@ -65,7 +66,7 @@ WorkerPool::Owner* WorkerPool::nextOwner(LaneState& lane) {
   if (lane.waiting == 0 || lane.counted >= lane.workers || lane.computing >= lane.workers + kMaximumOvertime) {
     return nullptr;
   }
-  // who computes least, and of those who was served longest ago
+  // the owner that computes least; among equals the one that was served longest ago
   Owner* next = nullptr;
   for (auto& [name, owner] : lane.owners) {
     const bool isReady =
@@ -148,7 +149,7 @@ void WorkerPool::carryOut(Task task, std::unique_lock<std::mutex>& lock) {
   const auto running = running_.emplace(running_.end());
   running->task = std::move(task);
   begin(*running);
-  // more tasks than threads that look for one, or than those that were woken
+  // one thread was woken: wake or start another when there is more to do
   startThreadIfNeeded();
   const bool isMoreReady = freeThreads_ > 0 && readyLane() != nullptr;
   lock.unlock();
@@ -192,8 +193,8 @@ void WorkerPool::blockWhile(const std::function<void()>& wait) {
   }
   wake_.notify_one();
   wait();
-  // for a moment one more than `workers` may compute: waiting for a place here could deadlock two that wait for each
-  // other
+  // for a moment one task more than `workers` may compute: to wait for a place here could deadlock two tasks that wait
+  // for each other
   const std::lock_guard lock(mutex_);
   LaneState& lane = laneOf(running->task);
   Owner& owner = lane.owners[running->task.owner];

@@ -15,24 +15,24 @@
 
 namespace espalier::server {
 
-/// Two kinds of work with workers of their own: short requests never wait behind steps.
+/// Kinds of work with workers of their own: short requests never wait behind steps, nor messages behind either.
 enum class Lane : std::uint8_t {
-  Short,  // compiling, creating, reading, saving
-  Step,   // steps of simulations
+  Short,   // compiling, creating, reading, saving
+  Step,    // steps of simulations
+  Decode,  // big messages
 };
 
 struct WorkerPoolOptions {
   unsigned workers = 0;  // tasks of a lane that compute at a time; 0: as many as cores. Short has at least two
-  /// A task that computes longer gives its place to another, while it goes on.
+  /// A task that computes longer goes on, and another task begins beside it.
   std::chrono::milliseconds overtime{250};
 };
 
-/// Threads that compute: compiling, stepping, saving. In each lane `workers` tasks compute at a time, taken in turn
-/// from the owners who have some, so that no owner's number of tasks makes others wait. A task cannot be interrupted,
-/// so one beyond `overtime` is no longer counted and another is begun beside it: an endless step keeps a core busy,
-/// never the server. One owner has at most `workers` tasks of a lane computing, and all owners together
-/// kMaximumOvertime more than there are workers. A task that waits for a remote environment says so (blockWhile) and
-/// another takes its place.
+/// Threads that compute. In each lane `workers` tasks compute at a time. Owners take turns, so an owner with many tasks
+/// does not make others wait. A task cannot be interrupted: when it computes longer than `overtime`, it is no longer
+/// counted and another task begins. So an endless step keeps a core busy, but never the server. One owner has at most
+/// `workers` computing tasks in a lane; all owners together have at most kMaximumOvertime more than that. A task that
+/// waits for an environment in another process says so (blockWhile), and another task takes its place.
 class WorkerPool {
  public:
   struct Task {
@@ -46,7 +46,7 @@ class WorkerPool {
   };
 
   explicit WorkerPool(const WorkerPoolOptions& options);
-  /// Waits for everything posted.
+  /// Waits until all tasks have run.
   ~WorkerPool();
   WorkerPool(const WorkerPool&) = delete;
   WorkerPool& operator=(const WorkerPool&) = delete;
@@ -56,10 +56,10 @@ class WorkerPool {
   /// The same for the last act of a task: its thread is free in a moment, so no other is woken.
   void postAtEnd(Task task);
 
-  /// Runs `wait`, which blocks, on the calling thread while another computes in its place. In a task only.
+  /// Runs `wait`, which blocks, on the calling thread; another task computes meanwhile. In a task only.
   void blockWhile(const std::function<void()>& wait);
 
-  /// Waits until nothing is posted or running; false when the time is over before.
+  /// Waits until no task waits or runs. False: the time was over first.
   [[nodiscard]] bool waitUntilIdle(std::chrono::milliseconds time);
 
   [[nodiscard]] unsigned workers() const { return workers_; }
@@ -67,7 +67,7 @@ class WorkerPool {
  private:
   using Clock = std::chrono::steady_clock;
 
-  /// A task that has a thread.
+  /// A task that runs on a thread.
   struct Running {
     Task task;
     Clock::time_point start;  // moved forward by the time spent in blockWhile
@@ -102,7 +102,7 @@ class WorkerPool {
   void begin(Running& running);
   void end(Running& running);
   [[nodiscard]] bool isIdle() const;
-  /// Marks tasks in overtime; whether any was found. Fills `reached` with what to call for tasks beyond their limit.
+  /// Marks tasks in overtime; true: there are new ones. Fills `reached` with the onLimit of tasks beyond their limit.
   [[nodiscard]] bool look(Clock::time_point now, std::vector<std::function<void()>>& reached);
 
   static constexpr std::size_t kMaximumThreads = 1024;
@@ -116,11 +116,11 @@ class WorkerPool {
   std::condition_variable wake_;
   std::condition_variable idle_;
   std::condition_variable time_;
-  std::array<LaneState, 2> lanes_;
+  std::array<LaneState, 3> lanes_;
   std::list<Running> running_;
   std::uint64_t begunCount_ = 0;
   std::size_t freeThreads_ = 0;   // threads that look for a task
-  bool isKeeperResting_ = false;  // nothing runs: it waits to be called
+  bool isKeeperResting_ = false;  // nothing runs: it sleeps until a task begins
   bool isStopping_ = false;
   std::vector<std::thread> threads_;
   std::thread keeper_;

@@ -3,7 +3,10 @@
 #include <chrono>
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
+
+#include "protocol/errors.h"
 
 namespace espalier::server {
 
@@ -18,6 +21,9 @@ class Connection {
   virtual void closeWhenSent() = 0;
   /// Calls Session::onDrained when that time has passed.
   virtual void remind(std::chrono::milliseconds delay) = 0;
+  /// The peer has said hello and may use the server. On the network thread. An error when there are as many sessions as
+  /// there may be.
+  [[nodiscard]] virtual std::optional<protocol::Error> admit() { return std::nullopt; }
   /// Bytes queued and not yet given to the system.
   [[nodiscard]] virtual std::size_t outboxBytes() const = 0;
   /// The peer is on this machine.

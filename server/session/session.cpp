@@ -164,6 +164,10 @@ void Session::onHello(const protocol::Message& message) {
                         {}});
     return;
   }
+  if (const auto refusal = connection_->admit()) {
+    refuse(message.id, *refusal);
+    return;
+  }
   isGreeted_ = true;
   {
     const std::lock_guard lock(mutex_);

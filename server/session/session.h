@@ -19,14 +19,15 @@ namespace espalier::server {
 
 class ServerCore;
 
-/// One peer: its handshake, its requests in progress, its streams, and the server's questions to it when it offers
-/// environments. Messages come on the network thread; answers may come from any thread.
+/// One peer: handshake, its requests in progress, its streams, and the questions put to it when it offers environments.
+/// Messages come one at a time, on the network thread or, when they are big, on a worker. Answers may come from any
+/// thread.
 class Session final : public AskedPeer, public std::enable_shared_from_this<Session> {
  public:
   Session(std::string id, ServerCore& core, std::shared_ptr<Connection> connection);
   ~Session() override;
 
-  // network thread
+  // network thread, but for onRead(): one message at a time, big ones on a worker
   void onRead(const protocol::MessageReader::Read& read);
   /// The framing is lost: tells the peer the reason and closes the connection.
   void onLost(const protocol::Error& error);
@@ -40,6 +41,7 @@ class Session final : public AskedPeer, public std::enable_shared_from_this<Sess
   void onPeerEnded();
   /// A request of the peer is not answered yet.
   [[nodiscard]] bool isAnswering() const;
+  /// May be called again, for what a message began that was being handled meanwhile.
   void onClosed();
   [[nodiscard]] bool isGreeted() const { return isGreeted_; }
   /// Both sides named the capability `bin`.
@@ -57,7 +59,7 @@ class Session final : public AskedPeer, public std::enable_shared_from_this<Sess
   [[nodiscard]] PeerTerms terms() const override;
   void forget(const std::string& id) override;
 
-  // for the handlers (methods.h), on the network thread
+  // for the handlers (methods.h), on the thread of onRead()
   [[nodiscard]] const std::string& id() const { return id_; }
   [[nodiscard]] ServerCore& core() { return *core_; }
   [[nodiscard]] bool isLocal() const { return connection_->isLocal(); }

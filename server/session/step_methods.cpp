@@ -24,7 +24,7 @@ struct StepProgress {
   std::uint64_t queries = 0;
   std::uint64_t answers = 0;
   double milliseconds = 0.0;
-  std::chrono::steady_clock::time_point told{};  // when the caller last heard how far it is
+  std::optional<std::chrono::steady_clock::time_point> told;  // the last time that the caller heard how far it is
 };
 
 // how often a caller hears of its progress, and how full its outbox may be for it
@@ -34,7 +34,7 @@ constexpr std::size_t kProgressOutbox = 1'000'000;
 /// Says how far a call is, when the caller asked for it.
 void tellProgress(SimulationRunner& runner, Session& session, const protocol::MessageId& id, StepProgress& progress) {
   const auto now = std::chrono::steady_clock::now();
-  if (!progress.params.wantsProgress || now - progress.told < kProgressInterval ||
+  if (!progress.params.wantsProgress || (progress.told && now - *progress.told < kProgressInterval) ||
       session.outboxBytes() > kProgressOutbox) {
     return;
   }

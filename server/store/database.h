@@ -10,8 +10,8 @@ struct sqlite3_stmt;
 
 namespace espalier::server {
 
-/// One SQLite connection. Not thread-safe. Failures are kept: ask problem() after a series of calls; until
-/// clearProblem() nothing more is done.
+/// One SQLite connection. Not thread-safe. The first failure is kept: ask problem() after a series of calls. Until
+/// clearProblem() further calls do nothing.
 class Database {
  public:
   Database() = default;
@@ -23,7 +23,7 @@ class Database {
   void open(const std::string& file);
   void execute(const char* sql);
   void begin() { execute("BEGIN IMMEDIATE"); }
-  /// Commits, or rolls back when something has failed; whether it was committed.
+  /// Commits, or rolls back after a failure. True: it was committed.
   bool commit();
 
   [[nodiscard]] const std::optional<std::string>& problem() const { return problem_; }

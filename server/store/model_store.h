@@ -13,27 +13,27 @@
 
 namespace espalier::server {
 
-/// A model as it was asked for, compiled. `program` is null when it has errors.
+/// A compiled model. `program` is null when the model has errors.
 struct CompiledModel {
   language::CompileResult result;
   std::string environmentJson;  // of a gallery model that brings one; empty otherwise
 };
 
-/// Compiles models from the wire or the gallery and keeps those that model.load named. Thread-safe.
+/// Compiles models from the wire or the gallery, and keeps those of model.load. Thread-safe.
 class ModelStore {
  public:
   ModelStore(std::string galleryFolder, Store& store) : galleryFolder_(std::move(galleryFolder)), store_(&store) {}
 
-  /// Models that were kept before the server was started are there again, and compiled when they are used.
+  /// Finds the models that were kept before the server was started. They are compiled when they are used.
   void loadKept();
 
-  /// Reads and compiles; an error when the reference itself is wrong (no such gallery model). Files on the wire are the
-  /// only files that such a model can read.
+  /// Reads and compiles. An error when the reference itself is wrong (no such gallery model). A model from the wire can
+  /// read only the files that came with it.
   [[nodiscard]] std::variant<CompiledModel, protocol::Error> compile(const protocol::ModelParams& params,
                                                                      const core::Limits& limits) const;
 
-  /// Keeps a program, on disk when there is a data folder, and returns its identifier. At most kMaximumLoaded; then an
-  /// error.
+  /// Keeps a program, on disk when there is a data folder, and returns its identifier. An error when there are
+  /// kMaximumLoaded already.
   [[nodiscard]] std::variant<std::string, protocol::Error> keep(const CompiledModel& model);
 
  private:

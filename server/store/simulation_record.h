@@ -9,7 +9,7 @@
 
 namespace espalier::server {
 
-/// What is needed beside a snapshot to make a simulation again.
+/// With a snapshot, everything that is needed to make a simulation again.
 struct SimulationRecord {
   std::string id;
   std::uint64_t seed = 0;
@@ -17,10 +17,10 @@ struct SimulationRecord {
   protocol::CreateParams create;  // as asked for; its model is in the snapshot
 };
 
-/// The record as the request that would make it, so that one decoder reads both.
+/// The record in the form of the request that makes it, so one decoder reads both.
 [[nodiscard]] std::string toText(const SimulationRecord& record);
 
-/// Reads what toText wrote, or says what is wrong with it.
+/// Reads the text of toText(), or says what is wrong with it.
 [[nodiscard]] std::variant<SimulationRecord, std::string> toRecord(const std::string& id, std::string_view text);
 
 }  // namespace espalier::server

@@ -58,15 +58,15 @@ std::variant<std::shared_ptr<const int>, int> lockFile(const std::string& name) 
 
 }  // namespace
 
-/// One connection for everybody, taken for one transaction at a time.
+/// One connection for all threads, used for one transaction at a time.
 class Store::Implementation {
  public:
   explicit Implementation(std::string folder) : folder_(std::move(folder)) {}
 
   std::optional<std::string> open(std::uint64_t maximumBytes);
 
-  /// Writes a state's parts; `link` makes it somebody's in the transaction of the last one, and returns the number of
-  /// the state that it replaces, or 0.
+  /// Writes the parts of a state. In the transaction of the last part, `link` makes it the state of a simulation or
+  /// checkpoint, and returns the number of the state that it replaces, or 0.
   std::optional<std::string> put(std::string_view state, const std::function<std::int64_t(std::int64_t)>& link);
   State get(std::int64_t state);
 
@@ -75,7 +75,7 @@ class Store::Implementation {
   /// Runs `work`, which reads.
   std::optional<std::string> look(const std::function<void()>& work);
 
-  /// With the mutex held: a state is nobody's any more.
+  /// With the mutex held: nothing refers to the state any more.
   void discard(std::int64_t state) {
     if (state != 0) {
       discarded_.push_back(state);
@@ -185,7 +185,7 @@ std::optional<std::string> Store::Implementation::put(std::string_view state,
     made = ++lastState_;
   }
   std::optional<std::string> failure;
-  // all parts but the last: nobody's yet
+  // all parts but the last: nothing refers to them yet
   while (rest.size() > kPartBytes && !failure) {
     failure = change([&] { putPart(made, number, rest.substr(0, kPartBytes)); });
     rest.remove_prefix(kPartBytes);

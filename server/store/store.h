@@ -12,34 +12,34 @@
 namespace espalier::server {
 
 /// The folder given by --data: one SQLite database (`espalier.sqlite` with its write-ahead log) that holds simulations,
-/// their checkpoints and loaded models. Every change is a transaction: a killed server loses nothing that was answered,
-/// a power failure at most the last moments, and neither damages the rest.
+/// their checkpoints and loaded models. Every change is a transaction. A killed server loses nothing that was answered.
+/// A power failure loses at most the last moments. Neither damages the rest.
 ///
-/// A state is compressed and written in parts, each a transaction of its own, and becomes the simulation's with the
-/// last one: saving a big simulation makes nobody wait for more than a part. Errors are sentences that say what to do.
-/// Thread-safe; the states of one simulation are saved one after the other by its owner.
+/// A state is compressed and written in parts, each in a transaction of its own. The last part makes it the state of
+/// the simulation. So other simulations wait for a part at most. Errors are sentences that say what to do. Thread-safe;
+/// the owner of a simulation saves its states one after the other.
 class Store {
  public:
-  /// Empty name: nothing is kept. `maximumBytes`: of the database; 0: as much as the disk has.
+  /// Empty name: nothing is kept. `maximumBytes`: of the database. 0: no bound but the disk.
   explicit Store(std::string folder, std::uint64_t maximumBytes = 0);
   ~Store();
   Store(const Store&) = delete;
   Store& operator=(const Store&) = delete;
 
   [[nodiscard]] bool isKept() const { return !folder_.empty(); }
-  /// Makes the folder and the database, and takes the folder's lock, which is held as long as this object lives: two
-  /// servers on one folder would overwrite each other's simulations.
+  /// Makes the folder and the database, and takes the lock of the folder for the life of this object. Two servers on
+  /// one folder would overwrite each other's simulations.
   [[nodiscard]] std::optional<std::string> open();
 
   /// A simulation without its state.
   struct Entry {
     std::string id;
-    std::string record;  // text; how it is made again
+    std::string record;  // toText() of its SimulationRecord
     std::uint64_t step = 0;
   };
   /// By identifier, or why they cannot be read.
   [[nodiscard]] std::variant<std::vector<Entry>, std::string> simulations() const;
-  /// A new simulation, or another record and state for one that is there.
+  /// Saves a new simulation, or another record and state of an old one.
   [[nodiscard]] std::optional<std::string> save(const Entry& entry, std::string_view state);
   [[nodiscard]] std::optional<std::string> saveState(const std::string& simulation, std::uint64_t step,
                                                      std::string_view state);
@@ -49,7 +49,7 @@ class Store {
     std::string problem;  // empty: none
   };
   [[nodiscard]] State readState(const std::string& simulation) const;
-  /// With its checkpoints. One that is not there is no error.
+  /// Removes a simulation and its checkpoints. No error when there is none.
   [[nodiscard]] std::optional<std::string> remove(const std::string& simulation);
 
   /// A state kept under a name.
@@ -63,7 +63,7 @@ class Store {
   [[nodiscard]] std::vector<Checkpoint> checkpoints(const std::string& simulation) const;
   [[nodiscard]] State readCheckpoint(const std::string& simulation, const std::string& name) const;
 
-  /// Models that model.load kept: their text in the caller's form, by identifier.
+  /// Models of model.load: their text in the caller's form, by identifier.
   [[nodiscard]] std::optional<std::string> saveModel(const std::string& model, std::string_view text);
   [[nodiscard]] std::vector<std::pair<std::string, std::string>> models() const;
 

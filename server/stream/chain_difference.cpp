@@ -101,13 +101,13 @@ class PartFinder {
   std::vector<std::size_t> slots_;  // a power of two; empty: not needed yet
 };
 
-/// Goes over two lists of parts: `keep(from, to)` for parts that both share, in order, and `tellGap(from, fromEnd, to,
-/// toEnd)` for what has become of those between them.
+/// Goes over two lists of parts, in order: `keep(from, to)` for parts that both share, and `tellGap(from, fromEnd, to,
+/// toEnd)` for the parts between them.
 template <typename Keep, typename TellGap>
 void match(std::vector<const void*> baseParts, const std::vector<const void*>& parts, const Keep& keep,
            const TellGap& tellGap) {
   PartFinder base(std::move(baseParts));
-  std::size_t from = 0;  // what is before it is told
+  std::size_t from = 0;  // parts before it are done
   std::size_t to = 0;
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const std::size_t same = base.find(from, parts[i]);
@@ -190,7 +190,7 @@ class ChainDifference {
     }
   }
 
-  /// Rows that are kept when whatever they grow from has moved as they have.
+  /// Rows that are kept when the rows they grow from have moved by the same amount.
   static KeptRows runOf(std::uint32_t from, std::uint32_t to, std::uint64_t fromModule, std::uint64_t toModule,
                         std::size_t rows) {
     KeptRows run;

@@ -13,9 +13,9 @@ namespace espalier::server {
 [[nodiscard]] TurtleFrame makeTurtleFrame(const turtle::RecordChain& chain,
                                           std::shared_ptr<const std::vector<std::string>> symbols);
 
-/// What a viewer of `base` needs to have `chain`, of the same Programs. Groups that both share, and stretches of other
-/// groups, are kept without a look at their rows, unless what they grow from has moved otherwise than they; between
-/// them rows are compared (differenceOf). O(groups + stretches of groups that are not shared + rows that are not
+/// The difference that makes `chain` of `base`. Both are of the same Programs. Shared groups, and shared stretches of
+/// other groups, are kept without reading their rows, unless the rows they grow from have moved by another amount. Rows
+/// between them are compared (differenceOf). O(groups + stretches of groups that are not shared + rows that are not
 /// shared). Throws protocol::NonFiniteNumber.
 [[nodiscard]] TurtleChange differenceOf(const turtle::RecordChain& base, const turtle::RecordChain& chain,
                                         std::shared_ptr<const std::vector<std::string>> symbols);

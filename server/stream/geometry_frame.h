@@ -19,7 +19,7 @@ namespace espalier::server {
 [[nodiscard]] std::variant<protocol::Body, core::SimulationError> geometryBody(
     const simulation::Simulation& simulation);
 
-/// The plants as environments see them, with the names of the symbols. Never changes; kept by streams of differences
+/// The plants as environments see them, with the names of the symbols. Never changes. Streams of differences keep it
 /// until their next frame.
 struct GeometryFrame {
   std::shared_ptr<const std::vector<std::string>> symbols;
@@ -29,7 +29,7 @@ struct GeometryFrame {
   [[nodiscard]] std::uint64_t bytes() const;
 };
 
-/// The segments and organs now that a selection takes. `symbols` are Simulation::symbolNames. O(modules + vertices).
+/// The present segments and organs of a selection. `symbols` are Simulation::symbolNames. O(modules + vertices).
 [[nodiscard]] std::variant<GeometryFrame, core::SimulationError> makeGeometryFrame(
     const simulation::Simulation& simulation, std::shared_ptr<const std::vector<std::string>> symbols,
     const protocol::StreamSelection& select);
@@ -37,7 +37,7 @@ struct GeometryFrame {
 /// The body of a frame in columns, all of it. Throws protocol::NonFiniteNumber.
 [[nodiscard]] protocol::Body encodeGeometry(const std::shared_ptr<const GeometryFrame>& frame,
                                             const protocol::StreamOpenParams& params);
-/// The same as what differs from `base`; nothing when there is none (null), or all of it is as short. Throws
+/// The same as a difference from `base`. Nothing when there is no base (null) or the whole is as short. Throws
 /// protocol::NonFiniteNumber.
 [[nodiscard]] std::optional<protocol::Body> encodeDifference(const std::shared_ptr<const GeometryFrame>& frame,
                                                              const GeometryFrame* base,

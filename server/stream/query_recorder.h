@@ -6,13 +6,13 @@
 
 namespace espalier::server {
 
-/// What a step asked its environment, and the answers.
+/// The queries of a step and their answers.
 struct QueryRecord {
   turtle::QueryBatch queries;
   turtle::ReplyBatch replies;
 };
 
-/// Keeps a copy of the last step's queries and replies while somebody wants to see them. One worker at a time, as the
+/// Keeps a copy of the last step's queries and replies while a viewer wants them. For one worker at a time, as the
 /// simulation.
 class QueryRecorder {
  public:
@@ -20,7 +20,7 @@ class QueryRecorder {
   [[nodiscard]] static std::unique_ptr<turtle::EnvironmentProcess> record(
       std::unique_ptr<turtle::EnvironmentProcess> process, std::shared_ptr<QueryRecorder> recorder);
 
-  /// From now on steps are copied; false also forgets the last one.
+  /// True: queries of later steps are copied. False: they are not, and the last copy is dropped.
   void want(bool isWanted);
   void keep(const turtle::QueryBatch& queries, const turtle::ReplyBatch& replies);
   /// Null: none was copied.

@@ -46,8 +46,8 @@ inline bool areAlike(const RowView& a, const RowView& b) {
           std::memcmp(a.parameters.data(), b.parameters.data(), a.parameters.size_bytes()) == 0);
 }
 
-/// How rows come from those of an earlier state. `Rows` has rows() and row(i), a RowView. O(rows) with one pass over
-/// both when most are kept; where they part for long, a table of the earlier rows finds them again.
+/// Finds the rows of an earlier state again. `Rows` has rows() and row(i), a RowView. O(rows): one pass over both when
+/// most are kept. Where the lists differ for long, a table of the earlier rows resynchronises them.
 template <typename Rows>
 class RowDifference {
  public:
@@ -77,7 +77,7 @@ class RowDifference {
         }
         buildTable();
       }
-      // many were: the row is anywhere, or new
+      // many rows were: the row is anywhere, or new
       if (const auto found = find(rows_.row(j))) {
         i = *found;
         keep(i++, j);
@@ -90,7 +90,7 @@ class RowDifference {
   }
 
  private:
-  // rows added or taken away that are looked for, where rows part, before all rows of the base are searched
+  // how many added or removed rows are tried, where the lists differ, before all rows of the base are searched
   static constexpr std::size_t kAddedRows = 256;
   static constexpr std::uint32_t kEmpty = 0xFFFFFFFF;
 

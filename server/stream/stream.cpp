@@ -48,7 +48,7 @@ bool Stream::wantsFrame(std::uint64_t step) {
   if (isClosed_ || step % params_.every != 0) {
     return false;
   }
-  // what the viewer does not want so often was not missed
+  // a frame that would come sooner than maxHz allows is not missed
   if (!isTimely()) {
     isBehind_ = true;
     return false;
@@ -84,7 +84,7 @@ void Stream::forgetBase() {
 
 void Stream::send(std::uint64_t step, bool isFinished, StreamFrame frame) {
   const auto session = session_.lock();
-  // what can never be sent would cost the viewer its connection
+  // a frame that never fits the outbox would cost the viewer its connection
   if (const std::uint64_t bytes = frame.body.json.size() + frame.body.blocks.totalBytes(); bytes > outboxBytes_) {
     end("a frame has " + std::to_string(bytes) + " bytes, and at most " + std::to_string(outboxBytes_) +
         " may be on their way (outboxBytes). Select fewer symbols, take blocks in single precision, or start the "
@@ -101,7 +101,7 @@ void Stream::send(std::uint64_t step, bool isFinished, StreamFrame frame) {
   data.step = step;
   data.sequence = nextSequence_++;
   data.isKey = frame.isKey;
-  // a step that was left out and is shown now after all was not missed
+  // a step that was left out first and is shown now is not missed
   data.missed = missed_ - (lastMissedStep_ == step ? 1 : 0);
   data.isFinished = isFinished;
   data.body = std::move(frame.body);

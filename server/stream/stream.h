@@ -14,9 +14,9 @@ namespace espalier::server {
 
 class Session;
 
-/// One viewer's stream of one simulation. A frame is made only when the viewer is ready for it, so a slow one costs the
-/// simulation nothing and the server no memory: steps in between are counted as missed, and the next frame shows the
-/// latest step and is complete in itself. Otherwise a frame may tell what differs from the one before. Thread-safe.
+/// One viewer's stream of one simulation. A frame is made only when the viewer is ready for it, so a slow viewer costs
+/// the simulation no time and the server no memory. Steps in between count as missed; the next frame is a key frame of
+/// the latest step. Otherwise a frame may be the difference from the one before. Thread-safe.
 class Stream {
  public:
   Stream(std::string id, protocol::StreamOpenParams params, std::weak_ptr<Session> session, std::size_t outboxBytes);
@@ -24,13 +24,13 @@ class Stream {
   [[nodiscard]] const std::string& id() const { return id_; }
   [[nodiscard]] const protocol::StreamOpenParams& params() const { return params_; }
 
-  /// A step was completed. Whether a frame is to be made of it now; if not, and it was due, it counts as missed.
+  /// A step was completed. True: a frame is to be made now. A step that is due and gets no frame counts as missed.
   [[nodiscard]] bool wantsFrame(std::uint64_t step);
   /// Whether frames were left out and the viewer is ready again.
   [[nodiscard]] bool wantsToCatchUp();
-  /// What the next frame may refer to.
+  /// The frame that the next one may refer to.
   [[nodiscard]] FrameBase base() const;
-  /// The next frame is complete in itself.
+  /// The next frame is a key frame.
   void forgetBase();
   /// Sends the frame of a step.
   void send(std::uint64_t step, bool isFinished, StreamFrame frame);
@@ -46,8 +46,7 @@ class Stream {
 
   // with mutex_ held
   [[nodiscard]] bool isReady() const;
-  /// Not so soon after the last frame that the viewer would get more of them a second than it wants. Sees to it that
-  /// the session asks again when it is time.
+  /// Enough time has passed since the last frame (maxHz). If not, has the session ask again in time.
   [[nodiscard]] bool isTimely();
 
   const std::string id_;
@@ -59,7 +58,7 @@ class Stream {
   std::uint64_t allowedSequence_ = 0;  // frames below it may be sent, when there are credits
   std::uint64_t missed_ = 0;           // since the last frame
   std::optional<std::uint64_t> lastMissedStep_;
-  bool isBehind_ = false;         // a frame that was due was not sent, for whatever reason
+  bool isBehind_ = false;         // a frame that was due was not sent
   bool isReminded_ = false;       // the session will ask again
   Clock::time_point nextTime_{};  // no frame before it
   FrameBase base_;

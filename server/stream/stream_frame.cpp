@@ -12,7 +12,7 @@
 namespace espalier::server {
 namespace {
 
-/// Whether two streams are sent the same.
+/// Whether two streams get the same frames.
 bool wantTheSame(const protocol::StreamOpenParams& a, const protocol::StreamOpenParams& b) {
   return a.what == b.what && a.format == b.format && a.select == b.select && a.isInBlocks == b.isInBlocks &&
          a.isSinglePrecision == b.isSinglePrecision && a.isDelta == b.isDelta;
@@ -112,7 +112,7 @@ std::variant<StreamFrame, core::SimulationError> FrameMaker::makeTurtle(const pr
 
 std::variant<std::shared_ptr<const turtle::RecordChain>, core::SimulationError> FrameMaker::chain(
     const FrameBase& base) {
-  // one for all viewers; whatever base helps to make it, it is the same
+  // one for all viewers: the base only saves work, the chain is the same
   if (!chain_) {
     auto made = simulation_.recordChain(base.chain.get());
     if (auto* error = std::get_if<core::SimulationError>(&made)) {

@@ -16,7 +16,7 @@
 
 namespace espalier::server {
 
-/// What a viewer was sent last, and from which it can be told differences. Null: nothing.
+/// The last frame of a viewer, from which differences are told. Null: none.
 struct FrameBase {
   std::shared_ptr<const turtle::RecordChain> chain;  // of all records, where drawings are repeatable
   std::shared_ptr<const TurtleFrame> turtle;         // of a selection, or where they are not
@@ -37,8 +37,8 @@ struct StreamFrame {
   FrameBase base;  // for the next one; empty for streams without differences
 };
 
-/// Makes the frames of one state of a simulation for all its streams: what several of them need is made once. Refers to
-/// the simulation; to be used before its next step.
+/// Makes the frames of one state of a simulation for all its streams. What several streams need is made once. Refers to
+/// the simulation: use it before the next step.
 class FrameMaker {
  public:
   FrameMaker(const simulation::Simulation& simulation, double milliseconds, std::shared_ptr<const QueryRecord> queries)
@@ -47,7 +47,7 @@ class FrameMaker {
         queries_(std::move(queries)),
         symbols_(std::make_shared<const std::vector<std::string>>(simulation.symbolNames())) {}
 
-  /// A frame that tells the difference from `base` when the stream wants that and it is shorter, else a complete one.
+  /// The difference from `base` when the stream wants differences and it is shorter, else a key frame.
   [[nodiscard]] std::variant<StreamFrame, core::SimulationError> make(const protocol::StreamOpenParams& params,
                                                                       const FrameBase& base);
 

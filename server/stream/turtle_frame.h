@@ -10,8 +10,8 @@
 
 namespace espalier::server {
 
-/// The turtle records of one state as columns, one row a record. Never changes; shared by the streams that show it and
-/// kept by those of differences until their next frame.
+/// The turtle records of one state as columns, one row a record. Never changes. The streams that show it share it;
+/// streams of differences keep it until their next frame.
 struct TurtleFrame {
   std::shared_ptr<const std::vector<std::string>> symbols;  // what `symbol` refers to: Simulation::symbolNames
   std::vector<std::uint32_t> index;  // among all records of the state (rows); empty: the row itself
@@ -39,8 +39,8 @@ void appendRecord(TurtleFrame& frame, const turtle::TurtleRecord& record, std::u
 /// Makes room for so many more rows.
 void reserveRows(TurtleFrame& frame, std::size_t rows);
 
-/// Rows that a frame has in common with one before it, up to numbers that count records or modules: those of the
-/// earlier frame plus what is said here, modulo 2^32.
+/// A run of rows that a frame shares with an earlier one. Its numbers of records and modules are those of the earlier
+/// frame plus the amounts here, modulo 2^32.
 struct KeptRows {
   std::uint32_t to = 0;    // first row in the later frame
   std::uint32_t from = 0;  // first row in the earlier frame
@@ -50,14 +50,14 @@ struct KeptRows {
   std::uint32_t index = 0;   // to be added to `index`
 };
 
-/// What a viewer of `base` needs to have `frame`: runs of rows that it has already, in order of `to`, and the rows that
-/// no run covers, in order. Numbers are the same when their bits are.
+/// The difference that makes `frame` of `base`: runs of rows that are there already, in order of `to`, and the rows
+/// that no run covers, in order. Numbers are the same when their bits are.
 struct TurtleDifference {
   std::vector<KeptRows> kept;
   std::vector<std::uint32_t> fresh;  // rows of the later frame
 };
 
-/// The same as it is sent: the rows that no run covers as a frame.
+/// The same in the form that is sent: the rows that no run covers are a frame.
 struct TurtleChange {
   std::size_t rows = 0;  // of the later frame
   std::vector<KeptRows> kept;

@@ -111,7 +111,8 @@ TEST_F(Cli, LimitsAreOptionsAndErrorsNameThem) {
   const ProgramRun unknown = run("derive grow.l --limit modulse=5");
   EXPECT_EQ(unknown.status, 2);
   EXPECT_TRUE(contains(unknown.errors, "there is no limit 'modulse'. Did you mean 'modules'?")) << unknown.errors;
-  EXPECT_TRUE(contains(run("derive grow.l --limit sessions=5").errors, "the limit sessions is one of servers"));
+  EXPECT_TRUE(contains(run("derive grow.l --limit sessions=5").errors,
+                       "the limit sessions is a limit of servers, not of a run"));
 }
 
 TEST_F(Cli, AWarningOfARunIsMarkedOnce) {
@@ -198,13 +199,12 @@ TEST_F(Cli, MissingFilesSayWhatToDo) {
     EXPECT_EQ(result.output, "") << arguments;
     return result.errors;
   };
-  EXPECT_EQ(
-      error("derive nosuch.l"),
-      "error: there is no file 'nosuch.l': give the name of an L-system file (.l) or of the folder that holds it\n");
+  EXPECT_EQ(error("derive nosuch.l"),
+            "error: there is no file 'nosuch.l': give the name of an L-system file (.l) or of its folder\n");
   EXPECT_EQ(error("derive many"),
             "error: the folder 'many' holds more than one L-system file (a.l, b.l): give the name of one\n");
   EXPECT_EQ(error("derive none"),
-            "error: the folder 'none' holds no L-system file (.l): give a folder that does, or the file itself\n");
+            "error: the folder 'none' holds no L-system file (.l): give another folder, or the file itself\n");
   EXPECT_EQ(error("derive algae.l --view nosuch.v"),
             "error: there is no file 'nosuch.v' (--view): check the name and the working folder\n");
   EXPECT_EQ(error("derive algae.l --environment nosuch.json"),

@@ -61,7 +61,7 @@ TEST_F(LanguageTools, ExplainNamesWrongModulesAndSteps) {
   EXPECT_EQ(module.errors, "error: there is no module 4 in the string of step 0: it has 1 module, numbered 0 to 0\n");
   const ProgramRun step = run("explain tree.l --step 4 --module 0");
   EXPECT_EQ(step.status, 1);
-  EXPECT_EQ(step.errors, "error: step 4 is never made: the model ends with step 3 (--steps derives further)\n");
+  EXPECT_EQ(step.errors, "error: step 4 does not exist: the model ends with step 3 (--steps N derives more)\n");
   EXPECT_EQ(run("explain tree.l --step 0 --module 0").status, 2);
   EXPECT_EQ(run("explain tree.l --module 0").status, 2);
 }

@@ -134,9 +134,10 @@ TEST_F(Folder, SeveralCommandsAreOfferedAndChosen) {
   write("p.v", "");
   const ProgramRun first = run("derive plant");
   EXPECT_EQ(first.output, "FFFA\n");
-  EXPECT_EQ(first.errors,
-            "plant: note: the folder offers 2 objects and the first is used: 1 'plant / whole' (p.l), 2 'plant / leaf' "
-            "(leaf.l)\n   hint: --object TITLE chooses another\n");
+  EXPECT_EQ(
+      first.errors,
+      "plant: note: the folder offers 2 objects, and the first is used: 1 'plant / whole' (p.l), 2 'plant / leaf' "
+      "(leaf.l)\n   hint: --object TITLE chooses another\n");
   for (const char* object : {"'plant / leaf'", "leaf", "leaf.l", "2"}) {
     const ProgramRun chosen = run(std::string("derive plant --object ") + object);
     EXPECT_EQ(chosen.output, "LL\n") << object;
@@ -146,8 +147,8 @@ TEST_F(Folder, SeveralCommandsAreOfferedAndChosen) {
             "error: the folder 'plant' has no object 'root': give one of 1 'plant / whole' (p.l), 2 'plant / leaf' "
             "(leaf.l)\n");
   EXPECT_EQ(error("derive plant/p.l --object leaf"),
-            "error: --object chooses among the commands of a folder's specifications, and 'plant/p.l' has none: leave "
-            "it out\n");
+            "error: --object chooses one of the commands in a folder's specifications, and 'plant/p.l' has none: leave "
+            "out --object\n");
 }
 
 TEST_F(Folder, WithoutSpecificationsTheOnlyFilesOfTheirKindAreUsed) {
@@ -231,7 +232,7 @@ TEST_F(Folder, SwitchesAndSettingsThatAreNotUsedAreNamed) {
   writeCommand("cpfg -homo -a p.l p.v p.a");
   EXPECT_EQ(run("derive plant").errors,
             "plant/specifications: note: the switch -homo is not used: strings are printed before homomorphism\n"
-            "plant/p.a: note: pictures are neither turned nor scaled as its frame intervals say\n"
+            "plant/p.a: note: pictures ignore the rotations and scalings of its frame intervals\n"
             "plant/p.v:1:1: note: the background scene is not drawn; an environment may still read its file\n"
             "    1 | background scene: hill.txt\n"
             "      | ^~~~~~~~~~~~~~~~~\n");
@@ -243,9 +244,8 @@ TEST_F(Folder, AnimationWithoutItsFileGoesToTheDerivationLength) {
   writeCommand("cpfg -a p.l p.v");
   const ProgramRun result = run("derive plant");
   EXPECT_EQ(result.output, "FFFA\n");
-  EXPECT_EQ(
-      result.errors,
-      "plant/p.l: warning: there is no animation file for it; the derivation length decides which step is last\n");
+  EXPECT_EQ(result.errors,
+            "plant/p.l: warning: the model has no animation file; the derivation length decides which step is last\n");
 }
 
 }  // namespace

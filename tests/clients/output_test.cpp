@@ -148,7 +148,7 @@ TEST_F(Output, VariantsAreRunsOfConsecutiveSeeds) {
   }
   EXPECT_GT(strings.size(), 1U);
   const ProgramRun equal = run("run tree.l --variants 2 -o t.string");
-  EXPECT_TRUE(contains(equal.errors, "the model draws no random numbers: all variants are equal")) << equal.errors;
+  EXPECT_TRUE(contains(equal.errors, "the model draws no random numbers, so all variants are equal")) << equal.errors;
   EXPECT_EQ(run("run bush.l --variants 2 --every -o v.svg").status, 2);
 }
 
@@ -259,9 +259,9 @@ TEST_F(Output, SnapshotsKeepTheColoursOfTheirFolder) {
 TEST_F(Output, AResumedRunSaysWhenItDerivesNothing) {
   ASSERT_EQ(run("run tree.l -o t.snapshot --quiet").status, 0);
   EXPECT_TRUE(contains(run("run --resume t.snapshot -o t.svg").errors,
-                       "the snapshot is at step 3, the last one: nothing is derived. --steps N goes on to step N\n"));
+                       "the snapshot is at step 3, the last one: no step is derived. --steps N continues to step N\n"));
   EXPECT_TRUE(contains(run("run --resume t.snapshot --steps 1 -o t.svg").errors,
-                       "the snapshot is at step 3, beyond step 1: nothing is derived and step 3 is written\n"));
+                       "the snapshot is at step 3, beyond step 1: no step is derived, and step 3 is written\n"));
   const ProgramRun further = run("run --resume t.snapshot --steps 4 -o t.svg");
   EXPECT_FALSE(contains(further.errors, "nothing is derived")) << further.errors;
   EXPECT_TRUE(contains(further.errors, "wrote t.svg (step 4, ")) << further.errors;

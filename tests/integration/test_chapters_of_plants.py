@@ -263,7 +263,7 @@ class Conversion(unittest.TestCase):
 
     def test_only_cpfg_models_are_formatted(self) -> None:
         done = espalier("format", chapter("lsystem-viewer/koch-curve.lsv"), status=1)
-        self.assertIn("is written as L-System Viewer: format lays out cpfg models", done.stderr)
+        self.assertIn("is written as L-System Viewer: `espalier format` lays out cpfg models only", done.stderr)
 
     def test_a_run_goes_on_from_a_snapshot_of_a_foreign_model(self) -> None:
         with tempfile.TemporaryDirectory() as folder:

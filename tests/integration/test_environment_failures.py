@@ -58,7 +58,7 @@ class Failures(unittest.TestCase):
         model, rest = str(self.folder / "model.l"), str(self.folder / "rest.snapshot")
         self.switch.touch()
         failed = espalier("run", model, "--environment", environment, "--environment-timeout", "1", "-o", rest, status=1)
-        for words in ("step 3", "The simulation stays at step 2.", "that is step 2: go on from it with --resume", *said):
+        for words in ("step 3", "The simulation stays at step 2.", "the snapshot holds step 2: continue from it with --resume", *said):
             self.assertIn(words, failed.stderr)
         self.switch.unlink()
         espalier("run", "--resume", rest, "--environment", environment, "-o", str(self.folder / "end.string"))
@@ -111,7 +111,7 @@ class Failures(unittest.TestCase):
         self.switch.touch()
         failed = espalier("run", str(self.folder / "model.l"), "--environment", stdio(python(self.script("throw"))),
                           "-o", str(self.folder / "plant.string"), status=1)
-        self.assertIn("with -o FILE.snapshot a run that fails leaves its last complete step", failed.stderr)
+        self.assertIn("with -o FILE.snapshot a failed run saves its last complete step", failed.stderr)
         self.assertFalse((self.folder / "plant.string").exists())
 
 

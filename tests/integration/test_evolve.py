@@ -136,10 +136,10 @@ class Evolving(unittest.TestCase):
             ("tree.l", "--gene", "ANGEL=1:2"): "the model has no line '#define ANGEL NUMBER'. Did you mean 'ANGLE'?",
             ("tree.l", "--productions"): "has a predecessor with parameters",
             ("context.l", "--productions"): "context.l:4: 'A < B --> A' has a context",
-            ("tree.l", "--gene", "ANGLE=9:1"): "'ANGLE=9:1' is no gene: give NAME=LOW:HIGH with LOW < HIGH",
+            ("tree.l", "--gene", "ANGLE=9:1"): "'ANGLE=9:1' is not a gene: give NAME=LOW:HIGH with LOW < HIGH",
             ("tree.l", "--gene", "ANGLE=1:9", "--fitness", "beauty"): "there is no measure 'beauty'",
             ("tree.l",): "--gene NAME=LOW:HIGH or --productions",
-            ("tree.l", "--gene", "ANGLE=1:9", "--resume"): "there is no 'bred/evolution.json' to go on from",
+            ("tree.l", "--gene", "ANGLE=1:9", "--resume"): "there is no earlier run in 'bred/evolution.json'",
             ("weed.l", "--productions", "--limit", "modules=2"): "no plant of generation 0 grew to its end",
         }
         for arguments, message in cases.items():
@@ -148,7 +148,7 @@ class Evolving(unittest.TestCase):
             self.assertIn(message, made.stderr)
         common = ["tree.l", "--gene", "ANGLE=1:9", "--population", "4", "--generations", "0", "-o", "bred"]
         self.assertEqual(self.evolve(*common).returncode, 0)
-        self.assertIn("--resume goes on with it", self.evolve(*common).stderr)
+        self.assertIn("continue it with --resume", self.evolve(*common).stderr)
         self.assertIn("it was made with another seed: 1, now 2",
                       self.evolve(*common, "--seed", "2", "--resume").stderr)
 

@@ -113,7 +113,7 @@ class Fields(unittest.TestCase):
         self.assertIn("the environment holds no quantity in space",
                       espalier("run", model("branch-tiers"), "--steps", "1", "-o", str(self.folder / "a.svg"), "--field",
                                str(self.folder / "x.vti"), status=1).stderr)
-        self.assertIn("there is no field file", espalier("field", "nowhere.vti", status=1).stderr)
+        self.assertIn("there is no file 'nowhere.vti'", espalier("field", "nowhere.vti", status=1).stderr)
         broken = self.folder / "broken.vti"
         broken.write_text("<VTKFile>", encoding="utf-8")
         self.assertIn("broken.vti: the file is no VTK image data file with cell data",

@@ -135,11 +135,11 @@ class Forest(unittest.TestCase):
         (self.folder / "bad").mkdir()
         (self.folder / "bad" / "x.txt").write_text("0 0 0 1\n")
         cases = {
-            ("--model", "a.l=0", "-o", "a.png"): "the shares of the species sum to zero",
-            ("--model", "a.l=-1", "-o", "a.png"): "the share of a species is a number from 0",
+            ("--model", "a.l=0", "-o", "a.png"): "the sum of the shares of the species is zero",
+            ("--model", "a.l=-1", "-o", "a.png"): "the share of a species is a number of at least 0",
             ("--model", "a.l", "--distance", "0", "-o", "a.png"):
                 "--distance: '0' is not possible: give a distance in the models' unit, above 0",
-            ("--from", "nothing", "-o", "a.png"): "there are no trees (*.txt) in the folder 'nothing'",
+            ("--from", "nothing", "-o", "a.png"): "the folder 'nothing' holds no trees (*.txt)",
             ("--from", "bad", "-o", "a.png"): "x.txt: line 1: a point is five numbers",
             ("-o", "a.svg"): "'a.svg' cannot hold several plants side by side",
             ("--number", "3"): "-o FILE or --trees FOLDER",

@@ -154,7 +154,7 @@ class Forests(unittest.TestCase):
                 failed = espalier("check", self.write(dict(FOREST, **change), "bad.json"), status=1)
                 self.assertIn(message, failed.stderr)
         self.assertIn("line 1, column", espalier("check", self.write("{", "bad.json"), status=1).stderr)
-        self.assertIn("--from is of one model", espalier("derive", self.forest, "--from", "x", status=1).stderr)
+        self.assertIn("--from is for a single model", espalier("derive", self.forest, "--from", "x", status=1).stderr)
 
 
 if __name__ == "__main__":

@@ -29,7 +29,7 @@ class Serving(unittest.TestCase):
         self.assertIn('workers = "3"\n', first)
         self.assertIn("insecure = true\n", first)
         self.assertIn("allow-spawn = false\n", first)
-        self.assertIn("sessions = 7  # connections at a time\n", first)
+        self.assertIn("sessions = 7  # peers at a time that have said hello\n", first)
         again = espalier("serve", "--config", self.configuration(first), "--print-config").stdout
         self.assertEqual(again, first)
 
@@ -46,13 +46,13 @@ class Serving(unittest.TestCase):
 
     def test_what_is_not_known_is_refused_with_the_nearest_name(self) -> None:
         for text, problem in (
-                ("worker = 3\n", "'worker' is not known. Did you mean 'workers'?"),
+                ("worker = 3\n", "'worker' is not an option. Did you mean 'workers'?"),
                 ("[limits]\nsession = 3\n", "there is no limit 'session'. Did you mean 'sessions'?"),
                 ("[limits]\nsessions = 0\n", "must be from 1 to 4294967295, not 0."),
                 ("insecure = maybe\n", "'insecure' is true or false, not 'maybe'."),
                 ("workers = many\n", "the configuration '")):
             self.assertIn(problem, espalier("serve", "--config", self.configuration(text), status=2).stderr, text)
-        self.assertIn("there is no configuration 'nowhere.toml' that can be read",
+        self.assertIn("the configuration 'nowhere.toml' (--config) cannot be read",
                       espalier("serve", "--config", "nowhere.toml", status=2).stderr)
 
     def test_the_log_can_be_json_and_says_what_it_is_about(self) -> None:

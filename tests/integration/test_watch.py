@@ -59,21 +59,21 @@ class Watch(unittest.TestCase):
         return (self.folder / "tree.svg").read_text(encoding="utf-8")
 
     def test_changes_are_drawn_errors_said_and_ctrl_c_ends(self) -> None:
-        self.assertIn("wrote ", self.until("Ctrl-C ends"))
+        self.assertIn("wrote ", self.until("press Ctrl-C to end"))
         first = self.picture()
         # the view file too
         self.write("tree.v", "initial line width: 7 p\n")
-        self.until("Ctrl-C ends")
+        self.until("press Ctrl-C to end")
         self.assertIn('stroke-width="7"', self.picture())
         self.assertIn('stroke-width="1"', first)
         # a mistake is said with its place, the picture stays
         self.write("tree.l", MODEL.replace("Axiom: F", "Axiom: F("))
-        seen = self.until("Ctrl-C ends")
+        seen = self.until("press Ctrl-C to end")
         self.assertIn("error: ", seen)
         self.assertNotIn("wrote ", seen)
         self.assertIn('stroke-width="7"', self.picture())
         self.write("tree.l", MODEL.replace("length: 2", "length: 1"))
-        self.assertIn("(step 1, ", self.until("Ctrl-C ends"))
+        self.assertIn("(step 1, ", self.until("press Ctrl-C to end"))
         self.process.send_signal(signal.SIGINT)
         self.assertEqual(self.process.wait(SECONDS), 0)
 

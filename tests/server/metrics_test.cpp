@@ -38,11 +38,12 @@ TEST(Metrics, EveryGaugeHasAFamilyOfItsOwn) {
                                                       .stringBytes = 15,
                                                       .streamBytes = 16,
                                                       .outboxBytes = 17,
+                                                      .decodingBytes = 19,
                                                       .storeBytes = 18});
   for (const std::string_view line :
        {"espalier_sessions 11", "espalier_simulations 12", "espalier_workers 13", "espalier_resident_bytes 14",
-        "espalier_string_bytes 15", "espalier_stream_bytes 16", "espalier_outbox_bytes 17",
-        "espalier_store_bytes 18"}) {
+        "espalier_string_bytes 15", "espalier_stream_bytes 16", "espalier_outbox_bytes 17", "espalier_store_bytes 18",
+        "espalier_decoding_bytes 19"}) {
     const std::string name(line.substr(0, line.find(' ')));
     EXPECT_NE(text.find("# TYPE " + name + " gauge\n" + std::string(line) + "\n"), std::string::npos) << line << "\n"
                                                                                                       << text;

@@ -18,7 +18,8 @@ inline constexpr std::string_view kHello =
 /// A peer that sends exactly the bytes it is told to.
 class RawPeer {
  public:
-  explicit RawPeer(const RunningServer& server) : RawPeer(dial(server.address())) {}
+  explicit RawPeer(const RunningServer& server) : RawPeer(server.address()) {}
+  explicit RawPeer(const std::string& address) : RawPeer(dial(address)) {}
 
   void send(std::string_view bytes) { (void)channel_.write(bytes, soon()); }
   /// The next line; "(closed)" or "(timeout)" when there is none.
@@ -32,6 +33,14 @@ class RawPeer {
       default:
         return "(closed)";
     }
+  }
+  /// The other side has closed the connection, or does soon; lines are skipped.
+  [[nodiscard]] bool isClosed() {
+    std::string text = line();
+    while (text != "(closed)" && text != "(timeout)") {
+      text = line();
+    }
+    return text == "(closed)";
   }
   /// Nothing more is sent; it can still read.
   void endSending() const { (void)::shutdown(socket_, SHUT_WR); }

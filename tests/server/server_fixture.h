@@ -53,6 +53,8 @@ class RunningServer {
     }
   }
   [[nodiscard]] std::string address() const { return "127.0.0.1:" + std::to_string(server_->port()); }
+  /// Of the HTTP side, for options with a host for it.
+  [[nodiscard]] std::string httpAddress() const { return "127.0.0.1:" + std::to_string(server_->httpPort()); }
 
  private:
   std::unique_ptr<Server> server_;

@@ -93,7 +93,8 @@ TEST(Server, AFieldFileFromTheWireReadsTheFilesThatCameWithIt) {
 
   auto error = errorOf(client->request("simulation.create",
                                        createParams(model, R"([{"type":"field","main":"x.e","files":{"d.e":""}}])")));
-  EXPECT_NE(error.message.find("params.environment[0].main: expected the name of the field file (.e) among \"files\""),
+  EXPECT_NE(error.message.find(
+                "params.environment[0].main: expected the name of the environment specification (.e) among \"files\""),
             std::string::npos)
       << error.message;
   error = errorOf(client->request("simulation.create", createParams(model, R"([{"type":"field","main":"x.e"}])")));

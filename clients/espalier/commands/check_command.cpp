@@ -27,7 +27,7 @@ int check(ModelOptions& options) {
   if (!program) {
     return kFailure;
   }
-  // an environment in another process is for runs: a check connects to nothing
+  // a check connects to no other process
   const bool isRemote = options.environment.rfind("tcp://", 0) == 0 || options.environment.rfind("stdio:", 0) == 0;
   if (!isRemote) {
     std::optional<LoadedEnvironment> environment;
@@ -46,9 +46,9 @@ int check(ModelOptions& options) {
 }  // namespace
 
 void addCheck(CLI::App& program, int& status) {
-  CLI::App* command = program.add_subcommand("check", "Read a model and say what is wrong with it");
+  CLI::App* command = program.add_subcommand("check", "Read a model and list its errors and warnings");
   command->footer(
-      "Every error and warning is printed on standard error with its place and a hint; nothing is derived.\n"
+      "Prints every error and warning on standard error with its place and a hint. Derives nothing.\n"
       "Exit status 1 when there is an error.\n"
       "Example: espalier check tree.l");
   auto options = std::make_shared<ModelOptions>();

@@ -6,9 +6,10 @@ class App;
 
 namespace espalier::command {
 
-/// Each adds its subcommand with options and help to the program. When the subcommand was given, its callback runs it
-/// and stores the program's exit status in `status`: 0 success, 1 what was asked failed (bad model, environment gone),
-/// 2 wrong usage. stdout carries results only; everything else goes to stderr. References must outlive parsing.
+/// Each function adds its subcommand with options and help to the program. When the command line names the subcommand,
+/// its callback runs it and stores the exit status in `status`: 0 success, 1 the command failed (bad model, environment
+/// gone), 2 wrong command line. stdout carries results only; everything else goes to stderr. References must outlive
+/// parsing.
 void addDerive(CLI::App& program, int& status);
 void addCheck(CLI::App& program, int& status);
 void addRun(CLI::App& program, int& status);

@@ -14,6 +14,7 @@
 #include "clients/espalier/environment_loading.h"
 #include "clients/espalier/messages.h"
 #include "clients/espalier/model_files.h"
+#include "clients/espalier/result.h"
 #include "engine/language/compiler.h"
 #include "protocol/base64.h"
 #include "protocol/json_text.h"
@@ -61,7 +62,7 @@ void printLine(const std::string& text) {
   std::fflush(stdout);
 }
 
-/// Asks and prints the result, or one member of it, as a line.
+/// Sends a request and prints the result, or one member of it, as a line.
 int ask(Client& client, std::string_view method, const std::string& params, std::string_view member = {}) {
   const Outcome outcome = client.request(method, params);
   if (!outcome) {
@@ -77,7 +78,7 @@ std::string simulationParams(const ConnectOptions& options) {
   return params.beginObject().key("simulation").text(options.simulation).endObject().take();
 }
 
-/// The model and what may belong to it: the text files of its folder that models name, and those that this one reads.
+/// The model with its files: the text files of its folder with a known suffix, and every other file that it reads.
 void writeModelFiles(protocol::JsonWriter& params, const ModelFiles& model) {
   namespace fs = std::filesystem;
   constexpr std::array<std::string_view, 12> kSuffixes{".l",    ".v",   ".h",    ".s", ".func", ".funcs",
@@ -95,7 +96,7 @@ void writeModelFiles(protocol::JsonWriter& params, const ModelFiles& model) {
       }
     }
   }
-  // what fopen names may have any name; a model with mistakes is the server's to judge
+  // files that the model opens may have any suffix; the server reports the errors of a model that does not compile
   language::CompileInput input;
   input.modelFile = model.model;
   input.viewFile = model.view;
@@ -116,55 +117,54 @@ void writeModelFiles(protocol::JsonWriter& params, const ModelFiles& model) {
 }
 
 /// `NAME`, `tcp://HOST:PORT`, `offered:NAME`, `stdio:COMMAND`, a JSON text or a .json file, as the environment array.
-std::variant<std::string, std::string> environmentArray(const std::string& text) {
-  protocol::JsonWriter array;
-  array.beginArray().beginObject();
+Result<std::string> environmentArray(const std::string& text) {
+  const auto entryOf = [](std::string_view type, std::string_view key = {}, std::string_view value = {}) {
+    protocol::JsonWriter array;
+    array.beginArray().beginObject().key("type").text(type);
+    if (!key.empty()) {
+      array.key(key).text(value);
+    }
+    return array.endObject().endArray().take();
+  };
   if (text.starts_with("tcp://")) {
-    return std::variant<std::string, std::string>(
-        std::in_place_index<0>,
-        array.key("type").text("tcp").key("address").text(text.substr(6)).endObject().endArray().take());
+    return entryOf("tcp", "address", text.substr(6));
   }
   if (text.starts_with("offered:")) {
-    return std::variant<std::string, std::string>(
-        std::in_place_index<0>,
-        array.key("type").text("offered").key("name").text(text.substr(8)).endObject().endArray().take());
+    return entryOf("offered", "name", text.substr(8));
   }
   if (text.starts_with("stdio:")) {
-    return std::variant<std::string, std::string>(
-        std::in_place_index<0>,
-        array.key("type").text("stdio").key("command").text(text.substr(6)).endObject().endArray().take());
+    return entryOf("stdio", "command", text.substr(6));
   }
   std::string json = text;
   if (text.ends_with(".json")) {
     auto read = server::DiskFileProvider().read(text);
     if (!read) {
-      return std::variant<std::string, std::string>(std::in_place_index<1>,
-                                                    "the environment file '" + text + "' cannot be read");
+      return problem("the environment file '" + text + "' cannot be read");
     }
     json = std::move(*read);
   } else if (text.find_first_of("[{") == std::string::npos) {
-    return std::variant<std::string, std::string>(std::in_place_index<0>,
-                                                  array.key("type").text(text).endObject().endArray().take());
+    return entryOf(text);
   }
-  if (const auto problem = protocol::jsonProblem(json)) {
-    return std::variant<std::string, std::string>(std::in_place_index<1>, "the environment is not JSON: " + *problem);
+  if (const auto fault = protocol::jsonProblem(json)) {
+    return problem("the environment is not JSON: " + *fault);
   }
   // one line on the wire; newlines between JSON tokens mean nothing
   std::replace(json.begin(), json.end(), '\n', ' ');
   std::replace(json.begin(), json.end(), '\r', ' ');
-  const bool isArray = json.find_first_not_of(" \t") != std::string::npos && json[json.find_first_not_of(" \t")] == '[';
-  return std::variant<std::string, std::string>(std::in_place_index<0>, isArray ? json : "[" + json + "]");
+  const std::size_t first = json.find_first_not_of(" \t");
+  const bool isArray = first != std::string::npos && json[first] == '[';
+  return isArray ? json : "[" + json + "]";
 }
 
-/// The field file beside a model, with the files it names, as the environment array; nothing after an error was
-/// printed.
-std::optional<std::string> fieldFileArray(const std::string& file, const std::string& compatibility) {
+/// The published environment file (.e) beside a model with the files that it names, as the environment array. Prints an
+/// error and returns nothing when it cannot be read.
+std::optional<std::string> publishedFileArray(const std::string& file, const std::string& compatibility) {
   server::DiskFileProvider files(16'000'000);
   const auto loaded = loadEnvironment(file, server::toCompatibility(compatibility), false, files);
   if (!loaded) {
     return std::nullopt;
   }
-  // names as seen from the folder of the field file: where that is, is nobody else's business
+  // names relative to the folder of the file: the server need not know the folder
   const std::filesystem::path folder = std::filesystem::path(file).parent_path();
   const auto nameIn = [&](const std::string& name) {
     return std::filesystem::path(name).lexically_relative(folder).generic_string();
@@ -182,34 +182,34 @@ std::optional<std::string> fieldFileArray(const std::string& file, const std::st
 
 int create(Client& client, const ConnectOptions& options) {
   if (options.model.empty() == options.gallery.empty()) {
-    printError("give a MODEL.l, a folder, or --gallery NAME");
+    printError("give either a MODEL (a .l file or a folder) or --gallery NAME");
     return kUsage;
   }
   protocol::JsonWriter params;
-  std::string fieldFile;
+  std::string environmentFile;
   params.beginObject().key("model").beginObject();
   if (!options.gallery.empty()) {
     params.key("gallery").text(options.gallery);
   } else {
-    const auto found = findModelFiles(options.model);
-    if (const auto* problem = std::get_if<std::string>(&found)) {
-      printError(*problem);
+    const Result<ModelFiles> found = findModelFiles(options.model);
+    if (!found) {
+      printError(found.error());
       return kFailure;
     }
-    printDiagnostics(std::get<ModelFiles>(found).remarks, false);
-    writeModelFiles(params, std::get<ModelFiles>(found));
-    fieldFile = std::get<ModelFiles>(found).environment;
+    printDiagnostics(found->remarks, false);
+    writeModelFiles(params, *found);
+    environmentFile = found->environment;
   }
   params.endObject();
   if (!options.environment.empty()) {
     const auto array = environmentArray(options.environment);
-    if (array.index() == 1) {
-      printError(std::get<1>(array));
+    if (!array) {
+      printError(array.error());
       return kUsage;
     }
-    params.key("environment").raw(std::get<0>(array));
-  } else if (!fieldFile.empty()) {
-    const auto array = fieldFileArray(fieldFile, options.compatibility);
+    params.key("environment").raw(*array);
+  } else if (!environmentFile.empty()) {
+    const auto array = publishedFileArray(environmentFile, options.compatibility);
     if (!array) {
       return kFailure;
     }
@@ -280,7 +280,7 @@ int stream(Client& client, const ConnectOptions& options) {
       return kFailure;
     }
     if (notification->method == "stream.end") {
-      printNote(protocol::memberOf(notification->paramsJson, "reason").value_or("the stream has ended"));
+      printNote(protocol::memberOf(notification->paramsJson, "reason").value_or("the server closed the stream"));
       return kFailure;
     }
     if (notification->method != "stream.data") {
@@ -359,7 +359,7 @@ CLI::App* addAction(CLI::App& command, const std::shared_ptr<ConnectOptions>& op
 }
 
 void addSimulation(CLI::App* action, const std::shared_ptr<ConnectOptions>& options) {
-  action->add_option("SIMULATION", options->simulation, "What `create` printed")->required();
+  action->add_option("SIMULATION", options->simulation, "Identifier that `create` printed")->required();
 }
 
 Run asking(std::string method) {
@@ -374,44 +374,45 @@ void addConnect(CLI::App& program, int& status) {
   const auto options = std::make_shared<ConnectOptions>();
   CLI::App* command = program.add_subcommand("connect", "Use a running server from the shell");
   command->footer(
-      "Results are one line each on standard output: an identifier, a string, or JSON (try `| jq`). For example:\n"
+      "Each result is one line on standard output: an identifier, a string, or JSON (try `| jq`).\nExamples:\n"
       "  plant=$(espalier connect 127.0.0.1:4321 create MODEL.l --environment honda --seed 7)\n"
       "  espalier connect 127.0.0.1:4321 step $plant 3\n"
       "  espalier connect 127.0.0.1:4321 get $plant string\n"
       "`espalier connect HOST:PORT ACTION --help` explains an action.");
   command
       ->add_option("HOST:PORT", options->address,
-                   "Where the server listens: HOST:PORT, tls://HOST:PORT, ws://HOST:PORT,\n"
+                   "Address of the server: HOST:PORT, tls://HOST:PORT, ws://HOST:PORT,\n"
                    "wss://HOST:PORT or unix:PATH")
       ->required();
   command
       ->add_option("--trust", options->trustedFile,
-                   "Certificates (PEM) trusted besides the system's, for tls:// and wss://")
+                   "PEM file of a certificate to trust besides those of the system, for tls:// and wss://")
       ->type_name("FILE");
-  command->add_option("--token", options->token, "The server's token, if it asks for one");
+  command->add_option("--token", options->token, "Token of the server, if the server needs one");
   command->require_subcommand(1);
 
   CLI::App* action = addAction(*command, options, "create", "Create a simulation; prints its identifier", create);
-  action->add_option("MODEL", options->model, "A .l file or its folder; files beside it that models name are sent too");
-  action->add_option("--gallery", options->gallery, "A model of the server's gallery instead");
+  action->add_option("MODEL", options->model, "A .l file or its folder; its data files are sent too");
+  action->add_option("--gallery", options->gallery, "Name of a model in the gallery of the server, instead of MODEL");
   action->add_option(
       "--environment", options->environment,
-      "NAME, tcp://HOST:PORT, offered:NAME, 'stdio:COMMAND', JSON, or a .json file; without it the .e file "
-      "beside the model, if there is one");
+      "NAME, tcp://HOST:PORT, offered:NAME, 'stdio:COMMAND', JSON, or a .json file (default: the .e file "
+      "beside the model, if it exists)");
   action->add_option("--seed", options->seed,
-                     "Seed of all random draws; without it the server draws one and says which");
-  action->add_option("--derivation-length", options->derivationLength, "Number of steps, instead of the model's");
-  action->add_option("--compat", options->compatibility, "cpfg or cpfg-batch");
+                     "Seed of the random numbers (default: the server draws one and prints it)");
+  action->add_option("--derivation-length", options->derivationLength, "Number of steps instead of the model's");
+  action->add_option("--compat", options->compatibility,
+                     "Reproduce the program cpfg: its interactive run (cpfg) or its batch run (cpfg-batch)");
 
-  action = addAction(*command, options, "step", "Make steps; prints where it is", step);
+  action = addAction(*command, options, "step", "Make steps; prints the completed step", step);
   addSimulation(action, options);
-  action->add_option("STEPS", options->steps, "How many")->capture_default_str();
-  action->add_option("--until", options->until, "Go on to this step instead");
+  action->add_option("STEPS", options->steps, "Number of steps")->capture_default_str();
+  action->add_option("--until", options->until, "Continue to this step, instead of STEPS");
 
   action = addAction(*command, options, "run", "Make all remaining steps", asking("simulation.run"));
   addSimulation(action, options);
 
-  action = addAction(*command, options, "get", "Print something of a simulation", get);
+  action = addAction(*command, options, "get", "Print one part of the state of a simulation", get);
   addSimulation(action, options);
   action->add_option("WHAT", options->what, "string, statistics, state-hash, turtle, model or information")
       ->capture_default_str();
@@ -422,18 +423,18 @@ void addConnect(CLI::App& program, int& status) {
   addSimulation(action, options);
   action->add_option("WHAT", options->what, "turtle, string or statistics")->capture_default_str();
   action->add_option("--every", options->every, "Only steps that are multiples of this")->capture_default_str();
-  action->add_option("--frames", options->frames, "Stop after so many frames");
-  action->add_option("--symbol", options->symbols, "Turtle records of this symbol only; repeatable");
+  action->add_option("--frames", options->frames, "Stop after N frames");
+  action->add_option("--symbol", options->symbols, "Only turtle records of this symbol. May be repeated");
 
   action = addAction(*command, options, "reset", "Go back to step 0", reset);
   addSimulation(action, options);
-  action->add_option("--seed", options->seed, "With another seed");
+  action->add_option("--seed", options->seed, "The new seed");
 
   action = addAction(*command, options, "save", "Save a snapshot to a file", save);
   addSimulation(action, options);
   action->add_option("FILE", options->file, "File to write")->required();
 
-  action = addAction(*command, options, "restore", "Go to the state of a snapshot", restore);
+  action = addAction(*command, options, "restore", "Restore the state of a snapshot", restore);
   addSimulation(action, options);
   action->add_option("FILE", options->file, "File that `save` wrote")->required();
 
@@ -441,10 +442,10 @@ void addConnect(CLI::App& program, int& status) {
       addAction(*command, options, "delete", "Delete a simulation and its saved state", asking("simulation.delete"));
   addSimulation(action, options);
 
-  addAction(*command, options, "list", "All simulations of the server", asking("simulation.list"));
-  addAction(*command, options, "status", "What the server is doing", asking("server.status"));
-  addAction(*command, options, "environments", "Built-in environments with their schemas, and offered ones",
-            asking("environment.list"));
+  addAction(*command, options, "list", "Print all simulations of the server", asking("simulation.list"));
+  addAction(*command, options, "status", "Print the load and the contents of the server", asking("server.status"));
+  addAction(*command, options, "environments",
+            "Print the built-in environments with their schemas, and the offered ones", asking("environment.list"));
 
   command->callback([options, &status] { status = runConnect(*options); });
 }

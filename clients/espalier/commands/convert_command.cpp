@@ -34,7 +34,7 @@ int convert(const ConvertOptions& options) {
   }
   const std::optional<language::TranslatedModel> translated = language::translateForeign(input, files);
   if (!translated) {
-    // cpfg, or taken for it as everywhere
+    // the file is a cpfg model, or every command reads it as one
     std::fwrite(text->data(), 1, text->size(), stdout);
     return kSuccess;
   }
@@ -49,12 +49,12 @@ int convert(const ConvertOptions& options) {
       needs += (needs.empty() ? "" : "; ") + need;
     }
     printError("'" + options.model + "' cannot be written for cpfg, which has no " + needs +
-               ". Espalier runs the file as it is");
+               ". Espalier runs the file without conversion");
     return kFailure;
   }
   if (!options.isQuiet) {
     for (const std::string& lost : model.lost) {
-      printNote("not in the text: " + lost);
+      printNote("missing in the text: " + lost);
     }
     for (const std::string& command : model.viewCommands) {
       printNote("for the view file: " + command);
@@ -70,23 +70,23 @@ int convert(const ConvertOptions& options) {
 void addConvert(CLI::App& program, int& status) {
   CLI::App* command = program.add_subcommand("convert", "Write a model of another dialect for cpfg");
   command->footer(
-      "Prints the model's text for cpfg on standard output: it needs no view file, its turns have their angle and the\n"
-      "start of the turtle stands before the axiom. What cpfg cannot say is explained on standard error; a model that\n"
-      "cannot be written at all gives exit status 1.\n"
+      "Prints the model as a cpfg text on standard output. The text needs no view file: each turn has its angle, and\n"
+      "the axiom begins with the turtle's start. Standard error names every part that cpfg cannot express.\n"
+      "Exit status 1 when cpfg cannot express the model at all.\n"
       "Examples:\n"
       "  espalier convert koch.lsv --to cpfg > koch.l\n"
       "  espalier convert fractint.l:Dragon --to cpfg");
   auto options = std::make_shared<ConvertOptions>();
-  command->add_option("model", options->model, "A file, or FILE:ENTRY where it holds several models")
+  command->add_option("model", options->model, "The file, or FILE:ENTRY for one of several models in it")
       ->type_name("FILE")
       ->required();
   command->add_option("--to", options->target, "The language to write")
       ->check(CLI::IsMember({std::string(language::kCpfgDialect)}))
       ->required();
   const std::vector<std::string_view> names = language::dialectNames();
-  command->add_option("--dialect", options->dialect, "How the file is written; without it found by its content")
+  command->add_option("--dialect", options->dialect, "Dialect of the file (default: recognised by its content)")
       ->check(CLI::IsMember(std::vector<std::string>(names.begin(), names.end())));
-  command->add_flag("--quiet", options->isQuiet, "Only the text and errors");
+  command->add_flag("--quiet", options->isQuiet, "Print only the text and errors");
   command->callback([options, &status] { status = convert(*options); });
 }
 

@@ -42,7 +42,7 @@ Failure timed(double& milliseconds, const Part& part) {
   return outcome;
 }
 
-// one line; of a forest one for each living plant, after the plant's number and a TAB
+// one line; for a forest one line for each living plant, after its number and a TAB
 void printStrings(const simulation::Simulation& simulation, const std::string& before) {
   const bool isForest = simulation.plantCount() > 1;
   for (std::size_t plant = 0; plant < simulation.plantCount(); ++plant) {
@@ -57,8 +57,8 @@ void printStep(const simulation::Simulation& simulation) {
   printStrings(simulation, std::to_string(simulation.completedSteps()) + "\t");
 }
 
-// steps until the end, or to step `last`, printing what was asked for; the strings after the queries' answers belong to
-// the step before
+// makes all steps, or the steps up to `last`, and prints the strings that the options ask for; a string with answers
+// belongs to the step before
 Failure runAllSteps(simulation::Simulation& simulation, DeriveOptions& options, const FolderSettings& folder,
                     RunFigures& figures) {
   if (Failure failure = simulation.rewind()) {
@@ -137,10 +137,11 @@ int derive(DeriveOptions& options) {
 }  // namespace
 
 void addDerive(CLI::App& program, int& status) {
-  CLI::App* command = program.add_subcommand("derive", "Derive a model and print its string of modules");
+  CLI::App* command = program.add_subcommand("derive", "Derive a model and print its string");
   command->footer(
-      "Prints the string of the last step, or with --every one line for each step: its number, a TAB, the string.\n"
-      "Of a forest it prints a line for each living plant: its number, a TAB, its string.\n"
+      "Prints the string of the last step. With --every it prints one line for each step: its number, a TAB, the "
+      "string.\n"
+      "For a forest it prints one line for each living plant: its number, a TAB, its string.\n"
       "Examples:\n"
       "  espalier derive tree.l --every\n"
       "  espalier derive tiers.l --environment honda.json --steps 12\n"
@@ -151,7 +152,7 @@ void addDerive(CLI::App& program, int& status) {
   CLI::Option* every = command->add_flag("--every", options->printsEveryStep, "Print the string of every step, from 0");
   command
       ->add_flag("--answered", options->printsAnswered,
-                 "With --every: the strings after their queries were answered, instead of as derived")
+                 "With --every: print each string after its queries are answered, instead of as derived")
       ->needs(every);
   options->trace.addTo(*command);
   command->add_flag("--statistics", options->hasStatistics,

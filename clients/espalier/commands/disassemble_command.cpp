@@ -26,13 +26,14 @@ int disassemble(ModelOptions& options) {
 }  // namespace
 
 void addDisassemble(CLI::App& program, int& status) {
-  CLI::App* command = program.add_subcommand("disassemble", "Print the code that a model is compiled to");
+  CLI::App* command = program.add_subcommand("disassemble", "Print the compiled code of a model");
   command->footer(
-      "For every L-system its blocks, axiom and productions; under each production the place and the line it was "
-      "written\n"
-      "on, then its condition and the parameters it makes. `slot 0` is the first formal parameter, `= 2` a constant;\n"
-      "numbered lines are instructions of a stack machine: LoadSlot pushes a formal parameter, Constant a number, the\n"
-      "others take their operands from the stack and push what they make.\n"
+      "Prints the blocks, the axiom and the productions of every L-system. Each production is followed by its source\n"
+      "line, its condition and the parameters of its successor. `slot 0` is the first formal parameter, `= 2` a "
+      "constant.\n"
+      "Numbered lines are instructions of a stack machine. LoadSlot pushes a formal parameter, Constant pushes a "
+      "number.\n"
+      "Every other instruction takes its operands from the stack and pushes its result.\n"
       "Example: espalier disassemble tree.l");
   auto options = std::make_shared<ModelOptions>();
   addReadingOptions(*command, *options, true);

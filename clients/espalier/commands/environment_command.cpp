@@ -26,9 +26,9 @@
 namespace espalier::command {
 namespace {
 
-// the name under which an existing program of the field is offered
+// the NAME that runs an existing environment program with the published pipe protocol
 constexpr const char* kLegacy = "legacy";
-// the same for one in a shared library
+// the NAME that runs a plug-in
 constexpr const char* kPlugin = "plugin";
 
 struct EnvironmentOptions {
@@ -57,7 +57,7 @@ int listProcesses() {
   return kSuccess;
 }
 
-/// What the options ask for, made anew for every simulation.
+/// The process that the options ask for. Every simulation gets a new one.
 environment::ProcessOrErrors makeAsked(const EnvironmentOptions& options, const std::string& configuration,
                                        std::vector<core::Diagnostic>& warnings) {
   if (options.name == kPlugin) {
@@ -95,8 +95,8 @@ int serveOn(const std::string& address, bool isInsecureAllowed, const server::Pr
   return kSuccess;
 }
 
-// The configuration of one process from the text of a file, which may be the same file that `--environment` takes: an
-// object with a `type`. Nothing after its errors were printed.
+// The configuration of one process from the text of a file. The file may also be one for `--environment`: an object
+// with a `type`. Prints the errors and returns nothing when the text is wrong.
 std::optional<std::string> configurationOf(const EnvironmentOptions& options, const std::string& text) {
   if (!protocol::memberOf(text, "type")) {
     return text;
@@ -115,7 +115,7 @@ std::optional<std::string> configurationOf(const EnvironmentOptions& options, co
   return entry.configuration;
 }
 
-// what a process tells a peer, and what a person wants to know besides: other names, source, configuration
+// the description that a peer gets, with the aliases, the source and the configuration schema for people
 std::string contractOf(const std::string& name, const turtle::EnvironmentProcess& process) {
   std::string described = protocol::encode(server::toDescribeResult(process.describe()));
   const std::string schema = environment::configurationSchema(name);
@@ -156,7 +156,7 @@ int runEnvironment(EnvironmentOptions& options) {
       return kFailure;
     }
     configuration = std::move(*chosen);
-    // files that it names become part of it
+    // put the files that the configuration names into it
     environment::EnvironmentEntry entry{options.name, options.name, configuration};
     server::DiskFileProvider files;
     auto problem = environment::embedMeshFile(entry, options.configurationFile, files);
@@ -170,7 +170,7 @@ int runEnvironment(EnvironmentOptions& options) {
 
   if ((options.name == kLegacy) == options.fieldFile.empty() ||
       (options.name != kLegacy && !options.executable.empty())) {
-    printError(options.name == kLegacy ? "give the field file of the program with --spec FILE.e"
+    printError(options.name == kLegacy ? "give the environment file of the program with --spec FILE.e"
                                        : "--executable and --spec are for the environment 'legacy'");
     return kUsage;
   }
@@ -179,12 +179,12 @@ int runEnvironment(EnvironmentOptions& options) {
                                        : "--library is for the environment 'plugin'");
     return kUsage;
   }
-  // made once here, so that every mistake is said before anybody connects
+  // make the process once here, so that errors appear before a peer connects
   std::vector<core::Diagnostic> warnings;
   auto made = makeAsked(options, configuration, warnings);
   printDiagnostics(warnings, false);
   if (!made) {
-    // places in the configuration are places in its file
+    // a place in the configuration is a place in its file
     for (core::Diagnostic& problem : made.error()) {
       if (!options.configurationFile.empty() && problem.location.file == "configuration") {
         problem.location.file = options.configurationFile;
@@ -204,7 +204,7 @@ int runEnvironment(EnvironmentOptions& options) {
     return kSuccess;
   }
   const server::ProcessFactory factory = [&options, &configuration] {
-    std::vector<core::Diagnostic> said;  // above
+    std::vector<core::Diagnostic> said;  // printed already
     auto fresh = makeAsked(options, configuration, said);
     return options.fields.isEmpty() ? std::move(fresh.value())
                                     : writingFields(std::move(fresh.value()), options.fields, options.writesEveryStep);
@@ -251,21 +251,22 @@ int checkOther(CheckOptions& options) {
 
 void addCheckOfOther(CLI::App& environment, int& status) {
   const auto options = std::make_shared<CheckOptions>();
-  CLI::App* command = environment.add_subcommand(
-      "check", "Talk to an environment in another process without a simulation and say what is right and what is not");
+  CLI::App* command =
+      environment.add_subcommand("check", "Test an environment in another process, without a simulation");
   command->footer(
-      "Describe, shapes, units, order independence, repeatability, numbers that are not finite, save and restore, and "
-      "a\n"
-      "table of latencies. Exit status 0 when all is right. With --trace it gets the queries of a recorded run, and "
-      "its\n"
-      "replies are compared with the recorded ones.\n"
+      "Tests the description, shapes, units, independence of the order of queries, repeatability, numbers that are "
+      "not\n"
+      "finite, save and restore, and prints a table of latencies. Exit status 0 when every test passes. With --trace "
+      "the\n"
+      "environment gets the queries of a recorded run, and its replies are compared with the recorded ones.\n"
       "  espalier environment check 'stdio:python3 light.py'\n"
       "  espalier derive tree.l --environment old.json --trace tree.trace\n"
       "  espalier environment check tcp://127.0.0.1:4000 --trace tree.trace");
   command->add_option("ADDRESS", options->check.address, "tcp://HOST:PORT or stdio:COMMAND")->required();
-  command->add_option("--trace", options->traceFile, "What derive, run or a server recorded");
-  command->add_option("--configuration", options->configurationFile, "JSON file that it gets in environment.open");
-  command->add_option("--timeout", options->timeoutSeconds, "Seconds that it may take for a step")
+  command->add_option("--trace", options->traceFile, "Trace file that derive, run or a server recorded");
+  command->add_option("--configuration", options->configurationFile,
+                      "JSON file with the configuration for environment.open");
+  command->add_option("--timeout", options->timeoutSeconds, "Longest time for a step, in seconds")
       ->capture_default_str()
       ->check(CLI::PositiveNumber);
   command->callback([options, &status] { status = checkOther(*options); });
@@ -276,43 +277,41 @@ void addCheckOfOther(CLI::App& environment, int& status) {
 void addEnvironment(CLI::App& program, int& status) {
   const auto options = std::make_shared<EnvironmentOptions>();
   CLI::App* command =
-      program.add_subcommand("environment", "Run a built-in environment as a program of its own, or say what it is");
+      program.add_subcommand("environment", "Run a built-in environment as its own process, or describe it");
   command->footer(
-      "A model then uses it from another process, with exactly the plant it would grow with the environment inside:\n"
+      "A model uses the environment from another process and grows exactly the same plant:\n"
       "  espalier environment honda --listen 127.0.0.1:4000 &\n"
       "  espalier derive MODEL.l --environment tcp://127.0.0.1:4000\n"
       "  espalier derive MODEL.l --environment 'stdio:espalier environment honda --stdio'\n"
-      "An existing program of the field, which speaks on pipes, is offered in the same way:\n"
+      "An existing environment program that uses pipes (the protocol of cpfg) is served in the same way:\n"
       "  espalier environment legacy --executable './soil -v' --spec roots.e --listen 127.0.0.1:4000\n"
-      "Quantities in space do not cross the wire; --field writes them where the environment runs:\n"
+      "Quantities in space are not sent to the simulation; --field writes them where the environment runs:\n"
       "  espalier environment soil-water --configuration soil.json --listen 127.0.0.1:4000 --field water.vti\n"
-      "With --listen it prints `listening on HOST:PORT` when ready and serves until SIGINT or SIGTERM.\n"
-      "`espalier environment check ADDRESS` tries out an environment of your own.");
-  command->add_option("NAME", options->name, "A built-in environment; --list names them");
-  command->add_option("--listen", options->address, "Serve on HOST:PORT; port 0 takes a free one");
+      "With --listen it prints `listening on HOST:PORT` when it is ready, and serves until SIGINT or SIGTERM.\n"
+      "`espalier environment check ADDRESS` tests an environment that you wrote.");
+  command->add_option("NAME", options->name, "Name of a built-in environment (see --list), legacy or plugin");
+  command->add_option("--listen", options->address, "Serve on HOST:PORT; port 0 takes a free port");
   command->add_flag("--insecure", options->isInsecureAllowed,
-                    "Serve on an address that other machines reach, without encryption and without asking who it is");
+                    "Serve on an address that other machines can reach, without encryption and without a token");
   command->add_flag("--stdio", options->isOnStdio, "Serve on standard input and output until the input ends");
   command->add_option("--configuration", options->configurationFile,
-                      "JSON file with its configuration (see --schema), with or without its \"type\"");
+                      "JSON file with the configuration (see --schema), with or without the member \"type\"");
   command->add_option("--executable", options->executable,
-                      "For NAME legacy: the program and its arguments, instead of the field file's `executable`");
+                      "For NAME legacy: the program and its arguments, instead of the `executable` of the .e file");
   command->add_option("--spec", options->fieldFile,
-                      "For NAME legacy: the field file (.e) that says what the program is sent");
+                      "For NAME legacy: the environment file (.e) that defines the values sent to the program");
   command->add_option("--library", options->library, "For NAME plugin: the shared library (environment/plugin.h)");
-  command
-      ->add_option("--time-limit", options->timeLimitSeconds,
-                   "For NAME legacy: seconds that the program may take for a step")
+  command->add_option("--time-limit", options->timeLimitSeconds, "For NAME legacy: longest time for a step, in seconds")
       ->capture_default_str()
       ->check(CLI::PositiveNumber);
   command->add_flag("--describe", options->describes,
-                    "Print its contract as JSON: what it needs, its inputs and outputs with units, its other\nnames, "
-                    "where it was published, the schema of its configuration");
-  command->add_flag("--schema", options->printsSchema, "Print the JSON Schema of its configuration");
-  command->add_flag("--list", options->lists, "Print the names of all, each with a sentence");
+                    "Print as JSON: needs, inputs and outputs with units, aliases, publication, and the schema of the\n"
+                    "configuration");
+  command->add_flag("--schema", options->printsSchema, "Print the JSON Schema of the configuration");
+  command->add_flag("--list", options->lists, "Print the name of every built-in environment with a summary");
   options->fields.addTo(*command);
   command->add_flag("--every", options->writesEveryStep,
-                    "Number the files of --field by step, instead of keeping the last");
+                    "Write the files of --field for every step, numbered, instead of the last step only");
   addCheckOfOther(*command, status);
   command->callback([options, &status, command] {
     if (command->get_subcommands().empty()) {

@@ -72,7 +72,7 @@ std::optional<Gene> readGene(const std::string& text) {
   return Gene{text.substr(0, equals), *low, *high};
 }
 
-/// Grows and judges individuals, and writes what becomes of them.
+/// Grows and judges individuals, generation after generation, and writes the results.
 class Evolution {
  public:
   explicit Evolution(EvolveOptions& options) : options_(options) {}
@@ -123,11 +123,11 @@ class Evolution {
                       (options_.model.steps ? std::to_string(*options_.model.steps) : std::string("-"));
     auto variants = ModelVariants::make(program, std::move(genes), options_.variesProductions,
                                         static_cast<std::size_t>(options_.longestSuccessor));
-    if (const std::string* problem = std::get_if<std::string>(&variants)) {
-      printError(*problem);
+    if (!variants) {
+      printError(variants.error());
       return false;
     }
-    variants_.emplace(std::move(std::get<ModelVariants>(variants)));
+    variants_.emplace(std::move(*variants));
     settings_.fitness = options_.fitness;
     settings_.seed = options_.model.seed.value_or(1);
     settings_.populationCount = static_cast<std::size_t>(options_.populationCount);
@@ -136,20 +136,20 @@ class Evolution {
     settings_.crossoverProbability = options_.crossover;
     settings_.shape = variants_->shape();
     settings_.successors = variants_->successors();
-    // all individuals of all generations grow by the same seed, so that a genome keeps its fitness
+    // every individual grows with the same seed, so that a genome keeps its fitness
     options_.model.seed = settings_.seed;
     if (usesProcess()) {
       auto process = FitnessProcess::start(options_.fitness.substr(kProcessPrefix.size()));
-      if (const std::string* problem = std::get_if<std::string>(&process)) {
-        printError("--fitness: " + *problem);
+      if (!process) {
+        printError("--fitness: " + process.error());
         return false;
       }
-      process_ = std::move(std::get<std::unique_ptr<FitnessProcess>>(process));
+      process_ = std::move(*process);
     }
     return true;
   }
 
-  // the first generation, or the one that an earlier run left
+  // the first generation, or the last one of an earlier run
   std::optional<Generation> begin() {
     std::error_code error;
     fs::create_directories(options_.folder, error);
@@ -161,75 +161,71 @@ class Evolution {
     const std::optional<std::string> text = files.read(path("evolution.json"));
     if (!options_.isResumed) {
       if (text) {
-        printError("'" + options_.folder + "' holds an earlier run: --resume goes on with it, or give another folder");
+        printError("'" + options_.folder + "' holds an earlier run: continue it with --resume, or give another folder");
         return std::nullopt;
       }
       return firstGeneration(settings_);
     }
     if (!text) {
-      printError("there is no '" + path("evolution.json") + "' to go on from: leave --resume out");
+      printError("there is no earlier run in '" + path("evolution.json") + "': leave out --resume");
       return std::nullopt;
     }
     auto generation = readEvolution(*text, settings_);
-    if (const std::string* problem = std::get_if<std::string>(&generation)) {
-      printError("cannot go on from '" + path("evolution.json") + "': " + *problem);
+    if (!generation) {
+      printError("cannot continue from '" + path("evolution.json") + "': " + generation.error());
       return std::nullopt;
     }
     history_ = files.read(path("generations.csv")).value_or("");
     isReported_ = true;
-    return std::move(std::get<Generation>(generation));
+    return std::move(*generation);
   }
 
-  // a plant of a genome, grown to its last step; or why it failed
-  std::variant<std::unique_ptr<simulation::Simulation>, std::string> grow(const Genome& genome) const {
+  // a plant of a genome, grown to its last step
+  [[nodiscard]] Result<std::unique_ptr<simulation::Simulation>> grow(const Genome& genome) const {
     server::DiskFileProvider files;
-    auto program = variants_->program(genome, files);
-    if (const std::string* problem = std::get_if<std::string>(&program)) {
-      return *problem;
+    const auto program = variants_->program(genome, files);
+    if (!program) {
+      return problem(program.error());
     }
-    const auto& compiled = std::get<std::shared_ptr<const language::Program>>(program);
     ModelOptions model = options_.model;
     model.isQuiet = true;
     std::unique_ptr<turtle::EnvironmentProcess> environment;
     if (!model.environment.empty()) {
       std::optional<LoadedEnvironment> loaded = loadEnvironment(model.environment, model.mode(), true, files);
       if (!loaded) {
-        return std::string("its environment cannot be made");
+        return problem("its environment cannot be made");
       }
       environment = std::move(loaded->process);
     }
-    simulation::SimulationOptions simulationOptions = simulationOptionsFor(model, *compiled);
+    simulation::SimulationOptions simulationOptions = simulationOptionsFor(model, **program);
     simulationOptions.threads = 1;
     simulationOptions.fileWriter = nullptr;
     simulationOptions.messages = {};
     simulationOptions.palette = folder_.palette;
-    auto simulation = std::make_unique<simulation::Simulation>(compiled, std::vector<turtle::PlantPlacement>(1),
+    auto simulation = std::make_unique<simulation::Simulation>(*program, std::vector<turtle::PlantPlacement>(1),
                                                                std::move(environment), std::move(simulationOptions));
     if (const auto failure = simulation->rewind()) {
-      return formatSimulationError(*failure);
+      return problem(formatSimulationError(*failure));
     }
     const std::optional<std::uint64_t> last = lastStepOf(folder_, model.steps, *simulation);
     while (!isOver(*simulation, last)) {
       if (const auto failure = simulation->step()) {
-        return formatSimulationError(*failure);
+        return problem(formatSimulationError(*failure));
       }
     }
     return simulation;
   }
 
-  // fills in what one individual is worth; an error sentence when nobody can go on
+  // fills in the fitness of one individual; an error sentence when the run must end
   std::optional<std::string> evaluateOne(const Generation& generation, std::size_t number, Individual& individual) {
     individual.isEvaluated = true;
-    auto grown = grow(individual.genome);
-    std::variant<turtle::Scene, core::SimulationError> scene;
-    if (auto* simulation = std::get_if<std::unique_ptr<simulation::Simulation>>(&grown)) {
-      scene = (*simulation)->scene();
-    }
-    if (const std::string* problem = std::get_if<std::string>(&grown)) {
-      noteFailure(*problem);
+    const auto grown = grow(individual.genome);
+    if (!grown) {
+      noteFailure(grown.error());
       return std::nullopt;
     }
-    const simulation::Simulation& simulation = *std::get<std::unique_ptr<simulation::Simulation>>(grown);
+    const simulation::Simulation& simulation = **grown;
+    auto scene = simulation.scene();
     if (const auto* failure = std::get_if<core::SimulationError>(&scene)) {
       noteFailure(formatSimulationError(*failure));
       return std::nullopt;
@@ -253,14 +249,14 @@ class Evolution {
                             .string = simulation.stringText()};
     const std::scoped_lock lock(judging_);
     if (hasJudgeFailed_) {
-      return std::nullopt;  // it may never answer again; the run ends with the first failure
+      return std::nullopt;  // the run ends with the first failure of the judge
     }
     const auto judged = process_->judge(plant, options_.judgeSeconds);
-    if (const std::string* problem = std::get_if<std::string>(&judged)) {
+    if (!judged) {
       hasJudgeFailed_ = true;
-      return *problem;
+      return judged.error();
     }
-    individual.fitness = std::get<double>(judged);
+    individual.fitness = *judged;
     return std::nullopt;
   }
 
@@ -300,7 +296,7 @@ class Evolution {
     }
     if (problem) {
       printError("generation " + std::to_string(generation.number) + ": " + *problem +
-                 ". Mend it and go on with --resume");
+                 ". Correct this and continue with --resume");
       return false;
     }
     const auto grown = std::count_if(generation.individuals.begin(), generation.individuals.end(),
@@ -313,7 +309,7 @@ class Evolution {
     return true;
   }
 
-  // one line on standard error, one in the table, a picture of the best, and the state to go on from
+  // writes a line on standard error, a line of the table, a picture of the best, and the state for --resume
   bool report(const Generation& generation) {
     if (isReported_) {
       isReported_ = false;
@@ -339,15 +335,15 @@ class Evolution {
                     best.fitness, mean, worst, failed > 0 ? (", " + std::to_string(failed) + " failed").c_str() : "");
       printNote(line);
     }
-    auto grownBest = grow(best.genome);
+    const auto grownBest = grow(best.genome);
     OutputOptions picture = options_.outputs;
     picture.files = {path("best.png")};
     picture.format.clear();
     const OutputWriter writer(picture, true);
-    if (!writer.write(*std::get<std::unique_ptr<simulation::Simulation>>(grownBest), generation.number, 4)) {
+    if (!writer.write(**grownBest, generation.number, 4)) {
       return false;
     }
-    // the state last: what it says is complete is there
+    // write the state last: the files that it refers to are complete
     std::vector<std::pair<std::string, std::string>> written{{"generations.csv", history_},
                                                              {"best.l", bestText(generation)}};
     if (hasMadeView_) {
@@ -406,7 +402,7 @@ class Evolution {
       const std::string view = viewFile_.empty() || hasMadeView_ ? "" : " --view " + viewFile_;
       printNote("wrote " + path("best.l") + " (fitness " +
                 numberText(generation.individuals[fittest(generation)].fitness) + "), " + path("generations.csv") +
-                ", a picture of the best of each generation. Draw it: espalier run " + path("best.l") + view +
+                " and a picture of the best plant of each generation. Draw it: espalier run " + path("best.l") + view +
                 " --seed " + std::to_string(settings_.seed) + " -o best.glb");
     }
     return kSuccess;
@@ -423,7 +419,7 @@ class Evolution {
   std::string firstFailure_;
   std::string history_;
   std::string viewFile_;      // of the model; empty: none
-  bool hasMadeView_ = false;  // a dialect made it, there is no such file
+  bool hasMadeView_ = false;  // the dialect made the view; no such file exists
   bool isReported_ = false;   // the generation was read from a file and is complete
 };
 
@@ -432,15 +428,14 @@ class Evolution {
 void addEvolve(CLI::App& program, int& status) {
   CLI::App* command = program.add_subcommand("evolve", "Breed plants by a genetic algorithm");
   command->footer(
-      "Varies numbers of a model, or the productions of a bracketed D0L-system, and lets the fitter plants have more\n"
-      "offspring. FOLDER receives best.l, a table of the generations, a picture of the best of each, and the state\n"
-      "that --resume goes on from. The result depends on the seed, not on the number of threads.\n"
-      "Measures: height, light (ground shaded from above), sky (the same from the whole sky), symmetry (bilateral,\n"
-      "0 to 1), stability (0 to 1), branching (0 to 1), length (of all lines), extent (greatest span), organs "
-      "(number);\n"
-      "a product of powers. That of the default is the same for a plant twice as large: symmetry, light and height of "
-      "a\n"
-      "plant of extent 1, times the root of branching, by the root of the length of its lines.\n"
+      "Varies numbers of a model, or the productions of a bracketed D0L-system. Fitter plants get more offspring.\n"
+      "FOLDER receives best.l, a table of the generations, a picture of the best plant of each, and the state for\n"
+      "--resume. The result depends on the seed and not on the number of threads.\n"
+      "The fitness is a product of powers of measures: height, light (ground shaded from above), sky (the same from "
+      "the\n"
+      "whole sky), symmetry (bilateral, 0 to 1), stability (0 to 1), branching (0 to 1), length (of all lines), "
+      "extent\n"
+      "(greatest span), organs (number). The default fitness does not depend on the size of a plant.\n"
       "Examples:\n"
       "  espalier evolve tree.l --gene ANGLE=10:80 --gene RATIO=0.5:0.95 --fitness light=1,length=-0.5 -o bred\n"
       "  espalier evolve weed.l --productions --generations 50 -o bred\n"
@@ -449,31 +444,33 @@ void addEvolve(CLI::App& program, int& status) {
   addReadingOptions(*command, options->model, true);
   addRunningOptions(*command, options->model);
   CLI::Option* genes =
-      command->add_option("--gene", options->genes, "A #define of the model whose number varies")
+      command
+          ->add_option("--gene", options->genes,
+                       "Vary the number of this #define between LOW and HIGH. May be repeated")
           ->type_name("NAME=LOW:HIGH")
           ->allow_extra_args(false)
           ->check([](const std::string& text) {
-            return readGene(text) ? std::string{} : "'" + text + "' is no gene: give NAME=LOW:HIGH with LOW < HIGH";
+            return readGene(text) ? std::string{} : "'" + text + "' is not a gene: give NAME=LOW:HIGH with LOW < HIGH";
           });
-  command->add_flag("--productions", options->variesProductions, "The productions vary")->excludes(genes);
-  addWholeNumber(*command, "--longest", "Modules of a successor at most (40)", 1, 10'000,
+  command->add_flag("--productions", options->variesProductions, "Vary the productions")->excludes(genes);
+  addWholeNumber(*command, "--longest", "Largest number of modules in a successor (40)", 1, 10'000,
                  [options](std::uint64_t count) { options->longestSuccessor = count; });
   command->add_option("--fitness", options->fitness, "Measures with exponents, or 'stdio:COMMAND'")
       ->capture_default_str();
-  addPositiveNumber(*command, "--fitness-seconds", "How long a fitness program may take for a plant (60)", "seconds",
-                    [options](double seconds) { options->judgeSeconds = seconds; });
-  addWholeNumber(*command, "--population", "Plants of a generation (40)", 2, 1'000'000,
+  addPositiveNumber(*command, "--fitness-seconds", "Longest time of the fitness program for a plant, in seconds (60)",
+                    "seconds", [options](double seconds) { options->judgeSeconds = seconds; });
+  addWholeNumber(*command, "--population", "Plants in a generation (40)", 2, 1'000'000,
                  [options](std::uint64_t count) { options->populationCount = count; });
   addWholeNumber(*command, "--generations", "Number of the last generation; the first is 0 (30)", 0, 1'000'000,
                  [options](std::uint64_t count) { options->generationCount = count; });
-  addWholeNumber(*command, "--elite", "So many of the best pass on unchanged (1)", 0, 1'000'000,
-                 [options](std::uint64_t count) { options->eliteCount = count; });
+  addWholeNumber(*command, "--elite", "Number of the best plants that stay unchanged in the next generation (1)", 0,
+                 1'000'000, [options](std::uint64_t count) { options->eliteCount = count; });
   command->add_option("--mutation", options->mutation, "Probability that a gene changes (0.15)")
       ->check(CLI::Range(0.0, 1.0));
   command->add_option("--crossover", options->crossover, "Probability that a child has two parents (0.7)")
       ->check(CLI::Range(0.0, 1.0));
-  command->add_option("-o,--output", options->folder, "Folder for what is made")->required()->type_name("FOLDER");
-  command->add_flag("--resume", options->isResumed, "Go on with the run in FOLDER");
+  command->add_option("-o,--output", options->folder, "Folder for the results")->required()->type_name("FOLDER");
+  command->add_flag("--resume", options->isResumed, "Continue the run in FOLDER");
   command->callback([options, &status] {
     if (options->genes.empty() && !options->variesProductions) {
       throw CLI::RequiredError("--gene NAME=LOW:HIGH or --productions");

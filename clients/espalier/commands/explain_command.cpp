@@ -27,7 +27,7 @@ struct ExplainOptions {
   std::uint32_t plant = 0;
 };
 
-/// An explanation runs the model and leaves no trace of it.
+/// Discards the files of the model: an explanation writes none.
 class DiscardingWriter final : public core::FileWriter {
  public:
   std::optional<std::string> write(const std::string& /*name*/, bool /*replaces*/,
@@ -43,25 +43,25 @@ int explain(ExplainOptions& options) {
     return kFailure;
   }
   loaded->simulationOptions.fileWriter = std::make_shared<DiscardingWriter>();
-  // of one model as many plants are grown as it takes; a forest has those it has
+  // a single model grows as many plants as --plant needs; a forest keeps its plants
   if (!loaded->isForest) {
     loaded->plants.resize(options.plant + std::size_t{1});
   }
   simulation::Simulation simulation(loaded->programs, loaded->plants, std::move(loaded->environment.process),
                                     std::move(loaded->simulationOptions));
-  // to the string that the step reads, with the environment's answers in it
+  // derive the string that the step reads, and write the answers of the environment into it
   std::optional<core::SimulationError> failure = simulation.rewind();
   while (!failure && simulation.completedSteps() + 1 < options.step) {
     if (simulation.isFinished()) {
-      printError("step " + std::to_string(options.step) + " is never made: the model ends with step " +
-                 std::to_string(simulation.completedSteps()) + " (--steps derives further)");
+      printError("step " + std::to_string(options.step) + " does not exist: the model ends with step " +
+                 std::to_string(simulation.completedSteps()) + " (--steps N derives more)");
       return kFailure;
     }
     failure = simulation.step();
   }
   if (!failure && simulation.isFinished()) {
-    printError("step " + std::to_string(options.step) + " is never made: the model ends with step " +
-               std::to_string(simulation.completedSteps()) + " (--steps derives further)");
+    printError("step " + std::to_string(options.step) + " does not exist: the model ends with step " +
+               std::to_string(simulation.completedSteps()) + " (--steps N derives more)");
     return kFailure;
   }
   if (!failure) {
@@ -74,7 +74,7 @@ int explain(ExplainOptions& options) {
   if (options.plant >= simulation.plantCount() || !simulation.plant(options.plant).isAlive()) {
     printError("there is no plant " + std::to_string(options.plant) + " at step " +
                std::to_string(simulation.completedSteps()) +
-               ": `espalier derive` prints the numbers of those that live");
+               ": `espalier derive` prints the numbers of the living plants");
     return kFailure;
   }
   const auto explained =
@@ -92,15 +92,16 @@ int explain(ExplainOptions& options) {
 }  // namespace
 
 void addExplain(CLI::App& program, int& status) {
-  CLI::App* command = program.add_subcommand("explain", "Say why a step did with a module what it did");
+  CLI::App* command = program.add_subcommand("explain", "Explain which production a step applied to a module");
   command->footer(
-      "Step K rewrites the string of step K-1, which `espalier derive MODEL --every` prints; modules are counted from "
-      "0, and\n"
-      "`[`, `]` and `?` count. The answer names the production that fired and what it made, and for every other "
-      "candidate\n"
-      "why it did not apply: the modules that its contexts saw, the value of its condition. In a stochastic model it "
-      "shows\n"
-      "the weights and the draw; draws depend on the seed, so give --seed when the model has no `seed:`.\n"
+      "Step K rewrites the string of step K-1, which `espalier derive MODEL --every` prints. Modules are counted from "
+      "0;\n"
+      "`[`, `]` and `?` are modules too. The explanation names the production that was applied, and its successor. "
+      "For\n"
+      "every other candidate it says why it was not applied: its contexts, or the value of its condition. For a\n"
+      "stochastic model it shows the weights and the draw. Draws depend on the seed: give --seed when the model has "
+      "no\n"
+      "`seed:`.\n"
       "Examples:\n"
       "  espalier explain tree.l --step 3 --module 12\n"
       "  espalier explain tiers.l --step 5 --module 40 --environment honda.json\n"
@@ -119,7 +120,7 @@ void addExplain(CLI::App& program, int& status) {
       ->required();
   command
       ->add_option("--plant", options->plant,
-                   "The plant whose random numbers are drawn, from 0; as many plants stand at the origin")
+                   "Number of the plant, from 0; P+1 plants stand at the origin and differ in their random draws")
       ->type_name("P")
       ->check(CLI::Range(0, 9999))
       ->capture_default_str();

@@ -21,7 +21,7 @@ struct ExportOptions {
   bool isQuiet = false;
 };
 
-/// Stands for the environment of a snapshot that is only drawn: it keeps the state as it is and is never asked.
+/// Replaces the environment of a snapshot that is only drawn. It keeps the state and answers nothing.
 class SleepingEnvironment final : public turtle::EnvironmentProcess {
  public:
   explicit SleepingEnvironment(std::string name) : name_(std::move(name)) {}
@@ -85,20 +85,20 @@ int exportSnapshot(const ExportOptions& options) {
 void addExport(CLI::App& program, int& status) {
   CLI::App* command = program.add_subcommand("export", "Write pictures, meshes or tables of a snapshot");
   command->footer(
-      "Nothing is derived and no environment is asked: what the snapshot holds is drawn, in the colours it carries.\n"
+      "Draws the state of the snapshot in the colours of the snapshot. Derives nothing and asks no environment.\n"
       "Examples:\n"
       "  espalier export tree.snapshot -o tree.glb -o tree.png --size 1200x1600\n"
       "  espalier export tree.snapshot -o modules.csv -o tree.mtg");
   auto options = std::make_shared<ExportOptions>();
-  command->add_option("snapshot", options->snapshot, "A snapshot, of `run -o NAME.snapshot` or `connect save`")
+  command->add_option("snapshot", options->snapshot, "A snapshot file of `run -o NAME.snapshot` or `connect save`")
       ->type_name("FILE.snapshot")
       ->required();
   addOutputOptions(*command, options->outputs, true);
-  command->add_option("--threads", options->threads, "Threads that draw; the result does not depend on them")
+  command->add_option("--threads", options->threads, "Threads for drawing; the result does not depend on their number")
       ->type_name("N")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
-  command->add_flag("--quiet", options->isQuiet, "Only errors");
+  command->add_flag("--quiet", options->isQuiet, "Print only errors");
   command->callback([options, &status] {
     options->outputs.picture.threads = options->threads;
     status = exportSnapshot(*options);

@@ -8,6 +8,7 @@
 #include "clients/espalier/commands/commands.h"
 #include "clients/espalier/messages.h"
 #include "clients/espalier/output/field_outputs.h"
+#include "clients/espalier/result.h"
 #include "engine/core/number_text.h"
 #include "environment/output/field_output.h"
 #include "server/remote/disk_files.h"
@@ -21,25 +22,25 @@ struct FieldOptions {
   bool isQuiet = false;
 };
 
-// the fields of a .vti, or of a .raw with its header beside it
-tl::expected<std::vector<turtle::Field>, std::string> readFields(const std::string& file) {
+// the fields of a .vti file, or of a .raw file with its header
+Result<std::vector<turtle::Field>> readFields(const std::string& file) {
   server::DiskFileProvider files;
   const auto content = files.read(file);
   if (!content) {
-    return tl::unexpected("there is no field file '" + file + "': check the name and the working folder");
+    return problem("there is no file '" + file + "': check the name and the working folder");
   }
-  const auto located = [&](const std::string& problem) { return file + ": the file " + problem; };
+  const auto located = [&](const std::string& fault) { return file + ": the file " + fault; };
   if (std::filesystem::path(file).extension() != ".raw") {
     return environment::readVti(*content).map_error(located);
   }
   const auto header = files.read(file + ".json");
   if (!header) {
-    return tl::unexpected("there is no header '" + file +
-                          ".json' beside the numbers: it says how many cells there are, and where");
+    return problem("there is no header '" + file + ".json' beside '" + file +
+                   "': it gives the number of cells and their place");
   }
   auto field = environment::readRaw(*header, *content);
   if (!field) {
-    return tl::unexpected(located(field.error()));
+    return problem(located(field.error()));
   }
   return std::vector{std::move(*field)};
 }
@@ -72,9 +73,9 @@ int run(FieldOptions& options) {
 }  // namespace
 
 void addField(CLI::App& program, int& status) {
-  CLI::App* command = program.add_subcommand("field", "Read a file of a quantity in space; write slices of it");
+  CLI::App* command = program.add_subcommand("field", "Describe a file of a quantity in space, or write slices of it");
   command->footer(
-      "Prints a table of what is in the file.\n"
+      "Prints a table of the quantities in the file: cells, least, mean and greatest value, integral.\n"
       "Examples:\n"
       "  espalier field water.vti\n"
       "  espalier field water.vti --field waterContent@z=water.png --field waterContent=water.raw");
@@ -82,7 +83,7 @@ void addField(CLI::App& program, int& status) {
   command->add_option("FILE", options->file, "A .vti file (VTK image data), or a .raw file with its header FILE.json")
       ->required();
   options->outputs.addTo(*command);
-  command->add_flag("--quiet", options->isQuiet, "Errors only");
+  command->add_flag("--quiet", options->isQuiet, "Print only errors");
   command->callback([options, &status] { status = run(*options); });
 }
 

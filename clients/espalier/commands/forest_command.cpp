@@ -96,7 +96,7 @@ class Forest {
       // the seven species of the report, in equal parts
       const std::string file = server::galleryOfProgram() + "/chapter-forest/species.txt";
       if (std::error_code error; !fs::exists(file, error)) {
-        printError("the seven species are in the gallery, which is not beside the program: name models with --model");
+        printError("the seven species are in the gallery, and the gallery is missing: give models with --model");
         return false;
       }
       for (int i = 0; i < 7; ++i) {
@@ -112,7 +112,7 @@ class Forest {
       if (equals != std::string::npos) {
         const std::optional<double> weight = core::parseNumber(std::string_view(text).substr(equals + 1));
         if (!weight || !std::isfinite(*weight) || *weight < 0.0) {
-          printError("'" + text + "': the share of a species is a number from 0, as in MODEL.l=2");
+          printError("'" + text + "': the share of a species is a number of at least 0, as in MODEL.l=2");
           return false;
         }
         species.weight = *weight;
@@ -133,7 +133,7 @@ class Forest {
       species_.push_back(std::move(species));
     }
     if (!(sum > 0.0)) {
-      printError("the shares of the species sum to zero: no tree could grow");
+      printError("the sum of the shares of the species is zero: give a species a share above 0");
       return false;
     }
     return true;
@@ -238,12 +238,12 @@ class Forest {
       }
     }
     if (error || names.empty()) {
-      printError("there are no trees (*.txt) in the folder '" + options_.from + "'");
+      printError("the folder '" + options_.from + "' holds no trees (*.txt): give the folder that --trees wrote");
       return false;
     }
     std::sort(names.begin(), names.end());
     count_ = static_cast<std::size_t>(options_.number == 0 ? names.size() : options_.number);
-    // a draw of so many of them, another for another seed
+    // draw the trees by the seed
     const core::CounterRandom random(options_.seed, 0);
     for (std::size_t i = 0; i < std::min(count_, names.size()); ++i) {
       const double draw = random.uniform(core::DrawDomain::Environment, kShowDraws, i, 0);
@@ -253,13 +253,13 @@ class Forest {
     server::DiskFileProvider files;
     for (const std::string& name : names) {
       const std::optional<std::string> text = files.read(name);
-      auto read = text ? readTreePoints(*text) : std::variant<TreePoints, std::string>(std::string("cannot be read"));
-      if (const std::string* problem = std::get_if<std::string>(&read)) {
-        printError(name + ": " + *problem);
+      Result<TreePoints> read = text ? readTreePoints(*text) : problem("the file cannot be read");
+      if (!read) {
+        printError(name + ": " + read.error());
         return false;
       }
       GrownTree tree;
-      tree.points = std::move(std::get<TreePoints>(read));
+      tree.points = std::move(*read);
       tree.scene = paintTree(tree.points, options_.seed, static_cast<std::uint32_t>(trees_.size()));
       trees_.push_back(std::move(tree));
     }
@@ -286,7 +286,7 @@ class Forest {
     return true;
   }
 
-  // where they stand, far ones first
+  // computes where the trees stand
   void place() {
     double distance = options_.distance;
     if (distance == 0.0) {
@@ -308,7 +308,7 @@ class Forest {
     extent_ = std::max(extent_ + distance, 0.8 * height_);
   }
 
-  // a disc, or for pictures what the viewer sees up to the horizon
+  // a disc; for pictures the ground up to the horizon
   [[nodiscard]] turtle::Scene groundOf(bool isPicture) const {
     turtle::Polygon ground;
     ground.colour = ForestColours::kGround;
@@ -371,13 +371,13 @@ class Forest {
     return writePlacedFiles(outputs, inputs, onGround(turned(0.0)), whatIsShown(), options_.model.isQuiet);
   }
 
-  // one, or the frames of a turn, of one scale
+  // one picture, or the frames of a turntable, all in one scale
   bool writePictures(OutputOptions outputs, std::vector<turtle::ExportInput> inputs) const {
     const std::uint64_t frames = std::max<std::uint64_t>(1, options_.turntable);
     const auto angleOf = [frames](std::uint64_t frame) {
       return 2.0 * std::numbers::pi * static_cast<double>(frame) / static_cast<double>(frames);
     };
-    // trees fill the picture, the ground goes on beyond its edges
+    // the trees fill the picture, the ground extends beyond its edges
     turtle::PictureFrame shown;
     for (std::uint64_t frame = 0; frame < frames; ++frame) {
       shown.include(turtle::pictureFrame({inputs, turned(angleOf(frame))}, outputs.picture));
@@ -445,11 +445,11 @@ void addForest(CLI::App& program, int& status) {
   CLI::App* command =
       program.add_subcommand("forest", "Grow many trees of several species and write them as one scene");
   command->footer(
-      "Without --model the seven species of Rodrigues, Coelho & Alencar (2018), painted as they painted them. A tree "
-      "is\n"
-      "grown once for each of --distinct seeds and placed as often as --number asks.\n"
-      "Text files of trees (--trees, --from) have a point in each line: x y z, lines on the longest way to a leaf,\n"
-      "branches on the way from the root; each two points are the ends of a line.\n"
+      "Without --model the forest has the seven species of Rodrigues, Coelho & Alencar (2018), drawn as in their\n"
+      "report. The command grows one tree for each of --distinct seeds, and places copies of them up to --number.\n"
+      "A text file of a tree (--trees, --from) has one point per line: x y z, number of lines on the longest path to "
+      "a\n"
+      "leaf, number of branches on the path from the root. Two successive points are the ends of a line.\n"
       "Examples:\n"
       "  espalier forest --number 1000 --seed 7 -o forest.png -o forest.glb\n"
       "  espalier forest --model pine.l=3 --model birch.l --spacing competition -o stand.glb\n"
@@ -458,17 +458,18 @@ void addForest(CLI::App& program, int& status) {
       "  espalier forest --from trees --show 100 --seed 2 --turntable 36 -o turn.png");
   auto options = std::make_shared<ForestOptions>();
   CLI::Option* models =
-      command->add_option("--model", options->models, "A model, with its share of the trees (1); may be repeated")
+      command->add_option("--model", options->models, "A model and its share of the trees (1). May be repeated")
           ->type_name("MODEL[=SHARE]")
           ->allow_extra_args(false);
-  command->add_option("--from", options->from, "Trees from the text files of a folder instead")
+  command
+      ->add_option("--from", options->from, "Read the trees from the text files of a folder, instead of growing them")
       ->type_name("FOLDER")
       ->excludes(models);
-  addWholeNumber(*command, "--number,--show", "Trees in the forest (1000; of --from all)", 1, 1'000'000,
+  addWholeNumber(*command, "--number,--show", "Number of trees (1000; with --from all)", 1, 1'000'000,
                  [options](std::uint64_t count) { options->number = count; });
-  addWholeNumber(*command, "--distinct", "Trees that are grown, each from a seed of its own (200)", 1, 1'000'000,
+  addWholeNumber(*command, "--distinct", "Number of different trees, each from its own seed (200)", 1, 1'000'000,
                  [options](std::uint64_t count) { options->distinct = count; });
-  addWholeNumber(*command, "--seed", "Of everything that is drawn (1)", 0, 1'000'000'000'000,
+  addWholeNumber(*command, "--seed", "Seed of the random numbers (1)", 0, 1'000'000'000'000,
                  [options](std::uint64_t seed) { options->seed = seed; });
   const std::map<std::string, Spacing> spacings{{"jittered", Spacing::Jittered},
                                                 {"grid", Spacing::Grid},
@@ -476,30 +477,30 @@ void addForest(CLI::App& program, int& status) {
                                                 {"competition", Spacing::Competition}};
   command
       ->add_option("--spacing", options->spacing,
-                   "jittered (near points of a grid, each taken once), grid (on them), poisson (none nearer than the\n"
-                   "distance) or competition (seedlings grow until they shade each other out)")
+                   "jittered (near the points of a grid), grid (on the points), poisson (no two trees nearer than the\n"
+                   "distance) or competition (seedlings grow and shade each other; the survivors are the forest)")
       ->transform(CLI::CheckedTransformer(spacings))
       ->option_text("jittered|grid|poisson|competition");
-  addPositiveNumber(*command, "--distance", "Between trees (by their mean crown)", "a distance in the models' unit",
-                    [options](double distance) { options->distance = distance; });
-  command->add_option("--trees", options->trees, "Also write every grown tree as text into a folder")
+  addPositiveNumber(*command, "--distance", "Distance between trees (default: by their mean crown)",
+                    "a distance in the models' unit", [options](double distance) { options->distance = distance; });
+  command->add_option("--trees", options->trees, "Also write every different tree as text into this folder")
       ->type_name("FOLDER");
-  addWholeNumber(*command, "--turntable", "So many PNG frames of the forest turning once about", 2, 100'000,
+  addWholeNumber(*command, "--turntable", "Write N PNG frames of one turn of the forest", 2, 100'000,
                  [options](std::uint64_t count) { options->turntable = count; });
   command
       ->add_option_function<double>(
           "--turn", [options](const double& degrees) { options->turnDegrees = degrees; },
-          "Degrees of the turn about its own axis where a branch opens, in species files (what they say: 30)")
+          "For species files: turn of a branch about its own axis, in degrees (default: as in the file, 30)")
       ->check(CLI::Range(-360.0, 360.0));
   command->add_flag_callback(
-      "--flat", [options] { options->turnDegrees = 0.0; }, "Trees of the plane: the same as --turn 0");
+      "--flat", [options] { options->turnDegrees = 0.0; }, "Flat trees: the same as --turn 0");
   command->add_flag("--painted", options->isPainted,
-                    "Draw the lines of --model's trees with thickness, leaves and flowers of the report");
+                    "Draw the trees of --model with the thickness, leaves and flowers of the report");
   command->add_flag_callback(
-      "--no-ground", [options] { options->hasGround = false; }, "Without the ground");
-  command->add_option("--threads", options->model.threads, "Threads that grow trees; 0: as many as the machine has")
+      "--no-ground", [options] { options->hasGround = false; }, "Do not draw the ground");
+  command->add_option("--threads", options->model.threads, "Threads for growing trees; 0: as many as the machine has")
       ->check(CLI::Range(0, 1024));
-  command->add_flag("--quiet", options->model.isQuiet, "Only errors");
+  command->add_flag("--quiet", options->model.isQuiet, "Print only errors");
   addOutputOptions(*command, options->outputs, false);
   command->callback([options, &status] {
     if (options->outputs.files.empty() && options->trees.empty()) {

@@ -2,7 +2,6 @@
 #include <cstdio>
 #include <memory>
 #include <string>
-#include <variant>
 
 #include "clients/espalier/commands/commands.h"
 #include "clients/espalier/messages.h"
@@ -22,12 +21,12 @@ struct FormatOptions {
 };
 
 int format(FormatOptions& options) {
-  auto found = findModelFiles(options.model.model);
-  if (const std::string* problem = std::get_if<std::string>(&found)) {
-    printError(*problem);
+  const Result<ModelFiles> found = findModelFiles(options.model.model);
+  if (!found) {
+    printError(found.error());
     return kFailure;
   }
-  const ModelFiles& modelFiles = std::get<ModelFiles>(found);
+  const ModelFiles& modelFiles = *found;
   language::CompileInput input;
   input.modelFile = modelFiles.model;
   input.viewFile = options.model.view.empty() ? modelFiles.view : options.model.view;
@@ -38,7 +37,7 @@ int format(FormatOptions& options) {
   server::DiskFileProvider files;
   if (const auto foreign = language::translateForeign(input, files)) {
     printError("'" + input.modelFile + "' is written as " + std::string(foreign->dialect->title) +
-               ": format lays out cpfg models. `espalier convert` makes one of it");
+               ": `espalier format` lays out cpfg models only. `espalier convert` translates the file to cpfg");
     return kFailure;
   }
   const std::string original = files.read(input.modelFile).value_or(std::string());
@@ -73,30 +72,32 @@ int format(FormatOptions& options) {
 }  // namespace
 
 void addFormat(CLI::App& program, int& status) {
-  CLI::App* command = program.add_subcommand("format", "Lay out a model's text anew");
+  CLI::App* command = program.add_subcommand("format", "Lay out the text of a model");
   command->footer(
-      "Writes the model on standard output with blanks in the same places everywhere: around ':', '-->', '<', '>' and\n"
-      "operators, none before commas, blocks indented. Comments, directives, macros, line breaks and the spelling of\n"
-      "keywords stay; included files are not touched. The result means exactly the same: this is checked, and an item "
-      "that\n"
-      "would change is left as it is.\n"
+      "Prints the model on standard output with uniform blanks: around ':', '-->', '<', '>' and operators, none "
+      "before\n"
+      "commas, blocks indented. Comments, directives, macros, line breaks and the spelling of keywords stay. Included\n"
+      "files stay unchanged. The meaning stays the same: the command compiles both texts and compares them. It keeps "
+      "an\n"
+      "item unchanged when the new layout would change its meaning.\n"
       "Examples:\n"
       "  espalier format tree.l --in-place\n"
-      "  espalier format tree.l --check     exit status 1 when the file would be changed");
+      "  espalier format tree.l --check     exit status 1 when the layout differs");
   auto options = std::make_shared<FormatOptions>();
-  CLI::Option* inPlace =
-      command->add_flag("--in-place", options->isInPlace, "Write the file instead of standard output");
-  command->add_flag("--check", options->isCheck, "Write nothing; only say whether the file would be changed")
+  CLI::Option* inPlace = command->add_flag("--in-place", options->isInPlace, "Write the result into the file");
+  command->add_flag("--check", options->isCheck, "Write nothing; report whether the layout would change")
       ->excludes(inPlace);
   command->add_option("model", options->model.model, "The L-system file (.l), or a folder that holds exactly one")
       ->type_name("MODEL")
       ->required();
-  command->add_option("--view", options->model.view, "View file; without it the .v beside the model with the same name")
+  command
+      ->add_option("--view", options->model.view,
+                   "View file (default: the .v file beside the model with the same name)")
       ->type_name("FILE.v");
   command->add_option("--define", options->model.defines, "A macro for the model's preprocessor. May be repeated")
       ->type_name("NAME=VALUE")
       ->allow_extra_args(false);
-  command->add_flag("--quiet", options->model.isQuiet, "Only results and errors");
+  command->add_flag("--quiet", options->model.isQuiet, "Print only results and errors");
   command->callback([options, &status] { status = format(*options); });
 }
 

@@ -74,11 +74,11 @@ int growth(const GrowthOptions& options) {
 }  // namespace
 
 void addGrowth(CLI::App& program, int& status) {
-  CLI::App* command = program.add_subcommand("growth", "How long the strings of models become");
+  CLI::App* command = program.add_subcommand("growth", "Print the lengths of the strings of models, step by step");
   command->footer(
-      "Prints a line for each model and step: its name, the step and the number of modules, with TABs between. With -o "
-      "an\n"
-      "SVG with a curve for each model, the numbers of modules on a logarithmic axis.\n"
+      "Prints a line for each model and step: the name, the step and the number of modules, separated by TABs. With "
+      "-o\n"
+      "it also writes an SVG with a curve for each model and a logarithmic axis.\n"
       "Example: espalier growth plant-1.lsv plant-2.lsv -o plants.svg");
   auto options = std::make_shared<GrowthOptions>();
   command->add_option("models", options->models, "L-system files of any dialect, or model folders")
@@ -86,7 +86,7 @@ void addGrowth(CLI::App& program, int& status) {
       ->required();
   addRunningOptions(*command, options->model);
   command->add_option("-o", options->plot, "The plot to write")->type_name("FILE.svg");
-  command->add_flag("--quiet", options->model.isQuiet, "Only results and errors");
+  command->add_flag("--quiet", options->model.isQuiet, "Print only results and errors");
   command->callback([options, &status] { status = growth(*options); });
 }
 

@@ -32,7 +32,7 @@ struct InferOptions {
   bool isQuiet = false;
 };
 
-// what a text derives to, step by step, compared with the strings it was inferred from; nothing else proves a model
+// whether a model derives the strings that it was inferred from, step by step: the proof of the model
 bool derivesTheStrings(const std::string& model, const StepStrings& steps) {
   core::MemoryFileProvider files;
   language::CompileInput input;
@@ -71,7 +71,7 @@ std::string kindName(bool isBracketed) {
   return isBracketed ? "bracketed D0L-system" : "D0L-system";
 }
 
-// what was found, as a sentence for the model's first line
+// the result of the search, as a sentence for the first line of the model
 std::string verdict(const Inference& found, const std::string& kind, std::size_t stringCount) {
   const std::string strings = std::to_string(stringCount) + " strings";
   switch (found.outcome) {
@@ -106,11 +106,11 @@ int infer(const InferOptions& options) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(options.seconds);
   search.mayContinue = [end] { return std::chrono::steady_clock::now() < end; };
 
-  // with brackets as branches first; they may also be symbols like others
+  // first read brackets as branches, then as ordinary symbols
   search.isBracketed = hasBrackets;
   Inference found = language::inferD0l(*steps, search);
   if (hasBrackets && found.outcome == InferenceOutcome::None) {
-    printNote("no bracketed D0L-system makes these strings; trying with brackets as symbols like others");
+    printNote("no bracketed D0L-system makes these strings; trying again with brackets as ordinary symbols");
     search.isBracketed = false;
     Inference plain = language::inferD0l(*steps, search);
     if (plain.outcome != InferenceOutcome::None) {
@@ -128,7 +128,7 @@ int infer(const InferOptions& options) {
                  "chance in the original model");
     } else {
       printError("undecided after " + std::to_string(options.seconds).substr(0, 4) +
-                 " s: give it longer with --seconds, more steps, or symbols that stay as they are with --constants");
+                 " s: give more time with --seconds, more steps, or the symbols that never change with --constants");
     }
     return kFailure;
   }
@@ -140,10 +140,10 @@ int infer(const InferOptions& options) {
     printNote(sentence + (found.outcome == InferenceOutcome::Several ? ". They differ in" : ""));
     if (found.outcome == InferenceOutcome::Several) {
       std::fputs(language::inferredDifferences(*steps, found.systems).c_str(), stderr);
-      printNote("More steps, or --constants, would tell them apart.");
+      printNote("More steps, or --constants, can decide between them.");
     }
     if (!isModel) {
-      printNote("Some of its symbols are not symbols of the cpfg language: printed as productions.");
+      printNote("Some symbols are not symbols of the cpfg language, so only the productions are printed.");
     }
   }
   std::fputs((isModel ? model : language::inferredProductions(*steps, found.systems.front())).c_str(), stdout);
@@ -155,20 +155,20 @@ int infer(const InferOptions& options) {
 void addInfer(CLI::App& program, int& status) {
   CLI::App* command = program.add_subcommand("infer", "Find the productions from the strings of successive steps");
   command->footer(
-      "STEPS holds one string a line, as `espalier derive MODEL.l --every` prints them; without its step numbers too.\n"
-      "Prints a model that makes them, and says on standard error whether it is the only D0L-system that does, one of\n"
-      "several (and how they differ), that none exists, or that this was not decided in time. With brackets, "
-      "successors\n"
-      "are balanced. Exit status 1 when no system was found.\n"
+      "STEPS holds one string per line, with or without step numbers, as `espalier derive MODEL.l --every` prints "
+      "them.\n"
+      "Prints a model that derives these strings. Standard error says whether it is the only such D0L-system, one of\n"
+      "several (and how they differ), or whether the time was too short to decide. With brackets, every successor is\n"
+      "balanced. Exit status 1 when no D0L-system derives the strings, or none was found in time.\n"
       "Example: espalier infer steps.txt > model.l");
   auto options = std::make_shared<InferOptions>();
   command->add_option("STEPS", options->file, "Text file of strings, the axiom first")->required();
-  command->add_option("--constants", options->constants, "Symbols that are replaced by themselves, as '+-F'");
-  addPositiveNumber(*command, "--seconds", "How long to search (default 10)", "seconds",
+  command->add_option("--constants", options->constants, "Symbols that never change, such as '+-F'");
+  addPositiveNumber(*command, "--seconds", "Time for the search, in seconds (10)", "seconds",
                     [options](double seconds) { options->seconds = seconds; });
   command->add_flag_callback(
-      "--no-erasing", [options] { options->mayErase = false; }, "No production may make nothing");
-  command->add_flag("--quiet", options->isQuiet, "Print the model only");
+      "--no-erasing", [options] { options->mayErase = false; }, "No production has an empty successor");
+  command->add_flag("--quiet", options->isQuiet, "Print only the model");
   command->callback([options, &status] { status = infer(*options); });
 }
 

@@ -32,7 +32,7 @@ struct LoadOptions {
   double seconds = 10.0;
 };
 
-/// What all sessions count together. Thread-safe.
+/// Counters shared by all sessions. Thread-safe.
 class Figures {
  public:
   void add(double microseconds) {
@@ -47,14 +47,14 @@ class Figures {
   }
   void sort() { std::sort(microseconds_.begin(), microseconds_.end()); }
   [[nodiscard]] std::size_t count() const { return microseconds_.size(); }
-  /// After sort(): of so many in a hundred it is the longest. Zero when there is none.
+  /// The percentile `share` of the times, after sort(). Zero when there are no times.
   [[nodiscard]] double percentile(std::size_t share) const {
     return microseconds_.empty() ? 0.0 : microseconds_[(microseconds_.size() - 1) * share / 100];
   }
   [[nodiscard]] const std::string& problem() const { return problem_; }
 
   std::atomic<std::uint64_t> frames{0};
-  std::atomic<std::uint64_t> differences{0};  // frames that told what changed
+  std::atomic<std::uint64_t> differences{0};  // frames that hold only changes
   std::atomic<std::uint64_t> frameBytes{0};
   std::atomic<bool> isOver{false};
 
@@ -96,7 +96,7 @@ std::string named(const std::string& simulation, const std::string& more = {}) {
   return params.endObject().take();
 }
 
-/// A plant that asks its environment so often in each step and grows slowly.
+/// A plant with `queries` communication modules that grows slowly.
 std::string createParams(unsigned queries) {
   std::string source = "Lsystem: 1\nderivation length: 1000000000\nAxiom: A(0)";
   for (unsigned i = 0; i < queries; ++i) {
@@ -199,26 +199,26 @@ int runLoad(const LoadOptions& options) {
 
 void addLoad(CLI::App& program, int& status) {
   const auto options = std::make_shared<LoadOptions>();
-  CLI::App* command = program.add_subcommand("load", "Put a running server under load and say how fast it answers");
+  CLI::App* command = program.add_subcommand("load", "Put a running server under load and measure its answers");
   command->add_option("address", options->address, "HOST:PORT of the server")->capture_default_str();
   command->add_option("--token", options->token, "The server's token");
-  command->add_option("--sessions", options->sessions, "Sessions that step a simulation of their own")
+  command->add_option("--sessions", options->sessions, "Sessions; each steps its own simulation")
       ->check(CLI::Range(1, 10'000))
       ->capture_default_str();
-  command->add_option("--viewers", options->viewers, "Viewers of those simulations, in turn")
+  command->add_option("--viewers", options->viewers, "Viewers, spread over the simulations")
       ->check(CLI::Range(0, 10'000))
       ->capture_default_str();
-  command->add_option("--idle", options->idle, "Sessions that only stand there")
+  command->add_option("--idle", options->idle, "Sessions that connect and send nothing")
       ->check(CLI::Range(0, 100'000))
       ->capture_default_str();
   command->add_option("--queries", options->queries, "Communication modules of each plant")
       ->check(CLI::Range(0, 100'000))
       ->capture_default_str();
-  command->add_option("--seconds", options->seconds, "How long")
+  command->add_option("--seconds", options->seconds, "Duration of the measurement, in seconds")
       ->check(CLI::Range(0.01, 86'400.0))
       ->capture_default_str();
   command->footer(
-      "The simulations are deleted afterwards. Exit status: 0 every call was answered, 1 one failed.\n"
+      "The command deletes its simulations at the end. Exit status: 0 every call was answered, 1 a call failed.\n"
       "Example: espalier load 127.0.0.1:4321 --sessions 8 --viewers 50 --idle 900");
   command->callback([options, &status] { status = runLoad(*options); });
 }

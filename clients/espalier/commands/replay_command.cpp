@@ -40,16 +40,18 @@ int replay(const ReplayOptions& options) {
 
 void addReplay(CLI::App& program, int& status) {
   const auto options = std::make_shared<ReplayOptions>();
-  CLI::App* command = program.add_subcommand("replay", "Make a recorded run again, without its environment");
+  CLI::App* command = program.add_subcommand("replay", "Repeat a recorded run without its environment, and compare");
   command->footer(
-      "The trace holds the model, every query and every reply. Replaying it compares each query and each string with "
+      "The trace holds the model, every query and every reply. The replay compares each query and each string with "
       "the\n"
-      "recorded ones and names the first that differs: step, plant and module.\n"
+      "recorded ones. It names the first difference: step, plant and module.\n"
       "Examples:\n"
       "  espalier derive tree.l --environment 'stdio:python3 light.py' --trace tree.trace\n"
       "  espalier replay tree.trace");
-  command->add_option("TRACE", options->trace, "What --trace wrote")->required();
-  command->add_option("--threads", options->threads, "Threads that derive; the result does not depend on it")
+  command->add_option("TRACE", options->trace, "Trace file that --trace wrote")->required();
+  command
+      ->add_option("--threads", options->threads,
+                   "Threads for the derivation; the result does not depend on their number")
       ->capture_default_str()
       ->check(CLI::Range(1U, 1024U));
   command->callback([options, &status] { status = replay(*options); });

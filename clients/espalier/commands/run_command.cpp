@@ -28,14 +28,14 @@ struct RunOptions {
   TraceOption trace;
   OutputOptions outputs;
   FieldOutputs fields;
-  std::string resumed;         // snapshot to go on from; empty: none
-  std::uint64_t variants = 0;  // plants from as many seeds; 0: one plant of the run's seed
+  std::string resumed;         // snapshot to continue from; empty: none
+  std::uint64_t variants = 0;  // plants, each with its own seed; 0: one plant with the seed of the run
   bool writesEveryStep = false;
-  std::optional<bool> hasSharedFrame;  // all frames have one scale; nothing: unless that would disturb an environment
-  std::optional<double> rowSpacing;    // variants stand in one file, so far apart; 0: so that they do not touch
+  std::optional<bool> hasSharedFrame;  // all frames have one scale; nothing: unless the environment is a process
+  std::optional<double> rowSpacing;    // distance of the variants in one file; 0: so that they do not touch
 };
 
-/// Takes what a model writes into files, and forgets it.
+/// Discards the files of the model.
 class ForgetfulWriter final : public core::FileWriter {
  public:
   [[nodiscard]] std::optional<std::string> write(const std::string&, bool, std::string_view) override {
@@ -53,7 +53,7 @@ bool isOtherProcess(const std::string& environment) {
   return environment.starts_with("tcp://") || environment.starts_with("stdio:");
 }
 
-// whether the frames of a run are fitted together; says why not when that is not what was asked for
+// whether all frames of a run have one scale; prints a note when the environment prevents it
 bool sharesFrame(const RunOptions& options, const ModelOptions& model) {
   const auto isPicture = [&](const std::string& file) { return isPictureFile(options.outputs, file); };
   if (!options.writesEveryStep || options.outputs.picture.framing != turtle::PictureFraming::Fitted ||
@@ -63,28 +63,28 @@ bool sharesFrame(const RunOptions& options, const ModelOptions& model) {
   if (!options.hasSharedFrame && isOtherProcess(model.environment)) {
     if (!model.isQuiet) {
       printNote(
-          "each picture is fitted on its own: for one scale the run is made twice, and its environment is another "
-          "process. --frames shared does that");
+          "each picture has its own scale: one scale needs a second run, and the environment is another process. "
+          "--frames shared makes the second run");
     }
     return false;
   }
   return options.hasSharedFrame.value_or(true);
 }
 
-// what a run from a snapshot does when it derives nothing
+// says why a run from a snapshot derives nothing
 void explainNothingToDo(const simulation::Simulation& simulation, std::optional<std::uint64_t> last) {
   const std::uint64_t step = simulation.completedSteps();
   std::string sentence = "the snapshot is at step " + std::to_string(step);
   if (last && *last < step) {
-    sentence += ", beyond step " + std::to_string(*last) + ": nothing is derived and step " + std::to_string(step) +
+    sentence += ", beyond step " + std::to_string(*last) + ": no step is derived, and step " + std::to_string(step) +
                 " is written";
   } else {
-    sentence += ", the last one: nothing is derived. --steps N goes on to step N";
+    sentence += ", the last one: no step is derived. --steps N continues to step N";
   }
   printNote(sentence);
 }
 
-// goes on to the last step, of the model or `last`; the bar is shown on a terminal only
+// makes all steps up to `last` or the end of the model; the bar appears on a terminal only
 bool runToEnd(simulation::Simulation& simulation, std::optional<std::uint64_t> last, RunOptions& options,
               const OutputWriter& writer, const TimeLimit& time) {
   ProgressBar bar(!options.model.isQuiet);
@@ -127,7 +127,7 @@ std::unique_ptr<simulation::Simulation> begin(LoadedModel& loaded) {
                                                   std::move(loaded.simulationOptions));
 }
 
-// what all frames of a run show together: the run is made once before it is drawn, with the same seed and without files
+// the part of space that all frames show: from a first run with the same seed that writes no files
 std::optional<turtle::PictureFrame> frameOfAll(const RunOptions& options, ModelOptions model,
                                                std::optional<std::uint64_t> seed) {
   server::DiskFileProvider files;
@@ -165,11 +165,11 @@ std::optional<turtle::PictureFrame> frameOfAll(const RunOptions& options, ModelO
     bar.show(simulation->completedSteps(), last.value_or(simulation->derivationLength()),
              simulation->statistics().modules);
   }
-  // the run itself meets a failure again, behind the frames that it can draw
+  // the run itself reports the failure again, after its last complete frame
   return frame;
 }
 
-// what a run leaves that failed behind its first step: the snapshots among its files, of the last complete step
+// after a run that failed behind its first step: writes the snapshots among its files, of the last complete step
 void writeRest(const simulation::Simulation& simulation, const OutputOptions& outputs,
                std::optional<std::uint64_t> variant, bool isQuiet) {
   if (simulation.completedSteps() == 0) {
@@ -179,16 +179,17 @@ void writeRest(const simulation::Simulation& simulation, const OutputOptions& ou
   std::erase_if(rest.files, [&](const std::string& file) { return formatOf(outputs, file) != nullptr; });
   if (rest.files.empty()) {
     if (!isQuiet) {
-      printNote("with -o FILE.snapshot a run that fails leaves its last complete step, to go on from with --resume");
+      printNote("with -o FILE.snapshot a failed run saves its last complete step, and --resume continues from it");
     }
     return;
   }
   if (OutputWriter(rest, isQuiet).write(simulation, variant, 3) && !isQuiet) {
-    printNote("that is step " + std::to_string(simulation.completedSteps()) + ": go on from it with --resume");
+    printNote("the snapshot holds step " + std::to_string(simulation.completedSteps()) +
+              ": continue from it with --resume");
   }
 }
 
-// one run, written with a number when it is one of several variants
+// one run; the files of a variant have its number
 int runOnce(RunOptions& options, ModelOptions model, std::optional<std::uint64_t> variant, PlantRows* rows = nullptr) {
   server::DiskFileProvider files;
   std::optional<ResumedRun> resumed;
@@ -206,7 +207,7 @@ int runOnce(RunOptions& options, ModelOptions model, std::optional<std::uint64_t
       std::none_of(loaded->programs.begin(), loaded->programs.end(),
                    [](const auto& program) { return drawsRandomNumbers(*program); }) &&
       !model.isQuiet) {
-    printNote("the model draws no random numbers: all variants are equal");
+    printNote("the model draws no random numbers, so all variants are equal");
   }
   // with --every a format that can hold all steps has one file, which OutputWriter does not see
   OutputOptions separate = options.outputs;
@@ -279,8 +280,8 @@ int run(RunOptions& options) {
 void addRun(CLI::App& program, int& status) {
   CLI::App* command = program.add_subcommand("run", "Grow a model and write pictures, meshes, tables or a snapshot");
   command->footer(
-      "The suffix of each output file decides what is written; --format's help lists all formats.\n"
-      "A model folder brings its colours, its environment and, with -a, its last step.\n"
+      "The suffix of an output file chooses its format; the help of --format lists all formats.\n"
+      "A model folder defines the colours, the environment and, with -a, the last step.\n"
       "Examples:\n"
       "  espalier run lilac -o lilac.png --size 1920x1080\n"
       "  espalier run tree.l -o tree.glb -o tree.png -o tree.mtg\n"
@@ -297,24 +298,24 @@ void addRun(CLI::App& program, int& status) {
   options->trace.addTo(*command);
   addOutputOptions(*command, options->outputs, true);
   options->fields.addTo(*command);
-  CLI::Option* resume = command->add_option("--resume", options->resumed,
-                                            "Go on from a snapshot; it carries its model, so MODEL may be left out");
+  CLI::Option* resume = command->add_option(
+      "--resume", options->resumed, "Continue from a snapshot. The snapshot holds its model, so MODEL is not needed");
   resume->type_name("FILE.snapshot");
   CLI::Option* every = command->add_flag(
       "--every", options->writesEveryStep,
-      "Write every step, from 0: the step's number goes where the file name has %d or %04d, or before its suffix;\n"
-      "a .usda without %d holds the whole growth animation");
+      "Write every step, from 0. The number of the step replaces %d or %04d in the file name, or stands before the\n"
+      "suffix. A .usda file without %d holds the growth animation of all steps");
   command
       ->add_option_function<std::string>(
           "--frames", [options](const std::string& name) { options->hasSharedFrame = name == "shared"; },
-          "With --every, what fitted pictures show: shared (all frames in one scale, so that nothing jumps; the run "
-          "is\n"
-          "made twice) or own (each as large as the page allows). shared, unless the environment is another process")
+          "With --every, the scale of fitted pictures: shared (one scale for all frames; the run is made twice) or\n"
+          "own (each frame as large as the page allows). Default: shared, or own with an environment in another\n"
+          "process")
       ->check(CLI::IsMember({"shared", "own"}))
       ->needs(every);
   CLI::Option* variants =
       addWholeNumber(*command, "--variants",
-                     "Grow so many plants, from the seeds S, S+1, ... of --seed S (1); files are numbered from 001", 1,
+                     "Grow N plants with the seeds S, S+1, ... of --seed S (1); files are numbered from 001", 1,
                      1'000'000, [options](std::uint64_t count) { options->variants = count; })
           ->type_name("N")
           ->excludes(every)
@@ -322,8 +323,8 @@ void addRun(CLI::App& program, int& status) {
   command
       ->add_option(
           "--in-rows", options->rowSpacing,
-          "All variants in one file, in rows so far apart, 0: so that they do not touch; equal ones share their\n"
-          "meshes in a .glb")
+          "Write all variants into one file, in rows with this distance (0: so that they do not touch). Equal plants\n"
+          "share their meshes in a .glb")
       ->type_name("DISTANCE")
       ->check(CLI::NonNegativeNumber)
       ->needs(variants);

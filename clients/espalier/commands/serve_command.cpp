@@ -29,7 +29,7 @@ struct ServeOptions {
 /// The names of all limits with their meanings and defaults, for --help.
 std::string limitHelp() {
   const server::ServerLimits defaults;
-  std::string text = "NAME=NUMBER, repeatable:";
+  std::string text = "NAME=NUMBER. May be repeated. Limits with their defaults:";
   for (const server::LimitEntry& entry : server::limitEntries()) {
     text += "\n  " + std::string(entry.name) + "  " + std::string(entry.meaning) + " (" +
             std::to_string(entry.get(defaults)) + ")";
@@ -73,11 +73,11 @@ int runServe(CLI::App& command, ServeOptions& options) {
   if (!options.tokenFile.empty()) {
     std::ifstream file(options.tokenFile);
     if (!std::getline(file, options.server.token) || options.server.token.empty()) {
-      printError("the token file '" + options.tokenFile + "' cannot be read or its first line is empty");
+      printError("the token file '" + options.tokenFile + "' cannot be read, or its first line is empty");
       return kFailure;
     }
   }
-  // a file that may not grow is an error of the step that wanted to be saved, not the server's end
+  // a file that reaches the size limit fails one saving and does not end the server
   (void)std::signal(SIGXFSZ, SIG_IGN);
   const auto hostOf = [](const std::string& address) { return address.substr(0, address.rfind(':')); };
   options.server.pages = {{"/", "text/html; charset=utf-8", web::serverPage()},
@@ -106,57 +106,62 @@ void addServe(CLI::App& program, int& status) {
   const auto options = std::make_shared<ServeOptions>();
   CLI::App* command = program.add_subcommand("serve", "Run the simulation server until SIGINT or SIGTERM");
   command->footer(
-      "When it is ready the server prints one line on standard output, `listening on 127.0.0.1:PORT`; its log goes to\n"
-      "standard error. Clients speak espalier/1: one JSON object a line (protocol/README.md). Try:\n"
+      "When the server is ready it prints `listening on 127.0.0.1:PORT` on standard output. Its log goes to standard\n"
+      "error. Clients use the protocol espalier/1: one JSON object per line (protocol/README.md). Examples:\n"
       "  espalier serve --listen 127.0.0.1:4321 --data plants &\n"
       "  espalier connect 127.0.0.1:4321 create MODEL.l\n"
-      "With --data every simulation is saved after each step (unless told otherwise) and is there again when the "
-      "server is\n"
-      "started again, also after a crash; one server at a time uses a folder.");
+      "With --data the server saves every simulation after each step, unless its client asked for no saving. The next\n"
+      "server with the same folder loads the simulations again, also after a crash. Only one server at a time may use\n"
+      "a folder.");
   command
-      ->add_option(
-          "--listen", options->address,
-          "HOST:PORT; port 0 takes a free one. Addresses that other machines reach need a token, and a certificate or "
-          "--insecure. unix:PATH: a socket for programs of this user")
+      ->add_option("--listen", options->address,
+                   "HOST:PORT; port 0 takes a free port. An address that other machines can reach needs a token, and a "
+                   "certificate or --insecure. unix:PATH: a socket for programs of this user")
       ->capture_default_str();
   command->add_option(
       "--http", options->http,
       "HOST:PORT for browsers and monitoring: a page at / that grows plants, WebSockets at /espalier/1, /metrics, "
       "/health");
   CLI::Option* certificate = command->add_option("--certificate", options->server.certificateFile,
-                                                 "PEM file of a certificate: connections are encrypted (TLS)");
-  CLI::Option* key = command->add_option("--key", options->server.keyFile, "PEM file of its private key");
+                                                 "PEM file of a certificate; encrypts all connections (TLS)");
+  CLI::Option* key =
+      command->add_option("--key", options->server.keyFile, "PEM file of the private key of the certificate");
   certificate->needs(key);
   key->needs(certificate);
   command->add_option("--allow-origin", options->server.allowedOrigins,
-                      "Web pages that may open WebSockets beside the server's own, as https://HOST; repeatable");
-  command->add_option("--data", options->server.dataFolder, "Folder in which simulations are kept; made when missing");
-  command->add_option("--gallery", options->server.galleryFolder,
-                      "Folder of model folders that clients can name: {\"gallery\":\"NAME\"}; by default the one that "
-                      "came with the program, if it did");
-  command->add_option("--token", options->server.token, "Text that clients must send as `token` in hello");
-  command->add_option("--token-file", options->tokenFile,
-                      "File whose first line is the token (other users cannot see it)");
+                      "Origin of other web pages that may open WebSockets, such as https://HOST. May be repeated");
+  command->add_option("--data", options->server.dataFolder,
+                      "Folder for saved simulations; the server makes it when it is missing");
+  command->add_option(
+      "--gallery", options->server.galleryFolder,
+      "Folder of model folders that clients use by name: {\"gallery\":\"NAME\"} (default: the gallery that "
+      "came with the program)");
+  command->add_option("--token", options->server.token, "Token that every client must send in hello");
+  command->add_option(
+      "--token-file", options->tokenFile,
+      "File with the token in its first line; unlike --token, other users of the machine cannot see it");
   command->add_flag("--insecure", options->server.isInsecureAllowed,
-                    "Allow an address beyond this machine without encryption");
+                    "Allow an address that other machines can reach without encryption");
   command->add_flag("--allow-spawn", options->server.isSpawnAllowed,
-                    "Let clients on other machines start commands as environments (`stdio`)");
-  command->add_option("--workers", options->server.workers, "Simulations that compute at a time; 0: as many as cores")
+                    "Allow clients on other machines to start commands as environments (`stdio`)");
+  command
+      ->add_option("--workers", options->server.workers,
+                   "Simulations that compute at the same time; 0: as many as the machine has cores")
       ->capture_default_str();
-  command->add_option("--threads", options->server.threads, "Threads of one step, for few big plants")
+  command->add_option("--threads", options->server.threads, "Threads for one step; useful with few large plants")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
   command->add_option("--limit", options->limits, limitHelp());
   command->add_option("--log-level", options->server.logLevel, "trace, debug, info, warn, error or off")
       ->check(CLI::IsMember({"trace", "debug", "info", "warn", "error", "off"}))
       ->capture_default_str();
-  command->add_option("--log-format", options->server.logFormat, "text, or json: one object a line")
+  command->add_option("--log-format", options->server.logFormat, "text, or json (one object per line)")
       ->check(CLI::IsMember({"text", "json"}))
       ->capture_default_str();
   command->add_option("--config", options->configuration,
-                      "TOML file with these options, without dashes, and a section [limits]; the command line wins");
+                      "TOML file with these options without dashes and a section [limits]; the command line wins");
   command->add_flag("--print-config", options->isConfigurationPrinted,
-                    "Print the effective options and limits as such a file, and end");
+                    "Print the effective options and limits as a configuration file, and exit");
   command->callback([options, command, &status] { status = runServe(*command, *options); });
 }
 

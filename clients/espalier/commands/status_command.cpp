@@ -70,11 +70,11 @@ int runStatus(const StatusOptions& options) {
 
 void addStatus(CLI::App& program, int& status) {
   const auto options = std::make_shared<StatusOptions>();
-  CLI::App* command = program.add_subcommand("status", "Ask a running server how busy it is");
+  CLI::App* command = program.add_subcommand("status", "Print the load and the contents of a running server");
   command->add_option("address", options->address, "HOST:PORT of the server")->capture_default_str();
   command->add_option("--token", options->token, "The server's token");
-  command->add_flag("--json", options->isJson, "The answer of server.status as it is");
-  command->footer("Exit status: 0 it answered, 1 there is none. Example: espalier status 127.0.0.1:4321");
+  command->add_flag("--json", options->isJson, "Print the answer of server.status as JSON");
+  command->footer("Exit status: 0 the server answered, 1 no server answers. Example: espalier status 127.0.0.1:4321");
   command->callback([options, &status] { status = runStatus(*options); });
 }
 

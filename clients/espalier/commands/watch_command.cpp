@@ -20,9 +20,9 @@ namespace {
 
 constexpr auto kPollInterval = std::chrono::milliseconds(150);
 
-volatile std::sig_atomic_t interruptions = 0;  // signals that ask to end, so far
+volatile std::sig_atomic_t interruptions = 0;  // SIGINT and SIGTERM received so far
 
-// the first interruption ends the watch between two steps, the second at once
+// the first signal ends the watch between two steps, the second ends the program at once
 void interrupt(int signal) {
   interruptions = interruptions + 1;
   if (interruptions > 1) {
@@ -40,7 +40,7 @@ class WatchedFiles final : public core::FileProvider {
     return content;
   }
 
-  /// Whether a file that was read is no longer what it was, or one that was missing is there.
+  /// Whether the content of a file has changed since it was read, or a missing file exists now.
   [[nodiscard]] bool haveChanged() {
     for (const auto& [name, hash] : hashes_) {
       if (hashOf(files_.read(name)) != hash) {
@@ -72,7 +72,7 @@ struct WatchOptions {
   OutputOptions outputs;
 };
 
-// grows the model once and writes it; what is wrong is said and does not matter for the next time
+// grows the model once and writes it; an error is printed and does not end the watch
 void draw(const WatchOptions& options, WatchedFiles& files) {
   ModelOptions model = options.model;
   std::optional<LoadedModel> loaded = loadModel(model, files);
@@ -103,11 +103,11 @@ int watch(const WatchOptions& options) {
   WatchedFiles files;
   while (interruptions == 0) {
     files.forget();
-    // in case that the model cannot even be found
+    // watch the model itself, also when it does not exist yet
     static_cast<void>(files.read(options.model.model));
     draw(options, files);
     if (interruptions == 0 && !options.model.isQuiet) {
-      printNote("watching " + std::to_string(files.count()) + " files; Ctrl-C ends");
+      printNote("watching " + std::to_string(files.count()) + " files; press Ctrl-C to end");
     }
     while (interruptions == 0 && !files.haveChanged()) {
       std::this_thread::sleep_for(kPollInterval);
@@ -119,10 +119,11 @@ int watch(const WatchOptions& options) {
 }  // namespace
 
 void addWatch(CLI::App& program, int& status) {
-  CLI::App* command = program.add_subcommand("watch", "Write a model's picture anew whenever its files change");
+  CLI::App* command = program.add_subcommand("watch", "Redraw a model whenever one of its files changes");
   command->footer(
-      "Every file that the model was read from is watched; what is wrong with one is said, and the next change tried.\n"
-      "A model that draws random numbers looks different each time unless --seed is given. Ctrl-C ends.\n"
+      "The command watches every file of the model. It prints the errors of a file and tries again after the next "
+      "change.\n"
+      "A model that draws random numbers looks different each time; --seed prevents this. Ctrl-C ends the command.\n"
       "Examples:\n"
       "  espalier watch tree.l -o tree.png --seed 1\n"
       "  espalier watch lilac -o lilac.png -o lilac.glb");

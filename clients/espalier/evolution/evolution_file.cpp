@@ -47,7 +47,7 @@ Individual toIndividual(const json& item, const GenomeShape& shape) {
   individual.genome.successors = item.at("successors").get<std::vector<Successor>>();
   if (individual.genome.values.size() != shape.genes.size() ||
       individual.genome.successors.size() != shape.predecessors.size()) {
-    throw std::invalid_argument("an individual has not the genes of this run");
+    throw std::invalid_argument("an individual has other genes than this run");
   }
   individual.isEvaluated = true;
   individual.hasGrown = item.at("hasGrown").get<bool>();
@@ -82,19 +82,19 @@ std::string writeEvolution(const EvolutionSettings& settings, const Generation& 
          "\n";
 }
 
-std::variant<Generation, std::string> readEvolution(std::string_view text, const EvolutionSettings& settings) {
+Result<Generation> readEvolution(std::string_view text, const EvolutionSettings& settings) {
   try {
     const json file = json::parse(text);
     if (file.at("espalierEvolution").get<int>() != kVersion) {
-      return std::string("it is of another version of espalier");
+      return problem("another version of espalier wrote it");
     }
     const json& before = file.at("settings");
     const json now = toJson(settings);
     for (const auto& [name, value] : now.items()) {
       if (before.at(name) != value) {
-        return name == "model"
-                   ? std::string("the model, its view or its environment has changed since")
-                   : "it was made with another " + name + ": " + before.at(name).dump() + ", now " + value.dump();
+        return problem(name == "model" ? std::string("the model, its view or its environment has changed since")
+                                       : "it was made with another " + name + ": " + before.at(name).dump() + ", now " +
+                                             value.dump());
       }
     }
     Generation generation;
@@ -103,11 +103,11 @@ std::variant<Generation, std::string> readEvolution(std::string_view text, const
       generation.individuals.push_back(toIndividual(item, settings.shape));
     }
     if (generation.individuals.size() != settings.populationCount) {
-      return std::string("it has not all individuals");
+      return problem("individuals are missing in it");
     }
     return generation;
   } catch (const std::exception& error) {
-    return std::string("it is damaged: ") + error.what();
+    return problem(std::string("it is damaged: ") + error.what());
   }
 }
 

@@ -64,10 +64,10 @@ FitnessProcess::~FitnessProcess() {
   parts_->channel.closeOutput();
 }
 
-std::variant<std::unique_ptr<FitnessProcess>, std::string> FitnessProcess::start(const std::string& command) {
+Result<std::unique_ptr<FitnessProcess>> FitnessProcess::start(const std::string& command) {
   auto started = server::ChildProcess::start(command);
   if (!started) {
-    return std::move(started.error());
+    return problem(std::move(started.error()));
   }
   auto child = std::move(*started);
   LineChannel channel(std::move(child->input), std::move(child->output), kLongestReply);
@@ -75,36 +75,36 @@ std::variant<std::unique_ptr<FitnessProcess>, std::string> FitnessProcess::start
       new FitnessProcess(std::unique_ptr<Parts>(new Parts{std::move(child), std::move(channel)})));
 }
 
-std::variant<double, std::string> FitnessProcess::judge(const JudgedPlant& plant, double seconds) {
+Result<double> FitnessProcess::judge(const JudgedPlant& plant, double seconds) {
   const auto deadline =
       std::chrono::steady_clock::now() +
       std::chrono::duration_cast<std::chrono::steady_clock::duration>(std::chrono::duration<double>(seconds));
   std::string line;
   LineChannel::Status status = parts_->channel.write(request(plant), deadline);
-  // what no longer reads may have said something before
+  // a program that no longer reads may have answered before
   if (status == LineChannel::Status::Done || status == LineChannel::Status::Closed) {
     status = parts_->channel.readLine(line, deadline);
   }
   if (status == LineChannel::Status::Timeout) {
-    return "the fitness program did not answer within " + std::to_string(static_cast<int>(seconds)) + " s";
+    return problem("the fitness program did not answer within " + std::to_string(static_cast<int>(seconds)) + " s");
   }
   if (status != LineChannel::Status::Done) {
-    // its output ends a moment before it does
+    // its output ends a moment before the process ends
     std::string fate = parts_->child->process.fate();
     for (int i = 0; i < 100 && fate.empty(); ++i) {
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
       fate = parts_->child->process.fate();
     }
-    return "the fitness program " + (fate.empty() ? std::string("closed its output") : fate) +
-           " instead of answering; what it says itself is above";
+    return problem("the fitness program " + (fate.empty() ? std::string("closed its output") : fate) +
+                   " instead of answering; its own messages are above");
   }
   const json reply = json::parse(line, nullptr, false);
   if (reply.is_object() && reply.contains("error") && reply["error"].is_string()) {
-    return "the fitness program says: " + reply["error"].get<std::string>();
+    return problem("the fitness program says: " + reply["error"].get<std::string>());
   }
   if (!reply.is_object() || !reply.contains("fitness") || !reply["fitness"].is_number() ||
       !std::isfinite(reply["fitness"].get<double>())) {
-    return "the fitness program answered '" + line.substr(0, 100) + "', not {\"fitness\": NUMBER}";
+    return problem("the fitness program answered '" + line.substr(0, 100) + "', not {\"fitness\": NUMBER}");
   }
   return reply["fitness"].get<double>();
 }

@@ -3,15 +3,15 @@
 #include <cstdint>
 #include <memory>
 #include <string>
-#include <variant>
 
 #include "clients/espalier/evolution/fitness.h"
 #include "clients/espalier/evolution/genome.h"
+#include "clients/espalier/result.h"
 #include "engine/turtle/scene/scene.h"
 
 namespace espalier::command {
 
-/// A plant for somebody else to judge.
+/// A plant that another program judges.
 struct JudgedPlant {
   std::uint32_t generation = 0;
   std::uint64_t individual = 0;
@@ -23,17 +23,17 @@ struct JudgedPlant {
   std::string string;  // of modules
 };
 
-/// Another program that gives plants their fitness: for each a line of JSON on its standard input (README of this
-/// folder), for each a line {"fitness": NUMBER} or {"error": TEXT} back. `espalier.serve_fitness` of the Python package
-/// is its other side.
+/// Another program that gives plants their fitness. It reads a line of JSON for each plant on its standard input
+/// (README of this folder) and answers with a line {"fitness": NUMBER} or {"error": TEXT}. `espalier.serve_fitness` of
+/// the Python package is such a program.
 class FitnessProcess {
  public:
-  /// Starts `command` by the shell, or returns an error sentence.
-  [[nodiscard]] static std::variant<std::unique_ptr<FitnessProcess>, std::string> start(const std::string& command);
+  /// Starts `command` with the shell.
+  [[nodiscard]] static Result<std::unique_ptr<FitnessProcess>> start(const std::string& command);
   ~FitnessProcess();
 
-  /// The fitness of a plant, or an error sentence. `seconds`: how long to wait for it.
-  [[nodiscard]] std::variant<double, std::string> judge(const JudgedPlant& plant, double seconds);
+  /// The fitness of a plant. Waits at most `seconds` for the answer.
+  [[nodiscard]] Result<double> judge(const JudgedPlant& plant, double seconds);
 
  private:
   struct Parts;

@@ -10,7 +10,7 @@
 
 namespace espalier::command {
 
-/// A number that varies: a macro of the model with its range.
+/// A variable number: a macro of the model with its range.
 struct Gene {
   std::string name;
   double low = 0.0;
@@ -19,20 +19,20 @@ struct Gene {
   bool operator==(const Gene&) const = default;
 };
 
-/// What all genomes of a run have in common.
+/// The common structure of all genomes of a run.
 struct GenomeShape {
   std::vector<Gene> genes;                // numbers
   std::vector<std::string> predecessors;  // symbols whose successors vary; empty: productions do not vary
-  std::vector<std::string> alphabet;      // what successors are made of besides `[` and `]`
+  std::vector<std::string> alphabet;      // modules of successors, besides `[` and `]`
   std::size_t longestSuccessor = 40;      // modules
 
   bool operator==(const GenomeShape&) const = default;
 };
 
-/// A successor as its modules' text; brackets are balanced.
+/// A successor as the texts of its modules; brackets are balanced.
 using Successor = std::vector<std::string>;
 
-/// One individual's genes.
+/// The genes of one individual.
 struct Genome {
   std::vector<double> values;         // by gene, each within its range
   std::vector<Successor> successors;  // by predecessor
@@ -40,7 +40,7 @@ struct Genome {
   bool operator==(const Genome&) const = default;
 };
 
-/// The draws of one individual: a function of the seed, the generation and the individual's number alone.
+/// The random draws of one individual. They depend only on the seed, the generation and the number of the individual.
 class GenomeRandom {
  public:
   GenomeRandom(std::uint64_t seed, std::uint32_t generation, std::uint64_t individual)

@@ -144,9 +144,8 @@ std::string whyNotD0l(const Program& program) {
 
 }  // namespace
 
-std::variant<ModelVariants, std::string> ModelVariants::make(std::shared_ptr<const Program> program,
-                                                             std::vector<Gene> genes, bool variesProductions,
-                                                             std::size_t longestSuccessor) {
+Result<ModelVariants> ModelVariants::make(std::shared_ptr<const Program> program, std::vector<Gene> genes,
+                                          bool variesProductions, std::size_t longestSuccessor) {
   ModelVariants variants;
   variants.base_ = std::move(program);
   const Program& base = *variants.base_;
@@ -163,9 +162,9 @@ std::variant<ModelVariants, std::string> ModelVariants::make(std::shared_ptr<con
   }
   for (const Gene& gene : genes) {
     if (std::find(macros.begin(), macros.end(), gene.name) == macros.end()) {
-      return "the model has no line '#define " + gene.name + " NUMBER'. " +
-             (macros.empty() ? "It has no #define: name the number that shall vary"
-                             : core::suggestName(gene.name, macros));
+      return problem("the model has no line '#define " + gene.name + " NUMBER'. " +
+                     (macros.empty() ? "It has no #define: write one for the number that varies"
+                                     : core::suggestName(gene.name, macros)));
     }
   }
   variants.shape_.genes = std::move(genes);
@@ -174,17 +173,17 @@ std::variant<ModelVariants, std::string> ModelVariants::make(std::shared_ptr<con
     return variants;
   }
 
-  if (std::string problem = whyNotD0l(base); !problem.empty()) {
-    return problem;
+  if (std::string reason = whyNotD0l(base); !reason.empty()) {
+    return problem(std::move(reason));
   }
   const language::LSystem& system = base.systems.front();
   const std::optional<Successor> axiom = constantModules(base, system.axiom, system.axiomExpressions);
   if (!axiom) {
-    return "the axiom computes a parameter: productions vary in models whose parameters are constants";
+    return problem("the axiom computes a parameter: productions vary only in models with constant parameters");
   }
   auto around = aroundProductions(variants.source_);
   if (!around) {
-    return "the model has no line that begins with 'Axiom:': productions vary in models that are written out";
+    return problem("the model has no line that begins with 'Axiom:': give a model that states its axiom in one line");
   }
   std::tie(variants.head_, variants.tail_) = std::move(*around);
   std::vector<std::string>& alphabet = variants.shape_.alphabet;
@@ -243,9 +242,8 @@ std::string ModelVariants::viewText() const {
   return {};
 }
 
-std::variant<std::shared_ptr<const Program>, std::string> ModelVariants::program(const Genome& genome,
-                                                                                 core::FileProvider& files) const {
-  // the model's files as they were read, its own with the genome in it
+Result<std::shared_ptr<const Program>> ModelVariants::program(const Genome& genome, core::FileProvider& files) const {
+  // the files of the model, with the genome in the model file
   class WithModel final : public core::FileProvider {
    public:
     WithModel(core::FileProvider& others, const Program& base, std::optional<std::string> text)
@@ -254,7 +252,7 @@ std::variant<std::shared_ptr<const Program>, std::string> ModelVariants::program
       if (text_ && name == base_.modelFile) {
         return text_;
       }
-      // a view file that a dialect made is there only
+      // a view file that the dialect made exists only among the sources
       const auto found = std::find_if(base_.sources.begin(), base_.sources.end(),
                                       [&](const auto& source) { return source.name == name; });
       return found != base_.sources.end() ? found->text : others_.read(name);
@@ -281,10 +279,10 @@ std::variant<std::shared_ptr<const Program>, std::string> ModelVariants::program
   }
   for (const core::Diagnostic& diagnostic : compiled.diagnostics.entries()) {
     if (diagnostic.severity == core::Severity::Error) {
-      return core::formatDiagnostic(diagnostic);
+      return problem(core::formatDiagnostic(diagnostic));
     }
   }
-  return std::string("the model does not compile");
+  return problem("the model does not compile");
 }
 
 }  // namespace espalier::command

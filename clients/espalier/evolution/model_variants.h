@@ -3,10 +3,10 @@
 #include <memory>
 #include <string>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include "clients/espalier/evolution/genome.h"
+#include "clients/espalier/result.h"
 #include "engine/core/streams.h"
 #include "engine/language/program.h"
 
@@ -15,25 +15,25 @@ namespace espalier::command {
 /// Makes models of genomes: the model's text with other numbers in its macros, or with other productions.
 class ModelVariants {
  public:
-  /// `program` is the model as it is. `variesProductions`: the productions vary, which must be those of a bracketed
-  /// D0L-system whose parameters are constants. `longestSuccessor`: of modules. Or an error sentence: a gene that the
-  /// model has no macro for, a production of another kind.
-  [[nodiscard]] static std::variant<ModelVariants, std::string> make(std::shared_ptr<const language::Program> program,
-                                                                     std::vector<Gene> genes, bool variesProductions,
-                                                                     std::size_t longestSuccessor);
+  /// `program` is the unchanged model. `variesProductions`: the productions vary; the model must then be a bracketed
+  /// D0L-system with constant parameters. `longestSuccessor` is in modules. A problem: the model has no macro for a
+  /// gene, or it is no such D0L-system.
+  [[nodiscard]] static Result<ModelVariants> make(std::shared_ptr<const language::Program> program,
+                                                  std::vector<Gene> genes, bool variesProductions,
+                                                  std::size_t longestSuccessor);
 
   [[nodiscard]] const GenomeShape& shape() const { return shape_; }
   /// The model's own successors, by predecessor.
   [[nodiscard]] const std::vector<Successor>& successors() const { return successors_; }
 
-  /// The text of a genome's model, complete in itself but for its view file and what it includes.
+  /// The text of a genome's model. It needs the view file and the included files of the model.
   [[nodiscard]] std::string text(const Genome& genome, const std::string& comment) const;
-  /// The text of the view file that all of them have; empty: none.
+  /// The text of the view file of all models; empty: none.
   [[nodiscard]] std::string viewText() const;
-  /// The Program of a genome, or the first error. `files` gives the view file and includes. Thread-safe for providers
-  /// of their own.
-  [[nodiscard]] std::variant<std::shared_ptr<const language::Program>, std::string> program(
-      const Genome& genome, core::FileProvider& files) const;
+  /// The Program of a genome, or the first error. `files` gives the view file and includes. Thread-safe when every
+  /// thread has its own provider.
+  [[nodiscard]] Result<std::shared_ptr<const language::Program>> program(const Genome& genome,
+                                                                         core::FileProvider& files) const;
 
  private:
   ModelVariants() = default;

@@ -54,7 +54,7 @@ std::vector<TreePlace> onGrid(std::size_t count, double distance, double jitter,
   points.resize(most);
   std::vector<TreePlace> places;
   for (std::size_t i = 0; i < count; ++i) {
-    // Fisher and Yates' shuffle, as far as it is needed
+    // the first steps of the shuffle of Fisher and Yates
     std::swap(points[i], points[i + draws.below(points.size() - i)]);
     places.push_back(placeAt(points[i].x * distance, points[i].z * distance, draws));
     if (jitter > 0.0) {
@@ -100,7 +100,7 @@ struct Seedling {
   double radius = 0.0;
 };
 
-// which of the seedlings are dominated by a larger one that they touch
+// the seedlings that touch and are dominated by a larger seedling
 std::vector<bool> dominated(turtle::EnvironmentProcess& ecosystem, const std::vector<Seedling>& seedlings,
                             std::uint64_t step) {
   turtle::QueryBatch queries;

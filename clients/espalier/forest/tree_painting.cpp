@@ -119,7 +119,7 @@ struct TreeLines {
   std::vector<double> axisLength;  // by the axis' first line (lineCount)
 };
 
-// a line grows from the one that ends where it starts, and goes on with its axis when no branch opens between them
+// a line continues the axis of the line that ends at its start, unless a branch opens there
 TreeLines linesOf(const TreePoints& tree) {
   TreeLines result;
   const std::size_t count = tree.points.size() / 2;
@@ -211,7 +211,7 @@ turtle::Scene paintTree(const TreePoints& tree, std::uint64_t seed, std::uint32_
     };
     const double endWidth = widthAt(line.along + line.length);
     if (parent != turtle::kNoParent) {
-      // a line that goes on straight is drawn with the one before it
+      // join a line with the line before it when both have the same direction
       turtle::Segment& before = scene.segments[parent];
       const bool goesOn = axes.lines[line.parent].axis == line.axis && before.end == start.position &&
                           core::dot(before.frame.heading, line.direction) > kStraight;

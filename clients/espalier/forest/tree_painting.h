@@ -16,7 +16,7 @@ class ForestColours {
   explicit ForestColours(std::uint64_t seed);
 
   [[nodiscard]] const files::Palette& palette() const { return palette_; }
-  /// What the ground looks like; ours.
+  /// The colour of the ground; not in the report.
   static constexpr std::int32_t kGround = 1;
 
   static constexpr int kTrunkShades = 6;
@@ -37,11 +37,12 @@ class ForestColours {
   files::Palette palette_;
 };
 
-/// A tree as the report draws it: lines to leaves (hops 0 at their end) are leaves of one thickness, of which a tenth
-/// is the first and a tenth the second flower of the group drawn for the tree; the rest is as thick as its number of
-/// branches and the tree's height say, trunk and branches in colours of their own. Ours: an axis gets thinner to its
-/// tip, a leaf is a flat blade along its line (polygons, 4 corners), and what goes on straight is one line, so that a
-/// forest is a small file. `index` tells trees of one forest apart. O(lines · log(lines)).
+/// A tree as the report draws it. The last line of an axis (hops 0 at its end) is a leaf; a tenth of the leaves is the
+/// first flower and a tenth the second flower of the group of the tree. The thickness of other lines depends on the
+/// number of branches and the height of the tree; trunk and branches have different colours. Our additions: an axis
+/// gets thinner to its tip, a leaf is a flat blade along its line (polygons, 4 corners), and successive lines in the
+/// same direction are one line, so that the file of a forest is small. `index` is the number of the tree in the forest.
+/// O(lines · log(lines)).
 [[nodiscard]] turtle::Scene paintTree(const TreePoints& tree, std::uint64_t seed, std::uint32_t index);
 
 }  // namespace espalier::command

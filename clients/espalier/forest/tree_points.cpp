@@ -28,7 +28,7 @@ double TreePoints::radius() const {
 
 TreePoints treePointsOf(const turtle::Scene& scene) {
   const std::size_t count = scene.segments.size();
-  // lines on the longest way from a segment's start; children come after their parents
+  // lines on the longest path from the start of a segment; children come after their parents
   std::vector<std::uint32_t> hops(count, 1);
   for (std::size_t i = count; i-- > 0;) {
     const std::uint32_t parent = scene.segments[i].parent;
@@ -58,7 +58,7 @@ std::string writeTreePoints(const TreePoints& tree) {
   return text;
 }
 
-std::variant<TreePoints, std::string> readTreePoints(std::string_view text) {
+Result<TreePoints> readTreePoints(std::string_view text) {
   constexpr std::string_view kSeparators = " \t\r,;";
   constexpr double kMostHops = 4e9;
   TreePoints tree;
@@ -79,7 +79,7 @@ std::variant<TreePoints, std::string> readTreePoints(std::string_view text) {
       const std::string_view word = line.substr(0, line.find_first_of(kSeparators));
       const std::optional<double> number = core::parseNumber(word);
       if (!number || !std::isfinite(*number)) {
-        return where + "'" + std::string(word.substr(0, 40)) + "' is not a number";
+        return problem(where + "'" + std::string(word.substr(0, 40)) + "' is not a number");
       }
       if (count < numbers.size()) {
         numbers[count] = *number;
@@ -91,22 +91,24 @@ std::variant<TreePoints, std::string> readTreePoints(std::string_view text) {
       continue;
     }
     if (count != numbers.size()) {
-      return where + "a point is five numbers: x y z, greatest distance to a leaf, branches to the root; found " +
-             std::to_string(count);
+      return problem(where +
+                     "a point is five numbers: x y z, greatest distance to a leaf, branches to the root; found " +
+                     std::to_string(count));
     }
     const auto isCount = [](double value) { return value >= 0.0 && value < kMostHops && value == std::floor(value); };
     if (!isCount(numbers[3]) || !isCount(numbers[4])) {
-      return where + "the distance to a leaf and the branches to the root are whole numbers from 0";
+      return problem(where + "the distance to a leaf and the branches to the root are whole numbers from 0");
     }
     tree.points.push_back({{numbers[0], numbers[1], numbers[2]},
                            static_cast<std::uint32_t>(numbers[3]),
                            static_cast<std::uint32_t>(numbers[4])});
   }
   if (tree.points.empty()) {
-    return std::string("it holds no points");
+    return problem("the file holds no points");
   }
   if (tree.points.size() % 2 != 0) {
-    return "it holds " + std::to_string(tree.points.size()) + " points; each two are the ends of a line";
+    return problem("the file holds " + std::to_string(tree.points.size()) +
+                   " points; their number must be even, because two points are a line");
   }
   return tree;
 }

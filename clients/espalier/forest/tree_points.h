@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
-#include <variant>
 #include <vector>
 
+#include "clients/espalier/result.h"
 #include "engine/core/vec3.h"
 #include "engine/turtle/scene/scene.h"
 
@@ -14,13 +14,13 @@ namespace espalier::command {
 /// A point of a tree of lines.
 struct TreePoint {
   core::Vec3 position;
-  std::uint32_t hopsToLeaf = 0;  // lines on the longest way on to a leaf; 0: nothing grows from here
-  std::uint32_t branches = 0;    // branches that open on the way from the root
+  std::uint32_t hopsToLeaf = 0;  // lines on the longest path to a leaf; 0: the point is the end of a leaf
+  std::uint32_t branches = 0;    // branches on the path from the root
 };
 
-/// A tree as the text files of Rodrigues, Coelho & Alencar ("Geração de vegetação com L-system", 2018) have it: points
-/// 2i and 2i + 1 are the start and the end of line i. The report names the five numbers of a line of text but not what
-/// belongs together; that successive pairs of points are lines is read from its "retas" between points.
+/// A tree as in the text files of Rodrigues, Coelho & Alencar ("Geração de vegetação com L-system", 2018): points 2i
+/// and 2i + 1 are the start and the end of line i. The report names the five numbers of a point but not how points form
+/// lines. We read from its "retas" between points that two successive points are a line.
 struct TreePoints {
   std::vector<TreePoint> points;  // an even number
 
@@ -35,7 +35,7 @@ struct TreePoints {
 
 /// One point a line: x y z, hops to the farthest leaf, branches to the root, separated by blanks.
 [[nodiscard]] std::string writeTreePoints(const TreePoints& tree);
-/// Reads it back; blanks, commas and semicolons separate. An error sentence with the line's number otherwise.
-[[nodiscard]] std::variant<TreePoints, std::string> readTreePoints(std::string_view text);
+/// Reads the text back. Blanks, commas and semicolons separate numbers. A problem names its line.
+[[nodiscard]] Result<TreePoints> readTreePoints(std::string_view text);
 
 }  // namespace espalier::command

@@ -70,9 +70,9 @@ std::optional<std::string> writePicture(const Field& field, const environment::F
 void FieldOutputs::addTo(CLI::App& command) {
   command
       .add_option("--field", specifications_,
-                  "Write quantities in space of the environment, such as water in the soil, as the suffix says:\n"
+                  "Write quantities in space of the environment, such as water in the soil. Formats by suffix:\n"
                   "  .vti  VTK image data, all quantities or NAME   .raw  numbers, with a header FILE.json\n"
-                  "  .png  NAME seen along @x, @y or @z (the mean), or in a slice @z:0.5\n"
+                  "  .png  NAME, mean along @x, @y or @z, or a slice as @z:0.5\n"
                   "  .csv  least, mean and greatest value and integral in each step")
       ->type_name("[NAME[@VIEW]=]FILE");
 }

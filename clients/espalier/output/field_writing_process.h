@@ -7,10 +7,10 @@
 
 namespace espalier::command {
 
-/// The same process, which also writes its quantities in space after every step, as `outputs` says: for an environment
-/// that runs as a program of its own, where the simulation does not see them. With `isEveryStepWritten` files but
-/// tables are numbered by step, else those of the last step stay. A file that cannot be written is an error of the
-/// step. `outputs` must outlive it.
+/// The same process, which also writes its quantities in space to `outputs` after every step. An environment in its own
+/// process needs this, because the simulation does not receive these quantities. With `isEveryStepWritten` every step
+/// has its own numbered files, except tables; else the files of the last step remain. A file that cannot be written is
+/// an error of the step. `outputs` must outlive the process.
 [[nodiscard]] std::unique_ptr<turtle::EnvironmentProcess> writingFields(
     std::unique_ptr<turtle::EnvironmentProcess> process, FieldOutputs& outputs, bool isEveryStepWritten);
 

@@ -19,15 +19,15 @@ std::optional<std::string> FolderWriter::write(const std::string& name, bool rep
   const auto refusal = [&](const std::string& why) {
     return std::optional<std::string>("the model cannot write the file '" + file.string() + "': " + why + ".");
   };
-  // the folder that the file is in must lie in the model's, whatever links lead there
+  // the real folder of the file must lie inside the folder of the model
   std::error_code error;
   const fs::path root = fs::canonical(folder_, error);
   if (error) {
-    return refusal("the folder of the model is not there");
+    return refusal("the folder of the model does not exist");
   }
   const fs::path parent = fs::canonical(file.parent_path(), error);
   if (error) {
-    return refusal("there is no folder '" + file.parent_path().string() + "'; make it");
+    return refusal("there is no folder '" + file.parent_path().string() + "'; make it first");
   }
   if (std::mismatch(root.begin(), root.end(), parent.begin(), parent.end()).first != root.end()) {
     return refusal("a symbolic link leads out of the model's folder");

@@ -8,8 +8,8 @@
 
 namespace espalier::command {
 
-/// Writes what a model writes into the folder of the model and nowhere else: not through a symbolic link, not into
-/// something that is no ordinary file. Folders are not made.
+/// Writes the files of a model into the folder of the model and nowhere else. It does not follow symbolic links, writes
+/// only ordinary files and makes no folders.
 class FolderWriter final : public core::FileWriter {
  public:
   /// An empty folder is the working one.

@@ -23,9 +23,9 @@ class GrowthOutputs {
   GrowthOutputs(const GrowthOutputs&) = delete;
   GrowthOutputs& operator=(const GrowthOutputs&) = delete;
 
-  /// Writes the present state as the next frame. False, with an error written, when that fails.
+  /// Writes the present state as the next frame. Prints an error and returns false on a failure.
   [[nodiscard]] bool addFrame(const simulation::Simulation& simulation);
-  /// Ends the files and puts them in their places; says on standard error what was written unless `isQuiet`.
+  /// Completes the files and gives them their names. Prints the names on standard error unless `isQuiet`.
   [[nodiscard]] bool finish(bool isQuiet);
 
  private:

@@ -27,7 +27,7 @@ std::string snapshotSuffix() {
   return "." + std::string(kSnapshot);
 }
 
-// all formats with their suffixes, a line each, for --help and for messages
+// all formats with their suffixes, one line each, for --help and for messages
 std::string formatList() {
   std::string list;
   const auto add = [&list](std::string_view name, std::string_view suffix, std::string_view summary) {
@@ -37,7 +37,7 @@ std::string formatList() {
   for (const turtle::ExportFormat& format : turtle::exportFormats()) {
     add(format.name, format.suffix, format.summary);
   }
-  add(kSnapshot, snapshotSuffix(), "the complete state, to go on from with --resume");
+  add(kSnapshot, snapshotSuffix(), "the complete state; --resume continues from it");
   return list;
 }
 
@@ -67,7 +67,7 @@ std::string readSize(const std::string& text, turtle::PictureOptions& picture) {
                       std::to_string(turtle::kMaximumPicturePixels) + ", as 800x600";
 }
 
-// writes a file and its companions, all or none, with a bar while it takes long, and says so
+// writes a file and its companions, all or none, shows a progress bar and prints a note
 bool writeFile(const std::string& file, bool isQuiet,
                const std::function<std::optional<std::string>(const turtle::ExportTarget&)>& write,
                const std::string& what) {
@@ -92,7 +92,7 @@ bool writeFile(const std::string& file, bool isQuiet,
     printError("cannot write '" + file + "': " + *problem);
     return false;
   }
-  // companions first: a file never refers to what is not there
+  // companions first: a file never refers to a missing file
   problem = content.finish();
   for (auto& [name, companion] : companions) {
     problem = problem ? problem : companion->finish();
@@ -118,11 +118,12 @@ const turtle::ExportFormat* formatOf(const OutputOptions& options, const std::st
 }
 
 void addOutputOptions(CLI::App& command, OutputOptions& options, bool isOutputRequired) {
-  command.add_option("-o,--output", options.files, "File to write; may be repeated, each in the format of its suffix")
+  command.add_option("-o,--output", options.files, "Output file; its suffix chooses the format. May be repeated")
       ->type_name("FILE")
       ->required(isOutputRequired)
       ->allow_extra_args(false);
-  command.add_option("--format", options.format, "Format of all files, whatever their suffixes:" + formatList())
+  command
+      .add_option("--format", options.format, "Format of all output files, instead of their suffixes:" + formatList())
       ->type_name("NAME")
       ->check([](const std::string& name) { return whyNotAFormat(name); });
   command
@@ -143,7 +144,7 @@ void addOutputOptions(CLI::App& command, OutputOptions& options, bool isOutputRe
       .add_option_function<std::string>(
           "--background",
           [&options, backgrounds](const std::string& name) { options.picture.background = backgrounds.at(name); },
-          "What is behind the plants of a PNG: model (colour 0 of its map or material), white or transparent")
+          "Background of a PNG: model (colour 0 of its map or material), white or transparent")
       ->check(CLI::IsMember({"model", "white", "transparent"}));
   command
       .add_option_function<std::string>(
@@ -151,18 +152,20 @@ void addOutputOptions(CLI::App& command, OutputOptions& options, bool isOutputRe
           [&options](const std::string& name) {
             options.picture.framing = name == "view" ? turtle::PictureFraming::View : turtle::PictureFraming::Fitted;
           },
-          "What a PNG shows: fitted (all that is drawn) or view (the view file's box, scale factor and viewing angle)")
+          "Part of the scene in a PNG: fitted (everything) or view (box, scale factor and viewing angle of the view "
+          "file)")
       ->check(CLI::IsMember({"fitted", "view"}));
-  command.add_flag("--rainbow", options.isColouredByOrder,
-                   "Lines in the order in which they are drawn: red, orange, yellow, green, blue, purple, red");
-  addWholeNumber(command, "--colours", "At most so many colours in a PNG, for a small file", 2, 256,
+  command.add_flag(
+      "--rainbow", options.isColouredByOrder,
+      "Colour the lines by the order in which they are drawn: red, orange, yellow, green, blue, purple, red");
+  addWholeNumber(command, "--colours", "Largest number of colours in a PNG, for a small file", 2, 256,
                  [&options](std::uint64_t count) { options.picture.maximumColours = static_cast<int>(count); })
       ->type_name("N");
   command.add_flag("--instancing", options.usesInstancing,
-                   "In a .glb of many plants, equal ones are one node (EXT_mesh_gpu_instancing)");
+                   "In a .glb of many plants, write equal plants as one node (EXT_mesh_gpu_instancing)");
   command
       .add_option("--detail", options.detail,
-                  "Level of detail: factor of the sides of tubes and the subdivisions of surfaces (1)")
+                  "Level of detail: factor for the sides of tubes and the subdivisions of surfaces (1)")
       ->type_name("FACTOR")
       ->check(CLI::Range(0.01, 100.0));
 }
@@ -210,7 +213,7 @@ std::string numberedName(const std::string& file, std::uint64_t number, int digi
                ? std::string(static_cast<std::size_t>(width) - text.size(), '0') + text
                : text;
   };
-  // as printf has it: %d or %0Nd
+  // %d or %0Nd, as in printf
   if (const std::size_t percent = file.find('%'); percent != std::string::npos) {
     std::size_t end = percent + 1;
     int width = 0;
@@ -228,7 +231,7 @@ std::string numberedName(const std::string& file, std::uint64_t number, int digi
       .string();
 }
 
-/// What several files are written from, made once.
+/// The drawing that all files share.
 struct OutputWriter::Drawn {
   turtle::Scene scene;
   files::Palette palette;

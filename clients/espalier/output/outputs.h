@@ -17,7 +17,7 @@ class App;
 
 namespace espalier::command {
 
-/// What is written to files after or during a run, as told on the command line.
+/// Options of the command line about output files.
 struct OutputOptions {
   std::vector<std::string> files;
   std::string format;  // of all files; empty: by their suffixes
@@ -27,19 +27,18 @@ struct OutputOptions {
   turtle::PictureOptions picture;
 };
 
-/// -o, --format and what says how pictures and meshes look: --size, --background, --framing, --colours, --detail.
+/// Adds -o, --format and the options for pictures and meshes: --size, --background, --framing, --colours, --detail.
 void addOutputOptions(CLI::App& command, OutputOptions& options, bool isOutputRequired);
 
-/// Whether every file can be written at all, before a long run rather than after it: known format, existing folder. The
-/// exit status, with an error written when it is not success.
+/// Checks before a long run that every file can be written: known format, existing folder. Returns the exit status;
+/// prints an error when it is not success.
 [[nodiscard]] int checkOutputs(const OutputOptions& options);
 
-/// The same, and that every format holds copies of scenes.
+/// The same. Also checks that every format can hold copies of scenes.
 [[nodiscard]] int checkPlacedOutputs(const OutputOptions& options);
 
-/// Writes copies of scenes to all files, each complete or not at all; `what` is what they show, for the note on
-/// standard error: "20 plants". Detail, picture options, threads and instancing are those of the options. False, with
-/// an error written, when one cannot be written.
+/// Writes copies of scenes to all files, each complete or not at all. `what` describes them in the note on standard
+/// error: "20 plants". Prints an error and returns false when a file cannot be written.
 [[nodiscard]] bool writePlacedFiles(const OutputOptions& options, std::span<turtle::ExportInput> scenes,
                                     std::span<const turtle::ScenePlacement> placements, const std::string& what,
                                     bool isQuiet);
@@ -47,12 +46,11 @@ void addOutputOptions(CLI::App& command, OutputOptions& options, bool isOutputRe
 /// The format of a file by --format or its suffix; null: a snapshot, or none of that name.
 [[nodiscard]] const turtle::ExportFormat* formatOf(const OutputOptions& options, const std::string& file);
 
-/// `file` with a number: in the place of its `%d` or `%04d`, or else before its suffix, `-` and as many digits as
-/// given.
+/// `file` with a number: in place of `%d` or `%04d`, else as `-` and at least `digits` digits before the suffix.
 [[nodiscard]] std::string numberedName(const std::string& file, std::uint64_t number, int digits);
 
-/// Writes the present state of a simulation to all files, or, with a number, to files of that number. Each appears
-/// complete or not at all. Says on standard error what was written, or what went wrong.
+/// Writes the present state of a simulation to all files; with a number, to files with that number. Each file appears
+/// complete or not at all. Prints the names of written files, or an error, on standard error.
 class OutputWriter {
  public:
   /// `options` must outlive the object.

@@ -13,19 +13,18 @@
 
 namespace espalier::command {
 
-/// Grown plants that stand in rows on the ground, as a nursery has them: in one file, equal ones with one mesh.
+/// Grown plants in rows on the ground, as in a nursery, in one file. Equal plants share a mesh.
 class PlantRows {
  public:
-  /// Keeps what a simulation has grown, or notes that it grew what an earlier one did (its strings are
-  /// equal). False, with an error written, when it cannot be drawn.
+  /// Adds the plant of a simulation. A plant whose strings equal those of an earlier plant shares its mesh. Prints an
+  /// error and returns false when the plant cannot be drawn.
   [[nodiscard]] bool add(const simulation::Simulation& simulation);
 
-  /// Writes all plants, in rows as square as can be along x and then z, `spacing` apart; 0: as far that they do not
-  /// touch.
+  /// Writes all plants in a square of rows along x and z with the distance `spacing`; 0: they just do not touch.
   [[nodiscard]] bool write(const OutputOptions& options, double spacing, bool isQuiet) const;
 
   [[nodiscard]] std::size_t plantCount() const { return kinds_.size(); }
-  /// Different ones.
+  /// Number of different plants.
   [[nodiscard]] std::size_t kindCount() const { return grown_.size(); }
 
  private:
@@ -38,7 +37,7 @@ class PlantRows {
   };
   [[nodiscard]] double ownSpacing() const;
 
-  std::vector<std::unique_ptr<Grown>> grown_;  // which do not move
+  std::vector<std::unique_ptr<Grown>> grown_;  // unique_ptr: their addresses stay
   std::vector<std::uint32_t> kinds_;           // of each plant
 };
 

@@ -61,8 +61,7 @@ PlainScan::Target PlainScan::startWriting(std::uint64_t moduleCount) {
   return {output.typeBuffer().data() + output.size(), output.parameterBuffer().data() + output.parameterCount()};
 }
 
-// by value: a target whose address is known elsewhere would live in memory, not in registers
-void PlainScan::stopWriting(Target target) {
+void PlainScan::stopWriting(const Target& target) {
   ModuleString& output = context_->output;
   output.typeBuffer().resize(static_cast<std::size_t>(target.type - output.typeBuffer().data()));
   output.parameterBuffer().resize(static_cast<std::size_t>(target.parameter - output.parameterBuffer().data()));
@@ -73,10 +72,10 @@ void PlainScan::stopWriting(Target target) {
                                               : quickValue(value, frame_.data());
 }
 
-[[gnu::always_inline]] inline const QuickRule* PlainScan::chooseRule(const TypePlan& plan, std::uint64_t module,
-                                                                     double draw) {
+[[gnu::always_inline]] inline const QuickRule* PlainScan::chooseRule(const TypePlan& plan, core::ModuleTypeId type,
+                                                                     std::uint64_t module, double draw) {
   if (plan.usesCode) {
-    context_->evaluator.setModule(module, context_->old->types()[module]);
+    context_->evaluator.setModule(module, type);
     if (plan.drawsRandom) {
       context_->random.key(core::DrawDomain::Production, context_->step, module);
     }
@@ -176,7 +175,7 @@ void PlainScan::scanChunk(std::uint64_t end, ScanPlace& place) {
 
     // productions that only a condition and a weight decide between
     std::copy_n(parameters + offset, plan.arity, frame_.data());
-    const QuickRule* const rule = chooseRule(plan, module, draw);
+    const QuickRule* const rule = chooseRule(plan, types[module], module, draw);
     if (rule != nullptr) {
       writeSuccessor(*rule, module, target);
     } else {

@@ -32,9 +32,10 @@ class PlainScan {
   template <bool kDrawsEachPosition, bool kHasParameters>
   void scanChunk(std::uint64_t end, ScanPlace& place);
   [[nodiscard]] Target startWriting(std::uint64_t moduleCount);
-  void stopWriting(Target target);
+  void stopWriting(const Target& target);
   [[nodiscard]] double evaluate(const QuickValue& value);
-  [[nodiscard]] const QuickRule* chooseRule(const TypePlan& plan, std::uint64_t module, double draw);
+  [[nodiscard]] const QuickRule* chooseRule(const TypePlan& plan, core::ModuleTypeId type, std::uint64_t module,
+                                            double draw);
   [[nodiscard]] const QuickRule* chooseByWeights(const QuickRule* first, const QuickRule* last, std::uint64_t module,
                                                  double draw);
   void writeSuccessor(const QuickRule& rule, std::uint64_t module, Target& target);
@@ -42,7 +43,9 @@ class PlainScan {
 
   ScanContext* context_;
   ModuleRewriter* rewriter_;
-  const TypePlan* plans_;  // the next four: of the ProductionPlan
+  // of the ProductionPlan; members, because as locals of the loop they cost ten instructions a module (DESIGN.md,
+  // Loops)
+  const TypePlan* plans_;
   const QuickRule* rules_;
   const QuickValue* values_;
   const core::ModuleTypeId* successors_;

@@ -29,9 +29,9 @@ TEST(Limits, EachHasANameOfItsOwnAndIsSetByIt) {
 TEST(Limits, AValueOutOfRangeIsRefusedWithTheRange) {
   ServerLimits limits;
   EXPECT_EQ(setLimit(limits, "sessions=0").value_or(""),
-            "the limit sessions (connections at a time) must be from 1 to 4294967295, not 0.");
+            "the limit sessions (peers at a time that have said hello) must be from 1 to 4294967295, not 0.");
   EXPECT_EQ(setLimit(limits, "sessions=4294967296").value_or(""),
-            "the limit sessions (connections at a time) must be from 1 to 4294967295, not 4294967296.");
+            "the limit sessions (peers at a time that have said hello) must be from 1 to 4294967295, not 4294967296.");
   EXPECT_EQ(setLimit(limits, "callSeconds=0"), std::nullopt);
   EXPECT_EQ(limits.callSeconds, 0U);
 }

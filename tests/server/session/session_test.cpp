@@ -163,7 +163,7 @@ TEST(Session, MoreSessionsThanAllowedAreRefusedByName) {
   const RunningServer server(options);
   const auto first = connectTo(server);
   RawPeer second(server);
-  EXPECT_EQ(member(member(member(second.line(), "error"), "data"), "limit"), "sessions");
+  EXPECT_EQ(member(member(member(second.ask(kHello), "error"), "data"), "limit"), "sessions");
   EXPECT_EQ(second.line(), "(closed)");
   EXPECT_EQ(member(resultOf(first->request("server.status", "{}")), "protocol"), "1");
 }

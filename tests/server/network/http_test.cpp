@@ -1,0 +1,87 @@
+#include "server/network/http.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "tests/server/raw_peer.h"
+#include "tests/server/server_fixture.h"
+
+namespace espalier::server {
+namespace {
+
+constexpr std::string_view kRequest = "GET /health HTTP/1.1\r\nHost: localhost\r\n\r\n";
+
+ServerOptions withHttp(std::uint32_t handshakeMilliseconds) {
+  ServerOptions options;
+  options.httpHost = "127.0.0.1";
+  options.limits.handshakeMilliseconds = handshakeMilliseconds;
+  return options;
+}
+
+/// Reads until a line begins with the text.
+bool hasLine(RawPeer& peer, std::string_view begin) {
+  std::string line = peer.line();
+  while (line != "(closed)" && line != "(timeout)" && !line.starts_with(begin)) {
+    line = peer.line();
+  }
+  return line.starts_with(begin);
+}
+
+TEST(Http, ConnectionsThatCloseWhenTheirTimeIsOverHarmNothing) {
+  // the timer of a connection used its stream after the connection had ended
+  const RunningServer server(withHttp(20));
+  std::vector<std::thread> threads;
+  for (int thread = 0; thread < 4; ++thread) {
+    threads.emplace_back([&server, thread] {
+      for (int i = 0; i < 50; ++i) {
+        RawPeer peer(server.httpAddress());
+        peer.send("GET / HT");
+        std::this_thread::sleep_for(std::chrono::microseconds(19'000 + 100 * ((i + 13 * thread) % 20)));
+      }
+    });
+  }
+  for (std::thread& thread : threads) {
+    thread.join();
+  }
+  RawPeer peer(server.httpAddress());
+  peer.send(kRequest);
+  EXPECT_EQ(peer.line(), "HTTP/1.1 200 OK");
+}
+
+TEST(Http, ARequestThatDoesNotComeInTimeEndsTheConnection) {
+  const RunningServer server(withHttp(50));
+  RawPeer silent(server.httpAddress());
+  RawPeer slow(server.httpAddress());
+  slow.send("GET /health HTTP/1.1\r\nHost: loc");
+  EXPECT_TRUE(silent.isClosed());
+  EXPECT_TRUE(slow.isClosed());
+}
+
+TEST(Http, AWebSocketThatSaysNoHelloIsClosedInTime) {
+  const RunningServer server(withHttp(200));
+  RawPeer silent(server.httpAddress());
+  silent.send(
+      "GET /espalier/1 HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+      "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n");
+  EXPECT_EQ(silent.line(), "HTTP/1.1 101 Switching Protocols");
+  EXPECT_TRUE(silent.isClosed());
+}
+
+TEST(Http, AConnectionIsKeptForMoreRequestsAndNotForEver) {
+  const RunningServer server(withHttp(10'000));
+  RawPeer peer(server.httpAddress());
+  for (int i = 0; i < 999; ++i) {
+    peer.send(kRequest);
+    ASSERT_TRUE(hasLine(peer, "HTTP/1.1 200")) << i;
+  }
+  peer.send(kRequest);
+  EXPECT_TRUE(hasLine(peer, "Connection: close"));
+  EXPECT_TRUE(peer.isClosed());
+}
+
+}  // namespace
+}  // namespace espalier::server
