@@ -2,252 +2,17 @@
 
 #include <algorithm>
 #include <array>
-#include <new>
 #include <tuple>
 #include <utility>
 
 #include "engine/core/check.h"
-#include "engine/derivation/expressions/model_files.h"
 #include "engine/derivation/state/string_text.h"
 #include "engine/simulation/simulation_implementation.h"
-#include "engine/turtle/guarded_call.h"
 #include "engine/turtle/interpretation/record_chain.h"
 
 namespace espalier::simulation {
 
 using Outcome = std::optional<core::SimulationError>;
-
-Simulation::Implementation::Implementation(Programs programs, std::vector<PlantOrigin> plants,
-                                           std::unique_ptr<turtle::EnvironmentProcess> environment,
-                                           SimulationOptions options)
-    : models_(std::move(programs)), environment_(std::move(environment)), options_(std::move(options)) {
-  for (PlantOrigin& origin : plants) {
-    ESPALIER_CHECK(origin.model < models_.size());
-    members_.push_back({.origin = std::move(origin)});
-  }
-  if (environment_) {
-    description_ = environment_->describe();
-  }
-  makeDerivations();
-}
-
-std::uint64_t Simulation::Implementation::effectiveSeed() const {
-  return options_.hasSeed ? options_.seed : models_.modelSeed().value_or(options_.seed);
-}
-
-derivation::DerivationOptions Simulation::Implementation::derivationOptions(std::uint32_t plant,
-                                                                            const Plant& member) const {
-  derivation::DerivationOptions options;
-  options.seed = seed_;
-  // of several models one names the seed of all
-  options.hasSeed = options_.hasSeed || models_.size() > 1;
-  options.plant = plant;
-  options.derivationLength = derivationLengthOf(member);
-  options.threads = options_.threads;
-  options.limits = options_.limits;
-  options.cancelled = &isCancelled_;
-  options.messages = options_.messages;
-  options.canWriteFiles = options_.fileWriter != nullptr;
-  return options;
-}
-
-void Simulation::Implementation::makeDerivations() {
-  seed_ = effectiveSeed();
-  derivations_.clear();
-  displayDerivations_.clear();
-  for (std::uint32_t plant = 0; plant < members_.size(); ++plant) {
-    derivations_.push_back(members_[plant].isAlive() ? makeDerivation(plant, members_[plant]) : nullptr);
-  }
-  undo_.resize(members_.size());
-}
-
-turtle::EnvironmentContext Simulation::Implementation::environmentContext() const {
-  turtle::EnvironmentContext context;
-  context.simulation = options_.name;
-  context.plantCount = static_cast<std::uint32_t>(members_.size());
-  context.symbols = models_.symbolNames();
-  context.seed = seed_;
-  context.world = options_.world;
-  return context;
-}
-
-void Simulation::Implementation::startPlant(std::size_t plant, derivation::PlantState& state) const {
-  if (options_.startString.empty()) {
-    derivations_[plant]->rewind(state);
-    return;
-  }
-  auto read = derivation::parseText(programOf(plant), options_.startString);
-  if (const std::string* problem = std::get_if<std::string>(&read)) {
-    core::SimulationError error;
-    error.code = core::SimulationErrorCode::Model;
-    error.message = "the string to start from, " + *problem + ".";
-    throw core::SimulationFailure(std::move(error));
-  }
-  derivations_[plant]->rewind(state, &std::get<derivation::ModuleString>(read));
-}
-
-Outcome Simulation::Implementation::rewind() {
-  return guarded([this] {
-    undoStep();
-    // those that came during a run are not there yet, those that went are there again
-    std::vector<Plant> members = founders();
-    const bool isOther = members.size() != members_.size() || livingPlantCount() != members_.size();
-    members_.swap(members);
-    try {
-      if (isOther) {
-        makeDerivations();
-      }
-      begin();
-    } catch (...) {
-      members_.swap(members);
-      if (isOther) {
-        makeDerivations();
-      }
-      throw;
-    }
-  });
-}
-
-void Simulation::Implementation::begin() {
-  // the plants first: a failing Start changes nothing
-  std::vector<derivation::PlantState> plants(members_.size());
-  for (std::size_t plant = 0; plant < plants.size(); ++plant) {
-    startPlant(plant, plants[plant]);
-  }
-  if (environment_) {
-    const auto open = [&] { return environment_->open(environmentContext()); };
-    if (const auto error = turtle::guardedCall(environment_->describe().name, open)) {
-      isStarted_ = false;
-      throw core::SimulationFailure(environmentFailure(*error));
-    }
-    description_ = environment_->describe();
-  }
-  for (std::size_t plant = 0; plant < plants.size(); ++plant) {
-    deliverFiles(plant, programOf(plant), plants[plant]);
-  }
-  plants_ = std::move(plants);
-  completedSteps_ = 0;
-  pending_ = Pending{};
-  isAnswered_ = false;
-  isStarted_ = true;
-  statistics_ = StepStatistics{};
-  countStrings();
-}
-
-Outcome Simulation::Implementation::step() {
-  return guarded([this] {
-    answerPass();
-    derivePass();
-    growSeedlings();
-    deliverAllFiles();
-    completeStep();
-  });
-}
-
-Outcome Simulation::Implementation::answer() {
-  return guarded([this] { answerPass(); });
-}
-
-void Simulation::Implementation::deliverFiles(std::size_t plant, const language::Program& program,
-                                              derivation::PlantState& state) {
-  for (const derivation::FileOutput& output : derivation::takeOutput(state.files)) {
-    const auto number = static_cast<std::uint32_t>(plant);
-    const std::string name = derivation::fileNameOfPlant(program.files[output.file].name, number);
-    if (auto problem = options_.fileWriter->write(name, output.replaces, output.bytes)) {
-      core::SimulationError error;
-      error.code = core::SimulationErrorCode::Model;
-      error.step = state.step;
-      error.plant = number;
-      error.message = "step " + std::to_string(error.step) + ", plant " + std::to_string(number) + ": " + *problem;
-      throw core::SimulationFailure(std::move(error));
-    }
-  }
-}
-
-void Simulation::Implementation::deliverAllFiles() {
-  for (std::size_t plant = 0; plant < plants_.size(); ++plant) {
-    deliverFiles(plant, programOf(plant), plants_[plant]);
-  }
-  for (std::size_t i = 0; i < seedlings_.size(); ++i) {
-    Seedling& seedling = seedlings_[i];
-    deliverFiles(plants_.size() + i, *models_.programs()[seedling.member.origin.model], seedling.state);
-  }
-}
-
-void Simulation::Implementation::countStrings() {
-  statistics_.step = completedSteps_;
-  statistics_.modules = 0;
-  statistics_.parameters = 0;
-  statistics_.bytes = 0;
-  statistics_.plants = livingPlantCount();
-  for (const derivation::PlantState& plant : plants_) {
-    statistics_.modules += plant.string.size();
-    statistics_.parameters += plant.string.parameterCount();
-    statistics_.bytes += plant.string.bytes();
-  }
-}
-
-void Simulation::Implementation::completeStep() {
-  ++completedSteps_;
-  isAnswered_ = false;
-  pending_ = Pending{.replies = std::move(pending_.replies)};
-  for (StepUndo& undo : undo_) {
-    undo.clear();
-  }
-  endAndBegin();
-  countStrings();
-}
-
-void Simulation::Implementation::undoStep() {
-  for (std::size_t plant = 0; plant < plants_.size(); ++plant) {
-    undo_[plant].apply(plants_[plant]);
-  }
-  forgetLife();
-  isAnswered_ = false;
-}
-
-core::SimulationError Simulation::Implementation::failed(core::SimulationError error) const {
-  constexpr std::string_view kStays = "The simulation stays at step ";
-  if (isStarted_ && error.message.find(kStays) == std::string::npos) {
-    error.message += error.message.ends_with('.') ? " " : ". ";
-    error.message += std::string(kStays) + std::to_string(completedSteps_) + ".";
-  }
-  return error;
-}
-
-std::uint64_t Simulation::Implementation::runLength() const {
-  return options_.derivationLength.value_or(models_.longestDerivation());
-}
-
-std::optional<std::uint64_t> Simulation::Implementation::derivationLengthOf(const Plant& member) const {
-  // alone a model knows its own length; in company all end with the run
-  if (models_.size() == 1 && member.birthStep == 0) {
-    return options_.derivationLength;
-  }
-  return std::max(runLength(), member.birthStep) - member.birthStep;
-}
-
-std::uint64_t Simulation::Implementation::derivationLength() const {
-  if (plants_.empty()) {
-    return runLength();
-  }
-  std::uint64_t length = 0;
-  for (std::size_t plant = 0; plant < plants_.size(); ++plant) {
-    length = std::max(length, members_[plant].birthStep + plants_[plant].derivationLength);
-  }
-  return length;
-}
-
-bool Simulation::Implementation::isFinished() const {
-  for (std::size_t plant = 0; plant < plants_.size(); ++plant) {
-    const derivation::PlantState& state = plants_[plant];
-    if (members_[plant].isAlive() && !state.isStopped &&
-        completedSteps_ < members_[plant].birthStep + state.derivationLength) {
-      return false;
-    }
-  }
-  return true;
-}
 
 namespace {
 
@@ -299,51 +64,49 @@ Outcome Simulation::answer() {
 }
 
 bool Simulation::isFinished() const {
-  return implementation_->isFinished();
+  return implementation_->population().isFinished(implementation_->completedSteps());
 }
 
 bool Simulation::isAnswered() const {
-  return implementation_->isAnswered_;
+  return implementation_->transaction().isAnswered();
 }
 
 std::uint64_t Simulation::seed() const {
-  return implementation_->seed_;
+  return implementation_->derivations().seed();
 }
 
 std::uint64_t Simulation::completedSteps() const {
-  return implementation_->completedSteps_;
+  return implementation_->completedSteps();
 }
 
 std::uint64_t Simulation::derivationLength() const {
-  return implementation_->derivationLength();
+  return implementation_->population().derivationLength();
 }
 
 std::size_t Simulation::plantCount() const {
-  return implementation_->members_.size();
+  return implementation_->population().size();
 }
 
 std::uint64_t Simulation::livingPlantCount() const {
-  return implementation_->livingPlantCount();
+  return implementation_->population().livingCount();
 }
 
 const Plant& Simulation::plant(std::size_t plant) const {
-  ESPALIER_CHECK(plant < implementation_->members_.size());
-  return implementation_->members_[plant];
+  ESPALIER_CHECK(plant < implementation_->population().size());
+  return implementation_->population().member(plant);
 }
 
 const derivation::ModuleString& Simulation::string(std::size_t plant) const {
-  ESPALIER_CHECK(plant < implementation_->plants_.size());
-  return implementation_->plants_[plant].string;
+  return plantState(plant).string;
 }
 
 const derivation::PlantState& Simulation::plantState(std::size_t plant) const {
-  ESPALIER_CHECK(plant < implementation_->plants_.size());
-  return implementation_->plants_[plant];
+  ESPALIER_CHECK(plant < implementation_->population().states().size());
+  return implementation_->population().states()[plant];
 }
 
 derivation::DerivationOptions Simulation::derivationOptions(std::size_t plant) const {
-  ESPALIER_CHECK(plant < implementation_->members_.size());
-  return implementation_->derivationOptions(static_cast<std::uint32_t>(plant), implementation_->members_[plant]);
+  return implementation_->derivations().options(static_cast<std::uint32_t>(plant), this->plant(plant));
 }
 
 std::string Simulation::stringText(std::size_t plant) const {
@@ -352,39 +115,40 @@ std::string Simulation::stringText(std::size_t plant) const {
 }
 
 const StepStatistics& Simulation::statistics() const {
-  return implementation_->statistics_;
+  return implementation_->statistics();
 }
 
 const language::Program& Simulation::program(std::size_t plant) const {
-  if (implementation_->members_.empty()) {
-    return implementation_->models_.first();
+  const Population& population = implementation_->population();
+  if (population.size() == 0) {
+    return implementation_->models().first();
   }
-  ESPALIER_CHECK(plant < implementation_->members_.size());
-  return implementation_->programOf(plant);
+  ESPALIER_CHECK(plant < population.size());
+  return population.program(plant);
 }
 
 const Programs& Simulation::programs() const {
-  return implementation_->models_.programs();
+  return implementation_->models().programs();
 }
 
 const std::vector<std::string>& Simulation::symbolNames() const {
-  return implementation_->models_.symbolNames();
+  return implementation_->models().symbolNames();
 }
 
 const files::ViewSettings& Simulation::view() const {
-  return implementation_->models_.view();
+  return implementation_->models().view();
 }
 
 const SimulationOptions& Simulation::options() const {
-  return implementation_->options_;
+  return implementation_->options();
 }
 
 turtle::EnvironmentProcess* Simulation::environment() {
-  return implementation_->environment_.get();
+  return implementation_->environment().process();
 }
 
 void Simulation::setCancelled(bool isCancelled) {
-  implementation_->isCancelled_.store(isCancelled, std::memory_order_relaxed);
+  implementation_->setCancelled(isCancelled);
 }
 
 std::variant<turtle::Scene, core::SimulationError> Simulation::scene() const {
@@ -405,7 +169,7 @@ std::variant<std::vector<turtle::TurtleRecord>, core::SimulationError> Simulatio
 
 std::variant<std::shared_ptr<const turtle::RecordChain>, core::SimulationError> Simulation::recordChain(
     const turtle::RecordChain* base) const {
-  const Programs& programs = implementation_->models_.programs();
+  const Programs& programs = implementation_->models().programs();
   if (!std::all_of(programs.begin(), programs.end(), [](const auto& it) { return turtle::isRepeatable(*it); })) {
     return nullptr;
   }

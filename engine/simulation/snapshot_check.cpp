@@ -62,7 +62,7 @@ std::string problemOfColours(const files::Palette& palette) {
                 areFinite(material.specular) && std::isfinite(material.opacity) && std::isfinite(material.shininess);
     }
   }
-  return isRight ? "" : "a colour or material is not a finite number of a block that exists";
+  return isRight ? "" : "a colour is not finite, or its block does not exist";
 }
 
 std::string problemOfReplies(const turtle::ReplyBatch& replies) {
@@ -255,8 +255,7 @@ std::string problemOfRun(const SnapshotContent& content) {
   const Coupling& coupling = content.coupling;
   if (coupling.iterations < 1 || coupling.iterations > kMostIterations || !std::isfinite(coupling.tolerance) ||
       coupling.tolerance < 0.0) {
-    return "the coupling has other than 1 to " + std::to_string(kMostIterations) +
-           " iterations or a tolerance that is not a number from 0 on";
+    return "the coupling needs 1 to " + std::to_string(kMostIterations) + " iterations and a tolerance of at least 0";
   }
   if (std::string problem = problemOfColours(content.palette); !problem.empty()) {
     return problem;

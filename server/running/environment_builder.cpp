@@ -111,7 +111,8 @@ std::variant<std::unique_ptr<turtle::EnvironmentProcess>, protocol::Error> makeF
     return protocol::memberError(path + ".files", "expected an object of file names and their texts");
   }
   if (!main || !texts->contains(*main)) {
-    return protocol::memberError(path + ".main", "expected the name of the field file (.e) among \"files\"");
+    return protocol::memberError(path + ".main",
+                                 "expected the name of the environment specification (.e) among \"files\"");
   }
   origin = {*main, {texts->begin(), texts->end()}};
   core::MemoryFileProvider files(std::move(*texts));

@@ -39,7 +39,7 @@ std::string environmentOf(const protocol::ForestParams& forest, const std::strin
     return asEnvironmentList(
         files.readInside(folder.string(), (folder / forest.environmentFile).string()).value_or(std::string()));
   }
-  // a field file of the gallery, by the name of its folder
+  // an environment file (.e) of the gallery, by the name of its folder
   return R"([{"type":"gallery","model":")" + gallery + "\"}]";
 }
 

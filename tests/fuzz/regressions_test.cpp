@@ -57,32 +57,36 @@ std::string withChangedByte(Pieces pieces, std::mt19937& random) {
   return joinPieces(pieces);
 }
 
+void expectRunFilesAreAnswered(const RunFiles& files, const std::string& model, std::mt19937& random) {
+  const auto snapshot = cutIntoPieces(files.snapshot);
+  const auto trace = cutIntoPieces(files.trace);
+  ASSERT_TRUE(snapshot && trace);
+  EXPECT_EQ(joinPieces(*snapshot), files.snapshot);
+  EXPECT_EQ(joinPieces(*trace), files.trace);
+  EXPECT_NO_THROW(fuzzSnapshot(files.snapshot));
+  EXPECT_NO_THROW(fuzzTrace(files.trace));
+  EXPECT_NO_THROW(fuzzString(files.string + "\n" + bundleHead("model.l") + model));
+  for (int round = 0; round < 10; ++round) {
+    EXPECT_NO_THROW(fuzzSnapshot(withChangedByte(*snapshot, random))) << "round " << round;
+  }
+}
+
 // what the fuzzers of stored runs begin with: the files of a run of every small model here
 TEST(FuzzRegressions, SnapshotsAndTracesWithAChangedByteAreAnswered) {
   std::mt19937 random(1);
   int runs = 0;
   for (const char* models : {"tests/conformance/cases", "clients/gallery"}) {
     for (const ModelBundle& bundle : modelBundles(std::filesystem::path(sourceFolder()) / models)) {
-      SCOPED_TRACE(bundle.name);
-      const auto files = bundle.text.empty() ? std::nullopt : runFilesOf(bundle.text);
-      if (!files) {
-        continue;
-      }
-      ++runs;
-      const auto snapshot = cutIntoPieces(files->snapshot);
-      const auto trace = cutIntoPieces(files->trace);
-      ASSERT_TRUE(snapshot && trace);
-      EXPECT_EQ(joinPieces(*snapshot), files->snapshot);
-      EXPECT_EQ(joinPieces(*trace), files->trace);
-      EXPECT_NO_THROW(fuzzSnapshot(files->snapshot));
-      EXPECT_NO_THROW(fuzzTrace(files->trace));
-      EXPECT_NO_THROW(fuzzString(files->string + "\n" + bundleHead("model.l") + bundle.text));
-      for (int round = 0; round < 10; ++round) {
-        EXPECT_NO_THROW(fuzzSnapshot(withChangedByte(*snapshot, random))) << "round " << round;
+      for (const core::Compatibility mode : {core::Compatibility::Espalier, core::Compatibility::Cpfg}) {
+        SCOPED_TRACE(bundle.name);
+        if (const auto files = bundle.text.empty() ? std::nullopt : runFilesOf(bundle.text, mode)) {
+          expectRunFilesAreAnswered(*files, bundle.text, random);
+          ++runs;
+        }
       }
     }
   }
-  EXPECT_GT(runs, 150);
+  EXPECT_GT(runs, 300);
 }
 
 TEST(FuzzRegressions, TargetsAcceptTextsWithoutMeaning) {

@@ -3,6 +3,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/core/check.h"
 #include "engine/language/compiler.h"
 #include "engine/simulation/simulation.h"
 #include "engine/simulation/trace.h"
@@ -49,11 +50,12 @@ std::unique_ptr<turtle::EnvironmentProcess> makeAnsweringEnvironment(std::string
   return std::make_unique<AnsweringEnvironment>(std::move(name));
 }
 
-std::optional<RunFiles> runFilesOf(std::string_view bundle) {
+std::optional<RunFiles> runFilesOf(std::string_view bundle, core::Compatibility compatibility) {
   core::MemoryFileProvider files = unbundle(bundle, kModel);
   language::CompileInput input;
   input.modelFile = kModel;
   input.viewFile = files.read(kView) ? kView : "";
+  input.compatibility = compatibility;
   input.limits = smallLimits();
   const language::CompileResult compiled = language::compile(input, files);
   if (compiled.program == nullptr) {
@@ -78,6 +80,9 @@ std::optional<RunFiles> runFilesOf(std::string_view bundle) {
   }
   core::StringSink snapshot;
   simulation.save(snapshot);
+  // no check refuses a snapshot that a run has made
+  const auto refused = simulation.restore(snapshot.text());
+  ESPALIER_CHECK(!refused);
   return RunFiles{snapshot.take(), trace.take(), simulation.stringText()};
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "engine/core/identifiers.h"
 #include "engine/turtle/environment_process.h"
 
 namespace espalier::fuzz {
@@ -17,7 +18,8 @@ struct RunFiles {
 };
 
 /// Nothing: the model does not compile or does not run within the limits.
-[[nodiscard]] std::optional<RunFiles> runFilesOf(std::string_view bundle);
+[[nodiscard]] std::optional<RunFiles> runFilesOf(std::string_view bundle,
+                                                 core::Compatibility compatibility = core::Compatibility::Espalier);
 
 /// An environment of any name that answers every query and takes any text as its state.
 [[nodiscard]] std::unique_ptr<turtle::EnvironmentProcess> makeAnsweringEnvironment(std::string name);

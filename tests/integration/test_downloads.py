@@ -82,7 +82,7 @@ class Downloads(unittest.TestCase):
             name = client.create(MODEL, environment=[{"type": "height"}]).identifier
             for path, words in (("/simulations/sim-0/a.png", "There is no simulation 'sim-0'."),
                                 (f"/simulations/{name}/a.gif", "'a.gif' names no format. Suffixes: .snapshot .png"),
-                                (f"/simulations/{name}/traces/1", "There is no trace 1 of this simulation"),
+                                (f"/simulations/{name}/traces/1", "This simulation has no trace 1"),
                                 (f"/simulations/{name}/checkpoints/a", "checkpoint"),
                                 (f"/simulations/{name}/traces/..%2F..%2Fdata", "There is no such page."),
                                 ("/simulations/..%2F..%2Fetc/passwd.png", "There is no simulation '../../etc'.")):

@@ -132,9 +132,9 @@ TEST_F(CraftedSnapshot, ThatIsWrongByItselfIsRefusedWithItsReason) {
       {"spacing", [](auto& c) { c.seeds.spacing = -1.0; },
        "the rules for seeds are not finite, or their spacing is below 0"},
       {"iterations", [](auto& c) { c.coupling.iterations = 4'000'000'000; },
-       "the coupling has other than 1 to 10000 iterations or a tolerance that is not a number from 0 on"},
+       "the coupling needs 1 to 10000 iterations and a tolerance of at least 0"},
       {"a colour block", [](auto& c) { c.palette.maps[2'000'000] = {}; },
-       "a colour or material is not a finite number of a block that exists"},
+       "a colour is not finite, or its block does not exist"},
       {"replies without marks",
        [](auto& c) {
          c.hasReplies = true;

@@ -1,28 +1,8 @@
-#include "engine/simulation/step_undo.h"
+#include "engine/simulation/step/step_undo.h"
 
 #include <utility>
 
 namespace espalier::simulation {
-
-void PlantVariables::copyFrom(const derivation::PlantState& state) {
-  step = state.step;
-  derivationLength = state.derivationLength;
-  isStopped = state.isStopped;
-  statics = state.statics;
-  instances = state.instances;
-  random = state.random;
-  files = state.files;
-}
-
-void PlantVariables::copyTo(derivation::PlantState& state) const {
-  state.step = step;
-  state.derivationLength = derivationLength;
-  state.isStopped = isStopped;
-  state.statics = statics;
-  state.instances = instances;
-  state.random = random;
-  state.files = files;
-}
 
 void StepUndo::clear() {
   hasVariables = false;

@@ -3,25 +3,11 @@
 #include <cstdint>
 #include <vector>
 
-#include "engine/core/random.h"
 #include "engine/derivation/state/plant_state.h"
+#include "engine/simulation/plants/plant_variables.h"
 #include "engine/turtle/interpretation/interpreter.h"
 
 namespace espalier::simulation {
-
-/// The parts of a PlantState beside its string: what an interpretation can change through homomorphism blocks.
-struct PlantVariables {
-  std::uint64_t step = 0;
-  std::uint64_t derivationLength = 1;
-  bool isStopped = false;
-  std::vector<double> statics;
-  std::vector<derivation::InstanceState> instances;
-  derivation::RandomState random;
-  derivation::FileState files;
-
-  void copyFrom(const derivation::PlantState& state);
-  void copyTo(derivation::PlantState& state) const;
-};
 
 /// How one plant goes back to the state after the last completed step.
 struct StepUndo {

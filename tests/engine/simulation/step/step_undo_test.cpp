@@ -1,4 +1,4 @@
-#include "engine/simulation/step_undo.h"
+#include "engine/simulation/step/step_undo.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "engine/simulation/seed_bed.h"
+#include "engine/simulation/step/seed_bed.h"
 
 #include <algorithm>
 #include <array>

@@ -1,0 +1,268 @@
+#include "engine/simulation/step/answer_pass.h"
+
+#include <cmath>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "engine/core/check.h"
+#include "engine/core/number_text.h"
+#include "engine/turtle/scene/geometry.h"
+
+namespace espalier::simulation {
+
+void AnswerPass::run(std::uint64_t completedSteps) {
+  completedSteps_ = completedSteps;
+  parts_.statistics.queries = 0;
+  parts_.statistics.answers = 0;
+  parts_.statistics.iterations = 0;
+  queries_.clear();
+  parts_.births.clear();
+  if (parts_.models.hasQueries()) {
+    interpret();
+  }
+  if (parts_.environment.exists()) {
+    consultEnvironment();
+  }
+  parts_.statistics.answers += parts_.births.writeReplies(parts_.population.states(), parts_.transaction);
+}
+
+void AnswerPass::interpret() {
+  queryOffsets_.clear();
+  parts_.births.clear();
+  Population& population = parts_.population;
+  turtle::EnvironmentNeeds needs = parts_.environment.description().needs;
+  needs.position = needs.position || parts_.models.hasLifeQueries();
+  for (std::size_t plant = 0; plant < population.states().size(); ++plant) {
+    const PlantOrigin& origin = population.member(plant).origin;
+    if (!population.member(plant).isAlive() || !population.program(plant).hasQueries) {
+      continue;
+    }
+    derivation::PlantState& state = population.states()[plant];
+    parts_.transaction.rememberVariables(plant, state);
+    turtle::InterpretationOutput output;
+    output.queries = &queries_;
+    output.needs = needs;
+    output.queryParameterOffsets = &queryOffsets_;
+    output.changes = &parts_.transaction.changesOf(plant);
+    const std::size_t firstQuery = queries_.size();
+    population.interpreter(plant).interpret(population.derivation(plant), state, static_cast<std::uint32_t>(plant),
+                                            origin.placement, output);
+    parts_.models.toCommonSymbols(origin.model, firstQuery, queries_);
+  }
+  parts_.statistics.queries = queries_.size();
+  if (parts_.models.hasLifeQueries()) {
+    parts_.births.takeQueries(parts_.models, population, parts_.options, parts_.derivations.seed(), completedSteps_,
+                              queries_, queryOffsets_);
+  }
+}
+
+void AnswerPass::consultEnvironment() {
+  // the reference transmits nothing in a step without queries
+  const bool needsGeometry = parts_.environment.description().needs.geometry;
+  if (queries_.size() == 0 && (!needsGeometry || isCompatible())) {
+    tickEnvironment();
+    return;
+  }
+  // replies that had arrived when the step failed are not asked for twice
+  EnvironmentAnswer& answer = parts_.transaction.answer();
+  if (!answer.hasReplies || answer.replies.values.size() != queries_.parameters.size()) {
+    answer.hasReplies = false;
+    exchange();
+    answer.hasReplies = true;
+  }
+  parts_.statistics.answers = 0;
+  writeReplies(answer.replies);
+}
+
+void AnswerPass::tickEnvironment() {
+  // the reference transmits nothing in a step without queries, and time stands still for its environments
+  EnvironmentAnswer& answer = parts_.transaction.answer();
+  if (isCompatible() || answer.hasTicked) {
+    return;
+  }
+  const auto error = parts_.environment.tick(completedSteps_);
+  if (error && parts_.options.environmentPolicy == EnvironmentPolicy::Fail) {
+    fail(*error);
+  }
+  answer.hasTicked = true;
+}
+
+/// Asks the environment. Afterwards the transaction holds what it set.
+void AnswerPass::exchange() {
+  if (parts_.options.coupling.iterations <= 1 || queries_.size() == 0) {
+    exchangeOnce(0);
+  } else {
+    exchangeIterated();
+  }
+}
+
+void AnswerPass::exchangeOnce(std::uint32_t iteration) {
+  turtle::ReplyBatch& replies = parts_.transaction.answer().replies;
+  queries_.step = completedSteps_;
+  queries_.timeDays = static_cast<double>(completedSteps_) * parts_.options.world.stepDurationDays;
+  queries_.iteration = iteration;
+  replies.prepare(queries_);
+  if (parts_.environment.description().needs.geometry) {
+    measureGeometry();
+  }
+  if (const auto error = parts_.environment.step(queries_, replies)) {
+    if (parts_.options.environmentPolicy == EnvironmentPolicy::Fail) {
+      fail(*error);
+    }
+    replies.prepare(queries_);
+  }
+  requireFiniteReplies();
+  parts_.statistics.iterations = iteration + 1;
+}
+
+/// Iterated coupling: asks again and again, from the same state of the environment, until the answers stay as they are.
+/// Afterwards the transaction holds what all iterations set, as if it was the answer to the strings before.
+void AnswerPass::exchangeIterated() {
+  EnvironmentLink& environment = parts_.environment;
+  turtle::ReplyBatch& replies = parts_.transaction.answer().replies;
+  const bool isStateful = environment.description().isStateful;
+  const std::string before = isStateful ? environment.save() : std::string();
+  if (isStateful && before.empty()) {
+    fail({"environment '" + environment.description().name +
+              "' changes from step to step and cannot give its state back. Iterated coupling asks it several times "
+              "from the same state: let it save and restore, or do not iterate.",
+          false});
+  }
+  const auto goBack = [&]() -> std::optional<turtle::EnvironmentError> {
+    return isStateful ? environment.restore(before) : std::nullopt;
+  };
+  try {
+    exchangeOnce(0);
+    turtle::ReplyBatch all = replies;
+    const std::vector<std::uint64_t> offsets = queryOffsets_;
+    std::vector<double> sent = queries_.parameters;
+    bool isSettled = hasSettled(sent, replies);
+    for (std::uint32_t iteration = 1; iteration < parts_.options.coupling.iterations && !isSettled; ++iteration) {
+      if (const auto error = goBack()) {
+        fail(*error);
+      }
+      // the same pass over strings that hold the answers
+      parts_.transaction.takeBack(parts_.population.states());
+      writeReplies(all);
+      queries_.clear();
+      interpret();
+      // the string is the same but for answers, which no homomorphism reads
+      ESPALIER_CHECK(queryOffsets_ == offsets);
+      sent = queries_.parameters;
+      exchangeOnce(iteration);
+      isSettled = hasSettled(sent, replies);
+      for (std::size_t k = 0; k < all.values.size(); ++k) {
+        if (replies.isSet[k] != 0) {
+          all.values[k] = replies.values[k];
+          all.isSet[k] = 1;
+        }
+      }
+    }
+    if (!isSettled) {
+      warnUnsettled();
+    }
+    interpretAgain();
+    replies = std::move(all);
+  } catch (...) {
+    static_cast<void>(goBack());
+    throw;
+  }
+}
+
+/// Interprets the strings as they were before the answers.
+void AnswerPass::interpretAgain() {
+  parts_.transaction.takeBack(parts_.population.states());
+  queries_.clear();
+  interpret();
+}
+
+/// No answer changes a parameter by more than the tolerance.
+bool AnswerPass::hasSettled(const std::vector<double>& sent, const turtle::ReplyBatch& replies) const {
+  for (std::size_t k = 0; k < sent.size(); ++k) {
+    if (replies.isSet[k] != 0 && std::fabs(stored(replies.values[k]) - sent[k]) > parts_.options.coupling.tolerance) {
+      return false;
+    }
+  }
+  return true;
+}
+
+void AnswerPass::warnUnsettled() const {
+  if (parts_.options.messages) {
+    parts_.options.messages(core::MessageKind::Warning,
+                            "step " + std::to_string(completedSteps_ + 1) + ": the answers of environment '" +
+                                parts_.environment.description().name + "' did not settle in " +
+                                std::to_string(parts_.options.coupling.iterations) + " iterations; the last are used");
+  }
+}
+
+void AnswerPass::measureGeometry() {
+  turtle::Scene scene;
+  turtle::InterpretationOutput output;
+  output.scene = &scene;
+  parts_.drawing.draw(std::move(output));
+  auto geometry = std::make_shared<turtle::Geometry>();
+  const auto symbolOf = [this](std::uint32_t plant, std::uint64_t module) {
+    const Population& population = parts_.population;
+    const core::ModuleTypeId type = population.states()[plant].string.types()[module];
+    return parts_.models.commonSymbol(population.member(plant).origin.model, population.program(plant).symbolOf[type]);
+  };
+  turtle::appendGeometry(std::move(scene), parts_.models.view(), symbolOf, *geometry);
+  queries_.geometry = std::move(geometry);
+}
+
+void AnswerPass::requireFiniteReplies() const {
+  const turtle::ReplyBatch& replies = parts_.transaction.answer().replies;
+  for (std::size_t query = 0; query < queries_.size(); ++query) {
+    for (std::uint64_t k = queries_.parameterOffset[query]; k < queries_.parameterOffset[query + 1]; ++k) {
+      if (replies.isSet[k] == 0 || std::isfinite(replies.values[k])) {
+        continue;
+      }
+      core::SimulationError error;
+      error.code = core::SimulationErrorCode::NonFinite;
+      error.step = completedSteps_ + 1;
+      error.plant = queries_.plant[query];
+      error.module = queries_.module[query];
+      error.message = "step " + std::to_string(error.step) + ", plant " + std::to_string(error.plant) + ", module " +
+                      std::to_string(*error.module) + " ('" + parts_.models.symbolNames()[queries_.symbol[query]] +
+                      "'): environment '" + parts_.environment.description().name + "' answered ";
+      core::appendNumber(error.message, replies.values[k], core::NumberStyle::Shortest);
+      error.message += " for parameter " + std::to_string(k - queries_.parameterOffset[query] + 1) + " of query " +
+                       std::to_string(query) + ". Replies must be finite numbers: correct the environment.";
+      throw core::SimulationFailure(std::move(error));
+    }
+  }
+}
+
+void AnswerPass::writeReplies(const turtle::ReplyBatch& replies) {
+  for (std::size_t query = 0; query < queries_.size(); ++query) {
+    const std::uint64_t begin = queries_.parameterOffset[query];
+    const std::uint64_t end = queries_.parameterOffset[query + 1];
+    const std::uint32_t plant = queries_.plant[query];
+    bool isAnswer = false;
+    for (std::uint64_t k = begin; k < end; ++k) {
+      if (replies.isSet[k] == 0) {
+        continue;
+      }
+      isAnswer = true;
+      // a query that a homomorphism made takes part, and its reply has no place in the string
+      if (queryOffsets_[query] != turtle::kTransientQuery) {
+        parts_.transaction.write(plant, parts_.population.states()[plant], queryOffsets_[query] + (k - begin),
+                                 stored(replies.values[k]));
+      }
+    }
+    parts_.statistics.answers += isAnswer ? 1U : 0U;
+  }
+  if (replies.surplusCount > 0 && parts_.options.messages) {
+    parts_.options.messages(core::MessageKind::Warning,
+                            "environment '" + parts_.environment.description().name + "' gave " +
+                                std::to_string(replies.surplusCount) +
+                                " more values than the communication modules have parameters; they are dropped");
+  }
+}
+
+void AnswerPass::fail(const turtle::EnvironmentError& error) const {
+  throw core::SimulationFailure(environmentFailure(error, completedSteps_ + 1));
+}
+
+}  // namespace espalier::simulation

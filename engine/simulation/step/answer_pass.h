@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "engine/simulation/model_set.h"
+#include "engine/simulation/plants/derivation_factory.h"
+#include "engine/simulation/plants/plant_drawing.h"
+#include "engine/simulation/plants/population.h"
+#include "engine/simulation/simulation.h"
+#include "engine/simulation/step/births_and_deaths.h"
+#include "engine/simulation/step/environment_link.h"
+#include "engine/simulation/step/step_transaction.h"
+
+namespace espalier::simulation {
+
+/// The first half of a step: interprets the strings, puts the queries to the environment and writes its replies into
+/// the strings.
+class AnswerPass {
+ public:
+  /// The parts of the simulation that the pass works on; all must outlive it.
+  struct Parts {
+    const ModelSet& models;
+    const SimulationOptions& options;
+    const DerivationFactory& derivations;
+    Population& population;
+    StepTransaction& transaction;
+    BirthsAndDeaths& births;
+    EnvironmentLink& environment;
+    PlantDrawing& drawing;
+    StepStatistics& statistics;
+  };
+  explicit AnswerPass(const Parts& parts) : parts_(parts) {}
+
+  /// Throws SimulationFailure; the transaction then takes back what was written.
+  void run(std::uint64_t completedSteps);
+
+ private:
+  void interpret();
+  void consultEnvironment();
+  void tickEnvironment();
+  void exchange();
+  void exchangeIterated();
+  void exchangeOnce(std::uint32_t iteration);
+  void measureGeometry();
+  void interpretAgain();
+  void requireFiniteReplies() const;
+  void writeReplies(const turtle::ReplyBatch& replies);
+  [[nodiscard]] bool hasSettled(const std::vector<double>& sent, const turtle::ReplyBatch& replies) const;
+  void warnUnsettled() const;
+  [[nodiscard]] bool isCompatible() const { return parts_.models.compatibility() != core::Compatibility::Espalier; }
+  /// As the string holds it: in the compatible modes a 32-bit float.
+  [[nodiscard]] double stored(double value) const {
+    return isCompatible() ? static_cast<double>(static_cast<float>(value)) : value;
+  }
+  [[noreturn]] void fail(const turtle::EnvironmentError& error) const;
+
+  Parts parts_;
+  // of the step under way
+  std::uint64_t completedSteps_ = 0;
+  turtle::QueryBatch queries_;
+  std::vector<std::uint64_t> queryOffsets_;  // of each query's parameters in its plant's string (queryCount)
+};
+
+}  // namespace espalier::simulation

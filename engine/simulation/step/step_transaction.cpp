@@ -1,0 +1,45 @@
+#include "engine/simulation/step/step_transaction.h"
+
+#include <utility>
+
+namespace espalier::simulation {
+
+void StepTransaction::rememberVariables(std::size_t plant, const derivation::PlantState& state) {
+  undo_[plant].variables.copyFrom(state);
+  undo_[plant].hasVariables = true;
+}
+
+void StepTransaction::write(std::size_t plant, derivation::PlantState& state, std::uint64_t offset, double value) {
+  undo_[plant].changes.push_back({offset, state.string.parameters()[offset]});
+  state.string.setParameter(offset, value);
+}
+
+void StepTransaction::rememberUnderived(std::size_t plant, const derivation::PlantState& state) {
+  undo_[plant].underived = state;
+  undo_[plant].hasUnderived = true;
+}
+
+derivation::PlantState StepTransaction::before(std::size_t plant, const derivation::PlantState& state) const {
+  derivation::PlantState result = state;
+  StepUndo undo = undo_[plant];
+  undo.apply(result);
+  return result;
+}
+
+void StepTransaction::takeBack(std::vector<derivation::PlantState>& states) {
+  for (std::size_t plant = 0; plant < states.size(); ++plant) {
+    undo_[plant].apply(states[plant]);
+  }
+  isAnswered_ = false;
+}
+
+void StepTransaction::commit() {
+  for (StepUndo& undo : undo_) {
+    undo.clear();
+  }
+  isAnswered_ = false;
+  // the batch keeps its memory for the next step
+  answer_ = EnvironmentAnswer{.replies = std::move(answer_.replies)};
+}
+
+}  // namespace espalier::simulation

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "engine/derivation/state/plant_state.h"
+#include "engine/simulation/step/step_undo.h"
+#include "engine/turtle/environment_process.h"
+
+namespace espalier::simulation {
+
+/// What the environment has already done for the step under way. A step that is tried again does not ask for it twice.
+struct EnvironmentAnswer {
+  bool hasReplies = false;
+  bool hasTicked = false;
+  turtle::ReplyBatch replies;
+};
+
+/// One step as a transaction over the plants: it remembers whatever the step overwrites, and takes it back when the
+/// step fails. The environment's answer survives a failed step and ends with a completed one.
+class StepTransaction {
+ public:
+  explicit StepTransaction(std::size_t plantCount = 0, EnvironmentAnswer answer = {})
+      : undo_(plantCount), answer_(std::move(answer)) {}
+
+  /// Plants were born.
+  void setPlantCount(std::size_t plantCount) { undo_.resize(plantCount); }
+  /// The plant has ended: there is nothing to take back.
+  void forget(std::size_t plant) { undo_[plant] = StepUndo(); }
+
+  /// Before the interpretation of a plant: its homomorphism can change variables.
+  void rememberVariables(std::size_t plant, const derivation::PlantState& state);
+  /// The parameters that an interpretation of the plant overwrites are added here.
+  [[nodiscard]] std::vector<turtle::ParameterChange>& changesOf(std::size_t plant) { return undo_[plant].changes; }
+  /// Sets one parameter of the plant's string.
+  void write(std::size_t plant, derivation::PlantState& state, std::uint64_t offset, double value);
+  /// Before the derivation of a plant.
+  void rememberUnderived(std::size_t plant, const derivation::PlantState& state);
+
+  /// The strings hold the environment's replies.
+  [[nodiscard]] bool isAnswered() const { return isAnswered_; }
+  void setAnswered() { isAnswered_ = true; }
+  [[nodiscard]] EnvironmentAnswer& answer() { return answer_; }
+  [[nodiscard]] const EnvironmentAnswer& answer() const { return answer_; }
+
+  /// The plant as it was after the last completed step.
+  [[nodiscard]] derivation::PlantState before(std::size_t plant, const derivation::PlantState& state) const;
+  /// Takes the step back. The environment's answer stays.
+  void takeBack(std::vector<derivation::PlantState>& states);
+  /// The step is complete: nothing of it can be taken back.
+  void commit();
+
+ private:
+  std::vector<StepUndo> undo_;  // by plant number
+  bool isAnswered_ = false;
+  EnvironmentAnswer answer_;
+};
+
+}  // namespace espalier::simulation

@@ -1,0 +1,285 @@
+#include <algorithm>
+#include <new>
+#include <utility>
+
+#include "engine/core/check.h"
+#include "engine/derivation/expressions/model_files.h"
+#include "engine/derivation/state/string_text.h"
+#include "engine/simulation/simulation_implementation.h"
+#include "engine/turtle/scene/scene_bounds.h"
+
+namespace espalier::simulation {
+namespace {
+
+std::vector<Plant> membersOf(std::vector<PlantOrigin> plants, std::size_t modelCount) {
+  std::vector<Plant> members;
+  for (PlantOrigin& origin : plants) {
+    ESPALIER_CHECK(origin.model < modelCount);
+    members.push_back({.origin = std::move(origin)});
+  }
+  return members;
+}
+
+// by stop(n); a plant whose derivation length is reached goes on when it is asked to
+bool hasStoppedItself(const derivation::PlantState& plant) {
+  return plant.isStopped && plant.step < plant.derivationLength;
+}
+
+[[noreturn]] void failAsModel(std::string message, std::uint64_t step = 0, std::uint32_t plant = 0) {
+  core::SimulationError error;
+  error.code = core::SimulationErrorCode::Model;
+  error.step = step;
+  error.plant = plant;
+  error.message = std::move(message);
+  throw core::SimulationFailure(std::move(error));
+}
+
+}  // namespace
+
+Simulation::Implementation::Implementation(Programs programs, std::vector<PlantOrigin> plants,
+                                           std::unique_ptr<turtle::EnvironmentProcess> environment,
+                                           SimulationOptions options)
+    : models_(std::move(programs)),
+      options_(std::move(options)),
+      messages_(options_.messages),
+      derivations_(models_, options_, isCancelled_, messages_),
+      population_(models_, derivations_, membersOf(std::move(plants), models_.size())),
+      transaction_(population_.size()),
+      environment_(std::move(environment)),
+      drawing_(models_, options_, population_),
+      answerPass_(AnswerPass::Parts{.models = models_,
+                                    .options = options_,
+                                    .derivations = derivations_,
+                                    .population = population_,
+                                    .transaction = transaction_,
+                                    .births = births_,
+                                    .environment = environment_,
+                                    .drawing = drawing_,
+                                    .statistics = statistics_}),
+      derivationPass_(options_, messages_, population_, transaction_) {}
+
+// A step. Each part before the completion can fail: undoStep then takes the step back. Only replies that have arrived
+// from the environment are kept for the next try.
+Simulation::Implementation::Outcome Simulation::Implementation::step() {
+  return guarded([this] {
+    // interpret the strings, put the queries to the environment, write the replies into the strings
+    answerQueries();
+    // advance every plant that does not end in this step
+    derivePlants();
+    // start a plant for each seed that took root
+    births_.growSeedlings(population_, derivations_, completedSteps_);
+    // deliver the output of the models to their files
+    deliverAllFiles();
+    // count the step, forget how to take it back, let plants end and seedlings become plants
+    completeStep();
+  });
+}
+
+Simulation::Implementation::Outcome Simulation::Implementation::answer() {
+  return guarded([this] { answerQueries(); });
+}
+
+template <typename Part>
+Simulation::Implementation::Outcome Simulation::Implementation::guarded(Part&& part) {
+  try {
+    part();
+    return std::nullopt;
+  } catch (const core::SimulationFailure& failure) {
+    undoStep();
+    return failed(failure.error());
+  } catch (const std::bad_alloc&) {
+    undoStep();
+    core::SimulationError error;
+    error.code = core::SimulationErrorCode::LimitExceeded;
+    error.step = completedSteps_ + 1;
+    error.message = "step " + std::to_string(error.step) + ": there is not enough memory.";
+    return failed(std::move(error));
+  }
+}
+
+void Simulation::Implementation::answerQueries() {
+  if (!isStarted_) {
+    failAsModel("The simulation has not been started. Rewind it or restore a snapshot first.");
+  }
+  // answer() may have made the pass already
+  if (!transaction_.isAnswered()) {
+    answerPass_.run(completedSteps_);
+    transaction_.setAnswered();
+  }
+}
+
+void Simulation::Implementation::derivePlants() {
+  measureViewVolume();
+  std::vector<std::size_t> growing;
+  const std::vector<derivation::PlantState>& states = population_.states();
+  for (std::size_t plant = 0; plant < states.size(); ++plant) {
+    if (population_.member(plant).isAlive() && !births_.isDying(plant) && !hasStoppedItself(states[plant])) {
+      growing.push_back(plant);
+    }
+  }
+  // something after a plant's derivation can fail: another plant, a seedling, a file
+  const bool writesFiles = options_.fileWriter != nullptr && models_.writesFiles();
+  derivationPass_.run(growing, states.size() > 1 || writesFiles || births_.hasSeeds(), completedSteps_);
+  if (growing.empty() && !births_.hasDeaths()) {
+    failAsModel("step " + std::to_string(completedSteps_ + 1) +
+                    (population_.livingCount() == 0 ? ": no plant is alive" : ": the model has stopped itself") +
+                    ", there is no further step. Rewind the simulation to run it again.",
+                completedSteps_ + 1);
+  }
+}
+
+void Simulation::Implementation::measureViewVolume() {
+  // a model with a box of its own has it from the start
+  const auto& programs = models_.programs();
+  if (std::none_of(programs.begin(), programs.end(),
+                   [](const auto& program) { return program->usesViewVolume && !program->view.box; })) {
+    return;
+  }
+  turtle::Scene scene;
+  drawing_.draw({.scene = &scene});
+  const files::Box volume = turtle::boundsOf(scene, models_.view()).value_or(files::Box{});
+  for (derivation::PlantState& plant : population_.states()) {
+    plant.viewVolume = volume;
+  }
+}
+
+void Simulation::Implementation::deliverAllFiles() {
+  std::vector<derivation::PlantState>& states = population_.states();
+  for (std::size_t plant = 0; plant < states.size(); ++plant) {
+    deliverFiles(plant, population_.program(plant), states[plant]);
+  }
+  std::size_t number = states.size();
+  for (BirthsAndDeaths::Seedling& seedling : births_.seedlings()) {
+    deliverFiles(number++, *models_.programs()[seedling.member.origin.model], seedling.state);
+  }
+}
+
+void Simulation::Implementation::deliverFiles(std::size_t plant, const language::Program& program,
+                                              derivation::PlantState& state) {
+  for (const derivation::FileOutput& output : derivation::takeOutput(state.files)) {
+    const auto number = static_cast<std::uint32_t>(plant);
+    const std::string name = derivation::fileNameOfPlant(program.files[output.file].name, number);
+    if (auto problem = options_.fileWriter->write(name, output.replaces, output.bytes)) {
+      failAsModel("step " + std::to_string(state.step) + ", plant " + std::to_string(number) + ": " + *problem,
+                  state.step, number);
+    }
+  }
+}
+
+void Simulation::Implementation::completeStep() {
+  ++completedSteps_;
+  transaction_.commit();
+  births_.complete(population_, transaction_, completedSteps_, statistics_);
+  countStrings();
+}
+
+void Simulation::Implementation::undoStep() {
+  transaction_.takeBack(population_.states());
+  births_.clear();
+}
+
+core::SimulationError Simulation::Implementation::failed(core::SimulationError error) const {
+  constexpr std::string_view kStays = "The simulation stays at step ";
+  if (isStarted_ && error.message.find(kStays) == std::string::npos) {
+    error.message += error.message.ends_with('.') ? " " : ". ";
+    error.message += std::string(kStays) + std::to_string(completedSteps_) + ".";
+  }
+  return error;
+}
+
+void Simulation::Implementation::countStrings() {
+  const Population::Totals totals = population_.totals();
+  statistics_.step = completedSteps_;
+  statistics_.modules = totals.modules;
+  statistics_.parameters = totals.parameters;
+  statistics_.bytes = totals.bytes;
+  statistics_.plants = population_.livingCount();
+}
+
+Simulation::Implementation::Outcome Simulation::Implementation::rewind() {
+  return guarded([this] {
+    undoStep();
+    // plants that came during a run are not there yet, plants that went are there again
+    std::vector<Plant> founders = population_.founders();
+    if (founders.size() == population_.size() && population_.livingCount() == founders.size()) {
+      begin();
+      return;
+    }
+    Population before = std::exchange(population_, Population(models_, derivations_, std::move(founders)));
+    transaction_.setPlantCount(population_.size());
+    try {
+      begin();
+    } catch (...) {
+      population_ = std::move(before);
+      transaction_.setPlantCount(population_.size());
+      throw;
+    }
+  });
+}
+
+void Simulation::Implementation::begin() {
+  // the plants first: a failing Start changes nothing
+  std::vector<derivation::PlantState> plants(population_.size());
+  for (std::size_t plant = 0; plant < plants.size(); ++plant) {
+    startPlant(plant, plants[plant]);
+  }
+  if (environment_.exists()) {
+    if (const auto error = environment_.open(environmentContext())) {
+      isStarted_ = false;
+      throw core::SimulationFailure(environmentFailure(*error, 0));
+    }
+    environment_.readDescription();
+  }
+  for (std::size_t plant = 0; plant < plants.size(); ++plant) {
+    deliverFiles(plant, population_.program(plant), plants[plant]);
+  }
+  population_.setStates(std::move(plants));
+  transaction_ = StepTransaction(population_.size());
+  completedSteps_ = 0;
+  isStarted_ = true;
+  statistics_ = StepStatistics{};
+  countStrings();
+}
+
+void Simulation::Implementation::startPlant(std::size_t plant, derivation::PlantState& state) const {
+  if (options_.startString.empty()) {
+    population_.derivation(plant).rewind(state);
+    return;
+  }
+  auto read = derivation::parseText(population_.program(plant), options_.startString);
+  if (const std::string* problem = std::get_if<std::string>(&read)) {
+    failAsModel("the string to start from, " + *problem + ".");
+  }
+  population_.derivation(plant).rewind(state, &std::get<derivation::ModuleString>(read));
+}
+
+turtle::EnvironmentContext Simulation::Implementation::environmentContext() const {
+  turtle::EnvironmentContext context;
+  context.simulation = options_.name;
+  context.plantCount = static_cast<std::uint32_t>(population_.size());
+  context.symbols = models_.symbolNames();
+  context.seed = derivations_.seed();
+  context.world = options_.world;
+  return context;
+}
+
+Simulation::Implementation::Outcome Simulation::Implementation::draw(turtle::InterpretationOutput output) {
+  try {
+    drawing_.draw(std::move(output));
+    return std::nullopt;
+  } catch (const core::SimulationFailure& failure) {
+    return failed(failure.error());
+  }
+}
+
+Simulation::Implementation::Outcome Simulation::Implementation::chainRecords(const turtle::RecordChain* base,
+                                                                             turtle::RecordChain& chain) {
+  try {
+    drawing_.chainRecords(base, chain);
+    return std::nullopt;
+  } catch (const core::SimulationFailure& failure) {
+    return failed(failure.error());
+  }
+}
+
+}  // namespace espalier::simulation
