@@ -1,6 +1,8 @@
 #pragma once
 
+#include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
 #include <span>
 #include <type_traits>
@@ -28,6 +30,9 @@ void adviseHugePages(void* memory, std::size_t byteCount) noexcept;
 
 /// A growable array of trivially copyable elements. New elements are uninitialised. It grows by at least half; clear()
 /// keeps the memory, release() frees it.
+///
+/// Buffers may share their memory (share). Each of them copies the elements before it writes, unless it is the last
+/// that has them. Buffers that share memory may belong to different threads.
 template <typename T>
 class Buffer {
   static_assert(std::is_trivially_copyable_v<T>);
@@ -53,21 +58,67 @@ class Buffer {
     std::swap(data_, other.data_);
     std::swap(size_, other.size_);
     std::swap(capacity_, other.capacity_);
+    std::swap(lease_, other.lease_);
+  }
+
+  /// Another buffer with the same elements, in the same memory.
+  [[nodiscard]] Buffer share() {
+    if (size_ > 0 && lease_ == nullptr) {
+      lease_ = new Lease(capacity_);
+      capacity_ = size_;
+    }
+    return std::as_const(*this).share();
+  }
+  /// The same of a buffer that came from share(), or is empty. Several threads may call it.
+  [[nodiscard]] Buffer share() const {
+    Buffer other;
+    if (size_ > 0 && lease_ != nullptr) {
+      lease_->owners.fetch_add(1, std::memory_order_relaxed);
+      other.data_ = data_;
+      other.size_ = size_;
+      other.capacity_ = size_;
+      other.lease_ = lease_;
+    } else {
+      other.append(view());
+    }
+    return other;
+  }
+  /// Makes the memory this buffer's own: pointers into it stay valid, and may be written through, until it grows.
+  void own() {
+    if (lease_ != nullptr) [[unlikely]] {
+      leave(size_);
+    }
   }
 
   [[nodiscard]] std::size_t size() const { return size_; }
   [[nodiscard]] bool empty() const { return size_ == 0; }
   [[nodiscard]] std::size_t capacity() const { return capacity_; }
-  [[nodiscard]] T* data() { return data_; }
+  [[nodiscard]] T* data() {
+    own();
+    return data_;
+  }
   [[nodiscard]] const T* data() const { return data_; }
-  [[nodiscard]] T& operator[](std::size_t i) { return data_[i]; }
+  [[nodiscard]] T& operator[](std::size_t i) {
+    own();
+    return data_[i];
+  }
   [[nodiscard]] const T& operator[](std::size_t i) const { return data_[i]; }
   [[nodiscard]] std::span<const T> view() const { return {data_, size_}; }
-  [[nodiscard]] std::span<T> span() { return {data_, size_}; }
+  [[nodiscard]] std::span<T> span() {
+    own();
+    return {data_, size_};
+  }
 
-  void clear() { size_ = 0; }
+  void clear() {
+    if (lease_ != nullptr && !reclaim()) [[unlikely]] {
+      release();
+    }
+    size_ = 0;
+  }
   void release() noexcept {
-    if (data_ != nullptr) {
+    if (lease_ != nullptr) {
+      dropLease();
+    } else if (data_ != nullptr) {
       unmapPages(data_, capacity_ * sizeof(T));
     }
     data_ = nullptr;
@@ -85,6 +136,8 @@ class Buffer {
       reallocate(count > capacity_ + capacity_ / 2 ? count : capacity_ + capacity_ / 2);
     }
     size_ = count;
+    // elements behind the end are still shared: the next one is not written over them
+    capacity_ = lease_ == nullptr ? capacity_ : size_;
   }
   void push_back(T value) {
     if (size_ == capacity_) {
@@ -102,7 +155,50 @@ class Buffer {
   }
 
  private:
+  /// Counts the buffers that share a block. Their capacity_ is size_, so that appending meets reallocate() first.
+  struct Lease {
+    explicit Lease(std::size_t blockCapacity) : capacity(blockCapacity) {}
+    std::atomic<std::uint32_t> owners{1};
+    const std::size_t capacity;  // of the block, elements
+  };
+
+  void dropLease() noexcept {
+    if (lease_->owners.fetch_sub(1, std::memory_order_acq_rel) == 1) {
+      unmapPages(data_, lease_->capacity * sizeof(T));
+      delete lease_;
+    }
+    lease_ = nullptr;
+  }
+  /// True: no other buffer shares the block any more, and it belongs to this one.
+  bool reclaim() {
+    if (lease_->owners.load(std::memory_order_acquire) > 1) {
+      return false;
+    }
+    capacity_ = lease_->capacity;
+    delete lease_;
+    lease_ = nullptr;
+    return true;
+  }
+  /// Goes on in memory of its own, for at least `count` elements.
+  void leave(std::size_t count) {
+    if (reclaim() && count <= capacity_) {
+      return;
+    }
+    if (lease_ == nullptr) {
+      reallocate(count);
+      return;
+    }
+    T* const fresh = static_cast<T*>(mapPages(count * sizeof(T)));
+    std::memcpy(fresh, data_, size_ * sizeof(T));
+    dropLease();
+    data_ = fresh;
+    capacity_ = count;
+  }
   void reallocate(std::size_t count) {
+    if (lease_ != nullptr) [[unlikely]] {
+      leave(count);
+      return;
+    }
     data_ = static_cast<T*>(data_ == nullptr
                                 ? mapPages(count * sizeof(T))
                                 : growPages(data_, capacity_ * sizeof(T), size_ * sizeof(T), count * sizeof(T)));
@@ -112,6 +208,7 @@ class Buffer {
   T* data_ = nullptr;
   std::size_t size_ = 0;
   std::size_t capacity_ = 0;
+  Lease* lease_ = nullptr;  // null: the memory is this buffer's alone
 };
 
 }  // namespace espalier::core

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <new>
+#include <utility>
 
 namespace espalier::core {
 namespace {
@@ -83,6 +84,66 @@ TEST(Buffer, ImpossibleSizesThrowBadAlloc) {
   EXPECT_THROW(buffer.reserve(SIZE_MAX / 16), std::bad_alloc);
   EXPECT_EQ(buffer[0], 4.0);
   EXPECT_THROW(static_cast<void>(mapPages(SIZE_MAX)), std::bad_alloc);
+}
+
+TEST(Buffer, SharingCopiesOnlyWhenOneIsWritten) {
+  Buffer<int> a;
+  a.append(std::array<int, 3>{1, 2, 3});
+  const int* const memory = std::as_const(a).data();
+  Buffer<int> b = a.share();
+  const Buffer<int> c = std::as_const(b).share();
+  EXPECT_EQ(std::as_const(a).data(), memory);
+  EXPECT_EQ(std::as_const(b).data(), memory);
+  EXPECT_EQ(c.data(), memory);
+  a[0] = 9;
+  EXPECT_EQ(b.view()[0], 1);
+  EXPECT_EQ(c.data(), memory);
+  EXPECT_NE(std::as_const(a).data(), memory);
+  // every way to write
+  const auto leaves = [&c](auto write) {
+    Buffer<int> other = c.share();
+    write(other);
+    return c.view()[0] == 1 && c.view()[2] == 3 && std::as_const(other).data() != c.data();
+  };
+  EXPECT_TRUE(leaves([](Buffer<int>& other) { other.push_back(4); }));
+  EXPECT_TRUE(leaves([](Buffer<int>& other) { other.append(std::array<int, 1>{4}); }));
+  EXPECT_TRUE(leaves([](Buffer<int>& other) { other.span()[2] = 4; }));
+  EXPECT_TRUE(leaves([](Buffer<int>& other) { other.data()[2] = 4; }));
+  EXPECT_TRUE(leaves([](Buffer<int>& other) {
+    other.resize(1);
+    other.push_back(7);
+  }));
+  EXPECT_TRUE(leaves([](Buffer<int>& other) {
+    other.clear();
+    other.push_back(7);
+  }));
+  EXPECT_TRUE(leaves([](Buffer<int>& other) { other.reserve(1000); }));
+  EXPECT_TRUE(leaves([](Buffer<int>& other) { other.release(); }));
+}
+
+TEST(Buffer, TheLastThatSharesKeepsTheMemory) {
+  for (const std::size_t count : {std::size_t{100}, std::size_t{500'000}}) {
+    Buffer<double> a;
+    a.reserve(2 * count);
+    a.resize(count);
+    const double* const memory = std::as_const(a).data();
+    {
+      const Buffer<double> b = a.share();
+      EXPECT_EQ(a.capacity(), count);
+    }
+    a[0] = 1.0;
+    EXPECT_EQ(std::as_const(a).data(), memory);
+    EXPECT_EQ(a.capacity(), 2 * count);
+    // the memory lives as long as one of them
+    Buffer<double> c = a.share();
+    a.release();
+    EXPECT_EQ(c.view()[0], 1.0);
+    c.clear();
+    c.resize(2 * count);
+    EXPECT_EQ(std::as_const(c).data(), memory);
+  }
+  Buffer<int> empty;
+  EXPECT_TRUE(empty.share().empty());
 }
 
 }  // namespace
