@@ -54,7 +54,7 @@ class Derivation::Implementation {
   }
 
   void rewind(PlantState& state, const ModuleString* start);
-  void derive(PlantState& state);
+  void derive(PlantState& state, StepChanges* changes);
   void deriveRecorded(PlantState& state, ModuleRecord& record);
   void beginInterpretation(PlantState& state);
   void endInterpretation() { context_.random.usePrivateStream(false); }
@@ -81,8 +81,12 @@ void Derivation::Implementation::attach(PlantState& state, std::uint64_t step, s
   calls_.begin();
 }
 
-void Derivation::Implementation::derive(PlantState& state) {
+void Derivation::Implementation::derive(PlantState& state, StepChanges* changes) {
   ESPALIER_CHECK(!state.instances.empty());
+  if (changes != nullptr) {
+    *changes = {};
+  }
+  context_.changes = changes;
   backup_.save(state);
   try {
     runStep(state);
@@ -137,7 +141,7 @@ void Derivation::Implementation::deriveRecorded(PlantState& state, ModuleRecord&
   };
   context_.record = &record;
   const Recording recording{context_};
-  derive(state);
+  derive(state, nullptr);
 }
 
 void Derivation::Implementation::rewind(PlantState& state, const ModuleString* start) {
@@ -192,8 +196,8 @@ Derivation& Derivation::operator=(Derivation&&) noexcept = default;
 void Derivation::rewind(PlantState& state, const ModuleString* start) {
   implementation_->rewind(state, start);
 }
-void Derivation::derive(PlantState& state) {
-  implementation_->derive(state);
+void Derivation::derive(PlantState& state, StepChanges* changes) {
+  implementation_->derive(state, changes);
 }
 void Derivation::deriveRecorded(PlantState& state, ModuleRecord& record) {
   implementation_->deriveRecorded(state, record);

@@ -8,6 +8,7 @@
 #include "engine/core/limits.h"
 #include "engine/core/streams.h"
 #include "engine/derivation/state/plant_state.h"
+#include "engine/derivation/state/step_changes.h"
 #include "engine/language/program.h"
 
 namespace espalier::derivation {
@@ -42,8 +43,9 @@ class Derivation {
   void rewind(PlantState& state, const ModuleString* start = nullptr);
 
   /// One DerivationStep after the environment pass (docs/language.md, 1.5): counter, StartEach, the scan with
-  /// decomposition, EndEach, and End in the last step. A failure leaves `state` as it was before the call.
-  void derive(PlantState& state);
+  /// decomposition, EndEach, and End in the last step. A failure leaves `state` as it was before the call. `changes`
+  /// (null: not wanted) becomes what the step left of the string.
+  void derive(PlantState& state, StepChanges* changes = nullptr);
 
   /// The same, and records everything that the step does with the module `record.module` of the string. Slower, because
   /// it takes no shortcut. When the step fails, the record ends at the failure.

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <utility>
 
 #include "engine/core/hash.h"
@@ -111,6 +112,8 @@ std::string Simulation::Implementation::problemOfEnvironment(const SnapshotConte
 /// Puts another run in place of this one, and returns this one.
 Simulation::Implementation::Run Simulation::Implementation::exchangeRun(Run run) {
   std::swap(options_, run.options);
+  viewOptions_ = nullptr;
+  drawing_.forget();
   std::swap(population_, run.population);
   std::swap(transaction_, run.transaction);
   std::swap(births_, run.births);
@@ -142,6 +145,7 @@ Simulation::Implementation::Outcome Simulation::Implementation::resume(SnapshotC
   Run before = exchangeRun(std::move(next));
   const auto goBack = [&] {
     before = exchangeRun(std::move(before));
+    changes_.forget();
     if (environment_.exists() && isStarted_) {
       static_cast<void>(environment_.restore(environmentBefore));
     }
@@ -156,6 +160,7 @@ Simulation::Implementation::Outcome Simulation::Implementation::resume(SnapshotC
     population_.setStates(std::move(content.plants));
     isStarted_ = true;
     countStrings();
+    noteRestored(before);
     if (content.isAnswered) {
       answerQueries();
     }
@@ -166,6 +171,18 @@ Simulation::Implementation::Outcome Simulation::Implementation::resume(SnapshotC
   } catch (...) {
     goBack();
     throw;
+  }
+}
+
+/// Says how the strings differ from those of the run before.
+void Simulation::Implementation::noteRestored(const Run& before) {
+  if (!changes_.isFollowed()) {
+    return;
+  }
+  const std::vector<derivation::PlantState>& old = before.population.states();
+  for (std::size_t plant = 0; plant < std::min(old.size(), population_.size()); ++plant) {
+    changes_.add(plant, derivation::StepChanges::between(old[plant].string, population_.states()[plant].string,
+                                                         population_.program(plant).arity));
   }
 }
 

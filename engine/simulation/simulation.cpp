@@ -8,7 +8,6 @@
 #include "engine/core/check.h"
 #include "engine/derivation/state/string_text.h"
 #include "engine/simulation/simulation_implementation.h"
-#include "engine/turtle/interpretation/record_chain.h"
 
 namespace espalier::simulation {
 
@@ -167,17 +166,12 @@ std::variant<std::vector<turtle::TurtleRecord>, core::SimulationError> Simulatio
   return records;
 }
 
-std::variant<std::shared_ptr<const turtle::RecordChain>, core::SimulationError> Simulation::recordChain(
-    const turtle::RecordChain* base) const {
-  const Programs& programs = implementation_->models().programs();
-  if (!std::all_of(programs.begin(), programs.end(), [](const auto& it) { return turtle::isRepeatable(*it); })) {
-    return nullptr;
-  }
-  auto chain = std::make_shared<turtle::RecordChain>();
-  if (auto error = implementation_->chainRecords(base, *chain)) {
-    return std::move(*error);
-  }
-  return chain;
+std::shared_ptr<const PlantsView> Simulation::takeView() {
+  return implementation_->takeView();
+}
+
+void Simulation::followChanges(bool isWanted) {
+  implementation_->followChanges(isWanted);
 }
 
 Outcome Simulation::visitModules(

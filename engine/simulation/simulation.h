@@ -23,11 +23,9 @@
 #include "engine/turtle/interpretation/interpreter.h"
 #include "engine/turtle/scene/scene.h"
 
-namespace espalier::turtle {
-struct RecordChain;
-}
-
 namespace espalier::simulation {
+
+struct PlantsView;
 
 /// The reaction to an environment that does not answer.
 enum class EnvironmentPolicy : std::uint8_t {
@@ -156,14 +154,15 @@ class Simulation {
   /// The turtle stream's records of the current strings, all plants; symbols are places in symbolNames(). Does not
   /// change the simulation.
   [[nodiscard]] std::variant<std::vector<turtle::TurtleRecord>, core::SimulationError> turtleRecords() const;
-  /// The same as a chain of stretches. `base` is a chain of this simulation at any other time, or null: stretches that
-  /// it has are shared. Null when the models' drawings are not repeatable (record_chain.h).
-  [[nodiscard]] std::variant<std::shared_ptr<const turtle::RecordChain>, core::SimulationError> recordChain(
-      const turtle::RecordChain* base) const;
   /// Calls `visit` after each module of all plants, in order, with the turtle's state then (InterpretationOutput::
   /// onModule). Does not change the simulation.
   [[nodiscard]] std::optional<core::SimulationError> visitModules(
       const std::function<void(const turtle::TurtleRecord&, std::uint64_t first)>& visit) const;
+
+  /// The plants as they are now, for other threads (plants_view.h). Copies no string: O(plants).
+  [[nodiscard]] std::shared_ptr<const PlantsView> takeView();
+  /// Whether the next views tell what changed since the view before each of them. Costs each step a little.
+  void followChanges(bool isWanted);
 
   /// Hash of the complete state: strings, variables, random streams, environment.
   [[nodiscard]] std::uint64_t stateHash() const;

@@ -14,10 +14,12 @@
 #include "engine/simulation/plants/plant_drawing.h"
 #include "engine/simulation/plants/plant_messages.h"
 #include "engine/simulation/plants/population.h"
+#include "engine/simulation/plants_view.h"
 #include "engine/simulation/simulation.h"
 #include "engine/simulation/snapshot_content.h"
 #include "engine/simulation/step/answer_pass.h"
 #include "engine/simulation/step/births_and_deaths.h"
+#include "engine/simulation/step/change_log.h"
 #include "engine/simulation/step/derivation_pass.h"
 #include "engine/simulation/step/environment_link.h"
 #include "engine/simulation/step/step_transaction.h"
@@ -37,7 +39,8 @@ class Simulation::Implementation {
   [[nodiscard]] Outcome step();
   [[nodiscard]] Outcome answer();
   [[nodiscard]] Outcome draw(turtle::InterpretationOutput output);
-  [[nodiscard]] Outcome chainRecords(const turtle::RecordChain* base, turtle::RecordChain& chain);
+  [[nodiscard]] std::shared_ptr<const PlantsView> takeView();
+  void followChanges(bool isWanted) { changes_.follow(isWanted); }
   [[nodiscard]] std::uint64_t stateHash() const;
   [[nodiscard]] std::uint64_t plantsHash() const;
   void save(core::ByteSink& sink) const;
@@ -74,6 +77,7 @@ class Simulation::Implementation {
   void deliverFiles(std::size_t plant, const language::Program& program, derivation::PlantState& state);
   void completeStep();
   void undoStep();
+  void noteAnswers();
   /// Runs a part of a step; on a failure of any kind the simulation is as after the last completed step.
   template <typename Part>
   [[nodiscard]] Outcome guarded(Part&& part);
@@ -86,6 +90,7 @@ class Simulation::Implementation {
   [[nodiscard]] std::string problemOfEnvironment(const SnapshotContent& content) const;
   [[nodiscard]] Run exchangeRun(Run run);
   [[nodiscard]] Outcome resume(SnapshotContent& content);
+  void noteRestored(const Run& before);
   [[nodiscard]] std::optional<turtle::EnvironmentError> resumeEnvironment(const SnapshotContent& content,
                                                                           const Run& before);
   /// The error with the step at which the simulation stays.
@@ -98,6 +103,9 @@ class Simulation::Implementation {
   DerivationFactory derivations_;
   Population population_;
   StepTransaction transaction_;
+  ChangeLog changes_;
+  std::uint64_t viewNumber_ = 0;                          // of the last view
+  std::shared_ptr<const SimulationOptions> viewOptions_;  // of the views; null: they have changed since
   BirthsAndDeaths births_;
   EnvironmentLink environment_;
   PlantDrawing drawing_;

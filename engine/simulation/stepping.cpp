@@ -5,6 +5,7 @@
 #include "engine/core/check.h"
 #include "engine/derivation/expressions/model_files.h"
 #include "engine/derivation/state/string_text.h"
+#include "engine/simulation/plants/plant_variables.h"
 #include "engine/simulation/simulation_implementation.h"
 #include "engine/turtle/scene/scene_bounds.h"
 
@@ -46,7 +47,7 @@ Simulation::Implementation::Implementation(Programs programs, std::vector<PlantO
       population_(models_, derivations_, membersOf(std::move(plants), models_.size())),
       transaction_(population_.size()),
       environment_(std::move(environment)),
-      drawing_(models_, options_, population_),
+      drawing_(models_, options_, derivations_),
       answerPass_(AnswerPass::Parts{.models = models_,
                                     .options = options_,
                                     .derivations = derivations_,
@@ -105,6 +106,10 @@ void Simulation::Implementation::answerQueries() {
   if (!transaction_.isAnswered()) {
     answerPass_.run(completedSteps_);
     transaction_.setAnswered();
+    if (changes_.isFollowed()) {
+      transaction_.noteAnswers(population_.states());
+      noteAnswers();
+    }
   }
 }
 
@@ -119,7 +124,8 @@ void Simulation::Implementation::derivePlants() {
   }
   // something after a plant's derivation can fail: another plant, a seedling, a file
   const bool writesFiles = options_.fileWriter != nullptr && models_.writesFiles();
-  derivationPass_.run(growing, states.size() > 1 || writesFiles || births_.hasSeeds(), completedSteps_);
+  derivationPass_.run(growing, states.size() > 1 || writesFiles || births_.hasSeeds(), changes_.isFollowed(),
+                      completedSteps_);
   if (growing.empty() && !births_.hasDeaths()) {
     failAsModel("step " + std::to_string(completedSteps_ + 1) +
                     (population_.livingCount() == 0 ? ": no plant is alive" : ": the model has stopped itself") +
@@ -136,7 +142,7 @@ void Simulation::Implementation::measureViewVolume() {
     return;
   }
   turtle::Scene scene;
-  drawing_.draw({.scene = &scene});
+  drawing_.draw(population_.members(), population_.states(), {.scene = &scene});
   const files::Box volume = turtle::boundsOf(scene, models_.view()).value_or(files::Box{});
   for (derivation::PlantState& plant : population_.states()) {
     plant.viewVolume = volume;
@@ -168,23 +174,33 @@ void Simulation::Implementation::deliverFiles(std::size_t plant, const language:
 
 void Simulation::Implementation::completeStep() {
   ++completedSteps_;
+  for (std::size_t plant = 0; changes_.isFollowed() && plant < population_.size(); ++plant) {
+    if (const derivation::StepChanges* const derived = transaction_.derived(plant)) {
+      changes_.add(plant, *derived);
+    }
+  }
   transaction_.commit();
   births_.complete(population_, transaction_, completedSteps_, statistics_);
   countStrings();
 }
 
+void Simulation::Implementation::noteAnswers() {
+  for (std::size_t plant = 0; plant < population_.states().size(); ++plant) {
+    changes_.add(plant, transaction_.answered(plant));
+  }
+}
+
 void Simulation::Implementation::undoStep() {
+  // the answers go as they came
+  if (transaction_.isAnswered()) {
+    noteAnswers();
+  }
   transaction_.takeBack(population_.states());
   births_.clear();
 }
 
 core::SimulationError Simulation::Implementation::failed(core::SimulationError error) const {
-  constexpr std::string_view kStays = "The simulation stays at step ";
-  if (isStarted_ && error.message.find(kStays) == std::string::npos) {
-    error.message += error.message.ends_with('.') ? " " : ". ";
-    error.message += std::string(kStays) + std::to_string(completedSteps_) + ".";
-  }
-  return error;
+  return isStarted_ ? sayingWhereItStays(std::move(error), completedSteps_) : error;
 }
 
 void Simulation::Implementation::countStrings() {
@@ -233,6 +249,7 @@ void Simulation::Implementation::begin() {
   for (std::size_t plant = 0; plant < plants.size(); ++plant) {
     deliverFiles(plant, population_.program(plant), plants[plant]);
   }
+  changes_.forget();
   population_.setStates(std::move(plants));
   transaction_ = StepTransaction(population_.size());
   completedSteps_ = 0;
@@ -265,21 +282,32 @@ turtle::EnvironmentContext Simulation::Implementation::environmentContext() cons
 
 Simulation::Implementation::Outcome Simulation::Implementation::draw(turtle::InterpretationOutput output) {
   try {
-    drawing_.draw(std::move(output));
+    drawing_.draw(population_.members(), population_.states(), std::move(output));
     return std::nullopt;
   } catch (const core::SimulationFailure& failure) {
     return failed(failure.error());
   }
 }
 
-Simulation::Implementation::Outcome Simulation::Implementation::chainRecords(const turtle::RecordChain* base,
-                                                                             turtle::RecordChain& chain) {
-  try {
-    drawing_.chainRecords(base, chain);
-    return std::nullopt;
-  } catch (const core::SimulationFailure& failure) {
-    return failed(failure.error());
+std::shared_ptr<const PlantsView> Simulation::Implementation::takeView() {
+  auto view = std::make_shared<PlantsView>();
+  if (viewOptions_ == nullptr) {
+    viewOptions_ = std::make_shared<const SimulationOptions>(options_);
   }
+  view->base = changes_.isKnown() ? viewNumber_ : 0;
+  view->number = ++viewNumber_;
+  view->options = viewOptions_;
+  view->programs = models_.programs();
+  view->members = population_.sharedMembers();
+  view->plants.reserve(population_.size());
+  for (derivation::PlantState& state : population_.states()) {
+    view->plants.push_back(sharedState(state));
+  }
+  view->changes = changes_.take(population_.states());
+  view->statistics = statistics_;
+  view->completedSteps = completedSteps_;
+  view->isFinished = population_.isFinished(completedSteps_);
+  return view;
 }
 
 }  // namespace espalier::simulation

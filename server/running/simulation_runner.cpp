@@ -208,78 +208,63 @@ std::size_t SimulationRunner::pauseWaiting() {
   return count;
 }
 
-void SimulationRunner::addStream(std::shared_ptr<Stream> stream) {
+Viewers& SimulationRunner::viewers() {
   const std::lock_guard lock(mutex_);
-  streams_.push_back(std::move(stream));
+  if (viewers_ == nullptr) {
+    Viewers::Options options{.simulation = id_, .streamBytes = streamBytesBound_, .askLatest = {}};
+    options.askLatest = [weak = weak_from_this()] {
+      if (const auto self = weak.lock()) {
+        self->catchUp();
+      }
+    };
+    viewers_ = std::make_shared<Viewers>(std::move(options), *pool_, *log_);
+  }
+  return *viewers_;
 }
 
-void SimulationRunner::publishFrames(bool isDue) {
-  std::vector<std::shared_ptr<Stream>> streams;
-  {
-    const std::lock_guard lock(mutex_);
-    std::erase_if(streams_, [](const auto& stream) { return stream->isClosed(); });
-    streams = streams_;
-  }
-  // queries are copied only when a viewer wants them
-  hosted_->recordQueries(std::any_of(streams.begin(), streams.end(),
-                                     [](const auto& stream) { return stream->params().what == "queries"; }));
-  FrameMaker maker = frameMaker();
-  for (const auto& stream : streams) {
-    if (isDue ? stream->wantsFrame(hosted_->simulation().completedSteps()) : stream->wantsToCatchUp()) {
-      publishTo(*stream, maker);
-    }
-  }
-  boundBases(streams);
+std::uint64_t SimulationRunner::streamBytes() const {
+  const std::lock_guard lock(mutex_);
+  return viewers_ == nullptr ? 0 : viewers_->bytes();
 }
 
-void SimulationRunner::publishFirstFrame(Stream& stream) {
-  if (stream.params().what == "queries") {
-    hosted_->recordQueries(true);
-  }
-  FrameMaker maker = frameMaker();
-  publishTo(stream, maker);
+void SimulationRunner::addStream(std::shared_ptr<Stream> stream) {
+  viewers().add(stream);
+  handOver(true, std::move(stream));
 }
 
-FrameMaker SimulationRunner::frameMaker() const {
-  const simulation::Simulation& simulation = hosted_->simulation();
+void SimulationRunner::publishState(bool isDue) {
+  // only the worker that owns the simulation sets it
+  if (viewers_ == nullptr) {
+    return;
+  }
+  simulation::Simulation& simulation = hosted_->simulation();
+  if (!viewers_->exist()) {
+    simulation.followChanges(false);
+    hosted_->recordQueries(false);
+  } else if (viewers_->takeState(simulation.completedSteps(), simulation.statistics().bytes, isDue)) {
+    handOver(isDue, nullptr);
+  }
+}
+
+void SimulationRunner::handOver(bool isDue, std::shared_ptr<Stream> first) {
+  simulation::Simulation& simulation = hosted_->simulation();
+  // queries and changes are noted only when a viewer wants them
+  hosted_->recordQueries(viewers_->wantQueries());
+  simulation.followChanges(viewers_->wantDifferences());
   // the queries of the last step, not of a step before a reset or of one that failed
   auto queries = hosted_->lastQueries();
   const bool isOfLastStep = queries != nullptr && queries->queries.step + 1 == simulation.completedSteps();
-  return {simulation, milliseconds_, isOfLastStep ? std::move(queries) : nullptr};
-}
-
-void SimulationRunner::publishTo(Stream& stream, FrameMaker& maker) {
-  const simulation::Simulation& simulation = hosted_->simulation();
-  auto frame = maker.make(stream.params(), stream.base());
-  if (const auto* error = std::get_if<core::SimulationError>(&frame)) {
-    stream.end(error->message);
-  } else {
-    stream.send(simulation.completedSteps(), simulation.isFinished(), std::move(std::get<StreamFrame>(frame)));
-  }
-}
-
-void SimulationRunner::boundBases(const std::vector<std::shared_ptr<Stream>>& streams) {
-  std::vector<FrameBase> bases;
-  std::uint64_t bytes = 0;
-  for (const auto& stream : streams) {
-    FrameBase base = stream->base();
-    if (base.isEmpty() || std::find(bases.begin(), bases.end(), base) != bases.end()) {
-      continue;
-    }
-    if (bytes + base.bytes() > streamBytesBound_) {
-      stream->forgetBase();
-      continue;
-    }
-    bytes += base.bytes();
-    bases.push_back(std::move(base));
-  }
-  streamBytes_ = bytes;
+  viewers_->handOver({.plants = simulation.takeView(),
+                      .milliseconds = milliseconds_,
+                      .queries = isOfLastStep ? std::move(queries) : nullptr,
+                      .isDue = isDue,
+                      .first = std::move(first)});
 }
 
 void SimulationRunner::catchUp() {
   {
     const std::lock_guard lock(mutex_);
-    if (isCatchingUp_ || closed_ || streams_.empty()) {
+    if (isCatchingUp_ || closed_ || viewers_ == nullptr) {
       return;
     }
     isCatchingUp_ = true;
@@ -290,7 +275,7 @@ void SimulationRunner::catchUp() {
       const std::lock_guard lock(runner.mutex_);
       runner.isCatchingUp_ = false;
     }
-    runner.publishFrames(false);
+    runner.publishState(false);
     return false;
   };
   command->fail = [](const protocol::Error&) {};
@@ -298,13 +283,13 @@ void SimulationRunner::catchUp() {
 }
 
 void SimulationRunner::endStreams(const std::string& reason) {
-  std::vector<std::shared_ptr<Stream>> streams;
+  std::shared_ptr<Viewers> viewers;
   {
     const std::lock_guard lock(mutex_);
-    streams.swap(streams_);
+    viewers = viewers_;
   }
-  for (const auto& stream : streams) {
-    stream->end(reason);
+  if (viewers != nullptr) {
+    viewers->end(reason);
   }
 }
 

@@ -12,7 +12,7 @@
 #include "protocol/messages.h"
 #include "server/running/hosted_simulation.h"
 #include "server/running/worker_pool.h"
-#include "server/stream/stream.h"
+#include "server/stream/viewers.h"
 
 namespace espalier::server {
 
@@ -53,11 +53,10 @@ class SimulationRunner final : public std::enable_shared_from_this<SimulationRun
   [[nodiscard]] protocol::SimulationInformation information() const;
   [[nodiscard]] const std::string& id() const { return id_; }
   /// Bytes that its streams keep to find differences.
-  [[nodiscard]] std::uint64_t streamBytes() const { return streamBytes_; }
+  [[nodiscard]] std::uint64_t streamBytes() const;
   /// Bytes of its strings after its last turn.
   [[nodiscard]] std::uint64_t stringBytes() const { return stringBytes_; }
-  void addStream(std::shared_ptr<Stream> stream);
-  /// Sends a frame to streams that missed one and are ready again.
+  /// Shows the present state to streams that missed one and are ready again.
   void catchUp();
   /// Ends all streams with a reason.
   void endStreams(const std::string& reason);
@@ -71,10 +70,10 @@ class SimulationRunner final : public std::enable_shared_from_this<SimulationRun
   /// Publishes the information as it is after this command. To be called before the answer is sent: a caller that has
   /// received an answer never sees an older state.
   void publishEndOf(Command& command);
-  /// Sends frames of the present state to the streams that want one. `isDue`: a step was just completed.
-  void publishFrames(bool isDue);
-  /// Sends a new viewer the present state at once.
-  void publishFirstFrame(Stream& stream);
+  /// Hands the present state over to the viewers. `isDue`: a step was just completed.
+  void publishState(bool isDue);
+  /// A new viewer, which gets the present state at once.
+  void addStream(std::shared_ptr<Stream> stream);
   /// Marks every command that waits for a turn as paused. Returns how many steps or runs there are.
   std::size_t pauseWaiting();
   void setMilliseconds(double milliseconds) { milliseconds_ = milliseconds; }
@@ -87,10 +86,9 @@ class SimulationRunner final : public std::enable_shared_from_this<SimulationRun
   void takeTurn();
   void giveUpTurn(std::uint64_t turn);
   void runGuarded(Command& command, bool& wantsMore);
-  void publishTo(Stream& stream, FrameMaker& maker);
-  [[nodiscard]] FrameMaker frameMaker() const;
-  /// Keeps the memory of differences within its bound.
-  void boundBases(const std::vector<std::shared_ptr<Stream>>& streams);
+  /// `first`: only for this viewer; null: for all.
+  void handOver(bool isDue, std::shared_ptr<Stream> first);
+  [[nodiscard]] Viewers& viewers();
 
   const std::string id_;
   std::unique_ptr<HostedSimulation> hosted_;
@@ -101,7 +99,6 @@ class SimulationRunner final : public std::enable_shared_from_this<SimulationRun
   double milliseconds_ = 0.0;  // of the last step; for the worker that owns the simulation
   std::string lastError_;      // the same
   std::atomic<std::uint64_t> stringBytes_{0};
-  std::atomic<std::uint64_t> streamBytes_{0};
 
   mutable std::mutex mutex_;
   std::deque<std::shared_ptr<Command>> queue_;
@@ -110,8 +107,8 @@ class SimulationRunner final : public std::enable_shared_from_this<SimulationRun
   std::uint64_t turnCount_ = 0;  // turns begun
   std::optional<protocol::Error> closed_;
   protocol::SimulationInformation information_;
-  std::vector<std::shared_ptr<Stream>> streams_;
-  bool isCatchingUp_ = false;  // such a command is queued
+  std::shared_ptr<Viewers> viewers_;  // null: there never was one
+  bool isCatchingUp_ = false;         // such a command is queued
 };
 
 }  // namespace espalier::server

@@ -19,6 +19,8 @@ WorkerPool::WorkerPool(const WorkerPoolOptions& options)
   lanes_[static_cast<std::size_t>(Lane::Short)].workers = std::max(2U, workers_);
   lanes_[static_cast<std::size_t>(Lane::Step)].workers = workers_;
   lanes_[static_cast<std::size_t>(Lane::Decode)].workers = workers_;
+  // frames leave room for steps
+  lanes_[static_cast<std::size_t>(Lane::Frame)].workers = std::max(1U, workers_ / 2);
   keeper_ = std::thread([this] { keepTime(); });
 }
 

@@ -15,11 +15,13 @@
 
 namespace espalier::server {
 
-/// Kinds of work with workers of their own: short requests never wait behind steps, nor messages behind either.
+/// Kinds of work with workers of their own: short requests never wait behind steps, nor messages behind either, nor
+/// anything behind frames.
 enum class Lane : std::uint8_t {
   Short,   // compiling, creating, reading, saving
   Step,    // steps of simulations
   Decode,  // big messages
+  Frame,   // frames for viewers
 };
 
 struct WorkerPoolOptions {
@@ -116,7 +118,7 @@ class WorkerPool {
   std::condition_variable wake_;
   std::condition_variable idle_;
   std::condition_variable time_;
-  std::array<LaneState, 3> lanes_;
+  std::array<LaneState, 4> lanes_;
   std::list<Running> running_;
   std::uint64_t begunCount_ = 0;
   std::size_t freeThreads_ = 0;   // threads that look for a task

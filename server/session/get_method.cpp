@@ -97,11 +97,11 @@ Problem writeTurtle(SimulationRunner& runner, const protocol::GetParams& params,
   protocol::StreamOpenParams all;
   all.what = "turtle";
   all.select = params.select;
-  auto frame = FrameMaker(runner.hosted().simulation(), 0.0, nullptr).make(all, {});
-  if (const auto* error = std::get_if<core::SimulationError>(&frame)) {
+  const auto body = turtleBody(runner.hosted().simulation(), all);
+  if (const auto* error = std::get_if<core::SimulationError>(&body)) {
     return runner.hosted().errorOf(*error);
   }
-  result.raw(std::get<StreamFrame>(frame).body.json);
+  result.raw(std::get<protocol::Body>(body).json);
   return std::nullopt;
 }
 

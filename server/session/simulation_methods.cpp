@@ -21,7 +21,7 @@ protocol::Expected<std::string> changed(SimulationRunner& runner, std::optional<
     return tl::unexpected(std::move(*error));
   }
   runner.setLastError({});
-  runner.publishFrames(true);
+  runner.publishState(true);
   return stateAfter(runner);
 }
 

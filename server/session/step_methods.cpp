@@ -109,7 +109,7 @@ bool advanceSteps(SimulationRunner& runner, Command& command, Session& session, 
     runner.publishEndOf(command);
     session.respondError(id, reason);
     if (isMade) {
-      runner.publishFrames(true);
+      runner.publishState(true);
     }
     return false;
   }
@@ -119,10 +119,10 @@ bool advanceSteps(SimulationRunner& runner, Command& command, Session& session, 
     // the controller first, viewers after
     runner.publishEndOf(command);
     session.respond(id, protocol::encode(resultOf(runner, progress, !isLast)));
-    runner.publishFrames(true);
+    runner.publishState(true);
     return false;
   }
-  runner.publishFrames(true);
+  runner.publishState(true);
   tellProgress(runner, session, id, progress);
   return true;
 }

@@ -37,7 +37,6 @@ std::shared_ptr<Command> makeOpenCommand(const Request& request, std::shared_ptr
       result.key("step").integer(runner.hosted().simulation().completedSteps()).endObject();
       owner->respond(id, result.view());
       runner.addStream(stream);
-      runner.publishFirstFrame(*stream);
     }
     return false;
   };

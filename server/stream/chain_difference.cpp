@@ -1,10 +1,9 @@
 #include "server/stream/chain_difference.h"
 
 #include <algorithm>
-#include <bit>
-#include <functional>
 #include <utility>
 
+#include "engine/core/check.h"
 #include "server/stream/row_difference.h"
 
 namespace espalier::server {
@@ -63,57 +62,29 @@ class ChainRows {
   std::vector<Row> rows_;
 };
 
-/// Finds parts of one list in another: stretches among stretches, or groups among groups. A chain has no part twice.
-class PartFinder {
- public:
-  static constexpr std::size_t kNone = ~std::size_t{0};
-
-  explicit PartFinder(std::vector<const void*> parts) : parts_(std::move(parts)) {}
-
-  /// Where the part is, from `from` on.
-  [[nodiscard]] std::size_t find(std::size_t from, const void* part) {
-    if (from < parts_.size() && parts_[from] == part) {
-      return from;
-    }
-    if (slots_.empty()) {
-      slots_.assign(std::bit_ceil(2 * parts_.size() + 2), kNone);
-      for (std::size_t i = 0; i < parts_.size(); ++i) {
-        slotOf(parts_[i]) = i;
-      }
-    }
-    const std::size_t place = slotOf(part);
-    return place != kNone && place >= from ? place : kNone;
-  }
-  [[nodiscard]] std::size_t size() const { return parts_.size(); }
-
- private:
-  /// Where the part's place is written, or would be.
-  std::size_t& slotOf(const void* part) {
-    const std::size_t mask = slots_.size() - 1;
-    std::size_t slot = std::hash<const void*>()(part) * 0x9E3779B97F4A7C15U >> 20U & mask;
-    while (slots_[slot] != kNone && parts_[slots_[slot]] != part) {
-      slot = (slot + 1) & mask;
-    }
-    return slots_[slot];
-  }
-
-  std::vector<const void*> parts_;
-  std::vector<std::size_t> slots_;  // a power of two; empty: not needed yet
+/// A part of a chain, a group or a stretch.
+struct Part {
+  const void* part = nullptr;
+  std::uint64_t birth = 0;
 };
 
-/// Goes over two lists of parts, in order: `keep(from, to)` for parts that both share, and `tellGap(from, fromEnd, to,
-/// toEnd)` for the parts between them.
+/// Goes over the parts of two chains, in order: `keep(from, to)` for parts that both share, and `tellGap(from, fromEnd,
+/// to, toEnd)` for the parts between them. The base is of this generation, so it has every part that is not younger
+/// (RecordChain): the next shared part is found by going on.
 template <typename Keep, typename TellGap>
-void match(std::vector<const void*> baseParts, const std::vector<const void*>& parts, const Keep& keep,
-           const TellGap& tellGap) {
-  PartFinder base(std::move(baseParts));
+void match(std::uint64_t generation, const std::vector<Part>& baseParts, const std::vector<Part>& parts,
+           const Keep& keep, const TellGap& tellGap) {
   std::size_t from = 0;  // parts before it are done
   std::size_t to = 0;
   for (std::size_t i = 0; i < parts.size(); ++i) {
-    const std::size_t same = base.find(from, parts[i]);
-    if (same == PartFinder::kNone) {
+    if (parts[i].birth > generation) {
       continue;
     }
+    std::size_t same = from;
+    while (same < baseParts.size() && baseParts[same].part != parts[i].part) {
+      ++same;
+    }
+    ESPALIER_CHECK(same < baseParts.size());
     if (to < i) {
       tellGap(from, same, to, i);
     }
@@ -122,7 +93,7 @@ void match(std::vector<const void*> baseParts, const std::vector<const void*>& p
     to = i + 1;
   }
   if (to < parts.size()) {
-    tellGap(from, base.size(), to, parts.size());
+    tellGap(from, baseParts.size(), to, parts.size());
   }
 }
 
@@ -136,15 +107,16 @@ class ChainDifference {
 
   TurtleChange make() {
     const auto groupsOf = [](const RecordChain& chain) {
-      std::vector<const void*> groups;
+      std::vector<Part> groups;
       groups.reserve(chain.links.size());
       for (const RecordChain::Link& link : chain.links) {
-        groups.push_back(link.group.get());
+        groups.push_back({link.group.get(), link.group->birth});
       }
       return groups;
     };
     match(
-        groupsOf(base_), groupsOf(chain_), [this](std::size_t from, std::size_t to) { keepGroup(from, to); },
+        base_.generation, groupsOf(base_), groupsOf(chain_),
+        [this](std::size_t from, std::size_t to) { keepGroup(from, to); },
         [this](std::size_t from, std::size_t fromEnd, std::size_t to, std::size_t toEnd) {
           tellGroups(base_.places(from, fromEnd), chain_.places(to, toEnd));
         });
@@ -155,15 +127,16 @@ class ChainDifference {
   /// Stretches of the base have become others, some of them perhaps in other groups.
   void tellGroups(const Places& from, const Places& to) {
     const auto stretchesOf = [](const Places& places) {
-      std::vector<const void*> stretches;
+      std::vector<Part> stretches;
       stretches.reserve(places.size());
       for (const RecordChain::Place& place : places) {
-        stretches.push_back(place.stretch);
+        stretches.push_back({place.stretch, place.stretch->birth});
       }
       return stretches;
     };
     match(
-        stretchesOf(from), stretchesOf(to), [&](std::size_t i, std::size_t j) { keepStretch(from[i], to[j]); },
+        base_.generation, stretchesOf(from), stretchesOf(to),
+        [&](std::size_t i, std::size_t j) { keepStretch(from[i], to[j]); },
         [&](std::size_t begin, std::size_t end, std::size_t toBegin, std::size_t toEnd) {
           tellRows(from, begin, end, to, toBegin, toEnd);
         });

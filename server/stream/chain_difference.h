@@ -13,10 +13,10 @@ namespace espalier::server {
 [[nodiscard]] TurtleFrame makeTurtleFrame(const turtle::RecordChain& chain,
                                           std::shared_ptr<const std::vector<std::string>> symbols);
 
-/// The difference that makes `chain` of `base`. Both are of the same Programs. Shared groups, and shared stretches of
-/// other groups, are kept without reading their rows, unless the rows they grow from have moved by another amount. Rows
-/// between them are compared (differenceOf). O(groups + stretches of groups that are not shared + rows that are not
-/// shared). Throws protocol::NonFiniteNumber.
+/// The difference that makes `chain` of `base`, an earlier chain of the same simulation and Programs. Shared groups,
+/// and shared stretches of other groups, are kept without reading their rows, unless the rows they grow from have moved
+/// by another amount. Rows between them are compared (differenceOf). O(groups + stretches of groups that are not shared
+/// + rows that are not shared). Throws protocol::NonFiniteNumber.
 [[nodiscard]] TurtleChange differenceOf(const turtle::RecordChain& base, const turtle::RecordChain& chain,
                                         std::shared_ptr<const std::vector<std::string>> symbols);
 

@@ -35,9 +35,8 @@ std::uint64_t wireBytes(const protocol::GeometryColumns& columns) {
 /// The symbols of all Programs by the numbers of symbolNames().
 class CommonSymbols {
  public:
-  CommonSymbols(const simulation::Simulation& simulation, const std::vector<std::string>& names)
-      : simulation_(simulation) {
-    for (const auto& program : simulation.programs()) {
+  CommonSymbols(const simulation::PlantsView& view, const std::vector<std::string>& names) : view_(view) {
+    for (const auto& program : view.programs) {
       std::vector<core::SymbolId>& common =
           ofProgram_.emplace_back(program.get(), std::vector<core::SymbolId>()).second;
       for (const auto& symbol : program->symbols) {
@@ -48,14 +47,14 @@ class CommonSymbols {
   }
 
   [[nodiscard]] core::SymbolId of(std::uint32_t plant, std::uint64_t module) const {
-    const language::Program& program = simulation_.program(plant);
+    const language::Program& program = view_.program(plant);
     const auto found =
         std::find_if(ofProgram_.begin(), ofProgram_.end(), [&](const auto& entry) { return entry.first == &program; });
-    return found->second[program.symbolOf[simulation_.string(plant).types()[module]]];
+    return found->second[program.symbolOf[view_.plants[plant].string.types()[module]]];
   }
 
  private:
-  const simulation::Simulation& simulation_;
+  const simulation::PlantsView& view_;
   std::vector<std::pair<const language::Program*, std::vector<core::SymbolId>>> ofProgram_;
 };
 
@@ -120,6 +119,11 @@ turtle::Geometry selected(const turtle::Geometry& all, const Taken& isTaken) {
   return some;
 }
 
+/// As Simulation::program.
+const language::Program& firstProgram(const simulation::PlantsView& view) {
+  return view.plants.empty() ? *view.programs.front() : view.program(0);
+}
+
 protocol::Body bodyOf(const protocol::GeometryColumns& columns, const protocol::StreamOpenParams& params) {
   protocol::JsonWriter json;
   json.useSinglePrecision(params.isSinglePrecision);
@@ -135,21 +139,21 @@ protocol::Body bodyOf(const protocol::GeometryColumns& columns, const protocol::
 
 }  // namespace
 
-std::variant<protocol::Body, core::SimulationError> geometryBody(const simulation::Simulation& simulation) {
-  const auto drawn = simulation.scene();
+std::variant<protocol::Body, core::SimulationError> geometryBody(simulation::ViewDrawing& drawing) {
+  const auto drawn = drawing.scene();
   if (const auto* error = std::get_if<core::SimulationError>(&drawn)) {
     return *error;
   }
   const turtle::ExportInput input{.scene = std::get<turtle::Scene>(drawn),
-                                  .view = simulation.view(),
-                                  .palette = &simulation.options().palette,
-                                  .program = &simulation.program()};
+                                  .view = drawing.settings(),
+                                  .palette = &drawing.view().options->palette,
+                                  .program = &firstProgram(drawing.view())};
   core::StringSink file;
   const turtle::ExportTarget target{.fileName = "plant.glb", .sink = file, .openCompanion = {}, .progress = {}};
   if (const auto problem = turtle::findExportFormat("glb")->write(input, target)) {
     return core::SimulationError{.code = core::SimulationErrorCode::LimitExceeded,
                                  .message = "The plants cannot be drawn: " + *problem,
-                                 .step = simulation.completedSteps()};
+                                 .step = drawing.view().completedSteps};
   }
   const std::string& bytes = file.text();
   std::vector<std::uint32_t> words(bytes.size() / sizeof(std::uint32_t));
@@ -165,17 +169,17 @@ std::uint64_t GeometryFrame::bytes() const {
 }
 
 std::variant<GeometryFrame, core::SimulationError> makeGeometryFrame(
-    const simulation::Simulation& simulation, std::shared_ptr<const std::vector<std::string>> symbols,
+    simulation::ViewDrawing& drawing, std::shared_ptr<const std::vector<std::string>> symbols,
     const protocol::StreamSelection& select) {
-  auto drawn = simulation.scene();
+  auto drawn = drawing.scene();
   if (auto* error = std::get_if<core::SimulationError>(&drawn)) {
     return std::move(*error);
   }
   auto geometry = std::make_shared<turtle::Geometry>();
-  const CommonSymbols common(simulation, *symbols);
+  const CommonSymbols common(drawing.view(), *symbols);
   try {
     turtle::appendGeometry(
-        std::move(std::get<turtle::Scene>(drawn)), simulation.view(),
+        std::move(std::get<turtle::Scene>(drawn)), drawing.settings(),
         [&common](std::uint32_t plant, std::uint64_t module) { return common.of(plant, module); }, *geometry);
   } catch (const core::SimulationFailure& failure) {
     return failure.error();

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "engine/core/simulation_error.h"
-#include "engine/simulation/simulation.h"
+#include "engine/simulation/view_drawing.h"
 #include "engine/turtle/scene/geometry.h"
 #include "protocol/messages.h"
 
@@ -16,8 +16,7 @@ namespace espalier::server {
 
 /// The body of a `geometry` frame: the plants as they are drawn now, a binary glTF file in the block `glb` (its bytes
 /// as little-endian `<u4`; a file's length is a multiple of four). The model's materials and surfaces are in it.
-[[nodiscard]] std::variant<protocol::Body, core::SimulationError> geometryBody(
-    const simulation::Simulation& simulation);
+[[nodiscard]] std::variant<protocol::Body, core::SimulationError> geometryBody(simulation::ViewDrawing& drawing);
 
 /// The plants as environments see them, with the names of the symbols. Never changes. Streams of differences keep it
 /// until their next frame.
@@ -29,9 +28,9 @@ struct GeometryFrame {
   [[nodiscard]] std::uint64_t bytes() const;
 };
 
-/// The present segments and organs of a selection. `symbols` are Simulation::symbolNames. O(modules + vertices).
+/// The segments and organs of a selection. `symbols` are those of the drawing. O(modules + vertices).
 [[nodiscard]] std::variant<GeometryFrame, core::SimulationError> makeGeometryFrame(
-    const simulation::Simulation& simulation, std::shared_ptr<const std::vector<std::string>> symbols,
+    simulation::ViewDrawing& drawing, std::shared_ptr<const std::vector<std::string>> symbols,
     const protocol::StreamSelection& select);
 
 /// The body of a frame in columns, all of it. Throws protocol::NonFiniteNumber.

@@ -20,12 +20,18 @@ Stream::Stream(std::string id, protocol::StreamOpenParams params, std::weak_ptr<
       params_(std::move(params)),
       session_(std::move(session)),
       outboxBytes_(outboxBytes),
-      allowedSequence_(params_.credits.value_or(0)) {}
+      allowedSequence_(params_.credits.value_or(0)),
+      allowedBefore_(allowedSequence_) {}
 
-bool Stream::isReady() const {
+void Stream::follow(std::shared_ptr<const std::atomic<std::uint64_t>> lastNumber) {
+  const std::lock_guard lock(mutex_);
+  lastNumber_ = std::move(lastNumber);
+}
+
+bool Stream::isReady(std::uint64_t allowedSequence) const {
   const auto session = session_.lock();
   return session != nullptr && session->outboxBytes() < std::min(outboxBytes_ / 4, kReadyBytes) &&
-         (!params_.credits || nextSequence_ < allowedSequence_);
+         (!params_.credits || nextSequence_ < allowedSequence);
 }
 
 bool Stream::isTimely() {
@@ -43,9 +49,9 @@ bool Stream::isTimely() {
   return false;
 }
 
-bool Stream::wantsFrame(std::uint64_t step) {
+bool Stream::wantsFrame(const Moment& moment) {
   const std::lock_guard lock(mutex_);
-  if (isClosed_ || step % params_.every != 0) {
+  if (isClosed_ || moment.step % params_.every != 0) {
     return false;
   }
   // a frame that would come sooner than maxHz allows is not missed
@@ -53,23 +59,47 @@ bool Stream::wantsFrame(std::uint64_t step) {
     isBehind_ = true;
     return false;
   }
-  if (isReady()) {
+  if (isReady(moment.number < allowedFrom_ ? allowedBefore_ : allowedSequence_)) {
     return true;
   }
-  isBehind_ = true;
-  ++missed_;
-  lastMissedStep_ = step;
+  miss(moment.step, 1);
   base_ = {};
-  if (const auto session = session_.lock()) {
-    ++session->core().metrics.drops;
-  }
   return false;
+}
+
+void Stream::skip(const std::vector<StepRange>& steps) {
+  if (steps.empty()) {
+    return;
+  }
+  const std::lock_guard lock(mutex_);
+  for (const StepRange& range : steps) {
+    const std::uint64_t before = range.first == 0 ? 0 : (range.first - 1) / params_.every + 1;
+    const std::uint64_t count = range.last / params_.every + 1 - before;
+    if (isClosed_ || count == 0) {
+      continue;
+    }
+    // frames that maxHz leaves out are not missed
+    if (params_.maximumHertz > 0.0) {
+      isBehind_ = true;
+    } else {
+      miss(range.last - range.last % params_.every, count);
+    }
+  }
+}
+
+void Stream::miss(std::uint64_t step, std::uint64_t count) {
+  isBehind_ = true;
+  missed_ += count;
+  lastMissedStep_ = step;
+  if (const auto session = session_.lock()) {
+    session->core().metrics.drops += count;
+  }
 }
 
 bool Stream::wantsToCatchUp() {
   const std::lock_guard lock(mutex_);
   isReminded_ = false;
-  return !isClosed_ && isBehind_ && isTimely() && isReady();
+  return !isClosed_ && isBehind_ && isTimely() && isReady(allowedSequence_);
 }
 
 FrameBase Stream::base() const {
@@ -134,6 +164,11 @@ void Stream::acknowledge(const protocol::StreamAckParams& ack) {
   const std::lock_guard lock(mutex_);
   if (!params_.credits) {
     return;
+  }
+  // states that were handed over before, but for the last one, are missed whether or not their turn has come
+  if (const std::uint64_t last = lastNumber_ == nullptr ? 0 : lastNumber_->load(); last > allowedFrom_) {
+    allowedBefore_ = allowedSequence_;
+    allowedFrom_ = last;
   }
   if (ack.sequence && *ack.sequence < nextSequence_) {
     allowedSequence_ = std::max(allowedSequence_, *ack.sequence + 1 + *params_.credits);

@@ -18,12 +18,34 @@ bool wantTheSame(const protocol::StreamOpenParams& a, const protocol::StreamOpen
          a.isSinglePrecision == b.isSinglePrecision && a.isDelta == b.isDelta;
 }
 
+core::SimulationError nonFiniteError(std::uint64_t step) {
+  return {.code = core::SimulationErrorCode::NonFinite,
+          .message = "The turtle went to a position that is NaN or infinite. Correct the model.",
+          .step = step};
+}
+
 /// A difference of most rows would be longer than all of them.
 bool isShort(const TurtleChange& change) {
   return 2 * change.kept.size() + 10 * change.fresh->rows() < 10 * change.rows;
 }
 
 }  // namespace
+
+std::variant<protocol::Body, core::SimulationError> turtleBody(const simulation::Simulation& simulation,
+                                                               const protocol::StreamOpenParams& params) {
+  const auto made = simulation.turtleRecords();
+  if (const auto* error = std::get_if<core::SimulationError>(&made)) {
+    return *error;
+  }
+  auto symbols = std::make_shared<const std::vector<std::string>>(simulation.symbolNames());
+  try {
+    return encodeTurtle(std::make_shared<const TurtleFrame>(makeTurtleFrame(
+                            std::get<std::vector<turtle::TurtleRecord>>(made), std::move(symbols), params.select)),
+                        params);
+  } catch (const protocol::NonFiniteNumber&) {
+    return nonFiniteError(simulation.completedSteps());
+  }
+}
 
 std::uint64_t FrameBase::bytes() const {
   return (chain == nullptr ? 0 : chain->bytes) + (turtle == nullptr ? 0 : turtle->bytes()) +
@@ -49,7 +71,7 @@ std::variant<StreamFrame, core::SimulationError> FrameMaker::makeNew(const proto
                                                                      const FrameBase& base) {
   if (params.what == "statistics") {
     protocol::JsonWriter body;
-    write(body, toStatistics(simulation_.statistics(), milliseconds_));
+    write(body, toStatistics(drawing_.view().statistics, milliseconds_));
     return StreamFrame{protocol::Body(body.take()), true, {}};
   }
   if (params.what == "string") {
@@ -64,9 +86,7 @@ std::variant<StreamFrame, core::SimulationError> FrameMaker::makeNew(const proto
     }
     return makeTurtle(params, base);
   } catch (const protocol::NonFiniteNumber&) {
-    return core::SimulationError{.code = core::SimulationErrorCode::NonFinite,
-                                 .message = "The turtle went to a position that is NaN or infinite. Correct the model.",
-                                 .step = simulation_.completedSteps()};
+    return nonFiniteError(drawing_.view().completedSteps);
   }
 }
 
@@ -74,7 +94,7 @@ std::variant<StreamFrame, core::SimulationError> FrameMaker::makeTurtle(const pr
                                                                         const FrameBase& base) {
   StreamFrame result;
   if (params.isDelta && params.select == protocol::StreamSelection{}) {
-    auto made = chain(base);
+    auto made = chain();
     if (auto* error = std::get_if<core::SimulationError>(&made)) {
       return std::move(*error);
     }
@@ -110,11 +130,10 @@ std::variant<StreamFrame, core::SimulationError> FrameMaker::makeTurtle(const pr
   return result;
 }
 
-std::variant<std::shared_ptr<const turtle::RecordChain>, core::SimulationError> FrameMaker::chain(
-    const FrameBase& base) {
-  // one for all viewers: the base only saves work, the chain is the same
+std::variant<std::shared_ptr<const turtle::RecordChain>, core::SimulationError> FrameMaker::chain() {
+  // one for all viewers
   if (!chain_) {
-    auto made = simulation_.recordChain(base.chain.get());
+    auto made = drawing_.recordChain();
     if (auto* error = std::get_if<core::SimulationError>(&made)) {
       return std::move(*error);
     }
@@ -135,7 +154,7 @@ std::variant<std::shared_ptr<const TurtleFrame>, core::SimulationError> FrameMak
     return turtles_.back().frame;
   }
   if (!records_) {
-    auto made = simulation_.turtleRecords();
+    auto made = drawing_.turtleRecords();
     if (auto* error = std::get_if<core::SimulationError>(&made)) {
       return std::move(*error);
     }
@@ -149,7 +168,7 @@ std::variant<std::shared_ptr<const TurtleFrame>, core::SimulationError> FrameMak
 std::variant<StreamFrame, core::SimulationError> FrameMaker::makeGeometry(const protocol::StreamOpenParams& params,
                                                                           const FrameBase& base) {
   if (params.format == "glb") {
-    auto body = geometryBody(simulation_);
+    auto body = geometryBody(drawing_);
     if (auto* error = std::get_if<core::SimulationError>(&body)) {
       return std::move(*error);
     }
@@ -180,7 +199,7 @@ std::variant<std::shared_ptr<const GeometryFrame>, core::SimulationError> FrameM
   if (found != geometries_.end()) {
     return found->frame;
   }
-  auto made = makeGeometryFrame(simulation_, symbols_, select);
+  auto made = makeGeometryFrame(drawing_, symbols_, select);
   if (auto* error = std::get_if<core::SimulationError>(&made)) {
     return std::move(*error);
   }
@@ -193,7 +212,7 @@ StreamFrame FrameMaker::makeText(const protocol::StreamOpenParams& params, const
   auto found = std::find_if(texts_.begin(), texts_.end(), [plant](const auto& made) { return made.first == plant; });
   if (found == texts_.end()) {
     texts_.emplace_back(plant, std::make_shared<const std::string>(
-                                   plant < simulation_.plantCount() ? simulation_.stringText(plant) : std::string()));
+                                   plant < drawing_.view().plants.size() ? drawing_.stringText(plant) : std::string()));
     found = std::prev(texts_.end());
   }
   const std::shared_ptr<const std::string>& text = found->second;

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "engine/core/simulation_error.h"
-#include "engine/simulation/simulation.h"
+#include "engine/simulation/view_drawing.h"
 #include "engine/turtle/interpretation/record_chain.h"
 #include "protocol/messages.h"
 #include "server/stream/geometry_frame.h"
@@ -37,15 +37,16 @@ struct StreamFrame {
   FrameBase base;  // for the next one; empty for streams without differences
 };
 
-/// Makes the frames of one state of a simulation for all its streams. What several streams need is made once. Refers to
-/// the simulation: use it before the next step.
+/// Makes the frames of one view of a simulation for all its streams. What several streams need is made once. Refers to
+/// the drawing: use it before the next view is shown.
 class FrameMaker {
  public:
-  FrameMaker(const simulation::Simulation& simulation, double milliseconds, std::shared_ptr<const QueryRecord> queries)
-      : simulation_(simulation),
+  /// `milliseconds` of the step that made the view; `queries` of it, or null.
+  FrameMaker(simulation::ViewDrawing& drawing, double milliseconds, std::shared_ptr<const QueryRecord> queries)
+      : drawing_(drawing),
         milliseconds_(milliseconds),
         queries_(std::move(queries)),
-        symbols_(std::make_shared<const std::vector<std::string>>(simulation.symbolNames())) {}
+        symbols_(std::make_shared<const std::vector<std::string>>(drawing.symbolNames())) {}
 
   /// The difference from `base` when the stream wants differences and it is shorter, else a key frame.
   [[nodiscard]] std::variant<StreamFrame, core::SimulationError> make(const protocol::StreamOpenParams& params,
@@ -70,8 +71,7 @@ class FrameMaker {
       const protocol::StreamSelection& select);
   [[nodiscard]] std::variant<StreamFrame, core::SimulationError> makeNew(const protocol::StreamOpenParams& params,
                                                                          const FrameBase& base);
-  [[nodiscard]] std::variant<std::shared_ptr<const turtle::RecordChain>, core::SimulationError> chain(
-      const FrameBase& base);
+  [[nodiscard]] std::variant<std::shared_ptr<const turtle::RecordChain>, core::SimulationError> chain();
   [[nodiscard]] std::variant<StreamFrame, core::SimulationError> makeTurtle(const protocol::StreamOpenParams& params,
                                                                             const FrameBase& base);
   [[nodiscard]] std::variant<StreamFrame, core::SimulationError> makeGeometry(const protocol::StreamOpenParams& params,
@@ -80,7 +80,7 @@ class FrameMaker {
       const protocol::StreamSelection& select);
   [[nodiscard]] StreamFrame makeText(const protocol::StreamOpenParams& params, const FrameBase& base);
 
-  const simulation::Simulation& simulation_;
+  simulation::ViewDrawing& drawing_;
   double milliseconds_;
   std::shared_ptr<const QueryRecord> queries_;
   std::shared_ptr<const std::vector<std::string>> symbols_;
@@ -91,5 +91,9 @@ class FrameMaker {
   std::vector<std::pair<std::uint32_t, std::shared_ptr<const std::string>>> texts_;  // plant, its string
   std::vector<Made> made_;
 };
+
+/// The turtle records of a simulation as they are now, as simulation.get tells them.
+[[nodiscard]] std::variant<protocol::Body, core::SimulationError> turtleBody(const simulation::Simulation& simulation,
+                                                                             const protocol::StreamOpenParams& params);
 
 }  // namespace espalier::server

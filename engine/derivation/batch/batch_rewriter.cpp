@@ -139,13 +139,8 @@ BatchRewriter::Outcome BatchRewriter::choose(std::uint64_t first, std::uint64_t 
     }
   }
 
-  Outcome outcome{end_,
-                  endOffset_,
-                  end_ - first_,
-                  endOffset_ - offset_,
-                  isUnusual_ || evaluator_.isUnusual(),
-                  lightSites_,
-                  !isResized_ && ruleLanes_.empty()};
+  Outcome outcome{end_,       endOffset_, end_ - first_, endOffset_ - offset_, isUnusual_ || evaluator_.isUnusual(),
+                  lightSites_};
   if (isResized_) {
     place();
     outcome.moduleCount = madeModules_;

@@ -12,6 +12,7 @@
 #include "engine/derivation/batch/type_sum.h"
 #include "engine/derivation/matching/context_matcher.h"
 #include "engine/derivation/state/module_finder.h"
+#include "engine/derivation/state/step_changes.h"
 #include "engine/language/program.h"
 
 namespace espalier::derivation {
@@ -45,7 +46,6 @@ class BatchRewriter {
     std::uint64_t parameterCount = 0;
     bool isUnusual = false;
     std::uint64_t lightSites = 0;  // modules of light groups and fixed blocks
-    bool isKept = false;           // every module stays as it is
   };
 
   /// `program`, `rules`, `plan` and `productions` must outlive the object.
@@ -58,6 +58,9 @@ class BatchRewriter {
   /// Writes the last choice: exactly the modules and parameters of its Outcome. False: a value is unusual. The result
   /// is then right if the step only warns, and of no use if it fails.
   [[nodiscard]] bool write(core::ModuleTypeId* types, double* parameters);
+  /// Notes the modules that the last choice leaves as they are; `target` is the module of the new string where its
+  /// result begins. Some may be missing.
+  void noteKept(std::uint64_t target, StepChanges& changes) const;
 
  private:
   /// Sites that one rule rewrites: entries [begin, begin + count) of the lane arrays.
@@ -88,6 +91,8 @@ class BatchRewriter {
   void accept(const BatchRule& rule, std::size_t count);
   void setLanes(const BatchRule& rule, std::size_t begin, std::size_t count);
   void place();
+  [[nodiscard]] bool staysAsItIs(std::size_t site) const;
+  void noteKeptFixed(std::uint64_t target, StepChanges& changes) const;
   void writeBlocks(core::ModuleTypeId* types, double* parameters) const;
   [[nodiscard]] bool writeValues(const RuleLanes& lanes, double* parameters);
 

@@ -140,6 +140,65 @@ void BatchRewriter::writeBlocks(ModuleTypeId* types, double* parameters) const {
   ESPALIER_CHECK(target == made && targetOffset == madeParameters);
 }
 
+bool BatchRewriter::staysAsItIs(std::size_t site) const {
+  const BatchBlock& block = plan_->blocks()[siteBlock_[site]];
+  return siteBlock_[site] == 0 || (block.length == 1 && block.valueCount == 0 && !block.isResizing &&
+                                   block.allTypes[0] == step_.old.types[first_ + siteModule_[site]]);
+}
+
+void BatchRewriter::noteKept(std::uint64_t target, StepChanges& changes) const {
+  const std::uint64_t modules = end_ - first_;
+  if (plan_->isFixedOnly()) {
+    noteKeptFixed(target, changes);
+    return;
+  }
+  const std::uint32_t* const madeModule = isResized_ ? madeModule_.data() : siteModule_.data();
+  const std::uint64_t made = isResized_ ? madeModules_ : modules;
+  // between many sites only the two ends are worth a look
+  constexpr std::size_t kManySites = 256;
+  std::uint64_t from = 0;  // behind the last site that changes
+  std::uint64_t to = 0;    // the same place of the result
+  std::size_t site = 0;
+  for (; site < siteCount_; ++site) {
+    if (staysAsItIs(site)) {
+      continue;
+    }
+    const std::uint64_t count = siteModule_[site] - from;
+    if (count >= StepChanges::kShortestRun || from == 0) {
+      changes.keep(first_ + from, target + to, count);
+    }
+    from = siteModule_[site] + std::uint64_t{1};
+    to = madeModule[site] + std::uint64_t{plan_->blocks()[siteBlock_[site]].length};
+    if (siteCount_ > kManySites) {
+      break;
+    }
+  }
+  if (site < siteCount_) {
+    std::size_t last = siteCount_ - 1;
+    while (last > site && staysAsItIs(last)) {
+      --last;
+    }
+    from = siteModule_[last] + std::uint64_t{1};
+    to = madeModule[last] + std::uint64_t{plan_->blocks()[siteBlock_[last]].length};
+  }
+  changes.keep(first_ + from, target + to, made - to);
+}
+
+void BatchRewriter::noteKeptFixed(std::uint64_t target, StepChanges& changes) const {
+  const ModuleTypeId* const types = step_.old.types;
+  const auto stays = [&](std::uint64_t module) { return plan_->classOf(types[module]) == BatchPlan::Class::Kept; };
+  std::uint64_t first = first_;
+  while (first < end_ && stays(first)) {
+    ++first;
+  }
+  std::uint64_t last = end_;
+  while (last > first && stays(last - 1)) {
+    --last;
+  }
+  changes.keep(first_, target, first - first_);
+  changes.keep(last, target + fixedModules_ - (end_ - last), end_ - last);
+}
+
 bool BatchRewriter::writeValues(const RuleLanes& lanes, double* parameters) {
   const BatchRule& rule = *lanes.rule;
   const std::uint32_t* const madeOffset = isResized_ ? madeOffset_.data() : siteOffset_.data();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <mutex>
+#include <utility>
 
 #include "engine/derivation/parallel/scan_round.h"
 #include "engine/derivation/parallel/shared_output.h"
@@ -33,6 +34,7 @@ void ParallelBatchScan::run(StringIndex* links) {
   for (std::uint64_t chunk = 0; chunk < chunks_.count();) {
     chunk = runRound(step, chunk);
     // values that fail or warn: in the order of the string, behind the output and dropped again
+    StepChanges* const changes = std::exchange(context.changes, nullptr);
     for (const std::uint64_t unusual : unusualChunks_) {
       const std::uint64_t modules = context.output.size();
       const std::uint64_t parameters = context.output.parameterCount();
@@ -40,6 +42,7 @@ void ParallelBatchScan::run(StringIndex* links) {
       context.output.typeBuffer().resize(modules);
       context.output.parameterBuffer().resize(parameters);
     }
+    context.changes = changes;
     // the chunk that stopped the round
     if (chunk < chunks_.count()) {
       context.evaluator.clearModule();
@@ -90,8 +93,8 @@ std::uint64_t ParallelBatchScan::runRound(const BatchRewriter::Step& step, std::
         round.modules = endModules;
         round.parameters = endParameters;
         // one thread at a time, in the order of the string
-        if (outcome.isKept && !context.old->wereSet(begin.offset, outcome.parameterCount)) {
-          context.keptModules.note(begin.module, modules, outcome.moduleCount);
+        if (context.changes != nullptr) {
+          batch.noteKept(modules, *context.changes);
         }
         round.passTurn(chunk);
         output.prepare(modules, endModules, parameters, endParameters);

@@ -45,6 +45,7 @@ class ParallelGeneralScan::Helper {
     state_.random = plant.random;
     state_.viewVolume = plant.viewVolume;
     context_.scannedModules = owner.scannedModules;
+    context_.changes = owner.changes == nullptr ? nullptr : &changes_;
     context_.attach(state_, owner.step, owner.step);
     context_.read(*owner.old, owner.index, nullptr);
   }
@@ -59,6 +60,7 @@ class ParallelGeneralScan::Helper {
   [[nodiscard]] bool scan(std::uint64_t end, ScanPlace& place) {
     context_.output.clear();
     context_.cuts.clear();
+    changes_ = {};
     hasWarned_ = false;
     try {
       if (batch_.isWorthwhile(*context_.old)) {
@@ -75,6 +77,8 @@ class ParallelGeneralScan::Helper {
 
   [[nodiscard]] const ModuleString& made() const { return context_.output; }
   [[nodiscard]] const CutParts& cuts() const { return context_.cuts; }
+  /// What made() has of the old string; nothing when it is not wanted.
+  [[nodiscard]] const StepChanges& changes() const { return changes_; }
 
  private:
   PlantState state_;
@@ -82,7 +86,8 @@ class ParallelGeneralScan::Helper {
   ModuleRewriter rewriter_;
   PlainScan plain_;
   BatchScan batch_;
-  bool hasWarned_ = false;  // in the last chunk
+  StepChanges changes_;     // of the last chunk
+  bool hasWarned_ = false;  // in it
 };
 
 ParallelGeneralScan::ParallelGeneralScan(ScanContext& context, PlainScan& plain, core::WorkerTeam& team)
@@ -171,6 +176,9 @@ std::uint64_t ParallelGeneralScan::runRound(std::uint64_t firstChunk, ScanPlace&
       round.modules = endModules;
       round.parameters = endParameters;
       context.cuts.addAll(helper.cuts());
+      for (const KeptModules& run : helper.changes().kept()) {
+        context.changes->keep(run.from, modules + run.to, run.modules);
+      }
       round.passTurn(chunk);
       output.prepare(modules, endModules, parameters, endParameters);
       std::copy_n(made.types().data(), made.size(), output.types() + modules);

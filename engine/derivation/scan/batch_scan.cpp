@@ -78,8 +78,8 @@ void BatchScan::run(std::uint64_t end, ScanPlace& place) {
     const std::uint64_t batched = outcome.endModule - place.module;
     const std::uint64_t target = context.output.size();
     if (append(outcome)) {
-      if (outcome.isKept && !context.old->wereSet(place.offset, outcome.parameterCount)) {
-        context.keptModules.note(place.module, target, batched);
+      if (context.changes != nullptr) {
+        batch_->noteKept(target, *context.changes);
       }
       place = {outcome.endModule, outcome.endParameter};
     } else {

@@ -49,7 +49,11 @@ void PlainScan::scan(std::uint64_t end, ScanPlace& place) {
     context_->evaluator.clearModule();
     context_->evaluator.pollCancelled();
     context_->rewriter.checkSize(context_->output.size(), context_->output.parameterCount());
+    const ScanPlace begin = place;
+    const std::uint64_t modules = context_->output.size();
+    const std::uint64_t parameters = context_->output.parameterCount();
     scanChunk<kDrawsEachPosition, kHasParameters>(std::min(end, place.module + chunkModules_), place);
+    context_->noteEqualEnds(begin, place, modules, parameters);
   }
 }
 

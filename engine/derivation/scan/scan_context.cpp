@@ -50,6 +50,17 @@ void ScanContext::buildIndex(const ModuleString& string) {
   index.extend(string);
 }
 
+void ScanContext::noteEqualEnds(const ScanPlace& begin, const ScanPlace& end, std::uint64_t modules,
+                                std::uint64_t parameters) {
+  if (changes != nullptr) {
+    changes->keepEqualEnds({old->types().subspan(begin.module, end.module - begin.module),
+                            old->parameters().subspan(begin.offset, end.offset - begin.offset), begin.module},
+                           {std::as_const(output).types().subspan(modules),
+                            std::as_const(output).parameters().subspan(parameters), modules},
+                           program.arity);
+  }
+}
+
 bool ScanContext::isCancelled() const {
   return options.cancelled != nullptr && options.cancelled->load(std::memory_order_relaxed);
 }

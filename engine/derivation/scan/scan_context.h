@@ -9,6 +9,7 @@
 #include "engine/derivation/rewriter.h"
 #include "engine/derivation/scan/cut_parts.h"
 #include "engine/derivation/state/plant_state.h"
+#include "engine/derivation/state/step_changes.h"
 #include "engine/derivation/state/string_index.h"
 #include "engine/derivation/system_tables.h"
 
@@ -36,6 +37,10 @@ struct ScanContext {
   /// Indexes the brackets of `string`.
   void buildIndex(const ModuleString& string);
 
+  /// The modules of the old string from `begin` to `end` have become those of the output from `modules` and
+  /// `parameters` on: notes what is equal at both ends, when somebody wants to know.
+  void noteEqualEnds(const ScanPlace& begin, const ScanPlace& end, std::uint64_t modules, std::uint64_t parameters);
+
   /// Whether the compatible modes draw a selection number at every position of this L-system.
   [[nodiscard]] bool drawsEachPosition(const language::LSystem& system) const {
     return random.isSequential() && system.isStochastic;
@@ -59,7 +64,7 @@ struct ScanContext {
   const ModuleString* old = nullptr;  // the string that is read; of the caller
   ModuleString output;                // the string being produced; between steps: the string that was read last
   CutParts cuts;                      // of the step
-  KeptModulesRecorder keptModules;    // modules that the step leaves as they are
+  StepChanges* changes = nullptr;     // what the step leaves as it was is noted here; null: nowhere
   StringIndex index;                  // brackets of the string that is read
   bool isOutputIndexed = false;       // between steps: `index` is that of `output`
   LeftShortcuts shortcuts;            // in the string that is read, by the rules of the main L-system

@@ -93,7 +93,7 @@ void StepScan::run() {
       plain_.run(old.size(), start);
       break;
   }
-  finish(old);
+  finish(kind, old);
 }
 
 void StepScan::begin(Kind kind, const ModuleString& old) {
@@ -103,7 +103,6 @@ void StepScan::begin(Kind kind, const ModuleString& old) {
   context.isOutputIndexed = false;
   context.output.clear();
   context.cuts.clear();
-  context.keptModules.begin(old.earlierMark());
   // several threads link brackets with the scan
   const bool isParallel = kind == Kind::ParallelBatch || kind == Kind::ParallelGeneral;
   if (needsLinks_ && !areLinksRight_ && !isParallel) {
@@ -115,8 +114,12 @@ void StepScan::begin(Kind kind, const ModuleString& old) {
   reserveEstimate(old);
 }
 
-void StepScan::finish(const ModuleString& old) {
+void StepScan::finish(Kind kind, const ModuleString& old) {
   ScanContext& context = *context_;
+  // the other kinds note what they leave as it was on their way
+  if (kind == Kind::SubSystems || kind == Kind::Backward || kind == Kind::Recorded) {
+    context.noteEqualEnds({}, {old.size(), old.parameterCount()}, 0, 0);
+  }
   context.scannedModules += old.size();
   context.cuts.appendTo(context.output, old, context.evaluator);
   context.rewriter.checkSize(context.output.size(), context.output.parameterCount());
@@ -132,7 +135,6 @@ void StepScan::finish(const ModuleString& old) {
 void StepScan::swapStrings() {
   ModuleString& string = context_->plant->string;
   string.swap(context_->output);
-  string.setMark(context_->keptModules.finish());
   context_->isOutputIndexed = needsLinks_;
 }
 

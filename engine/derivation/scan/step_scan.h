@@ -43,7 +43,7 @@ class StepScan {
 
   [[nodiscard]] Kind chooseKind(const ModuleString& old) const;
   void begin(Kind kind, const ModuleString& old);
-  void finish(const ModuleString& old);
+  void finish(Kind kind, const ModuleString& old);
   void reserveEstimate(const ModuleString& old);
   [[nodiscard]] core::WorkerTeam& team();
 

@@ -19,4 +19,13 @@ void PlantMessages::release(std::span<const std::size_t> plants) {
   }
 }
 
+core::SimulationError sayingWhereItStays(core::SimulationError error, std::uint64_t completedSteps) {
+  constexpr std::string_view kStays = "The simulation stays at step ";
+  if (error.message.find(kStays) == std::string::npos) {
+    error.message += error.message.ends_with('.') ? " " : ". ";
+    error.message += std::string(kStays) + std::to_string(completedSteps) + ".";
+  }
+  return error;
+}
+
 }  // namespace espalier::simulation

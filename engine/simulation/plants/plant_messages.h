@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/core/simulation_error.h"
 #include "engine/core/streams.h"
 
 namespace espalier::simulation {
@@ -32,5 +33,8 @@ class PlantMessages {
   core::MessageSink sink_;
   std::vector<std::vector<std::pair<core::MessageKind, std::string>>> held_;  // by plant; empty: nothing is held
 };
+
+/// The error with the step at which the simulation stays at the end of its message.
+[[nodiscard]] core::SimulationError sayingWhereItStays(core::SimulationError error, std::uint64_t completedSteps);
 
 }  // namespace espalier::simulation

@@ -21,4 +21,9 @@ struct PlantVariables {
   void copyTo(derivation::PlantState& state) const;
 };
 
+/// The same state with the same string in the same memory (derivation::ModuleString::share).
+[[nodiscard]] derivation::PlantState sharedState(derivation::PlantState& state);
+/// The same of a state that came from sharedState. Several threads may call it.
+[[nodiscard]] derivation::PlantState sharedState(const derivation::PlantState& state);
+
 }  // namespace espalier::simulation

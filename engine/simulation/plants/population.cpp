@@ -19,13 +19,11 @@ std::uint64_t Population::livingCount() const {
       std::count_if(members_.begin(), members_.end(), [](const Plant& member) { return member.isAlive(); }));
 }
 
-derivation::Derivation& Population::displayDerivation(std::size_t plant) {
-  displayDerivations_.resize(states_.size());
-  std::unique_ptr<derivation::Derivation>& derivation = displayDerivations_[plant];
-  if (derivation == nullptr) {
-    derivation = factory_->forDrawing(static_cast<std::uint32_t>(plant), members_[plant]);
+const std::shared_ptr<const std::vector<Plant>>& Population::sharedMembers() {
+  if (sharedMembers_ == nullptr) {
+    sharedMembers_ = std::make_shared<const std::vector<Plant>>(members_);
   }
-  return *derivation;
+  return sharedMembers_;
 }
 
 std::vector<Plant> Population::founders() const {
@@ -52,6 +50,7 @@ void Population::add(Plant member, derivation::PlantState state, std::unique_ptr
   members_.push_back(std::move(member));
   states_.push_back(std::move(state));
   derivations_.push_back(std::move(derivation));
+  sharedMembers_ = nullptr;
 }
 
 void Population::end(std::size_t plant, std::uint64_t deathStep) {
@@ -61,9 +60,7 @@ void Population::end(std::size_t plant, std::uint64_t deathStep) {
   rest.derivationLength = states_[plant].derivationLength;
   states_[plant] = std::move(rest);
   derivations_[plant].reset();
-  if (plant < displayDerivations_.size()) {
-    displayDerivations_[plant].reset();
-  }
+  sharedMembers_ = nullptr;
 }
 
 Population::Totals Population::totals() const {

@@ -25,6 +25,8 @@ class Population {
   [[nodiscard]] std::size_t size() const { return members_.size(); }
   [[nodiscard]] std::uint64_t livingCount() const;
   [[nodiscard]] const std::vector<Plant>& members() const { return members_; }
+  /// The same as a value for views, until plants come or go.
+  [[nodiscard]] const std::shared_ptr<const std::vector<Plant>>& sharedMembers();
   [[nodiscard]] const Plant& member(std::size_t plant) const { return members_[plant]; }
   [[nodiscard]] const language::Program& program(std::size_t plant) const {
     return *models_->programs()[members_[plant].origin.model];
@@ -40,8 +42,6 @@ class Population {
 
   /// Of a living plant.
   [[nodiscard]] derivation::Derivation& derivation(std::size_t plant) const { return *derivations_[plant]; }
-  /// The same for drawing; made when it is first needed.
-  [[nodiscard]] derivation::Derivation& displayDerivation(std::size_t plant);
 
   /// The plants that were there at step 0, all alive.
   [[nodiscard]] std::vector<Plant> founders() const;
@@ -71,8 +71,8 @@ class Population {
   // by plant number
   std::vector<Plant> members_;
   std::vector<derivation::PlantState> states_;
-  std::vector<std::unique_ptr<derivation::Derivation>> derivations_;         // null: of a dead plant
-  std::vector<std::unique_ptr<derivation::Derivation>> displayDerivations_;  // null: also of a plant not drawn yet
+  std::vector<std::unique_ptr<derivation::Derivation>> derivations_;  // null: of a dead plant
+  std::shared_ptr<const std::vector<Plant>> sharedMembers_;           // null: they have changed
 };
 
 }  // namespace espalier::simulation

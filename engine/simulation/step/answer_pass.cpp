@@ -200,7 +200,7 @@ void AnswerPass::measureGeometry() {
   turtle::Scene scene;
   turtle::InterpretationOutput output;
   output.scene = &scene;
-  parts_.drawing.draw(std::move(output));
+  parts_.drawing.draw(parts_.population.members(), parts_.population.states(), std::move(output));
   auto geometry = std::make_shared<turtle::Geometry>();
   const auto symbolOf = [this](std::uint32_t plant, std::uint64_t module) {
     const Population& population = parts_.population;
@@ -247,8 +247,8 @@ void AnswerPass::writeReplies(const turtle::ReplyBatch& replies) {
       isAnswer = true;
       // a query that a homomorphism made takes part, and its reply has no place in the string
       if (queryOffsets_[query] != turtle::kTransientQuery) {
-        parts_.transaction.write(plant, parts_.population.states()[plant], queryOffsets_[query] + (k - begin),
-                                 stored(replies.values[k]));
+        parts_.transaction.write(plant, parts_.population.states()[plant], queries_.module[query],
+                                 queryOffsets_[query] + (k - begin), stored(replies.values[k]));
       }
     }
     parts_.statistics.answers += isAnswer ? 1U : 0U;

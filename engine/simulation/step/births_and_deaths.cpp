@@ -91,7 +91,7 @@ std::uint64_t BirthsAndDeaths::writeReplies(std::vector<derivation::PlantState>&
   std::uint64_t answers = 0;
   for (const Seed& seed : seeds_) {
     if (seed.offset != turtle::kTransientQuery) {
-      transaction.write(seed.mother, states[seed.mother], seed.offset, seed.hasTakenRoot ? 0.0 : -1.0);
+      transaction.write(seed.mother, states[seed.mother], seed.module, seed.offset, seed.hasTakenRoot ? 0.0 : -1.0);
       ++answers;
     }
   }

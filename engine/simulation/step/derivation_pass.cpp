@@ -9,8 +9,10 @@
 
 namespace espalier::simulation {
 
-void DerivationPass::run(const std::vector<std::size_t>& plants, bool isKept, std::uint64_t completedSteps) {
+void DerivationPass::run(const std::vector<std::size_t>& plants, bool isKept, bool isFollowed,
+                         std::uint64_t completedSteps) {
   isKept_ = isKept;
+  isFollowed_ = isFollowed;
   completedSteps_ = completedSteps;
   derivedModules_ = 0;
   derivedBytes_ = 0;
@@ -34,7 +36,7 @@ void DerivationPass::derivePlant(std::size_t plant) {
   if (isKept_) {
     transaction_->rememberUnderived(plant, state);
   }
-  population_->derivation(plant).derive(state);
+  population_->derivation(plant).derive(state, isFollowed_ ? &transaction_->derivedChanges(plant) : nullptr);
   // what those before have cannot become less: the outcome is the same in any order
   if (population_->states().size() > 1) {
     requireTogether(derivedModules_ += state.string.size(), derivedBytes_ += state.string.bytes());

@@ -23,8 +23,8 @@ class DerivationPass {
       : options_(&options), messages_(&messages), population_(&population), transaction_(&transaction) {}
 
   /// Derives these plants, by rising number. `isKept`: each one is copied before, so that it can be taken back when
-  /// another fails. Throws SimulationFailure.
-  void run(const std::vector<std::size_t>& plants, bool isKept, std::uint64_t completedSteps);
+  /// another fails. `isFollowed`: the transaction learns what changes. Throws SimulationFailure.
+  void run(const std::vector<std::size_t>& plants, bool isKept, bool isFollowed, std::uint64_t completedSteps);
 
  private:
   void deriveSideBySide(const std::vector<std::size_t>& plants);
@@ -41,6 +41,7 @@ class DerivationPass {
   StepTransaction* transaction_;
   // of the pass under way
   bool isKept_ = false;
+  bool isFollowed_ = false;
   std::uint64_t completedSteps_ = 0;
   std::atomic<std::uint64_t> derivedModules_{0};  // of the plants that were derived so far
   std::atomic<std::uint64_t> derivedBytes_{0};

@@ -33,8 +33,19 @@ class StepTransaction {
   void rememberVariables(std::size_t plant, const derivation::PlantState& state);
   /// The parameters that an interpretation of the plant overwrites are added here.
   [[nodiscard]] std::vector<turtle::ParameterChange>& changesOf(std::size_t plant) { return undo_[plant].changes; }
-  /// Sets one parameter of the plant's string.
-  void write(std::size_t plant, derivation::PlantState& state, std::uint64_t offset, double value);
+  /// Sets one parameter of the plant's string, which is one of `module`.
+  void write(std::size_t plant, derivation::PlantState& state, std::uint64_t module, std::uint64_t offset,
+             double value);
+  /// The answers are complete: notes which modules of each plant they changed.
+  void noteAnswers(const std::vector<derivation::PlantState>& states);
+  /// The derivation of a plant says here what it left of the string.
+  [[nodiscard]] derivation::StepChanges& derivedChanges(std::size_t plant);
+  /// What the answers left of a plant's string, as far as noteAnswers was told.
+  [[nodiscard]] const derivation::StepChanges& answered(std::size_t plant) const { return undo_[plant].answered; }
+  /// What the derivation left of it; null: the plant was not derived, or nobody wants to know.
+  [[nodiscard]] const derivation::StepChanges* derived(std::size_t plant) const {
+    return undo_[plant].isDerived ? &undo_[plant].derived : nullptr;
+  }
   /// Before the derivation of a plant.
   void rememberUnderived(std::size_t plant, const derivation::PlantState& state);
 

@@ -8,6 +8,9 @@ void StepUndo::clear() {
   hasVariables = false;
   hasUnderived = false;
   changes.clear();
+  answered = {};
+  derived = {};
+  isDerived = false;
 }
 
 void StepUndo::applyUnderived(derivation::PlantState& state) {
@@ -19,9 +22,8 @@ void StepUndo::applyUnderived(derivation::PlantState& state) {
 
 void StepUndo::apply(derivation::PlantState& state) {
   applyUnderived(state);
-  const auto parameters = state.string.mutableParameters();
   for (auto change = changes.rbegin(); change != changes.rend(); ++change) {
-    parameters[change->offset] = change->before;
+    state.string.setParameter(change->offset, change->before);
   }
   if (hasVariables) {
     variables.copyTo(state);

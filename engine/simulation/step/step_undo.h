@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "engine/derivation/state/plant_state.h"
+#include "engine/derivation/state/step_changes.h"
 #include "engine/simulation/plants/plant_variables.h"
 #include "engine/turtle/interpretation/interpreter.h"
 
@@ -16,6 +17,10 @@ struct StepUndo {
   std::vector<turtle::ParameterChange> changes;  // parameters overwritten by queries and replies, in order
   derivation::PlantState underived;              // before the derivation, when several plants are derived one by one
   bool hasUnderived = false;
+  // for viewers; only noted when changes are followed
+  derivation::StepChanges answered;  // from the string before the answers to the one with them
+  derivation::StepChanges derived;   // from there to the derived one
+  bool isDerived = false;
 
   /// Forgets everything: the step is complete, or was undone.
   void clear();

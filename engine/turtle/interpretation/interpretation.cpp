@@ -41,6 +41,10 @@ Interpretation::Interpretation(const Subject& subject, const InterpretationOutpu
       isDisplaced_(subject.program.view.displacement != core::Vec3{}),
       isEnvironmentPass_(output.queries != nullptr),
       skipsAttributes_(isEnvironmentPass_ && isCompatible()) {
+  // queries are filled in while the walk reads: the memory stays in its place from here on
+  if (output.fillsQueries) {
+    static_cast<void>(plantState_.string.mutableParameters());
+  }
   const PlantPlacement& placement = subject.placement;
   state_.position = coordinates_.toWorldPoint(view_.initialPosition);
   state_.frame = placement.frame;

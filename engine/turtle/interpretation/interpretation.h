@@ -75,8 +75,10 @@ class Interpretation {
   /// of the modules behind it.
   [[nodiscard]] bool walkOne(std::uint64_t& module, std::uint64_t& offset);
   [[nodiscard]] TurtleState& state() { return state_; }
+  [[nodiscard]] const TurtleState& state() const { return state_; }
   /// The turtle's states at the open brackets, the outermost first.
   [[nodiscard]] std::vector<TurtleState>& openBranches() { return stack_; }
+  [[nodiscard]] const std::vector<TurtleState>& openBranches() const { return stack_; }
   /// walkOne notes closed branches here; null: nowhere.
   void noteIn(StretchNotes* notes) { notes_ = notes; }
 

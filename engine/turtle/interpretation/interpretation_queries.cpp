@@ -73,7 +73,7 @@ void Interpretation::fill(const Sequence& sequence, std::uint64_t offset, std::u
     const double before = sequence.parameters[offset + k];
     const double value = isCompatible() ? static_cast<double>(static_cast<float>(values[k])) : values[k];
     if (output_.changes != nullptr) {
-      output_.changes->push_back({offset + k, before});
+      output_.changes->push_back({offset + k, before, module_});
     }
     plantState_.string.setParameter(offset + k, value);
   }

@@ -21,9 +21,10 @@ void Interpreter::interpret(derivation::Derivation& derivation, derivation::Plan
 
 void Interpreter::appendRecords(derivation::Derivation& derivation, derivation::PlantState& state, std::uint32_t plant,
                                 const PlantPlacement& placement, const RecordChain* base,
+                                const derivation::StepChanges& changes,
                                 const std::function<void(std::span<TurtleRecord>)>& rename, RecordChain& chain) {
   const Interpretation::Subject subject{*program_, tables_, reported_, derivation, state, plant, placement};
-  RecordChainBuilder(subject, base, rename, chain).appendPlant();
+  RecordChainBuilder(subject, base, changes, rename, chain).appendPlant();
 }
 
 }  // namespace espalier::turtle

@@ -33,6 +33,7 @@ struct PlantPlacement {
 struct ParameterChange {
   std::uint64_t offset = 0;  // into the string's parameters
   double before = 0.0;
+  std::uint64_t module = 0;  // that has the parameter, or the module before it (`?` of `?P(x,y)`)
 };
 
 /// The parameter offset of a query that a homomorphism made: its parameters are not in the string.
@@ -71,10 +72,11 @@ class Interpreter {
 
   /// Appends the next plant's records to `chain` (record_chain.h), bit for bit those that interpret() makes. Stretches
   /// of `base` (null: nothing is known), which must have the plant with the same Program and placement, are taken where
-  /// the same modules come after the same turtle; the rest is interpreted. `rename` is called with the records of each
-  /// stretch that was. The Program must be repeatable. O(bytes of the string) to compare, O(modules) of what is new.
+  /// `changes` (from the base's string to this one) kept their modules and the turtle is the same before them. The rest
+  /// is interpreted. `rename` is called with the records of each stretch that was. The Program must be repeatable.
+  /// O(groups of stretches) and O(modules) of what is new.
   void appendRecords(derivation::Derivation& derivation, derivation::PlantState& state, std::uint32_t plant,
-                     const PlantPlacement& placement, const RecordChain* base,
+                     const PlantPlacement& placement, const RecordChain* base, const derivation::StepChanges& changes,
                      const std::function<void(std::span<TurtleRecord>)>& rename, RecordChain& chain);
 
  private:

@@ -115,7 +115,7 @@ bool PartedInterpretation::run(const Interpretation::Subject& subject, const Int
   parts_.resize(std::max(parts_.size(), branches_.size()));
   std::for_each(parts_.begin(), parts_.end(), [](Part& part) { part.clear(); });
   around_.clear();
-  // threads may write parameters at the same time: the first would make the string forget its mark, so it does now
+  // the threads write parameters at the same time, in memory that the string shares with nobody
   static_cast<void>(subject.plantState.string.mutableParameters());
 
   walkAround(subject, output);

@@ -32,35 +32,34 @@ struct TurtlePassage {
 
 /// The records of a stretch of a plant's string of about a hundred modules.
 struct RecordStretch {
+  std::uint64_t birth = 0;  // the generation of the first chain that has it
   TurtlePassage passage;
   std::vector<TurtleRecord> records;  // `module` counts from its first module; `parent` as in the passage
   std::uint64_t bytes = 0;            // of memory
 };
 
-/// Stretches one after the other, with their modules. One comparison finds the whole group again.
+/// Stretches one after the other. Where none of them changed, the next chain takes the whole group at once.
 struct RecordGroup {
   struct Link {
     std::shared_ptr<const RecordStretch> stretch;
-    std::uint32_t entryHash = 0;    // of the turtle that it begins with (record_chain_builder.cpp)
     std::uint32_t firstRecord = 0;  // among the group's
     std::uint32_t firstOuter = 0;   // in `outer`: its outer records
     std::uint64_t firstModule = 0;  // among the group's
-    std::uint64_t firstOffset = 0;  // among the group's parameters
   };
 
+  std::uint64_t birth = 0;  // the generation of the first chain that has it
   TurtlePassage passage;
-  std::vector<core::ModuleTypeId> types;  // of its modules
-  std::vector<double> parameters;         // of its modules, concatenated
-  std::vector<Link> links;                // at most kMostStretches
-  std::vector<std::uint32_t> outer;       // records that stretches begin with, numbered as in the passage
-  std::uint64_t bytes = 0;                // of memory, its stretches' included
+  std::vector<Link> links;           // at most kMostStretches
+  std::vector<std::uint32_t> outer;  // records that stretches begin with, numbered as in the passage
+  std::uint64_t bytes = 0;           // of memory, its stretches' included
 };
 
 /// The most stretches of a group.
 inline constexpr std::size_t kMostStretches = 64;
 
-/// The turtle records of a simulation as groups of stretches of its strings. Chains of several steps share equal groups
-/// and stretches. Immutable.
+/// The turtle records of a simulation as groups of stretches of its strings. Each chain of a simulation is made from
+/// the one before and shares with it the groups and stretches that have not changed. So a chain has a group or stretch
+/// of a later chain exactly when it is not older than their birth. Immutable.
 struct RecordChain {
   /// Which of the Programs a plant has, and where it stands.
   struct Origin {
@@ -84,12 +83,12 @@ struct RecordChain {
     std::uint32_t firstOuter = 0;   // in the group's `outer`
   };
 
-  std::vector<std::shared_ptr<const language::Program>> programs;    // that it was made with
-  std::vector<Origin> origins;                                       // by plant
-  std::vector<std::shared_ptr<const derivation::StringMark>> marks;  // of their strings, by plant; null: it is dead
-  std::vector<std::size_t> firstLink{0};                             // by plant (plantCount + 1)
-  std::vector<Link> links;                                           // of all plants, in order
-  std::vector<std::uint32_t> outer;                                  // records that groups begin with, or kNoParent
+  std::uint64_t generation = 0;                                    // of the chains of one simulation, rising
+  std::vector<std::shared_ptr<const language::Program>> programs;  // that it was made with
+  std::vector<Origin> origins;                                     // by plant
+  std::vector<std::size_t> firstLink{0};                           // by plant (plantCount + 1)
+  std::vector<Link> links;                                         // of all plants, in order
+  std::vector<std::uint32_t> outer;                                // records that groups begin with, or kNoParent
   std::uint32_t recordCount = 0;
   std::uint64_t bytes = 0;  // of memory, as if nothing were shared
 

@@ -2,18 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstring>
 #include <utility>
 
 namespace espalier::turtle {
 namespace {
 
-constexpr int kTries = 8;  // stretches that begin with a turtle like this, looked at more closely
-// groups that are searched before all are, and modules that are interpreted meanwhile: most changes are small
-constexpr std::size_t kNearGroups = 4;
-constexpr std::uint64_t kNearModules = 4096;
-constexpr std::uint32_t kNoEntry = 0xFFFFFFFF;
 // a group that follows joins the stretches before it when they are no more together: there are few small groups
 constexpr std::size_t kJoinedStretches = 48;
 
@@ -50,18 +44,6 @@ bool isSame(const TurtleState& a, const TurtleState& b) {
          a.hasSmoothRadius == b.hasSmoothRadius && (a.record == kNoParent) == (b.record == kNoParent);
 }
 
-std::uint32_t hashOf(const TurtleState& state) {
-  // products that do not wait for each other
-  const auto part = [](double number, std::uint64_t factor) { return std::bit_cast<std::uint64_t>(number) * factor; };
-  std::uint64_t hash = part(state.position.x, 0x9E3779B97F4A7C15U) + part(state.position.y, 0xC2B2AE3D27D4EB4FU) +
-                       part(state.position.z, 0x165667B19E3779F9U) + part(state.frame.heading.x, 0xD6E8FEB86659FD93U) +
-                       part(state.frame.heading.y, 0xA0761D6478BD642FU) +
-                       part(state.frame.heading.z, 0xE7037ED1A0B428DBU) + part(state.frame.up.x, 0x8EBC6AF09C88C6E3U) +
-                       state.branchOrder;
-  hash = (hash ^ hash >> 32U) * 0x9E3779B97F4A7C15U;
-  return static_cast<std::uint32_t>(hash >> 32U);
-}
-
 std::uint64_t bytesOf(const RecordStretch& stretch) {
   std::uint64_t sum = sizeof stretch +
                       (stretch.passage.closed.size() + stretch.passage.opened.size()) * sizeof stretch.passage.entry +
@@ -75,6 +57,7 @@ std::uint64_t bytesOf(const RecordStretch& stretch) {
 }  // namespace
 
 RecordChainBuilder::RecordChainBuilder(const Interpretation::Subject& subject, const RecordChain* base,
+                                       const derivation::StepChanges& changes,
                                        const std::function<void(std::span<TurtleRecord>)>& rename, RecordChain& chain,
                                        std::uint64_t stretchModules)
     : string_(subject.plantState.string),
@@ -82,128 +65,81 @@ RecordChainBuilder::RecordChainBuilder(const Interpretation::Subject& subject, c
       rename_(rename),
       chain_(chain),
       stretchModules_(stretchModules),
-      groups_(string_, chain),
+      groups_(chain),
       output_{.records = &records_, .fillsQueries = false},
       interpretation_(subject, output_),
       recordCount_(chain.recordCount) {
-  const std::shared_ptr<const derivation::StringMark> mark = subject.plantState.string.marked();
-  chain_.marks.resize(subject.plant + std::size_t{1});
-  chain_.marks[subject.plant] = mark;
   if (base_ != nullptr) {
+    kept_ = changes.kept();
     next_.link = base_->firstLink[subject.plant];
     end_ = base_->firstLink[subject.plant + 1U];
-    if (subject.plant < base_->marks.size() && base_->marks[subject.plant] != nullptr) {
-      kept_ = derivation::keptModules(*base_->marks[subject.plant], mark, string_.size());
-    }
   }
 }
 
 void RecordChainBuilder::appendPlant() {
   interpretation_.begin();
   interpretation_.noteIn(&notes_);
+  findNext();
   while (module_ < string_.size()) {
-    if (isKnown() && next_.stretch == 0 && groupFollows()) {
-      takeGroup();
-    } else if (isKnown() && stretchFollows(next_)) {
-      takeStretch();
-    } else if (!isKnown() || !findNext()) {
+    if (nextModule_ > module_) {
       interpret();
+    } else if (next_.stretch == 0 && groupFollows()) {
+      takeGroup();
+    } else if (stretchFollows()) {
+      takeStretch();
+    } else {
+      // another turtle comes here
+      skipStretch();
     }
+    findNext();
   }
   groups_.finish();
   interpretation_.end();
 }
 
-bool RecordChainBuilder::groupFollows() {
+void RecordChainBuilder::findNext() {
+  nextModule_ = kNever;
+  while (next_.link < end_ && !kept_.empty()) {
+    const RecordChain::Link& link = base_->links[next_.link];
+    const RecordGroup::Link& part = link.group->links[next_.stretch];
+    const std::uint64_t first = link.firstModule + part.firstModule;
+    while (!kept_.empty() && kept_.front().from + kept_.front().modules <= first) {
+      kept_ = kept_.subspan(1);
+    }
+    const std::uint64_t place = placeOf(first, part.stretch->passage.modules);
+    if (place != kNever && place >= module_) {
+      nextModule_ = place;
+      return;
+    }
+    skipStretch();
+  }
+}
+
+void RecordChainBuilder::skipStretch() {
+  const std::size_t count = base_->links[next_.link].group->links.size();
+  next_ = next_.stretch + 1 < count ? Place{next_.link, next_.stretch + 1} : Place{next_.link + 1, 0};
+}
+
+std::uint64_t RecordChainBuilder::placeOf(std::uint64_t baseModule, std::uint64_t modules) const {
+  const derivation::KeptModules& run = kept_.front();
+  return baseModule >= run.from && baseModule + modules <= run.from + run.modules ? run.to + (baseModule - run.from)
+                                                                                  : kNever;
+}
+
+bool RecordChainBuilder::groupFollows() const {
   const RecordChain::Link& link = base_->links[next_.link];
-  const RecordGroup& group = *link.group;
-  return follows(group.passage, link.firstModule, group.types.data(), group.parameters.data());
+  return placeOf(link.firstModule, link.group->passage.modules) == module_ && isReached(link.group->passage);
 }
 
-bool RecordChainBuilder::stretchFollows(const Place& place) {
-  const RecordGroup& group = *base_->links[place.link].group;
-  const RecordGroup::Link& link = group.links[place.stretch];
-  return follows(link.stretch->passage, base_->links[place.link].firstModule + link.firstModule,
-                 group.types.data() + link.firstModule, group.parameters.data() + link.firstOffset);
+bool RecordChainBuilder::stretchFollows() const {
+  return isReached(base_->links[next_.link].group->links[next_.stretch].stretch->passage);
 }
 
-bool RecordChainBuilder::areKept(std::uint64_t baseModule, std::uint64_t modules) {
-  while (nextKept_ < kept_.size() && kept_[nextKept_].to + kept_[nextKept_].modules <= module_) {
-    ++nextKept_;
-  }
-  if (nextKept_ == kept_.size() || kept_[nextKept_].to > module_) {
-    return false;
-  }
-  const derivation::KeptModules& kept = kept_[nextKept_];
-  return module_ - kept.to == baseModule - kept.from && module_ + modules <= kept.to + kept.modules;
-}
-
-bool RecordChainBuilder::follows(const TurtlePassage& passage, std::uint64_t baseModule,
-                                 const core::ModuleTypeId* types, const double* parameters) {
-  if (module_ + passage.modules > string_.size() ||
-      (passage.endsString && module_ + passage.modules != string_.size()) ||
-      offset_ + passage.parameters > string_.parameterCount() || !isSame(passage.entry, interpretation_.state())) {
-    return false;
-  }
+bool RecordChainBuilder::isReached(const TurtlePassage& passage) const {
   const std::vector<TurtleState>& open = interpretation_.openBranches();
-  if (open.size() < passage.closed.size()) {
-    return false;
-  }
-  const bool closesTheSame = std::equal(passage.closed.begin(), passage.closed.end(), open.rbegin(), isSame);
-  if (!closesTheSame || areKept(baseModule, passage.modules)) {
-    return closesTheSame;
-  }
-  return std::memcmp(types, string_.types().data() + module_, passage.modules * sizeof *types) == 0 &&
-         (passage.parameters == 0 ||
-          std::memcmp(parameters, string_.parameters().data() + offset_, passage.parameters * sizeof *parameters) == 0);
-}
-
-bool RecordChainBuilder::findNext() {
-  if (next_.link >= tableEnd_) {
-    buildTable(std::min(end_, next_.link + kNearGroups));
-  } else if (tableEnd_ < end_ && module_ - takenEnd_ >= kNearModules) {
-    buildTable(end_);
-  }
-  const std::uint32_t hash = hashOf(interpretation_.state());
-  std::uint32_t& head = heads_[hash & (heads_.size() - 1)];
-  // those that were passed are never looked at again
-  const std::size_t passed = (next_.link - tableBegin_) * kMostStretches + next_.stretch;
-  while (head != kNoEntry && head < passed) {
-    head = following_[head];
-  }
-  std::uint32_t entry = head;
-  for (int tries = 0; entry != kNoEntry && tries < kTries; ++tries) {
-    const Place place = placeOf(entry);
-    if (base_->links[place.link].group->links[place.stretch].entryHash == hash && stretchFollows(place)) {
-      next_ = place;
-      return true;
-    }
-    entry = following_[entry];
-  }
-  return false;
-}
-
-void RecordChainBuilder::buildTable(std::size_t end) {
-  tableBegin_ = next_.link;
-  tableEnd_ = end;
-  std::size_t stretches = 0;
-  for (std::size_t link = tableBegin_; link < tableEnd_; ++link) {
-    stretches += base_->links[link].group->links.size();
-  }
-  heads_.assign(std::bit_ceil(2 * stretches + 2), kNoEntry);
-  following_.resize((tableEnd_ - tableBegin_) * kMostStretches);
-  // nearer stretches come before farther ones
-  for (std::size_t link = tableEnd_; link-- > tableBegin_;) {
-    const std::vector<RecordGroup::Link>& parts = base_->links[link].group->links;
-    for (std::size_t i = parts.size(); i-- > 0;) {
-      const auto entry = static_cast<std::uint32_t>((link - tableBegin_) * kMostStretches + i);
-      following_[entry] = std::exchange(heads_[parts[i].entryHash & (heads_.size() - 1)], entry);
-    }
-  }
-}
-
-RecordChainBuilder::Place RecordChainBuilder::placeOf(std::uint32_t entry) const {
-  return {tableBegin_ + entry / kMostStretches, entry % kMostStretches};
+  return (!passage.endsString || module_ + passage.modules == string_.size()) &&
+         isSame(passage.entry, interpretation_.state()) && open.size() >= passage.closed.size() &&
+         std::equal(passage.closed.begin(), passage.closed.end(), open.rbegin(), isSame);
 }
 
 std::uint32_t RecordChainBuilder::resolved(std::uint32_t number) const {
@@ -213,9 +149,9 @@ std::uint32_t RecordChainBuilder::resolved(std::uint32_t number) const {
   return number >= kOuterRecord ? notes_.outer[number - kOuterRecord] : recordCount_ + number;
 }
 
-void RecordChainBuilder::append(std::shared_ptr<const RecordStretch> stretch, std::uint32_t entryHash) {
+void RecordChainBuilder::append(std::shared_ptr<const RecordStretch> stretch) {
   recordCount_ += stretch->passage.records;
-  groups_.add(std::move(stretch), entryHash, notes_.outer);
+  groups_.add(std::move(stretch), notes_.outer);
 }
 
 void RecordChainBuilder::pass(const TurtlePassage& passage) {
@@ -234,7 +170,6 @@ void RecordChainBuilder::pass(const TurtlePassage& passage) {
   }
   module_ += passage.modules;
   offset_ += passage.parameters;
-  takenEnd_ = module_;
 }
 
 void RecordChainBuilder::takeGroup() {
@@ -260,11 +195,10 @@ void RecordChainBuilder::takeGroup() {
 }
 
 void RecordChainBuilder::takeStretch() {
-  const std::vector<RecordGroup::Link>& parts = base_->links[next_.link].group->links;
-  const RecordGroup::Link& link = parts[next_.stretch];
-  pass(link.stretch->passage);
-  append(link.stretch, link.entryHash);
-  next_ = next_.stretch + 1 < parts.size() ? Place{next_.link, next_.stretch + 1} : Place{next_.link + 1, 0};
+  const std::shared_ptr<const RecordStretch> stretch = base_->links[next_.link].group->links[next_.stretch].stretch;
+  pass(stretch->passage);
+  append(stretch);
+  skipStretch();
 }
 
 void RecordChainBuilder::interpret() {
@@ -273,8 +207,8 @@ void RecordChainBuilder::interpret() {
   std::vector<TurtleState>& open = interpretation_.openBranches();
   TurtleState& state = interpretation_.state();
   const auto stretch = std::make_shared<RecordStretch>();
+  stretch->birth = chain_.generation;
   TurtlePassage& passage = stretch->passage;
-  const std::uint32_t entryHash = hashOf(state);
   notes_.lowest = open.size();
   notes_.closed.clear();
   notes_.outer.assign(1, state.record);
@@ -284,7 +218,10 @@ void RecordChainBuilder::interpret() {
   // up to where the base goes on, or far enough
   while (module_ < string_.size()) {
     const bool mayEnd = interpretation_.walkOne(module_, offset_);
-    if (mayEnd && (module_ - first >= stretchModules_ || (isKnown() && findNext()))) {
+    if (module_ > nextModule_) {
+      findNext();
+    }
+    if (mayEnd && (module_ - first >= stretchModules_ || (module_ == nextModule_ && stretchFollows()))) {
       break;
     }
   }
@@ -309,7 +246,7 @@ void RecordChainBuilder::interpret() {
   for (auto opened = open.begin() + static_cast<std::ptrdiff_t>(notes_.lowest); opened != open.end(); ++opened) {
     opened->record = resolved(opened->record);
   }
-  append(stretch, entryHash);
+  append(stretch);
 }
 
 }  // namespace espalier::turtle

@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -16,19 +15,19 @@ namespace espalier::turtle {
 /// Makes the links of one plant (Interpreter::appendRecords).
 ///
 /// The builder goes through the string from left to right, from group to group, and from stretch to stretch where a
-/// group does not follow. It takes the next part of the base when the same modules follow and the turtle, with the
+/// group does not follow. It takes the next part of the base when the changes kept its modules and the turtle, with the
 /// branches that the part closes, is the same. Bits are compared, so the part taken equals the part that interpretation
-/// would make. Otherwise it interprets modules until the turtle is in the state before a later stretch of the base
-/// whose modules follow, or until there are enough modules for a new stretch. It needs no difference of the strings.
+/// would make. Otherwise it interprets modules until it comes to the next kept stretch of the base with the same
+/// turtle, or until there are enough modules for a new stretch.
 class RecordChainBuilder {
  public:
   /// Modules of a stretch, about. With fewer, states cost more; with more, one change costs more.
   static constexpr std::uint64_t kStretchModules = 128;
 
-  /// Everything must outlive the object. `base` may be null.
+  /// Everything must outlive the object. `base` may be null; `changes` are from its string to this one.
   RecordChainBuilder(const Interpretation::Subject& subject, const RecordChain* base,
-                     const std::function<void(std::span<TurtleRecord>)>& rename, RecordChain& chain,
-                     std::uint64_t stretchModules = kStretchModules);
+                     const derivation::StepChanges& changes, const std::function<void(std::span<TurtleRecord>)>& rename,
+                     RecordChain& chain, std::uint64_t stretchModules = kStretchModules);
 
   void appendPlant();
 
@@ -39,20 +38,22 @@ class RecordChainBuilder {
     std::size_t stretch = 0;  // within the group
   };
 
-  [[nodiscard]] bool isKnown() const { return next_.link < end_; }
-  [[nodiscard]] bool groupFollows();
-  [[nodiscard]] bool stretchFollows(const Place& place);
-  [[nodiscard]] bool follows(const TurtlePassage& passage, std::uint64_t baseModule, const core::ModuleTypeId* types,
-                             const double* parameters);
-  [[nodiscard]] bool areKept(std::uint64_t baseModule, std::uint64_t modules);
-  [[nodiscard]] bool findNext();
-  void buildTable(std::size_t end);
-  [[nodiscard]] Place placeOf(std::uint32_t entry) const;
+  static constexpr std::uint64_t kNever = ~std::uint64_t{0};
+
+  /// Moves next_ to the first kept stretch of the base that is not behind the present module.
+  void findNext();
+  void skipStretch();
+  /// Where these modules of the base are now; kNever: not all of them were kept.
+  [[nodiscard]] std::uint64_t placeOf(std::uint64_t baseModule, std::uint64_t modules) const;
+  [[nodiscard]] bool groupFollows() const;
+  [[nodiscard]] bool stretchFollows() const;
+  /// Whether a part may be taken here, whose modules follow.
+  [[nodiscard]] bool isReached(const TurtlePassage& passage) const;
   void takeGroup();
   void takeStretch();
   void pass(const TurtlePassage& passage);
   void interpret();
-  void append(std::shared_ptr<const RecordStretch> stretch, std::uint32_t entryHash);
+  void append(std::shared_ptr<const RecordStretch> stretch);
   [[nodiscard]] std::uint32_t resolved(std::uint32_t number) const;
 
   const derivation::ModuleString& string_;
@@ -69,20 +70,10 @@ class RecordChainBuilder {
   std::uint64_t offset_ = 0;            // of its parameters
   std::uint32_t recordCount_ = 0;       // so far, of the whole
 
-  // runs of modules that the derivation kept from the base's string, and the next of them
-  std::vector<derivation::KeptModules> kept_;
-  std::size_t nextKept_ = 0;
-
-  Place next_;                  // of the base that is expected next
-  std::size_t end_ = 0;         // behind the plant's last link
-  std::uint64_t takenEnd_ = 0;  // behind the last module that was not interpreted
-  // where to find stretches of links [tableBegin_, tableEnd_) by the turtle that they begin with: heads of lists (a
-  // power of two), the list's next; an entry is kMostStretches times the link, counted from tableBegin_, and the
-  // stretch
-  std::vector<std::uint32_t> heads_;
-  std::vector<std::uint32_t> following_;
-  std::size_t tableBegin_ = 0;
-  std::size_t tableEnd_ = 0;
+  std::span<const derivation::KeptModules> kept_;  // from the base's string; those behind are passed
+  Place next_;                                     // of the base that is expected next
+  std::uint64_t nextModule_ = kNever;              // where it is now; kNever: nothing of the base is left
+  std::size_t end_ = 0;                            // behind the plant's last link
 };
 
 }  // namespace espalier::turtle

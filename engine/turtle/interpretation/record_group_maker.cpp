@@ -19,7 +19,6 @@ class Numbering {
     TurtlePassage& whole = group_.passage;
     const TurtlePassage& part = link.stretch->passage;
     link.firstModule = whole.modules;
-    link.firstOffset = whole.parameters;
     link.firstRecord = whole.records;
     link.firstOuter = static_cast<std::uint32_t>(group_.outer.size());
     group_.outer.push_back(current_);
@@ -65,9 +64,8 @@ class Numbering {
 };
 
 std::uint64_t bytesOf(const RecordGroup& group) {
-  std::uint64_t sum = sizeof group + group.types.size() * sizeof group.types[0] +
-                      group.parameters.size() * sizeof group.parameters[0] +
-                      group.links.size() * sizeof group.links[0] + group.outer.size() * sizeof group.outer[0] +
+  std::uint64_t sum = sizeof group + group.links.size() * sizeof group.links[0] +
+                      group.outer.size() * sizeof group.outer[0] +
                       (group.passage.closed.size() + group.passage.opened.size()) * sizeof group.passage.entry;
   for (const RecordGroup::Link& link : group.links) {
     sum += link.stretch->bytes;
@@ -77,9 +75,8 @@ std::uint64_t bytesOf(const RecordGroup& group) {
 
 }  // namespace
 
-void RecordGroupMaker::add(std::shared_ptr<const RecordStretch> stretch, std::uint32_t entryHash,
-                           std::span<const std::uint32_t> outer) {
-  waiting_.push_back({std::move(stretch), entryHash, outer_.size()});
+void RecordGroupMaker::add(std::shared_ptr<const RecordStretch> stretch, std::span<const std::uint32_t> outer) {
+  waiting_.push_back({std::move(stretch), outer_.size()});
   outer_.insert(outer_.end(), outer.begin(), outer.end());
   // two halves, so that both have room to grow
   if (waiting_.size() == kMostStretches) {
@@ -87,18 +84,14 @@ void RecordGroupMaker::add(std::shared_ptr<const RecordStretch> stretch, std::ui
   }
 }
 
-void RecordGroupMaker::pass(const TurtlePassage& passage) {
-  module_ += passage.modules;
-  offset_ += passage.parameters;
-}
-
 void RecordGroupMaker::makeGroup(std::size_t stretches) {
   if (stretches == 0) {
     return;
   }
   const auto group = std::make_shared<RecordGroup>();
+  group->birth = chain_.generation;
   for (std::size_t i = 0; i < stretches; ++i) {
-    group->links.push_back({.stretch = std::move(waiting_[i].stretch), .entryHash = waiting_[i].entryHash});
+    group->links.push_back({.stretch = std::move(waiting_[i].stretch)});
   }
   const auto firstOuter = static_cast<std::uint32_t>(chain_.outer.size());
   chain_.outer.push_back(outer_[waiting_.front().firstOuter]);
@@ -107,10 +100,6 @@ void RecordGroupMaker::makeGroup(std::size_t stretches) {
     numbering.pass(group->links[i], outer_.data() + waiting_[i].firstOuter, chain_.outer);
   }
   const TurtlePassage& passage = group->passage;
-  const auto types = string_.types().subspan(module_, passage.modules);
-  const auto parameters = string_.parameters().subspan(offset_, passage.parameters);
-  group->types.assign(types.begin(), types.end());
-  group->parameters.assign(parameters.begin(), parameters.end());
   group->outer.shrink_to_fit();
   group->bytes = bytesOf(*group);
 

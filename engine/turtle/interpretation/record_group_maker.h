@@ -6,7 +6,6 @@
 #include <span>
 #include <vector>
 
-#include "engine/derivation/state/module_string.h"
 #include "engine/turtle/interpretation/record_chain.h"
 
 namespace espalier::turtle {
@@ -14,33 +13,29 @@ namespace espalier::turtle {
 /// Collects stretches that follow each other in a string and makes groups of them, at the end of a chain.
 class RecordGroupMaker {
  public:
-  /// Both must outlive the object. `string` must have the modules of all stretches.
-  RecordGroupMaker(const derivation::ModuleString& string, RecordChain& chain) : string_(string), chain_(chain) {}
+  /// `chain` must outlive the object.
+  explicit RecordGroupMaker(RecordChain& chain) : chain_(chain) {}
 
-  /// The next stretch; `entryHash` is that of RecordGroup::Link. `outer`: its outer records as they are in the whole.
-  void add(std::shared_ptr<const RecordStretch> stretch, std::uint32_t entryHash, std::span<const std::uint32_t> outer);
+  /// The next stretch. `outer`: its outer records as they are in the whole.
+  void add(std::shared_ptr<const RecordStretch> stretch, std::span<const std::uint32_t> outer);
   [[nodiscard]] std::size_t waiting() const { return waiting_.size(); }
   /// The stretches that wait become a group; nothing when none do.
   void finish() { makeGroup(waiting_.size()); }
   /// The next part of the string is an existing group.
-  void pass(const TurtlePassage& passage);
+  void pass(const TurtlePassage& passage) { module_ += passage.modules; }
 
  private:
   struct Waiting {
     std::shared_ptr<const RecordStretch> stretch;
-    std::uint32_t entryHash = 0;
     std::size_t firstOuter = 0;  // in `outer_`
   };
 
   void makeGroup(std::size_t stretches);
 
-  const derivation::ModuleString& string_;
   RecordChain& chain_;
   std::vector<Waiting> waiting_;
   std::vector<std::uint32_t> outer_;  // of all that wait, records as they are in the whole
-  // where those that wait begin: in the string, and among all records
-  std::uint64_t module_ = 0;
-  std::uint64_t offset_ = 0;
+  std::uint64_t module_ = 0;          // where those that wait begin in the string
 };
 
 }  // namespace espalier::turtle

@@ -7,6 +7,7 @@
 #include "engine/core/streams.h"
 #include "engine/language/compiler.h"
 #include "engine/simulation/simulation.h"
+#include "engine/simulation/view_drawing.h"
 #include "tests/server/frame_viewer.h"
 
 namespace espalier::server {
@@ -35,9 +36,12 @@ TurtleFrame wholeOf(const simulation::Simulation& simulation) {
                          {});
 }
 
-std::shared_ptr<const turtle::RecordChain> chainOf(const simulation::Simulation& simulation,
-                                                   const turtle::RecordChain* base) {
-  return std::get<std::shared_ptr<const turtle::RecordChain>>(simulation.recordChain(base));
+/// The records as they are now; `drawing` has drawn the chains before.
+std::shared_ptr<const turtle::RecordChain> chainOf(simulation::Simulation& simulation,
+                                                   simulation::ViewDrawing& drawing) {
+  simulation.followChanges(true);
+  drawing.show(simulation.takeView());
+  return std::get<std::shared_ptr<const turtle::RecordChain>>(drawing.recordChain());
 }
 
 /// A model of several tips that grow, turn, branch and rest as chance has it.
@@ -71,13 +75,14 @@ TEST(ChainDifference, AnyGrowthIsToldAsTheWholeWouldBe) {
     const std::string source = randomModel(dice);
     const auto simulation = simulationOf(source, {{}, {.position = {5.0, 0.0, 0.0}, .frame = {}}});
     const auto symbols = symbolsOf(*simulation);
+    simulation::ViewDrawing drawing;
     std::shared_ptr<const turtle::RecordChain> base;
     std::shared_ptr<const turtle::RecordChain> old;
     TurtleFrame viewed;
     TurtleFrame seldom;
     for (int step = 0; step < 40 && simulation->statistics().modules < 4'000; ++step) {
       const TurtleFrame whole = wholeOf(*simulation);
-      const auto chain = chainOf(*simulation, base.get());
+      const auto chain = chainOf(*simulation, drawing);
       ASSERT_NE(chain, nullptr) << source;
       expectSameRows(makeTurtleFrame(*chain, symbols), whole);
       ASSERT_FALSE(testing::Test::HasFailure()) << "step " << step << " of\n" << source;
@@ -115,9 +120,10 @@ TEST(ChainDifference, WhatHasNotChangedIsSharedWithTheBase) {
   for (int step = 0; step < 12; ++step) {
     ASSERT_FALSE(simulation->step());
   }
-  const auto base = chainOf(*simulation, nullptr);
+  simulation::ViewDrawing drawing;
+  const auto base = chainOf(*simulation, drawing);
   ASSERT_FALSE(simulation->step());
-  const auto chain = chainOf(*simulation, base.get());
+  const auto chain = chainOf(*simulation, drawing);
   const auto before = base->places(0, base->links.size());
   ASSERT_GT(before.size(), 10U);
   std::size_t shared = 0;
@@ -142,9 +148,10 @@ TEST(ChainDifference, AStringWithoutBracketsIsSharedBehindAnInsertion) {
   for (int step = 0; step < 12; ++step) {
     ASSERT_FALSE(simulation->step());
   }
-  const auto base = chainOf(*simulation, nullptr);
+  simulation::ViewDrawing drawing;
+  const auto base = chainOf(*simulation, drawing);
   ASSERT_FALSE(simulation->step());
-  const auto chain = chainOf(*simulation, base.get());
+  const auto chain = chainOf(*simulation, drawing);
   const TurtleChange change = differenceOf(*base, *chain, symbolsOf(*simulation));
   EXPECT_EQ(change.fresh->rows(), 0U);
   EXPECT_EQ(change.rows, 1024U);
@@ -158,9 +165,10 @@ TEST(ChainDifference, AChangeOfTheTurtleReachesEverythingBehindIt) {
   for (int step = 0; step < 10; ++step) {
     ASSERT_FALSE(simulation->step());
   }
-  const auto base = chainOf(*simulation, nullptr);
+  simulation::ViewDrawing drawing;
+  const auto base = chainOf(*simulation, drawing);
   ASSERT_FALSE(simulation->step());
-  const auto chain = chainOf(*simulation, base.get());
+  const auto chain = chainOf(*simulation, drawing);
   const TurtleChange change = differenceOf(*base, *chain, symbolsOf(*simulation));
   // some place may be the same by chance
   EXPECT_GE(change.fresh->rows() + 3, change.rows);
@@ -209,6 +217,7 @@ TEST(ChainDifference, AnswersAndLongStringsAreToldAsTheWholeWouldBe) {
     simulation::Simulation simulation(compiled.program, {{}}, std::make_unique<SlowTide>(), options);
     ASSERT_FALSE(simulation.rewind());
     const auto symbols = symbolsOf(simulation);
+    simulation::ViewDrawing drawing;
     std::shared_ptr<const turtle::RecordChain> base;
     TurtleFrame viewed;
     std::size_t kept = 0;
@@ -219,7 +228,7 @@ TEST(ChainDifference, AnswersAndLongStringsAreToldAsTheWholeWouldBe) {
         continue;
       }
       const TurtleFrame whole = wholeOf(simulation);
-      const auto chain = chainOf(simulation, base.get());
+      const auto chain = chainOf(simulation, drawing);
       expectSameRows(makeTurtleFrame(*chain, symbols), whole);
       if (base != nullptr) {
         const TurtleChange change = differenceOf(*base, *chain, symbols);
@@ -239,7 +248,8 @@ TEST(ChainDifference, AnswersAndLongStringsAreToldAsTheWholeWouldBe) {
 TEST(ChainDifference, WhatDependsOnMoreThanTheModuleIsNotRepeatable) {
   const auto isRepeatable = [](const std::string& rest) {
     const auto simulation = simulationOf("Lsystem: 1\n" + rest + "endlsystem\n");
-    return chainOf(*simulation, nullptr) != nullptr;
+    simulation::ViewDrawing drawing;
+    return chainOf(*simulation, drawing) != nullptr;
   };
   const std::string axiom = "derivation length: 1\nAxiom: A(1)B\nA(x) --> A(x)B\nhomomorphism\n";
   EXPECT_TRUE(isRepeatable(axiom + "A(x) : x > 0 --> F(x*2)\n"));
@@ -256,9 +266,11 @@ TEST(ChainDifference, AFailureIsThatOfTheWhole) {
   const std::string large = "F(1" + std::string(308, '0') + ")";
   const auto simulation =
       simulationOf("Lsystem: 1\nderivation length: 9\nAxiom: " + large + "A\nA --> " + large + "\nendlsystem\n");
-  const auto base = chainOf(*simulation, nullptr);
+  simulation::ViewDrawing drawing;
+  ASSERT_NE(chainOf(*simulation, drawing), nullptr);
   ASSERT_FALSE(simulation->step());
-  const auto chain = simulation->recordChain(base.get());
+  drawing.show(simulation->takeView());
+  const auto chain = drawing.recordChain();
   const auto records = simulation->turtleRecords();
   ASSERT_TRUE(std::holds_alternative<core::SimulationError>(records));
   ASSERT_TRUE(std::holds_alternative<core::SimulationError>(chain));

@@ -240,16 +240,15 @@ PlainString plainOf(const language::Program& program, const derivation::ModuleSt
 struct Comparison {
   std::size_t stepCount = 0;
   std::size_t changedCount = 0;
-  std::size_t keptModules = 0;  // that the strings' marks told to be the same
+  std::size_t keptModules = 0;  // that the changes told to be the same
 };
 
-/// How many modules a string is told to have of a marked one; that they are the same, in order.
-std::size_t keptModules(const derivation::StringMark& mark, const PlainString& marked,
-                        const derivation::ModuleString& string, const PlainString& now) {
+/// How many modules a string is told to have of an older one; that they are the same, in order.
+std::size_t keptModules(const derivation::StepChanges& changes, const PlainString& marked, const PlainString& now) {
   std::size_t count = 0;
   std::uint64_t from = 0;
   std::uint64_t to = 0;
-  for (const derivation::KeptModules& kept : derivation::keptModules(mark, string.mark(), string.size())) {
+  for (const derivation::KeptModules& kept : changes.kept()) {
     EXPECT_TRUE(kept.from >= from && kept.to >= to && kept.from + kept.modules <= marked.size() &&
                 kept.to + kept.modules <= now.size());
     from = kept.from + kept.modules;
@@ -278,17 +277,19 @@ Comparison compareModels(unsigned first, unsigned count, std::size_t maximumModu
     const PlainDerivation plain(model.program(), seed);
     PlainString expected = plain.axiom();
     EXPECT_TRUE(plainOf(model.program(), model.state().string) == expected);
-    std::shared_ptr<const derivation::StringMark> mark;
-    PlainString marked;
+    derivation::StepChanges changes = derivation::StepChanges::nothing(expected.size());
+    PlainString marked = expected;
     for (std::uint64_t step = 1; step <= 8 && expected.size() < maximumModules; ++step) {
-      // a mark of every string, of every second or every third
+      // the changes of every step, of every second or every third in a row
       if (step % (1 + seed % 3) == 0) {
-        mark = model.state().string.marked();
+        changes = derivation::StepChanges::nothing(expected.size());
         marked = expected;
       }
       const PlainString before = expected;
       expected = plain.derive(before, step);
-      model.steps(1);
+      derivation::StepChanges ofStep;
+      model.derivation().derive(model.state(), &ofStep);
+      changes = changes.then(ofStep);
       ++result.stepCount;
       result.changedCount += before == expected ? 0U : 1U;
       if (plainOf(model.program(), model.state().string) != expected) {
@@ -296,7 +297,7 @@ Comparison compareModels(unsigned first, unsigned count, std::size_t maximumModu
                       << model.text().substr(0, 400);
         return result;
       }
-      result.keptModules += mark == nullptr ? 0 : keptModules(*mark, marked, model.state().string, expected);
+      result.keptModules += keptModules(changes, marked, expected);
     }
   }
   return result;
