@@ -173,6 +173,16 @@ def stream_rows(entries: dict) -> list[list[str]]:
     return rows
 
 
+def viewer_rows(entries: dict) -> list[list[str]]:
+    rows = [["steps with 50 viewers", "modules", "alone us", "with viewers us", "wall ratio", "CPU ratio of the stepping thread"]]
+    for name, entry in entries.items():
+        if name.startswith("viewers/"):
+            rows.append([name, f"{entry['modules']:,.0f}", f"{entry['alone us']:,.1f}",
+                         f"{milliseconds(entry) * 1000:,.1f}", f"{entry['viewers wall ratio']:.2f}",
+                         f"{entry['viewers cpu ratio']:.2f}"])
+    return rows
+
+
 def cliff_rows(entries: dict, baseline: dict) -> list[list[str]]:
     rows = [["workload", "ms", "modules", "M read/s", "of copying", "bytes/module", "x baseline"]]
     for name, entry in entries.items():
@@ -188,7 +198,7 @@ def other_rows(entries: dict, baseline: dict) -> list[list[str]]:
     rows = [["benchmark", "ms"] + [title for _, title, _, _ in OTHER_COLUMNS] + ["x baseline"]]
     shown = {name for name, *_ in TARGETS}
     for name, entry in entries.items():
-        if name in shown or name.startswith(("derive-cliff/", "derive-threads/", "server/", "stream/", "field/", "change/")):
+        if name in shown or name.startswith(("derive-cliff/", "derive-threads/", "server/", "stream/", "viewers/", "field/", "change/")):
             continue
         row = [name, f"{milliseconds(entry):,.2f}"]
         for key, _, form, factor in OTHER_COLUMNS:
@@ -291,6 +301,7 @@ def main() -> int:
     print_table("Two threads over one", thread_rows(entries), page)
     print_table("A server in another process", server_rows(entries), page)
     print_table("Viewers: what changed, and the whole", stream_rows(entries), page)
+    print_table("Viewers beside steps", viewer_rows(entries), page)
     print_table("No cliff: small strings, many productions and parameters, nesting, contexts",
                 cliff_rows(entries, baseline), page)
     print_table("Fields, beside plain copies of as many bytes", field_rows(entries), page)

@@ -301,8 +301,11 @@ void viewBigPlant(benchmark::State& state, std::string_view model, bool isDelta)
   params.isDelta = isDelta;
   params.isInBlocks = true;
   server::FrameBase base;
+  simulation::ViewDrawing drawing;
+  simulation->followChanges(isDelta);
   const auto makeFrame = [&] {
-    server::FrameMaker maker(*simulation, 0.0, nullptr);
+    drawing.show(simulation->takeView());
+    server::FrameMaker maker(drawing, 0.0, nullptr);
     return std::get<server::StreamFrame>(maker.make(params, base));
   };
   const auto beginning = Clock::now();

@@ -1,0 +1,208 @@
+// Steps of a simulation that viewers watch, beside the same steps without viewers: the time of the thread that makes
+// the steps. Viewers share the machine with the steps, and must not share their thread.
+#include <benchmark/benchmark.h>
+
+#include <algorithm>
+#include <chrono>
+#include <ctime>
+#include <future>
+#include <string>
+#include <vector>
+
+#include "engine/core/streams.h"
+#include "engine/language/compiler.h"
+#include "server/running/interruption.h"
+#include "server/server_core.h"
+#include "server/session/session.h"
+
+namespace espalier::benchmarking {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr int kViewers = 50;
+
+/// A peer that reads everything at once, or nothing.
+class ViewerConnection final : public server::Connection {
+ public:
+  explicit ViewerConnection(bool isReading) : isReading_(isReading) {}
+  void send(std::shared_ptr<const std::string> line) override { queued_ += isReading_ ? 0 : line->size(); }
+  void closeWhenSent() override {}
+  void remind(std::chrono::milliseconds) override {}
+  [[nodiscard]] std::size_t outboxBytes() const override { return queued_; }
+  [[nodiscard]] bool isLocal() const override { return true; }
+  [[nodiscard]] std::string peerName() const override { return "viewer"; }
+
+ private:
+  const bool isReading_;
+  std::atomic<std::size_t> queued_{0};
+};
+
+/// A tree that stands still, but for an organ in a hundred modules, which may ask the environment.
+std::string treeOf(const std::string& axiom, bool hasQueries) {
+  return "Lsystem: 1\nderivation length: 100000\nAxiom: " + axiom + "\nS(n) : n == 4 --> [G(1)" +
+         (hasQueries ? "?E(0)" : "") +
+         "]F(1)[+(25)S(n-1)]/(137)F(0.9)[-(31)S(n-1)]\n"
+         "S(n) : n > 0 --> F(1)[+(25)S(n-1)]/(137)F(0.9)[-(31)S(n-1)]\nS(n) --> F(1)\nG(x) --> "
+         "G(x+0.001)\nendlsystem\n";
+}
+
+struct Kind {
+  const char* name;
+  const char* what;
+  bool isInBlocks;
+  bool isDelta;
+  bool isSelective;  // each viewer has a selection of its own
+  bool isReading;
+};
+
+constexpr Kind kKinds[] = {
+    {"json", "turtle", false, false, false, true},      {"blocks", "turtle", true, false, false, true},
+    {"differences", "turtle", true, true, false, true}, {"glb", "geometry", true, false, false, true},
+    {"selections", "turtle", true, false, true, true},  {"never-reads", "turtle", true, false, false, false}};
+
+/// The simulation of a server, with steps that a benchmark asks for.
+class Watched {
+ public:
+  Watched(server::ServerCore& core, const std::string& axiom, bool hasQueries) : core_(core) {
+    core::MemoryFileProvider files;
+    files.add("tree.l", treeOf(axiom, hasQueries));
+    language::CompileInput input;
+    input.modelFile = "tree.l";
+    const auto compiled = language::compile(input, files);
+    server::SimulationRecord record;
+    record.id = std::get<std::string>(core.reserve(""));
+    record.create.plants.emplace_back();
+    record.create.environmentJson = hasQueries ? R"([{"type":"constant","values":[1]}])" : "";
+    server::Interruption interruption;
+    auto hosted = server::HostedSimulation::create(record, {compiled.program}, core.options().limits.simulation,
+                                                   core.environmentServices(), core.store(), interruption);
+    core.add(record.id, std::move(std::get<std::unique_ptr<server::HostedSimulation>>(hosted)));
+    runner_ = core.find(record.id);
+    // until nothing but the organs changes
+    (void)step(20);
+  }
+  ~Watched() { core_.remove(runner_->id()); }
+
+  struct Times {
+    double cpuSeconds = 0.0;
+    std::vector<double> wallMicroseconds;
+    std::uint64_t modules = 0;
+  };
+
+  /// Makes steps as simulation.run does, one turn for all of them.
+  Times step(int count) {
+    Times times;
+    command([&](server::SimulationRunner& runner) {
+      timespec begin{};
+      timespec end{};
+      clock_gettime(CLOCK_THREAD_CPUTIME_ID, &begin);
+      for (int i = 0; i < count; ++i) {
+        const auto start = Clock::now();
+        double milliseconds = 0.0;
+        (void)runner.hosted().step(milliseconds);
+        runner.publishState(true);
+        times.wallMicroseconds.push_back(std::chrono::duration<double, std::micro>(Clock::now() - start).count());
+      }
+      clock_gettime(CLOCK_THREAD_CPUTIME_ID, &end);
+      times.cpuSeconds =
+          static_cast<double>(end.tv_sec - begin.tv_sec) + 1e-9 * static_cast<double>(end.tv_nsec - begin.tv_nsec);
+      times.modules = runner.hosted().simulation().statistics().modules;
+    });
+    return times;
+  }
+
+  void watch(const Kind& kind) {
+    for (int i = 0; i < kViewers; ++i) {
+      auto connection = std::make_shared<ViewerConnection>(kind.isReading);
+      auto session = std::make_shared<server::Session>("viewer-" + std::to_string(i), core_, connection);
+      protocol::StreamOpenParams params;
+      params.simulation = runner_->id();
+      params.what = kind.what;
+      params.format = "glb";
+      params.isInBlocks = kind.isInBlocks;
+      params.isDelta = kind.isDelta;
+      if (kind.isSelective) {
+        // names that no module has make the selections differ
+        params.select.symbols = {"F", "selection-" + std::to_string(i)};
+      }
+      command([stream = session->openStream(params, *runner_)](server::SimulationRunner& runner) {
+        runner.addStream(stream);
+      });
+      sessions_.push_back(std::move(session));
+    }
+  }
+
+  void end() {
+    runner_->endStreams("the benchmark is over");
+    core_.waitForWorkers();
+  }
+
+ private:
+  void command(const std::function<void(server::SimulationRunner&)>& work) {
+    std::promise<void> done;
+    const auto command = std::make_shared<server::Command>();
+    command->lane = server::Lane::Step;
+    command->advance = [&](server::SimulationRunner& runner, server::Command&) {
+      work(runner);
+      done.set_value();
+      return false;
+    };
+    command->fail = [&](const protocol::Error&) { done.set_value(); };
+    runner_->submit(command);
+    done.get_future().wait();
+  }
+
+  server::ServerCore& core_;
+  std::shared_ptr<server::SimulationRunner> runner_;
+  std::vector<std::shared_ptr<server::Session>> sessions_;
+};
+
+double medianOf(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+void stepWithViewers(benchmark::State& state, const Kind& kind, const std::string& axiom, bool hasQueries, int steps) {
+  server::ServerOptions options;
+  options.logLevel = "off";
+  server::ServerCore core(options);
+  Watched alone(core, axiom, hasQueries);
+  Watched watched(core, axiom, hasQueries);
+  for (auto _ : state) {
+    const Watched::Times without = alone.step(steps);
+    watched.watch(kind);
+    const Watched::Times with = watched.step(steps);
+    watched.end();
+    const double wall = medianOf(with.wallMicroseconds);
+    state.SetIterationTime(wall * 1e-6);
+    state.counters["modules"] = static_cast<double>(with.modules);
+    state.counters["alone us"] = medianOf(without.wallMicroseconds);
+    state.counters["cpu us"] = with.cpuSeconds * 1e6 / steps;
+    state.counters["viewers cpu ratio"] = with.cpuSeconds / without.cpuSeconds;
+    state.counters["viewers wall ratio"] = wall / medianOf(without.wallMicroseconds);
+  }
+}
+
+const bool kIsRegistered = [] {
+  for (const Kind& kind : kKinds) {
+    for (const auto& [size, axiom, steps] :
+         {std::tuple("7000", "S(9)S(7)S(6)", 2000), std::tuple("1000000", "S(16)S(15)", 40)}) {
+      for (const bool hasQueries : {false, true}) {
+        const std::string name = std::string("viewers/") + kind.name + "/" + size + (hasQueries ? "/queries" : "");
+        benchmark::RegisterBenchmark(name.c_str(),
+                                     [kind, axiom = axiom, hasQueries, steps = steps](benchmark::State& state) {
+                                       stepWithViewers(state, kind, axiom, hasQueries, steps);
+                                     })
+            ->Unit(benchmark::kMicrosecond)
+            ->UseManualTime()
+            ->Iterations(1);
+      }
+    }
+  }
+  return true;
+}();
+
+}  // namespace
+}  // namespace espalier::benchmarking
