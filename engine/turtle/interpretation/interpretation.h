@@ -157,6 +157,7 @@ class Interpretation {
   }
 
   const language::Program& program_;
+  core::Elementary elementary_;
   const files::ViewSettings& view_;
   const InterpretationTables& tables_;
   std::set<std::string>& reported_;
