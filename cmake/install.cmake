@@ -4,6 +4,7 @@ include(CMakePackageConfigHelpers)
 
 install(TARGETS espalier RUNTIME)
 install(DIRECTORY clients/gallery DESTINATION ${CMAKE_INSTALL_DATADIR}/espalier)
+install(DIRECTORY tests/conformance/cases/ DESTINATION ${CMAKE_INSTALL_DATADIR}/espalier/conformance)
 
 set(package ${CMAKE_INSTALL_LIBDIR}/cmake/espalier)
 set(libraries core files language derivation turtle simulation environment protocol client)
@@ -17,7 +18,7 @@ install(EXPORT espalier NAMESPACE espalier:: FILE espalier-targets.cmake DESTINA
 
 # the headers, as they are included: #include "engine/simulation/simulation.h"
 install(DIRECTORY engine environment protocol DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/espalier
-        FILES_MATCHING PATTERN "*.h" PATTERN "*.def" PATTERN "plugin_example" EXCLUDE PATTERN "decoding" EXCLUDE)
+        FILES_MATCHING PATTERN "*.h" PATTERN "*.def" PATTERN "plugin_example" EXCLUDE PATTERN "decoding" EXCLUDE PATTERN "musl" EXCLUDE)
 install(DIRECTORY clients/cpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/espalier/clients
         FILES_MATCHING PATTERN "*.h" PATTERN "example" EXCLUDE)
 

@@ -41,6 +41,7 @@ int main(int argumentCount, char** arguments) {
   addInfer(program, status);
   addField(program, status);
   addReplay(program, status);
+  addConformance(program, status);
   addServe(program, status);
   addEnvironment(program, status);
   addConnect(program, status);

@@ -41,27 +41,28 @@ const FunctionInfo& functionInfo(Function function) {
   return kFunctions[static_cast<std::size_t>(function)];
 }
 
-double callPure(Function function, std::span<const double> arguments, bool& dividedByZero) {
+double callPure(Function function, std::span<const double> arguments, bool& dividedByZero,
+                core::Elementary elementary) {
   const double x = arguments[0];
   switch (function) {
     case Function::Sin:
-      return std::sin(x * kRadiansPerDegree);
+      return elementary.sin(x * kRadiansPerDegree);
     case Function::Cos:
-      return std::cos(x * kRadiansPerDegree);
+      return elementary.cos(x * kRadiansPerDegree);
     case Function::Tan:
-      return std::tan(x * kRadiansPerDegree);
+      return elementary.tan(x * kRadiansPerDegree);
     case Function::Asin:
-      return std::asin(x) * kDegreesPerRadian;
+      return elementary.asin(x) * kDegreesPerRadian;
     case Function::Acos:
-      return std::acos(x) * kDegreesPerRadian;
+      return elementary.acos(x) * kDegreesPerRadian;
     case Function::Atan:
-      return std::atan(arguments.back()) * kDegreesPerRadian;
+      return elementary.atan(arguments.back()) * kDegreesPerRadian;
     case Function::Atan2:
-      return std::atan2(x, arguments[1]) * kDegreesPerRadian;
+      return elementary.atan2(x, arguments[1]) * kDegreesPerRadian;
     case Function::Exp:
-      return std::exp(x);
+      return elementary.exp(x);
     case Function::Log:
-      return std::log(x);
+      return elementary.log(x);
     case Function::Sqrt:
       return std::sqrt(x);
     case Function::Fabs:
@@ -81,7 +82,7 @@ double callPure(Function function, std::span<const double> arguments, bool& divi
     case Function::Mod:
       return floorModulo(x, arguments[1], dividedByZero);
     case Function::Hypot:
-      return std::hypot(x, arguments[1]);
+      return elementary.hypot(x, arguments[1]);
     case Function::Clamp:
       return std::min(std::max(x, arguments[1]), arguments[2]);
     default:

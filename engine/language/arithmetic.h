@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 
+#include "engine/core/elementary.h"
 #include "engine/language/program.h"
 
 namespace espalier::language {
@@ -63,8 +64,9 @@ namespace espalier::language {
 }
 
 /// One of the operations Add to LogicalOr of instruction.def; a is the deeper operand. `dividedByZero` is set, never
-/// cleared.
-[[nodiscard]] inline double applyBinary(Operation operation, double a, double b, bool& dividedByZero) {
+/// cleared. `elementary` are the functions of the mode.
+[[nodiscard]] inline double applyBinary(Operation operation, double a, double b, bool& dividedByZero,
+                                        core::Elementary elementary = {}) {
   switch (operation) {
     case Operation::Add:
       return a + b;
@@ -77,7 +79,7 @@ namespace espalier::language {
     case Operation::Modulo:
       return truncateModulo(a, b, dividedByZero);
     case Operation::Power:
-      return std::pow(a, b);
+      return elementary.pow(a, b);
     case Operation::Equal:
       return toNumber(a == b);
     case Operation::NotEqual:
@@ -107,7 +109,9 @@ namespace espalier::language {
 
 /// The value of an arithmetic function, the first argument first; the argument count is one that function.def allows.
 /// Angles are in degrees. mod(x, 0) counts as mod(x, 1) and sets `dividedByZero`.
-[[nodiscard]] double callPure(Function function, std::span<const double> arguments, bool& dividedByZero);
+/// `elementary` are the functions of the mode.
+[[nodiscard]] double callPure(Function function, std::span<const double> arguments, bool& dividedByZero,
+                              core::Elementary elementary = {});
 
 struct FunctionInfo {
   const char* name = "";

@@ -45,9 +45,10 @@ std::optional<double> foldNode(const ExpressionNode& node, const ModelSyntax& mo
       value = applyUnary(node.operation, operands[0]);
       break;
     case ExpressionKind::Binary:
-      value = node.operation == Operation::LogicalOr
-                  ? foldOr(operands[0], operands[1], isCompound(model.expressions[node.children[0]]), compatibility)
-                  : applyBinary(node.operation, operands[0], operands[1], dividedByZero);
+      value =
+          node.operation == Operation::LogicalOr
+              ? foldOr(operands[0], operands[1], isCompound(model.expressions[node.children[0]]), compatibility)
+              : applyBinary(node.operation, operands[0], operands[1], dividedByZero, core::Elementary(compatibility));
       break;
     case ExpressionKind::Conditional:
       value = isTrue(operands[0]) ? operands[1] : operands[2];
@@ -56,7 +57,7 @@ std::optional<double> foldNode(const ExpressionNode& node, const ModelSyntax& mo
       if (node.callee != Callee::Function || !isArithmetic(node.function)) {
         return std::nullopt;
       }
-      value = callPure(node.function, operands, dividedByZero);
+      value = callPure(node.function, operands, dividedByZero, core::Elementary(compatibility));
       break;
     default:
       return std::nullopt;

@@ -26,8 +26,8 @@ Vec3 headingOrDefault(const Vec3& heading) {
 
 }  // namespace
 
-Turn turnBy(double radians) {
-  return {std::cos(radians), std::sin(radians)};
+Turn turnBy(double radians, core::Elementary elementary) {
+  return {elementary.cos(radians), elementary.sin(radians)};
 }
 
 const Turn& TurnCache::turnBy(double radians) {
@@ -35,7 +35,7 @@ const Turn& TurnCache::turnBy(double radians) {
   // the upper six bits of a multiplicative hash choose the place
   Entry& entry = entries_[(bits * 0x9E3779B97F4A7C15U) >> 58U];
   if (entry.bits != bits) {
-    entry = {bits, turtle::turnBy(radians)};
+    entry = {bits, turtle::turnBy(radians, elementary_)};
   }
   return entry.turn;
 }
@@ -57,9 +57,9 @@ void turnAround(Frame& frame) {
   frame.left = -frame.left;
 }
 
-Vec3 rotatedAbout(const Vec3& v, const Vec3& axis, double radians) {
-  const double c = std::cos(radians);
-  const double s = std::sin(radians);
+Vec3 rotatedAbout(const Vec3& v, const Vec3& axis, double radians, core::Elementary elementary) {
+  const double c = elementary.cos(radians);
+  const double s = elementary.sin(radians);
   return c * v + s * core::cross(axis, v) + ((1.0 - c) * core::dot(axis, v)) * axis;
 }
 

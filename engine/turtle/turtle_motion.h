@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 
+#include "engine/core/elementary.h"
 #include "engine/core/frame.h"
 #include "engine/core/vec3.h"
 #include "engine/turtle/turtle_state.h"
@@ -15,12 +16,14 @@ struct Turn {
   double sine = 0.0;
 };
 
-[[nodiscard]] Turn turnBy(double radians);
+/// `elementary`, here and below: the functions of the mode.
+[[nodiscard]] Turn turnBy(double radians, core::Elementary elementary = {});
 
 /// The turns that a plant has used: a model has few different angles, and computing cosine and sine costs more than
 /// the rest of a turn. Gives the same bits as turnBy.
 class TurnCache {
  public:
+  explicit TurnCache(core::Elementary elementary = {}) : elementary_(elementary) {}
   [[nodiscard]] const Turn& turnBy(double radians);
 
  private:
@@ -28,6 +31,7 @@ class TurnCache {
     std::uint64_t bits = 0;  // of the angle; the first content is right: 0 radians
     Turn turn;
   };
+  core::Elementary elementary_;
   std::array<Entry, 64> entries_;
 };
 
@@ -49,7 +53,8 @@ inline void rollRight(core::Frame& frame, double radians) {
 }
 
 /// `v` turned about the unit vector `axis` by the right-hand rule.
-[[nodiscard]] core::Vec3 rotatedAbout(const core::Vec3& v, const core::Vec3& axis, double radians);
+[[nodiscard]] core::Vec3 rotatedAbout(const core::Vec3& v, const core::Vec3& axis, double radians,
+                                      core::Elementary elementary = {});
 
 /// `up` carried along when the heading turns from `from` to `to` by the shortest way: no twist. Opposite headings keep
 /// it.

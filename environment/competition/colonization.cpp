@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/core/elementary.h"
 #include "engine/core/random.h"
 #include "environment/base/process_entry.h"
 #include "environment/base/replies.h"
@@ -79,7 +80,7 @@ class Colonization final : public turtle::EnvironmentProcess {
         // half of the cone's angle; a full sphere has no cosine to fall below
         leastCosine_(configuration.number("perceptionAngle") >= 360.0
                          ? -2.0
-                         : std::cos(configuration.number("perceptionAngle") * 0.5 * 0.017453292519943295)) {
+                         : core::cos(configuration.number("perceptionAngle") * 0.5 * 0.017453292519943295)) {
     for (const auto& row : configuration.rows("points")) {
       givenMarkers_.push_back({row[0], row[1], row[2]});
     }

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/core/elementary.h"
 #include "engine/core/random.h"
 #include "environment/base/process_entry.h"
 #include "environment/base/replies.h"
@@ -111,7 +112,7 @@ class Crowding final : public turtle::EnvironmentProcess {
     for (std::size_t i = 0; i < count; ++i) {
       const double radius = std::sqrt((static_cast<double>(i) + 0.5) / static_cast<double>(count));
       const double angle = static_cast<double>(i) * std::numbers::pi * (3.0 - std::sqrt(5.0));
-      samples_.push_back({radius * std::cos(angle), radius * std::sin(angle)});
+      samples_.push_back({radius * core::cos(angle), radius * core::sin(angle)});
     }
   }
 
@@ -257,9 +258,9 @@ class Crowding final : public turtle::EnvironmentProcess {
     double sum = 0.0;
     for (const double other : strengths) {
       // relative to the strongest, so that no power is too large
-      sum += strengths.back() > 0.0 ? std::pow(other / strengths.back(), asymmetry_) : 1.0;
+      sum += strengths.back() > 0.0 ? core::pow(other / strengths.back(), asymmetry_) : 1.0;
     }
-    const double own = strengths.back() > 0.0 ? std::pow(strength / strengths.back(), asymmetry_) : 1.0;
+    const double own = strengths.back() > 0.0 ? core::pow(strength / strengths.back(), asymmetry_) : 1.0;
     return sum > 0.0 ? own / sum : 0.0;
   }
 
@@ -292,10 +293,10 @@ class Crowding final : public turtle::EnvironmentProcess {
     const auto parameters = queries.parametersOf(query);
     const double mean = parameters.size() > 1 ? std::max(parameters[1], 0.0) : 0.0;
     // the sum of two exponential flights of half the mean has this density over the distance
-    const double distance = -0.5 * mean * std::log((1.0 - draw(queries, query, 0)) * (1.0 - draw(queries, query, 1)));
+    const double distance = -0.5 * mean * core::log((1.0 - draw(queries, query, 0)) * (1.0 - draw(queries, query, 1)));
     const double angle = 2.0 * std::numbers::pi * draw(queries, query, 2);
     Vec3 grid = axes_.toGrid(queries.position[query]);
-    const Place place = wrapped({grid.x + distance * std::cos(angle), grid.z + distance * std::sin(angle)});
+    const Place place = wrapped({grid.x + distance * core::cos(angle), grid.z + distance * core::sin(angle)});
     grid.x = place.x;
     grid.z = place.z;
     const Vec3 world = axes_.toWorld(grid);

@@ -5,12 +5,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdint>
 #include <numeric>
 #include <optional>
 #include <vector>
 
+#include "engine/core/elementary.h"
 #include "environment/base/process_entry.h"
 #include "environment/base/replies.h"
 #include "environment/geometry/point_tree.h"
@@ -161,7 +161,7 @@ class Meadow final : public turtle::EnvironmentProcess {
     const double sum = rows[0] + rows[1] + rows[2];
     const double across = columns[2] - columns[0];
     const double along = rows[2] - rows[0];
-    const double length = std::hypot(across, along);
+    const double length = core::hypot(across, along);
     replies.set(queries, query, 0, sum / 9.0);
     replies.set(queries, query, 1, length > 0.0 ? across / length : 0.0);
     replies.set(queries, query, 2, length > 0.0 ? along / length : 0.0);

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "engine/core/check.h"
+#include "engine/core/elementary.h"
 
 namespace espalier::environment {
 
@@ -26,7 +27,7 @@ double kernel(double dx, double dy) {
 
 TipField::TipField(std::vector<PlanePoint> points) : points_(std::move(points)) {
   for (std::size_t i = 0; i < kNodes; ++i) {
-    chebyshev_[i] = std::cos(std::numbers::pi * (static_cast<double>(i) + 0.5) / static_cast<double>(kNodes));
+    chebyshev_[i] = core::cos(std::numbers::pi * (static_cast<double>(i) + 0.5) / static_cast<double>(kNodes));
   }
   for (std::size_t i = 0; i < kNodes; ++i) {
     double product = 1.0;

@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
 #include <vector>
 
+#include "engine/core/elementary.h"
 #include "environment/base/process_entry.h"
 #include "environment/directions/direction_reply.h"
 
@@ -97,7 +97,7 @@ class Attractors final : public turtle::EnvironmentProcess {
       const Vec3 way = attractor.place - place;
       const double distance = core::length(way);
       if (distance > 0.0 && distance <= reach_) {
-        pull = pull + way * (attractor.strength / distance / std::pow(std::max(distance, nearest_), exponent_));
+        pull = pull + way * (attractor.strength / distance / core::pow(std::max(distance, nearest_), exponent_));
       }
     }
     return pull;

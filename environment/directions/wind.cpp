@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <vector>
 
+#include "engine/core/elementary.h"
 #include "environment/base/process_entry.h"
 #include "environment/directions/direction_reply.h"
 #include "environment/geometry/world_up.h"
@@ -122,10 +122,10 @@ class Wind final : public turtle::EnvironmentProcess {
         return speed_;
       case Profile::Logarithmic:
         return height <= displacement_ + roughness_ ? 0.0
-                                                    : speed_ * std::log((height - displacement_) / roughness_) /
-                                                          std::log((reference_ - displacement_) / roughness_);
+                                                    : speed_ * core::log((height - displacement_) / roughness_) /
+                                                          core::log((reference_ - displacement_) / roughness_);
       case Profile::Power:
-        return height <= 0.0 ? 0.0 : speed_ * std::pow(height / reference_, exponent_);
+        return height <= 0.0 ? 0.0 : speed_ * core::pow(height / reference_, exponent_);
       case Profile::Table:
         break;
     }

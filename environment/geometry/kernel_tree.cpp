@@ -1,15 +1,16 @@
 #include "environment/geometry/kernel_tree.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numbers>
+
+#include "engine/core/elementary.h"
 
 namespace espalier::environment {
 
 KernelTree::KernelTree(std::vector<WeightedPoint> points, bool isExact)
     : isExact_(isExact), points_(std::move(points)) {
   for (std::size_t i = 0; i < kNodes; ++i) {
-    chebyshev_[i] = std::cos(std::numbers::pi * (static_cast<double>(i) + 0.5) / static_cast<double>(kNodes));
+    chebyshev_[i] = core::cos(std::numbers::pi * (static_cast<double>(i) + 0.5) / static_cast<double>(kNodes));
   }
   if (points_.empty()) {
     return;

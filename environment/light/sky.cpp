@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "engine/core/elementary.h"
+
 namespace espalier::environment {
 
 using core::Vec3;
@@ -20,16 +22,16 @@ double skyRadiance(SkyKind kind, double cosZenith, double cosFromSun, double cos
   }
   const auto scattered = [](double cosine) {
     const double bounded = std::clamp(cosine, -1.0, 1.0);
-    return 0.91 + 10.0 * std::exp(-3.0 * std::acos(bounded)) + 0.45 * bounded * bounded;
+    return 0.91 + 10.0 * core::exp(-3.0 * core::acos(bounded)) + 0.45 * bounded * bounded;
   };
-  return scattered(cosFromSun) * -std::expm1(-0.32 / cosZenith) / (scattered(cosSunZenith) * -std::expm1(-0.32));
+  return scattered(cosFromSun) * -core::expm1(-0.32 / cosZenith) / (scattered(cosSunZenith) * -core::expm1(-0.32));
 }
 
 std::vector<QuadraturePoint> gaussLegendre(int count) {
   std::vector<QuadraturePoint> points;
   for (int i = 0; i < count; ++i) {
     // Newton's method on the Legendre polynomial of degree `count`
-    double x = std::cos(pi * (i + 0.75) / (count + 0.5));
+    double x = core::cos(pi * (i + 0.75) / (count + 0.5));
     double slope = 1.0;
     for (int round = 0; round < 100; ++round) {
       double before = 1.0;
@@ -68,7 +70,7 @@ std::vector<LightDirection> skyRings(SkyKind kind, int rings, int azimuths, cons
     const double sine = std::sqrt(1.0 - cosine * cosine);
     for (int k = 0; k < azimuths; ++k) {
       const double azimuth = 2.0 * pi * (k + (ring % 2 == 0 ? 0.25 : 0.75)) / azimuths;
-      const Vec3 direction = up * cosine + first * (sine * std::cos(azimuth)) + second * (sine * std::sin(azimuth));
+      const Vec3 direction = up * cosine + first * (sine * core::cos(azimuth)) + second * (sine * core::sin(azimuth));
       const double radiance = skyRadiance(kind, cosine, core::dot(direction, sun), core::dot(up, sun));
       directions.push_back({direction, radiance * cosine * width});
     }

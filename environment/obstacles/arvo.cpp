@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/core/elementary.h"
 #include "engine/core/random.h"
 #include "environment/base/process_entry.h"
 #include "environment/base/replies.h"
@@ -91,8 +92,8 @@ constexpr std::array kPublishedKeywords{
 };
 
 Vec3 rotated(const Vec3& v, const Vec3& axis, double radians) {
-  const double c = std::cos(radians);
-  const double s = std::sin(radians);
+  const double c = core::cos(radians);
+  const double s = core::sin(radians);
   return v * c + core::cross(axis, v) * s + axis * (core::dot(axis, v) * (1.0 - c));
 }
 
@@ -249,7 +250,7 @@ class Arvo final : public turtle::EnvironmentProcess {
       const double z = 2.0 * uniform(0) - 1.0;
       const double angle = 2.0 * std::numbers::pi * uniform(1);
       const double across = std::sqrt(std::max(1.0 - z * z, 0.0));
-      const auto hit = surfaceAlong(place, {across * std::cos(angle), across * std::sin(angle), z}, most_);
+      const auto hit = surfaceAlong(place, {across * core::cos(angle), across * core::sin(angle), z}, most_);
       if (hit && (!best || hit->distance < best->distance)) {
         best = hit;
       }

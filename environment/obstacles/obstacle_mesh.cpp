@@ -7,6 +7,7 @@
 #include <tuple>
 #include <utility>
 
+#include "engine/core/elementary.h"
 #include "engine/files/surfaces/mesh_file.h"
 
 namespace espalier::environment {
@@ -33,7 +34,7 @@ std::vector<Bounds> boxesOf(const std::vector<Triangle>& triangles) {
 double angleAt(const Vec3& at, const Vec3& b, const Vec3& c) {
   const Vec3 u = core::normalised(b - at);
   const Vec3 v = core::normalised(c - at);
-  return std::atan2(core::length(core::cross(u, v)), core::dot(u, v));
+  return core::atan2(core::length(core::cross(u, v)), core::dot(u, v));
 }
 
 }  // namespace

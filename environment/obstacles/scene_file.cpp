@@ -6,6 +6,7 @@
 #include <numbers>
 #include <optional>
 
+#include "engine/core/elementary.h"
 #include "engine/core/number_text.h"
 
 namespace espalier::environment {
@@ -33,8 +34,8 @@ struct Affine {
 
 Affine rotation(double degrees, const Vec3& given) {
   const Vec3 axis = core::normalised(given);
-  const double c = std::cos(degrees * std::numbers::pi / 180.0);
-  const double s = std::sin(degrees * std::numbers::pi / 180.0);
+  const double c = core::cos(degrees * std::numbers::pi / 180.0);
+  const double s = core::sin(degrees * std::numbers::pi / 180.0);
   const auto turned = [&](const Vec3& v) {
     return v * c + core::cross(axis, v) * s + axis * (core::dot(axis, v) * (1.0 - c));
   };
@@ -200,7 +201,7 @@ class SceneReader {
     for (const auto& [radius, height] : radiusAndHeight) {
       for (std::size_t side = 0; side < kSides; ++side) {
         const double angle = 2.0 * std::numbers::pi * static_cast<double>(side) / static_cast<double>(kSides);
-        mesh.vertices.push_back(stack_.back().point({radius * std::cos(angle), height, radius * std::sin(angle)}));
+        mesh.vertices.push_back(stack_.back().point({radius * core::cos(angle), height, radius * core::sin(angle)}));
       }
     }
     const auto rings = static_cast<std::uint32_t>(radiusAndHeight.size());
@@ -237,7 +238,7 @@ class SceneReader {
     std::vector<std::pair<double, double>> rings;
     for (std::size_t k = 1; k < kSides / 2; ++k) {
       const double angle = std::numbers::pi * static_cast<double>(k) / static_cast<double>(kSides / 2);
-      rings.emplace_back(radius * std::sin(angle), -radius * std::cos(angle));
+      rings.emplace_back(radius * core::sin(angle), -radius * core::cos(angle));
     }
     addRings(rings, -radius, radius);
   }

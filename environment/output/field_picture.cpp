@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "engine/core/elementary.h"
 #include "engine/turtle/export/picture/bitmap_font.h"
 
 namespace espalier::environment {
@@ -53,7 +54,7 @@ std::vector<Tick> ticksOf(double low, double high, int most) {
   if (!(range > 1e-9 * std::max(std::abs(low), std::abs(high))) || !std::isfinite(range)) {
     return {{0.5, shortNumber(low)}};
   }
-  double step = std::pow(10.0, std::floor(std::log10(range / most)));
+  double step = core::pow(10.0, std::floor(core::log10(range / most)));
   for (const double factor : {2.0, 2.5, 2.0}) {
     if (range / step <= most) {
       break;

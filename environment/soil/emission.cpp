@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/core/elementary.h"
 #include "environment/base/process_entry.h"
 #include "environment/base/replies.h"
 #include "environment/base/state_numbers.h"
@@ -98,7 +99,7 @@ class Emission final : public turtle::EnvironmentProcess {
     }
     diffusion_.stepCount = static_cast<int>(steps);
     diffusion_.relaxation = steps > 0.0 ? moved / steps : 0.0;
-    diffusion_.staying = std::exp(-decayRate_ * days);
+    diffusion_.staying = core::exp(-decayRate_ * days);
     lengthUnit_ = context.world.lengthUnit;
     field_.reset();
     return std::nullopt;

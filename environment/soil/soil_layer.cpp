@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/core/elementary.h"
+
 namespace espalier::environment {
 
 namespace {
@@ -13,7 +15,7 @@ double SoilLayer::saturation(double head) const {
   if (head >= 0.0) {
     return 1.0;
   }
-  return std::pow(1.0 + std::pow(-alpha * head, n), 1.0 / n - 1.0);
+  return core::pow(1.0 + core::pow(-alpha * head, n), 1.0 / n - 1.0);
 }
 
 double SoilLayer::content(double head) const {
@@ -27,8 +29,8 @@ double SoilLayer::capacity(double head) const {
   }
   const double m = 1.0 - 1.0 / n;
   const double suction = -alpha * head;
-  return (saturatedContent - residualContent) * m * n * alpha * std::pow(suction, n - 1.0) *
-         std::pow(1.0 + std::pow(suction, n), -m - 1.0);
+  return (saturatedContent - residualContent) * m * n * alpha * core::pow(suction, n - 1.0) *
+         core::pow(1.0 + core::pow(suction, n), -m - 1.0);
 }
 
 double SoilLayer::conductivityAt(double head) const {
@@ -38,8 +40,8 @@ double SoilLayer::conductivityAt(double head) const {
   const double m = 1.0 - 1.0 / n;
   const double effective = saturation(head);
   // 1 − (1 − Se^(1/m))^m, written with the suction: Se^(1/m) is 1/(1 + s)
-  const double power = std::pow(-alpha * head, n);
-  const double film = -std::expm1(m * std::log(power / (1.0 + power)));
+  const double power = core::pow(-alpha * head, n);
+  const double film = -core::expm1(m * core::log(power / (1.0 + power)));
   return conductivity * std::sqrt(effective) * film * film;
 }
 
@@ -52,7 +54,7 @@ double SoilLayer::headAt(double content) const {
     return kDriestHead;
   }
   const double m = 1.0 - 1.0 / n;
-  const double suction = std::pow(std::pow(effective, -1.0 / m) - 1.0, 1.0 / n) / alpha;
+  const double suction = core::pow(core::pow(effective, -1.0 / m) - 1.0, 1.0 / n) / alpha;
   return std::max(-suction, kDriestHead);
 }
 

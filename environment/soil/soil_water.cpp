@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/core/elementary.h"
 #include "environment/base/length_unit.h"
 #include "environment/base/replies.h"
 #include "environment/base/state_numbers.h"
@@ -286,7 +287,7 @@ class SoilWater final : public turtle::EnvironmentProcess {
     // roots that take up more than is there leave none: the scale ends at 14
     constexpr double kLeast = 1e-14;  // mol/L
     const double concentration = solutes_->concentration(keys_.solutes.size(), cell, water_->contentOf(cell)) / litres_;
-    return -std::log10(std::max(concentration, kLeast));
+    return -core::log10(std::max(concentration, kLeast));
   }
 
   [[nodiscard]] std::optional<std::size_t> soilCellOf(const Vec3& point) const {

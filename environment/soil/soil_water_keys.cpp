@@ -1,8 +1,8 @@
 #include "environment/soil/soil_water_keys.h"
 
-#include <cmath>
 #include <string>
 
+#include "engine/core/elementary.h"
 #include "environment/geometry/grid_keys.h"
 #include "environment/obstacles/obstacle_scene.h"
 
@@ -164,8 +164,8 @@ int SoilWaterKeys::layerAt(double depth) const {
 }
 
 Solute SoilWaterKeys::protons(double litres) const {
-  return {.initialConcentration = std::pow(10.0, -initialPh) * litres,
-          .rainConcentration = std::pow(10.0, -rainPh) * litres,
+  return {.initialConcentration = core::pow(10.0, -initialPh) * litres,
+          .rainConcentration = core::pow(10.0, -rainPh) * litres,
           .diffusivity = protonDiffusivity,
           .dispersivity = dispersivity,
           .bufferCapacity = bufferCapacity};

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "engine/core/elementary.h"
+
 namespace espalier::environment {
 
 namespace {
@@ -38,17 +40,17 @@ double SoluteTransport::concentration(std::size_t number, std::size_t cell, doub
   const double scale = content * solute.initialConcentration;
   double x = amount / linear;
   if (x > 0.0) {
-    x = std::min(x, std::log1p(amount / scale));
+    x = std::min(x, core::log1p(amount / scale));
   }
   for (int round = 0; round < 100; ++round) {
-    const double dissolved = scale * std::exp(x);
+    const double dissolved = scale * core::exp(x);
     const double change = (dissolved + linear * x - amount) / (dissolved + linear);
     x -= change;
     if (std::abs(change) <= 1e-15 * std::max(1.0, std::abs(x))) {
       break;
     }
   }
-  return solute.initialConcentration * std::exp(x);
+  return solute.initialConcentration * core::exp(x);
 }
 
 double SoluteTransport::coefficientOf(const Solute& solute, std::size_t cell, std::size_t axis) const {
@@ -57,7 +59,7 @@ double SoluteTransport::coefficientOf(const Solute& solute, std::size_t cell, st
   const double area = water_->cellVolume() / shape.cellSize[axis];
   const auto effective = [&](std::size_t one) {
     const double full = water_->soilOf(one).saturatedContent;
-    return solute.diffusivity * std::pow(contents_[one], 10.0 / 3.0) / (full * full);
+    return solute.diffusivity * core::pow(contents_[one], 10.0 / 3.0) / (full * full);
   };
   const double mean = 0.5 * (effective(cell) + effective(next));
   return (mean * area + solute.dispersivity * std::abs(water_->flux(cell, axis))) / shape.cellSize[axis];
@@ -135,7 +137,7 @@ void SoluteTransport::move(std::size_t number, double days) {
       changes_[cell + stride] += carried;
     }
   }
-  const double staying = std::exp(-solute.decayRate * days);
+  const double staying = core::exp(-solute.decayRate * days);
   for (std::size_t cell = 0; cell < count; ++cell) {
     double& amount = amounts_[number][cell];
     amount += changes_[cell] * days / water_->cellVolume();

@@ -6,12 +6,15 @@ namespace espalier::server {
 
 namespace fs = std::filesystem;
 
-std::string galleryOfProgram() {
+namespace {
+
+// the folder beside an installed program, or in the source tree in which it was built; empty when there is none
+std::string folderOfProgram(const char* installed, const char* inSources) {
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
   for (fs::path folder = program.parent_path(); !error && folder != folder.parent_path();
        folder = folder.parent_path()) {
-    for (const char* const place : {"share/espalier/gallery", "clients/gallery"}) {
+    for (const char* const place : {installed, inSources}) {
       std::error_code missing;
       if (fs::is_directory(folder / place, missing)) {
         return (folder / place).string();
@@ -19,6 +22,16 @@ std::string galleryOfProgram() {
     }
   }
   return {};
+}
+
+}  // namespace
+
+std::string galleryOfProgram() {
+  return folderOfProgram("share/espalier/gallery", "clients/gallery");
+}
+
+std::string conformanceOfProgram() {
+  return folderOfProgram("share/espalier/conformance", "tests/conformance/cases");
 }
 
 std::vector<std::string> galleryNames(const std::string& gallery) {

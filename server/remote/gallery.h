@@ -14,6 +14,9 @@ inline constexpr const char* kForestFile = "forest.json";
 /// which it was built; empty when there is none.
 [[nodiscard]] std::string galleryOfProgram();
 
+/// The conformance suite that came with this program, found in the same way.
+[[nodiscard]] std::string conformanceOfProgram();
+
 /// Names of the model folders in the gallery folder, sorted.
 [[nodiscard]] std::vector<std::string> galleryNames(const std::string& gallery);
 

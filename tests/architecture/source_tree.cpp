@@ -13,8 +13,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array kSkippedFolders = {"build",        "out",         ".git",        ".setup",
-                                        "node_modules", "__pycache__", ".mypy_cache", "cases"};
+// "musl" is copied code
+constexpr std::array kSkippedFolders = {"build",       "out",         ".git",  ".setup", "node_modules",
+                                        "__pycache__", ".mypy_cache", "cases", "musl"};
 
 constexpr std::array kTextSuffixes = {".h", ".cpp", ".def", ".py", ".md", ".txt", ".json", ".toml", ".sh",
                                       ".l", ".v",   ".e",   ".ts", ".js", ".yml", ".html", ".css"};

@@ -27,6 +27,7 @@ void addForest(CLI::App& program, int& status);
 void addInfer(CLI::App& program, int& status);
 void addField(CLI::App& program, int& status);
 void addReplay(CLI::App& program, int& status);
+void addConformance(CLI::App& program, int& status);
 void addConnect(CLI::App& program, int& status);
 void addLoad(CLI::App& program, int& status);
 void addStatus(CLI::App& program, int& status);

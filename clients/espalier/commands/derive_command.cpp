@@ -21,6 +21,7 @@ struct DeriveOptions {
   TraceOption trace;
   bool printsEveryStep = false;
   bool printsAnswered = false;
+  bool printsHash = false;
   bool hasStatistics = false;
 };
 
@@ -42,8 +43,12 @@ Failure timed(double& milliseconds, const Part& part) {
   return outcome;
 }
 
-// one line; for a forest one line for each living plant, after its number and a TAB
-void printStrings(const simulation::Simulation& simulation, const std::string& before) {
+// one line; for a forest one line for each living plant, after its number and a TAB. Or the hash of the state
+void printStrings(const simulation::Simulation& simulation, const DeriveOptions& options, const std::string& before) {
+  if (options.printsHash) {
+    std::printf("%s%016llx\n", before.c_str(), static_cast<unsigned long long>(simulation.stateHash()));
+    return;
+  }
   const bool isForest = simulation.plantCount() > 1;
   for (std::size_t plant = 0; plant < simulation.plantCount(); ++plant) {
     if (simulation.plant(plant).isAlive()) {
@@ -53,8 +58,8 @@ void printStrings(const simulation::Simulation& simulation, const std::string& b
   }
 }
 
-void printStep(const simulation::Simulation& simulation) {
-  printStrings(simulation, std::to_string(simulation.completedSteps()) + "\t");
+void printStep(const simulation::Simulation& simulation, const DeriveOptions& options) {
+  printStrings(simulation, options, std::to_string(simulation.completedSteps()) + "\t");
 }
 
 // makes all steps, or the steps up to `last`, and prints the strings that the options ask for; a string with answers
@@ -70,14 +75,14 @@ Failure runAllSteps(simulation::Simulation& simulation, DeriveOptions& options, 
       options.model.steps ? std::nullopt : lastStepOf(folder, std::nullopt, simulation);
   const bool printsDerived = options.printsEveryStep && !options.printsAnswered;
   if (printsDerived) {
-    printStep(simulation);
+    printStep(simulation, options);
   }
   while (!isOver(simulation, last)) {
     if (Failure failure = timed(figures.environmentMilliseconds, [&] { return simulation.answer(); })) {
       return failure;
     }
     if (options.printsAnswered) {
-      printStep(simulation);
+      printStep(simulation, options);
     }
     if (Failure failure = timed(figures.derivationMilliseconds, [&] { return simulation.step(); })) {
       return failure;
@@ -85,7 +90,7 @@ Failure runAllSteps(simulation::Simulation& simulation, DeriveOptions& options, 
     options.trace.complete(simulation);
     figures.queries += simulation.statistics().queries;
     if (printsDerived) {
-      printStep(simulation);
+      printStep(simulation, options);
     }
   }
   // with `environment display: before` the last string is answered too
@@ -93,10 +98,10 @@ Failure runAllSteps(simulation::Simulation& simulation, DeriveOptions& options, 
     if (Failure failure = timed(figures.environmentMilliseconds, [&] { return simulation.answer(); })) {
       return failure;
     }
-    printStep(simulation);
+    printStep(simulation, options);
   }
   if (!options.printsEveryStep) {
-    printStrings(simulation, "");
+    printStrings(simulation, options, "");
   }
   return std::nullopt;
 }
@@ -141,7 +146,8 @@ void addDerive(CLI::App& program, int& status) {
   command->footer(
       "Prints the string of the last step. With --every it prints one line for each step: its number, a TAB, the "
       "string.\n"
-      "For a forest it prints one line for each living plant: its number, a TAB, its string.\n"
+      "For a forest it prints one line for each living plant: its number, a TAB, its string. With --hash it prints the "
+      "hash of the state instead.\n"
       "Examples:\n"
       "  espalier derive tree.l --every\n"
       "  espalier derive tiers.l --environment honda.json --steps 12\n"
@@ -154,6 +160,10 @@ void addDerive(CLI::App& program, int& status) {
       ->add_flag("--answered", options->printsAnswered,
                  "With --every: print each string after its queries are answered, instead of as derived")
       ->needs(every);
+  command->add_flag(
+      "--hash", options->printsHash,
+      "Print the hash of the complete state (strings, variables, random numbers, environment) instead of\n"
+      "the string. Equal hashes mean equal bits");
   options->trace.addTo(*command);
   command->add_flag("--statistics", options->hasStatistics,
                     "Print one JSON object with counts and times (ms) of the run on standard error");

@@ -26,6 +26,7 @@
 #include "clients/espalier/number_option.h"
 #include "clients/espalier/output/outputs.h"
 #include "clients/espalier/output/progress_bar.h"
+#include "engine/core/elementary.h"
 #include "engine/core/number_text.h"
 #include "server/remote/disk_files.h"
 #include "server/remote/gallery.h"
@@ -302,7 +303,7 @@ class Forest {
                              .position = places[i].position,
                              .turnRadians = places[i].turnRadians,
                              .scale = 0.35 + 0.65 * places[i].size});
-      extent_ = std::max(extent_, std::hypot(places[i].position.x, places[i].position.z));
+      extent_ = std::max(extent_, core::hypot(places[i].position.x, places[i].position.z));
       height_ = std::max(height_, placements_.back().scale * trees_[placements_.back().scene].points.height());
     }
     extent_ = std::max(extent_ + distance, 0.8 * height_);
@@ -321,7 +322,7 @@ class Forest {
       constexpr int kCorners = 72;
       for (int i = 0; i < kCorners; ++i) {
         const double angle = 2.0 * std::numbers::pi * i / kCorners;
-        ground.vertices.push_back({extent_ * std::sin(angle), 0.0, extent_ * std::cos(angle)});
+        ground.vertices.push_back({extent_ * core::sin(angle), 0.0, extent_ * core::cos(angle)});
       }
     }
     turtle::Scene scene;
@@ -416,8 +417,8 @@ class Forest {
   // the whole forest turned about the y axis, far ones first
   [[nodiscard]] std::vector<turtle::ScenePlacement> turned(double angle) const {
     std::vector<turtle::ScenePlacement> placements = placements_;
-    const double c = std::cos(angle);
-    const double s = std::sin(angle);
+    const double c = core::cos(angle);
+    const double s = core::sin(angle);
     for (turtle::ScenePlacement& placement : placements) {
       const core::Vec3 p = placement.position;
       placement.position = {c * p.x + s * p.z, p.y, c * p.z - s * p.x};

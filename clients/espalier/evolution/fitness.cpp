@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "engine/core/diagnostic.h"
+#include "engine/core/elementary.h"
 #include "engine/turtle/scene/geometry.h"
 
 namespace espalier::command {
@@ -36,7 +37,7 @@ class GroundShade {
           std::max(start.z, end.z) + radius, [&](double x, double z) {
             const double along =
                 square > 0.0 ? std::clamp(((x - start.x) * dx + (z - start.z) * dz) / square, 0.0, 1.0) : 0.0;
-            return std::hypot(x - start.x - along * dx, z - start.z - along * dz) <= radius;
+            return core::hypot(x - start.x - along * dx, z - start.z - along * dz) <= radius;
           });
   }
 
@@ -215,7 +216,7 @@ PlantMeasures measurePlant(turtle::Scene&& scene, const files::ViewSettings& vie
   }
   if (measures.length > 0.0) {
     centre = centre * (1.0 / measures.length);
-    const double beside = std::hypot(centre.x, centre.z);
+    const double beside = core::hypot(centre.x, centre.z);
     measures.stability = measures.height > 0.0 ? 1.0 - std::min(1.0, beside / (measures.height / 2.0)) : 0.0;
     measures.symmetry = symmetryOf(geometry, bounds.extent());
   }
@@ -260,7 +261,7 @@ std::optional<std::string> FitnessFormula::read(std::string_view text, FitnessFo
 double FitnessFormula::operator()(const PlantMeasures& measures) const {
   double product = 1.0;
   for (const auto& [index, exponent] : factors) {
-    product *= std::pow(measure(measures, index), exponent);
+    product *= core::pow(measure(measures, index), exponent);
   }
   return std::isfinite(product) ? product : 0.0;
 }

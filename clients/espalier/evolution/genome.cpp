@@ -6,6 +6,8 @@
 #include <numbers>
 #include <optional>
 
+#include "engine/core/elementary.h"
+
 namespace espalier::command {
 namespace {
 
@@ -94,8 +96,8 @@ double within(const Gene& gene, double value) {
 }  // namespace
 
 double GenomeRandom::normal() {
-  const double radius = std::sqrt(-2.0 * std::log(1.0 - uniform()));
-  return radius * std::cos(2.0 * std::numbers::pi * uniform());
+  const double radius = std::sqrt(-2.0 * core::log(1.0 - uniform()));
+  return radius * core::cos(2.0 * std::numbers::pi * uniform());
 }
 
 bool isBalanced(const Successor& successor) {

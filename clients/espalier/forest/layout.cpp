@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "engine/core/check.h"
+#include "engine/core/elementary.h"
 #include "engine/core/random.h"
 #include "environment/registry.h"
 
@@ -36,7 +37,7 @@ TreePlace placeAt(double x, double z, LayoutDraws& draws) {
 TreePlace somewhere(double side, LayoutDraws& draws) {
   const double radius = side * std::sqrt(draws.uniform() / std::numbers::pi);
   const double angle = 2.0 * std::numbers::pi * draws.uniform();
-  return placeAt(radius * std::cos(angle), radius * std::sin(angle), draws);
+  return placeAt(radius * core::cos(angle), radius * core::sin(angle), draws);
 }
 
 // a half more points than trees, so that the grid has glades, the nearest to the middle; each tree up to `jitter` cells
@@ -82,8 +83,8 @@ std::vector<TreePlace> asPoissonDisc(std::size_t count, double distance, LayoutD
     for (std::int64_t di = -2; di <= 2 && isFree; ++di) {
       for (std::int64_t dj = -2; dj <= 2 && isFree; ++dj) {
         const auto found = cells.find(key(i + di, j + dj));
-        isFree = found == cells.end() || std::hypot(places[found->second].position.x - dart.position.x,
-                                                    places[found->second].position.z - dart.position.z) >= distance;
+        isFree = found == cells.end() || core::hypot(places[found->second].position.x - dart.position.x,
+                                                     places[found->second].position.z - dart.position.z) >= distance;
       }
     }
     if (isFree) {

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/core/elementary.h"
 #include "engine/core/frame.h"
 
 namespace espalier::command {
@@ -157,7 +158,7 @@ turtle::Polygon leafAlong(const core::Vec3& start, const core::Vec3& direction, 
   const core::Vec3 other = std::abs(direction.y) < 0.9 ? core::Vec3{0, 1, 0} : core::Vec3{1, 0, 0};
   const core::Vec3 a = core::normalised(core::cross(direction, other));
   const core::Vec3 b = core::cross(direction, a);
-  const core::Vec3 side = 0.5 * width * (std::cos(turn) * a + std::sin(turn) * b);
+  const core::Vec3 side = 0.5 * width * (core::cos(turn) * a + core::sin(turn) * b);
   const core::Vec3 middle = start + kLeafWidest * length * direction;
   turtle::Polygon leaf;
   leaf.vertices = {start, middle + side, start + length * direction, middle - side};
@@ -205,7 +206,7 @@ turtle::Scene paintTree(const TreePoints& tree, std::uint64_t seed, std::uint32_
       continue;
     }
     // thinner from the base of the axis to its tip
-    const double base = height * std::max(kTrunkThickness * std::pow(kBranchThickness, end.branches), kLeastThickness);
+    const double base = height * std::max(kTrunkThickness * core::pow(kBranchThickness, end.branches), kLeastThickness);
     const auto widthAt = [&](double along) {
       return base * (1.0 - (1.0 - kTipThickness) * along / axes.axisLength[line.axis]);
     };

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "engine/core/elementary.h"
 #include "engine/core/number_text.h"
 
 namespace espalier::command {
@@ -21,7 +22,7 @@ double TreePoints::height() const {
 double TreePoints::radius() const {
   double result = 0.0;
   for (const TreePoint& point : points) {
-    result = std::max(result, std::hypot(point.position.x, point.position.z));
+    result = std::max(result, core::hypot(point.position.x, point.position.z));
   }
   return result;
 }

@@ -7,6 +7,8 @@
 #include <cstdio>
 #include <string_view>
 
+#include "engine/core/elementary.h"
+
 namespace espalier::command {
 namespace {
 
@@ -69,12 +71,12 @@ std::string growthPlot(const std::vector<GrowthCurve>& curves) {
       longest = std::max(longest, length);
     }
   }
-  const int decades = static_cast<int>(std::ceil(std::log10(static_cast<double>(longest))));
+  const int decades = static_cast<int>(std::ceil(core::log10(static_cast<double>(longest))));
   const auto xOf = [&](std::size_t step) {
     return kLeft + (kRight - kLeft) * static_cast<double>(step) / static_cast<double>(steps);
   };
   const auto yOf = [&](double length) {
-    return kBottom - (kBottom - kTop) * std::log10(std::max(1.0, length)) / decades;
+    return kBottom - (kBottom - kTop) * core::log10(std::max(1.0, length)) / decades;
   };
 
   std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + number(kWidth) + "\" height=\"" +
@@ -83,7 +85,7 @@ std::string growthPlot(const std::vector<GrowthCurve>& curves) {
                     "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n";
   // axes
   for (int decade = 0; decade <= decades; ++decade) {
-    const double y = yOf(std::pow(10.0, decade));
+    const double y = yOf(core::pow(10.0, decade));
     svg += line(kLeft, y, kRight, y, "#dddddd");
     svg += label(kLeft - 6.0, y + 4.0, "end", powerOfTen(decade));
   }

@@ -28,6 +28,7 @@ std::size_t listIndex(double id, std::size_t size) {
 
 Evaluator::Evaluator(const language::Program& program, RandomSource& random, Options options)
     : program_(&program),
+      elementary_(program.compatibility),
       random_(&random),
       options_(std::move(options)),
       stack_(program.maximumStack + std::size_t{8}, 0.0),
@@ -137,7 +138,7 @@ void Evaluator::run(language::CodeRange code, double* frame) {
         break;
       case Operation::Power:
         --top;
-        top[-1] = language::applyBinary(Operation::Power, top[-1], top[0], dividedByZero);
+        top[-1] = elementary_.pow(top[-1], top[0]);
         break;
       case Operation::Equal:
         --top;
@@ -265,7 +266,7 @@ double* Evaluator::element(std::uint32_t array, std::span<const double> subscrip
 double Evaluator::call(Function function, std::span<const double> arguments, std::uint32_t at) {
   if (language::isArithmetic(function)) {
     bool dividedByZero = false;
-    const double result = language::callPure(function, arguments, dividedByZero);
+    const double result = language::callPure(function, arguments, dividedByZero, elementary_);
     if (dividedByZero) {
       warnOnce(at, "division by 0; the divisor counts as 1");
     }

@@ -103,6 +103,7 @@ class Evaluator {
   void warnOnce(std::uint32_t at, const std::string& message);
 
   const language::Program* program_;
+  core::Elementary elementary_;
   RandomSource* random_;
   Options options_;
   FailurePlace place_;

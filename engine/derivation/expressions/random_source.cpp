@@ -26,7 +26,7 @@ core::SequentialRandom seededStream(double value) {
 }  // namespace
 
 RandomSource::RandomSource(core::Compatibility compatibility, std::uint32_t plant)
-    : isSequential_(compatibility != core::Compatibility::Espalier), plant_(plant) {}
+    : isSequential_(compatibility != core::Compatibility::Espalier), elementary_(compatibility), plant_(plant) {}
 
 void RandomSource::attach(RandomState& state) {
   state_ = &state;
@@ -56,7 +56,7 @@ double RandomSource::normal(double mean, double deviation) {
     v2 = 2.0 * uniform() - 1.0;
     square = v1 * v1 + v2 * v2;
   } while (square >= 1.0 || square == 0.0);
-  const double factor = std::sqrt(-2.0 * std::log(square) / square);
+  const double factor = std::sqrt(-2.0 * elementary_.log(square) / square);
   if (isSequential_) {
     state_->normalCache = v1 * factor;
     state_->normalCacheFlag = 1.0;
@@ -79,11 +79,11 @@ double RandomSource::beta(double a, double b) {
     for (int j = 0; u2 == 0.0 && j < kMaximumTries; ++j) {
       u2 = uniform();
     }
-    const double v = std::log(u1 / (1.0 - u1)) / lambda;
-    const double y = a * std::exp(v);
+    const double v = elementary_.log(u1 / (1.0 - u1)) / lambda;
+    const double y = a * elementary_.exp(v);
     // for a very large y the quotient is 1
     result = std::isinf(y) ? 1.0 : y / (b + y);
-    if (!(sum * std::log(sum / (b + y)) + u * v - std::log(4.0) < std::log(u1 * u1 * u2))) {
+    if (!(sum * elementary_.log(sum / (b + y)) + u * v - elementary_.log(4.0) < elementary_.log(u1 * u1 * u2))) {
       break;
     }
   }

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 
+#include "engine/core/elementary.h"
 #include "engine/core/identifiers.h"
 #include "engine/core/random.h"
 #include "engine/derivation/state/plant_state.h"
@@ -70,6 +71,7 @@ class RandomSource {
   void loadSelectionBlock(std::uint64_t step, std::uint64_t block);
 
   bool isSequential_;
+  core::Elementary elementary_;
   std::uint32_t plant_;
   RandomState* state_ = nullptr;   // of the attached plant
   core::CounterRandom selection_;  // of state_->seed

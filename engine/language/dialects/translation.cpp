@@ -4,6 +4,7 @@
 #include <numbers>
 #include <utility>
 
+#include "engine/core/elementary.h"
 #include "engine/core/number_text.h"
 
 namespace espalier::language {
@@ -25,7 +26,7 @@ std::pair<double, double> direction(double degrees) {
     return std::abs(value - nearest) < 1e-15 ? nearest : value;
   };
   const double radians = degrees * std::numbers::pi / 180.0;
-  return {clean(std::cos(radians)), clean(std::sin(radians))};
+  return {clean(core::cos(radians)), clean(core::sin(radians))};
 }
 
 void addLine(MappedText& text, const MappedText& line) {

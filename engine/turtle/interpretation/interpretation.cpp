@@ -29,6 +29,7 @@ std::int32_t wholeNumber(double value) {
 
 Interpretation::Interpretation(const Subject& subject, const InterpretationOutput& output)
     : program_(subject.program),
+      elementary_(subject.program.compatibility),
       view_(subject.program.view),
       tables_(subject.tables),
       reported_(subject.reported),
@@ -38,6 +39,7 @@ Interpretation::Interpretation(const Subject& subject, const InterpretationOutpu
       coordinates_(subject.placement.position, subject.placement.frame),
       output_(output),
       drawing_(output.scene, subject.program.view, subject.plant),
+      turns_(elementary_),
       isDisplaced_(subject.program.view.displacement != core::Vec3{}),
       isEnvironmentPass_(output.queries != nullptr),
       skipsAttributes_(isEnvironmentPass_ && isCompatible()) {

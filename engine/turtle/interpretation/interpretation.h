@@ -159,6 +159,7 @@ class Interpretation {
   }
 
   const language::Program& program_;
+  core::Elementary elementary_;
   const files::ViewSettings& view_;
   const InterpretationTables& tables_;
   std::set<std::string>& reported_;

@@ -102,7 +102,7 @@ void Interpretation::perform(TurtleCommand command, const Arguments& arguments) 
 void Interpretation::advance(const Arguments& arguments, bool draws, bool addsVertex) {
   // bend, move, draw, and bend again by the old tropism
   if (!view_.movements.empty()) {
-    applyMovements(state_, view_.movements);
+    applyMovements(state_, view_.movements, elementary_);
   }
   const Vec3 start = state_.position;
   state_.position = start + (arguments.valueOr(0, kStepLength) * state_.scale) * state_.frame.heading;
@@ -122,7 +122,7 @@ void Interpretation::advance(const Arguments& arguments, bool draws, bool addsVe
     drawing_.vertex(state_);
   }
   if (view_.oldTropism.isActive) {
-    applyOldTropism(state_, view_.oldTropism);
+    applyOldTropism(state_, view_.oldTropism, elementary_);
   }
 }
 
@@ -165,9 +165,9 @@ void Interpretation::setRadiusTangents(const Arguments& arguments) {
   }
   state_.hasSmoothRadius = true;
   const double startLength = arguments.values[1];
-  state_.startRadiusTangent = startLength * std::sin(arguments.values[0] * kRadiansPerDegree);
-  state_.endRadiusTangent =
-      arguments.valueOr(3, startLength) * std::sin(arguments.valueOr(2, arguments.values[0]) * kRadiansPerDegree);
+  state_.startRadiusTangent = startLength * elementary_.sin(arguments.values[0] * kRadiansPerDegree);
+  state_.endRadiusTangent = arguments.valueOr(3, startLength) *
+                            elementary_.sin(arguments.valueOr(2, arguments.values[0]) * kRadiansPerDegree);
 }
 
 void Interpretation::changeElasticity(TurtleCommand command, const Arguments& arguments) {

@@ -1,7 +1,6 @@
 #include "engine/turtle/interpretation/tropism.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 
 #include "engine/turtle/turtle_motion.h"
@@ -15,20 +14,20 @@ namespace {
 constexpr double kSmallestTurn = 1e-6;  // radians
 constexpr double kLargestTurn = 1.0;    // radians
 
-Vec3 pullOf(const files::Movement& movement, const Vec3& heading) {
+Vec3 pullOf(const files::Movement& movement, const Vec3& heading, core::Elementary elementary) {
   if (movement.angleDegrees == 0.0) {
     return movement.direction;
   }
   const double angle = movement.angleDegrees * std::numbers::pi / 180.0;
   const Vec3 normal = core::cross(heading, movement.direction);
   const double l = core::length(normal);
-  const Vec3 along = std::cos(angle) * movement.direction;
-  return l > 0.0 ? along + (std::sin(angle) / l) * core::cross(movement.direction, normal) : along;
+  const Vec3 along = elementary.cos(angle) * movement.direction;
+  return l > 0.0 ? along + (elementary.sin(angle) / l) * core::cross(movement.direction, normal) : along;
 }
 
 }  // namespace
 
-void applyMovements(TurtleState& state, std::span<const files::Movement> movements) {
+void applyMovements(TurtleState& state, std::span<const files::Movement> movements, core::Elementary elementary) {
   // sum the pulls of both kinds
   Vec3 pull;
   Vec3 torque;
@@ -38,7 +37,7 @@ void applyMovements(TurtleState& state, std::span<const files::Movement> movemen
   for (std::size_t i = 0; i < count; ++i) {
     const files::Movement& movement = movements[i];
     if (movement.kind == files::Movement::Kind::Tropism) {
-      pull = pull + state.elasticity[i] * pullOf(movement, state.frame.heading);
+      pull = pull + state.elasticity[i] * pullOf(movement, state.frame.heading, elementary);
       hasTropism = true;
     } else {
       torque = torque + state.elasticity[i] * movement.direction;
@@ -50,8 +49,8 @@ void applyMovements(TurtleState& state, std::span<const files::Movement> movemen
     const Vec3 axis = core::cross(state.frame.heading, pull);
     const double turn = core::length(axis);
     if (turn >= kSmallestTurn) {
-      state.frame.heading =
-          core::normalised(rotatedAbout(state.frame.heading, axis * (1.0 / turn), std::min(turn, kLargestTurn)));
+      state.frame.heading = core::normalised(
+          rotatedAbout(state.frame.heading, axis * (1.0 / turn), std::min(turn, kLargestTurn), elementary));
     }
     transportUp(state);
   }
@@ -62,18 +61,18 @@ void applyMovements(TurtleState& state, std::span<const files::Movement> movemen
     const Vec3 axis = core::cross(state.frame.up, across);
     const double turn = core::length(axis);
     if (turn >= kSmallestTurn) {
-      state.frame.up = rotatedAbout(state.frame.up, axis * (1.0 / turn), -std::min(turn, kLargestTurn));
+      state.frame.up = rotatedAbout(state.frame.up, axis * (1.0 / turn), -std::min(turn, kLargestTurn), elementary);
       state.frame.left = core::cross(heading, state.frame.up);
     }
     rememberFrame(state);
   }
 }
 
-void applyOldTropism(TurtleState& state, const files::OldTropism& tropism) {
+void applyOldTropism(TurtleState& state, const files::OldTropism& tropism, core::Elementary elementary) {
   const double pitch = std::clamp(state.oldElasticity * core::dot(tropism.direction, state.frame.up), -1.0, 1.0);
-  pitchDown(state.frame, std::asin(pitch));
+  pitchDown(state.frame, turnBy(elementary.asin(pitch), elementary));
   const double turn = std::clamp(state.oldElasticity * core::dot(tropism.direction, state.frame.left), -1.0, 1.0);
-  turnLeft(state.frame, std::asin(turn));
+  turnLeft(state.frame, turnBy(elementary.asin(turn), elementary));
 }
 
 }  // namespace espalier::turtle

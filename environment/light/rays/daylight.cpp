@@ -1,10 +1,10 @@
 #include "environment/light/rays/daylight.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 #include <utility>
 
+#include "engine/core/elementary.h"
 #include "environment/light/sun_position.h"
 
 namespace espalier::environment {
@@ -58,10 +58,10 @@ Daylight::Incoming Daylight::at(double timeDays, const RayDirections& directions
   for (int i = 0; i < samples; ++i) {
     const double day = startDay_ + timeDays + stepDays_ * (i + 0.5) / samples;
     const SunPosition position = sunPosition(day, latitude_, longitude_);
-    const double sine = std::sin(position.elevationRadians);
+    const double sine = core::sin(position.elevationRadians);
     if (sine > 1e-3) {
       const Vec3 direction = sunDirection(position, up_, north_);
-      const double passed = std::pow(configuration_.number("atmosphere"), 1.0 / sine);
+      const double passed = core::pow(configuration_.number("atmosphere"), 1.0 / sine);
       const double outside = solarIrradiance(day) / samples;
       addSun(direction, outside * passed, incoming);
       addSky(directions, direction, 0.3 * (1.0 - passed) * outside * sine, incoming.sky);

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "engine/core/elementary.h"
 #include "environment/light/sky.h"
 
 namespace espalier::environment {
@@ -44,12 +45,12 @@ void addSegment(const turtle::Geometry& geometry, std::size_t segment, int sides
   }
   const auto [first, second] = horizontalAxes(along);
   // a prism with the circumference of the circle
-  const double wider = std::numbers::pi / (sides * std::sin(std::numbers::pi / sides));
+  const double wider = std::numbers::pi / (sides * core::sin(std::numbers::pi / sides));
   LightSurfaces& surfaces = plants.surfaces;
   const auto base = static_cast<std::uint32_t>(surfaces.vertices.size());
   for (int k = 0; k < sides; ++k) {
     const double angle = 2.0 * std::numbers::pi * k / sides;
-    const Vec3 out = (first * std::cos(angle) + second * std::sin(angle)) * (0.5 * wider);
+    const Vec3 out = (first * core::cos(angle) + second * core::sin(angle)) * (0.5 * wider);
     surfaces.vertices.push_back(start + out * geometry.startWidth[segment]);
     surfaces.vertices.push_back(end + out * geometry.endWidth[segment]);
   }

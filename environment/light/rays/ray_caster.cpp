@@ -7,6 +7,7 @@
 #include <string>
 #include <type_traits>
 
+#include "engine/core/elementary.h"
 #include "environment/geometry/embree_memory.h"
 
 namespace espalier::environment {
@@ -14,6 +15,10 @@ namespace espalier::environment {
 using core::Vec3;
 
 namespace {
+
+/// How much further than its ends Embree follows a ray, relative to the distance: more than its reciprocals are off.
+/// How far they are off depends on the processor, so distances are computed and compared here.
+constexpr float kWider = 1e-5F;
 
 RTCRay rayOf(const Vec3& origin, const Vec3& direction, double from, double to) {
   RTCRay ray{};
@@ -23,35 +28,63 @@ RTCRay rayOf(const Vec3& origin, const Vec3& direction, double from, double to) 
   ray.dir_x = static_cast<float>(direction.x);
   ray.dir_y = static_cast<float>(direction.y);
   ray.dir_z = static_cast<float>(direction.z);
-  ray.tnear = static_cast<float>(from);
-  ray.tfar = static_cast<float>(to);
+  ray.tnear = static_cast<float>(from) * (1.0F - kWider);
+  ray.tfar = static_cast<float>(to) * (1.0F + kWider);
   ray.mask = 0xFFFFFFFFU;
   return ray;
 }
 
-/// The nearest hit of a ray so far, behind Embree's part of the ray.
+/// What a ray carries besides Embree's part: its ends, the triangles, and the nearest hit so far.
 struct HitContext {
   RTCIntersectContext embree;
+  const float* vertices = nullptr;            // three a vertex
+  const std::uint32_t* corners = nullptr;     // three a triangle
   const std::uint32_t* originalOf = nullptr;  // of the scene's triangles; nullptr: the same
-  float nearest = HUGE_VALF;
+  double from = 0.0;
+  double to = HUGE_VAL;
+  double nearest = HUGE_VAL;
   std::uint32_t triangle = RayCaster::kMiss;
+  bool isFront = false;
 };
 static_assert(std::is_standard_layout_v<HitContext>);
 
-/// Of triangles that a ray meets at the same distance the one with the smallest number counts.
-void takeSmallestNumber(const RTCFilterFunctionNArguments* arguments) {
+/// The distance along the ray to the plane of a triangle that Embree has met; negative when it is not on the ray.
+double distanceOf(const HitContext& context, const RTCRay& ray, const RTCHit& hit) {
+  const float* vertex = context.vertices + std::size_t{3} * context.corners[std::size_t{3} * hit.primID];
+  const Vec3 way = Vec3{vertex[0], vertex[1], vertex[2]} - Vec3{ray.org_x, ray.org_y, ray.org_z};
+  const Vec3 normal{hit.Ng_x, hit.Ng_y, hit.Ng_z};
+  const double distance = core::dot(way, normal) / core::dot(Vec3{ray.dir_x, ray.dir_y, ray.dir_z}, normal);
+  return distance >= context.from && distance <= context.to ? distance : -1.0;
+}
+
+/// Keeps the nearest triangle; of triangles at the same distance the one with the smallest number. Embree looks on for
+/// others that are hardly further.
+void keepNearest(const RTCFilterFunctionNArguments* arguments) {
   if (arguments->valid[0] == 0) {
     return;
   }
   // rays are cast one by one, so these are a context, a ray and a hit
-  auto* context = reinterpret_cast<HitContext*>(arguments->context);
-  const float distance = reinterpret_cast<const RTCRay*>(arguments->ray)->tfar;
-  const std::uint32_t number = reinterpret_cast<const RTCHit*>(arguments->hit)->primID;
-  const std::uint32_t triangle = context->originalOf == nullptr ? number : context->originalOf[number];
-  if (distance < context->nearest || (distance == context->nearest && triangle < context->triangle)) {
-    context->nearest = distance;
-    context->triangle = triangle;
-  } else {
+  auto& context = *reinterpret_cast<HitContext*>(arguments->context);
+  auto& ray = *reinterpret_cast<RTCRay*>(arguments->ray);
+  const auto& hit = *reinterpret_cast<const RTCHit*>(arguments->hit);
+  const double distance = distanceOf(context, ray, hit);
+  const std::uint32_t triangle = context.originalOf == nullptr ? hit.primID : context.originalOf[hit.primID];
+  if (distance < 0.0 || distance > context.nearest || (distance == context.nearest && triangle > context.triangle)) {
+    arguments->valid[0] = 0;
+    return;
+  }
+  context.nearest = distance;
+  context.triangle = triangle;
+  // Embree's normal is cross(b - a, c - a)
+  context.isFront = hit.Ng_x * ray.dir_x + hit.Ng_y * ray.dir_y + hit.Ng_z * ray.dir_z < 0.0F;
+  ray.tfar = static_cast<float>(distance) * (1.0F + kWider);
+}
+
+/// Any triangle between the ends of the ray will do.
+void keepAny(const RTCFilterFunctionNArguments* arguments) {
+  const auto& context = *reinterpret_cast<const HitContext*>(arguments->context);
+  if (arguments->valid[0] != 0 && distanceOf(context, *reinterpret_cast<const RTCRay*>(arguments->ray),
+                                             *reinterpret_cast<const RTCHit*>(arguments->hit)) < 0.0) {
     arguments->valid[0] = 0;
   }
 }
@@ -61,11 +94,24 @@ void takeSmallestNumber(const RTCFilterFunctionNArguments* arguments) {
 struct RayCaster::Tree {
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
-  std::vector<std::uint32_t> originalOf;  // triangle by triangle of the scene; empty: the same
+  std::vector<std::uint32_t> originalOf;   // triangle by triangle of the scene; empty: the same
+  const float* vertices = nullptr;         // of the scene, three a vertex
+  const std::uint32_t* corners = nullptr;  // of the scene, three a triangle
   std::optional<Repetition> repetition;
   double lowest = 0.0;  // along the third axis
   double highest = 0.0;
   double margin = 1e-6;
+
+  [[nodiscard]] HitContext context(double from, double to) const {
+    HitContext made;
+    rtcInitIntersectContext(&made.embree);
+    made.vertices = vertices;
+    made.corners = corners;
+    made.originalOf = originalOf.empty() ? nullptr : originalOf.data();
+    made.from = from;
+    made.to = to;
+    return made;
+  }
 
   ~Tree() {
     if (scene != nullptr) {
@@ -78,7 +124,8 @@ struct RayCaster::Tree {
 };
 
 RayCaster::RayCaster(std::span<const Vec3> vertices, std::span<const std::array<std::uint32_t, 3>> triangles,
-                     const std::optional<Repetition>& repetition, unsigned threads)
+                     const std::optional<Repetition>& repetition, unsigned threads,
+                     const std::string& widestInstructions)
     : tree_(std::make_unique<Tree>()) {
   Tree& tree = *tree_;
   tree.repetition = repetition;
@@ -135,11 +182,14 @@ RayCaster::RayCaster(std::span<const Vec3> vertices, std::span<const std::array<
     tree.lowest = std::min(tree.lowest, componentsOf(place)[upright]);
     tree.highest = std::max(tree.highest, componentsOf(place)[upright]);
   }
-  tree.margin = std::exp2(std::ceil(std::log2(2e-6 * largest)));
+  tree.margin = core::exp2(std::ceil(core::log2(2e-6 * largest)));
   if (corners.empty()) {
     return;
   }
-  tree.device = rtcNewDevice(("threads=" + std::to_string(std::max(threads, 1U))).c_str());
+  // no fused multiply-add: without it Embree meets the same triangles on every processor
+  tree.device = rtcNewDevice(
+      ("ignore_config_files=1,threads=" + std::to_string(std::max(threads, 1U)) + ",max_isa=" + widestInstructions)
+          .c_str());
   throwWithoutMemory(tree.device);
   tree.scene = rtcNewScene(tree.device);
   throwWithoutMemory(tree.device);
@@ -150,6 +200,7 @@ RayCaster::RayCaster(std::span<const Vec3> vertices, std::span<const std::array<
   auto* position = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
                                                                3 * sizeof(float), places.size()));
   throwWithoutMemory(tree.device);
+  tree.vertices = position;
   for (const Vec3& place : places) {
     *position++ = static_cast<float>(place.x);
     *position++ = static_cast<float>(place.y);
@@ -158,10 +209,12 @@ RayCaster::RayCaster(std::span<const Vec3> vertices, std::span<const std::array<
   auto* index = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
       geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), corners.size()));
   throwWithoutMemory(tree.device);
+  tree.corners = index;
   for (const auto& corner : corners) {
     index = std::copy(corner.begin(), corner.end(), index);
   }
-  rtcSetGeometryIntersectFilterFunction(geometry, takeSmallestNumber);
+  rtcSetGeometryIntersectFilterFunction(geometry, keepNearest);
+  rtcSetGeometryOccludedFilterFunction(geometry, keepAny);
   rtcCommitGeometry(geometry);
   rtcSetSceneFlags(tree.scene, RTC_SCENE_FLAG_ROBUST);
   rtcCommitScene(tree.scene);
@@ -232,15 +285,9 @@ RayCaster::Hit RayCaster::firstHit(const Vec3& origin, const Vec3& direction) co
     RTCRayHit ray;
     ray.ray = rayOf(start, direction, from, to);
     ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    HitContext context;
-    rtcInitIntersectContext(&context.embree);
-    context.originalOf = tree_->originalOf.empty() ? nullptr : tree_->originalOf.data();
+    HitContext context = tree_->context(from, to);
     rtcIntersect1(tree_->scene, &context.embree, &ray);
-    // the normal that comes back is cross(b − a, c − a)
-    return ray.hit.geomID == RTC_INVALID_GEOMETRY_ID
-               ? Hit{}
-               : Hit{context.triangle,
-                     ray.hit.Ng_x * ray.ray.dir_x + ray.hit.Ng_y * ray.ray.dir_y + ray.hit.Ng_z * ray.ray.dir_z < 0.0F};
+    return Hit{context.triangle, context.isFront};
   };
   return tree_->repetition ? alongPlots(origin, direction, cast) : cast(origin, tree_->margin, HUGE_VAL);
 }
@@ -251,9 +298,8 @@ bool RayCaster::isFree(const Vec3& origin, const Vec3& direction) const {
   }
   const auto cast = [&](const Vec3& start, double from, double to) {
     RTCRay ray = rayOf(start, direction, from, to);
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    rtcOccluded1(tree_->scene, &context, &ray);
+    HitContext context = tree_->context(from, to);
+    rtcOccluded1(tree_->scene, &context.embree, &ray);
     return ray.tfar < 0.0F ? Hit{0, false} : Hit{};
   };
   return (tree_->repetition ? alongPlots(origin, direction, cast) : cast(origin, tree_->margin, HUGE_VAL)).triangle ==

@@ -6,14 +6,15 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "engine/core/vec3.h"
 
 namespace espalier::environment {
 
-/// Rays against triangles by Embree, in single precision. Results are the same for any number of threads; between
-/// machines with other vector instructions a ray that grazes an edge may be decided otherwise.
+/// Rays against triangles by Embree, in single precision. Results are the same for any number of threads and on every
+/// x86-64 processor.
 ///
 /// With a repetition the triangles are those of one plot, which repeats without end along two directions of space.
 class RayCaster {
@@ -24,9 +25,11 @@ class RayCaster {
     std::array<double, 2> low{}, high{};  // of the plot along these
   };
 
-  /// `threads` build the tree. O(n log n).
+  /// `threads` build the tree. `widestInstructions` are Embree's (sse2, sse4.2, avx): hits do not depend on them. Wider
+  /// ones than avx have fused multiply-add, which decides some rays at edges otherwise. O(n log n).
   RayCaster(std::span<const core::Vec3> vertices, std::span<const std::array<std::uint32_t, 3>> triangles,
-            const std::optional<Repetition>& repetition, unsigned threads);
+            const std::optional<Repetition>& repetition, unsigned threads,
+            const std::string& widestInstructions = "avx");
   ~RayCaster();
   RayCaster(RayCaster&&) noexcept;
   RayCaster& operator=(RayCaster&&) noexcept;

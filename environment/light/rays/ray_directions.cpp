@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "engine/core/elementary.h"
+
 namespace espalier::environment {
 
 using std::numbers::pi;
@@ -46,7 +48,7 @@ RayDirections::RayDirections(int count) {
         const double height = 1.0 - (2.0 * number + 1.0) / (size * turns);
         const double width = std::sqrt(1.0 - height * height);
         const double angle = 2.0 * pi * fractionAboveFloor(number * kGolden);
-        all_.push_back({width * std::cos(angle), height, width * std::sin(angle)});
+        all_.push_back({width * core::cos(angle), height, width * core::sin(angle)});
       }
     }
     if (size / 2 < kLeast) {

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "engine/core/elementary.h"
+
 namespace espalier::environment {
 
 namespace {
@@ -14,13 +16,13 @@ using std::numbers::pi;
 double leafAngleDensity(LeafAngles angles, double alpha) {
   switch (angles) {
     case LeafAngles::Planophile:
-      return 2.0 / pi * (1.0 + std::cos(2.0 * alpha));
+      return 2.0 / pi * (1.0 + core::cos(2.0 * alpha));
     case LeafAngles::Erectophile:
-      return 2.0 / pi * (1.0 - std::cos(2.0 * alpha));
+      return 2.0 / pi * (1.0 - core::cos(2.0 * alpha));
     case LeafAngles::Plagiophile:
-      return 2.0 / pi * (1.0 - std::cos(4.0 * alpha));
+      return 2.0 / pi * (1.0 - core::cos(4.0 * alpha));
     case LeafAngles::Extremophile:
-      return 2.0 / pi * (1.0 + std::cos(4.0 * alpha));
+      return 2.0 / pi * (1.0 + core::cos(4.0 * alpha));
     default:
       return 2.0 / pi;
   }
@@ -29,12 +31,12 @@ double leafAngleDensity(LeafAngles angles, double alpha) {
 /// Mean of |cos| of the angle between ray and normal over all azimuths of the normal (Warren Wilson 1960).
 double meanProjection(double cosZenith, double alpha) {
   const double sinZenith = std::sqrt(std::max(0.0, 1.0 - cosZenith * cosZenith));
-  const double across = std::sin(alpha) * sinZenith;
-  const double along = std::cos(alpha) * cosZenith;
+  const double across = core::sin(alpha) * sinZenith;
+  const double along = core::cos(alpha) * cosZenith;
   if (along >= across) {
     return along;
   }
-  const double psi = std::acos(along / across);
+  const double psi = core::acos(along / across);
   return along + 2.0 / pi * (std::sqrt(across * across - along * along) - along * psi);
 }
 
@@ -50,7 +52,7 @@ double leafProjection(LeafAngles angles, double cosZenith, double ratio) {
       return 2.0 / pi * std::sqrt(std::max(0.0, 1.0 - cosZenith * cosZenith));
     case LeafAngles::Ellipsoidal: {
       const double tangent = std::sqrt(std::max(0.0, 1.0 - cosZenith * cosZenith)) / cosZenith;
-      const double axes = ratio + 1.774 * std::pow(ratio + 1.182, -0.733);
+      const double axes = ratio + 1.774 * core::pow(ratio + 1.182, -0.733);
       return std::sqrt(ratio * ratio + tangent * tangent) / axes * cosZenith;
     }
     default:

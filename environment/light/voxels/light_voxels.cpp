@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/core/elementary.h"
 #include "engine/turtle/field.h"
 #include "environment/base/process_entry.h"
 #include "environment/base/replies.h"
@@ -144,7 +145,7 @@ class LightVoxels final : public turtle::EnvironmentProcess {
         strength_(configuration.number("shadowStrength")) {
     const double base = configuration.number("shadowBase");
     for (std::int64_t q = 0; q <= configuration.integer("shadowDepth"); ++q) {
-      shadowOf_.push_back(strength_ * std::pow(base, -static_cast<double>(q)));
+      shadowOf_.push_back(strength_ * core::pow(base, -static_cast<double>(q)));
     }
   }
 
@@ -316,7 +317,7 @@ class LightVoxels final : public turtle::EnvironmentProcess {
       for (std::size_t k = 0; k < beams_.size(); ++k) {
         const Beam& beam = beams_[k];
         const double part = TurbidMemory::isTouched(rays, k)
-                                ? std::exp(-beam.extinction * field_.integralAlong(from, beam.direction))
+                                ? core::exp(-beam.extinction * field_.integralAlong(from, beam.direction))
                                 : rays.before[first + k];
         rays.parts[first + k] = part;
         light[ray] += beam.weight * part;
@@ -335,7 +336,7 @@ class LightVoxels final : public turtle::EnvironmentProcess {
   [[nodiscard]] double lightAt(const Vec3& place) const {
     double light = 0.0;
     for (const Beam& beam : beams_) {
-      light += beam.weight * std::exp(-beam.extinction * field_.integralAlong(place, beam.direction));
+      light += beam.weight * core::exp(-beam.extinction * field_.integralAlong(place, beam.direction));
     }
     return light;
   }

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <vector>
 
+#include "engine/core/elementary.h"
 #include "engine/simulation/trace.h"
 #include "engine/turtle/scene/geometry.h"
 #include "server/remote/channel_link.h"
@@ -33,9 +34,9 @@ QueryBatch makeQueries(std::size_t count, std::size_t parameterCount, std::uint6
     batch.module.push_back(3 * i);
     batch.symbol.push_back(0);
     batch.isTransient.push_back(0);
-    batch.position.push_back({std::sin(angle), 0.1 + std::sqrt(static_cast<double>(i)), std::cos(angle)});
-    batch.heading.push_back({std::sin(angle), std::cos(angle), 0.0});
-    batch.left.push_back({-std::cos(angle), std::sin(angle), 0.0});
+    batch.position.push_back({core::sin(angle), 0.1 + std::sqrt(static_cast<double>(i)), core::cos(angle)});
+    batch.heading.push_back({core::sin(angle), core::cos(angle), 0.0});
+    batch.left.push_back({-core::cos(angle), core::sin(angle), 0.0});
     batch.up.push_back({0.0, 0.0, -1.0});
     batch.width.push_back(1.0);
     batch.scale.push_back(1.0);

@@ -1,7 +1,7 @@
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 
+#include "engine/core/elementary.h"
 #include "engine/turtle/turtle_motion.h"
 #include "server/remote/translation/translate.h"
 
@@ -15,7 +15,7 @@ core::Frame frameOf(const protocol::PlantParams& plant) {
     const core::Vec3 heading = normalised(toVec3(*plant.heading));
     const core::Vec3 axis = cross(frame.heading, heading);
     const double sine = length(axis);
-    const double radians = std::atan2(sine, dot(frame.heading, heading));
+    const double radians = core::atan2(sine, dot(frame.heading, heading));
     // straight down: about the left side
     const core::Vec3 about = sine > 0.0 ? axis * (1.0 / sine) : frame.left;
     frame.left = turtle::rotatedAbout(frame.left, about, radians);

@@ -42,8 +42,8 @@ TEST(TurtleMotion, CachedTurnsHaveTheSameBits) {
     for (int i = -200; i <= 200; ++i) {
       const double radians = 0.0173 * i;
       const Turn& turn = cache.turnBy(radians);
-      EXPECT_EQ(turn.cosine, std::cos(radians)) << i;
-      EXPECT_EQ(turn.sine, std::sin(radians)) << i;
+      EXPECT_EQ(turn.cosine, core::cos(radians)) << i;
+      EXPECT_EQ(turn.sine, core::sin(radians)) << i;
     }
   }
   EXPECT_FALSE(std::signbit(cache.turnBy(0.0).sine));

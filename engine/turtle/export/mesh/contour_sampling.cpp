@@ -1,7 +1,7 @@
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 
+#include "engine/core/elementary.h"
 #include "engine/turtle/export/mesh/mesh.h"
 
 namespace espalier::turtle {
@@ -32,7 +32,7 @@ std::vector<Vec3> sampleContour(const files::ViewSettings& view, std::int32_t id
   if (!isDefined) {
     for (int k = 0; k <= sides; ++k) {
       const double angle = 2.0 * std::numbers::pi * (k % sides) / sides;
-      samples.push_back({std::cos(angle), std::sin(angle), 0.0});
+      samples.push_back({core::cos(angle), core::sin(angle), 0.0});
     }
     return samples;
   }
@@ -45,7 +45,7 @@ std::vector<Vec3> sampleContour(const files::ViewSettings& view, std::int32_t id
     const double t = static_cast<double>(i) / kSamplesPerSegment - static_cast<double>(segment);
     fine.push_back(uniformBSpline(contour->points, segment, t));
     if (i > 0) {
-      length.push_back(length.back() + std::hypot(fine[i].x - fine[i - 1].x, fine[i].y - fine[i - 1].y));
+      length.push_back(length.back() + core::hypot(fine[i].x - fine[i - 1].x, fine[i].y - fine[i - 1].y));
     }
   }
   std::size_t k = 1;
@@ -60,9 +60,9 @@ std::vector<Vec3> sampleContour(const files::ViewSettings& view, std::int32_t id
   }
   if (contour->isClosed) {
     // the curve's start goes to +x
-    const double angle = -std::atan2(samples.front().y, samples.front().x);
+    const double angle = -core::atan2(samples.front().y, samples.front().x);
     for (Vec3& p : samples) {
-      p = {std::cos(angle) * p.x - std::sin(angle) * p.y, std::sin(angle) * p.x + std::cos(angle) * p.y, p.z};
+      p = {core::cos(angle) * p.x - core::sin(angle) * p.y, core::sin(angle) * p.x + core::cos(angle) * p.y, p.z};
     }
     samples.back() = samples.front();
   }

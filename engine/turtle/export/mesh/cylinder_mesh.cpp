@@ -2,6 +2,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "engine/core/elementary.h"
 #include "engine/core/polygon.h"
 #include "engine/turtle/export/mesh/mesh.h"
 #include "engine/turtle/turtle_motion.h"
@@ -153,7 +154,7 @@ std::vector<Vec3> normalsAlong(const std::vector<AxisSample>& samples, bool isCl
     // the turn of the frame after one round is taken back evenly along it
     const Vec3& tangent = samples.front().tangent;
     const double angle =
-        std::atan2(core::dot(core::cross(ups.back(), ups.front()), tangent), core::dot(ups.back(), ups.front()));
+        core::atan2(core::dot(core::cross(ups.back(), ups.front()), tangent), core::dot(ups.back(), ups.front()));
     for (std::size_t i = 0; i < ups.size(); ++i) {
       ups[i] = rotatedAbout(ups[i], samples[i].tangent, angle * along[i] / along.back());
     }
@@ -220,7 +221,7 @@ void appendCap(Mesh& mesh, std::uint32_t first, std::uint32_t columns, const Vec
     const double angle = 2.0 * std::numbers::pi * k / columns;
     mesh.positions.push_back(rim[k]);
     mesh.normals.push_back(outward);
-    mesh.coordinates.push_back({0.5 + 0.5 * std::cos(angle), 0.5 + 0.5 * std::sin(angle)});
+    mesh.coordinates.push_back({0.5 + 0.5 * core::cos(angle), 0.5 + 0.5 * core::sin(angle)});
   }
   const bool isTurned = core::dot(normal, outward) < 0.0;
   for (const auto& triangle : core::triangulate(rim, normal)) {

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/core/elementary.h"
 #include "engine/turtle/export/binary_output.h"
 #include "engine/turtle/export/mesh/glb_plan.h"
 #include "engine/turtle/export/mesh/mesh_rounds.h"
@@ -69,8 +70,8 @@ void writePlacement(const ScenePlacement& placement, TextOutput& out) {
     return;
   }
   (out << ",\"translation\":[").vector(placement.position, ',') << "],\"rotation\":[0,";
-  out.single(std::sin(0.5 * placement.turnRadians)) << ",0,";
-  out.single(std::cos(0.5 * placement.turnRadians)) << "],\"scale\":[";
+  out.single(core::sin(0.5 * placement.turnRadians)) << ",0,";
+  out.single(core::cos(0.5 * placement.turnRadians)) << "],\"scale\":[";
   out.vector({placement.scale, placement.scale, placement.scale}, ',') << ']';
 }
 
@@ -406,8 +407,8 @@ void GlbWriter::writeInstances(BinaryOutput& out) const {
       out.vector(placement->position);
     }
     for (const ScenePlacement* placement : node.placements) {
-      out.vector({0.0, std::sin(0.5 * placement->turnRadians), 0.0});
-      out.single(std::cos(0.5 * placement->turnRadians));
+      out.vector({0.0, core::sin(0.5 * placement->turnRadians), 0.0});
+      out.single(core::cos(0.5 * placement->turnRadians));
     }
     for (const ScenePlacement* placement : node.placements) {
       out.vector({placement->scale, placement->scale, placement->scale});

@@ -6,6 +6,8 @@
 #include <numeric>
 #include <tuple>
 
+#include "engine/core/elementary.h"
+
 namespace espalier::turtle {
 
 using core::Vec3;
@@ -230,11 +232,11 @@ void appendSphere(Mesh& mesh, const Vec3& centre, double diameter, int rings, in
     // exactly at the poles, so that their vertices meet
     const bool isPole = i == 0 || i == rings;
     const double latitude = std::numbers::pi * i / rings;
-    const double radius = isPole ? 0.0 : std::sin(latitude);
-    const double height = isPole ? (i == 0 ? -1.0 : 1.0) : -std::cos(latitude);
+    const double radius = isPole ? 0.0 : core::sin(latitude);
+    const double height = isPole ? (i == 0 ? -1.0 : 1.0) : -core::cos(latitude);
     for (int j = 0; j <= sides; ++j) {
       const double longitude = 2.0 * std::numbers::pi * (j % sides) / sides;
-      const Vec3 normal{radius * std::cos(longitude), height, -radius * std::sin(longitude)};
+      const Vec3 normal{radius * core::cos(longitude), height, -radius * core::sin(longitude)};
       appendVertex(mesh, centre + (diameter / 2.0) * normal, normal, static_cast<double>(j) / sides,
                    static_cast<double>(i) / rings);
     }
@@ -259,9 +261,9 @@ void appendDisc(Mesh& mesh, const Ball& ball, int sides) {
   appendVertex(mesh, ball.centre, ball.frame.up, 0.5, 0.5);
   for (int k = 0; k <= sides; ++k) {
     const double angle = 2.0 * std::numbers::pi * k / sides;
-    const Vec3 direction = std::cos(angle) * ball.frame.left + std::sin(angle) * ball.frame.heading;
-    appendVertex(mesh, ball.centre + (ball.diameter / 2.0) * direction, ball.frame.up, 0.5 + 0.5 * std::cos(angle),
-                 0.5 + 0.5 * std::sin(angle));
+    const Vec3 direction = core::cos(angle) * ball.frame.left + core::sin(angle) * ball.frame.heading;
+    appendVertex(mesh, ball.centre + (ball.diameter / 2.0) * direction, ball.frame.up, 0.5 + 0.5 * core::cos(angle),
+                 0.5 + 0.5 * core::sin(angle));
   }
   for (std::uint32_t k = 1; k <= static_cast<std::uint32_t>(sides); ++k) {
     mesh.faces.push_back({centre, centre + k, centre + k + 1, Mesh::kNoVertex});
@@ -277,7 +279,7 @@ void appendTube(Mesh& mesh, const std::vector<TubeRing>& rings, int sides, doubl
   std::vector<std::array<double, 2>> circle;
   for (int k = 0; k <= sides; ++k) {
     const double angle = 2.0 * std::numbers::pi * (k % sides) / sides;
-    circle.push_back({std::cos(angle), std::sin(angle)});
+    circle.push_back({core::cos(angle), core::sin(angle)});
   }
   for (const TubeRing& ring : rings) {
     const Vec3 tilt = ring.slope * core::cross(ring.normalUp, ring.normalSide);

@@ -1,8 +1,8 @@
 #include "engine/turtle/export/mesh/mesh_material.h"
 
 #include <algorithm>
-#include <cmath>
 
+#include "engine/core/elementary.h"
 #include "engine/core/streams.h"
 #include "engine/files/images/image_file.h"
 #include "engine/turtle/export/picture/png.h"
@@ -88,7 +88,7 @@ std::uint32_t MaterialTable::add(const Palette& palette, std::int32_t number, co
 }
 
 double linearComponent(double component) {
-  return component <= 0.04045 ? component / 12.92 : std::pow((component + 0.055) / 1.055, 2.4);
+  return component <= 0.04045 ? component / 12.92 : core::pow((component + 0.055) / 1.055, 2.4);
 }
 
 }  // namespace espalier::turtle

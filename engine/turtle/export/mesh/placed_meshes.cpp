@@ -1,9 +1,9 @@
 #include "engine/turtle/export/mesh/placed_meshes.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "engine/core/check.h"
+#include "engine/core/elementary.h"
 #include "engine/turtle/export/mesh/mesh_check.h"
 #include "engine/turtle/export/mesh/mesh_rounds.h"
 
@@ -24,8 +24,8 @@ Vec3 placedDirection(const ScenePlacement& placement, const Vec3& v) {
   if (placement.turnRadians == 0.0) {
     return v;
   }
-  const double c = std::cos(placement.turnRadians);
-  const double s = std::sin(placement.turnRadians);
+  const double c = core::cos(placement.turnRadians);
+  const double s = core::sin(placement.turnRadians);
   return {c * v.x + s * v.z, v.y, c * v.z - s * v.x};
 }
 
@@ -43,8 +43,8 @@ void place(Mesh& mesh, const ScenePlacement& placement) {
   if (placement.isIdentity()) {
     return;
   }
-  const double c = std::cos(placement.turnRadians);
-  const double s = std::sin(placement.turnRadians);
+  const double c = core::cos(placement.turnRadians);
+  const double s = core::sin(placement.turnRadians);
   const auto turned = [c, s](const Vec3& v) { return Vec3{c * v.x + s * v.z, v.y, c * v.z - s * v.x}; };
   for (Vec3& position : mesh.positions) {
     position = placement.position + placement.scale * turned(position);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "engine/core/elementary.h"
 #include "engine/turtle/turtle_motion.h"
 
 namespace espalier::turtle {
@@ -203,7 +204,7 @@ void RingBuilder::joint(std::uint32_t before, std::uint32_t after) {
     }
   } else {
     // an elbow: rings about the joint, from one direction to the other
-    const double angle = std::acos(cosine);
+    const double angle = core::acos(cosine);
     const int steps = static_cast<int>(std::ceil(angle / kElbowStepRadians));
     const Vec3 axis = core::normalised(core::cross(from, to));
     for (int i = 0; i <= steps; ++i) {

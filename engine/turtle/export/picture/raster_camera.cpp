@@ -5,6 +5,8 @@
 #include <limits>
 #include <numbers>
 
+#include "engine/core/elementary.h"
+
 namespace espalier::turtle {
 
 using core::Vec3;
@@ -34,7 +36,7 @@ RasterCamera::RasterCamera(const Projection& projection, const files::ViewSettin
   if (!isFitted && projection.isPerspective()) {
     // the viewing angle spans the height; the reference point is in the middle
     const double half = std::clamp(view.viewingAngleDegrees, 0.1, 179.0) / 2.0 * std::numbers::pi / 180.0;
-    scale_ = height / 2.0 / (std::tan(half) * projection.distance());
+    scale_ = height / 2.0 / (core::tan(half) * projection.distance());
     offsetX_ = width / 2.0;
     offsetY_ = height / 2.0;
     return;

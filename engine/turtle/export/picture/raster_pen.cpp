@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "engine/core/elementary.h"
 #include "engine/turtle/export/picture/bitmap_font.h"
 
 namespace espalier::turtle {
@@ -124,7 +125,7 @@ void RasterPen::roundLine(const LineEnd& a, const LineEnd& b) {
     const Vec3 front = core::cross(side, ends[e]->tangent);
     for (int k = 0; k <= columns; ++k) {
       const double angle = std::numbers::pi * k / columns;
-      const Vec3 radial = std::cos(angle) * side + std::sin(angle) * front;
+      const Vec3 radial = core::cos(angle) * side + core::sin(angle) * front;
       rings[e][static_cast<std::size_t>(k)] =
           vertex(ends[e]->place + radii[e] * radial, isThin || shading_.isFlat() ? front : radial);
     }
@@ -172,7 +173,7 @@ void RasterPen::pixelLine(const LineEnd& a, const LineEnd& b) {
   RasterVertex to = plainVertex(b.place);
   const double dx = static_cast<double>(to.x) - static_cast<double>(from.x);
   const double dy = static_cast<double>(to.y) - static_cast<double>(from.y);
-  const double length = std::hypot(dx, dy);
+  const double length = core::hypot(dx, dy);
   const double nx = length > 0.0 ? dy / length : 1.0;
   const double ny = length > 0.0 ? -dx / length : 0.0;
   const auto shifted = [nx, ny](RasterVertex v, double radius) {
@@ -203,7 +204,7 @@ void RasterPen::ball(const Vec3& centre, double givenRadius) {
   std::array<Vec3, 4 * kMostRings> radials;
   for (std::size_t k = 0; k < sides; ++k) {
     const double longitude = 2.0 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(sides);
-    radials[k] = std::cos(longitude) * side + std::sin(longitude) * up;
+    radials[k] = core::cos(longitude) * side + core::sin(longitude) * up;
   }
   if (shading_.isWireframe()) {
     for (std::size_t k = 0; k < sides; ++k) {
@@ -219,7 +220,7 @@ void RasterPen::ball(const Vec3& centre, double givenRadius) {
   for (std::size_t ring = 1; ring <= rings; ++ring) {
     const double latitude = 0.5 * std::numbers::pi * static_cast<double>(ring) / static_cast<double>(rings);
     for (std::size_t k = 0; k < sides; ++k) {
-      const Vec3 normal = std::cos(latitude) * toward + std::sin(latitude) * radials[k];
+      const Vec3 normal = core::cos(latitude) * toward + core::sin(latitude) * radials[k];
       outer[k] = vertex(centre + radius * normal, shading_.isFlat() ? toward : normal);
     }
     for (std::size_t k = 0; k < sides; ++k) {
@@ -243,7 +244,7 @@ void RasterPen::flatEnd(const LineEnd& end, double radius, const Vec3& outward) 
   const int sides = 4 * roundness(radius * camera_.onPage(end.place).pixelsPerUnit, 2, 12);
   const auto rim = [&](int k) {
     const double angle = 2.0 * std::numbers::pi * k / sides;
-    return vertex(end.place + radius * (std::cos(angle) * side + std::sin(angle) * up), outward);
+    return vertex(end.place + radius * (core::cos(angle) * side + core::sin(angle) * up), outward);
   };
   const RasterVertex centre = vertex(end.place, outward);
   for (int k = 0; k < sides; ++k) {
@@ -263,8 +264,8 @@ void RasterPen::pageDisc(const RasterVertex& centre, double radius, float rimSha
   const auto rim = [&](int k) {
     const double angle = 2.0 * std::numbers::pi * k / sides;
     RasterVertex v = centre;
-    v.x = static_cast<float>(static_cast<double>(v.x) + radius * std::cos(angle));
-    v.y = static_cast<float>(static_cast<double>(v.y) + radius * std::sin(angle));
+    v.x = static_cast<float>(static_cast<double>(v.x) + radius * core::cos(angle));
+    v.y = static_cast<float>(static_cast<double>(v.y) + radius * core::sin(angle));
     for (float& channel : v.colour) {
       channel *= rimShade;
     }
@@ -280,7 +281,7 @@ void RasterPen::edge(const Vec3& a, const Vec3& b) {
   const RasterVertex to = plainVertex(b);
   const double dx = static_cast<double>(to.x) - static_cast<double>(from.x);
   const double dy = static_cast<double>(to.y) - static_cast<double>(from.y);
-  const double length = std::hypot(dx, dy);
+  const double length = core::hypot(dx, dy);
   if (!(length > 0.0)) {
     return;
   }

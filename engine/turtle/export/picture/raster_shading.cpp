@@ -1,8 +1,9 @@
 #include "engine/turtle/export/picture/raster_shading.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numbers>
+
+#include "engine/core/elementary.h"
 
 namespace espalier::turtle {
 
@@ -40,7 +41,7 @@ Vec3 product(const Vec3& a, const Vec3& b) {
 
 double highlight(const Vec3& normal, const Vec3& towardLight, const Vec3& towardViewer, double exponent) {
   const Vec3 half = core::normalised(towardLight + towardViewer);
-  return std::pow(std::max(0.0, core::dot(normal, half)), exponent);
+  return core::pow(std::max(0.0, core::dot(normal, half)), exponent);
 }
 
 // how much of a point light or spot arrives, and its direction
@@ -56,8 +57,8 @@ double arrival(const files::Light& light, const Vec3& point, Vec3& towardLight) 
   double strength = weakening > 0.0 ? 1.0 / weakening : 1.0;
   if (light.spotCutoffDegrees < 180.0) {
     const double along = -core::dot(towardLight, core::normalised(light.spotDirection));
-    const bool isInside = along >= std::cos(light.spotCutoffDegrees * std::numbers::pi / 180.0);
-    strength *= isInside ? std::pow(std::max(0.0, along), light.spotExponent) : 0.0;
+    const bool isInside = along >= core::cos(light.spotCutoffDegrees * std::numbers::pi / 180.0);
+    strength *= isInside ? core::pow(std::max(0.0, along), light.spotExponent) : 0.0;
   }
   return strength;
 }

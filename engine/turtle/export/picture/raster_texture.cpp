@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/core/elementary.h"
 #include "engine/files/images/image_file.h"
 
 namespace espalier::turtle {
@@ -72,7 +73,7 @@ std::size_t RasterTexture::levelOf(double textureArea, double sampleArea) const 
   if (!(points > sampleArea) || !(sampleArea > 0.0)) {
     return 0;
   }
-  const double level = 0.5 * std::log2(points / sampleArea);
+  const double level = 0.5 * core::log2(points / sampleArea);
   return std::min(static_cast<std::size_t>(level + 0.5), levels_.size() - 1);
 }
 

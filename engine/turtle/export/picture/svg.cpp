@@ -1,10 +1,10 @@
 #include "engine/turtle/export/picture/svg.h"
 
 #include <algorithm>
-#include <cmath>
 #include <set>
 #include <string>
 
+#include "engine/core/elementary.h"
 #include "engine/turtle/export/palette.h"
 #include "engine/turtle/export/picture/page_drawing.h"
 #include "engine/turtle/export/text_output.h"
@@ -145,7 +145,7 @@ void SvgWriter::writeOutlines(const PageLines& lines) {
     const PagePlace b = page_.place(segment.end);
     const double r0 = page_.radius(segment, false);
     const double r1 = page_.radius(segment, true);
-    const double l = std::hypot(b.x - a.x, b.y - a.y);
+    const double l = core::hypot(b.x - a.x, b.y - a.y);
     // seen from its end a line is a dot
     const double nx = l > 1e-6 ? (b.y - a.y) / l : 1.0;
     const double ny = l > 1e-6 ? -(b.x - a.x) / l : 0.0;
