@@ -1,5 +1,6 @@
 #include "clients/espalier/environment_loading.h"
 
+#include <chrono>
 #include <filesystem>
 #include <optional>
 #include <utility>
@@ -198,37 +199,69 @@ Process loadConfiguration(const std::string& file, core::FileProvider& files, st
   return environment::makeEnvironmentSet(std::move(processes));
 }
 
-// the started program of an environment file (.e) when the program exists and is not built in; else null
-Process loadLegacyProgram(const std::string& file, bool isQuiet, core::FileProvider& files) {
+/// How an environment file (.e) may start the program that it names.
+struct FolderProgram {
+  environment::EnvironmentFile field;
+  bool isThere = false;     // it can be started
+  bool isBuiltIn = false;   // there is a process of that name
+  bool isInFolder = false;  // the folder of the file brings it
+};
+
+FolderProgram folderProgramOf(const std::string& file, core::FileProvider& files) {
+  std::vector<core::Diagnostic> unused;
+  FolderProgram program;
+  program.field = environment::readEnvironmentFile(file, files.read(file).value_or(std::string()), unused, unused);
+  if (!program.field.command.empty()) {
+    const std::string& name = program.field.command.front();
+    const std::string folder = std::filesystem::path(file).parent_path().string();
+    program.isInFolder = server::isProgramIn(name, folder);
+    program.isThere = server::isExecutableThere(name, folder);
+    program.isBuiltIn = !environment::configurationSchema(program.field.program).empty();
+  }
+  return program;
+}
+
+Process startFolderProgram(const std::string& file, const FolderProgram& program, bool isQuiet,
+                           core::FileProvider& files, const RemoteOptions& options) {
   std::vector<core::Diagnostic> warnings;
-  std::vector<core::Diagnostic> errors;
-  const environment::EnvironmentFile field =
-      environment::readEnvironmentFile(file, files.read(file).value_or(std::string()), warnings, errors);
-  if (field.command.empty() || !environment::configurationSchema(field.program).empty() ||
-      !server::isExecutableThere(field.command.front(), std::filesystem::path(file).parent_path().string())) {
+  server::LegacyProcessOptions legacy;
+  if (options.timeoutSeconds > 0.0) {
+    legacy.stepTimeout = std::chrono::milliseconds(static_cast<std::int64_t>(options.timeoutSeconds * 1e3));
+  }
+  Process made = orPrintErrors(server::makeLegacyProcess(file, files, legacy, warnings), "");
+  if (!printDiagnostics(std::move(warnings), isQuiet, options.isStrict)) {
     return nullptr;
   }
-  warnings.clear();
-  auto made = server::makeLegacyProcess(file, files, {}, warnings);
-  printDiagnostics(warnings, isQuiet);
-  if (!isQuiet) {
-    printNote("'" + field.program + "' is not a built-in environment: starting the program that " + file + " names");
+  if (made && !isQuiet) {
+    printNote("starting the program '" + program.field.command.front() + "' that " + file + " names");
   }
-  return orPrintErrors(std::move(made), "");
+  return made;
 }
 
 Process loadFieldFile(const std::string& file, core::Compatibility compatibility, bool isQuiet,
-                      core::FileProvider& files) {
+                      core::FileProvider& files, const RemoteOptions& options) {
   if (!files.read(file)) {
     printError("there is no environment file '" + file + "': check the name and the working folder");
     return nullptr;
   }
-  std::vector<core::Diagnostic> warnings;
-  if (auto process = loadLegacyProgram(file, isQuiet, files)) {
-    return process;
+  const FolderProgram program = folderProgramOf(file, files);
+  if (options.allowsFolderPrograms && (program.isInFolder || (program.isThere && !program.isBuiltIn))) {
+    return startFolderProgram(file, program, isQuiet, files, options);
   }
+  if (program.isThere && !program.isBuiltIn) {
+    printDiagnostics(std::vector{core::Diagnostic{
+                         core::Severity::Error,
+                         "the environment file names a program that is not built in: '" + program.field.program + "'",
+                         program.field.executable,
+                         "--allow-folder-programs starts it, for folders that you trust; a server never does"}},
+                     false);
+    return nullptr;
+  }
+  std::vector<core::Diagnostic> warnings;
   environment::ProcessOrErrors made = environment::makeFromEnvironmentFile(file, files, compatibility, warnings);
-  printDiagnostics(warnings, isQuiet);
+  if (!printDiagnostics(std::move(warnings), isQuiet, options.isStrict)) {
+    return nullptr;
+  }
   return orPrintErrors(std::move(made), "");
 }
 
@@ -245,11 +278,11 @@ Process makeEnvironment(const std::string& name, core::Compatibility compatibili
     return loadPlugin(name, "{}", "--environment-", making);
   }
   if (suffix == ".e") {
-    return loadFieldFile(name, compatibility, isQuiet, files);
+    return loadFieldFile(name, compatibility, isQuiet, files, making.remote);
   }
   // a model folder may give its environment file any name; no built-in process has a name like a path
   if (name.find_first_of("./") != std::string::npos && files.read(name)) {
-    return loadFieldFile(name, compatibility, isQuiet, files);
+    return loadFieldFile(name, compatibility, isQuiet, files, making.remote);
   }
   return makeBuiltIn(name, "", "", making);
 }
@@ -274,12 +307,14 @@ std::optional<LoadedEnvironment> loadEnvironment(const std::string& name, core::
   return loaded;
 }
 
-void warnAboutUnansweredQueries(const language::Program& program, const LoadedEnvironment* environment, bool isQuiet) {
-  if (environment == nullptr || !environment->processNames.empty()) {
-    const std::vector<std::string> names =
-        environment == nullptr ? std::vector<std::string>{} : environment->processNames;
-    printDiagnostics(language::unansweredQueries(program, names), isQuiet);
+bool warnAboutUnansweredQueries(const language::Program& program, const LoadedEnvironment* environment, bool isQuiet,
+                                bool isStrict) {
+  if (environment != nullptr && environment->processNames.empty()) {
+    return true;
   }
+  const std::vector<std::string> names =
+      environment == nullptr ? std::vector<std::string>{} : environment->processNames;
+  return printDiagnostics(language::unansweredQueries(program, names), isQuiet, isStrict);
 }
 
 }  // namespace espalier::command

@@ -14,10 +14,13 @@
 
 namespace espalier::command {
 
-/// Settings of environments in other processes. The entry of an environment may override them.
+/// Settings of environments in other processes, and of reading files of environments. The entry of an environment may
+/// override policy and time.
 struct RemoteOptions {
-  std::string policy = "fail";  // fail, keep or fallback:NAME
-  double timeoutSeconds = 0.0;  // of a step; 0: the default
+  std::string policy = "fail";        // fail, keep or fallback:NAME
+  double timeoutSeconds = 0.0;        // of a step; 0: the default
+  bool allowsFolderPrograms = false;  // an environment file (.e) may start the program that it names
+  bool isStrict = false;              // a warning about a file is an error
 };
 
 struct LoadedEnvironment {
@@ -38,7 +41,8 @@ struct LoadedEnvironment {
                                                                const RemoteOptions& remote = {});
 
 /// Warns on standard error about communication modules of the model that no process of `environment` answers. Null:
-/// there is no environment.
-void warnAboutUnansweredQueries(const language::Program& program, const LoadedEnvironment* environment, bool isQuiet);
+/// there is no environment. False: there is a warning, and `isStrict` forbids it.
+[[nodiscard]] bool warnAboutUnansweredQueries(const language::Program& program, const LoadedEnvironment* environment,
+                                              bool isQuiet, bool isStrict);
 
 }  // namespace espalier::command

@@ -135,19 +135,23 @@ bool loadEnvironmentOf(const protocol::ForestParams& forest, const std::string& 
                        core::FileProvider& files, LoadedModel& loaded) {
   std::optional<LoadedEnvironment> environment = LoadedEnvironment{};
   if (!options.environment.empty()) {
-    environment = loadEnvironment(options.environment, options.mode(), options.isQuiet, files);
+    environment = loadEnvironment(options.environment, options.mode(), options.isQuiet, files, options.remote);
   } else if (!forest.environmentJson.empty()) {
     WithEnvironment both(file, forest.environmentJson, files);
-    environment = loadEnvironment(file, options.mode(), options.isQuiet, both);
+    environment = loadEnvironment(file, options.mode(), options.isQuiet, both, options.remote);
   } else if (!forest.environmentFile.empty()) {
-    environment = loadEnvironment(besideForest(file, forest.environmentFile), options.mode(), options.isQuiet, files);
+    environment = loadEnvironment(besideForest(file, forest.environmentFile), options.mode(), options.isQuiet, files,
+                                  options.remote);
   }
   if (!environment) {
     return false;
   }
   loaded.environment = std::move(*environment);
   for (const auto& program : loaded.programs) {
-    warnAboutUnansweredQueries(*program, loaded.environment.process ? &loaded.environment : nullptr, options.isQuiet);
+    if (!warnAboutUnansweredQueries(*program, loaded.environment.process ? &loaded.environment : nullptr,
+                                    options.isQuiet, options.remote.isStrict)) {
+      return false;
+    }
   }
   return true;
 }

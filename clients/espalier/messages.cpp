@@ -33,6 +33,21 @@ void printDiagnostics(const std::vector<core::Diagnostic>& diagnostics, bool isQ
   }
 }
 
+bool printDiagnostics(std::vector<core::Diagnostic> diagnostics, bool isQuiet, bool isStrict) {
+  bool isAllowed = true;
+  for (core::Diagnostic& diagnostic : diagnostics) {
+    if (isStrict && diagnostic.severity == core::Severity::Warning) {
+      diagnostic.severity = core::Severity::Error;
+      isAllowed = false;
+    }
+  }
+  printDiagnostics(diagnostics, isQuiet);
+  if (!isAllowed) {
+    printError("a warning is an error here: mend the file, or leave out --strict");
+  }
+  return isAllowed;
+}
+
 std::string formatSimulationError(const core::SimulationError& error) {
   // messages of the engine name their step, messages of an environment do not
   const bool needsStep = error.code == core::SimulationErrorCode::EnvironmentFailed && error.step > 0;

@@ -24,6 +24,9 @@ void printNote(std::string_view line);
 /// Writes diagnostics on standard error in the order given. With `isQuiet` only the errors.
 void printDiagnostics(const std::vector<core::Diagnostic>& diagnostics, bool isQuiet);
 
+/// The same; with `isStrict` a warning is an error. False: there was a warning, and `isStrict` forbids it.
+[[nodiscard]] bool printDiagnostics(std::vector<core::Diagnostic> diagnostics, bool isQuiet, bool isStrict);
+
 /// The line for a model that failed while running: the step, the failure, and the step at which the simulation stays.
 [[nodiscard]] std::string formatSimulationError(const core::SimulationError& error);
 

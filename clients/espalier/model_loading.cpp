@@ -176,6 +176,11 @@ void addReadingOptions(CLI::App& command, ModelOptions& options, bool isModelReq
       ->check([](const std::string& text) {
         return text.empty() || text.front() == '=' ? std::string("expected NAME=VALUE") : std::string{};
       });
+  command.add_flag("--allow-folder-programs", options.remote.allowsFolderPrograms,
+                   "An environment file (.e) may start the program that it names: for folders that you trust. Without\n"
+                   "it only built-in environments answer");
+  command.add_flag("--strict", options.remote.isStrict,
+                   "A warning about a file of the model or the environment is an error");
   command.add_option("--limit", options.limits, limitHelp())
       ->type_name("NAME=NUMBER")
       ->allow_extra_args(false)
@@ -267,7 +272,9 @@ std::shared_ptr<const language::Program> loadProgram(ModelOptions& options, core
   if (folder != nullptr) {
     *folder = readFolderSettings(modelFiles, options.isAnimated, files, remarks);
   }
-  printDiagnostics(remarks.entries(), options.isQuiet);
+  if (!printDiagnostics(remarks.entries(), options.isQuiet, options.remote.isStrict)) {
+    return nullptr;
+  }
   if (options.view.empty()) {
     options.view = modelFiles.view;
   } else if (const auto problem = whyUnreadable(options.view, "--view")) {
@@ -288,7 +295,9 @@ std::shared_ptr<const language::Program> loadProgram(ModelOptions& options, core
     input.defines.push_back(splitDefine(define));
   }
   language::CompileResult result = language::compile(input, files);
-  printDiagnostics(result.diagnostics.entries(), options.isQuiet);
+  if (!printDiagnostics(result.diagnostics.entries(), options.isQuiet, options.remote.isStrict)) {
+    return nullptr;
+  }
   if (!result.program && !result.diagnostics.hasErrors()) {
     printError("'" + input.modelFile + "' could not be read: check that it is readable");
   }
@@ -340,8 +349,10 @@ std::optional<LoadedModel> loadModel(ModelOptions& options, core::FileProvider& 
     }
     loaded.environment = std::move(*environment);
   }
-  warnAboutUnansweredQueries(*loaded.program, options.environment.empty() ? nullptr : &loaded.environment,
-                             options.isQuiet);
+  if (!warnAboutUnansweredQueries(*loaded.program, options.environment.empty() ? nullptr : &loaded.environment,
+                                  options.isQuiet, options.remote.isStrict)) {
+    return std::nullopt;
+  }
   loaded.simulationOptions = simulationOptionsFor(options, *loaded.program);
   loaded.simulationOptions.environmentOrigin = loaded.environment.origin;
   loaded.simulationOptions.palette =

@@ -48,8 +48,8 @@ struct ModelOptions {
   [[nodiscard]] std::uint64_t seconds() const;
 };
 
-/// Adds the options for reading a model: MODEL, --object, --view, --environment, --compat, --define, --limit,
-/// --quiet.
+/// Adds the options for reading a model: MODEL, --object, --view, --environment, --compat, --define,
+/// --allow-folder-programs, --strict, --limit, --quiet.
 void addReadingOptions(CLI::App& command, ModelOptions& options, bool isModelRequired);
 /// Adds the options for running it: --steps, --animate, --environment-policy, --environment-timeout, --iterations,
 /// --tolerance, --seed, --from, --threads.

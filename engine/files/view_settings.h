@@ -12,6 +12,7 @@
 #include "engine/core/vec3.h"
 #include "engine/files/colour_files.h"
 #include "engine/files/images/image_file.h"
+#include "engine/files/surfaces/background_scene.h"
 
 namespace espalier::files {
 
@@ -219,11 +220,12 @@ struct ViewSettings {
   double twistDegrees = 0.0;
   double viewingAngleDegrees = 45.0;
   double scaleFactor = 1.0;
-  std::optional<Box> box;                    // the view volume; nothing: the bounding box of the drawing
-  std::optional<RenderMode> renderMode;      // nothing: not given
-  std::vector<Light> lights;                 // of `light:`; at most 8 count
-  std::optional<core::Vec3> lightDirection;  // toward the light, unit
-  int postScriptLineCap = 1;                 // 0 butt, 1 round, 2 square
+  std::optional<Box> box;                             // the view volume; nothing: the bounding box of the drawing
+  std::optional<RenderMode> renderMode;               // nothing: not given
+  std::vector<Light> lights;                          // of `light:`; at most 8 count
+  std::optional<core::Vec3> lightDirection;           // toward the light, unit
+  int postScriptLineCap = 1;                          // 0 butt, 1 round, 2 square
+  std::shared_ptr<const BackgroundScene> background;  // of `background scene:`; null: none
 };
 
 }  // namespace espalier::files

@@ -21,6 +21,7 @@ void QueryBatch::clear() {
   parameterOffset.assign(1, 0);
   parameters.clear();
   following.clear();
+  followingPair.clear();
   followingOffset.assign(1, 0);
   followingParameters.clear();
   geometry.reset();

@@ -84,6 +84,7 @@ struct QueryBatch {
   std::vector<std::uint64_t> parameterOffset;           // (n + 1), always filled
   std::vector<double> parameters;                       // concatenated
   std::vector<core::SymbolId> following;                // the next module of the string; kNoSymbol: none (n)
+  std::vector<char> followingPair;                      // '~' or '@' when `following` is written behind it, else 0 (n)
   std::vector<std::uint64_t> followingOffset;           // (n + 1)
   std::vector<double> followingParameters;
   std::shared_ptr<const Geometry> geometry;  // all plants as they are when they ask; null unless it is needed

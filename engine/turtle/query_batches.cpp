@@ -37,6 +37,7 @@ void selectQueries(const QueryBatch& whole, std::span<const std::size_t> chosen,
   selectItems(whole.width, chosen, part.width);
   selectItems(whole.scale, chosen, part.scale);
   selectItems(whole.following, chosen, part.following);
+  selectItems(whole.followingPair, chosen, part.followingPair);
 
   // parameters; their values may be absent when no process reads them, the offsets never are
   part.parameterOffset.assign(1, 0);

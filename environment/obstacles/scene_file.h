@@ -16,10 +16,8 @@ struct SceneShapes {
   std::vector<MeshData> meshes;
 };
 
-/// Reads a background scene: keywords polygon, polygonuv, mesh, rectangle, prism (box), sphere, cylinder, cone,
-/// material, pushmatrix, popmatrix, translate, rotate, scale, multmatrix, each followed by its numbers; comments as in
-/// C. Cylinders and cones have 32 sides, as do spheres that a scale makes ellipsoids. The error is a sentence with
-/// the line of a keyword with too few numbers; unknown keywords are skipped. O(text).
+/// Reads a background scene (engine/files/surfaces/background_scene.h). The error is a sentence with the line of a
+/// keyword with too few numbers; unknown keywords are skipped. O(text).
 [[nodiscard]] tl::expected<SceneShapes, std::string> readScene(std::string_view text);
 
 }  // namespace espalier::environment

@@ -67,15 +67,15 @@ class EnvironmentFileReader {
     // verbose, strings only and binary data concern the transport only: no effect
   }
 
-  // `pipes 250`: modules in a chunk; the other types have no meaning here
+  // `pipes 250`: modules in a chunk. A program is always started with pipes, so the other types are read like them
   void readChunk(const PublishedLine& line) {
     const std::vector<std::string> words = readPublishedWords(line.value);
-    if (words.size() < 2 || words[0] != "pipes") {
+    if (words.size() < 2) {
       return;
     }
     const std::vector<double> numbers = readPublishedNumbers(words[1]);
     if (numbers.size() != 1 || numbers[0] < 1.0 || numbers[0] > 1e9) {
-      warn(valueLocation(line), "'communication type: pipes' takes the number of modules in a chunk, from 1 on",
+      warn(valueLocation(line), "'communication type' takes the number of modules in a chunk, from 1 on",
            "taken as 100");
       return;
     }
@@ -114,7 +114,9 @@ class EnvironmentFileReader {
   }
 
   std::optional<TurtleFormat> readFormat(const PublishedLine& line, std::size_t count, std::size_t item) {
-    const auto format = TurtleFormat::parse(line.value, count);
+    // a program skips the characters before the first number, so the blanks behind the separator count, too
+    const std::string written = line.location.lineText.substr(line.keyword.size() + 1);
+    const auto format = TurtleFormat::parse(written, count);
     if (!format) {
       errors_.push_back({Severity::Error, "'" + line.keyword + "': " + format.error(), valueLocation(line), {}});
       return std::nullopt;
@@ -125,7 +127,7 @@ class EnvironmentFileReader {
                std::to_string(count) + " numbers: the others arrive as 0",
            {});
     }
-    file_.printed[item] = line.value;
+    file_.printed[item] = written;
     return *format;
   }
 
@@ -143,6 +145,28 @@ class EnvironmentFileReader {
 EnvironmentFile readEnvironmentFile(const std::string& file, std::string_view text,
                                     std::vector<core::Diagnostic>& warnings, std::vector<core::Diagnostic>& errors) {
   return EnvironmentFileReader(warnings, errors).read(file, text);
+}
+
+std::optional<std::string> textForPipes(std::string_view text) {
+  std::string result;
+  bool isChanged = false;
+  while (!text.empty()) {
+    const std::size_t newline = std::min(text.find('\n'), text.size());
+    const std::string_view line = text.substr(0, newline);
+    const std::size_t separator = std::min(line.find_first_of("\t:"), line.size());
+    const bool isType = separator < line.size() && line.substr(0, separator) == "communication type";
+    const std::vector<std::string> words =
+        isType ? readPublishedWords(line.substr(separator + 1)) : std::vector<std::string>{};
+    if (isType && (words.empty() || words[0] != "pipes")) {
+      isChanged = true;
+      result += "communication type: pipes" + (words.size() > 1 ? " " + words[1] : std::string());
+    } else {
+      result += line;
+    }
+    result += newline < text.size() ? "\n" : "";
+    text.remove_prefix(std::min(newline + 1, text.size()));
+  }
+  return isChanged ? std::optional(std::move(result)) : std::nullopt;
 }
 
 core::Diagnostic missingProgram(const std::string& file) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -12,13 +13,14 @@ namespace espalier::environment {
 
 /// The content of an `.e` file.
 struct EnvironmentFile {
-  std::string program;                 // without its folder and suffix
-  std::vector<std::string> command;    // the program as written, then its arguments
-  std::string specification;           // file name, beside the `.e` file; empty: none
-  core::SourceLocation executable;     // of the program's name
-  TurtleFormats formats;               // of the turtle items that are sent
-  std::array<std::string, 6> printed;  // the formats as written: position, heading, left, up, width, scale; empty: none
-  std::size_t chunkModules = 100;      // modules in one chunk of the pipe coupling
+  std::string program;               // without its folder and suffix
+  std::vector<std::string> command;  // the program as written, then its arguments
+  std::string specification;         // file name, beside the `.e` file; empty: none
+  core::SourceLocation executable;   // of the program's name
+  TurtleFormats formats;             // of the turtle items that are sent
+  // the formats as written, with the blanks before them: position, heading, left, up, width, scale; empty: none
+  std::array<std::string, 6> printed;
+  std::size_t chunkModules = 100;  // modules in one chunk of the pipe coupling
 };
 
 /// Reads an `.e` file. Errors and warnings, each with its line, are appended; after an error the result is incomplete.
@@ -26,6 +28,10 @@ struct EnvironmentFile {
 [[nodiscard]] EnvironmentFile readEnvironmentFile(const std::string& file, std::string_view text,
                                                   std::vector<core::Diagnostic>& warnings,
                                                   std::vector<core::Diagnostic>& errors);
+
+/// The text of an `.e` file for a program that talks over pipes: every line `communication type` says so and keeps the
+/// number behind the type. Nothing when the text says nothing else.
+[[nodiscard]] std::optional<std::string> textForPipes(std::string_view text);
 
 /// The error for an environment file without `executable`.
 [[nodiscard]] core::Diagnostic missingProgram(const std::string& file);

@@ -227,15 +227,57 @@ TEST_F(Folder, WhatCannotBeUsedIsNamedAndTheModelRuns) {
 
 TEST_F(Folder, SwitchesAndSettingsThatAreNotUsedAreNamed) {
   write("p.l", kModel);
-  write("p.v", "background scene: hill.txt\n");
+  write("p.v", "rayshade objects: hill.txt\n");
   write("p.a", "frame intervals: 0-3 step 1 rotate 0 10 0\n");
   writeCommand("cpfg -homo -a p.l p.v p.a");
   EXPECT_EQ(run("derive plant").errors,
             "plant/specifications: note: the switch -homo is not used: strings are printed before homomorphism\n"
             "plant/p.a: note: pictures ignore the rotations and scalings of its frame intervals\n"
-            "plant/p.v:1:1: note: the background scene is not drawn; an environment may still read its file\n"
-            "    1 | background scene: hill.txt\n"
+            "plant/p.v:1:1: note: the objects are not used: no scene for Rayshade is written\n"
+            "    1 | rayshade objects: hill.txt\n"
             "      | ^~~~~~~~~~~~~~~~~\n");
+}
+
+TEST_F(Folder, StrictReadingMakesWarningsErrors) {
+  write("p.l", "Lsystem: 1\nAxiom: A(1)\nA(x) --> A(x @)\nendlsystem\n");
+  write("p.v", "");
+  writeCommand("cpfg p.l p.v");
+  EXPECT_EQ(run("check plant").status, 0);
+  EXPECT_EQ(error("check plant --strict"),
+            "plant/p.l:3:14: error: the character '@' has no meaning in expressions and is skipped\n"
+            "    3 | A(x) --> A(x @)\n"
+            "      |              ^\n"
+            "   hint: remove it\n"
+            "error: a warning is an error here: mend the file, or leave out --strict\n");
+  // also in the view file, in the environment's files, and about the model as a whole
+  write("p.l", kHeight);
+  write("p.v", "angel factor: 8\n");
+  EXPECT_TRUE(
+      contains(error("derive plant --strict --environment height"), "error: unknown view command 'angel factor'"));
+  write("p.v", "");
+  EXPECT_TRUE(contains(error("run plant --strict"), "communication modules"));
+  write("field", std::string(kField) + "colour: red\n");
+  writeCommand("cpfg -e field p.l p.v");
+  EXPECT_EQ(run("derive plant").output, "FF?E(2)\n");
+  EXPECT_TRUE(contains(error("derive plant --strict"), "plant/field:3:1: error: unknown keyword 'colour' is ignored"));
+  write("field", kField);
+  EXPECT_EQ(run("derive plant --strict").output, "FF?E(2)\n");
+}
+
+TEST_F(Folder, ABackgroundSceneIsInPictures) {
+  write("p.l", kModel);
+  write("p.v", "viewpoint: 0,0,1\n");
+  writeCommand("cpfg p.l p.v");
+  ASSERT_EQ(run("run plant -o plain.png").status, 0);
+  write("p.v", "viewpoint: 0,0,1\nbackground scene: hill.txt, none.txt\n");
+  write("hill.txt", "#define R 2\ntranslate 0 -R 0 material 0 0 0 1 0 1 0 1 sphere R\n");
+  const ProgramRun result = run("run plant -o hill.png");
+  EXPECT_EQ(result.status, 0);
+  EXPECT_TRUE(contains(result.errors,
+                       "plant/p.v:2:1: warning: the file 'plant/none.txt' cannot be read; this part of the "
+                       "background is not drawn"))
+      << result.errors;
+  EXPECT_NE(folder_.read("hill.png"), folder_.read("plain.png"));
 }
 
 TEST_F(Folder, AnimationWithoutItsFileGoesToTheDerivationLength) {

@@ -32,12 +32,15 @@ int check(ModelOptions& options) {
   if (!isRemote) {
     std::optional<LoadedEnvironment> environment;
     if (!options.environment.empty()) {
-      environment = loadEnvironment(options.environment, options.mode(), options.isQuiet, files);
+      environment = loadEnvironment(options.environment, options.mode(), options.isQuiet, files, options.remote);
       if (!environment) {
         return kFailure;
       }
     }
-    warnAboutUnansweredQueries(*program, environment ? &*environment : nullptr, options.isQuiet);
+    if (!warnAboutUnansweredQueries(*program, environment ? &*environment : nullptr, options.isQuiet,
+                                    options.remote.isStrict)) {
+      return kFailure;
+    }
   }
   std::printf("%s: no errors\n", program->modelFile.c_str());
   return kSuccess;
@@ -49,7 +52,7 @@ void addCheck(CLI::App& program, int& status) {
   CLI::App* command = program.add_subcommand("check", "Read a model and list its errors and warnings");
   command->footer(
       "Prints every error and warning on standard error with its place and a hint. Derives nothing.\n"
-      "Exit status 1 when there is an error.\n"
+      "Exit status 1 when there is an error, with --strict also when there is a warning.\n"
       "Example: espalier check tree.l");
   auto options = std::make_shared<ModelOptions>();
   addReadingOptions(*command, *options, true);

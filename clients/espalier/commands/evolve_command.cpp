@@ -191,7 +191,8 @@ class Evolution {
     model.isQuiet = true;
     std::unique_ptr<turtle::EnvironmentProcess> environment;
     if (!model.environment.empty()) {
-      std::optional<LoadedEnvironment> loaded = loadEnvironment(model.environment, model.mode(), true, files);
+      std::optional<LoadedEnvironment> loaded =
+          loadEnvironment(model.environment, model.mode(), true, files, model.remote);
       if (!loaded) {
         return problem("its environment cannot be made");
       }

@@ -23,4 +23,9 @@ inline constexpr const char* kImageIsCutOff = "the file ends before the picture 
   return value;
 }
 
+/// A whole number of two bytes, the lowest first.
+[[nodiscard]] inline std::uint32_t littleEndian16(std::string_view bytes, std::size_t at) {
+  return byteAt(bytes, at) | static_cast<std::uint32_t>(byteAt(bytes, at + 1)) << 8U;
+}
+
 }  // namespace espalier::files

@@ -28,13 +28,16 @@ tl::expected<Image, std::string> readWithOpacity(std::string_view name, std::str
   if (isSgi(bytes)) {
     return readSgiImage(bytes);
   }
+  if (isUtah(bytes)) {
+    return readUtahImage(bytes);
+  }
   if (isPnm(bytes)) {
     return readPnmImage(bytes);
   }
   if (endsIn(name, ".tga")) {
     return readTgaImage(bytes);
   }
-  return tl::unexpected<std::string>("the format is unknown; use PNG, JPEG, SGI (.rgb), PNM or TGA");
+  return tl::unexpected<std::string>("the format is unknown; use PNG, JPEG, SGI (.rgb), Utah (.rle), PNM or TGA");
 }
 
 }  // namespace

@@ -32,8 +32,9 @@ enum class Opacity : std::uint8_t {
   OverBlack  // the result is opaque: PNG is laid over black, other formats lose their opacity channel
 };
 
-/// Reads a PNG, JPEG, SGI (.rgb, .rgba, .bw, .sgi), PNM (P2, P3, P5, P6) or TGA picture. The first bytes tell the
-/// format; a TGA file has no such bytes and is known by its name. The error is a sentence about the file. O(pixels).
+/// Reads a PNG, JPEG, SGI (.rgb, .rgba, .bw, .sgi), Utah (.rle), PNM (P2, P3, P5, P6) or TGA picture. The first bytes
+/// tell the format; a TGA file has no such bytes and is known by its name. The error is a sentence about the file.
+/// O(pixels).
 [[nodiscard]] tl::expected<Image, std::string> readImageFile(std::string_view name, std::string_view bytes,
                                                              Opacity opacity = Opacity::Kept);
 
@@ -41,12 +42,15 @@ enum class Opacity : std::uint8_t {
 [[nodiscard]] tl::expected<Image, std::string> readPngImage(std::string_view bytes, Opacity opacity = Opacity::Kept);
 [[nodiscard]] tl::expected<Image, std::string> readJpegImage(std::string_view bytes);
 [[nodiscard]] tl::expected<Image, std::string> readSgiImage(std::string_view bytes);
+[[nodiscard]] tl::expected<Image, std::string> readUtahImage(std::string_view bytes);
 [[nodiscard]] tl::expected<Image, std::string> readPnmImage(std::string_view bytes);
 [[nodiscard]] tl::expected<Image, std::string> readTgaImage(std::string_view bytes);
 
 /// Whether the first bytes of a file are those of PNG or JPEG, the two formats that glTF embeds unchanged.
 [[nodiscard]] bool isPng(std::string_view bytes);
 [[nodiscard]] bool isJpeg(std::string_view bytes);
+/// Whether they are those of the Utah Raster Toolkit.
+[[nodiscard]] bool isUtah(std::string_view bytes);
 
 /// An opaque white picture of this size; an error when it has no pixels or more than kMostImagePixels.
 [[nodiscard]] tl::expected<Image, std::string> blankImage(std::uint64_t width, std::uint64_t height);

@@ -2,13 +2,6 @@
 #include "engine/files/images/image_file.h"
 
 namespace espalier::files {
-namespace {
-
-std::uint32_t littleEndian16(std::string_view bytes, std::size_t at) {
-  return byteAt(bytes, at) | static_cast<std::uint32_t>(byteAt(bytes, at + 1)) << 8U;
-}
-
-}  // namespace
 
 tl::expected<Image, std::string> readTgaImage(std::string_view bytes) {
   constexpr std::size_t kHeaderBytes = 18;

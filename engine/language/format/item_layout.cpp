@@ -126,7 +126,8 @@ bool ItemLayout::readItem() {
     const Token token = phase_ == Phase::Plain ? lexer_.peekPlain()
                         : isExpression         ? lexer_.peekExpression()
                                                : lexer_.peekSymbol();
-    if (token.kind == TokenKind::Invalid) {
+    // an item with characters that are skipped keeps its text
+    if (token.kind == TokenKind::Invalid || lexer_.skipsBeforeToken()) {
       return false;
     }
     if (token.kind == TokenKind::EndOfFile) {

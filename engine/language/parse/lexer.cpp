@@ -42,6 +42,18 @@ constexpr std::array<KeywordText, 22> kKeywords{{{Keyword::DerivationLength, "de
 constexpr std::array<KeywordText, 3> kLineKeywords{
     {{Keyword::Seed, "seed:", false}, {Keyword::Module, "module:", true}, {Keyword::Syntax, "syntax:", true}}};
 
+/// Whether `c` begins no token of an expression, with `next` behind it.
+constexpr bool isMeaningless(char c, char next) {
+  switch (c) {
+    case '|':
+      return next != '|';
+    case '.':
+      return !isDigit(next);
+    default:
+      return std::string_view("\\@#$~'`_").find(c) != std::string_view::npos;
+  }
+}
+
 constexpr char lower(char c) {
   return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
 }
@@ -106,6 +118,7 @@ Token Lexer::make(TokenKind kind, std::uint32_t begin, std::uint32_t end) const 
 
 const Token& Lexer::peek(Mode mode) {
   if (peekedMode_ != mode) {
+    skipping_.clear();
     peeked_ = mode == Mode::Symbol ? scanSymbol() : mode == Mode::Expression ? scanExpression() : scanPlain();
     peekedMode_ = mode;
   }
@@ -116,6 +129,7 @@ void Lexer::advance() {
   if (peekedMode_ != Mode::None) {
     position_ = peeked_.range.end;
     peekedMode_ = Mode::None;
+    skipped_.insert(skipped_.end(), skipping_.begin(), skipping_.end());
   }
 }
 
@@ -164,6 +178,19 @@ bool Lexer::newlineEnds(std::uint32_t newline) const {
 std::uint32_t Lexer::skipBlanks(std::uint32_t position) const {
   while (position < text_.size() && (isBlank(text_[position]) || (text_[position] == '\n' && !newlineEnds(position)))) {
     ++position;
+  }
+  return position;
+}
+
+std::uint32_t Lexer::skipMeaningless(std::uint32_t position) {
+  position = skipBlanks(position);
+  while (position < text_.size() && isMeaningless(text_[position], at(position + 1))) {
+    if (!skipping_.empty() && skipping_.back().end == position) {
+      ++skipping_.back().end;
+    } else {
+      skipping_.push_back({position, position + 1});
+    }
+    position = skipBlanks(position + 1);
   }
   return position;
 }
@@ -248,7 +275,7 @@ Token Lexer::scanPlain() {
 }
 
 Token Lexer::scanExpression() {
-  const std::uint32_t begin = skipBlanks(position_);
+  const std::uint32_t begin = skipMeaningless(position_);
   if (begin >= text_.size()) {
     return make(TokenKind::EndOfFile, begin, begin);
   }
@@ -267,19 +294,11 @@ Token Lexer::scanExpression() {
     return number(begin);
   }
   if (isIdentifierStart(c)) {
-    // a leading `_` is dropped
-    std::uint32_t nameBegin = begin;
-    while (at(nameBegin) == '_') {
-      ++nameBegin;
+    std::uint32_t end = begin;
+    while (isIdentifierPart(at(end))) {
+      ++end;
     }
-    const auto end = static_cast<std::uint32_t>(wordEnd(text_, begin));
-    Token token = make(TokenKind::Identifier, begin, end);
-    if (!isIdentifierStart(at(nameBegin))) {
-      token.kind = TokenKind::Invalid;
-      return token;
-    }
-    token.text = text_.substr(nameBegin, end - nameBegin);
-    return token;
+    return make(TokenKind::Identifier, begin, end);
   }
   if (c == '"') {
     return string(begin);

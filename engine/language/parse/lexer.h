@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "engine/core/diagnostic.h"
 #include "engine/language/parse/symbol_table.h"
@@ -71,7 +72,7 @@ struct Token {
   Keyword keyword = Keyword::Lsystem;
   core::SymbolId symbol = core::kNoSymbol;
   double number = 0.0;
-  std::string text;  // of identifiers without leading `_`; of strings with escapes replaced; of the source otherwise
+  std::string text;  // of strings with escapes replaced; of the source otherwise
   std::string hint;  // Invalid
   core::SourceRange range;
 };
@@ -86,6 +87,13 @@ class Lexer {
   /// The next token without consuming it.
   [[nodiscard]] const Token& peekSymbol() { return peek(Mode::Symbol); }
   [[nodiscard]] const Token& peekExpression() { return peek(Mode::Expression); }
+
+  /// Whether characters without a meaning were skipped before the token peeked last.
+  [[nodiscard]] bool skipsBeforeToken() const { return !skipping_.empty(); }
+  [[nodiscard]] const core::SourceRange& skippedBeforeToken() const { return skipping_.back(); }
+  /// The characters of expressions that begin no token, up to the token consumed last. They are skipped like blanks;
+  /// neighbours are one range.
+  [[nodiscard]] const std::vector<core::SourceRange>& skipped() const { return skipped_; }
 
   /// Consumes the token peeked last.
   void advance();
@@ -134,6 +142,7 @@ class Lexer {
   Token scanExpression();
   Token scanPlain();
   [[nodiscard]] std::uint32_t skipBlanks(std::uint32_t position) const;
+  std::uint32_t skipMeaningless(std::uint32_t position);
   [[nodiscard]] bool newlineEnds(std::uint32_t newline) const;
   [[nodiscard]] bool matchKeyword(std::uint32_t position, Token& token) const;
   [[nodiscard]] Token number(std::uint32_t begin) const;
@@ -150,6 +159,8 @@ class Lexer {
   bool isFree_ = false;
   Mode peekedMode_ = Mode::None;
   Token peeked_;
+  std::vector<core::SourceRange> skipping_;  // characters skipped before peeked_
+  std::vector<core::SourceRange> skipped_;   // before the tokens consumed
 };
 
 /// The words of a message for a token: 'x', the number 12, the end of the line, ...

@@ -35,7 +35,11 @@ bool Parser::expected(std::string_view what, const Token& token, std::string hin
     return false;
   }
   const std::string advice = adviceFor(token);
-  if (!advice.empty() && (token.kind == TokenKind::Invalid || hint.empty())) {
+  if (lexer_.skipsBeforeToken()) {
+    const core::SourceRange& range = lexer_.skippedBeforeToken();
+    const std::string text(lexer_.text().substr(range.begin, range.end - range.begin));
+    hint = "'" + text + "' before it is skipped: " + (text == "|" ? "write '||' for 'or'" : "remove it");
+  } else if (!advice.empty() && (token.kind == TokenKind::Invalid || hint.empty())) {
     hint = advice;
   } else if (token.kind == TokenKind::EndOfLine && !lexer_.isFreeSyntax() && lexer_.nextLineIsIndented()) {
     hint = tabHint();
@@ -91,6 +95,7 @@ void Parser::parseFile() {
       if (model_.systems.empty() && messages_.errorCount() == 0) {
         expected("'Lsystem:'", token, "a model starts with 'Lsystem: 1' and ends with 'endlsystem'");
       }
+      reportSkippedCharacters();
       return;
     }
     if (token.kind == TokenKind::EndOfLine) {
@@ -143,18 +148,19 @@ void Parser::parseLSystem() {
     const Token& token = lexer_.peekSymbol();
     return token.kind == TokenKind::Keyword && token.keyword == keyword;
   };
+  bool hasDecomposition = false;
   bool hasHomomorphism = false;
   while (isAt(Keyword::Decomposition) || isAt(Keyword::Homomorphism)) {
     const bool isDecomposition = isAt(Keyword::Decomposition);
     ProductionListSyntax& list = isDecomposition ? system.decomposition : system.homomorphism;
     reading_ = isDecomposition ? "the decomposition" : "the homomorphism";
-    if (!list.productions.empty()) {
+    if (isDecomposition ? hasDecomposition : hasHomomorphism) {
       messages_.error(lexer_.peekSymbol().range, reading_ + " appears twice in one L-system",
                       "put its productions together");
     } else if (isDecomposition && hasHomomorphism) {
       messages_.error(lexer_.peekSymbol().range, "the decomposition must stand before the homomorphism");
     }
-    hasHomomorphism = hasHomomorphism || !isDecomposition;
+    (isDecomposition ? hasDecomposition : hasHomomorphism) = true;
     parseSectionHead(list);
     parseProductions(system, list, isDecomposition ? "the decomposition" : "the homomorphism");
   }
@@ -267,7 +273,6 @@ void Parser::parseSectionHead(ProductionListSyntax& list) {
 }
 
 void Parser::parseProductions(LSystemSyntax& system, ProductionListSyntax& list, std::string_view name) {
-  bool hasProduction = false;
   while (true) {
     reading_ = name;
     predecessor_ = {};
@@ -277,13 +282,9 @@ void Parser::parseProductions(LSystemSyntax& system, ProductionListSyntax& list,
       continue;
     }
     if (token.kind == TokenKind::EndOfFile || (token.kind == TokenKind::Keyword && startsSection(token.keyword))) {
-      if (!hasProduction) {
-        expected("a production", token, "every list has at least one production, as in 'A --> A'");
-      }
-      return;
+      return;  // a list may be empty
     }
     if (token.kind != TokenKind::Keyword) {
-      hasProduction = true;
       if (!skipsNoProduction(name)) {
         parseProduction(list);
       }

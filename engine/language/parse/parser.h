@@ -63,6 +63,7 @@ class Parser {
   // parser_hints.cpp: advice for frequent mistakes
   [[nodiscard]] std::string adviceFor(const Token& token) const;
   [[nodiscard]] std::string unclosedHint(core::SourceRange open, const Token& found) const;
+  void reportSkippedCharacters();
   [[nodiscard]] std::string_view lineAt(std::uint32_t position) const;
 
   // parser_statements.cpp: blocks

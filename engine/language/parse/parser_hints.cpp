@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "engine/language/parse/parser.h"
+#include "engine/language/preprocess/macro_table.h"
 
 namespace espalier::language {
 namespace {
@@ -85,6 +86,23 @@ std::string Parser::adviceFor(const Token& token) const {
       return before == '%' ? "'%' is the remainder of a division; 50% is 0.5" : std::string();
     default:
       return {};
+  }
+}
+
+/// Warns about the characters in expressions that the lexer skipped.
+void Parser::reportSkippedCharacters() {
+  for (const core::SourceRange& range : lexer_.skipped()) {
+    const std::string text(lexer_.text().substr(range.begin, range.end - range.begin));
+    const bool isOne = text.size() == 1;
+    const bool begins = range.end < lexer_.text().size() && isIdentifierStart(lexer_.text()[range.end]);
+    messages_.warning(range,
+                      std::string(isOne ? "the character '" : "the characters '") + text + "' " +
+                          (isOne ? "has no meaning in expressions and is" : "have no meaning in expressions and are") +
+                          " skipped",
+                      text == "|"                    ? "write '||' for 'or'"
+                      : text.back() == '_' && begins ? "a name begins with a letter"
+                      : isOne                        ? "remove it"
+                                                     : "remove them");
   }
 }
 

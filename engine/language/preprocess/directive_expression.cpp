@@ -207,7 +207,7 @@ class Evaluator {
       return fail("an integer");
     }
     const std::string_view word = text_.substr(position_, end - position_);
-    if (isIdentifierStart(word.front())) {
+    if (isWordStart(word.front())) {
       position_ = end;
       return 0;
     }

@@ -18,12 +18,12 @@ std::size_t stringLiteralEnd(std::string_view line, std::size_t begin) {
 
 std::size_t wordEnd(std::string_view line, std::size_t begin) {
   std::size_t end = begin;
-  if (end < line.size() && isIdentifierStart(line[end])) {
-    while (end < line.size() && isIdentifierPart(line[end])) {
+  if (end < line.size() && isWordStart(line[end])) {
+    while (end < line.size() && isWordPart(line[end])) {
       ++end;
     }
   } else if (end < line.size() && isDigit(line[end])) {
-    while (end < line.size() && (isIdentifierPart(line[end]) || line[end] == '.')) {
+    while (end < line.size() && (isWordPart(line[end]) || line[end] == '.')) {
       ++end;
     }
   }
@@ -147,7 +147,7 @@ class MacroTable::Expansion {
     // the result may end in the name of a function-like macro whose arguments follow
     while (!hasFailed_) {
       std::size_t begin = result.size();
-      while (begin > 0 && isIdentifierPart(result[begin - 1])) {
+      while (begin > 0 && isWordPart(result[begin - 1])) {
         --begin;
       }
       const Macro* last = table_.find(std::string_view(result).substr(begin));
@@ -179,10 +179,17 @@ class MacroTable::Expansion {
     std::size_t i = text.find('(', position) + 1;
     std::size_t argumentBegin = i;
     int depth = 1;
+    bool hasOpenQuote = false;
     while (i < text.size() && depth > 0) {
       const char c = text[i];
       if (c == '"') {
         i = std::max(stringLiteralEnd(text, i), i + 1);
+        continue;
+      }
+      if (c == '\'') {
+        // without a partner on the line it hides the rest of the line
+        hasOpenQuote = text.find('\'', i + 1) == std::string_view::npos;
+        i = hasOpenQuote ? text.size() : text.find('\'', i + 1) + 1;
         continue;
       }
       depth += c == '(' ? 1 : (c == ')' ? -1 : 0);
@@ -194,7 +201,9 @@ class MacroTable::Expansion {
     }
     if (depth > 0) {
       report("expected ')' while reading the arguments of the macro '" + macro.name + "', found the end of the line",
-             "the arguments of a macro must stand on one line; a '\\' at the end of a line joins the next line to it",
+             hasOpenQuote ? "a ' without a partner hides the ')' behind it: remove it"
+                          : "the arguments of a macro must stand on one line; a '\\' at the end of a line joins the "
+                            "next line to it",
              false);
       return false;
     }

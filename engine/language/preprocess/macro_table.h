@@ -74,6 +74,13 @@ class MacroTable {
 [[nodiscard]] constexpr bool isIdentifierPart(char c) {
   return isIdentifierStart(c) || isDigit(c);
 }
+/// Letters of a word of the preprocessor: it counts `$` among the letters.
+[[nodiscard]] constexpr bool isWordStart(char c) {
+  return isIdentifierStart(c) || c == '$';
+}
+[[nodiscard]] constexpr bool isWordPart(char c) {
+  return isWordStart(c) || isDigit(c);
+}
 [[nodiscard]] constexpr bool isBlank(char c) {
   return c == ' ' || c == '\t';
 }
@@ -82,7 +89,7 @@ class MacroTable {
 /// so that a quote used as a symbol begins no string.
 [[nodiscard]] std::size_t stringLiteralEnd(std::string_view line, std::size_t begin);
 
-/// The end of the identifier or number that starts at `begin`; `begin` when there is none.
+/// The end of the word of the preprocessor, a name or a number, that starts at `begin`; `begin` when there is none.
 [[nodiscard]] std::size_t wordEnd(std::string_view line, std::size_t begin);
 
 [[nodiscard]] std::string_view trimBlanks(std::string_view text);

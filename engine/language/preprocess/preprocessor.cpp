@@ -50,11 +50,11 @@ class Preprocessor {
 
  private:
   void defineFromCaller(const std::string& name, const std::string& value, bool isFixed) {
-    if (wordEnd(name, 0) != name.size() || name.empty() || !isIdentifierStart(name.front())) {
+    if (wordEnd(name, 0) != name.size() || name.empty() || !isWordStart(name.front())) {
       result_.diagnostics.add({isFixed ? core::Severity::Error : core::Severity::Warning,
                                "'" + name + "' cannot be defined: it is not a macro name",
                                {},
-                               "a name consists of letters, digits and '_' and does not start with a digit"});
+                               "a name consists of letters, digits, '_' and '$', and does not start with a digit"});
       return;
     }
     Macro macro;
@@ -288,7 +288,7 @@ class Preprocessor {
     }
     const std::size_t begin = position;
     position = wordEnd(line.text, begin);
-    if (position == begin || !isIdentifierStart(line.text[begin])) {
+    if (position == begin || !isWordStart(line.text[begin])) {
       const bool isAtEnd = begin >= line.text.size();
       error(file, line.offsetOf(begin), 1,
             "expected a name while reading #" + directive + ", found " +
@@ -384,7 +384,7 @@ class Preprocessor {
     while (position <= close) {
       const std::size_t end = std::min(line.text.find(',', position), close);
       const std::string name(trimBlanks(std::string_view(line.text).substr(position, end - position)));
-      if (name.empty() || !isIdentifierStart(name.front()) || wordEnd(name, 0) != name.size()) {
+      if (name.empty() || !isWordStart(name.front()) || wordEnd(name, 0) != name.size()) {
         error(file, line.offsetOf(position), end - position,
               "expected a parameter name while reading the macro '" + macro.name + "', found '" + name + "'", "");
         return false;

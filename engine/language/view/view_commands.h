@@ -81,6 +81,10 @@ void readMovement(ViewCommandContext& context, files::Movement::Kind kind);
 /// Reads the line of a `texture:` (docs/model-files.md, 11.3) and its picture.
 void readTexture(ViewCommandContext& context);
 
+/// Reads the line of a `background scene:` (docs/model-files.md, 11.4) and its files, which replace those of an earlier
+/// command.
+void readBackground(ViewCommandContext& context);
+
 /// Reads the line of a `light:` (docs/model-files.md, 4.4). A wrong line gives a warning and no
 /// light.
 void readLight(ViewCommandContext& context);

@@ -246,12 +246,17 @@ bool texture(Context& c) {
   return true;
 }
 
+bool backgroundScene(Context& c) {
+  readBackground(c);
+  return true;
+}
+
 constexpr std::array kFileCommands = {
     ViewCommand{"contour:", contour},   ViewCommand{"surface:", surface},
     ViewCommand{"line:", surface},      ViewCommand{"tsurface:", triangleSurface},
     ViewCommand{"function:", function}, ViewCommand{"function set:", functionSet},
     ViewCommand{"curve:", curve},       ViewCommand{"blob:", blob},
-    ViewCommand{"texture:", texture},
+    ViewCommand{"texture:", texture},   ViewCommand{"background scene:", backgroundScene},
 };
 
 }  // namespace

@@ -379,11 +379,6 @@ bool passLine(Context& c) {
   c.lexer.skipLine();
   return true;
 }
-// commands whose files our pictures do not show
-bool backgroundScene(Context& c) {
-  c.report.note(c.lexer.commandRange(), "the background scene is not drawn; an environment may still read its file");
-  return passLine(c);
-}
 bool rayshadeObjects(Context& c) {
   c.report.note(c.lexer.commandRange(), "the objects are not used: no scene for Rayshade is written");
   return passLine(c);
@@ -439,7 +434,6 @@ constexpr std::array kValueCommands = {
     ViewCommand{"surface ambient:", passNumber},
     ViewCommand{"surface diffuse:", passNumber},
     ViewCommand{"shadow map:", passLine},
-    ViewCommand{"background scene:", backgroundScene},
     ViewCommand{"font:", passLine},
     ViewCommand{"winfont:", passLine},
     ViewCommand{"PS linecap:", lineCap},

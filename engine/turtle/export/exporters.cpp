@@ -4,6 +4,7 @@
 #include <array>
 #include <cctype>
 
+#include "engine/turtle/export/background_drawing.h"
 #include "engine/turtle/export/mesh/glb.h"
 #include "engine/turtle/export/mesh/obj.h"
 #include "engine/turtle/export/mesh/ply.h"
@@ -47,13 +48,19 @@ std::optional<std::string> exportPng(const PlacedScenes& placed, const ExportTar
   return writePng(renderPlaced(placed, options, target.progress), target.sink, options.maximumColours);
 }
 
-// the entry of a format that holds copies of scenes
-template <std::optional<std::string> (*kWrite)(const PlacedScenes&, const ExportTarget&)>
+// the entry of a format that holds copies of scenes; one for looking at also shows the view file's background scene
+template <std::optional<std::string> (*kWrite)(const PlacedScenes&, const ExportTarget&), bool kShowsBackground = true>
 constexpr ExportFormat placedFormat(std::string_view name, std::string_view suffix, std::string_view summary) {
   ExportFormat format{name, suffix, summary, nullptr};
   format.write = [](const ExportInput& input, const ExportTarget& target) {
     const ScenePlacement here;
-    return kWrite({{&input, 1}, {&here, 1}}, target);
+    if (!kShowsBackground || input.view.background == nullptr) {
+      return kWrite({{&input, 1}, {&here, 1}}, target);
+    }
+    const BackgroundDrawing background(*input.view.background);
+    const std::array scenes{input, background.input(input)};
+    const std::array placements{here, ScenePlacement{.scene = 1}};
+    return kWrite({scenes, placements}, target);
   };
   format.writePlaced = kWrite;
   return format;
@@ -72,8 +79,8 @@ constexpr std::array kFormats = {
     ExportFormat{"ps", ".ps", "the same with another suffix", exportPostScript},
     placedFormat<exportGlb>("glb", ".glb", "meshes, materials and repeated organs (binary glTF 2.0)"),
     placedFormat<exportObj>("obj", ".obj", "triangles and quads for 3-D programs, with a .mtl of colours"),
-    placedFormat<exportPly>("ply", ".ply", "a mesh whose vertices know plant, module and order (binary)"),
-    placedFormat<exportStl>("stl", ".stl", "triangles only, for printing (binary)"),
+    placedFormat<exportPly, false>("ply", ".ply", "a mesh whose vertices know plant, module and order (binary)"),
+    placedFormat<exportStl, false>("stl", ".stl", "triangles only, for printing (binary)"),
     usdaFormat(),
     ExportFormat{"mtg", ".mtg", "a multiscale tree graph with geometry, for plant science", writeMtg, nullptr,
                  ExportSource::Modules},

@@ -136,10 +136,14 @@ void Interpretation::communicate(const Sequence& sequence, std::uint64_t i, std:
   // the next module as written; of a pair (~x, @x) the second, which carries the parameters
   std::uint64_t next = i + 1;
   std::uint64_t nextOffset = offset + arity;
+  char pair = '\0';
   if (next + 1 < sequence.count && program_.arity[sequence.types[next]] == 0) {
     const char character = characterOf(sequence.types[next]);
-    next += character == '~' || character == '@' ? 1U : 0U;
+    const bool isPair = character == '~' || character == '@';
+    next += isPair ? 1U : 0U;
+    pair = isPair ? character : '\0';
   }
+  batch.followingPair.push_back(pair);
   if (batch.followingOffset.empty()) {
     batch.followingOffset.push_back(0);
   }

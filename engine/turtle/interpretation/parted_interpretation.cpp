@@ -52,6 +52,7 @@ void appendQueries(QueryBatch& to, const QueryBatch& from, std::size_t begin, st
   appendOffsets(to.parameterOffset, from.parameterOffset, begin, end, to.parameters.size());
   appendRange(to.parameters, from.parameters, from.parameterOffset[begin], from.parameterOffset[end]);
   appendRange(to.following, from.following, begin, end);
+  appendRange(to.followingPair, from.followingPair, begin, end);
   appendOffsets(to.followingOffset, from.followingOffset, begin, end, to.followingParameters.size());
   if (!from.followingParameters.empty()) {
     appendRange(to.followingParameters, from.followingParameters, from.followingOffset[begin],

@@ -30,6 +30,15 @@ constexpr std::size_t kMostParameters = 20;
 constexpr std::size_t kLongestAnswer = 1'000'000;
 constexpr std::string_view kReady = "\x01";
 
+bool isExecutable(const std::filesystem::path& path) {
+  std::error_code error;
+  return std::filesystem::is_regular_file(path, error) && ::access(path.c_str(), X_OK) == 0;
+}
+
+std::string folderOfFile(const std::string& file) {
+  return std::filesystem::path(file).parent_path().string();
+}
+
 /// A word as the shell reads it unchanged.
 std::string quoted(const std::string& word) {
   std::string text = "'";
@@ -43,18 +52,72 @@ std::string fileNameOf(const std::string& path) {
   return std::filesystem::path(path).filename().string();
 }
 
-/// `cd FOLDER && exec PROGRAM -e FILE ARGUMENTS`
-std::string shellCommand(const std::vector<std::string>& words, const std::string& fieldFile) {
+/// A file in the folder of temporary files, removed with its owner.
+class TemporaryFile {
+ public:
+  explicit TemporaryFile(std::string path) : path_(std::move(path)) {}
+  TemporaryFile(TemporaryFile&& other) noexcept : path_(std::exchange(other.path_, {})) {}
+  TemporaryFile& operator=(TemporaryFile&&) = delete;
+  ~TemporaryFile() {
+    if (!path_.empty()) {
+      ::unlink(path_.c_str());
+    }
+  }
+  [[nodiscard]] const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
+/// Writes an `.e` file; nothing when that fails.
+std::optional<TemporaryFile> writeTemporary(const std::string& text) {
+  std::error_code error;
+  // the program runs in another folder
+  const std::filesystem::path folder = std::filesystem::absolute(std::filesystem::temp_directory_path(error), error);
+  std::string path = (folder / "espalier-XXXXXX.e").string();
+  const Descriptor file(::mkstemps(path.data(), 2));
+  if (file.number() < 0) {
+    return std::nullopt;
+  }
+  TemporaryFile result(path);
+  const bool isWritten = ::write(file.number(), text.data(), text.size()) == static_cast<ssize_t>(text.size());
+  return isWritten ? std::optional(std::move(result)) : std::nullopt;
+}
+
+/// The command of a program, with the files that it needs while it runs.
+struct ProgramCommand {
+  std::string text;  // cd FOLDER && exec PROGRAM -e FILE ARGUMENTS
+  std::vector<TemporaryFile> files;
+};
+
+/// The command of `words`. A program reads the `.e` file behind `-e`, too, and fails when that names another
+/// communication type than pipes. It then gets a copy that names pipes. A sentence when a copy cannot be written.
+tl::expected<ProgramCommand, std::string> commandOf(std::vector<std::string> words, const std::string& fieldFile,
+                                                    core::FileProvider& files) {
   const std::filesystem::path folder = std::filesystem::path(fieldFile).parent_path();
-  std::string text = folder.empty() ? std::string() : "cd " + quoted(folder.string()) + " && ";
-  text += "exec " + quoted(words.front());
   if (words.size() < 2 || words[1] != "-e") {
-    text += " -e " + quoted(fileNameOf(fieldFile));
+    words.insert(words.begin() + 1, {"-e", fileNameOf(fieldFile)});
   }
-  for (std::size_t i = 1; i < words.size(); ++i) {
-    text += " " + quoted(words[i]);
+  ProgramCommand command;
+  for (std::size_t i = 1; i + 1 < words.size(); ++i) {
+    const auto text = words[i] == "-e" ? files.read(environment::besideFile(fieldFile, words[i + 1])) : std::nullopt;
+    const auto forPipes = text ? environment::textForPipes(*text) : std::nullopt;
+    if (forPipes) {
+      auto copy = writeTemporary(*forPipes);
+      if (!copy) {
+        return tl::unexpected("cannot write a copy of '" + words[i + 1] +
+                              "' for pipes: check that the folder of temporary files can be written, or write "
+                              "'communication type: pipes' in the file");
+      }
+      words[i + 1] = copy->path();
+      command.files.push_back(std::move(*copy));
+    }
   }
-  return text;
+  command.text = (folder.empty() ? std::string() : "cd " + quoted(folder.string()) + " && ") + "exec";
+  for (const std::string& word : words) {
+    command.text += " " + quoted(word);
+  }
+  return command;
 }
 
 /// One number as `%g` prints it.
@@ -76,11 +139,13 @@ void appendModule(std::string& text, std::string_view name, std::span<const doub
 }
 
 /// A line of the turtle, by a format that readEnvironmentFile checked: conversions of real numbers only, at most three.
+/// The published library rounds the numbers to 32-bit floats before it prints them.
 void appendTurtleLine(std::string& text, const std::string& format, double x, double y, double z) {
   char printed[4000];
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wformat-nonliteral"
-  const int length = std::snprintf(printed, sizeof(printed), format.c_str(), x, y, z);
+  const auto rounded = [](double value) { return static_cast<double>(static_cast<float>(value)); };
+  const int length = std::snprintf(printed, sizeof(printed), format.c_str(), rounded(x), rounded(y), rounded(z));
 #pragma GCC diagnostic pop
   text.append(printed, static_cast<std::size_t>(std::clamp<int>(length, 0, sizeof(printed) - 1)));
   text += '\n';
@@ -88,7 +153,7 @@ void appendTurtleLine(std::string& text, const std::string& format, double x, do
 
 class LegacyProcess final : public turtle::EnvironmentProcess {
  public:
-  LegacyProcess(environment::EnvironmentFile field, std::string command, std::chrono::milliseconds stepTimeout)
+  LegacyProcess(environment::EnvironmentFile field, ProgramCommand command, std::chrono::milliseconds stepTimeout)
       : field_(std::move(field)), command_(std::move(command)), stepTimeout_(stepTimeout) {}
 
   ~LegacyProcess() override { sayGoodbye(); }
@@ -96,7 +161,7 @@ class LegacyProcess final : public turtle::EnvironmentProcess {
   [[nodiscard]] turtle::EnvironmentDescription describe() const override {
     turtle::EnvironmentDescription description;
     description.name = field_.program;
-    description.summary = "The program '" + field_.program + "' of the field, in a process of its own.";
+    description.summary = "The published program '" + field_.program + "', in a process of its own.";
     description.needs = {.position = !field_.printed[0].empty(),
                          .heading = !field_.printed[1].empty(),
                          .left = !field_.printed[2].empty(),
@@ -140,7 +205,7 @@ class LegacyProcess final : public turtle::EnvironmentProcess {
 
  private:
   [[nodiscard]] std::optional<EnvironmentError> start() {
-    auto started = ChildProcess::start(command_);
+    auto started = ChildProcess::start(command_.text);
     if (!started) {
       return EnvironmentError{"environment program " + started.error(), false};
     }
@@ -194,23 +259,18 @@ class LegacyProcess final : public turtle::EnvironmentProcess {
         }
       }
       const bool isLast = end == count;
-      chunk += controlLine((first == 0 ? kFirstChunk : 0) | (isLast ? kLastChunk : 0), queries.step);
+      chunk += controlLine((first == 0 ? kFirstChunk : 0) | (isLast ? kLastChunk : 0), isLast ? queries.step : 0);
       if (auto error = write(chunk, queries.step)) {
         return error;
       }
-      // answers may come at any time; after a chunk that is not the last the program has its turn once
+      // the program answers every chunk with one; after the last its chunks follow one another up to its own last.
+      // A line sent between them would make one chunk too many
       int flags = 0;
-      if (auto error = readChunk(queries, replies, flags)) {
-        return error;
-      }
-      while (isLast && (flags & kLastChunk) == 0) {
-        if (auto error = write(controlLine(0, queries.step), queries.step)) {
-          return error;
-        }
+      do {
         if (auto error = readChunk(queries, replies, flags)) {
           return error;
         }
-      }
+      } while (isLast && (flags & kLastChunk) == 0);
     }
     return std::nullopt;
   }
@@ -222,13 +282,17 @@ class LegacyProcess final : public turtle::EnvironmentProcess {
     text += std::to_string(identifierOf(queries, query)) + " ";
     appendModule(text, symbols_[queries.symbol[query]].substr(0, 4), parameters);
     if (field_.formats.isFollowingSent && !queries.following.empty() && queries.following[query] != core::kNoSymbol) {
-      appendModule(text, symbols_[queries.following[query]].substr(0, 4), queries.followingParametersOf(query));
+      // the two-character names ~x and @x have both characters, other names at most four
+      const char pair = queries.followingPair.empty() ? '\0' : queries.followingPair[query];
+      const std::string& name = symbols_[queries.following[query]];
+      appendModule(text, pair == '\0' ? name.substr(0, 4) : std::string(1, pair) + name.substr(0, 1),
+                   queries.followingParametersOf(query));
     }
     text += '\n';
     if (parameters.size() > kMostParameters || text.size() - begin > kLongestLine) {
       return failure(queries.step, "cannot be sent a module of " + std::to_string(parameters.size()) + " parameters (" +
                                        std::to_string(text.size() - begin) +
-                                       " characters): the field's programs read at most " +
+                                       " characters): the published programs read at most " +
                                        std::to_string(kMostParameters) + " and lines of " +
                                        std::to_string(kLongestLine) + ". Give the communication module fewer.");
     }
@@ -259,7 +323,9 @@ class LegacyProcess final : public turtle::EnvironmentProcess {
                                                           turtle::ReplyBatch& replies, int& flags) {
     std::string line;
     while (true) {
-      const LineChannel::Status status = channel_->readLine(line, deadline_);
+      // a program that never stops writing is late, too
+      const LineChannel::Status status =
+          Clock::now() > deadline_ ? LineChannel::Status::Timeout : channel_->readLine(line, deadline_);
       if (status != LineChannel::Status::Done) {
         return failureOf(status, queries.step);
       }
@@ -277,10 +343,12 @@ class LegacyProcess final : public turtle::EnvironmentProcess {
       }
       if (text.starts_with("Control:")) {
         const auto numbers = environment::readPublishedNumbers(text.substr(8));
-        flags = numbers.empty() ? kLastChunk : static_cast<int>(numbers[0]);
-        return std::nullopt;
+        if (!numbers.empty() && numbers[0] >= 0.0 && numbers[0] < 256.0) {
+          flags = static_cast<int>(numbers[0]);
+          return std::nullopt;
+        }
       }
-      if (!applyAnswer(text, queries, replies)) {
+      if (text.starts_with("Control:") || !applyAnswer(text, queries, replies)) {
         return failure(queries.step,
                        "answered '" + std::string(text.substr(0, 80)) +
                            "', which is no answer: expected '<id> E(value,,value)' for a module that was "
@@ -341,14 +409,16 @@ class LegacyProcess final : public turtle::EnvironmentProcess {
 
   [[nodiscard]] EnvironmentError failureOf(LineChannel::Status status, std::uint64_t step) {
     if (status == LineChannel::Status::Timeout) {
-      return failure(step, "did not answer within " + std::to_string(stepTimeout_.count()) + " ms.");
+      return failure(step,
+                     "did not answer within " + std::to_string(stepTimeout_.count()) +
+                         " ms: expected '<id> E(value,,value)' for each module, and 'Control: 4' behind the last.");
     }
     if (status == LineChannel::Status::Overflow) {
       return failure(step, "sent a line of more than " + std::to_string(kLongestAnswer) + " bytes.");
     }
     const std::string fate = child_->process.fate();
     return failure(step, (fate.empty() ? "closed its output" : fate) +
-                             " before it had answered. Run it by hand to see why: " + command_);
+                             " before it had answered. Run it by hand to see why: " + command_.text);
   }
 
   [[nodiscard]] EnvironmentError failure(std::uint64_t step, const std::string& what) const {
@@ -361,7 +431,7 @@ class LegacyProcess final : public turtle::EnvironmentProcess {
   }
 
   environment::EnvironmentFile field_;
-  std::string command_;
+  ProgramCommand command_;
   std::chrono::milliseconds stepTimeout_;
   std::vector<std::string> symbols_;
   std::unique_ptr<ChildProcess::Started> child_;  // null: not running
@@ -374,14 +444,18 @@ class LegacyProcess final : public turtle::EnvironmentProcess {
 
 }  // namespace
 
+bool isProgramIn(const std::string& program, const std::string& folder) {
+  namespace fs = std::filesystem;
+  return isExecutable(fs::path(program).is_absolute() ? fs::path(program) : fs::path(folder) / program);
+}
+
 bool isExecutableThere(const std::string& program, const std::string& folder) {
   namespace fs = std::filesystem;
-  const auto isExecutable = [](const fs::path& path) {
-    std::error_code error;
-    return fs::is_regular_file(path, error) && ::access(path.c_str(), X_OK) == 0;
-  };
+  if (isProgramIn(program, folder)) {
+    return true;
+  }
   if (program.find('/') != std::string::npos) {
-    return isExecutable(fs::path(program).is_absolute() ? fs::path(program) : fs::path(folder) / program);
+    return false;
   }
   const char* const variable = std::getenv("PATH");
   std::string_view paths = variable == nullptr ? "" : variable;
@@ -425,8 +499,16 @@ environment::ProcessOrErrors makeLegacyProcess(const std::string& fieldFile, cor
   if (!errors.empty()) {
     return tl::unexpected(std::move(errors));
   }
-  std::string command = shellCommand(field.command, fieldFile);
-  return std::make_unique<LegacyProcess>(std::move(field), std::move(command), options.stepTimeout);
+  // a program in the folder needs no path
+  std::string& program = field.command.front();
+  if (program.find('/') == std::string::npos && isProgramIn(program, folderOfFile(fieldFile))) {
+    program = "./" + program;
+  }
+  auto command = commandOf(field.command, fieldFile, files);
+  if (!command) {
+    return tl::unexpected(std::vector{core::Diagnostic{core::Severity::Error, command.error(), field.executable, {}}});
+  }
+  return std::make_unique<LegacyProcess>(std::move(field), std::move(*command), options.stepTimeout);
 }
 
 }  // namespace espalier::server

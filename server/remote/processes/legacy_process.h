@@ -19,7 +19,8 @@ struct LegacyProcessOptions {
 /// speaks as its `.e` file says (Mech 1997, "Modeling and Simulation of the Interaction of Plants with the Environment
 /// using L-systems and their Extensions", appendix on the communication library). The program runs in the folder of
 /// `fieldFile` and is started with the first queries. Every number is exchanged as text, with the formats of the file.
-/// Geometry of following modules is not sent.
+/// Geometry of following modules is not sent. A file that names another communication type than pipes is handed to the
+/// program as a copy that names pipes.
 ///
 /// A program that ends early, is silent beyond `stepTimeout` or answers wrongly fails the step. The next step starts it
 /// anew. A program with memory has then lost its state, and the error says so. The state of such a program cannot be
@@ -30,8 +31,10 @@ struct LegacyProcessOptions {
                                                              const LegacyProcessOptions& options,
                                                              std::vector<core::Diagnostic>& warnings);
 
-/// Whether the program of a command can be started: a path that leads to an executable file from `folder`, or a name on
-/// the PATH.
+/// Whether a path that begins in `folder` leads to an executable file.
+[[nodiscard]] bool isProgramIn(const std::string& program, const std::string& folder);
+
+/// Whether the program of a command can be started: it is in `folder`, or is a name on the PATH.
 [[nodiscard]] bool isExecutableThere(const std::string& program, const std::string& folder);
 
 }  // namespace espalier::server

@@ -58,7 +58,9 @@ TEST(ConformanceModels, FewGiveWarnings) {
     input.compatibility = core::Compatibility::Cpfg;
     const CompileResult result = compile(input, files);
     for (const core::Diagnostic& diagnostic : result.diagnostics.entries()) {
-      count += diagnostic.location.file == input.modelFile ? 1U : 0U;
+      // two cases are about characters that are skipped
+      const bool isSkip = diagnostic.message.find("no meaning in expressions") != std::string::npos;
+      count += diagnostic.location.file == input.modelFile && !isSkip ? 1U : 0U;
       all += core::formatDiagnostic(diagnostic) + "\n";
     }
   }

@@ -17,6 +17,7 @@ QueryBatch mixedQueries() {
   batch.parameterOffset = {0, 2, 3, 4, 7};
   batch.parameters = {1, 7, 2, 3, 4, 8, 9};
   batch.following = {5, 6, 7, 8};
+  batch.followingPair = {'@', 0, '~', 0};
   batch.followingOffset = {0, 1, 1, 3, 4};
   batch.followingParameters = {10, 30, 31, 40};
   return batch;
@@ -31,6 +32,7 @@ TEST(QueryBatches, SelectionAndMergeLoseNothing) {
   EXPECT_EQ(part.parameters, (std::vector<double>{8, 9, 7}));
   EXPECT_EQ(part.parameterOffset, (std::vector<std::uint64_t>{0, 2, 3}));
   EXPECT_EQ(part.following, (std::vector<core::SymbolId>{8, 5}));
+  EXPECT_EQ(part.followingPair, (std::vector<char>{0, '@'}));
   EXPECT_EQ(part.followingParameters, (std::vector<double>{40, 10}));
   ReplyBatch partReplies;
   partReplies.prepare(part);

@@ -33,7 +33,9 @@ class PlacedGeometry {
     for (const ScenePlacement& placement : placements_) {
       ESPALIER_CHECK(placement.scene < scenes_.size() && placement.scale > 0.0);
       firstParts_.push_back(firstParts_.back() + scenes_[placement.scene].geometry.partCount());
+      framedPartCount_ = placed.scenes[placement.scene].isBackground ? framedPartCount_ : firstParts_.back();
     }
+    framedPartCount_ = framedPartCount_ == 0 ? partCount() : framedPartCount_;
   }
 
   /// The data of one scene in a picture.
@@ -53,6 +55,8 @@ class PlacedGeometry {
 
   [[nodiscard]] std::deque<SceneParts>& scenes() { return scenes_; }
   [[nodiscard]] std::size_t partCount() const { return firstParts_.back(); }
+  /// Of the parts that a fitted picture shows whole; the parts of backgrounds stand behind them.
+  [[nodiscard]] std::size_t framedPartCount() const { return framedPartCount_; }
   [[nodiscard]] Item item(std::size_t index) const {
     // the last copy that begins at or before it
     const auto after = std::upper_bound(firstParts_.begin(), firstParts_.end(), index);
@@ -63,7 +67,8 @@ class PlacedGeometry {
 
  private:
   std::span<const ScenePlacement> placements_;
-  std::deque<SceneParts> scenes_;        // which do not move
+  std::deque<SceneParts> scenes_;  // which do not move
+  std::size_t framedPartCount_ = 0;
   std::vector<std::size_t> firstParts_;  // number of each copy's first part; behind them their count (copyCount + 1)
 };
 
@@ -84,7 +89,7 @@ Projection chosenProjection(const PlacedGeometry& geometry, const files::ViewSet
   Projection projection(view);
   if (projection.isPerspective() && options.framing == PictureFraming::Fitted) {
     std::atomic<bool> isClear{true};
-    forParts(team, geometry.partCount(), 4096, [&](std::size_t part, std::size_t) {
+    forParts(team, geometry.framedPartCount(), 4096, [&](std::size_t part, std::size_t) {
       const PlacedGeometry::Item item = geometry.item(part);
       if (isClear && !item.scene.geometry.isVisible(item.part, item.placement, projection)) {
         isClear = false;
@@ -99,8 +104,8 @@ Projection chosenProjection(const PlacedGeometry& geometry, const files::ViewSet
 
 PictureBounds boundsOf(const PlacedGeometry& geometry, const Projection& projection, core::WorkerTeam& team) {
   constexpr std::size_t kParts = 4096;
-  std::vector<PictureBounds> bounds((geometry.partCount() + kParts - 1) / kParts);
-  forParts(team, geometry.partCount(), kParts, [&](std::size_t part, std::size_t task) {
+  std::vector<PictureBounds> bounds((geometry.framedPartCount() + kParts - 1) / kParts);
+  forParts(team, geometry.framedPartCount(), kParts, [&](std::size_t part, std::size_t task) {
     const PlacedGeometry::Item item = geometry.item(part);
     if (!projection.isPerspective() || item.scene.geometry.isVisible(item.part, item.placement, projection)) {
       item.scene.geometry.include(item.part, item.placement, projection, bounds[task]);

@@ -52,6 +52,16 @@ std::string sgiHeader(int storage, int dimensions, int width, int height, int ch
   return bytes;
 }
 
+// a Utah header of 8 bits a channel with a background of 1, 2, 3, without maps and comment
+std::string utahHeader(int flags, int width, int height, int channels) {
+  std::string bytes("\x52\xcc\0\0\0\0\0\0\0\0\0\0\x08\0\0", 15);
+  bytes[6] = static_cast<char>(width);
+  bytes[8] = static_cast<char>(height);
+  bytes[10] = static_cast<char>(flags);
+  bytes[11] = static_cast<char>(channels);
+  return bytes + ((flags & 2) != 0 ? std::string(1, '\0') : std::string("\1\2\3").substr(0, channels == 1 ? 1 : 3));
+}
+
 std::string tgaHeader(int kind, int width, int height, int bits, int order) {
   std::string bytes(18, '\0');
   bytes[2] = static_cast<char>(kind);
@@ -184,7 +194,7 @@ TEST(ImageFile, ATgaPictureIsBlueGreenRedFromTheBottomUnlessItSaysOtherwise) {
 }
 
 TEST(ImageFile, AnUnknownFormatIsAnErrorThatNamesTheKnownOnes) {
-  const std::string kinds = "the format is unknown; use PNG, JPEG, SGI (.rgb), PNM or TGA";
+  const std::string kinds = "the format is unknown; use PNG, JPEG, SGI (.rgb), Utah (.rle), PNM or TGA";
   EXPECT_EQ(problemOf("a.bmp", "BM..."), kinds);
   EXPECT_EQ(problemOf("a.rle", ""), kinds);
   EXPECT_TRUE(problemOf("a.png", fileText("python.png").substr(0, 900)).starts_with("the PNG picture is damaged: "));
@@ -192,6 +202,47 @@ TEST(ImageFile, AnUnknownFormatIsAnErrorThatNamesTheKnownOnes) {
   std::string broken = fileText("python.jpg");
   broken.replace(20, 60, 60, '\0');
   EXPECT_NE(problemOf("a.jpg", broken).find("JPEG picture"), std::string::npos);
+}
+
+TEST(UtahImage, RunsBytesAndSkipsAreRead) {
+  // bottom row: red 9 9 (a run), green 7 8 (bytes); the row above: blue from the second pixel on; a long operand
+  const std::string bytes = utahHeader(0, 2, 3, 3) + std::string("\x02\0\x06\x01\x09\0\x02\x01\x05\x01\x07\x08", 12) +
+                            std::string("\x41\0\x01\0\x02\x02\x03\x01\x05\0\x0b\0\x07\0", 14);
+  const Image image = imageOf("a.rle", bytes);
+  EXPECT_EQ(pixelAt(image, 0, 2), (std::array{9, 7, 3, 255}));
+  EXPECT_EQ(pixelAt(image, 1, 2), (std::array{9, 8, 3, 255}));
+  EXPECT_EQ(pixelAt(image, 0, 1), (std::array{1, 2, 3, 255}));
+  EXPECT_EQ(pixelAt(image, 1, 1), (std::array{1, 2, 11, 255}));
+  EXPECT_EQ(pixelAt(image, 1, 0), (std::array{1, 2, 3, 255}));
+}
+
+TEST(UtahImage, OpacityAndGreyAreRead) {
+  const std::string bytes =
+      utahHeader(2 | 4, 2, 1, 1) + std::string("\x02\0\x06\x01\x28\0\x02\xff\x05\0\x50\0\x07\0", 14);
+  const Image image = imageOf("grey", bytes);
+  EXPECT_EQ(pixelAt(image, 0, 0), (std::array{40, 40, 40, 80}));
+  EXPECT_EQ(pixelAt(image, 1, 0), (std::array{40, 40, 40, 0}));
+}
+
+TEST(UtahImage, ColourMapsAndCommentsArePassed) {
+  std::string bytes = utahHeader(2 | 8, 1, 1, 1);
+  bytes[13] = 3;  // maps of 2 entries
+  bytes[14] = 1;
+  for (const int value : {10, 20, 30, 40, 50, 60}) {
+    bytes += std::string(1, '\0') + static_cast<char>(value);
+  }
+  bytes += std::string("\x03\0abc\0", 6) + std::string("\x02\0\x05\0\x01\0\x07\0", 8);
+  EXPECT_EQ(pixelAt(imageOf("m.rle", bytes), 0, 0), (std::array{20, 40, 60, 255}));
+}
+
+TEST(UtahImage, DamagedFilesAreNamed) {
+  const std::string good = utahHeader(0, 2, 1, 3) + std::string("\x05\x01\x07\x08\x07\0", 6);
+  EXPECT_EQ(problemOf("a.rle", good.substr(0, good.size() - 2)), "the file ends before the picture is complete");
+  EXPECT_EQ(problemOf("a.rle", good.substr(0, good.size() - 3)), "the file ends before the picture is complete");
+  EXPECT_EQ(problemOf("a.rle", utahHeader(0, 2, 1, 3) + "\x09 "), "byte 20 of the Utah picture is no operation");
+  EXPECT_EQ(problemOf("a.rle", utahHeader(0, 2, 1, 2)), "the Utah picture has 2 channels; 1 and 3 are supported");
+  EXPECT_EQ(problemOf("a.rle", utahHeader(0, 0, 1, 3)), "the picture has no pixels");
+  EXPECT_EQ(problemOf("a.rle", "\x52\xcc"), "this is not a Utah picture of 8 bits a channel");
 }
 
 }  // namespace

@@ -98,12 +98,27 @@ TEST(Lexer, AnIntegerWithExponentIsNoNumber) {
   EXPECT_EQ(tokens[0].hint, "an exponent needs a decimal point before it: write 12.0e-5");
 }
 
-TEST(Lexer, LeadingUnderscoresOfIdentifiersAreDropped) {
-  const std::vector<Token> tokens = expressions("_y y_2 _");
-  ASSERT_EQ(tokens.size(), 3U);
-  EXPECT_EQ(tokens[0].text, "y");
-  EXPECT_EQ(tokens[1].text, "y_2");
-  EXPECT_EQ(tokens[2].kind, TokenKind::Invalid);
+TEST(Lexer, CharactersThatBeginNoTokenAreSkipped) {
+  const std::vector<Token> tokens = expressions("\\_y @#y_2 __ '3.\\,.5` . 7 | 8||9 ~$");
+  std::string text;
+  for (const Token& token : tokens) {
+    text += token.text + " ";
+  }
+  EXPECT_EQ(text, "y y_2 3. , .5 7 8 || 9 ");
+  SymbolTable table;
+  Lexer lexer("\\_y _ 1 ~", table);
+  EXPECT_EQ(lexer.peekExpression().range.begin, 2U);
+  EXPECT_TRUE(lexer.skipsBeforeToken());
+  EXPECT_TRUE(lexer.skipped().empty());  // a token that is only looked at may be read in another mode
+  lexer.advance();
+  static_cast<void>(lexer.peekExpression());
+  lexer.advance();
+  static_cast<void>(lexer.peekExpression());
+  lexer.advance();
+  ASSERT_EQ(lexer.skipped().size(), 3U);
+  EXPECT_EQ(lexer.skipped()[0].end, 2U);
+  EXPECT_EQ(lexer.skipped()[1].begin, 4U);
+  EXPECT_EQ(lexer.skipped()[2].begin, 8U);
 }
 
 TEST(Lexer, OperatorsAreLongestFirst) {

@@ -203,7 +203,9 @@ TEST(Parser, MistakesInExpressions) {
                       "has no parentheses",
                       "11:14: error: expected ':' while reading the condition of A(n), found '-->'",
                       "12:12: error: expected an expression while reading the successor of A(n), found 'if'",
-                      "13:14: error: expected ',' or ')' while reading the successor of A(n), found '$'"}));
+                      "13:16: error: expected ',' or ')' while reading the successor of A(n), found the number 2 | '$' "
+                      "before it is "
+                      "skipped: remove it"}));
 }
 
 TEST(Parser, MistakesInHeads) {
@@ -360,9 +362,7 @@ TEST(Parser, MistakesInTheFrame) {
       (Messages{
           "1:9: error: expected a label while reading the label of an L-system, found the end of the line | write "
           "'Lsystem: 1'",
-          "2:7: error: expected a module while reading the axiom, found the end of the line",
-          "3:1: error: expected a production while reading the productions after the axiom, found the keyword "
-          "'endlsystem' | every list has at least one production, as in 'A --> A'"}));
+          "2:7: error: expected a module while reading the axiom, found the end of the line"}));
   EXPECT_EQ(
       messagesOf("Lsystem: 1\nAxiom: A\nA --> B\n"),
       Messages{
@@ -386,10 +386,58 @@ TEST(Parser, MistakesOfSections) {
   EXPECT_EQ(
       messagesOf("Lsystem: 1\nStart: {a = 1;}\nStart: {a = 1;}\nAxiom: A\nA --> B\ndecomposition\nhomomorphism\nA --> "
                  "B\nendlsystem\n"),
-      (Messages{
-          "3:8: error: Start appears twice in one L-system | put the statements together",
-          "7:1: error: expected a production while reading the decomposition, found the keyword 'homomorphism' | every "
-          "list has at least one production, as in 'A --> A'"}));
+      (Messages{"3:8: error: Start appears twice in one L-system | put the statements together"}));
+  // an empty section counts, too
+  EXPECT_EQ(messagesOf("Lsystem: 1\nAxiom: A\nA --> B\ndecomposition\ndecomposition\nendlsystem\n"),
+            (Messages{"5:1: error: the decomposition appears twice in one L-system | put its productions together"}));
+}
+
+TEST(Parser, ProductionListsMayBeEmpty) {
+  for (const char* text : {"Lsystem: 1\nAxiom: A\n\nendlsystem\n", "Lsystem: 1\nAxiom: A\nendlsystem\n",
+                           "Lsystem: 1\nAxiom: A\nhomomorphism\nendlsystem\n",
+                           "Lsystem: 1\nAxiom: A\n/* none */\ndecomposition: no warnings\n   \nhomomorphism\n// "
+                           "none\nendlsystem\n",
+                           "Lsystem: 1\nAxiom: A\ndecomposition\nmaximum depth: 2\nhomomorphism\nmaximum depth: "
+                           "3\nseed: 5\nendlsystem",
+                           "Lsystem: 1\nAxiom: ?(2)A$\n#define X 1\nendlsystem\nLsystem: 2\nAxiom: "
+                           "B\n\ndecomposition\n\nhomomorphism\n\nendlsystem\n",
+                           "Syntax: free\nLsystem: 1\nAxiom: A;\nhomomorphism;\nendlsystem\n"}) {
+    for (const core::Compatibility mode :
+         {core::Compatibility::Espalier, core::Compatibility::Cpfg, core::Compatibility::CpfgBatch}) {
+      const CompileResult result = compileText(text, mode);
+      EXPECT_NE(result.program, nullptr) << text;
+      EXPECT_TRUE(result.diagnostics.entries().empty()) << text << messagesOf(text).front();
+    }
+  }
+}
+
+TEST(Parser, ExpressionsSkipCharactersThatBeginNoToken) {
+  const Messages found = messagesOf(
+      "Lsystem: 1\nderivation length: \\2\nAxiom: A(~1)\nA($x) : x @ < #3 && | x . > 0 {y = `_ \\x'; y = y;} --> "
+      "\\~|A(_x + 1) : 0.5 #\nendlsystem\n");
+  EXPECT_EQ(
+      found,
+      (Messages{"2:20: warning: the character '\\' has no meaning in expressions and is skipped | remove it",
+                "3:10: warning: the character '~' has no meaning in expressions and is skipped | remove it",
+                "4:3: warning: the character '$' has no meaning in expressions and is skipped | remove it",
+                "4:11: warning: the character '@' has no meaning in expressions and is skipped | remove it",
+                "4:15: warning: the character '#' has no meaning in expressions and is skipped | remove it",
+                "4:21: warning: the character '|' has no meaning in expressions and is skipped | write '||' for 'or'",
+                "4:25: warning: the character '.' has no meaning in expressions and is skipped | remove it",
+                "4:36: warning: the characters '`_' have no meaning in expressions and are skipped | remove them",
+                "4:39: warning: the character '\\' has no meaning in expressions and is skipped | remove it",
+                "4:41: warning: the character ''' has no meaning in expressions and is skipped | remove it",
+                "4:61: warning: the character '_' has no meaning in expressions and is skipped | a name begins with a "
+                "letter",
+                "4:75: warning: the character '#' has no meaning in expressions and is skipped | remove it"}));
+}
+
+TEST(Parser, TokensInTheWrongPlaceStayErrors) {
+  for (const char* expression : {"x & 1", "x \" 1", "x } 1", "1e5", "x ? 1", "x = 1"}) {
+    EXPECT_EQ(compileText("Lsystem: 1\nAxiom: A(1)\nA(x) --> A(" + std::string(expression) + ")\nendlsystem\n").program,
+              nullptr)
+        << expression;
+  }
 }
 
 TEST(Parser, AtMostFiftyErrorsAreKept) {

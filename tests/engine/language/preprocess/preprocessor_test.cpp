@@ -135,6 +135,23 @@ TEST(Preprocessor, OpenArgumentsAreAnError) {
                "arguments of a macro must stand on one line; a '\\' at the end of a line joins the next line to it"});
 }
 
+TEST(Preprocessor, AQuoteWithoutAPartnerHidesTheRestOfACall) {
+  EXPECT_EQ(problemsOf("#define F(a) a\nF(1 ' )\n"),
+            Messages{"2:1: error: expected ')' while reading the arguments of the macro 'F', found the end of the line "
+                     "| a ' without a partner hides the ')' behind it: remove it"});
+  EXPECT_EQ(textOf("#define F(a) <a>\n#define K 7\nF(x')' K) ' K\n"), "<x')' 7> ' 7\n");
+}
+
+TEST(Preprocessor, ADollarSignIsALetterOfNames) {
+  EXPECT_EQ(textOf("#define K 7\n#define a$ 8\n#define $ 9\n$K K$ 1$K #K @K a$ a $ K\n"), "$K K$ 1$K #7 @7 8 a 9 7\n");
+  EXPECT_EQ(textOf("#define K$ 1\n#ifdef K$\na\n#endif\n#if defined(K) || K\nb\n#endif\n#if K$\nc\n#endif\n"),
+            "a\nc\n");
+}
+
+TEST(Preprocessor, OnlyTheLastBackslashOfALineContinuesIt) {
+  EXPECT_EQ(textOf("#define F(x) \\\\\n\t(2 * x)\nF(3) a\\\\\nb \\\n\\ c\n"), "\\\t(2 * 3) a\\b \\ c\n");
+}
+
 TEST(Preprocessor, WrongDefinitionsAreErrors) {
   EXPECT_EQ(
       problemsOf("#define\n#define 3\n#define F(a\n#define G(1) x\n#define H(a,a) x\n#undef +\n"),
@@ -152,8 +169,8 @@ TEST(Preprocessor, ACallersNameThatIsNoNameIsAnError) {
   EXPECT_EQ(
       problemsOf("A\n", input),
       Messages{
-          "0:0: error: 'a-b' cannot be defined: it is not a macro name | a name consists of letters, digits and '_' "
-          "and does not start with a digit"});
+          "0:0: error: 'a-b' cannot be defined: it is not a macro name | a name consists of letters, digits, '_' and "
+          "'$', and does not start with a digit"});
 }
 
 // ---- conditionals

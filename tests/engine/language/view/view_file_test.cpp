@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include <limits>
 #include <map>
 #include <string>
@@ -255,9 +257,32 @@ TEST(ViewFile, PictureCommandsAreAcceptedSilently) {
 }
 
 TEST(ViewFile, FilesThatNoPictureShowsAreNamedWithTheConsequence) {
-  const ViewFileResult result = read("background scene: ground.txt\nrayshade objects: box.ray\n");
-  EXPECT_EQ(messages(result), (Texts{"1:1 the background scene is not drawn; an environment may still read its file",
-                                     "2:1 the objects are not used: no scene for Rayshade is written"}));
+  const ViewFileResult result = read("rayshade objects: box.ray\n");
+  EXPECT_EQ(messages(result), (Texts{"1:1 the objects are not used: no scene for Rayshade is written"}));
+}
+
+TEST(ViewFile, BackgroundScenesArePreprocessedAndJoined) {
+  const ViewFileResult result =
+      read("background scene: a.bg, b.bg; c.bg\nangle factor: 8\n",
+           {{"m/a.bg", "#define SIDE 2\nmaterial 0 0 0 1 1 0 0 1\nprism SIDE SIDE /* high */ SIDE\ngrass 1\n"},
+            {"m/b.bg", "sphere 1\n sphere\n"}});
+  EXPECT_EQ(messages(result),
+            (Texts{"4:1 unknown keyword 'grass': it is skipped",
+                   "2:2 'sphere' needs a radius, found 0 numbers: it is skipped",
+                   "1:1 the file 'm/c.bg' cannot be read; this part of the background is not drawn"}));
+  ASSERT_NE(result.settings.background, nullptr);
+  const files::BackgroundScene& scene = *result.settings.background;
+  ASSERT_EQ(scene.shapes.size(), 2U);
+  EXPECT_EQ(scene.shapes[0].vertices.at(7), (Vec3{2, 2, 2}));
+  EXPECT_EQ(scene.materials.at(scene.shapes[0].material).diffuse, (std::array<double, 3>{1, 0, 0}));
+  EXPECT_TRUE(scene.shapes[1].isSphere);
+  EXPECT_EQ(scene.materials.at(scene.shapes[1].material).diffuse, (std::array<double, 3>{0.8, 0.8, 0.8}));
+  EXPECT_EQ(result.settings.angleIncrementDegrees, 45.0);
+  // the files are kept with the model's sources
+  EXPECT_TRUE(std::ranges::any_of(result.sources, [](const auto& source) { return source.name == "m/b.bg"; }));
+  // a later command replaces an earlier one
+  const ViewFileResult later = read("background scene: b.bg\nbackground scene:\n", {{"m/b.bg", "sphere 1\n"}});
+  EXPECT_EQ(later.settings.background, nullptr);
 }
 
 TEST(ViewFile, FlagsAreOnOrOff) {

@@ -54,7 +54,7 @@ TEST(ViewTexture, AMistakeIsNamedAndTheNumberStaysTaken) {
                       "5:1: warning: the file 'm/none.png' cannot be read; surfaces with it are plain | the file is "
                       "looked for beside the view file",
                       "6:1: warning: the picture 'm/bad.png' of texture 6 cannot be used: the format is unknown; use "
-                      "PNG, JPEG, SGI (.rgb), PNM or TGA; surfaces with it are plain"}));
+                      "PNG, JPEG, SGI (.rgb), Utah (.rle), PNM or TGA; surfaces with it are plain"}));
   ASSERT_EQ(result.settings.textures.size(), 7U);
   EXPECT_EQ(result.settings.textures[5].image, nullptr);
   EXPECT_NE(result.settings.textures[6].image, nullptr);

@@ -113,6 +113,11 @@ TEST(InterpretationQueries, OfAPairTheSecondSymbolFollows) {
   EXPECT_EQ(run.queries.followingParametersOf(0).size(), 2U);
   EXPECT_EQ(run.program.symbols[run.queries.following[1]].name, "G");
   EXPECT_EQ(run.queries.following[2], core::kNoSymbol);
+  EXPECT_EQ(run.queries.followingPair, (std::vector<char>{'~', '@', '\0'}));
+  // a module with parameters is no first part of a pair
+  TurtleRun other("?E(1)@(3)?E(1)F?E(1)@");
+  other.pass({.following = true});
+  EXPECT_EQ(other.queries.followingPair, (std::vector<char>{'\0', '\0', '\0'}));
 }
 
 // in the compatible pass the width that is sent is the initial one, times the scale of sub-L-systems
