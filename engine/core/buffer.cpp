@@ -7,6 +7,8 @@
 #include <cstring>
 #include <new>
 
+#include "engine/core/work_meter.h"
+
 namespace espalier::core {
 namespace {
 
@@ -38,15 +40,17 @@ void* mapAligned(std::size_t size, int protection) {
 }  // namespace
 
 void* mapPages(std::size_t byteCount) {
+  if (byteCount > SIZE_MAX - 2 * kHugePageBytes) {
+    throw std::bad_alloc();
+  }
+  takeMemory(byteCount);
   if (byteCount < kMappedBytes) {
     void* memory = std::malloc(byteCount);
     if (memory == nullptr) {
+      giveMemory(byteCount);
       throw std::bad_alloc();
     }
     return memory;
-  }
-  if (byteCount > SIZE_MAX - 2 * kHugePageBytes) {
-    throw std::bad_alloc();
   }
   void* memory = mapAligned(mappedSize(byteCount), PROT_READ | PROT_WRITE);
   // only advice: without huge pages the first touch is slower
@@ -60,6 +64,7 @@ void* growPages(void* memory, std::size_t byteCount, std::size_t usedByteCount, 
       throw std::bad_alloc();
     }
     const std::size_t newSize = mappedSize(newByteCount);
+    takeMemory(newByteCount - byteCount);
     if (newSize == mappedSize(byteCount)) {
       return memory;
     }
@@ -88,6 +93,7 @@ void populatePages(void* memory, std::size_t byteCount) noexcept {
 }
 
 void unmapPages(void* memory, std::size_t byteCount) noexcept {
+  giveMemory(byteCount);
   if (byteCount < kMappedBytes) {
     std::free(memory);
   } else {

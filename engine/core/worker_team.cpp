@@ -3,6 +3,7 @@
 #include <atomic>
 
 #include "engine/core/check.h"
+#include "engine/core/work_meter.h"
 
 namespace espalier::core {
 
@@ -58,7 +59,18 @@ void WorkerTeam::work(unsigned worker) {
   }
 }
 
-void WorkerTeam::onEveryWorker(const std::function<void(unsigned)>& task) {
+void WorkerTeam::onEveryWorker(const std::function<void(unsigned)>& plainTask) {
+  // the threads work for the meter of the caller
+  WorkMeter* const meter = threads_.empty() ? nullptr : WorkMeter::current();
+  const std::function<void(unsigned)> meteredTask = [meter, &plainTask](unsigned worker) {
+    if (worker == 0) {
+      plainTask(worker);
+    } else {
+      const WorkMeter::Scope scope(meter);
+      plainTask(worker);
+    }
+  };
+  const std::function<void(unsigned)>& task = meter == nullptr ? plainTask : meteredTask;
   {
     const std::lock_guard lock(mutex_);
     task_ = &task;

@@ -3,6 +3,7 @@
 #include <set>
 #include <utility>
 
+#include "engine/core/work_meter.h"
 #include "engine/files/file_name.h"
 #include "engine/language/analyser.h"
 #include "engine/language/arithmetic.h"
@@ -110,6 +111,7 @@ void Analyser::resolveModules(const std::vector<ModuleSyntax>& modules, Scope& s
 // ---- expressions
 
 void Analyser::resolve(ExpressionIndex expression, Scope& scope) {
+  core::pollWork();
   ExpressionNode& node = at(expression);
   switch (node.kind) {
     case ExpressionKind::Name:

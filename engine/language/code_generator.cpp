@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "engine/core/number_text.h"
+#include "engine/core/work_meter.h"
 #include "engine/language/constant_evaluation.h"
 
 namespace espalier::language {
@@ -216,6 +217,7 @@ Production CodeGenerator::generateProduction(const ProductionSyntax& syntax) {
 void CodeGenerator::generateModules(const std::vector<ModuleSyntax>& syntax, std::vector<SuccessorModule>& modules,
                                     std::vector<Expression>& expressions) {
   for (const ModuleSyntax& module : syntax) {
+    core::pollWork();
     modules.push_back({module.type, static_cast<std::uint32_t>(expressions.size()), module.range});
     for (const ExpressionIndex parameter : module.parameters) {
       expressions.push_back(generateExpression(parameter));

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "engine/core/check.h"
+#include "engine/core/work_meter.h"
 #include "engine/files/file_name.h"
 #include "engine/language/arithmetic.h"
 #include "engine/language/code_generator.h"
@@ -230,6 +231,7 @@ void CodeGenerator::emitStore(const ExpressionNode& target) {
 // ---- expressions
 
 void CodeGenerator::emitExpression(ExpressionIndex index) {
+  core::pollWork();
   const ExpressionNode& node = at(index);
   if (values_[index].has_value()) {
     emitConstant(*values_[index], node.range);

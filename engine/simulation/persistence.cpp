@@ -88,6 +88,9 @@ Simulation::Implementation::Outcome Simulation::Implementation::restore(std::str
     return failed(std::move(*error));
   }
   SnapshotContent& content = std::get<SnapshotContent>(read);
+  if (auto error = sizeErrorOf(content, options_.limits)) {
+    return failed(std::move(*error));
+  }
   std::string problem = adoptPrograms(content, models_.programs(), options_.limits);
   if (problem.empty()) {
     problem = problemOfEnvironment(content);

@@ -242,6 +242,9 @@ std::string problemOfRun(const SnapshotContent& content) {
   if (content.completedSteps > kMostSteps) {
     return "no run has " + std::to_string(content.completedSteps) + " steps";
   }
+  if (content.members.empty()) {
+    return "it has no plant";
+  }
   for (std::size_t plant = 0; plant < content.members.size(); ++plant) {
     if (std::string problem = problemOfMember(content.members[plant], content.completedSteps); !problem.empty()) {
       return "plant " + std::to_string(plant) + ": " + problem;
@@ -287,6 +290,26 @@ std::string adoptPrograms(SnapshotContent& content, const Programs& programs, co
     }
   }
   return {};
+}
+
+std::optional<core::SimulationError> sizeErrorOf(const SnapshotContent& content, const core::Limits& limits) {
+  std::uint64_t modules = 0;
+  std::uint64_t bytes = 0;
+  for (const derivation::PlantState& plant : content.plants) {
+    modules += plant.string.size();
+    bytes += plant.string.bytes();
+  }
+  std::string what;
+  if (modules > limits.maximumModules) {
+    what = std::to_string(limits.maximumModules) + " modules together (limit maximumModules)";
+  } else if (bytes > limits.maximumStringBytes) {
+    what = std::to_string(limits.maximumStringBytes) + " bytes together (limit maximumStringBytes)";
+  } else {
+    return std::nullopt;
+  }
+  return core::SimulationError{
+      .code = core::SimulationErrorCode::LimitExceeded,
+      .message = "The strings of the new state have more than " + what + ". Use a smaller state, or raise the limit."};
 }
 
 }  // namespace espalier::simulation

@@ -18,4 +18,8 @@ namespace espalier::simulation {
 /// error sentence; empty: the content can run. O(bytes of the snapshot).
 [[nodiscard]] std::string adoptPrograms(SnapshotContent& content, const Programs& programs, const core::Limits& limits);
 
+/// The error of strings that are together larger than `limits` allow, or nothing. The content's counts are checked.
+[[nodiscard]] std::optional<core::SimulationError> sizeErrorOf(const SnapshotContent& content,
+                                                               const core::Limits& limits);
+
 }  // namespace espalier::simulation

@@ -105,16 +105,19 @@ class Clover final : public turtle::EnvironmentProcess {
     return writer.take();
   }
 
+  // of one cell in a saved state: half of what the type holds, so that a run can go on
+  static constexpr std::int64_t kMostLeaves = std::int64_t{1} << 30U;
+
   [[nodiscard]] std::optional<turtle::EnvironmentError> restore(std::string_view state) override {
     StateReader reader(state);
     std::vector<std::int32_t> leaves;
     while (reader.isIntact() && leaves.size() < leaves_.size()) {
       const std::uint64_t count = reader.integer();
-      const auto value = static_cast<std::int32_t>(static_cast<std::int64_t>(reader.integer()));
-      if (count == 0 || count > leaves_.size() - leaves.size()) {
+      const auto value = static_cast<std::int64_t>(reader.integer());
+      if (count == 0 || count > leaves_.size() - leaves.size() || value < -kMostLeaves || value > kMostLeaves) {
         break;
       }
-      leaves.insert(leaves.end(), static_cast<std::size_t>(count), value);
+      leaves.insert(leaves.end(), static_cast<std::size_t>(count), static_cast<std::int32_t>(value));
     }
     if (!reader.isComplete() || leaves.size() != leaves_.size()) {
       return turtle::EnvironmentError{

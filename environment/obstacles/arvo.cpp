@@ -178,15 +178,17 @@ class Arvo final : public turtle::EnvironmentProcess {
     }
     StateReader reader(state);
     std::vector<Capsule> added;
+    bool areFinite = true;
     const std::uint64_t count = reader.integer();
     for (std::uint64_t i = 0; i < count && reader.isIntact(); ++i) {
       Capsule one;
       for (double* number : {&one.a.x, &one.a.y, &one.a.z, &one.b.x, &one.b.y, &one.b.z, &one.radius}) {
         *number = reader.number();
+        areFinite = areFinite && std::isfinite(*number);
       }
       added.push_back(one);
     }
-    if (!reader.isComplete()) {
+    if (!reader.isComplete() || !areFinite) {
       return turtle::EnvironmentError{
           "The saved state of environment 'arvo' is damaged. Use a snapshot that is complete.", false};
     }

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -157,6 +158,7 @@ class Obstacles final : public turtle::EnvironmentProcess {
     }
     StateReader reader(state);
     std::vector<PlantSegment> grown;
+    bool areFinite = true;
     const std::uint64_t count = reader.integer();
     for (std::uint64_t i = 0; i < count && reader.isIntact(); ++i) {
       PlantSegment one;
@@ -164,10 +166,11 @@ class Obstacles final : public turtle::EnvironmentProcess {
       for (double* number : {&one.capsule.a.x, &one.capsule.a.y, &one.capsule.a.z, &one.capsule.b.x, &one.capsule.b.y,
                              &one.capsule.b.z, &one.capsule.radius}) {
         *number = reader.number();
+        areFinite = areFinite && std::isfinite(*number);
       }
       grown.push_back(one);
     }
-    if (!reader.isComplete()) {
+    if (!reader.isComplete() || !areFinite) {
       return turtle::EnvironmentError{
           "The saved state of environment 'obstacles' is damaged. Use a snapshot that is complete.", false};
     }

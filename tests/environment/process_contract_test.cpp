@@ -4,6 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <bit>
+#include <cstring>
+#include <limits>
 #include <numeric>
 #include <random>
 
@@ -76,6 +80,43 @@ TEST_P(ProcessContract, RepliesDoNotDependOnTheOrderOfTheQueries) {
     }
     ASSERT_EQ(process->save(), shuffled->save());
   }
+}
+
+// a snapshot can come from a stranger: whatever number stands in the state, it is refused, or the process goes on
+TEST_P(ProcessContract, AStateWithAnyNumberInItIsRefusedOrGoesOn) {
+  std::mt19937_64 random(23);
+  const auto process = openProcess(GetParam().name, GetParam().configuration);
+  ASSERT_TRUE(process);
+  const auto queries = randomQueries(GetParam(), 30, random);
+  const auto batch = batchOf(queries, inOrder(queries.size()), 0);
+  (void)answersOf(*process, batch);
+  const std::string state = process->save();
+  const std::array<std::uint64_t, 8> numbers{0,
+                                             ~0ULL,
+                                             0x7FFFFFFFFFFFFFFFULL,
+                                             0x7FFFFFFFULL,
+                                             std::bit_cast<std::uint64_t>(std::numeric_limits<double>::quiet_NaN()),
+                                             std::bit_cast<std::uint64_t>(std::numeric_limits<double>::infinity()),
+                                             std::bit_cast<std::uint64_t>(-1e300),
+                                             std::bit_cast<std::uint64_t>(1e-320)};
+  // the first numbers are counts and names; of the others a few
+  const std::size_t places = state.size() / 8;
+  for (std::size_t place = 0; place < places; place += place < 12 ? 1 : std::max<std::size_t>(places / 40, 1)) {
+    for (const std::uint64_t number : numbers) {
+      std::string changed = state;
+      std::memcpy(changed.data() + 8 * place, &number, 8);
+      const auto refused = process->restore(changed);
+      if (refused) {
+        EXPECT_NE(refused->message, "");
+        continue;
+      }
+      turtle::ReplyBatch replies;
+      replies.prepare(batch);
+      (void)process->step(batch, replies);
+      EXPECT_LT(process->save().size(), state.size() + 1'000'000U) << "place " << place;
+    }
+  }
+  ASSERT_FALSE(process->restore(state).has_value());
 }
 
 TEST_P(ProcessContract, ARestoredStateGoesOnAsTheSavedOne) {

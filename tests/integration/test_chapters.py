@@ -4,7 +4,6 @@ import html
 import math
 import re
 import tempfile
-import time
 import unittest
 from pathlib import Path
 from typing import Dict, List, Tuple
@@ -151,13 +150,14 @@ class LsystemViewer(unittest.TestCase):
             self.assertAlmostEqual(float(last["x"]), 90.0)
             self.assertAlmostEqual(float(last["y"]), 0.0)
 
-    def test_every_figure_takes_less_than_a_second(self) -> None:
-        for file in sorted((GALLERY / "chapter-lsystem-viewer").glob("*.lsv")):
+    def test_every_figure_is_drawn(self) -> None:
+        files = sorted((GALLERY / "chapter-lsystem-viewer").glob("*.lsv"))
+        self.assertGreater(len(files), 5)
+        for file in files:
             with tempfile.TemporaryDirectory() as folder:
-                begin = time.monotonic()
                 espalier("run", str(file), "--quiet", "-o", f"{folder}/a.svg", "-o", f"{folder}/a.ps")
-                self.assertLess(time.monotonic() - begin, 5.0, file.name)
-                self.assertTrue(Path(folder, "a.ps").read_text(encoding="utf-8").startswith("%!PS"))
+                self.assertTrue(Path(folder, "a.ps").read_text(encoding="utf-8").startswith("%!PS"), file.name)
+                self.assertIn("<path", Path(folder, "a.svg").read_text(encoding="utf-8"), file.name)
 
 
 class GraphicalModels(unittest.TestCase):
@@ -325,7 +325,8 @@ class OpenLsystems(unittest.TestCase):
             ends = {(round(float(row["x"]), 6), round(float(row["y"]), 6)) for row in rows}
             # one axis goes on straight where branching is monopodial, none where it is dichotomous
             on_axis = max(y for x, y in ends if x == 0.0)
-            self.assertEqual(on_axis, 5.0 if straight else on_axis)
+            self.assertEqual((0.0, 2.0) in ends, straight)
+            self.assertEqual(on_axis == 5.0, straight)
             mirrored = {(0.0 - x, y) for x, y in ends}
             self.assertEqual(mirrored == ends, not straight)
 

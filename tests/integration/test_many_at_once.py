@@ -60,6 +60,16 @@ class Raw:
 
 
 class ManyAtOnce(unittest.TestCase):
+    def short_requests(self, client: Client, simulation: str, count: int) -> List[float]:
+        """How long pairs of a short compilation and a short look take."""
+        waits = []
+        for _ in range(count):
+            begin = time.monotonic()
+            self.assertTrue(client.check("Lsystem: 1\nAxiom: A\nA --> A\nendlsystem\n").valid)
+            client.call("simulation.get", {"simulation": simulation, "what": "statistics"})
+            waits.append(time.monotonic() - begin)
+        return waits
+
     def crowd(self, idle: int, simulations: int, viewers: int, probes: int) -> None:
         soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
         resource.setrlimit(resource.RLIMIT_NOFILE, (hard, hard))
@@ -74,9 +84,12 @@ class ManyAtOnce(unittest.TestCase):
             peers.append(Raw(server.address))
             self.assertEqual(peers[-1].greeting["result"]["protocol"], 1)
 
-        # simulations that run until they are paused
         client = server.connect(timeout=SECONDS)
         self.addCleanup(client.close)
+        watched = client.create(WATCHED, seed=1).identifier
+        alone = statistics.median(self.short_requests(client, watched, probes))
+
+        # simulations that run until they are paused
         names = [client.create(RUNNING, seed=seed).identifier for seed in range(simulations)]
         runners = []
         for group in range(0, simulations, 10):
@@ -88,7 +101,6 @@ class ManyAtOnce(unittest.TestCase):
                              "params": {"simulation": name}})
 
         # viewers of one more, of whom one never reads
-        watched = client.create(WATCHED, seed=1).identifier
         seen: List[Optional[int]] = [None] * viewers
 
         def watch(index: int, viewer: Raw) -> None:
@@ -115,13 +127,8 @@ class ManyAtOnce(unittest.TestCase):
         self.assertEqual(seen[1:], [60] * (viewers - 1))
 
         # short requests of somebody else meanwhile
-        waits = []
         with server.connect(timeout=SECONDS) as prober:
-            for _ in range(probes):
-                begin = time.monotonic()
-                self.assertTrue(prober.check("Lsystem: 1\nAxiom: A\nA --> A\nendlsystem\n").valid)
-                prober.call("simulation.get", {"simulation": watched, "what": "statistics"})
-                waits.append(time.monotonic() - begin)
+            waits = self.short_requests(prober, watched, probes)
             status = prober.status()
         self.assertGreaterEqual(status["sessions"], idle + viewers)
         self.assertEqual(status["simulations"], simulations + 1)
@@ -130,7 +137,8 @@ class ManyAtOnce(unittest.TestCase):
         waits.sort()
         print(f"{idle} idle sessions, {simulations} running simulations, {viewers} viewers: two short requests took "
               f"{1e3 * statistics.median(waits):.1f} ms (median), {1e3 * waits[len(waits) * 99 // 100]:.1f} ms (99 of 100)")
-        self.assertLess(statistics.median(waits), 2.0)
+        # beside so many others they take longer, but by a factor that does not grow with the work of the others
+        self.assertLess(statistics.median(waits), 50 * max(alone, 0.002))
 
         # all of them got their share
         for name in names:

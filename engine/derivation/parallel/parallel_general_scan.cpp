@@ -150,39 +150,46 @@ std::uint64_t ParallelGeneralScan::runRound(std::uint64_t firstChunk, ScanPlace&
   team_->onEveryWorker([&](unsigned worker) {
     Helper& helper = *helpers_[worker];
     const ModuleString& made = helper.made();
-    for (std::uint64_t chunk = 0; round.take(chunk);) {
-      const ScanPlace begin = chunkStart(chunk);
-      const std::uint64_t end = chunkStart(chunk + 1).module;
-      ScanPlace reached = begin;
-      const bool isDone = helper.scan(end, reached);
-      if (!round.awaitTurn(chunk)) {
-        return;
-      }
-      // an earlier cut has removed the whole chunk
-      if (place.module >= end) {
+    std::uint64_t chunk = 0;
+    try {
+      while (round.take(chunk)) {
+        const ScanPlace begin = chunkStart(chunk);
+        const std::uint64_t end = chunkStart(chunk + 1).module;
+        ScanPlace reached = begin;
+        const bool isDone = helper.scan(end, reached);
+        if (!round.awaitTurn(chunk)) {
+          return;
+        }
+        // an earlier cut has removed the whole chunk
+        if (place.module >= end) {
+          round.passTurn(chunk);
+          continue;
+        }
+        const std::uint64_t modules = round.modules;
+        const std::uint64_t parameters = round.parameters;
+        const std::uint64_t endModules = modules + made.size();
+        const std::uint64_t endParameters = parameters + made.parameterCount();
+        if (!isDone || place.module != begin.module || !context.isWithinLimits(endModules, endParameters) ||
+            !output.holds(endModules, endParameters)) {
+          round.stopAt(chunk);
+          return;
+        }
+        place = reached;
+        round.modules = endModules;
+        round.parameters = endParameters;
+        context.cuts.addAll(helper.cuts());
+        for (const KeptModules& run : helper.changes().kept()) {
+          context.changes->keep(run.from, modules + run.to, run.modules);
+        }
         round.passTurn(chunk);
-        continue;
+        output.prepare(modules, endModules, parameters, endParameters);
+        std::copy_n(made.types().data(), made.size(), output.types() + modules);
+        std::copy_n(made.parameters().data(), made.parameterCount(), output.parameters() + parameters);
       }
-      const std::uint64_t modules = round.modules;
-      const std::uint64_t parameters = round.parameters;
-      const std::uint64_t endModules = modules + made.size();
-      const std::uint64_t endParameters = parameters + made.parameterCount();
-      if (!isDone || place.module != begin.module || !context.isWithinLimits(endModules, endParameters) ||
-          !output.holds(endModules, endParameters)) {
-        round.stopAt(chunk);
-        return;
-      }
-      place = reached;
-      round.modules = endModules;
-      round.parameters = endParameters;
-      context.cuts.addAll(helper.cuts());
-      for (const KeptModules& run : helper.changes().kept()) {
-        context.changes->keep(run.from, modules + run.to, run.modules);
-      }
-      round.passTurn(chunk);
-      output.prepare(modules, endModules, parameters, endParameters);
-      std::copy_n(made.types().data(), made.size(), output.types() + modules);
-      std::copy_n(made.parameters().data(), made.parameterCount(), output.parameters() + parameters);
+    } catch (...) {
+      // the others must not wait for this chunk
+      round.stopAt(chunk);
+      throw;
     }
   });
   output.finish(round.modules, round.parameters);

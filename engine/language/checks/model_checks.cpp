@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/core/work_meter.h"
 #include "engine/language/checks/word_checks.h"
 #include "engine/language/constant_evaluation.h"
 
@@ -141,6 +142,7 @@ class Checks {
   void checkHidden(const ProductionListSyntax& list) {
     std::map<core::ModuleTypeId, std::vector<const ProductionSyntax*>> unconditional;
     for (const ProductionSyntax& production : list.productions) {
+      core::pollWork();
       std::vector<const ProductionSyntax*>& earlier = unconditional[production.predecessor.front().type];
       const auto hiding = std::find_if(earlier.begin(), earlier.end(),
                                        [&](const ProductionSyntax* other) { return hides(*other, production); });

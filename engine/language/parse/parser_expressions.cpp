@@ -2,6 +2,7 @@
 #include <array>
 #include <utility>
 
+#include "engine/core/work_meter.h"
 #include "engine/language/parse/parser.h"
 
 namespace espalier::language {
@@ -46,6 +47,7 @@ bool isReserved(std::string_view name) {
 }  // namespace
 
 ExpressionIndex Parser::makeNode(ExpressionNode node) {
+  core::pollWork();
   for (const ExpressionIndex child : node.children) {
     node.depth = std::max(node.depth, model_.expressions[child].depth + 1);
   }

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "engine/core/work_meter.h"
 #include "engine/language/parse/parser.h"
 
 namespace espalier::language {
@@ -387,6 +388,7 @@ bool Parser::parseModules(std::vector<ModuleSyntax>& modules) {
 }
 
 bool Parser::parseModule(std::vector<ModuleSyntax>& modules) {
+  core::pollWork();
   const Token name = lexer_.peekSymbol();
   ModuleSyntax& module = modules.emplace_back();
   module.range = name.range;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <optional>
 
+#include "engine/core/work_meter.h"
+
 namespace espalier::language {
 
 std::size_t stringLiteralEnd(std::string_view line, std::size_t begin) {
@@ -283,6 +285,7 @@ class MacroTable::Expansion {
 
   // counts scanned bytes; `pending` bytes are being made. False: over the limit
   bool charge(std::size_t scanned, std::size_t pending) {
+    core::pollWork();
     table_.expandedBytes_ += scanned;
     if (table_.expandedBytes_ + pending > table_.limits_.maximumSourceBytes) {
       report("macros expand to more than the limit maximumSourceBytes (" +

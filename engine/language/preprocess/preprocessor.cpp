@@ -4,6 +4,7 @@
 #include <deque>
 #include <map>
 
+#include "engine/core/work_meter.h"
 #include "engine/files/file_name.h"
 #include "engine/language/preprocess/directive_expression.h"
 #include "engine/language/preprocess/line_reader.h"
@@ -95,6 +96,7 @@ class Preprocessor {
     LineReader reader(text);
     LogicalLine line;
     while (!hasStopped_ && reader.next(line)) {
+      core::pollWork();
       if (!line.startsInComment && line.text.starts_with('#')) {
         directive(file, depth, line, outerConditionals);
       } else if (isActive()) {

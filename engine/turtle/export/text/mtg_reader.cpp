@@ -18,6 +18,10 @@ namespace {
 
 constexpr std::size_t kNoVertex = std::numeric_limits<std::size_t>::max();
 constexpr std::uint64_t kLongestSeries = 1'000'000;
+/// As the parameters of a module.
+constexpr std::size_t kMostFeatures = 1'000;
+/// Entities that are looked at to find ends of axes, in all. A file of people needs a small multiple of its entities.
+constexpr std::uint64_t kMostLooks = 100'000'000;
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 std::string_view trimmed(std::string_view text) {
@@ -99,11 +103,13 @@ class MtgReader {
   std::size_t line_ = 0;
   Section section_ = Section::None;
   bool hasHeader_ = false;                 // of the section
+  bool hasText_ = false;                   // a feature is the text of a module
   std::map<std::string, int> scales_;      // by class
   std::map<std::string, bool> isNumeric_;  // by feature
   std::vector<std::string> features_;      // by column from featureColumn_
   std::size_t featureColumn_ = kNoVertex;
   std::vector<Vertex> vertices_;
+  mutable std::uint64_t looks_ = 0;                             // at entities, to find the ends of axes
   std::uint64_t seriesEntities_ = 0;                            // of all series so far
   std::map<std::string, std::vector<std::size_t>> parameters_;  // by class: which numbers of a vertex
   int coarsest_ = std::numeric_limits<int>::max();              // scale above 0 so far
@@ -129,6 +135,7 @@ std::string unescaped(std::string_view text) {
 std::size_t MtgReader::ancestorAt(std::size_t vertex, int scale) const {
   while (vertex != kNoVertex && vertices_[vertex].scale > scale) {
     vertex = vertices_[vertex].complex;
+    ++looks_;
   }
   return vertex != kNoVertex && vertices_[vertex].scale == scale ? vertex : kNoVertex;
 }
@@ -138,6 +145,7 @@ std::size_t MtgReader::endOf(std::size_t vertex, int scale) const {
   std::size_t at = vertex;
   while (at != kNoVertex && vertices_[at].scale < scale) {
     at = vertices_[at].firstPart;
+    ++looks_;
   }
   if (at == kNoVertex || vertices_[at].scale != scale) {
     return kNoVertex;
@@ -146,6 +154,7 @@ std::size_t MtgReader::endOf(std::size_t vertex, int scale) const {
     at = next;
     next = kNoVertex;
     for (const std::size_t child : vertices_[at].children) {
+      ++looks_;
       if (vertices_[child].edge == '<' && ancestorAt(child, vertices_[vertex].scale) == vertex) {
         next = child;
       }
@@ -191,6 +200,7 @@ void MtgReader::joinPart(Vertex& vertex, std::size_t base) const {
   vertex.complex = base;
   while (vertex.complex != kNoVertex && vertices_[vertex.complex].scale >= vertex.scale) {
     vertex.complex = vertices_[vertex.complex].complex;
+    ++looks_;
   }
   if (vertex.complex == kNoVertex || vertices_[vertex.complex].firstPart != kNoVertex) {
     return;
@@ -299,6 +309,9 @@ std::string MtgReader::readCode(std::string_view code, std::size_t column) {
     if (std::string what = join(vertex, base); !what.empty()) {
       return what;
     }
+    if (looks_ > kMostLooks) {
+      return problem("too many entities are joined to long axes of other scales. Join each entity to its neighbour");
+    }
     base = vertices_.size();
     add(std::move(vertex));
   }
@@ -308,10 +321,14 @@ std::string MtgReader::readCode(std::string_view code, std::size_t column) {
 }
 
 void MtgReader::readFeatures(const std::vector<std::string_view>& columns, Vertex& vertex) {
-  vertex.numbers.resize(features_.size(), kUnknown);
-  for (std::size_t i = 0; i < features_.size(); ++i) {
-    const std::size_t column = featureColumn_ + i;
-    const std::string_view value = column < columns.size() ? columns[column] : std::string_view();
+  // a short line has few of them
+  const std::size_t given = columns.size() > featureColumn_ ? columns.size() - featureColumn_ : 0;
+  vertex.numbers.resize(std::max(vertex.numbers.size(), std::min(given, features_.size())), kUnknown);
+  if (hasText_) {
+    vertex.text = std::string();
+  }
+  for (std::size_t i = 0; i < std::min(given, features_.size()); ++i) {
+    const std::string_view value = columns[featureColumn_ + i];
     if (features_[i] == "Text") {
       vertex.text = unescaped(value);
     } else if (isNumeric_[features_[i]] && !value.empty()) {
@@ -335,9 +352,13 @@ std::string MtgReader::readGraphLine(std::string_view line) {
       }
       if (featureColumn_ != kNoVertex) {
         features_.emplace_back(columns[i]);
+        hasText_ = hasText_ || features_.back() == "Text";
       }
     }
-    return {};
+    return features_.size() <= kMostFeatures
+               ? std::string()
+               : problem("there are " + std::to_string(features_.size()) + " features, and at most " +
+                         std::to_string(kMostFeatures) + " are read");
   }
   std::size_t column = 0;
   while (column < columns.size() && columns[column].empty()) {
@@ -408,16 +429,21 @@ std::string MtgReader::readLine(std::string_view line) {
 
 // which numbers are the parameters of each class of the finest scale
 void MtgReader::chooseParameters() {
+  std::map<std::string, std::vector<bool>> isGiven;  // by class and feature
   for (const Vertex& vertex : vertices_) {
-    std::vector<std::size_t>& chosen = parameters_[vertex.entityClass];
+    std::vector<bool>& given = isGiven[vertex.entityClass];
+    given.resize(features_.size());
     for (std::size_t i = 0; i < vertex.numbers.size(); ++i) {
-      if (!std::isnan(vertex.numbers[i]) && std::ranges::find(chosen, i) == chosen.end()) {
+      given[i] = given[i] || !std::isnan(vertex.numbers[i]);
+    }
+  }
+  for (const auto& [name, given] : isGiven) {
+    std::vector<std::size_t>& chosen = parameters_[name];
+    for (std::size_t i = 0; i < given.size(); ++i) {
+      if (given[i]) {
         chosen.push_back(i);
       }
     }
-  }
-  for (auto& [name, chosen] : parameters_) {
-    std::ranges::sort(chosen);
   }
 }
 

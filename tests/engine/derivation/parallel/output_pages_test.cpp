@@ -1,6 +1,7 @@
 #include "engine/derivation/parallel/output_pages.h"
 
 #include <gtest/gtest.h>
+#include <sys/mman.h>
 
 #include <atomic>
 #include <cstdint>
@@ -33,10 +34,37 @@ TEST(OutputPages, PreparingKeepsWhatIsWrittenAndEndsOnEveryThread) {
   }
 }
 
-TEST(OutputPages, NothingIsPreparedForNothing) {
+/// Whether the page of this address is in memory.
+bool isResident(const char* address) {
+  unsigned char state = 0;
+  const auto page = reinterpret_cast<std::uintptr_t>(address) / 4096 * 4096;
+  return mincore(reinterpret_cast<void*>(page), 1, &state) == 0 && (state & 1U) != 0;
+}
+
+TEST(OutputPages, ARangeIsPreparedAndNothingBeyondIt) {
+#ifdef MADV_POPULATE_WRITE
+  constexpr std::size_t kBytes = 5 * core::kHugePageBytes;
+  auto* const memory = static_cast<char*>(core::mapPages(kBytes));
+  if (madvise(memory, 4096, MADV_POPULATE_WRITE) != 0) {
+    core::unmapPages(memory, kBytes);
+    GTEST_SKIP() << "the system cannot touch pages ahead";
+  }
   derivation::OutputPages pages;
-  pages.cover(nullptr, 0);
-  pages.prepare(0, 0);
+  pages.cover(memory, kBytes);
+  // an empty range touches nothing, also at the end
+  pages.prepare(2 * core::kHugePageBytes, 2 * core::kHugePageBytes);
+  pages.prepare(kBytes, kBytes);
+  EXPECT_FALSE(isResident(memory + 2 * core::kHugePageBytes));
+  EXPECT_FALSE(isResident(memory + kBytes - 1));
+  // the last byte of one page and the first of the next
+  pages.prepare(2 * core::kHugePageBytes - 1, 2 * core::kHugePageBytes + 1);
+  EXPECT_TRUE(isResident(memory + core::kHugePageBytes));
+  EXPECT_TRUE(isResident(memory + 3 * core::kHugePageBytes - 1));
+  EXPECT_FALSE(isResident(memory + 3 * core::kHugePageBytes));
+  core::unmapPages(memory, kBytes);
+#else
+  GTEST_SKIP() << "the system cannot touch pages ahead";
+#endif
 }
 
 }  // namespace
