@@ -71,8 +71,20 @@ std::optional<server::RemoteSettings> readSettings(const std::string& entryJson,
   return std::move(*read);
 }
 
+// a command or a plug-in: prints the reason when the environment comes from a snapshot
+bool mayStart(const std::string& what, const Making& making) {
+  if (!making.remote.mayStartPrograms) {
+    printError("the snapshot asks to start '" + what +
+               "', and a snapshot may come from a stranger: give the environment with --environment if you trust it");
+  }
+  return making.remote.mayStartPrograms;
+}
+
 Process connectRemote(const std::string& address, const std::string& entryJson, const std::string& what,
                       const Making& making) {
+  if (startsWith(address, "stdio:") && !mayStart(address, making)) {
+    return nullptr;
+  }
   auto read = readSettings(entryJson, what, making);
   if (!read) {
     return nullptr;
@@ -94,6 +106,9 @@ Process connectRemote(const std::string& address, const std::string& entryJson, 
 
 Process loadPlugin(const std::string& library, const std::string& entryJson, const std::string& what,
                    const Making& making) {
+  if (!mayStart(library, making)) {
+    return nullptr;
+  }
   auto read = readSettings(entryJson, what, making);
   if (!read) {
     return nullptr;
@@ -199,13 +214,16 @@ Process loadConfiguration(const std::string& file, core::FileProvider& files, st
 }
 
 // the started program of an environment file (.e) when the program exists and is not built in; else null
-Process loadLegacyProgram(const std::string& file, bool isQuiet, core::FileProvider& files) {
+Process loadLegacyProgram(const std::string& file, bool isQuiet, core::FileProvider& files, const Making& making) {
   std::vector<core::Diagnostic> warnings;
   std::vector<core::Diagnostic> errors;
   const environment::EnvironmentFile field =
       environment::readEnvironmentFile(file, files.read(file).value_or(std::string()), warnings, errors);
   if (field.command.empty() || !environment::configurationSchema(field.program).empty() ||
-      !server::isExecutableThere(field.command.front(), std::filesystem::path(file).parent_path().string())) {
+      server::findExecutable(field.command.front(), std::filesystem::path(file).parent_path().string()).empty()) {
+    return nullptr;
+  }
+  if (!mayStart(field.command.front(), making)) {
     return nullptr;
   }
   warnings.clear();
@@ -218,13 +236,13 @@ Process loadLegacyProgram(const std::string& file, bool isQuiet, core::FileProvi
 }
 
 Process loadFieldFile(const std::string& file, core::Compatibility compatibility, bool isQuiet,
-                      core::FileProvider& files) {
+                      core::FileProvider& files, const Making& making) {
   if (!files.read(file)) {
     printError("there is no environment file '" + file + "': check the name and the working folder");
     return nullptr;
   }
   std::vector<core::Diagnostic> warnings;
-  if (auto process = loadLegacyProgram(file, isQuiet, files)) {
+  if (auto process = loadLegacyProgram(file, isQuiet, files, making)) {
     return process;
   }
   environment::ProcessOrErrors made = environment::makeFromEnvironmentFile(file, files, compatibility, warnings);
@@ -245,11 +263,11 @@ Process makeEnvironment(const std::string& name, core::Compatibility compatibili
     return loadPlugin(name, "{}", "--environment-", making);
   }
   if (suffix == ".e") {
-    return loadFieldFile(name, compatibility, isQuiet, files);
+    return loadFieldFile(name, compatibility, isQuiet, files, making);
   }
   // a model folder may give its environment file any name; no built-in process has a name like a path
   if (name.find_first_of("./") != std::string::npos && files.read(name)) {
-    return loadFieldFile(name, compatibility, isQuiet, files);
+    return loadFieldFile(name, compatibility, isQuiet, files, making);
   }
   return makeBuiltIn(name, "", "", making);
 }

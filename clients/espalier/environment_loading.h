@@ -16,8 +16,9 @@ namespace espalier::command {
 
 /// Settings of environments in other processes. The entry of an environment may override them.
 struct RemoteOptions {
-  std::string policy = "fail";  // fail, keep or fallback:NAME
-  double timeoutSeconds = 0.0;  // of a step; 0: the default
+  std::string policy = "fail";   // fail, keep or fallback:NAME
+  double timeoutSeconds = 0.0;   // of a step; 0: the default
+  bool mayStartPrograms = true;  // false: a snapshot names the environment, and a stranger may have written it
 };
 
 struct LoadedEnvironment {

@@ -30,5 +30,6 @@ void addReplay(CLI::App& program, int& status);
 void addConnect(CLI::App& program, int& status);
 void addLoad(CLI::App& program, int& status);
 void addStatus(CLI::App& program, int& status);
+void addToken(CLI::App& program, int& status);
 
 }  // namespace espalier::command

@@ -374,25 +374,26 @@ class LegacyProcess final : public turtle::EnvironmentProcess {
 
 }  // namespace
 
-bool isExecutableThere(const std::string& program, const std::string& folder) {
+std::string findExecutable(const std::string& program, const std::string& folder) {
   namespace fs = std::filesystem;
   const auto isExecutable = [](const fs::path& path) {
     std::error_code error;
     return fs::is_regular_file(path, error) && ::access(path.c_str(), X_OK) == 0;
   };
   if (program.find('/') != std::string::npos) {
-    return isExecutable(fs::path(program).is_absolute() ? fs::path(program) : fs::path(folder) / program);
+    const fs::path path = fs::path(program).is_absolute() ? fs::path(program) : fs::path(folder) / program;
+    return isExecutable(path) ? path.string() : std::string();
   }
   const char* const variable = std::getenv("PATH");
   std::string_view paths = variable == nullptr ? "" : variable;
   while (!paths.empty()) {
     const std::size_t colon = std::min(paths.find(':'), paths.size());
-    if (colon > 0 && isExecutable(fs::path(paths.substr(0, colon)) / program)) {
-      return true;
+    if (const fs::path path = fs::path(paths.substr(0, colon)) / program; colon > 0 && isExecutable(path)) {
+      return path.string();
     }
     paths.remove_prefix(std::min(paths.size(), colon + 1));
   }
-  return false;
+  return {};
 }
 
 environment::ProcessOrErrors makeLegacyProcess(const std::string& fieldFile, core::FileProvider& files,

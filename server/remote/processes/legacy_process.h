@@ -30,8 +30,7 @@ struct LegacyProcessOptions {
                                                              const LegacyProcessOptions& options,
                                                              std::vector<core::Diagnostic>& warnings);
 
-/// Whether the program of a command can be started: a path that leads to an executable file from `folder`, or a name on
-/// the PATH.
-[[nodiscard]] bool isExecutableThere(const std::string& program, const std::string& folder);
+/// The executable file of a command's program: a path from `folder`, or a name on the PATH. Empty: there is none.
+[[nodiscard]] std::string findExecutable(const std::string& program, const std::string& folder);
 
 }  // namespace espalier::server
