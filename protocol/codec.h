@@ -16,7 +16,7 @@ namespace espalier::protocol {
 //     Expected<StepParams> decodeStepParams(const Payload& payload);
 //
 // and so on, one for each struct of params in methods.def.
-#define ESPALIER_METHOD(NAME, PARAMS, ANSWERER, SUMMARY) \
+#define ESPALIER_METHOD(NAME, PARAMS, ANSWERER, ROLE, SUMMARY) \
   [[nodiscard]] Expected<PARAMS> decode##PARAMS(const Payload& payload);
 #include "protocol/methods.def"
 /// Of a forest file, which people write: a member that is not known is an error.

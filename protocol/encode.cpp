@@ -174,7 +174,11 @@ std::string encode(const HelloParams& params) {
 std::string encode(const HelloResult& result) {
   JsonWriter writer;
   writer.beginObject().key("protocol").integer(result.protocol).key("session").text(result.session);
-  writer.key("server").text(result.server).key("capabilities").texts(result.capabilities);
+  writer.key("server").text(result.server);
+  if (!result.roles.empty()) {
+    writer.key("roles").texts(result.roles);
+  }
+  writer.key("capabilities").texts(result.capabilities);
   writeLimits(writer, result.limits);
   return writer.endObject().take();
 }

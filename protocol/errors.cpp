@@ -46,6 +46,8 @@ std::string_view nameOf(ErrorCode code) {
       return "storage";
     case ErrorCode::ShuttingDown:
       return "shutting down";
+    case ErrorCode::OfferTaken:
+      return "offer taken";
   }
   return "unknown";
 }

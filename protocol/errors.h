@@ -19,7 +19,7 @@ enum class ErrorCode : std::int32_t {
   // Espalier
   Version = 1001,            // no common protocol version; the connection is closed
   Capability = 1002,         // needs a capability that was not agreed
-  Unauthorised = 1003,       // token missing or wrong, or not allowed for this caller
+  Unauthorised = 1003,       // token missing, wrong or expired, or not allowed for this caller
   Limit = 1004,              // `data`: limit, value, bound
   Timeout = 1005,            // `data`: milliseconds
   EnvironmentFailed = 1006,  // `data`: environment, step, retryable
@@ -32,6 +32,7 @@ enum class ErrorCode : std::int32_t {
   Snapshot = 1013,      // bytes that are not a snapshot of this model
   Storage = 1014,       // the data folder could not be read or written
   ShuttingDown = 1015,  // the server stops; ask again after it is back
+  OfferTaken = 1016,    // another connection offers an environment of this name
 };
 
 /// The name of a code as in the table of protocol/README.md; "unknown" for other numbers.

@@ -35,6 +35,25 @@ std::optional<std::map<std::string, std::string>> textsOf(std::string_view json,
   return texts;
 }
 
+std::optional<std::vector<std::string>> listOf(std::string_view json, std::string_view name) {
+  const auto parsed = parseJson(json);
+  if (!parsed || !parsed->is_object()) {
+    return std::nullopt;
+  }
+  const auto found = parsed->find(name);
+  if (found == parsed->end() || !found->is_array()) {
+    return std::nullopt;
+  }
+  std::vector<std::string> texts;
+  for (const auto& value : *found) {
+    if (!value.is_string()) {
+      return std::nullopt;
+    }
+    texts.push_back(value.get<std::string>());
+  }
+  return texts;
+}
+
 std::optional<std::string> jsonProblem(std::string_view json) {
   if (isNestedTooDeeply(json)) {
     return "brackets are nested deeper than " + std::to_string(kDeepestNesting);

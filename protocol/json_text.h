@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace espalier::protocol {
 
@@ -15,6 +16,9 @@ namespace espalier::protocol {
 
 /// The member `name` of a JSON object, when it is itself an object whose members are all texts. Otherwise nothing.
 [[nodiscard]] std::optional<std::map<std::string, std::string>> textsOf(std::string_view json, std::string_view name);
+
+/// The member `name` of a JSON object, when it is an array of texts. Otherwise nothing.
+[[nodiscard]] std::optional<std::vector<std::string>> listOf(std::string_view json, std::string_view name);
 
 /// The reason why a text is not one JSON value, as `line 3, column 7: ...`. Nothing when it is one.
 [[nodiscard]] std::optional<std::string> jsonProblem(std::string_view json);

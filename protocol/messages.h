@@ -26,7 +26,7 @@ struct NoParams {};
 
 struct HelloParams {
   std::vector<std::int64_t> protocol;  // versions the peer speaks
-  std::vector<std::string> roles;      // controller, environment, viewer
+  std::vector<std::string> roles;      // that are asked for: controller, environment, viewer; none: all that there are
   std::string name;                    // for logs and people
   std::string version;
   std::vector<std::string> capabilities;
@@ -37,7 +37,8 @@ struct HelloParams {
 struct HelloResult {
   std::int64_t protocol = 1;
   std::string session;
-  std::string server;  // program and version
+  std::string server;              // program and version
+  std::vector<std::string> roles;  // granted; empty: an environment answers, which grants none
   std::vector<std::string> capabilities;
   std::vector<std::pair<std::string, std::uint64_t>> limits;  // name, bound
 };

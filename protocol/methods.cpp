@@ -14,9 +14,9 @@ std::optional<Error> problemWith(const Payload& params) {
 }
 
 constexpr std::array kMethods{
-#define ESPALIER_METHOD(NAME, PARAMS, ANSWERER, SUMMARY) \
-  Method{NAME, #PARAMS, Answerer::ANSWERER, SUMMARY, &problemWith<&decode##PARAMS>},
-#define ESPALIER_NOTIFICATION(NAME, SUMMARY) Method{NAME, {}, Answerer::Nobody, SUMMARY, nullptr},
+#define ESPALIER_METHOD(NAME, PARAMS, ANSWERER, ROLE, SUMMARY) \
+  Method{NAME, #PARAMS, Answerer::ANSWERER, Role::ROLE, SUMMARY, &problemWith<&decode##PARAMS>},
+#define ESPALIER_NOTIFICATION(NAME, SUMMARY) Method{NAME, {}, Answerer::Nobody, Role::Anyone, SUMMARY, nullptr},
 #include "protocol/methods.def"
 };
 

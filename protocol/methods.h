@@ -7,6 +7,7 @@
 
 #include "protocol/errors.h"
 #include "protocol/payload.h"
+#include "protocol/roles.h"
 
 namespace espalier::protocol {
 
@@ -18,6 +19,7 @@ struct Method {
   std::string_view name;
   std::string_view params;  // name of the struct; empty: a notification of the server
   Answerer answerer = Answerer::Nobody;
+  Role role = Role::Anyone;  // that a connection to the server needs for it
   std::string_view summary;
   /// The decoder's error about params, or nothing. Null: a notification of the server.
   std::optional<Error> (*problemOf)(const Payload& params) = nullptr;

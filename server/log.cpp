@@ -53,6 +53,9 @@ std::string logText(std::string_view text, const LogSubject& subject) {
   if (!subject.session.empty()) {
     line += "session " + std::string(subject.session);
   }
+  if (!subject.token.empty()) {
+    line += " (" + std::string(subject.token) + ")";
+  }
   if (!subject.simulation.empty()) {
     line += (line.empty() ? "simulation " : ", simulation ") + std::string(subject.simulation);
   }
@@ -69,6 +72,9 @@ std::string logMembers(std::string_view text, const LogSubject& subject) {
   writer.beginObject();
   if (!subject.session.empty()) {
     writer.key("session").text(subject.session);
+  }
+  if (!subject.token.empty()) {
+    writer.key("token").text(subject.token);
   }
   if (!subject.simulation.empty()) {
     writer.key("simulation").text(subject.simulation);

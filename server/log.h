@@ -6,15 +6,17 @@
 
 namespace espalier::server {
 
-/// The session and the simulation that a line of the log is about. Empty: none.
+/// The session and the simulation that a line of the log is about, and the name of the session's token. Empty: none.
 struct LogSubject {
   std::string_view session{};
   std::string_view simulation{};
+  std::string_view token{};
 };
 
 /// The server's log, on standard error. Thread-safe. The library behind it stays in log.cpp.
-///   text: 2026-05-01T12:00:00.000 info session 3, simulation sim-5d03a1c7e2b4: created
-///   json: {"time":"2026-05-01T12:00:00.000","level":"info","session":"3","simulation":"sim-…","message":"created"}
+///   text: 2026-05-01T12:00:00.000 info session 3 (alice), simulation sim-5d03a1c7e2b4: created
+///   json: {"time":"2026-05-01T12:00:00.000","level":"info","session":"3","token":"alice","simulation":"sim-…",
+///          "message":"created"}
 class Log {
  public:
   /// `level`: trace debug info warn error off; anything else is info. `format`: json, anything else is text.

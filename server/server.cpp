@@ -90,7 +90,7 @@ class Server::Implementation {
     if (host.empty() || Network::isLoopback(host)) {
       return std::nullopt;
     }
-    if (options.token.empty()) {
+    if (options.tokens.empty()) {
       return "'" + host +
              "' can be reached from other machines: give a token that clients must send (--token TEXT or --token-file "
              "FILE), or listen on 127.0.0.1.";

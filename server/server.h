@@ -8,7 +8,9 @@
 #include <string_view>
 #include <vector>
 
+#include "server/access/token.h"
 #include "server/remote/limits.h"
+#include "server/remote/remote_permissions.h"
 
 namespace espalier::server {
 
@@ -30,11 +32,13 @@ struct ServerOptions {
   std::vector<std::string> allowedOrigins;  // of pages that may open WebSockets, beside the server's own
   std::string dataFolder;                   // empty: simulations are not saved
   std::string galleryFolder;                // empty: no gallery models by name
-  std::string token;                        // empty: clients need none; any address but loopback needs one
-  bool isInsecureAllowed = false;           // a non-loopback address without TLS
-  bool isSpawnAllowed = false;              // also clients on other machines may start commands (stdio environments)
-  unsigned workers = 0;                     // 0: as many as cores
-  unsigned threads = 1;                     // of one step; the plant is the same for any number
+  std::vector<Token> tokens;                // none: clients need none; any address but loopback needs one
+  /// Reads the tokens again when SIGHUP comes, on a worker. Null: SIGHUP does what the system does.
+  std::function<tl::expected<std::vector<Token>, std::string>()> readTokens;
+  bool isInsecureAllowed = false;  // a non-loopback address without TLS
+  RemotePermissions remote;        // environments in other processes that clients may name
+  unsigned workers = 0;            // 0: as many as cores
+  unsigned threads = 1;            // of one step; the plant is the same for any number
   ServerLimits limits;
   std::string logLevel = "info";   // trace debug info warn error off
   std::string logFormat = "text";  // text or json
@@ -54,7 +58,7 @@ class Server {
   [[nodiscard]] std::uint16_t port() const;
   /// Of the HTTP side; 0: there is none.
   [[nodiscard]] std::uint16_t httpPort() const;
-  /// Serves until stopped. `handleSignals`: SIGINT and SIGTERM stop it.
+  /// Serves until stopped. `handleSignals`: SIGINT and SIGTERM stop it; SIGHUP reads the tokens again.
   void run(bool handleSignals);
   void stop();
 

@@ -35,6 +35,7 @@ std::uint64_t drawSeed() {
 ServerCore::ServerCore(ServerOptions options)
     : options_(std::move(options)),
       log_(options_.logLevel, options_.logFormat),
+      access_(options_.tokens),
       store_(options_.dataFolder, options_.limits.storeBytes),
       models_(options_.galleryFolder, store_),
       pool_({.workers = options_.workers}) {}
@@ -47,6 +48,7 @@ ServerCore::~ServerCore() {
 EnvironmentServices ServerCore::environmentServices() {
   EnvironmentServices services;
   services.offered = &offered_;
+  services.permissions = &options_.remote;
   services.runWaiting = [this](const std::function<void()>& wait) {
     const auto start = std::chrono::steady_clock::now();
     pool_.blockWhile(wait);
@@ -62,6 +64,25 @@ EnvironmentServices ServerCore::environmentServices() {
   services.frames = {.lineBytes = options_.limits.lineBytes, .blockBytes = options_.limits.blockBytes};
   services.stepTimeout = std::chrono::milliseconds(options_.limits.environmentStepMilliseconds);
   return services;
+}
+
+void ServerCore::readTokensAgain() {
+  pool_.post({.run =
+                  [this] {
+                    auto tokens = options_.readTokens();
+                    if (!tokens) {
+                      log_.error("the tokens stay as they are: " + tokens.error());
+                      return;
+                    }
+                    const std::size_t count = tokens->size();
+                    if (access_.replace(std::move(*tokens))) {
+                      log_.info("read the tokens again: " + std::to_string(count));
+                    } else {
+                      log_.error(
+                          "the tokens stay as they are: without any, the server would be open. Stop it instead.");
+                    }
+                  },
+              .owner = "tokens"});
 }
 
 std::optional<std::string> ServerCore::loadSaved() {
@@ -89,6 +110,8 @@ void ServerCore::loadOne(const Store::Entry& entry) {
   information.simulation = entry.id;
   information.step = entry.step;
   information.isSaved = true;
+  // what the operator permits no longer stays refused, whoever stored it
+  protocol::ErrorCode code = protocol::ErrorCode::Storage;
   auto record = toRecord(entry.id, entry.record);
   if (auto* known = std::get_if<SimulationRecord>(&record)) {
     information.name = known->create.name;
@@ -102,29 +125,38 @@ void ServerCore::loadOne(const Store::Entry& entry) {
         add(entry.id, std::move(*hosted));
         return;
       }
-      information.damage = std::get<protocol::Error>(loaded).message;
+      const auto& error = std::get<protocol::Error>(loaded);
+      information.damage = error.message;
+      code = error.code == protocol::ErrorCode::Unauthorised ? error.code : code;
     }
   } else {
     information.damage = "The data folder's record of it cannot be read (" + std::get<std::string>(record) + ").";
   }
   log_.warn("is not loaded: " + information.damage, {.simulation = entry.id});
   const std::lock_guard lock(mutex_);
-  damaged_.emplace(entry.id, std::move(information));
+  damaged_.emplace(entry.id, Damaged{std::move(information), code});
 }
 
 std::vector<protocol::SimulationInformation> ServerCore::damaged() const {
   const std::lock_guard lock(mutex_);
   std::vector<protocol::SimulationInformation> all;
-  for (const auto& [name, information] : damaged_) {
-    all.push_back(information);
+  for (const auto& [name, damaged] : damaged_) {
+    all.push_back(damaged.information);
   }
   return all;
 }
 
-std::optional<protocol::SimulationInformation> ServerCore::findDamaged(const std::string& simulation) const {
+std::optional<protocol::Error> ServerCore::findDamaged(const std::string& simulation) const {
   const std::lock_guard lock(mutex_);
   const auto found = damaged_.find(simulation);
-  return found == damaged_.end() ? std::nullopt : std::optional(found->second);
+  if (found == damaged_.end()) {
+    return std::nullopt;
+  }
+  const auto& [information, code] = found->second;
+  return protocol::Error{
+      code,
+      "Simulation '" + simulation + "' could not be loaded: " + information.damage + " simulation.delete removes it.",
+      {}};
 }
 
 std::optional<std::string> ServerCore::removeDamaged(const std::string& simulation) {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "protocol/errors.h"
+#include "server/access/access.h"
 #include "server/log.h"
 #include "server/metrics.h"
 #include "server/remote/offered_environments.h"
@@ -36,6 +37,8 @@ class ServerCore {
 
   [[nodiscard]] const ServerOptions& options() const { return options_; }
   [[nodiscard]] const Log& log() const { return log_; }
+  [[nodiscard]] Access& access() { return access_; }
+  [[nodiscard]] const Access& access() const { return access_; }
   [[nodiscard]] WorkerPool& pool() { return pool_; }
   [[nodiscard]] const WorkerPool& pool() const { return pool_; }
   [[nodiscard]] ModelStore& models() { return models_; }
@@ -44,13 +47,17 @@ class ServerCore {
   [[nodiscard]] const Store& store() const { return store_; }
   [[nodiscard]] EnvironmentServices environmentServices();
 
+  /// Has a worker read the tokens again. A mistake is logged, and the tokens stay as they are.
+  void readTokensAgain();
+
   /// Loads what the data folder has. An error sentence when the folder cannot be used.
   [[nodiscard]] std::optional<std::string> loadSaved();
 
   [[nodiscard]] std::shared_ptr<SimulationRunner> find(const std::string& simulation) const;
   /// The simulations in the data folder that could not be loaded, with the reason. They stay there until removed.
   [[nodiscard]] std::vector<protocol::SimulationInformation> damaged() const;
-  [[nodiscard]] std::optional<protocol::SimulationInformation> findDamaged(const std::string& simulation) const;
+  /// The error that answers every request for it, but simulation.delete.
+  [[nodiscard]] std::optional<protocol::Error> findDamaged(const std::string& simulation) const;
   [[nodiscard]] std::optional<std::string> removeDamaged(const std::string& simulation);
   /// Reserves a new identifier for add(). It counts for the session until it is removed. An error when the session, or
   /// the server, has as many simulations as it may have.
@@ -83,6 +90,7 @@ class ServerCore {
 
   ServerOptions options_;
   Log log_;
+  Access access_;
   OfferedEnvironments offered_;
   Store store_;
   ModelStore models_;
@@ -92,7 +100,11 @@ class ServerCore {
   mutable std::mutex mutex_;
   std::map<std::string, std::shared_ptr<SimulationRunner>> simulations_;  // null: reserved
   std::map<std::string, std::string> creators_;  // of simulations: the session; those from disk have none
-  std::map<std::string, protocol::SimulationInformation> damaged_;
+  struct Damaged {
+    protocol::SimulationInformation information;
+    protocol::ErrorCode code = protocol::ErrorCode::Storage;
+  };
+  std::map<std::string, Damaged> damaged_;
   std::atomic<bool> isShuttingDown_{false};
   WorkerPool pool_;  // last: its threads use everything above
 };

@@ -17,8 +17,8 @@ namespace espalier::client {
 struct ClientOptions {
   std::string name = "espalier-client";  // for the server's log
   std::string version = "0.1.0";
-  std::vector<std::string> roles{"controller"};  // controller, environment, viewer
-  std::string token;                             // empty: none
+  std::vector<std::string> roles{"controller", "viewer"};  // that are asked for; the token grants those that it has
+  std::string token;                                       // empty: none
   std::chrono::milliseconds connectTimeout{5'000};
   std::chrono::milliseconds requestTimeout{600'000};
   protocol::FrameLimits limits;

@@ -72,8 +72,20 @@ std::optional<server::RemoteSettings> readSettings(const std::string& entryJson,
   return std::move(*read);
 }
 
+// a command or a plug-in: prints the reason when the environment comes from a snapshot
+bool mayStart(const std::string& what, const Making& making) {
+  if (!making.remote.mayStartPrograms) {
+    printError("the snapshot asks to start '" + what +
+               "', and a snapshot may come from a stranger: give the environment with --environment if you trust it");
+  }
+  return making.remote.mayStartPrograms;
+}
+
 Process connectRemote(const std::string& address, const std::string& entryJson, const std::string& what,
                       const Making& making) {
+  if (startsWith(address, "stdio:") && !mayStart(address, making)) {
+    return nullptr;
+  }
   auto read = readSettings(entryJson, what, making);
   if (!read) {
     return nullptr;
@@ -95,6 +107,9 @@ Process connectRemote(const std::string& address, const std::string& entryJson, 
 
 Process loadPlugin(const std::string& library, const std::string& entryJson, const std::string& what,
                    const Making& making) {
+  if (!mayStart(library, making)) {
+    return nullptr;
+  }
   auto read = readSettings(entryJson, what, making);
   if (!read) {
     return nullptr;
@@ -215,7 +230,7 @@ FolderProgram folderProgramOf(const std::string& file, core::FileProvider& files
     const std::string& name = program.field.command.front();
     const std::string folder = std::filesystem::path(file).parent_path().string();
     program.isInFolder = server::isProgramIn(name, folder);
-    program.isThere = server::isExecutableThere(name, folder);
+    program.isThere = !server::findExecutable(name, folder).empty();
     program.isBuiltIn = !environment::configurationSchema(program.field.program).empty();
   }
   return program;
@@ -239,13 +254,17 @@ Process startFolderProgram(const std::string& file, const FolderProgram& program
 }
 
 Process loadFieldFile(const std::string& file, core::Compatibility compatibility, bool isQuiet,
-                      core::FileProvider& files, const RemoteOptions& options) {
+                      core::FileProvider& files, const Making& making) {
+  const RemoteOptions& options = making.remote;
   if (!files.read(file)) {
     printError("there is no environment file '" + file + "': check the name and the working folder");
     return nullptr;
   }
   const FolderProgram program = folderProgramOf(file, files);
   if (options.allowsFolderPrograms && (program.isInFolder || (program.isThere && !program.isBuiltIn))) {
+    if (!mayStart(program.field.command.front(), making)) {
+      return nullptr;
+    }
     return startFolderProgram(file, program, isQuiet, files, options);
   }
   if (program.isThere && !program.isBuiltIn) {
@@ -278,11 +297,11 @@ Process makeEnvironment(const std::string& name, core::Compatibility compatibili
     return loadPlugin(name, "{}", "--environment-", making);
   }
   if (suffix == ".e") {
-    return loadFieldFile(name, compatibility, isQuiet, files, making.remote);
+    return loadFieldFile(name, compatibility, isQuiet, files, making);
   }
   // a model folder may give its environment file any name; no built-in process has a name like a path
   if (name.find_first_of("./") != std::string::npos && files.read(name)) {
-    return loadFieldFile(name, compatibility, isQuiet, files, making.remote);
+    return loadFieldFile(name, compatibility, isQuiet, files, making);
   }
   return makeBuiltIn(name, "", "", making);
 }

@@ -21,6 +21,7 @@ struct RemoteOptions {
   double timeoutSeconds = 0.0;        // of a step; 0: the default
   bool allowsFolderPrograms = false;  // an environment file (.e) may start the program that it names
   bool isStrict = false;              // a warning about a file is an error
+  bool mayStartPrograms = true;       // false: a snapshot names the environment, and a stranger may have written it
 };
 
 struct LoadedEnvironment {

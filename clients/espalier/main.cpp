@@ -47,6 +47,7 @@ int main(int argumentCount, char** arguments) {
   addConnect(program, status);
   addStatus(program, status);
   addLoad(program, status);
+  addToken(program, status);
 
   // name a mistyped command before its options are read
   if (argumentCount > 1 && arguments[1][0] != '-') {

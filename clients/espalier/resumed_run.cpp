@@ -49,7 +49,9 @@ std::optional<LoadedEnvironment> resumedEnvironment(const ModelOptions& options,
   for (const auto& [name, text] : info.environmentOrigin.files) {
     carried.add(name, text);
   }
-  return loadEnvironment(info.environmentOrigin.name, compatibility, options.isQuiet, carried, options.remote);
+  RemoteOptions remote = options.remote;
+  remote.mayStartPrograms = false;
+  return loadEnvironment(info.environmentOrigin.name, compatibility, options.isQuiet, carried, remote);
 }
 
 }  // namespace

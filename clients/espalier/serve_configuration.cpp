@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <fstream>
+#include <functional>
 #include <vector>
 
 #include "engine/core/diagnostic.h"
@@ -11,7 +12,8 @@
 namespace espalier::command {
 namespace {
 
-/// Options that a configuration file does not have: limits have their own section, a token has its own file.
+/// Options that a configuration file does not have: limits have their own section, a token has its hash or its own
+/// file.
 bool isLeftOut(const std::string& name) {
   constexpr std::array<std::string_view, 5> kNames{"help", "config", "print-config", "limit", "token"};
   return std::find(kNames.begin(), kNames.end(), name) != kNames.end();
@@ -57,10 +59,62 @@ std::string quoted(const std::string& text) {
   return '"' + text + '"';
 }
 
-}  // namespace
+std::string listText(const std::vector<std::string>& values) {
+  std::string text = "[";
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    text += (i == 0 ? "" : ", ") + quoted(values[i]);
+  }
+  return text + "]";
+}
 
-std::optional<std::string> readServeConfiguration(CLI::App& command, const std::string& file,
-                                                  server::ServerLimits& limits) {
+std::optional<std::string> applyCommand(server::ServerOptions& options, const CLI::ConfigItem& item) {
+  auto read = server::readSpawnCommand(item.name, item.inputs);
+  if (!read) {
+    return read.error();
+  }
+  return options.remote.spawn.emplace(item.name, std::move(*read)).second
+             ? std::nullopt
+             : std::optional("the command '" + item.name + "' is there twice in [spawn]: give one another name.");
+}
+
+std::optional<std::string> applyToken(std::vector<server::Token>& tokens, const CLI::ConfigItem& item) {
+  std::string line;
+  for (const std::string& input : item.inputs) {
+    line += (line.empty() ? "" : " ") + input;
+  }
+  auto read = server::readToken(item.name, line);
+  if (!read) {
+    return read.error();
+  }
+  for (const server::Token& other : tokens) {
+    if (other.name == read->name || other.hash == read->hash) {
+      return "the tokens '" + other.name + "' and '" + read->name +
+             "' have the same name or the same hash: give each its own.";
+    }
+  }
+  tokens.push_back(std::move(*read));
+  return std::nullopt;
+}
+
+std::string sectionOf(const CLI::ConfigItem& item) {
+  return item.parents.size() == 1 ? item.parents.front() : std::string();
+}
+
+std::optional<std::string> applyItem(CLI::App& command, server::ServerOptions& options, const CLI::ConfigItem& item) {
+  const std::string section = sectionOf(item);
+  if (section == "limits" && item.inputs.size() == 1) {
+    return server::setLimit(options.limits, item.name + "=" + item.inputs.front());
+  }
+  if (section == "spawn") {
+    return applyCommand(options, item);
+  }
+  return section == "tokens" ? applyToken(options.tokens, item) : applyOption(command, item);
+}
+
+using Apply = std::function<std::optional<std::string>(const CLI::ConfigItem&)>;
+
+/// Hands over the items of a configuration. The first mistake, or nothing.
+std::optional<std::string> readItems(const std::string& file, const Apply& apply) {
   const std::string where = "the configuration '" + file + "': ";
   std::ifstream stream(file);
   if (!stream) {
@@ -71,10 +125,7 @@ std::optional<std::string> readServeConfiguration(CLI::App& command, const std::
       if (item.name == "++" || item.name == "--") {
         continue;  // the reader marks the begin and the end of a section so
       }
-      const bool isLimit = item.parents.size() == 1 && item.parents.front() == "limits" && item.inputs.size() == 1;
-      const auto problem =
-          isLimit ? server::setLimit(limits, item.name + "=" + item.inputs.front()) : applyOption(command, item);
-      if (problem) {
+      if (const auto problem = apply(item)) {
         return where + *problem;
       }
     }
@@ -84,7 +135,20 @@ std::optional<std::string> readServeConfiguration(CLI::App& command, const std::
   return std::nullopt;
 }
 
-std::string serveConfigurationText(const CLI::App& command, const server::ServerLimits& limits) {
+}  // namespace
+
+std::optional<std::string> readServeConfiguration(CLI::App& command, const std::string& file,
+                                                  server::ServerOptions& options) {
+  return readItems(file, [&](const CLI::ConfigItem& item) { return applyItem(command, options, item); });
+}
+
+std::optional<std::string> readConfiguredTokens(const std::string& file, std::vector<server::Token>& tokens) {
+  return readItems(file, [&tokens](const CLI::ConfigItem& item) {
+    return sectionOf(item) == "tokens" ? applyToken(tokens, item) : std::nullopt;
+  });
+}
+
+std::string serveConfigurationText(const CLI::App& command, const server::ServerOptions& options) {
   std::string text;
   for (const std::string& key : keysOf(command)) {
     const CLI::Option* const option = command.get_option("--" + key);
@@ -96,18 +160,26 @@ std::string serveConfigurationText(const CLI::App& command, const server::Server
     } else if (values.size() == 1) {
       text += quoted(values.front());
     } else {
-      text += "[";
-      for (std::size_t i = 0; i < values.size(); ++i) {
-        text += (i == 0 ? "" : ", ") + quoted(values[i]);
-      }
-      text += "]";
+      text += listText(values);
     }
     text += "\n";
   }
   text += "\n[limits]\n";
   for (const server::LimitEntry& entry : server::limitEntries()) {
-    text += std::string(entry.name) + " = " + std::to_string(entry.get(limits)) + "  # " + std::string(entry.meaning) +
-            "\n";
+    text += std::string(entry.name) + " = " + std::to_string(entry.get(options.limits)) + "  # " +
+            std::string(entry.meaning) + "\n";
+  }
+  text += options.remote.spawn.empty() ? "" : "\n[spawn]\n";
+  for (const auto& [name, spawned] : options.remote.spawn) {
+    std::vector<std::string> words = spawned.words;
+    if (spawned.takesArguments) {
+      words.emplace_back("...");
+    }
+    text += name + " = " + listText(words) + "\n";
+  }
+  text += options.tokens.empty() ? "" : "\n[tokens]\n";
+  for (const server::Token& token : options.tokens) {
+    text += token.name + " = " + quoted(server::toText(token)) + "\n";
   }
   return text;
 }

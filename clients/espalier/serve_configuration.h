@@ -2,8 +2,9 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
-#include "server/remote/limits.h"
+#include "server/server.h"
 
 namespace CLI {
 class App;
@@ -11,13 +12,17 @@ class App;
 
 namespace espalier::command {
 
-/// Reads the configuration of `serve`, TOML or INI: the command's long options without their dashes, and a section
-/// [limits]. The command line wins. Call it after the options of the command are read and before they are used. Returns
-/// an error sentence when the file cannot be read or has an unknown key.
+/// Reads the configuration of `serve`, TOML or INI: the command's long options without their dashes, and the sections
+/// [limits], [spawn] and [tokens]. The command line wins. Call it after the options of the command are read and before
+/// they are used. Returns an error sentence when the file cannot be read, has an unknown key or a wrong value.
 [[nodiscard]] std::optional<std::string> readServeConfiguration(CLI::App& command, const std::string& file,
-                                                                server::ServerLimits& limits);
+                                                                server::ServerOptions& options);
 
-/// The effective values in the form that readServeConfiguration reads. A token is not shown.
-[[nodiscard]] std::string serveConfigurationText(const CLI::App& command, const server::ServerLimits& limits);
+/// Adds the tokens of the section [tokens] of a configuration; nothing else is used. An error sentence as above.
+[[nodiscard]] std::optional<std::string> readConfiguredTokens(const std::string& file,
+                                                              std::vector<server::Token>& tokens);
+
+/// The effective values in the form that readServeConfiguration reads. Of tokens only the hashes are shown.
+[[nodiscard]] std::string serveConfigurationText(const CLI::App& command, const server::ServerOptions& options);
 
 }  // namespace espalier::command

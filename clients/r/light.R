@@ -10,7 +10,10 @@ value <- function(line, key) sub(sprintf('.*?"%s":("[^"]*"|[-+.0-9eE]+).*', key)
 # all of them, for lists of queries
 values <- function(line, pattern) regmatches(line, gregexpr(pattern, line, perl = TRUE))[[1]]
 
-say('"id":1,"method":"hello","params":{"protocol":[1],"roles":["environment"],"name":"r-light","version":"1"}')
+# a server with tokens wants one: ESPALIER_TOKEN=… Rscript light.R HOST PORT
+token <- Sys.getenv("ESPALIER_TOKEN")
+say('"id":1,"method":"hello","params":{"protocol":[1],"roles":["environment"],"name":"r-light","version":"1"',
+    if (nzchar(token)) paste0(',"token":"', token, '"'), "}")
 invisible(readLines(server, 1))
 say('"id":2,"method":"environment.offer","params":{"name":"r-light"}')
 invisible(readLines(server, 1))

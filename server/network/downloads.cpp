@@ -9,7 +9,6 @@
 #include "protocol/codec.h"
 #include "server/running/simulation_trace.h"
 #include "server/server_core.h"
-#include "server/session/constant_time.h"
 
 namespace espalier::server {
 namespace {
@@ -218,12 +217,14 @@ void makeDownload(ServerCore& core, const DownloadPath& path, std::function<void
   runner->submit(std::move(command));
 }
 
-bool mayDownload(std::string_view authorization, const std::string& token) {
+std::optional<std::string> downloadProblem(std::string_view authorization, const Access& access) {
   constexpr std::string_view kScheme = "Bearer ";
-  if (token.empty()) {
-    return true;
+  const bool hasToken = authorization.starts_with(kScheme);
+  const auto grant = access.grant(hasToken ? authorization.substr(kScheme.size()) : std::string_view(), {"viewer"});
+  if (grant) {
+    return std::nullopt;
   }
-  return authorization.starts_with(kScheme) && isEqualInConstantTime(authorization.substr(kScheme.size()), token);
+  return hasToken ? grant.error() : "Downloads need a token of the server: Authorization: Bearer TOKEN.";
 }
 
 }  // namespace espalier::server

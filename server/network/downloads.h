@@ -6,6 +6,7 @@
 #include <string_view>
 #include <variant>
 
+#include "server/access/access.h"
 #include "server/network/http_pages.h"
 
 namespace espalier::server {
@@ -25,8 +26,8 @@ struct DownloadPath {
 /// Makes a download on a worker and calls `done` once, on any thread. blockBytes bounds the bytes.
 void makeDownload(ServerCore& core, const DownloadPath& path, std::function<void(HttpPage)> done);
 
-/// Whether a request with this header `Authorization` may download. When the server has a token, it must be
-/// `Bearer TOKEN`.
-[[nodiscard]] bool mayDownload(std::string_view authorization, const std::string& token);
+/// Why a request with this header `Authorization` may not download, or nothing. When the server has tokens, it must be
+/// `Bearer TOKEN` of a viewer.
+[[nodiscard]] std::optional<std::string> downloadProblem(std::string_view authorization, const Access& access);
 
 }  // namespace espalier::server

@@ -270,11 +270,11 @@ class HttpConnection final : public std::enable_shared_from_this<HttpConnection<
     if (!isHostAllowed(fieldOf(request, http::field::host), isLoopback_)) {
       co_return HttpPage{403, std::string(kText), "Downloads are for this machine: ask localhost for them.\n"};
     }
-    const std::string& token = services_.core->options().token;
-    if (!mayDownload(fieldOf(request, http::field::authorization), token)) {
-      co_return HttpPage{401, std::string(kText), "Downloads need the server's token: Authorization: Bearer TOKEN.\n"};
+    const Access& access = services_.core->access();
+    if (const auto problem = downloadProblem(fieldOf(request, http::field::authorization), access)) {
+      co_return HttpPage{401, std::string(kText), *problem + "\n"};
     }
-    if (!token.empty()) {
+    if (access.hasTokens()) {
       // strangers do not end the download; without a place of its own it waits like any other connection
       (void)accepted_.place->trust();
     }

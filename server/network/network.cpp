@@ -21,6 +21,8 @@ namespace {
 using asio::ip::tcp;
 
 constexpr std::string_view kUnix = "unix:";
+// how often tokens are looked at
+constexpr std::chrono::seconds kSweep{1};
 
 }  // namespace
 
@@ -34,7 +36,8 @@ class Network::Implementation {
         httpAcceptor_(context_),
         encryption_(asio::ssl::context::tls_server),
         signals_(context_),
-        patience_(context_) {}
+        patience_(context_),
+        sweep_(context_) {}
 
   ~Implementation() {
     if (!unixPath_.empty()) {
@@ -72,8 +75,12 @@ class Network::Implementation {
     if (handleSignals) {
       signals_.add(SIGINT);
       signals_.add(SIGTERM);
+      if (core_->options().readTokens) {
+        signals_.add(SIGHUP);
+      }
       waitForSignal();
     }
+    sweep();
     if (acceptor_.is_open()) {
       asio::co_spawn(context_, accept(acceptor_, [this](tcp::socket socket) { admitStream(std::move(socket)); }),
                      asio::detached);
@@ -152,17 +159,38 @@ class Network::Implementation {
   void endWhenEmpty() {
     if (isClosing_ && connections_.empty()) {
       patience_.cancel();
+      sweep_.cancel();
       signals_.cancel();
       context_.stop();
     }
   }
 
-  void waitForSignal() {
-    signals_.async_wait([this](const error_code& error, int) {
-      if (!error) {
-        onStop_();
-        waitForSignal();
+  /// Sessions whose tokens hold no longer end, also when their peers only watch. Not a timer for each: the wall clock
+  /// may jump.
+  void sweep() {
+    sweep_.expires_after(kSweep);
+    sweep_.async_wait([this](const error_code& error) {
+      if (error) {
+        return;
       }
+      for (const auto& connection : std::set(connections_)) {
+        connection->checkAccess();
+      }
+      sweep();
+    });
+  }
+
+  void waitForSignal() {
+    signals_.async_wait([this](const error_code& error, int signal) {
+      if (error) {
+        return;
+      }
+      if (signal == SIGHUP) {
+        core_->readTokensAgain();
+      } else {
+        onStop_();
+      }
+      waitForSignal();
     });
   }
 
@@ -206,7 +234,7 @@ class Network::Implementation {
     const auto endpoint = socket.remote_endpoint(error);
     const bool isLocal = !error && endpoint.address().is_loopback();
     const std::string address = error ? "unknown" : endpoint.address().to_string();
-    return {address + ":" + std::to_string(endpoint.port()), isLocal, helloDeadline(),
+    return {address + ":" + std::to_string(endpoint.port()), helloDeadline(),
             admission_.enter(side, isLocal ? std::string() : address)};
   }
 
@@ -216,7 +244,7 @@ class Network::Implementation {
 
   void admitUnix(UnixSocket socket) {
     admit(std::make_shared<StreamConnection<UnixSocket>>(
-        std::move(socket), *core_, Accepted{"unix", true, helloDeadline(), admission_.enter(Side::Protocol, {})}));
+        std::move(socket), *core_, Accepted{"unix", helloDeadline(), admission_.enter(Side::Protocol, {})}));
   }
 
   void admitStream(tcp::socket socket) {
@@ -269,6 +297,7 @@ class Network::Implementation {
   std::string unixPath_;  // of our socket; empty: none
   asio::signal_set signals_;
   asio::steady_timer patience_;
+  asio::steady_timer sweep_;
   std::set<std::shared_ptr<PeerConnection>> connections_;
   std::function<void()> onStop_;
   std::uint64_t connectionCount_ = 0;  // that there have been

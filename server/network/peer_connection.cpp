@@ -137,6 +137,17 @@ void PeerConnection::beat() {
   });
 }
 
+void PeerConnection::checkAccess() {
+  if (session_ == nullptr || !isBeating_) {
+    return;
+  }
+  if (hasLostAccess_) {
+    closeNow();
+  } else {
+    hasLostAccess_ = !session_->checkAccess();
+  }
+}
+
 void PeerConnection::closeNow() {
   if (isClosed_) {
     return;
@@ -183,6 +194,10 @@ void PeerConnection::setHeld(bool isHeld) {
 void PeerConnection::hand(const protocol::MessageReader::Read& read, bool isMoreToCome) {
   setHeld(isMoreToCome);
   session_->onRead(read);
+  noteGreeting();
+}
+
+void PeerConnection::noteGreeting() {
   if (isGreeted() && !isBeating_) {
     isBeating_ = true;
     handshake_.cancel();
@@ -234,6 +249,7 @@ asio::awaitable<void> PeerConnection::handOnWorker(Decode decode) {
   while (!message->isDone) {
     co_await message->done.async_wait(kAsTuple);
   }
+  noteGreeting();
   // what the message began may not have existed yet when the connection was closed
   if (isClosed_) {
     message->session->onClosed();

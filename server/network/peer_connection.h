@@ -27,7 +27,6 @@ inline constexpr auto kAsTuple = asio::as_tuple(asio::use_awaitable);
 /// What is known of a connection from accept() on.
 struct Accepted {
   std::string peerName;  // for the log
-  bool isLocal = false;  // the peer is on this machine
   /// Until then the peer has said hello, after TLS, HTTP and whatever else comes before.
   std::chrono::steady_clock::time_point deadline;
   std::unique_ptr<Admission::Place> place;
@@ -48,13 +47,14 @@ class PeerConnection : public Connection, public std::enable_shared_from_this<Pe
   void closeWhenSent() override;
   void remind(std::chrono::milliseconds delay) override;
   [[nodiscard]] std::size_t outboxBytes() const override { return outboxBytes_; }
-  [[nodiscard]] bool isLocal() const override { return accepted_.isLocal; }
   [[nodiscard]] std::string peerName() const override { return accepted_.peerName; }
 
   // ---- network thread ----
   [[nodiscard]] std::optional<protocol::Error> admit() override;
   void start(std::shared_ptr<Session> session);
   void closeNow();
+  /// Ends the session when its token holds no longer. A peer that does not read this until the next call is closed.
+  void checkAccess();
   /// The peer is to be told, then closed.
   [[nodiscard]] bool isBeyondAddressBound() const {
     return accepted_.place != nullptr && accepted_.place->isBeyondAddressBound();
@@ -104,6 +104,8 @@ class PeerConnection : public Connection, public std::enable_shared_from_this<Pe
  private:
   struct BigMessage;
 
+  /// After a message: the peer may have said hello.
+  void noteGreeting();
   [[nodiscard]] std::shared_ptr<BigMessage> postToWorker(Decode decode);
   void beat();
   void setHeld(bool isHeld);
@@ -129,6 +131,7 @@ class PeerConnection : public Connection, public std::enable_shared_from_this<Pe
   bool isAdmitted_ = false;
   bool isBeating_ = false;  // heartbeats have begun: the peer was greeted
   bool wasHeard_ = false;   // since the last heartbeat
+  bool hasLostAccess_ = false;
   bool hasEnded_ = false;
   bool isHolding_ = false;  // isHeld_
   bool isClosing_ = false;

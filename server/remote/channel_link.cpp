@@ -49,18 +49,31 @@ std::unique_ptr<ChannelLink> ChannelLink::unixSocket(std::string path, const Cha
 }
 
 std::unique_ptr<ChannelLink> ChannelLink::stdio(std::string command, const ChannelOptions& options) {
+  return started(
+      command, [command] { return ChildProcess::start(command); }, options);
+}
+
+std::unique_ptr<ChannelLink> ChannelLink::program(const std::string& name, std::vector<std::string> words,
+                                                  const ChannelOptions& options) {
+  return started(
+      name, [words = std::move(words)] { return ChildProcess::start(words); }, options);
+}
+
+std::unique_ptr<ChannelLink> ChannelLink::started(const std::string& name, Starter start,
+                                                  const ChannelOptions& options) {
   const protocol::FrameLimits limits = options.limits;
-  Dialer dialer = [command, limits](Deadline) -> tl::expected<std::unique_ptr<Transport>, std::string> {
-    auto result = ChildProcess::start(command);
+  Dialer dialer = [start = std::move(start),
+                   limits](Deadline) -> tl::expected<std::unique_ptr<Transport>, std::string> {
+    auto result = start();
     if (!result) {
       return tl::unexpected(std::move(result.error()));
     }
-    auto& started = **result;
-    return std::make_unique<Transport>(std::move(started.input), std::move(started.output),
-                                       std::make_unique<ChildProcess>(std::move(started.process)), limits);
+    auto& child = **result;
+    return std::make_unique<Transport>(std::move(child.input), std::move(child.output),
+                                       std::make_unique<ChildProcess>(std::move(child.process)), limits);
   };
   return std::unique_ptr<ChannelLink>(
-      new ChannelLink("environment 'stdio:" + command + "'",
+      new ChannelLink("environment 'stdio:" + name + "'",
                       "Run the command by hand to see what is wrong; asking for the step again starts it again.",
                       std::move(dialer), options));
 }
@@ -219,10 +232,11 @@ LineChannel::Status ChannelLink::answer(const protocol::Message& request, Deadli
     const protocol::HelloResult hello{.protocol = protocol::kProtocolVersion,
                                       .session = "1",
                                       .server = "espalier " + std::string(protocol::kProgramVersion),
+                                      .roles = {},
                                       .capabilities = ownCapabilities(),
                                       .limits = ownLimits()};
     line = protocol::encodeResult(request.id, protocol::encode(hello));
-  } else if (request.method == "environment.offer") {
+  } else if (request.method == "environment.offer" || request.method == "ping") {
     line = protocol::encodeResult(request.id, "{}");
   } else {
     line = protocol::encodeError(request.id, {protocol::ErrorCode::UnknownMethod,

@@ -29,7 +29,11 @@ class ChannelLink final : public EnvironmentLink {
   [[nodiscard]] static std::unique_ptr<ChannelLink> tcp(std::string address, const ChannelOptions& options);
   /// A socket of the file system.
   [[nodiscard]] static std::unique_ptr<ChannelLink> unixSocket(std::string path, const ChannelOptions& options);
+  /// A command that the shell starts.
   [[nodiscard]] static std::unique_ptr<ChannelLink> stdio(std::string command, const ChannelOptions& options);
+  /// A program that starts without a shell. People know it by `name`; `words` are its file and its arguments.
+  [[nodiscard]] static std::unique_ptr<ChannelLink> program(const std::string& name, std::vector<std::string> words,
+                                                            const ChannelOptions& options);
   ~ChannelLink() override;
 
   [[nodiscard]] std::string label() const override { return label_; }
@@ -44,6 +48,10 @@ class ChannelLink final : public EnvironmentLink {
  private:
   struct Transport;
   using Dialer = std::function<tl::expected<std::unique_ptr<Transport>, std::string>(Deadline)>;
+  using Starter = std::function<tl::expected<std::unique_ptr<ChildProcess::Started>, std::string>()>;
+
+  [[nodiscard]] static std::unique_ptr<ChannelLink> started(const std::string& name, Starter start,
+                                                            const ChannelOptions& options);
 
   ChannelLink(std::string label, std::string remedy, Dialer dialer, const ChannelOptions& options);
   /// Sends hello. A peer that does not know it, or keeps silent, is served all the same.

@@ -19,18 +19,38 @@ std::optional<LinkOutcome> PendingCall::wait(std::chrono::milliseconds timeout) 
   return std::move(outcome_);
 }
 
-bool OfferedEnvironments::offer(const std::string& name, const std::shared_ptr<AskedPeer>& peer) {
-  const std::lock_guard lock(mutex_);
-  Offer& offer = offers_[name];
-  const auto before = offer.peer.lock();
-  offer = {peer, ++lastSerial_};
-  return before != nullptr && before != peer;
+OfferedEnvironments::Outcome OfferedEnvironments::offer(const std::string& name, const std::shared_ptr<AskedPeer>& peer,
+                                                        const std::function<void()>& announce) {
+  std::vector<std::weak_ptr<PendingCall>> calls;
+  bool isReplacing = false;
+  {
+    const std::lock_guard lock(mutex_);
+    if (const auto found = offers_.find(name); found != offers_.end()) {
+      const auto before = found->second.offer.peer.lock();
+      isReplacing = before != nullptr && before != peer;
+      // without tokens everybody has the same, empty owner
+      if (isReplacing && !(before->owner().empty() ? before->hasMissedHeartbeat() : before->owner() == peer->owner())) {
+        return Outcome::Taken;
+      }
+      if (isReplacing) {
+        calls.swap(found->second.calls);
+      }
+    }
+    announce();
+    offers_.insert_or_assign(name, Entry{{peer, ++lastSerial_}, {}});
+  }
+  for (const auto& weak : calls) {
+    if (const auto call = weak.lock()) {
+      call->fail({LinkFailure::Kind::Closed, "was replaced by another connection that offers the name", {}});
+    }
+  }
+  return isReplacing ? Outcome::Replaced : Outcome::New;
 }
 
 void OfferedEnvironments::withdraw(const AskedPeer* peer) {
   const std::lock_guard lock(mutex_);
   std::erase_if(offers_, [peer](const auto& entry) {
-    const auto owner = entry.second.peer.lock();
+    const auto owner = entry.second.offer.peer.lock();
     return owner == nullptr || owner.get() == peer;
   });
 }
@@ -38,7 +58,19 @@ void OfferedEnvironments::withdraw(const AskedPeer* peer) {
 std::optional<OfferedEnvironments::Offer> OfferedEnvironments::find(const std::string& name) const {
   const std::lock_guard lock(mutex_);
   const auto found = offers_.find(name);
-  return found == offers_.end() ? std::nullopt : std::optional<Offer>(found->second);
+  return found == offers_.end() ? std::nullopt : std::optional<Offer>(found->second.offer);
+}
+
+std::optional<OfferedEnvironments::Offer> OfferedEnvironments::find(const std::string& name,
+                                                                    const std::shared_ptr<PendingCall>& call) {
+  const std::lock_guard lock(mutex_);
+  const auto found = offers_.find(name);
+  if (found == offers_.end()) {
+    return std::nullopt;
+  }
+  std::erase_if(found->second.calls, [](const auto& each) { return each.expired(); });
+  found->second.calls.push_back(call);
+  return found->second.offer;
 }
 
 std::vector<std::string> OfferedEnvironments::names() const {
@@ -54,7 +86,15 @@ std::string OfferedLink::remedy() const {
   return "Connect it again and offer it as '" + name_ + "', then ask for the step again.";
 }
 
+std::shared_ptr<AskedPeer> OfferedLink::peerOf(const std::optional<OfferedEnvironments::Offer>& offer) const {
+  auto peer = offer ? offer->peer.lock() : nullptr;
+  return peer != nullptr && owner_ && peer->owner() != *owner_ ? nullptr : peer;
+}
+
 LinkFailure OfferedLink::away() const {
+  if (const auto offer = offered_->find(name_); offer && offer->peer.lock() != nullptr && peerOf(offer) == nullptr) {
+    return {LinkFailure::Kind::Away, "is offered with another token than before ('" + *owner_ + "')", {}};
+  }
   std::string list;
   for (const std::string& name : offered_->names()) {
     list += (list.empty() ? "" : ", ") + name;
@@ -68,23 +108,21 @@ std::optional<LinkFailure> OfferedLink::connect() {
 
 std::uint64_t OfferedLink::generation() const {
   const auto offer = offered_->find(name_);
-  return offer && !offer->peer.expired() ? offer->serial : 0;
+  return peerOf(offer) != nullptr ? offer->serial : 0;
 }
 
 PeerTerms OfferedLink::terms() const {
-  const auto offer = offered_->find(name_);
-  const auto peer = offer ? offer->peer.lock() : nullptr;
+  const auto peer = peerOf(offered_->find(name_));
   return peer == nullptr ? PeerTerms{} : peer->terms();
 }
 
 LinkOutcome OfferedLink::call(std::string_view method, const protocol::Body& params,
                               std::chrono::milliseconds timeout) {
-  const auto offer = offered_->find(name_);
-  const auto peer = offer ? offer->peer.lock() : nullptr;
+  const auto pending = std::make_shared<PendingCall>();
+  const auto peer = peerOf(offered_->find(name_, pending));
   if (peer == nullptr) {
     return tl::unexpected(away());
   }
-  const auto pending = std::make_shared<PendingCall>();
   {
     const std::lock_guard lock(mutex_);
     current_ = pending;
@@ -99,6 +137,9 @@ LinkOutcome OfferedLink::call(std::string_view method, const protocol::Body& par
   if (!outcome) {
     return tl::unexpected(LinkFailure{
         LinkFailure::Kind::Timeout, "did not answer within " + std::to_string(timeout.count()) + " ms", {}});
+  }
+  if (*outcome) {
+    owner_ = peer->owner();
   }
   return std::move(*outcome);
 }

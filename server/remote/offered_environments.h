@@ -2,6 +2,7 @@
 
 #include <condition_variable>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -37,34 +38,50 @@ class AskedPeer {
   [[nodiscard]] virtual PeerTerms terms() const = 0;
   /// The answer to the request is not needed any more.
   virtual void forget(const std::string& id) = 0;
+  /// The name of the token that the peer came with. Empty: the server has no tokens.
+  [[nodiscard]] virtual std::string owner() const = 0;
+  /// The peer was asked whether it is there, and has been silent since.
+  [[nodiscard]] virtual bool hasMissedHeartbeat() const = 0;
 };
 
-/// The environments that connected and offered themselves, by name. A later offer of a name replaces the earlier one,
-/// so an environment that comes back is used even while its old connection looks alive. Thread-safe.
+/// The environments that connected and offered themselves, by name. A peer may take over the name of another one that
+/// came with the same token, so an environment that comes back is used even while its old connection looks alive.
+/// Without tokens the older peer must have missed its heartbeat. Thread-safe.
 class OfferedEnvironments {
  public:
   struct Offer {
     std::weak_ptr<AskedPeer> peer;
     std::uint64_t serial = 0;  // 1, 2, ... of all offers
   };
-  /// Returns whether it replaces another peer's offer.
-  bool offer(const std::string& name, const std::shared_ptr<AskedPeer>& peer);
+  enum class Outcome : std::uint8_t { New, Replaced, Taken };
+  /// `announce` is called before the offer can be found, unless the name is taken. The questions that wait for an older
+  /// peer fail.
+  [[nodiscard]] Outcome offer(const std::string& name, const std::shared_ptr<AskedPeer>& peer,
+                              const std::function<void()>& announce);
   /// Forgets all offers of a peer.
   void withdraw(const AskedPeer* peer);
   [[nodiscard]] std::optional<Offer> find(const std::string& name) const;
+  /// As find(), for a question: when another peer takes the name over, `call` fails.
+  [[nodiscard]] std::optional<Offer> find(const std::string& name, const std::shared_ptr<PendingCall>& call);
   [[nodiscard]] std::vector<std::string> names() const;
 
  private:
+  struct Entry {
+    Offer offer;
+    std::vector<std::weak_ptr<PendingCall>> calls;  // that may still wait for the peer
+  };
+
   mutable std::mutex mutex_;
-  std::map<std::string, Offer> offers_;
+  std::map<std::string, Entry> offers_;
   std::uint64_t lastSerial_ = 0;
 };
 
-/// A link to the peer that offers a name now.
+/// A link to the peer that offers a name now. Once a peer has answered, only peers with its token are asked: they get
+/// the plants and the saved state.
 class OfferedLink final : public EnvironmentLink {
  public:
   /// `offered` must outlive the link.
-  OfferedLink(std::string name, const OfferedEnvironments& offered) : name_(std::move(name)), offered_(&offered) {}
+  OfferedLink(std::string name, OfferedEnvironments& offered) : name_(std::move(name)), offered_(&offered) {}
 
   [[nodiscard]] std::string label() const override { return "environment '" + name_ + "'"; }
   [[nodiscard]] std::string remedy() const override;
@@ -77,10 +94,13 @@ class OfferedLink final : public EnvironmentLink {
 
  private:
   [[nodiscard]] LinkFailure away() const;
+  /// The peer of an offer. Null: none is connected, or it came with another token than the one before.
+  [[nodiscard]] std::shared_ptr<AskedPeer> peerOf(const std::optional<OfferedEnvironments::Offer>& offer) const;
 
   std::string name_;
-  const OfferedEnvironments* offered_;
-  std::mutex mutex_;  // guards current_
+  OfferedEnvironments* offered_;
+  std::optional<std::string> owner_;  // of the peer that answered first
+  std::mutex mutex_;                  // guards current_
   std::shared_ptr<PendingCall> current_;
 };
 

@@ -43,7 +43,61 @@ bool isRemote(const std::string& type) {
   return type == "offered" || type == "tcp" || type == "stdio";
 }
 
-/// The link of a remote entry, or what is wrong with it.
+/// The address of a `tcp` entry without its scheme.
+std::string addressOf(const environment::EnvironmentEntry& entry) {
+  std::string address = protocol::memberOf(entry.configuration, "address").value_or("");
+  return address.starts_with("tcp://") ? address.substr(6) : address;
+}
+
+/// The name of the listed command that an entry of the type `stdio` wants. Empty: it has none.
+std::string spawnNameOf(const environment::EnvironmentEntry& entry) {
+  return entry.name == entry.type ? std::string() : entry.name;
+}
+
+protocol::Error unauthorised(const std::string& path, const std::string& what) {
+  protocol::JsonWriter data;
+  data.beginObject().key("path").text(path).endObject();
+  return {protocol::ErrorCode::Unauthorised, path + ": " + what, data.take()};
+}
+
+/// Why an entry may not start its command or dial its address, or nothing.
+std::optional<protocol::Error> refusalOf(const environment::EnvironmentEntry& entry, const std::string& path,
+                                         const RemotePermissions& permissions) {
+  if (entry.type == "tcp") {
+    const std::string address = addressOf(entry);
+    if (address.empty() || permissions.mayDial(address)) {
+      return std::nullopt;
+    }
+    return unauthorised(path + ".address", "the server may not dial '" + address + "'. Start it with --allow-dial " +
+                                               address + ", or let the environment offer itself.");
+  }
+  if (entry.type != "stdio") {
+    return std::nullopt;
+  }
+  if (protocol::memberOf(entry.configuration, "command")) {
+    if (permissions.isSpawnAllowed) {
+      return std::nullopt;
+    }
+    return unauthorised(path + ".command",
+                        "the server starts only commands that its operator lists under [spawn] of its configuration. "
+                        "Send {\"type\":\"stdio\",\"name\":NAME} with the NAME of one of them, or let the environment "
+                        "offer itself. A private server may start with --allow-spawn.");
+  }
+  const std::string name = spawnNameOf(entry);
+  if (name.empty()) {
+    return protocol::memberError(path + ".name", "expected the name of a command that the server lists under [spawn]");
+  }
+  const auto arguments = protocol::memberOf(entry.configuration, "arguments");
+  if (arguments && !protocol::listOf(entry.configuration, "arguments")) {
+    return protocol::memberError(path + ".arguments", "expected a list of texts");
+  }
+  if (const auto problem = permissions.problemOfName(name, arguments.has_value())) {
+    return unauthorised(path + ".name", *problem);
+  }
+  return std::nullopt;
+}
+
+/// The link of a remote entry that is permitted, or what is wrong with it.
 std::variant<std::shared_ptr<EnvironmentLink>, protocol::Error> makeLink(const environment::EnvironmentEntry& entry,
                                                                          const std::string& path,
                                                                          const EnvironmentServices& services) {
@@ -54,24 +108,37 @@ std::variant<std::shared_ptr<EnvironmentLink>, protocol::Error> makeLink(const e
     return std::make_shared<OfferedLink>(entry.name, *services.offered);
   }
   const ChannelOptions options{.connectTimeout = services.connectTimeout, .limits = services.frames};
-  const std::string key = entry.type == "tcp" ? "address" : "command";
-  auto value = protocol::memberOf(entry.configuration, key);
-  if (!value || value->empty()) {
-    return protocol::memberError(path + "." + key, entry.type == "tcp" ? "expected HOST:PORT" : "expected a command");
-  }
   if (entry.type == "tcp") {
-    if (value->starts_with("tcp://")) {
-      value->erase(0, 6);
+    std::string address = addressOf(entry);
+    if (address.empty()) {
+      return protocol::memberError(path + ".address", "expected HOST:PORT");
     }
-    if (value->starts_with("unix:")) {
+    if (address.starts_with("unix:")) {
       return protocol::memberError(
           path + ".address",
           "a socket of this machine's file system is dialled by the command line only; let the "
           "environment offer itself, or listen on HOST:PORT");
     }
-    return std::shared_ptr<EnvironmentLink>(ChannelLink::tcp(std::move(*value), options));
+    return std::shared_ptr<EnvironmentLink>(ChannelLink::tcp(std::move(address), options));
   }
-  return std::shared_ptr<EnvironmentLink>(ChannelLink::stdio(std::move(*value), options));
+  if (auto command = protocol::memberOf(entry.configuration, "command")) {
+    if (command->empty()) {
+      return protocol::memberError(path + ".command", "expected a command");
+    }
+    return std::shared_ptr<EnvironmentLink>(ChannelLink::stdio(std::move(*command), options));
+  }
+  const std::string name = spawnNameOf(entry);
+  std::vector<std::string> words = services.permissions->spawn.at(name).words;
+  const auto arguments = protocol::listOf(entry.configuration, "arguments").value_or(std::vector<std::string>{});
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  return std::shared_ptr<EnvironmentLink>(ChannelLink::program(name, std::move(words), options));
+}
+
+/// How people read the name of an entry in another process.
+std::string titleOf(const environment::EnvironmentEntry& entry) {
+  const bool hasName =
+      entry.type == "offered" || (entry.type == "stdio" && !protocol::memberOf(entry.configuration, "command"));
+  return hasName ? entry.type + ":" + entry.name : entry.type;
 }
 
 /// The process that the environment file of a gallery model names. `origin` receives the files that it was made from,
@@ -139,6 +206,13 @@ std::variant<BuiltEnvironment, protocol::Error> buildEnvironment(const std::stri
     return protocol::memberError("params.environment", sentences(parsed.error()));
   }
   const std::vector<environment::EnvironmentEntry>& entries = *parsed;
+  const RemotePermissions nothing;
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    if (auto error = refusalOf(entries[i], "params.environment[" + std::to_string(i) + "]",
+                               services.permissions == nullptr ? nothing : *services.permissions)) {
+      return std::move(*error);
+    }
+  }
   std::vector<std::pair<std::string, std::unique_ptr<turtle::EnvironmentProcess>>> processes;
   simulation::EnvironmentOrigin fieldOrigin;
   for (std::size_t i = 0; i < entries.size(); ++i) {
@@ -168,7 +242,7 @@ std::variant<BuiltEnvironment, protocol::Error> buildEnvironment(const std::stri
         return environmentFailed(entry.name, *error);
       }
       built.links.push_back(link);
-      built.names.push_back(entry.type == "offered" ? "offered:" + entry.name : entry.type);
+      built.names.push_back(titleOf(entry));
       process = settings.policy.around(std::move(remote), services.onFailure);
     } else if (entry.type == "field") {
       auto made = makeFromSentFiles(entry, path, compatibility, fieldOrigin);

@@ -15,6 +15,7 @@
 #include "protocol/messages.h"
 #include "server/remote/environment_link.h"
 #include "server/remote/failure_policy.h"
+#include "server/remote/remote_permissions.h"
 
 namespace espalier::server {
 
@@ -23,7 +24,8 @@ struct Metrics;
 
 /// The services of the server for a simulation and its environment.
 struct EnvironmentServices {
-  const OfferedEnvironments* offered = nullptr;
+  OfferedEnvironments* offered = nullptr;
+  const RemotePermissions* permissions = nullptr;                // outlives the simulations; null: nothing is permitted
   std::function<void(const std::function<void()>&)> runWaiting;  // lets another worker compute
   std::chrono::milliseconds connectTimeout{5'000};
   std::chrono::milliseconds stepTimeout{60'000};
@@ -46,9 +48,11 @@ struct BuiltEnvironment {
 
 /// Makes the environment of a simulation from the `environment` array of simulation.create. `isAbsenceTolerated`:
 /// entries in other processes may be away (simulations loaded from disk). Besides the built-in processes there are the
-/// types `offered` {name}, `tcp` {address}, `stdio` {command}, `gallery` {model}: the specification (`.e`) of a gallery
-/// folder, and `field` {main, files}: a specification with the files that it names, as texts. An entry in another
-/// process may have a `policy`: fail (the default), keep, or fallback:NAME of a built-in.
+/// types `offered` {name}, `tcp` {address}, `stdio` {name} or {command}, `gallery` {model}: the specification (`.e`) of
+/// a gallery folder, and `field` {main, files}: a specification with the files that it names, as texts. An entry in
+/// another process may have a `policy`: fail (the default), keep, or fallback:NAME of a built-in. Every way to a
+/// simulation comes through here, so it is the one place that asks `services.permissions`: an entry that names a
+/// command or an address without permission is error 1003, and no entry has been reached then.
 [[nodiscard]] std::variant<BuiltEnvironment, protocol::Error> buildEnvironment(const std::string& environmentJson,
                                                                                core::Compatibility compatibility,
                                                                                bool isAbsenceTolerated,

@@ -26,8 +26,6 @@ class Connection {
   [[nodiscard]] virtual std::optional<protocol::Error> admit() { return std::nullopt; }
   /// Bytes queued and not yet given to the system.
   [[nodiscard]] virtual std::size_t outboxBytes() const = 0;
-  /// The peer is on this machine.
-  [[nodiscard]] virtual bool isLocal() const = 0;
   /// Address for the log.
   [[nodiscard]] virtual std::string peerName() const = 0;
 };

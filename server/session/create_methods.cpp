@@ -120,23 +120,6 @@ std::vector<core::Diagnostic> warningsOfRun(const language::Program& program, co
   return warnings;
 }
 
-/// A remote caller may not start commands on this machine, unless the server allows it.
-std::optional<protocol::Error> commandProblem(const protocol::CreateParams& params, Session& session) {
-  if (session.isLocal() || session.core().options().isSpawnAllowed) {
-    return std::nullopt;
-  }
-  for (std::size_t i = 0; i < params.environmentTypes.size(); ++i) {
-    if (params.environmentTypes[i] == "stdio") {
-      return protocol::Error{ErrorCode::Unauthorised,
-                             "params.environment[" + std::to_string(i) +
-                                 "]: commands are started only for callers on the server's own machine. Start "
-                                 "the server with --allow-spawn, or offer the environment over the network.",
-                             {}};
-    }
-  }
-  return std::nullopt;
-}
-
 /// Compiles, builds, saves and answers. On a worker.
 void createSimulation(const Request& request, protocol::CreateParams params, Interruption& interruption) {
   Session& session = request.session;
@@ -207,7 +190,7 @@ void createSimulation(const Request& request, protocol::CreateParams params, Int
     }
   }
   core.add(name, std::move(hosted));
-  core.log().info("created", {.session = session.id(), .simulation = name});
+  core.log().info("created", {.session = session.id(), .simulation = name, .token = session.tokenName()});
   session.respond(id, protocol::encode(result));
 }
 
@@ -216,10 +199,6 @@ void createSimulation(const Request& request, protocol::CreateParams params, Int
 namespace methods {
 
 void simulationCreate(const Request& request, protocol::CreateParams params) {
-  if (const auto problem = commandProblem(params, request.session)) {
-    request.session.respondError(request.id, *problem);
-    return;
-  }
   const auto interruption = std::make_shared<Interruption>();
   runOnWorker(
       request,

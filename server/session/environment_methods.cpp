@@ -29,13 +29,24 @@ void environmentList(const Request& request, protocol::NoParams) {
 void environmentOffer(const Request& request, protocol::OfferParams params) {
   Session& session = request.session;
   // the answer is queued before a simulation can find the offer and ask
-  protocol::JsonWriter result;
-  result.beginObject().key("name").text(params.name).endObject();
-  session.respond(request.id, result.view());
-  const bool isReplacing = session.core().offered().offer(params.name, session.shared_from_this());
+  const auto answer = [&] {
+    protocol::JsonWriter result;
+    result.beginObject().key("name").text(params.name).endObject();
+    session.respond(request.id, result.view());
+  };
+  const auto outcome = session.core().offered().offer(params.name, session.shared_from_this(), answer);
+  if (outcome == OfferedEnvironments::Outcome::Taken) {
+    session.respondError(request.id,
+                         {protocol::ErrorCode::OfferTaken,
+                          "Another connection offers '" + params.name +
+                              "'. Offer another name, use the same token, or wait until that connection is closed.",
+                          {}});
+    return;
+  }
   session.core().log().info(
-      "offers environment '" + params.name + "'" + (isReplacing ? ", in place of an older offer" : ""),
-      {.session = session.id()});
+      "offers environment '" + params.name + "'" +
+          (outcome == OfferedEnvironments::Outcome::Replaced ? ", in place of an older offer" : ""),
+      {.session = session.id(), .token = session.tokenName()});
 }
 
 }  // namespace methods

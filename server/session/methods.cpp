@@ -5,6 +5,7 @@
 
 #include "engine/core/diagnostic.h"
 #include "protocol/codec.h"
+#include "protocol/methods.h"
 #include "server/server_core.h"
 #include "server/session/request_work.h"
 #include "server/session/session.h"
@@ -17,14 +18,30 @@ using protocol::ErrorCode;
 /// What a handler gets: the column NEEDS of methods.def.
 enum class Needs : std::uint8_t { Nothing, Simulation };
 
+/// The log says who changed what. Single steps are too many for it, and reading changes nothing.
+void noteDeed(Session& session, const std::string& method, std::string_view simulation, protocol::Role role) {
+  const LogSubject subject{.session = session.id(), .simulation = simulation, .token = session.tokenName()};
+  const bool isChange = role == protocol::Role::Controller || role == protocol::Role::Environment;
+  if (isChange && method != "simulation.step" && method != "model.check") {
+    session.core().log().info(method, subject);
+  } else {
+    session.core().log().debug(method, subject);
+  }
+}
+
 /// Decodes the params, finds the simulation where it is needed, and calls the handler. Errors are answered.
-template <auto decode, auto handle, Needs needs>
+template <auto decode, auto handle, Needs needs, protocol::Role role>
 void handleMessage(Session& session, const protocol::Message& message) {
   const Request request{session, message.id, message.kind == protocol::Message::Kind::Notification};
   auto params = decode(message.payload);
   if (!params) {
     session.respondError(message.id, params.error());
     return;
+  }
+  if constexpr (requires { params->simulation; }) {
+    noteDeed(session, message.method, params->simulation, role);
+  } else {
+    noteDeed(session, message.method, {}, role);
   }
   if constexpr (needs == Needs::Simulation) {
     if (auto runner = findRunner(request, params->simulation)) {
@@ -37,17 +54,33 @@ void handleMessage(Session& session, const protocol::Message& message) {
 
 struct Row {
   std::string_view name;
+  protocol::Role role;
   bool canBeNotification;
   void (*handle)(Session&, const protocol::Message&);
 };
 
 constexpr std::array kRows{
-#define ESPALIER_SERVER_METHOD(NAME, PARAMS, HANDLER, NEEDS, SUMMARY) \
-  Row{NAME, false, &handleMessage<&protocol::decode##PARAMS, &methods::HANDLER, Needs::NEEDS>},
-#define ESPALIER_SERVER_METHOD_OR_NOTIFICATION(NAME, PARAMS, HANDLER, NEEDS, SUMMARY) \
-  Row{NAME, true, &handleMessage<&protocol::decode##PARAMS, &methods::HANDLER, Needs::NEEDS>},
+#define ESPALIER_SHARED_METHOD(NAME, PARAMS, HANDLER, NEEDS, ROLE, SUMMARY) \
+  Row{NAME, protocol::Role::ROLE, false,                                    \
+      &handleMessage<&protocol::decode##PARAMS, &methods::HANDLER, Needs::NEEDS, protocol::Role::ROLE>},
+#define ESPALIER_SERVER_METHOD(NAME, PARAMS, HANDLER, NEEDS, ROLE, SUMMARY) \
+  Row{NAME, protocol::Role::ROLE, false,                                    \
+      &handleMessage<&protocol::decode##PARAMS, &methods::HANDLER, Needs::NEEDS, protocol::Role::ROLE>},
+#define ESPALIER_SERVER_METHOD_OR_NOTIFICATION(NAME, PARAMS, HANDLER, NEEDS, ROLE, SUMMARY) \
+  Row{NAME, protocol::Role::ROLE, true,                                                     \
+      &handleMessage<&protocol::decode##PARAMS, &methods::HANDLER, Needs::NEEDS, protocol::Role::ROLE>},
 #include "protocol/methods.def"
 };
+
+protocol::Error roleError(const Session& session, const Row& row) {
+  const std::string role(protocol::nameOf(row.role));
+  protocol::JsonWriter data;
+  data.beginObject().key("role").text(role).key("roles").texts(session.roles().names()).endObject();
+  return {ErrorCode::Unauthorised,
+          std::string(row.name) + " needs the role " + role + ", and this connection has " + session.roles().text() +
+              ". Connect with a token that has the role, and ask for it in the roles of hello.",
+          data.take()};
+}
 
 std::vector<std::string_view> methodNames() {
   std::vector<std::string_view> names{"hello"};
@@ -69,6 +102,12 @@ void dispatch(Session& session, const protocol::Message& message) {
                                         "There is no method '" + message.method + "'. " +
                                             core::suggestName(message.method, methodNames()),
                                         {}});
+    }
+    return;
+  }
+  if (!session.roles().allows(row->role)) {
+    if (isRequest) {
+      session.respondError(message.id, roleError(session, *row));
     }
     return;
   }

@@ -6,7 +6,6 @@
 #include "protocol/codec.h"
 #include "protocol/version.h"
 #include "server/server_core.h"
-#include "server/session/constant_time.h"
 #include "server/session/methods.h"
 
 namespace espalier::server {
@@ -52,7 +51,7 @@ void Session::notify(std::string_view method, const protocol::Body& params) {
 }
 
 void Session::refuse(const protocol::MessageId& id, const protocol::Error& error) {
-  core_->log().info(connection_->peerName() + " is refused: " + error.message, {.session = id_});
+  core_->log().info(connection_->peerName() + " is refused: " + error.message, {.session = id_, .token = tokenName()});
   send(protocol::encodeError(id, error));
   connection_->closeWhenSent();
 }
@@ -86,6 +85,10 @@ void Session::onMessage(const protocol::Message& message) {
                     "\"roles\":[\"controller\"],\"name\":\"...\",\"version\":\"...\"}}.",
                     {}});
     }
+    return;
+  }
+  if (const auto problem = core_->access().problemOf(grant_)) {
+    refuse(message.id, {protocol::ErrorCode::Unauthorised, *problem, {}});
     return;
   }
   if (message.kind == protocol::Message::Kind::Request) {
@@ -158,16 +161,16 @@ void Session::onHello(const protocol::Message& message) {
     return;
   }
   const ServerOptions& options = core_->options();
-  if (!options.token.empty() && !isEqualInConstantTime(hello.token, options.token)) {
-    refuse(message.id, {protocol::ErrorCode::Unauthorised,
-                        "The token is missing or wrong. Send the server's token as params.token.",
-                        {}});
+  auto grant = core_->access().grant(hello.token, hello.roles);
+  if (!grant) {
+    refuse(message.id, {protocol::ErrorCode::Unauthorised, std::move(grant.error()), {}});
     return;
   }
   if (const auto refusal = connection_->admit()) {
     refuse(message.id, *refusal);
     return;
   }
+  grant_ = std::move(*grant);
   isGreeted_ = true;
   {
     const std::lock_guard lock(mutex_);
@@ -176,8 +179,8 @@ void Session::onHello(const protocol::Message& message) {
         std::find(hello.capabilities.begin(), hello.capabilities.end(), "heartbeat") != hello.capabilities.end();
   }
   core_->log().info((hello.name.empty() ? std::string("a peer") : hello.name) + " " + hello.version + " from " +
-                        connection_->peerName(),
-                    {.session = id_});
+                        connection_->peerName() + " is " + grant_.roles.text(),
+                    {.session = id_, .token = tokenName()});
   std::vector<std::pair<std::string, std::uint64_t>> limits;
   for (const LimitEntry& entry : limitEntries()) {
     limits.emplace_back(entry.name, entry.get(options.limits));
@@ -185,6 +188,7 @@ void Session::onHello(const protocol::Message& message) {
   const protocol::HelloResult result{.protocol = protocol::kProtocolVersion,
                                      .session = id_,
                                      .server = "espalier " + std::string(protocol::kProgramVersion),
+                                     .roles = grant_.roles.names(),
                                      .capabilities = {"bin", "checkpoint", "cancel", "streams", "credits", "delta",
                                                       "offer", "geometry", "iterate", "heartbeat"},
                                      .limits = std::move(limits)};
@@ -223,6 +227,19 @@ bool Session::onHeartbeat(bool wasHeard) {
   }
   send(protocol::encodeRequest(protocol::MessageId::of(id), "ping", "{}"));
   return true;
+}
+
+bool Session::checkAccess() {
+  const auto problem = core_->access().problemOf(grant_);
+  if (problem) {
+    refuse({}, {protocol::ErrorCode::Unauthorised, *problem, {}});
+  }
+  return !problem;
+}
+
+bool Session::hasMissedHeartbeat() const {
+  const std::lock_guard lock(mutex_);
+  return isHeartbeatOwed_;
 }
 
 void Session::onDrained() {

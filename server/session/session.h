@@ -10,6 +10,7 @@
 
 #include "protocol/framing.h"
 #include "protocol/messages.h"
+#include "server/access/access.h"
 #include "server/remote/offered_environments.h"
 #include "server/running/simulation_runner.h"
 #include "server/session/connection.h"
@@ -35,6 +36,8 @@ class Session final : public AskedPeer, public std::enable_shared_from_this<Sess
   /// A heartbeat has passed. `wasHeard`: something came from the peer meanwhile. Returns false to give the peer up: it
   /// was asked and has been silent for a whole heartbeat. A peer that computes a step is not asked.
   [[nodiscard]] bool onHeartbeat(bool wasHeard);
+  /// Whether the peer's token still holds. When it does not, the peer is told and the connection closes.
+  [[nodiscard]] bool checkAccess();
   /// Part of the outbox was sent: streams may have room again.
   void onDrained();
   /// The peer sends no more: its answers will not come. It may still read the answers to its own requests.
@@ -58,11 +61,18 @@ class Session final : public AskedPeer, public std::enable_shared_from_this<Sess
                                 std::shared_ptr<PendingCall> call) override;
   [[nodiscard]] PeerTerms terms() const override;
   void forget(const std::string& id) override;
+  [[nodiscard]] std::string owner() const override { return std::string(tokenName()); }
+  [[nodiscard]] bool hasMissedHeartbeat() const override;
 
   // for the handlers (methods.h), on the thread of onRead()
   [[nodiscard]] const std::string& id() const { return id_; }
   [[nodiscard]] ServerCore& core() { return *core_; }
-  [[nodiscard]] bool isLocal() const { return connection_->isLocal(); }
+  /// Of a peer that has said hello.
+  [[nodiscard]] const protocol::Roles& roles() const { return grant_.roles; }
+  /// The name of the peer's token. Empty: the server has no tokens.
+  [[nodiscard]] std::string_view tokenName() const {
+    return grant_.token == nullptr ? std::string_view() : std::string_view(grant_.token->name);
+  }
   /// Sends a command to a simulation as the work of a request, so that $/cancel and a lost connection reach it.
   void submit(const protocol::MessageId& id, std::shared_ptr<SimulationRunner> runner,
               std::shared_ptr<Command> command);
@@ -87,6 +97,7 @@ class Session final : public AskedPeer, public std::enable_shared_from_this<Sess
   ServerCore* core_;
   std::shared_ptr<Connection> connection_;
   bool isGreeted_ = false;    // network thread
+  Grant grant_;               // does not change after hello
   mutable std::mutex mutex_;  // guards the members below
   bool isClosed_ = false;
   bool isEnded_ = false;          // the peer answers nothing more

@@ -155,7 +155,7 @@ void simulationStep(const Request& request, std::shared_ptr<SimulationRunner> ru
 }
 
 void simulationRun(const Request& request, std::shared_ptr<SimulationRunner> runner, protocol::StepParams params) {
-  params.until = UINT64_MAX;
+  params.until = params.until.value_or(UINT64_MAX);
   simulationStep(request, std::move(runner), std::move(params));
 }
 

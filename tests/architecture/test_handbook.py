@@ -182,8 +182,39 @@ class Rules(unittest.TestCase):
         self.assertEqual(anchor("4.3 `tropism:` and `torque:`"), "43-tropism-and-torque")
 
 
+def shown_by(row: str) -> List[str]:
+    """The tests that a row of the table of threats names, as FILE::Suite.name."""
+    return re.findall(r"`(tests/[\w/]+\.(?:py|cpp)::\w+\.\w+)`", row)
+
+
+def is_test(name: str) -> bool:
+    """FILE::Class.method of Python, or FILE::Suite.Name of GoogleTest."""
+    file, _, test = name.partition("::")
+    suite, _, claim = test.partition(".")
+    if not (ROOT / file).exists():
+        return False
+    text = read(ROOT / file)
+    if file.endswith(".cpp"):
+        return re.search(rf"\bTEST(?:_F|_P)?\({suite}, {claim}\)", text) is not None
+    body = re.search(rf"^class {suite}\(.*?(?=^class |\Z)", text, re.MULTILINE | re.DOTALL)
+    return body is not None and re.search(rf"^    def {claim}\(self\)", body.group(), re.MULTILINE) is not None
+
+
 class Facts(unittest.TestCase):
     maxDiff = None
+
+    def test_each_threat_has_a_test(self) -> None:
+        table = read(ROOT / "SECURITY.md").split("## Who may do what")[1].split("\n## ")[0]
+        rows = [line for line in table.splitlines() if line.startswith("|")][2:]
+        self.assertGreater(len(rows), 15)
+        wanted = ("anonymous network peer", "authenticated viewer", "controller", "environment", "local user",
+                  "author of a model file", "author of a snapshot")
+        self.assertEqual([who for who in wanted if not any(row.startswith(f"| {who}") for row in rows)], [])
+        self.assertEqual([row for row in rows if not shown_by(row) or not all(map(is_test, shown_by(row)))], [])
+        # the rule sees a test that is not there
+        for wrong in ("tests/integration/test_roles.py::Roles.test_nothing", "tests/nowhere.py::A.test_b",
+                      "tests/integration/test_roles.py::Offers.test_every_method_asks_for_its_role"):
+            self.assertFalse(is_test(wrong))
 
     def test_the_table_of_limits_is_the_program_s(self) -> None:
         page = read(generated_pages.PAGE)

@@ -192,7 +192,7 @@ def main() -> int:
     seconds = 60.0 * minutes
     with tempfile.TemporaryDirectory() as folder:
         serve = Process([program(), "serve", "--listen", "127.0.0.1:0", "--data", folder, "--log-level", "off",
-                         "--limit", "simulations=1000", "--limit", "outboxBytes=8000000"])
+                         "--allow-spawn", "--limit", "simulations=1000", "--limit", "outboxBytes=8000000"])
         offered = [hosting.open_offer("height", serve.address)]
         threading.Thread(target=hosting.answer_all, args=(hosting.Host(Height), offered[0]), daemon=True).start()
         soak = Soak(serve.address, seconds)

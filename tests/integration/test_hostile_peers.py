@@ -46,7 +46,7 @@ class Peer:
 
 class Hostile(unittest.TestCase):
     def serve(self, *limits: str) -> Server:
-        arguments = ["--log-level", "off"]
+        arguments = ["--log-level", "off", "--allow-spawn"]
         for limit in limits:
             arguments += ["--limit", limit]
         server = Server(program(), arguments=arguments)

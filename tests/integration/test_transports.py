@@ -173,7 +173,7 @@ class EveryTransport(unittest.TestCase):
     def test_one_hash(self) -> None:
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
-        server = Server("--allow-spawn")
+        server = Server("--allow-spawn", "--allow-dial", "any")
         self.addCleanup(server.stop)
         built_in = Process([program(), "environment", "height", "--listen", "127.0.0.1:0"])
         self.addCleanup(built_in.stop)

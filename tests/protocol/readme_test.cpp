@@ -169,10 +169,11 @@ TEST(Methods, AreTheOnesOfTheSchema) {
 }
 
 TEST(Methods, AreListedInTheReadmeRowByRow) {
-  std::string table = "| method | answered by | |\n|---|---|---|\n";
+  std::string table = "| method | answered by | role | |\n|---|---|---|---|\n";
   for (const Method& method : methods()) {
     constexpr std::array kSides{"both sides", "the server", "an environment", "(notification of the server)"};
     table += "| `" + std::string(method.name) + "` | " + kSides[static_cast<std::size_t>(method.answerer)] + " | " +
+             (method.role == Role::Anyone ? std::string() : std::string(nameOf(method.role)) + " ") + "| " +
              std::string(method.summary) + " |\n";
   }
   EXPECT_NE(contentOf("README.md").find(table), std::string::npos)
@@ -235,7 +236,8 @@ TEST(Readme, TheNumbersOfErrorsAreFrozen) {
                                                         {1012, "hello missing"},
                                                         {1013, "snapshot"},
                                                         {1014, "storage"},
-                                                        {1015, "shutting down"}};
+                                                        {1015, "shutting down"},
+                                                        {1016, "offer taken"}};
   EXPECT_EQ(errorRows(), frozen);
   for (const auto& [code, name] : frozen) {
     EXPECT_NE(nameOf(static_cast<ErrorCode>(code)), "unknown") << code;
@@ -247,6 +249,7 @@ TEST(Readme, TheNumbersOfErrorsAreFrozen) {
   EXPECT_EQ(static_cast<int>(ErrorCode::EnvironmentFailed), 1006);
   EXPECT_EQ(static_cast<int>(ErrorCode::Storage), 1014);
   EXPECT_EQ(static_cast<int>(ErrorCode::ShuttingDown), 1015);
+  EXPECT_EQ(static_cast<int>(ErrorCode::OfferTaken), 1016);
 }
 
 }  // namespace

@@ -20,7 +20,6 @@ class KeptConnection final : public Connection {
   void closeWhenSent() override {}
   void remind(std::chrono::milliseconds) override {}
   [[nodiscard]] std::size_t outboxBytes() const override { return 0; }
-  [[nodiscard]] bool isLocal() const override { return true; }
   [[nodiscard]] std::string peerName() const override { return "test"; }
   std::vector<std::string> lines;
 };
@@ -55,6 +54,13 @@ TEST(ErrorNumbers, ABugInAnEnvironmentIsInternal) {
   const std::string error = member(answer.value_or("{}"), "error");
   EXPECT_EQ(member(error, "code"), "-32603");
   EXPECT_NE(member(error, "message").find("The environment has a bug: "), std::string::npos);
+}
+
+TEST(EnvironmentDialogue, AnswersPingAtOnce) {
+  const ProcessFactory factory = [] { return std::make_unique<Buggy>(); };
+  EnvironmentDialogue dialogue(factory, {});
+  EXPECT_EQ(dialogue.answer(protocol::decodeMessage(R"({"jsonrpc":"2.0","id":"h1","method":"ping"})")).value_or(""),
+            "{\"jsonrpc\":\"2.0\",\"id\":\"h1\",\"result\":{}}\n");
 }
 
 TEST(ErrorNumbers, ABugInACommandIsInternalAndClosesThatSimulationOnly) {

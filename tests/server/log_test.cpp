@@ -9,6 +9,7 @@ TEST(Log, ATextLineBeginsWithWhatItIsAbout) {
   EXPECT_EQ(logText("stopped", {}), "stopped");
   EXPECT_EQ(logText("closed", {.session = "3"}), "session 3: closed");
   EXPECT_EQ(logText("created", {.session = "3", .simulation = "sim-1"}), "session 3, simulation sim-1: created");
+  EXPECT_EQ(logText("closed", {.session = "3", .token = "alice"}), "session 3 (alice): closed");
   EXPECT_EQ(logText("loaded", {.simulation = "sim-1"}), "simulation sim-1: loaded");
 }
 
@@ -19,6 +20,8 @@ TEST(Log, APeersTextBeginsNoLine) {
 TEST(Log, AJsonLineHasMembers) {
   EXPECT_EQ(logMembers("said \"hi\"\n", {.session = "3", .simulation = "sim-1"}),
             R"("session":"3","simulation":"sim-1","message":"said \"hi\"\n")");
+  EXPECT_EQ(logMembers("closed", {.session = "3", .token = "alice"}),
+            R"("session":"3","token":"alice","message":"closed")");
   EXPECT_EQ(logMembers("stopped", {}), R"("message":"stopped")");
 }
 

@@ -406,7 +406,7 @@ TEST(Server, RefusesAnAddressBeyondLoopbackWithoutTokenAndWithoutInsecure) {
   options.logLevel = "off";
   EXPECT_EQ(Server(options).listen().value_or("").substr(0, 70),
             "'0.0.0.0' can be reached from other machines: give a token that client");
-  options.token = "secret";
+  options.tokens = {tokenOf("alice", "secret", {protocol::Role::Viewer})};
   EXPECT_NE(Server(options).listen().value_or("").find("--insecure"), std::string::npos);
 }
 

@@ -31,5 +31,6 @@ void addConformance(CLI::App& program, int& status);
 void addConnect(CLI::App& program, int& status);
 void addLoad(CLI::App& program, int& status);
 void addStatus(CLI::App& program, int& status);
+void addToken(CLI::App& program, int& status);
 
 }  // namespace espalier::command

@@ -10,6 +10,7 @@
 #include <set>
 
 #include "clients/cpp/client.h"
+#include "clients/espalier/client_token.h"
 #include "clients/espalier/commands/commands.h"
 #include "clients/espalier/environment_loading.h"
 #include "clients/espalier/messages.h"
@@ -388,7 +389,7 @@ void addConnect(CLI::App& program, int& status) {
       ->add_option("--trust", options->trustedFile,
                    "PEM file of a certificate to trust besides those of the system, for tls:// and wss://")
       ->type_name("FILE");
-  command->add_option("--token", options->token, "Token of the server, if the server needs one");
+  addClientToken(*command, options->token);
   command->require_subcommand(1);
 
   CLI::App* action = addAction(*command, options, "create", "Create a simulation; prints its identifier", create);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "clients/cpp/client.h"
+#include "clients/espalier/client_token.h"
 #include "clients/espalier/commands/commands.h"
 #include "clients/espalier/messages.h"
 #include "protocol/envelope.h"
@@ -201,7 +202,7 @@ void addLoad(CLI::App& program, int& status) {
   const auto options = std::make_shared<LoadOptions>();
   CLI::App* command = program.add_subcommand("load", "Put a running server under load and measure its answers");
   command->add_option("address", options->address, "HOST:PORT of the server")->capture_default_str();
-  command->add_option("--token", options->token, "The server's token");
+  addClientToken(*command, options->token);
   command->add_option("--sessions", options->sessions, "Sessions; each steps its own simulation")
       ->check(CLI::Range(1, 10'000))
       ->capture_default_str();

@@ -19,6 +19,7 @@ namespace {
 struct ServeOptions {
   std::string address = "127.0.0.1:4321";
   std::string http;  // HOST:PORT; empty: none
+  std::string token;
   std::string tokenFile;
   std::string configuration;  // file
   bool isConfigurationPrinted = false;
@@ -37,9 +38,35 @@ std::string limitHelp() {
   return text;
 }
 
+/// Adds the token of --token or of the first line of --token-file. An error sentence when there is none in the file.
+std::optional<std::string> addOwnToken(const ServeOptions& options, std::vector<server::Token>& tokens) {
+  std::string text = options.token;
+  if (!options.tokenFile.empty()) {
+    std::ifstream file(options.tokenFile);
+    if (!std::getline(file, text) || text.empty()) {
+      return "the token file '" + options.tokenFile + "' cannot be read, or its first line is empty";
+    }
+  }
+  if (!text.empty()) {
+    tokens.push_back(server::tokenOf("token", text, {protocol::Role::Controller}));
+  }
+  return std::nullopt;
+}
+
+/// The tokens of the files as they are now.
+tl::expected<std::vector<server::Token>, std::string> readTokens(const ServeOptions& options) {
+  std::vector<server::Token> tokens;
+  auto problem = options.configuration.empty() ? std::nullopt : readConfiguredTokens(options.configuration, tokens);
+  problem = problem ? problem : addOwnToken(options, tokens);
+  if (problem) {
+    return tl::unexpected(std::move(*problem));
+  }
+  return tokens;
+}
+
 int runServe(CLI::App& command, ServeOptions& options) {
   if (!options.configuration.empty()) {
-    if (const auto problem = readServeConfiguration(command, options.configuration, options.server.limits)) {
+    if (const auto problem = readServeConfiguration(command, options.configuration, options.server)) {
       printError(*problem);
       return kUsage;
     }
@@ -63,19 +90,19 @@ int runServe(CLI::App& command, ServeOptions& options) {
     }
   }
   if (options.isConfigurationPrinted) {
-    const std::string text = serveConfigurationText(command, options.server.limits);
+    const std::string text = serveConfigurationText(command, options.server);
     std::fwrite(text.data(), 1, text.size(), stdout);
     return kSuccess;
   }
   if (command.count("--gallery") == 0 && options.server.galleryFolder.empty()) {
     options.server.galleryFolder = server::galleryOfProgram();
   }
-  if (!options.tokenFile.empty()) {
-    std::ifstream file(options.tokenFile);
-    if (!std::getline(file, options.server.token) || options.server.token.empty()) {
-      printError("the token file '" + options.tokenFile + "' cannot be read, or its first line is empty");
-      return kFailure;
-    }
+  if (const auto problem = addOwnToken(options, options.server.tokens)) {
+    printError(*problem);
+    return kFailure;
+  }
+  if (!options.configuration.empty() || !options.tokenFile.empty()) {
+    options.server.readTokens = [&options] { return readTokens(options); };
   }
   // a file that reaches the size limit fails one saving and does not end the server
   (void)std::signal(SIGXFSZ, SIG_IGN);
@@ -136,14 +163,17 @@ void addServe(CLI::App& program, int& status) {
       "--gallery", options->server.galleryFolder,
       "Folder of model folders that clients use by name: {\"gallery\":\"NAME\"} (default: the gallery that "
       "came with the program)");
-  command->add_option("--token", options->server.token, "Token that every client must send in hello");
+  command->add_option("--token", options->token, "Token that clients send in hello; it allows everything");
   command->add_option(
       "--token-file", options->tokenFile,
       "File with the token in its first line; unlike --token, other users of the machine cannot see it");
   command->add_flag("--insecure", options->server.isInsecureAllowed,
                     "Allow an address that other machines can reach without encryption");
-  command->add_flag("--allow-spawn", options->server.isSpawnAllowed,
-                    "Allow clients on other machines to start commands as environments (`stdio`)");
+  command->add_flag("--allow-spawn", options->server.remote.isSpawnAllowed,
+                    "Allow every controller to start any command as an environment (`stdio`), for private servers. "
+                    "Without it only commands of the section [spawn] of the configuration are started");
+  command->add_option("--allow-dial", options->server.remote.addresses,
+                      "HOST:PORT of an environment that clients may name (`tcp`), or any. May be repeated");
   command
       ->add_option("--workers", options->server.workers,
                    "Simulations that compute at the same time; 0: as many as the machine has cores")
@@ -158,8 +188,10 @@ void addServe(CLI::App& program, int& status) {
   command->add_option("--log-format", options->server.logFormat, "text, or json (one object per line)")
       ->check(CLI::IsMember({"text", "json"}))
       ->capture_default_str();
-  command->add_option("--config", options->configuration,
-                      "TOML file with these options without dashes and a section [limits]; the command line wins");
+  command->add_option(
+      "--config", options->configuration,
+      "TOML file with these options without dashes and the sections [limits], [spawn] and [tokens]; the command "
+      "line wins");
   command->add_flag("--print-config", options->isConfigurationPrinted,
                     "Print the effective options and limits as a configuration file, and exit");
   command->callback([options, command, &status] { status = runServe(*command, *options); });

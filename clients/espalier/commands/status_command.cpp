@@ -5,6 +5,7 @@
 #include <string>
 
 #include "clients/cpp/client.h"
+#include "clients/espalier/client_token.h"
 #include "clients/espalier/commands/commands.h"
 #include "clients/espalier/messages.h"
 #include "protocol/envelope.h"
@@ -72,7 +73,7 @@ void addStatus(CLI::App& program, int& status) {
   const auto options = std::make_shared<StatusOptions>();
   CLI::App* command = program.add_subcommand("status", "Print the load and the contents of a running server");
   command->add_option("address", options->address, "HOST:PORT of the server")->capture_default_str();
-  command->add_option("--token", options->token, "The server's token");
+  addClientToken(*command, options->token);
   command->add_flag("--json", options->isJson, "Print the answer of server.status as JSON");
   command->footer("Exit status: 0 the server answered, 1 no server answers. Example: espalier status 127.0.0.1:4321");
   command->callback([options, &status] { status = runStatus(*options); });

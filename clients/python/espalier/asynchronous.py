@@ -17,7 +17,7 @@ from typing import Any, AsyncIterator, Callable, Dict, List, Mapping, Optional, 
 
 from . import async_channel, client as blocking, requests, wire
 from .errors import ConnectionLost, EspalierError
-from .hosting import hello_parameters
+from .hosting import CLIENT_ROLES, hello_parameters
 from .requests import Inbox, NewModule, Process, Request, Result, result_of
 from .shapes import Frame, Model, StepResult, TurtleRecord, Vector, step_of
 
@@ -68,7 +68,7 @@ class AsyncClient:
             self._lost = None
             self._reading = asyncio.ensure_future(self._read(self._channel))
             self.server = await asyncio.wait_for(
-                self._call("hello", hello_parameters(self._name, "controller", self._token), self._channel.agree),
+                self._call("hello", hello_parameters(self._name, CLIENT_ROLES, self._token), self._channel.agree),
                 self._connect_timeout)
         except asyncio.TimeoutError:
             await self.close()

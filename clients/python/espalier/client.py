@@ -18,7 +18,7 @@ from typing import Any, Callable, Dict, Iterator, List, Mapping, Optional, Seque
 from . import requests, wire
 from .connecting import connect
 from .errors import ConnectionLost, EspalierError
-from .hosting import hello_parameters
+from .hosting import CLIENT_ROLES, hello_parameters
 from .requests import Inbox, NewModule, Process, Request, Result, result_of
 from .shapes import Frame, Model, StepResult, TurtleRecord, Vector, step_of
 from .viewing import View, geometry_of
@@ -52,7 +52,7 @@ class Client:
         self._next_id = 1
         self._inbox = Inbox()
         try:
-            self.server: Mapping[str, Any] = self.call("hello", hello_parameters(name, "controller", token))
+            self.server: Mapping[str, Any] = self.call("hello", hello_parameters(name, CLIENT_ROLES, token))
             channel.agree(self.server)
         except BaseException:
             channel.close()

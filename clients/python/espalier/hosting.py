@@ -32,6 +32,9 @@ ENVIRONMENT_FAILED = 1006
 NON_FINITE = 1008
 NOT_FOUND = 1011
 SNAPSHOT = 1013
+OFFER_TAKEN = 1016
+# that a client asks for; the server grants those that its token has
+CLIENT_ROLES = ("controller", "viewer")
 
 CONNECT_SECONDS = 10.0
 RECONNECT_SECONDS = 1.0
@@ -345,10 +348,10 @@ def unpack_state(packed: Any) -> Any:
     return json.loads(base64.b64decode(packed, validate=True).decode("utf-8"))
 
 
-def hello_parameters(name: str, role: str, token: Optional[str] = None) -> Dict[str, Any]:
+def hello_parameters(name: str, roles: Sequence[str], token: Optional[str] = None) -> Dict[str, Any]:
     # an environment answers while it waits, so the server may send heartbeats
-    capabilities = [*wire.CAPABILITIES, *(["heartbeat"] if role == "environment" else [])]
-    parameters: Dict[str, Any] = {"protocol": [PROTOCOL], "roles": [role], "name": name, "version": VERSION,
+    capabilities = [*wire.CAPABILITIES, *(["heartbeat"] if "environment" in roles else [])]
+    parameters: Dict[str, Any] = {"protocol": [PROTOCOL], "roles": list(roles), "name": name, "version": VERSION,
                                   "capabilities": capabilities, "limits": dict(wire.LIMITS)}
     if token is not None:
         parameters["token"] = token
@@ -407,7 +410,7 @@ def open_offer(name: str, address: str, token: Optional[str] = None) -> wire.Cha
     """Connects to a server and offers an environment under a name; the server's requests then arrive on the channel."""
     channel = connect(address, CONNECT_SECONDS)
     try:
-        channel.agree(call(channel, 1, "hello", hello_parameters(name, "environment", token)) or {})
+        channel.agree(call(channel, 1, "hello", hello_parameters(name, ["environment"], token)) or {})
         call(channel, 2, "environment.offer", {"name": name})
     except BaseException:
         channel.close()
@@ -467,9 +470,17 @@ def main(environment: Type[EnvironmentProcess], arguments: Sequence[str]) -> int
     way.add_argument("--listen", metavar="HOST:PORT", help="wait for servers; port 0 takes a free port")
     parser.add_argument("--name", default=environment.name(), help="name of the offered environment (default: %(default)s)")
     parser.add_argument("--token", default=None, help="token of the server, if the server needs one")
+    parser.add_argument("--token-file", metavar="FILE", default=None,
+                        help="file with the token in its first line; other users of the machine cannot see it")
     parser.add_argument("--reconnect", action="store_true", help="with --offer: connect again after a lost connection")
     parser.add_argument("--describe", action="store_true", help="print the description as one JSON object and exit")
     options = parser.parse_args(arguments)
+    if options.token_file is not None:
+        try:
+            with open(options.token_file, encoding="utf-8") as file:
+                options.token = file.readline().rstrip("\n")
+        except OSError as error:
+            parser.error(f"the token file '{options.token_file}' cannot be read ({error.strerror})")
     try:
         if options.describe:
             print(json.dumps(environment.description()))
@@ -494,6 +505,11 @@ def _offer_again(host: Host, options: argparse.Namespace) -> None:
             offer(host, options.name, options.offer, options.token)
         except ConnectionLost as error:
             if not options.reconnect:
+                raise
+            print(f"{error} Trying again.", file=sys.stderr)
+        except ServerError as error:
+            # the server has not noticed yet that the connection before is lost
+            if not options.reconnect or error.code != OFFER_TAKEN:
                 raise
             print(f"{error} Trying again.", file=sys.stderr)
         if not options.reconnect:

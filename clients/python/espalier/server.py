@@ -56,9 +56,9 @@ class Server:
     def is_running(self) -> bool:
         return self._process.poll() is None
 
-    def connect(self, *, name: str = "python", timeout: Optional[float] = None) -> Client:
+    def connect(self, *, name: str = "python", token: Optional[str] = None, timeout: Optional[float] = None) -> Client:
         """A client of this server."""
-        return Client(self.address, name=name, timeout=timeout)
+        return Client(self.address, name=name, token=token, timeout=timeout)
 
     def stop(self) -> int:
         """Asks the server to end, waits for it and returns its exit status."""

@@ -71,7 +71,7 @@ class Talking(unittest.TestCase):
     def test_says_hello_first(self) -> None:
         self.client({})
         self.assertEqual(self.server.received[0]["method"], "hello")
-        self.assertEqual((self.sent("hello")[0]["protocol"], self.sent("hello")[0]["roles"]), ([1], ["controller"]))
+        self.assertEqual((self.sent("hello")[0]["protocol"], self.sent("hello")[0]["roles"]), ([1], ["controller", "viewer"]))
 
     def test_creates_and_steps(self) -> None:
         client = self.client({"simulation.create": {"simulation": "s1", "step": 0}, "simulation.step": STEPPED,

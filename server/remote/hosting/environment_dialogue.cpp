@@ -90,6 +90,8 @@ EnvironmentDialogue::Reply EnvironmentDialogue::handle(const protocol::Message& 
   static constexpr std::array kRows{
 #define ESPALIER_COMMON_METHOD(NAME, PARAMS, HANDLER, SUMMARY) \
   Row{NAME, &decodeAndHandle<&protocol::decode##PARAMS, &Dialogue::HANDLER>},
+#define ESPALIER_SHARED_METHOD(NAME, PARAMS, HANDLER, NEEDS, ROLE, SUMMARY) \
+  Row{NAME, &decodeAndHandle<&protocol::decode##PARAMS, &Dialogue::HANDLER>},
 #define ESPALIER_ENVIRONMENT_METHOD(NAME, PARAMS, HANDLER, SUMMARY) \
   Row{NAME, &decodeAndHandle<&protocol::decode##PARAMS, &Dialogue::HANDLER>},
 #include "protocol/methods.def"
@@ -131,9 +133,14 @@ EnvironmentDialogue::Reply EnvironmentDialogue::hello(const protocol::HelloParam
   const protocol::HelloResult result{.protocol = protocol::kProtocolVersion,
                                      .session = "1",
                                      .server = "espalier " + std::string(protocol::kProgramVersion),
+                                     .roles = {},
                                      .capabilities = {"bin", "checkpoint"},
                                      .limits = {{"lineBytes", limits_.lineBytes}, {"blockBytes", limits_.blockBytes}}};
   return protocol::encode(result);
+}
+
+EnvironmentDialogue::Reply EnvironmentDialogue::ping(const protocol::NoParams&, const protocol::Payload&) {
+  return protocol::Body("{}");
 }
 
 EnvironmentDialogue::Reply EnvironmentDialogue::describe(const protocol::NoParams&, const protocol::Payload&) {

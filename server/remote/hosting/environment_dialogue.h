@@ -49,6 +49,8 @@ class EnvironmentDialogue {
   // the handlers of protocol/methods.def; the payload tells whether a step came in blocks
 #define ESPALIER_COMMON_METHOD(NAME, PARAMS, HANDLER, SUMMARY) \
   [[nodiscard]] Reply HANDLER(const protocol::PARAMS& params, const protocol::Payload& payload);
+#define ESPALIER_SHARED_METHOD(NAME, PARAMS, HANDLER, NEEDS, ROLE, SUMMARY) \
+  [[nodiscard]] Reply HANDLER(const protocol::PARAMS& params, const protocol::Payload& payload);
 #define ESPALIER_ENVIRONMENT_METHOD(NAME, PARAMS, HANDLER, SUMMARY) \
   [[nodiscard]] Reply HANDLER(const protocol::PARAMS& params, const protocol::Payload& payload);
 #include "protocol/methods.def"

@@ -24,6 +24,10 @@ constexpr std::chrono::milliseconds kTimeToEndWhenAsked{2'000};
 }  // namespace
 
 tl::expected<std::unique_ptr<ChildProcess::Started>, std::string> ChildProcess::start(const std::string& command) {
+  return start(std::vector<std::string>{"/bin/sh", "-c", command});
+}
+
+tl::expected<std::unique_ptr<ChildProcess::Started>, std::string> ChildProcess::start(std::vector<std::string> words) {
   std::array<int, 2> toChild{-1, -1};
   std::array<int, 2> fromChild{-1, -1};
   if (::pipe2(toChild.data(), O_CLOEXEC) != 0) {
@@ -37,11 +41,12 @@ tl::expected<std::unique_ptr<ChildProcess::Started>, std::string> ChildProcess::
   Descriptor input(fromChild[0]);
   Descriptor childOutput(fromChild[1]);
 
-  // its own process group, so that the children of the shell end with it; default signals
+  // its own process group, so that the children of a shell end with it; default signals; no descriptors of ours
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, childInput.number(), STDIN_FILENO);
   posix_spawn_file_actions_adddup2(&actions, childOutput.number(), STDOUT_FILENO);
+  posix_spawn_file_actions_addclosefrom_np(&actions, STDERR_FILENO + 1);
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
   sigset_t none;
@@ -52,16 +57,17 @@ tl::expected<std::unique_ptr<ChildProcess::Started>, std::string> ChildProcess::
   posix_spawnattr_setsigdefault(&attributes, &all);
   posix_spawnattr_setpgroup(&attributes, 0);
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
-  std::string shell = "/bin/sh";
-  std::string option = "-c";
-  std::string text = command;
-  std::array<char*, 4> arguments{shell.data(), option.data(), text.data(), nullptr};
+  std::vector<char*> arguments;
+  for (std::string& word : words) {
+    arguments.push_back(word.data());
+  }
+  arguments.push_back(nullptr);
   pid_t processId = -1;
-  const int reason = ::posix_spawn(&processId, shell.c_str(), &actions, &attributes, arguments.data(), environ);
+  const int reason = ::posix_spawn(&processId, arguments.front(), &actions, &attributes, arguments.data(), environ);
   posix_spawn_file_actions_destroy(&actions);
   posix_spawnattr_destroy(&attributes);
   if (reason != 0) {
-    return tl::unexpected("cannot start '" + command + "': " + std::strerror(reason) + ".");
+    return tl::unexpected("cannot start '" + words.back() + "': " + std::strerror(reason) + ".");
   }
   return std::unique_ptr<Started>(new Started{ChildProcess(processId), std::move(input), std::move(output)});
 }

@@ -449,24 +449,24 @@ bool isProgramIn(const std::string& program, const std::string& folder) {
   return isExecutable(fs::path(program).is_absolute() ? fs::path(program) : fs::path(folder) / program);
 }
 
-bool isExecutableThere(const std::string& program, const std::string& folder) {
+std::string findExecutable(const std::string& program, const std::string& folder) {
   namespace fs = std::filesystem;
   if (isProgramIn(program, folder)) {
-    return true;
+    return (fs::path(program).is_absolute() ? fs::path(program) : fs::path(folder) / program).string();
   }
   if (program.find('/') != std::string::npos) {
-    return false;
+    return {};
   }
   const char* const variable = std::getenv("PATH");
   std::string_view paths = variable == nullptr ? "" : variable;
   while (!paths.empty()) {
     const std::size_t colon = std::min(paths.find(':'), paths.size());
-    if (colon > 0 && isExecutable(fs::path(paths.substr(0, colon)) / program)) {
-      return true;
+    if (const fs::path path = fs::path(paths.substr(0, colon)) / program; colon > 0 && isExecutable(path)) {
+      return path.string();
     }
     paths.remove_prefix(std::min(paths.size(), colon + 1));
   }
-  return false;
+  return {};
 }
 
 environment::ProcessOrErrors makeLegacyProcess(const std::string& fieldFile, core::FileProvider& files,

@@ -34,7 +34,7 @@ struct LegacyProcessOptions {
 /// Whether a path that begins in `folder` leads to an executable file.
 [[nodiscard]] bool isProgramIn(const std::string& program, const std::string& folder);
 
-/// Whether the program of a command can be started: it is in `folder`, or is a name on the PATH.
-[[nodiscard]] bool isExecutableThere(const std::string& program, const std::string& folder);
+/// The executable file of a command's program: a path from `folder`, or a name on the PATH. Empty: there is none.
+[[nodiscard]] std::string findExecutable(const std::string& program, const std::string& folder);
 
 }  // namespace espalier::server

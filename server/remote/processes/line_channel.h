@@ -7,6 +7,7 @@
 #include <string_view>
 #include <tl/expected.hpp>
 #include <utility>
+#include <vector>
 
 #include "protocol/framing.h"
 
@@ -76,7 +77,8 @@ class LineChannel {
 /// Splits HOST:PORT. False when it is not of that form.
 [[nodiscard]] bool splitAddress(std::string_view address, std::string& host, std::uint16_t& port);
 
-/// A child process started by the shell, with pipes to its standard input and output. The destructor ends it: it closes
+/// A child process with pipes to its standard input and output. It has no other descriptor of this process but standard
+/// error. The destructor ends it: it closes
 /// the input, then sends SIGTERM, then SIGKILL.
 class ChildProcess {
  public:
@@ -86,7 +88,10 @@ class ChildProcess {
 
   /// The child and the parent's ends of the pipes, or an error sentence.
   struct Started;
+  /// The shell runs the command.
   [[nodiscard]] static tl::expected<std::unique_ptr<Started>, std::string> start(const std::string& command);
+  /// Starts a program without a shell. The first word is the path of its file, the others are its arguments.
+  [[nodiscard]] static tl::expected<std::unique_ptr<Started>, std::string> start(std::vector<std::string> words);
 
   /// Asks it to end at once (SIGTERM), as the destructor would after waiting.
   void end();

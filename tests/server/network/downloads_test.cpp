@@ -35,13 +35,13 @@ TEST(Downloads, OtherPathsAreNotDownloads) {
 }
 
 TEST(Downloads, AServerWithATokenWantsIt) {
-  EXPECT_TRUE(mayDownload("", ""));
-  EXPECT_TRUE(mayDownload("Bearer secret", "secret"));
-  EXPECT_FALSE(mayDownload("", "secret"));
-  EXPECT_FALSE(mayDownload("Bearer ", "secret"));
-  EXPECT_FALSE(mayDownload("Bearer secre", "secret"));
-  EXPECT_FALSE(mayDownload("Bearer secret2", "secret"));
-  EXPECT_FALSE(mayDownload("secret", "secret"));
+  EXPECT_FALSE(downloadProblem("", Access({})));
+  const Access access(
+      {tokenOf("screen", "secret", {protocol::Role::Viewer}), tokenOf("light", "lamp", {protocol::Role::Environment})});
+  EXPECT_FALSE(downloadProblem("Bearer secret", access));
+  for (const char* wrong : {"", "Bearer ", "Bearer secre", "Bearer secret2", "secret", "Bearer lamp"}) {
+    EXPECT_TRUE(downloadProblem(wrong, access)) << wrong;
+  }
 }
 
 }  // namespace

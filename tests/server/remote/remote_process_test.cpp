@@ -140,6 +140,7 @@ TEST(RemoteProcess, OneThatCannotBeReachedIsGivenUpInTime) {
   const FullPort port;
   ServerOptions options;
   options.limits.environmentConnectMilliseconds = 50;
+  options.remote.addresses = {port.address()};
   const RunningServer server(options);
   const auto client = connectTo(server);
   const auto error = errorOf(client->request(

@@ -69,7 +69,7 @@ TEST(Session, AnUnfinishedHandshakeTimesOut) {
 
 TEST(Session, AsksForTheTokenAndClosesWhenItIsWrong) {
   ServerOptions options;
-  options.token = "secret";
+  options.tokens = {tokenOf("alice", "secret", {protocol::Role::Controller})};
   const RunningServer server(options);
   RawPeer peer(server);
   EXPECT_EQ(member(member(peer.ask(kHello), "error"), "code"), "1003");
@@ -77,6 +77,15 @@ TEST(Session, AsksForTheTokenAndClosesWhenItIsWrong) {
   client::ClientOptions good;
   good.token = "secret";
   EXPECT_NE(connectTo(server, good), nullptr);
+}
+
+TEST(Session, RunStopsAtTheStepThatItIsGiven) {
+  const RunningServer server;
+  const auto client = connectTo(server);
+  const std::string simulation = create(*client, kGrowth, R"([{"type":"height"}])");
+  const std::string answer = resultOf(client->request("simulation.run", named(simulation, R"("until":2)")));
+  EXPECT_EQ(member(answer, "step"), "2");
+  EXPECT_EQ(member(answer, "truncated"), "false");
 }
 
 TEST(Session, ARubbishLineIsAParseErrorWithIdNullAndTheSessionGoesOn) {
