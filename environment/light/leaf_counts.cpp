@@ -1,0 +1,44 @@
+#include "environment/light/leaf_counts.h"
+
+#include <utility>
+
+#include "environment/base/state_bytes.h"
+
+namespace espalier::environment {
+
+std::string saveLeafCounts(const std::vector<std::int32_t>& leaves) {
+  StateWriter writer;
+  for (std::size_t begin = 0; begin < leaves.size();) {
+    std::size_t end = begin;
+    while (end < leaves.size() && leaves[end] == leaves[begin]) {
+      ++end;
+    }
+    writer.integer(end - begin);
+    writer.integer(static_cast<std::uint64_t>(static_cast<std::int64_t>(leaves[begin])));
+    begin = end;
+  }
+  return writer.take();
+}
+
+std::optional<turtle::EnvironmentError> restoreLeafCounts(std::string_view state, std::vector<std::int32_t>& leaves) {
+  StateReader reader(state);
+  std::vector<std::int32_t> read;
+  while (reader.isIntact() && read.size() < leaves.size()) {
+    const std::uint64_t count = reader.integer();
+    const auto value = static_cast<std::int32_t>(static_cast<std::int64_t>(reader.integer()));
+    if (count == 0 || count > leaves.size() - read.size()) {
+      break;
+    }
+    read.insert(read.end(), static_cast<std::size_t>(count), value);
+  }
+  if (!reader.isComplete() || read.size() != leaves.size()) {
+    return turtle::EnvironmentError{
+        "The saved state of environment 'clover' is damaged or of a raster of another size. Use a snapshot that is "
+        "complete and was made with this configuration.",
+        false};
+  }
+  leaves = std::move(read);
+  return std::nullopt;
+}
+
+}  // namespace espalier::environment
