@@ -81,6 +81,9 @@ ProcessOrErrors makeProcess(std::string_view name, std::string_view configuratio
     }
     return tl::unexpected(std::move(diagnostics));
   }
+  if (entry->publishedDefaults != nullptr && configuration->flag("compatible")) {
+    configuration->setDefaults(entry->publishedDefaults());
+  }
   return entry->make(*configuration);
 }
 

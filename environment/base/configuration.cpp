@@ -362,6 +362,14 @@ const ConfigurationRows& Configuration::rows(std::string_view key) const {
 const std::vector<std::string>& Configuration::entries(std::string_view key) const {
   return std::get<std::vector<std::string>>(find(values_, key));
 }
+void Configuration::setDefaults(const ConfigurationValues& values) {
+  for (const auto& [key, value] : values) {
+    if (!isGiven(key)) {
+      values_.insert_or_assign(key, value);
+    }
+  }
+}
+
 bool Configuration::isGiven(std::string_view key) const {
   return std::find(givenKeys_.begin(), givenKeys_.end(), key) != givenKeys_.end();
 }

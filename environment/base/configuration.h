@@ -65,6 +65,8 @@ class Configuration {
   [[nodiscard]] const std::vector<double>& numbers(std::string_view key) const;
   [[nodiscard]] const ConfigurationRows& rows(std::string_view key) const;
   [[nodiscard]] const std::vector<std::string>& entries(std::string_view key) const;
+  /// Replaces the values of keys that the text does not have.
+  void setDefaults(const ConfigurationValues& values);
   /// Whether the text has the key; otherwise its value is the default.
   [[nodiscard]] bool isGiven(std::string_view key) const;
 

@@ -27,6 +27,9 @@ struct ProcessEntry {
   std::span<const ConfigurationKey> keys{};
   std::span<const PublishedKeyword> publishedKeywords{};  // of the published program's specification file
   ProcessOrErrors (*make)(const Configuration& configuration) = nullptr;
+  /// The values that the published program assumes, where they differ from the defaults of `keys`. They hold for
+  /// specification files, and with the key `compatible`. May be null.
+  ConfigurationValues (*publishedDefaults)() = nullptr;
 };
 
 /// A ProcessOrErrors with one error: "environment process 'wind': MESSAGE".

@@ -15,9 +15,9 @@ namespace espalier::environment {
 /// How a line `keyword: values` of a published specification file becomes a configuration key.
 enum class PublishedKind : std::uint8_t {
   Number,   // the first number
-  Numbers,  // the first `count` numbers
-  Switch,   // true when the value is one of `onWords`, else false
-  Row,      // a row of numbers, at most `count`, added to the key's rows
+  Numbers,  // the first `count` numbers; missing ones keep their default
+  Switch,   // one of `onWords` switches it on and anything else off; or one of `offWords` off and anything else on
+  Row,      // `count` numbers, added to the key's rows; a line with fewer is dropped
   Unused,   // accepted without effect: it chooses how the published program computes, not its result
   Own,      // a form of its own, read by PublishedKeyword::read
 };
@@ -25,9 +25,11 @@ enum class PublishedKind : std::uint8_t {
 /// The input of PublishedKeyword::read: a line with its data rows, the folder's files, and the keys to set.
 struct PublishedLineInput {
   const PublishedLine& line;
-  const std::string& file;  // of the specification: files it names lie beside it
+  std::span<const PublishedLine> before;  // the lines above it
+  const std::string& file;                // of the specification: files it names lie beside it
   core::FileProvider& files;
   ConfigurationValues& values;
+  std::string& dropped;  // what is ignored of the line: the end of a sentence whose subject is the keyword
 };
 
 /// One keyword of a process's published specification file.
@@ -36,7 +38,8 @@ struct PublishedKeyword {
   PublishedKind kind = PublishedKind::Number;
   std::string_view key;  // of the configuration
   std::size_t count = 1;
-  std::span<const std::string_view> onWords{};
+  std::span<const std::string_view> onWords{};   // Switch: either these
+  std::span<const std::string_view> offWords{};  // or these
   /// Own: sets keys from the line. Returns a sentence that says what is wrong with the line, or an empty text.
   std::string (*read)(const PublishedLineInput& input) = nullptr;
 };

@@ -9,7 +9,7 @@ namespace espalier::environment {
 namespace {
 
 constexpr std::string_view kBlanks = " \t\r";
-constexpr std::string_view kNumberSeparators = "x,;: \t\r";
+constexpr std::string_view kDigits = "0123456789";
 
 std::string_view trimmed(std::string_view text) {
   const std::size_t begin = text.find_first_not_of(kBlanks);
@@ -21,6 +21,35 @@ std::string_view trimmed(std::string_view text) {
 
 core::Diagnostic warning(const core::SourceLocation& location, std::string message, std::string hint) {
   return {core::Severity::Warning, std::move(message), location, std::move(hint)};
+}
+
+/// Length of the longest decimal number at the beginning of a word; 0: none.
+std::size_t numberLength(std::string_view word) {
+  const auto digitsFrom = [&](std::size_t begin) {
+    return std::min(word.find_first_not_of(kDigits, begin), word.size()) - begin;
+  };
+  const std::size_t sign = !word.empty() && (word[0] == '+' || word[0] == '-') ? 1 : 0;
+  const std::size_t before = digitsFrom(sign);
+  std::size_t end = sign + before;
+  if (end < word.size() && word[end] == '.') {
+    const std::size_t after = digitsFrom(end + 1);
+    end += before + after > 0 ? 1 + after : 0;
+  }
+  if (end == sign) {
+    return 0;
+  }
+  if (end < word.size() && (word[end] == 'e' || word[end] == 'E')) {
+    const std::size_t exponent = end + 1 + (end + 1 < word.size() && (word[end + 1] == '+' || word[end + 1] == '-'));
+    const std::size_t digits = exponent < word.size() ? digitsFrom(exponent) : 0;
+    end = digits > 0 ? exponent + digits : end;
+  }
+  return end;
+}
+
+/// Whether a line begins with a word that is a number and nothing else.
+bool beginsWithNumber(std::string_view content) {
+  const std::string_view word = firstPublishedWord(content);
+  return !word.empty() && numberLength(word) == word.size();
 }
 
 core::SourceLocation locationOf(const std::string& file, std::uint32_t line, std::string_view text, std::size_t column,
@@ -36,7 +65,7 @@ core::SourceLocation locationOf(const std::string& file, std::uint32_t line, std
 
 }  // namespace
 
-std::vector<PublishedLine> readPublishedLines(const std::string& file, std::string_view text, PublishedSyntax syntax,
+std::vector<PublishedLine> readPublishedLines(const std::string& file, std::string_view text,
                                               std::vector<core::Diagnostic>& warnings) {
   std::vector<PublishedLine> lines;
   std::uint32_t number = 0;
@@ -60,11 +89,13 @@ std::vector<PublishedLine> readPublishedLines(const std::string& file, std::stri
       continue;
     }
     // a line that begins with a number belongs to the keyword above it
-    if (!lines.empty() && !readPublishedNumbers(content.substr(0, content.find_first_of(kNumberSeparators))).empty()) {
+    if (!lines.empty() && beginsWithNumber(content)) {
       lines.back().data.emplace_back(content);
+      lines.back().dataLocations.push_back(
+          locationOf(file, number, line, line.find_first_not_of(kBlanks), content.size()));
       continue;
     }
-    const std::size_t separator = syntax == PublishedSyntax::Environment ? line.find_first_of("\t:") : line.find(':');
+    const std::size_t separator = line.find_first_of("\t:");
     if (separator == std::string_view::npos) {
       warnings.push_back(warning(locationOf(file, number, line, 0, line.size()), "line without a keyword is ignored",
                                  "expected 'keyword: values'"));
@@ -73,6 +104,7 @@ std::vector<PublishedLine> readPublishedLines(const std::string& file, std::stri
     lines.push_back({std::string(line.substr(0, separator)),
                      std::string(trimmed(line.substr(separator + 1))),
                      locationOf(file, number, line, 0, separator),
+                     {},
                      {}});
   }
   return lines;
@@ -89,31 +121,28 @@ core::SourceLocation valueLocation(const PublishedLine& line) {
   return location;
 }
 
-std::vector<double> readPublishedNumbers(std::string_view text, std::string_view* rest) {
+std::vector<double> readPublishedNumbers(std::string_view text, bool* areWhole, std::string_view separators) {
   std::vector<double> numbers;
-  while (true) {
-    const std::size_t begin = text.find_first_not_of(kNumberSeparators);
-    if (begin == std::string_view::npos) {
-      text = {};
-      break;
+  for (std::size_t begin = text.find_first_not_of(separators); begin != std::string_view::npos;
+       begin = text.find_first_not_of(separators)) {
+    const std::size_t end = std::min(text.find_first_of(separators, begin), text.size());
+    const std::string_view word = text.substr(begin, end - begin);
+    const std::size_t length = numberLength(word);
+    numbers.push_back(core::parseNumber(word.substr(0, length)).value_or(0.0));
+    if (areWhole != nullptr && (length == 0 || length < word.size())) {
+      *areWhole = false;
     }
-    const std::size_t end = std::min(text.find_first_of(kNumberSeparators, begin), text.size());
-    std::string_view word = text.substr(begin, end - begin);
-    if (word.front() == '+') {
-      word.remove_prefix(1);
-    }
-    const auto number = core::parseNumber(word);
-    if (!number) {
-      text = text.substr(begin);
-      break;
-    }
-    numbers.push_back(*number);
     text = text.substr(end);
   }
-  if (rest != nullptr) {
-    *rest = text;
-  }
   return numbers;
+}
+
+std::string_view firstPublishedWord(std::string_view text) {
+  const std::size_t begin = text.find_first_not_of(kPublishedSeparators);
+  if (begin == std::string_view::npos) {
+    return {};
+  }
+  return text.substr(begin, text.find_first_of(kPublishedSeparators, begin) - begin);
 }
 
 std::vector<std::string> readPublishedWords(std::string_view text) {

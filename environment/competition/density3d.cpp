@@ -16,6 +16,7 @@
 #include "environment/base/process_entry.h"
 #include "environment/base/replies.h"
 #include "environment/base/state_bytes.h"
+#include "environment/geometry/float_vec.h"
 #include "environment/geometry/grid_keys.h"
 
 namespace espalier::environment {
@@ -177,14 +178,29 @@ class Density3d final : public turtle::EnvironmentProcess {
   }
 
  private:
+  /// A point in voxels from the low corner.
+  [[nodiscard]] std::array<double, 3> partsOf(const core::Vec3& point) const {
+    const core::Vec3 offset = point - box_.position;
+    return {offset.x / box_.range.x * static_cast<double>(box_.voxelCount[0]),
+            offset.y / box_.range.y * static_cast<double>(box_.voxelCount[1]),
+            offset.z / box_.range.z * static_cast<double>(box_.voxelCount[2])};
+  }
+  /// The same in 32-bit floats, as the published program.
+  [[nodiscard]] std::array<double, 3> publishedParts(const core::Vec3& point) const {
+    const FloatVec offset = toFloat(point) - toFloat(box_.position);
+    const FloatVec range = toFloat(box_.range);
+    return {offset.x / range.x * static_cast<float>(box_.voxelCount[0]),
+            offset.y / range.y * static_cast<float>(box_.voxelCount[1]),
+            offset.z / range.z * static_cast<float>(box_.voxelCount[2])};
+  }
+
   /// The voxel of a point, or nothing outside the box.
   [[nodiscard]] std::optional<std::uint64_t> voxelOf(const core::Vec3& point) const {
-    const core::Vec3 offset = point - box_.position;
-    const std::array<double, 3> parts{offset.x / box_.range.x, offset.y / box_.range.y, offset.z / box_.range.z};
+    const std::array<double, 3> parts = isPublishedOrder_ ? publishedParts(point) : partsOf(point);
     std::uint64_t voxel = 0;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const auto count = static_cast<double>(box_.voxelCount[axis]);
-      const double index = std::floor(parts[axis] * count);
+      const double index = std::floor(parts[axis]);
       if (!(index >= 0.0 && index < count)) {
         return std::nullopt;
       }

@@ -1,7 +1,8 @@
 // The process `meadow` (docs/environments.md): insects that feel the density of plants around them and each other.
 //
-// `compatible`: only queries before a module I with three parameters are insects. Without a neighbour p5 and p6 then
-// stay as sent, where the published program leaves garbage. O(n log n) for any crowding.
+// `compatible`: only queries before a module I with three parameters are insects, and cells are those of the published
+// raster. Without a neighbour p5 and p6 then stay as sent, where the published program leaves garbage. O(n log n) for
+// any crowding.
 
 #include <algorithm>
 #include <array>
@@ -14,6 +15,7 @@
 #include "environment/base/process_entry.h"
 #include "environment/base/replies.h"
 #include "environment/geometry/point_tree.h"
+#include "environment/geometry/published_raster.h"
 #include "environment/geometry/raster.h"
 
 namespace espalier::environment {
@@ -37,13 +39,13 @@ constexpr std::array kOwnKeys{
 constexpr auto kKeys = joinTables(kRasterKeys, kOwnKeys);
 constexpr std::array<std::string_view, 1> kAliases{"Meadow"};
 
+/// Raster or PublishedRaster: where a point lies on the maps.
+template <typename AnyRaster>
 class Meadow final : public turtle::EnvironmentProcess {
  public:
   explicit Meadow(const Configuration& configuration)
       : raster_(configuration),
-        plane_(configuration.text("plane") == "xy"   ? Plane::Xy
-               : configuration.text("plane") == "yz" ? Plane::Yz
-                                                     : Plane::Xz),
+        plane_(planeNamed(configuration.text("plane"))),
         radius_(configuration.number("radius")),
         isCompatible_(configuration.flag("compatible")),
         added_(raster_.cellCount(), 0.0) {}
@@ -174,7 +176,7 @@ class Meadow final : public turtle::EnvironmentProcess {
     replies.set(queries, query, 5, plane_ == Plane::Xy ? way.y : way.z);
   }
 
-  Raster raster_;
+  AnyRaster raster_;
   Plane plane_;
   double radius_;
   bool isCompatible_;
@@ -193,11 +195,14 @@ extern constinit const ProcessEntry kMeadowProcess{.name = "meadow",
                                                    .keys = kKeys,
                                                    .publishedKeywords = kRasterKeywords,
                                                    .make = [](const Configuration& configuration) -> ProcessOrErrors {
-                                                     if (auto problems = Raster::problemsOf("meadow", configuration);
+                                                     if (auto problems = problemsOfRaster("meadow", configuration);
                                                          !problems.empty()) {
                                                        return tl::unexpected(std::move(problems));
                                                      }
-                                                     return std::make_unique<Meadow>(configuration);
+                                                     if (configuration.flag("compatible")) {
+                                                       return std::make_unique<Meadow<PublishedRaster>>(configuration);
+                                                     }
+                                                     return std::make_unique<Meadow<Raster>>(configuration);
                                                    }};
 
 }  // namespace espalier::environment

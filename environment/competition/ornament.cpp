@@ -1,7 +1,8 @@
 // The process `ornament` (docs/environments.md): objects stamped on a raster that is empty again in every step.
 //
-// All objects of a step are stamped before any is counted. `compatible` stamps the published program's ellipses.
-// O(cells of the objects) + O(queries).
+// All objects of a step are stamped before any is counted. `compatible`: published_ornament.cpp. O(cells of the
+// objects)
+// + O(queries).
 
 #include <algorithm>
 #include <array>
@@ -11,6 +12,7 @@
 
 #include "environment/base/process_entry.h"
 #include "environment/base/replies.h"
+#include "environment/competition/published_variants.h"
 #include "environment/geometry/raster.h"
 
 namespace espalier::environment {
@@ -19,23 +21,16 @@ namespace {
 
 constexpr std::string_view kSummary = "Counts objects stamped on a raster, which is empty again in every step.";
 constexpr std::array kOwnKeys{
-    ConfigurationKey{.name = "compatible", .kind = KeyKind::Boolean, .description = "the published program's shape"},
+    ConfigurationKey{
+        .name = "compatible", .kind = KeyKind::Boolean, .description = "cells, discs and pixels as published"},
 };
 constexpr auto kKeys = joinTables(kRasterKeys, kOwnKeys);
 
 class Ornament final : public turtle::EnvironmentProcess {
  public:
-  explicit Ornament(const Configuration& configuration)
-      : raster_(configuration), isCompatible_(configuration.flag("compatible")), counts_(raster_.cellCount(), 0) {}
+  explicit Ornament(const Configuration& configuration) : raster_(configuration), counts_(raster_.cellCount(), 0) {}
 
-  [[nodiscard]] turtle::EnvironmentDescription describe() const override {
-    return {.name = "ornament",
-            .summary = std::string(kSummary),
-            .needs = {.position = true, .parameters = true},
-            .inputs = {{"unused", "1", ""}, {"radius", lengthUnit_, ""}},
-            .outputs = {{"objects", "1", ""}, {"light", "1", ""}},
-            .isStateful = false};
-  }
+  [[nodiscard]] turtle::EnvironmentDescription describe() const override { return describeOrnament(lengthUnit_); }
 
   [[nodiscard]] std::optional<turtle::EnvironmentError> open(const turtle::EnvironmentContext& context) override {
     lengthUnit_ = context.world.lengthUnit;
@@ -52,7 +47,7 @@ class Ornament final : public turtle::EnvironmentProcess {
     for (std::size_t query = 0; query < queries.size(); ++query) {
       const auto parameters = queries.parametersOf(query);
       if (parameters.size() > 1 && parameters[1] > 0.0) {
-        raster_.forEachCellOfDisc(queries.position[query], parameters[1], isCompatible_, [&](std::size_t cell) {
+        raster_.forEachCellOfDisc(queries.position[query], parameters[1], [&](std::size_t cell) {
           if (counts_[cell]++ == 0) {
             touched_.push_back(cell);
           }
@@ -74,7 +69,6 @@ class Ornament final : public turtle::EnvironmentProcess {
 
  private:
   Raster raster_;
-  bool isCompatible_;
   std::vector<std::uint32_t> counts_;  // objects over a cell (cellCount)
   std::vector<std::size_t> touched_;   // cells that are not 0
   std::string lengthUnit_ = "m";
@@ -82,17 +76,29 @@ class Ornament final : public turtle::EnvironmentProcess {
 
 }  // namespace
 
-extern constinit const ProcessEntry kOrnamentProcess{
-    .name = "ornament",
-    .summary = kSummary,
-    .source = "the published program ornament",
-    .keys = kKeys,
-    .publishedKeywords = kRasterKeywords,
-    .make = [](const Configuration& configuration) -> ProcessOrErrors {
-      if (auto problems = Raster::problemsOf("ornament", configuration); !problems.empty()) {
-        return tl::unexpected(std::move(problems));
-      }
-      return std::make_unique<Ornament>(configuration);
-    }};
+turtle::EnvironmentDescription describeOrnament(const std::string& lengthUnit) {
+  return {.name = "ornament",
+          .summary = std::string(kSummary),
+          .needs = {.position = true, .parameters = true},
+          .inputs = {{"unused", "1", ""}, {"radius", lengthUnit, ""}},
+          .outputs = {{"objects", "1", ""}, {"light", "1", ""}},
+          .isStateful = false};
+}
+
+extern constinit const ProcessEntry kOrnamentProcess{.name = "ornament",
+                                                     .summary = kSummary,
+                                                     .source = "the published program ornament",
+                                                     .keys = kKeys,
+                                                     .publishedKeywords = kRasterKeywords,
+                                                     .make = [](const Configuration& configuration) -> ProcessOrErrors {
+                                                       if (auto problems = problemsOfRaster("ornament", configuration);
+                                                           !problems.empty()) {
+                                                         return tl::unexpected(std::move(problems));
+                                                       }
+                                                       if (configuration.flag("compatible")) {
+                                                         return makePublishedOrnament(configuration);
+                                                       }
+                                                       return std::make_unique<Ornament>(configuration);
+                                                     }};
 
 }  // namespace espalier::environment

@@ -5,8 +5,6 @@
 #include <numeric>
 #include <utility>
 
-#include "environment/geometry/interval.h"
-
 namespace espalier::environment {
 
 namespace {
@@ -87,36 +85,6 @@ void DiscTree::update(Node& node) const {
       node.maximumRadius = std::max(node.maximumRadius, disc.radius);
     }
   }
-}
-
-bool DiscTree::isOverlapped(std::size_t index, std::uint32_t rank) const {
-  const Disc& own = discs_[index];
-  std::vector<std::uint32_t> open{0};
-  while (!open.empty()) {
-    const Node& node = nodes_[open.back()];
-    open.pop_back();
-    const double reach = own.radius + node.maximumRadius;
-    const Vec3 gap{outside(own.centre.x, node.low.x, node.high.x), outside(own.centre.y, node.low.y, node.high.y),
-                   outside(own.centre.z, node.low.z, node.high.z)};
-    if (node.maximumRank < static_cast<std::int64_t>(rank) || reach < 0.0 || core::dot(gap, gap) > reach * reach) {
-      continue;
-    }
-    if (node.children != 0) {
-      open.push_back(node.children);
-      open.push_back(node.children + 1);
-      continue;
-    }
-    for (std::uint32_t k = node.begin; k < node.end; ++k) {
-      const Disc& other = discs_[order_[k]];
-      const double sum = own.radius + other.radius;
-      const Vec3 offset = other.centre - own.centre;
-      if (order_[k] != index && isRemoved_[order_[k]] == 0 && other.rank >= rank && sum >= 0.0 &&
-          core::dot(offset, offset) <= sum * sum) {
-        return true;
-      }
-    }
-  }
-  return false;
 }
 
 void DiscTree::remove(std::size_t index) {

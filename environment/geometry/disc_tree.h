@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "engine/core/vec3.h"
+#include "environment/geometry/interval.h"
 
 namespace espalier::environment {
 
@@ -15,6 +16,13 @@ struct Disc {
   std::uint32_t rank = 0;
 };
 
+/// Whether two discs overlap: the distance of the centres is at most the sum of the radii.
+[[nodiscard]] inline bool discsOverlap(const Disc& a, const Disc& b) {
+  const core::Vec3 offset = b.centre - a.centre;
+  const double sum = a.radius + b.radius;
+  return sum >= 0.0 && core::dot(offset, offset) <= sum * sum;
+}
+
 /// A tree over discs that finds an overlapping disc of at least some rank. Discs can be taken out. Building is
 /// O(n log n), taking out O(log n); a search visits only boxes that reach the disc and hold a strong enough one, O(log
 /// n) for discs that do not crowd around each other's borders.
@@ -22,9 +30,10 @@ class DiscTree {
  public:
   explicit DiscTree(std::vector<Disc> discs);
 
-  /// Whether another disc still in the tree with rank >= `rank` overlaps disc `index`: the distance of the centres is
-  /// at most the sum of the radii.
-  [[nodiscard]] bool isOverlapped(std::size_t index, std::uint32_t rank) const;
+  /// Whether another disc still in the tree with rank >= `rank` overlaps disc `index`. `overlaps(own, other)` decides
+  /// for two discs; it may differ from discsOverlap by a rounding error of 32-bit floats.
+  template <typename Overlaps>
+  [[nodiscard]] bool isOverlapped(std::size_t index, std::uint32_t rank, const Overlaps& overlaps) const;
   /// All discs, neighbours near each other: searching in this order reads memory in order.
   [[nodiscard]] const std::vector<std::uint32_t>& order() const { return order_; }
   /// Takes a disc out: it is no longer found.
@@ -52,5 +61,34 @@ class DiscTree {
   std::vector<std::uint32_t> leafOf_;    // node by disc
   std::vector<Node> nodes_;              // the root first
 };
+
+template <typename Overlaps>
+bool DiscTree::isOverlapped(std::size_t index, std::uint32_t rank, const Overlaps& overlaps) const {
+  constexpr double kMargin = 1.0 + 1e-5;  // more than floats round
+  const Disc& own = discs_[index];
+  std::vector<std::uint32_t> open{0};
+  while (!open.empty()) {
+    const Node& node = nodes_[open.back()];
+    open.pop_back();
+    const double reach = (own.radius + node.maximumRadius) * kMargin;
+    const core::Vec3 gap{outside(own.centre.x, node.low.x, node.high.x), outside(own.centre.y, node.low.y, node.high.y),
+                         outside(own.centre.z, node.low.z, node.high.z)};
+    if (node.maximumRank < static_cast<std::int64_t>(rank) || reach < 0.0 || core::dot(gap, gap) > reach * reach) {
+      continue;
+    }
+    if (node.children != 0) {
+      open.push_back(node.children);
+      open.push_back(node.children + 1);
+      continue;
+    }
+    for (std::uint32_t k = node.begin; k < node.end; ++k) {
+      const Disc& other = discs_[order_[k]];
+      if (order_[k] != index && isRemoved_[order_[k]] == 0 && other.rank >= rank && overlaps(own, other)) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
 
 }  // namespace espalier::environment

@@ -9,19 +9,24 @@ namespace espalier::environment {
 namespace {
 
 /// A map as rows from the far edge to the near one, spread over the raster's cells.
-std::vector<double> spread(const ConfigurationRows& rows, std::size_t columnCount, std::size_t rowCount,
+std::vector<double> spread(const ConfigurationRows& rows, const RasterShape& shape, PixelOfCell pixelOfCell,
                            double otherwise) {
-  std::vector<double> cells(columnCount * rowCount, otherwise);
+  const auto [columnCount, rowCount] = shape.cells;
+  std::vector<double> cells(shape.cellCount(), otherwise);
   if (rows.empty()) {
     return cells;
   }
   for (std::size_t y = 0; y < rowCount; ++y) {
-    const auto& row = rows[rows.size() - 1 - y * rows.size() / rowCount];
+    const auto& row = rows[rows.size() - 1 - pixelOfCell(y, rowCount, rows.size())];
     for (std::size_t x = 0; x < columnCount; ++x) {
-      cells[y * columnCount + x] = row[x * row.size() / columnCount];
+      cells[y * columnCount + x] = row[pixelOfCell(x, columnCount, row.size())];
     }
   }
   return cells;
+}
+
+std::size_t pixelUnderCell(std::size_t cell, std::size_t cellCount, std::size_t pixelCount) {
+  return cell * pixelCount / cellCount;
 }
 
 /// One channel of an image, as rows from the far edge to the near one.
@@ -37,16 +42,23 @@ ConfigurationRows channelOf(const files::Image& image, int channel) {
 
 }  // namespace
 
-Raster::Raster(const Configuration& configuration)
-    : plane_(planeNamed(configuration.text("plane"))),
-      position_{configuration.numbers("position")[0], configuration.numbers("position")[1]},
-      range_{configuration.numbers("range")[0], configuration.numbers("range")[1]},
-      columnCount_(static_cast<std::size_t>(configuration.numbers("gridSize")[0])),
-      rowCount_(static_cast<std::size_t>(configuration.numbers("gridSize")[1])),
-      light_(spread(configuration.rows("lightMap"), columnCount_, rowCount_, 255.0)),
-      second_(spread(configuration.rows("secondMap"), columnCount_, rowCount_, 0.0)) {}
+RasterShape rasterShapeOf(const Configuration& configuration) {
+  const auto pairOf = [&](std::string_view key) {
+    return std::array{configuration.numbers(key)[0], configuration.numbers(key)[1]};
+  };
+  const auto [columns, rows] = pairOf("gridSize");
+  return {planeNamed(configuration.text("plane")),
+          pairOf("position"),
+          pairOf("range"),
+          {static_cast<std::size_t>(columns), static_cast<std::size_t>(rows)}};
+}
 
-std::vector<core::Diagnostic> Raster::problemsOf(std::string_view process, const Configuration& configuration) {
+RasterMaps rasterMapsOf(const Configuration& configuration, const RasterShape& shape, PixelOfCell pixelOfCell) {
+  return {spread(configuration.rows("lightMap"), shape, pixelOfCell, 255.0),
+          spread(configuration.rows("secondMap"), shape, pixelOfCell, 0.0)};
+}
+
+std::vector<core::Diagnostic> problemsOfRaster(std::string_view process, const Configuration& configuration) {
   std::vector<core::Diagnostic> problems;
   for (const char* const key : {"lightMap", "secondMap"}) {
     const ConfigurationRows& rows = configuration.rows(key);
@@ -64,20 +76,22 @@ std::vector<core::Diagnostic> Raster::problemsOf(std::string_view process, const
   return problems;
 }
 
-Raster::Flat Raster::cellsOf(const core::Vec3& point) const {
-  const double across = plane_ == Plane::Yz ? point.y : point.x;
-  const double along = plane_ == Plane::Xy ? point.y : point.z;
-  return {(across - position_[0]) * static_cast<double>(columnCount_) / range_[0],
-          (along - position_[1]) * static_cast<double>(rowCount_) / range_[1]};
+Raster::Raster(const Configuration& configuration)
+    : shape_(rasterShapeOf(configuration)), maps_(rasterMapsOf(configuration, shape_, pixelUnderCell)) {}
+
+std::array<double, 2> Raster::cellsOf(const core::Vec3& point) const {
+  const auto [across, along] = shape_.flat(point);
+  return {(across - shape_.position[0]) * static_cast<double>(shape_.cells[0]) / shape_.range[0],
+          (along - shape_.position[1]) * static_cast<double>(shape_.cells[1]) / shape_.range[1]};
 }
 
 std::optional<std::size_t> Raster::cellOf(const core::Vec3& point) const {
-  const Flat cells = cellsOf(point);
-  if (!(cells.across >= 0.0 && cells.along >= 0.0 && cells.across < static_cast<double>(columnCount_) &&
-        cells.along < static_cast<double>(rowCount_))) {
+  const auto [across, along] = cellsOf(point);
+  if (!(across >= 0.0 && along >= 0.0 && across < static_cast<double>(shape_.cells[0]) &&
+        along < static_cast<double>(shape_.cells[1]))) {
     return std::nullopt;
   }
-  return static_cast<std::size_t>(cells.along) * columnCount_ + static_cast<std::size_t>(cells.across);
+  return static_cast<std::size_t>(along) * shape_.cells[0] + static_cast<std::size_t>(across);
 }
 
 std::string readInputImage(const PublishedLineInput& input) {
@@ -91,7 +105,11 @@ std::string readInputImage(const PublishedLineInput& input) {
 }
 
 std::string readUpAxis(const PublishedLineInput& input) {
-  const bool isUp = input.line.value == "yes" || input.line.value == "on";
+  const std::string_view word = firstPublishedWord(input.line.value);
+  const bool isUp = word != "no" && word != "off";
+  if (isUp && word != "yes" && word != "on") {
+    input.dropped = "is switched off only by 'no' or 'off': taken as yes";
+  }
   input.values.insert_or_assign("plane", std::string(isUp ? "xy" : "xz"));
   return {};
 }

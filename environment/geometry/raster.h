@@ -15,44 +15,63 @@
 
 namespace espalier::environment {
 
-/// A rectangle of cells in a plane of the world, with two maps of bytes over it: the processes `clover` and `ornament`.
+/// Where a raster lies: a rectangle of cells in a plane of the world.
+struct RasterShape {
+  Plane plane = Plane::Xy;
+  std::array<double, 2> position{};  // low corner, across and along
+  std::array<double, 2> range{};     // size, length units
+  std::array<std::size_t, 2> cells{1, 1};
+
+  [[nodiscard]] std::size_t cellCount() const { return cells[0] * cells[1]; }
+  /// The coordinates of a point across and along.
+  [[nodiscard]] std::array<double, 2> flat(const core::Vec3& point) const {
+    return {plane == Plane::Yz ? point.y : point.x, plane == Plane::Xy ? point.y : point.z};
+  }
+};
+
+/// Reads the keys below.
+[[nodiscard]] RasterShape rasterShapeOf(const Configuration& configuration);
+/// A map whose rows differ in length. Empty: none.
+[[nodiscard]] std::vector<core::Diagnostic> problemsOfRaster(std::string_view process,
+                                                             const Configuration& configuration);
+
+/// Two maps of bytes over a raster, by cell, from the low corner row by row.
+struct RasterMaps {
+  std::vector<double> light;   // (cellCount)
+  std::vector<double> second;  // (cellCount)
+};
+
+/// Which pixel of `pixelCount` the cell `cell` of `cellCount` shows, both counted from the low side.
+using PixelOfCell = std::size_t (*)(std::size_t cell, std::size_t cellCount, std::size_t pixelCount);
+[[nodiscard]] RasterMaps rasterMapsOf(const Configuration& configuration, const RasterShape& shape,
+                                      PixelOfCell pixelOfCell);
+
+/// The raster of the processes `clover`, `ornament` and `meadow`. Maps of another size are enlarged or reduced by
+/// taking the pixel over the cell's low corner.
 class Raster {
  public:
-  /// Reads the keys below. Maps of another size are enlarged or reduced by taking the nearest value.
   explicit Raster(const Configuration& configuration);
-  /// A map whose rows differ in length. Empty: none.
-  [[nodiscard]] static std::vector<core::Diagnostic> problemsOf(std::string_view process,
-                                                                const Configuration& configuration);
 
-  [[nodiscard]] std::size_t cellCount() const { return columnCount_ * rowCount_; }
+  [[nodiscard]] std::size_t cellCount() const { return shape_.cellCount(); }
   /// The cell that a point lies over, counted from the low corner row by row; nothing outside. Low borders belong to
   /// the raster, high ones do not.
   [[nodiscard]] std::optional<std::size_t> cellOf(const core::Vec3& point) const;
 
-  /// The cells of a disc around a point, those outside the raster left out. With `isPublished` it is the published
-  /// program's ellipse of int(radius in cells + 1) cells to each side of the point's cell; otherwise all cells whose
-  /// middle is within the radius of the point. `visit(cell)`. O(cells of the disc).
+  /// The cells whose middle is within the radius of a point, those outside the raster left out. `visit(cell)`. O(cells
+  /// of the disc).
   template <typename Visit>
-  void forEachCellOfDisc(const core::Vec3& centre, double radius, bool isPublished, const Visit& visit) const;
+  void forEachCellOfDisc(const core::Vec3& centre, double radius, const Visit& visit) const;
 
   /// 0 … 255 by cell.
-  [[nodiscard]] double lightOf(std::size_t cell) const { return light_[cell]; }
-  [[nodiscard]] double secondOf(std::size_t cell) const { return second_[cell]; }
+  [[nodiscard]] double lightOf(std::size_t cell) const { return maps_.light[cell]; }
+  [[nodiscard]] double secondOf(std::size_t cell) const { return maps_.second[cell]; }
 
  private:
-  struct Flat {
-    double across = 0.0;  // along the rows, in cells from the low corner
-    double along = 0.0;
-  };
-  [[nodiscard]] Flat cellsOf(const core::Vec3& point) const;
+  /// Across and along, in cells from the low corner.
+  [[nodiscard]] std::array<double, 2> cellsOf(const core::Vec3& point) const;
 
-  Plane plane_;
-  std::array<double, 2> position_;  // low corner
-  std::array<double, 2> range_;     // size, length units
-  std::size_t columnCount_;
-  std::size_t rowCount_;
-  std::vector<double> light_;   // (rowCount, columnCount)
-  std::vector<double> second_;  // (rowCount, columnCount)
+  RasterShape shape_;
+  RasterMaps maps_;
 };
 
 inline constexpr std::array kRasterRange{2.0, 2.0};
@@ -129,27 +148,21 @@ inline constexpr std::array kRasterKeywords{kRasterSizeKeyword, kRasterRangeKeyw
                                             kRasterImageKeyword, kRasterUpKeyword};
 
 template <typename Visit>
-void Raster::forEachCellOfDisc(const core::Vec3& centre, double radius, bool isPublished, const Visit& visit) const {
-  const Flat middle = cellsOf(centre);
+void Raster::forEachCellOfDisc(const core::Vec3& centre, double radius, const Visit& visit) const {
+  const auto [across, along] = cellsOf(centre);
   // half-axes in cells
-  double a = radius * static_cast<double>(columnCount_) / range_[0];
-  double b = radius * static_cast<double>(rowCount_) / range_[1];
-  double x0 = middle.across - 0.5;
-  double y0 = middle.along - 0.5;
-  if (isPublished) {
-    a = std::trunc(a + 1.0);
-    b = std::trunc(b + 1.0);
-    x0 = std::floor(middle.across);
-    y0 = std::floor(middle.along);
-  }
-  const double lastX = static_cast<double>(columnCount_ - 1);
-  const double lastY = static_cast<double>(rowCount_ - 1);
+  const double a = radius * static_cast<double>(shape_.cells[0]) / shape_.range[0];
+  const double b = radius * static_cast<double>(shape_.cells[1]) / shape_.range[1];
+  const double x0 = across - 0.5;
+  const double y0 = along - 0.5;
+  const double lastX = static_cast<double>(shape_.cells[0] - 1);
+  const double lastY = static_cast<double>(shape_.cells[1] - 1);
   for (double y = std::max(std::ceil(y0 - b), 0.0); y <= std::min(std::floor(y0 + b), lastY); y += 1.0) {
     for (double x = std::max(std::ceil(x0 - a), 0.0); x <= std::min(std::floor(x0 + a), lastX); x += 1.0) {
       const double dx = a > 0.0 ? (x - x0) / a : 0.0;
       const double dy = b > 0.0 ? (y - y0) / b : 0.0;
       if (dx * dx + dy * dy <= 1.0) {
-        visit(static_cast<std::size_t>(y) * columnCount_ + static_cast<std::size_t>(x));
+        visit(static_cast<std::size_t>(y) * shape_.cells[0] + static_cast<std::size_t>(x));
       }
     }
   }

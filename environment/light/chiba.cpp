@@ -1,8 +1,8 @@
 // The process `chiba` (docs/environments.md): light that reaches leaf spheres past each other.
 //
 // Directions are the `sources` or, without any, the middles of the triangles of an octahedron that is subdivided until
-// there are `sampleCount`. Light below 1e-12 counts as none. `compatible`: the published traversal, which misses
-// spheres (published_voxels.h). O(n · directions · (log n + spheres met)) with a tree of boxes.
+// there are `sampleCount`. Light below 1e-12 counts as none. `compatible`: published_chiba.cpp. O(n · directions · (log
+// n + spheres met)) with a tree of boxes.
 
 #include <algorithm>
 #include <array>
@@ -20,7 +20,7 @@
 #include "environment/geometry/world_up.h"
 #include "environment/light/light_directions.h"
 #include "environment/light/light_sources.h"
-#include "environment/light/published_voxels.h"
+#include "environment/light/published_variants.h"
 #include "environment/light/ray_sums.h"
 
 namespace espalier::environment {
@@ -30,8 +30,8 @@ namespace {
 using core::Vec3;
 
 constexpr std::string_view kSummary = "Light that reaches leaf spheres past each other.";
-constexpr std::array<std::string_view, 2> kOnOrYes{"on", "yes"};
-constexpr std::array kTwenties{20.0, 20.0, 20.0};
+constexpr std::array<std::string_view, 1> kOn{"on"};
+constexpr std::array<std::string_view, 1> kYes{"yes"};
 constexpr double kDarkness = 1e-12;
 
 constexpr std::array kKeys{
@@ -69,16 +69,17 @@ constexpr std::array kKeys{
     ConfigurationKey{.name = "estimateIntersectionArea",
                      .kind = KeyKind::Boolean,
                      .description = "light lost by the area that the spheres' discs have in common along a ray"},
-    gridSizeKey(kTwenties, "voxels along x, y, z of the published traversal (only when compatible)", 200.0),
-    ConfigurationKey{
-        .name = "compatible", .kind = KeyKind::Boolean, .description = "the published traversal, which misses spheres"},
+    gridSizeKey(kUnitSides, "voxels along x, y, z of the published traversal (only when compatible)", 200.0),
+    ConfigurationKey{.name = "compatible",
+                     .kind = KeyKind::Boolean,
+                     .description = "as the published program, which misses spheres"},
 };
 constexpr std::array kPublishedKeywords{
     PublishedKeyword{.keyword = "grid size", .kind = PublishedKind::Numbers, .key = "gridSize", .count = 3},
     PublishedKeyword{.keyword = "number of samples", .key = "sampleCount"},
     PublishedKeyword{.keyword = "lower to upper ratio", .key = "lowerToUpperRatio"},
     PublishedKeyword{
-        .keyword = "use CIE formula", .kind = PublishedKind::Switch, .key = "overcastSky", .onWords = kOnOrYes},
+        .keyword = "use CIE formula", .kind = PublishedKind::Switch, .key = "overcastSky", .onWords = kYes},
     PublishedKeyword{.keyword = "source direction", .kind = PublishedKind::Row, .key = "sources", .count = 4},
     PublishedKeyword{.keyword = "transmittance", .key = "transmittance"},
     PublishedKeyword{.keyword = "radius", .key = "radius"},
@@ -86,7 +87,7 @@ constexpr std::array kPublishedKeywords{
     PublishedKeyword{.keyword = "estimate intersection area",
                      .kind = PublishedKind::Switch,
                      .key = "estimateIntersectionArea",
-                     .onWords = kOnOrYes},
+                     .onWords = kOn},
 };
 
 /// Area that two discs have in common whose middles are `d` apart.
@@ -118,8 +119,7 @@ class Chiba final : public turtle::EnvironmentProcess {
         transmittance_(configuration.number("transmittance")),
         radius_(configuration.number("radius")),
         beamRadius_(configuration.number("beamRadius")),
-        estimatesArea_(configuration.flag("estimateIntersectionArea")),
-        isCompatible_(configuration.flag("compatible")) {
+        estimatesArea_(configuration.flag("estimateIntersectionArea")) {
     for (const auto& row : configuration.rows("sources")) {
       sources_.push_back({{row[0], row[1], row[2]}, row[3]});
     }
@@ -129,17 +129,9 @@ class Chiba final : public turtle::EnvironmentProcess {
     diameter_ = std::exp2(std::clamp(61.0 - std::ceil(std::log2(std::max(longest, 1.0))), 40.0, 56.0));
     limit_ =
         transmittance_ < 1.0 ? static_cast<std::int64_t>(std::min(longest * diameter_, 0x1p62)) : RaySums::kMostLimit;
-    gridSize_ = cellsOf(configuration);
   }
 
-  [[nodiscard]] turtle::EnvironmentDescription describe() const override {
-    return {.name = "chiba",
-            .summary = std::string(kSummary),
-            .needs = {.position = true, .parameters = true},
-            .inputs = {{"radius", lengthUnit_, ""}},
-            .outputs = {{"light", "1", ""}, {"brightestX", "1", ""}, {"brightestY", "1", ""}, {"brightestZ", "1", ""}},
-            .isStateful = false};
-  }
+  [[nodiscard]] turtle::EnvironmentDescription describe() const override { return describeChiba(lengthUnit_); }
 
   [[nodiscard]] std::optional<turtle::EnvironmentError> open(const turtle::EnvironmentContext& context) override {
     const auto up = upOf("chiba", context.world);
@@ -158,42 +150,23 @@ class Chiba final : public turtle::EnvironmentProcess {
     std::vector<std::size_t> queryOf;
     for (std::size_t query = 0; query < queries.size(); ++query) {
       const auto parameters = queries.parametersOf(query);
-      const bool isLeftOut = isCompatible_ && (parameters.size() == 2 || parameters.size() == 3);
-      if (!parameters.empty() && !isLeftOut) {
+      if (!parameters.empty()) {
         spheres.push_back({queries.position[query], parameters[0] > 0.0 ? parameters[0] : radius_});
         queryOf.push_back(query);
       }
     }
-    if (isCompatible_) {
-      PublishedVoxels voxels(spheres, gridSize_);
-      for (std::size_t sphere = 0; sphere < spheres.size(); ++sphere) {
-        setAnswer(queries, queryOf[sphere], answerFrom([&](const Vec3& direction) {
-                    double light = 1.0;
-                    voxels.visitRay({spheres[sphere].centre, direction, 0.0}, [&](std::uint32_t other) {
-                      light *= other == sphere ? 1.0 : passing(spheres[sphere], spheres[other], direction);
-                    });
-                    return light;
-                  }),
-                  replies);
-      }
-    } else {
-      const DistinctSpheres distinct = distinctSpheres(spheres);
-      const std::vector<Answer> answers = estimatesArea_ ? answersByAreas(distinct) : answersByChords(distinct);
-      for (std::size_t sphere = 0; sphere < spheres.size(); ++sphere) {
-        setAnswer(queries, queryOf[sphere], answers[distinct.indexOf[sphere]], replies);
-      }
+    const DistinctSpheres distinct = distinctSpheres(spheres);
+    const std::vector<Answer> answers = estimatesArea_ ? answersByAreas(distinct) : answersByChords(distinct);
+    for (std::size_t sphere = 0; sphere < spheres.size(); ++sphere) {
+      setAnswer(queries, queryOf[sphere], answers[distinct.indexOf[sphere]], replies);
     }
     countAnswers(queries, replies);
     return std::nullopt;
   }
 
  private:
-  /// The part of the light for one sphere that another lets pass along a ray.
+  /// The part of the light for one sphere that the disc of another lets pass along a ray.
   [[nodiscard]] double passing(const Sphere& own, const Sphere& other, const Vec3& direction) const {
-    if (!estimatesArea_) {
-      const double chord = chordOf(own, other, direction);
-      return chord > 0.0 ? std::pow(transmittance_, chord) : 1.0;
-    }
     const Vec3 between = other.centre - own.centre;
     const double ahead = core::dot(between, direction);
     if (!(ahead > 0.0)) {
@@ -294,8 +267,6 @@ class Chiba final : public turtle::EnvironmentProcess {
   double radius_;
   double beamRadius_;
   bool estimatesArea_;
-  bool isCompatible_;
-  std::array<std::size_t, 3> gridSize_{};
   double diameter_ = 1.0;   // units of the sums of chords in a sphere's diameter, a power of 2
   std::int64_t limit_ = 0;  // of a sum of chords, behind which it is dark
   RaySums chords_;
@@ -304,6 +275,15 @@ class Chiba final : public turtle::EnvironmentProcess {
 };
 
 }  // namespace
+
+turtle::EnvironmentDescription describeChiba(const std::string& lengthUnit) {
+  return {.name = "chiba",
+          .summary = std::string(kSummary),
+          .needs = {.position = true, .parameters = true},
+          .inputs = {{"radius", lengthUnit, ""}},
+          .outputs = {{"light", "1", ""}, {"brightestX", "1", ""}, {"brightestY", "1", ""}, {"brightestZ", "1", ""}},
+          .isStateful = false};
+}
 
 extern constinit const ProcessEntry kChibaProcess{
     .name = "chiba",
@@ -316,6 +296,9 @@ extern constinit const ProcessEntry kChibaProcess{
     .make = [](const Configuration& configuration) -> ProcessOrErrors {
       if (auto problems = problemsOfSources("chiba", configuration.rows("sources"), true); !problems.empty()) {
         return tl::unexpected(std::move(problems));
+      }
+      if (configuration.flag("compatible")) {
+        return makePublishedChiba(configuration);
       }
       return std::make_unique<Chiba>(configuration);
     }};

@@ -1,8 +1,7 @@
 // The process `clover` (docs/environments.md): light on the ground under the leaves of creeping plants.
 //
 // All adds and removes of a step come before its answers, so the order of queries does not matter. The counts of leaves
-// are the state. `compatible` stamps the published program's ellipses and keeps counts within 0 … 255. O(cells of the
-// leaves) + O(queries).
+// are the state. `compatible`: published_clover.cpp. O(cells of the leaves) + O(queries).
 
 #include <algorithm>
 #include <array>
@@ -14,8 +13,9 @@
 
 #include "environment/base/process_entry.h"
 #include "environment/base/replies.h"
-#include "environment/base/state_bytes.h"
 #include "environment/geometry/raster.h"
+#include "environment/light/leaf_counts.h"
+#include "environment/light/published_variants.h"
 
 namespace espalier::environment {
 
@@ -34,7 +34,7 @@ constexpr std::array kOwnKeys{
                      .description = "remove all leaves at the beginning of every step with queries"},
     ConfigurationKey{.name = "compatible",
                      .kind = KeyKind::Boolean,
-                     .description = "the published program's leaf shape and counts within 0 and 255"},
+                     .description = "cells, leaves, pixels and counts within 0 and 255 as published"},
 };
 constexpr auto kKeys = joinTables(kRasterKeys, kOwnKeys);
 constexpr std::array kOwnKeywords{
@@ -50,17 +50,9 @@ class Clover final : public turtle::EnvironmentProcess {
       : raster_(configuration),
         transmittance_(configuration.number("transmittance")),
         forgets_(configuration.flag("removeOldLeaves")),
-        isCompatible_(configuration.flag("compatible")),
         leaves_(raster_.cellCount(), 0) {}
 
-  [[nodiscard]] turtle::EnvironmentDescription describe() const override {
-    return {.name = "clover",
-            .summary = std::string(kSummary),
-            .needs = {.position = true, .parameters = true},
-            .inputs = {{"action", "1", ""}, {"leafArea", lengthUnit_ + "^2", ""}},
-            .outputs = {{"light", "1", ""}, {"second", "1", ""}},
-            .isStateful = true};
-  }
+  [[nodiscard]] turtle::EnvironmentDescription describe() const override { return describeClover(lengthUnit_); }
 
   [[nodiscard]] std::optional<turtle::EnvironmentError> open(const turtle::EnvironmentContext& context) override {
     lengthUnit_ = context.world.lengthUnit;
@@ -90,43 +82,9 @@ class Clover final : public turtle::EnvironmentProcess {
     return std::nullopt;
   }
 
-  [[nodiscard]] std::string save() const override {
-    // runs of equal counts
-    StateWriter writer;
-    for (std::size_t begin = 0; begin < leaves_.size();) {
-      std::size_t end = begin;
-      while (end < leaves_.size() && leaves_[end] == leaves_[begin]) {
-        ++end;
-      }
-      writer.integer(end - begin);
-      writer.integer(static_cast<std::uint64_t>(static_cast<std::int64_t>(leaves_[begin])));
-      begin = end;
-    }
-    return writer.take();
-  }
-
-  // of one cell in a saved state: half of what the type holds, so that a run can go on
-  static constexpr std::int64_t kMostLeaves = std::int64_t{1} << 30U;
-
+  [[nodiscard]] std::string save() const override { return saveLeafCounts(leaves_); }
   [[nodiscard]] std::optional<turtle::EnvironmentError> restore(std::string_view state) override {
-    StateReader reader(state);
-    std::vector<std::int32_t> leaves;
-    while (reader.isIntact() && leaves.size() < leaves_.size()) {
-      const std::uint64_t count = reader.integer();
-      const auto value = static_cast<std::int64_t>(reader.integer());
-      if (count == 0 || count > leaves_.size() - leaves.size() || value < -kMostLeaves || value > kMostLeaves) {
-        break;
-      }
-      leaves.insert(leaves.end(), static_cast<std::size_t>(count), static_cast<std::int32_t>(value));
-    }
-    if (!reader.isComplete() || leaves.size() != leaves_.size()) {
-      return turtle::EnvironmentError{
-          "The saved state of environment 'clover' is damaged or of a raster of another size. Use a snapshot that is "
-          "complete and was made with this configuration.",
-          false};
-    }
-    leaves_ = std::move(leaves);
-    return std::nullopt;
+    return restoreLeafCounts(state, leaves_);
   }
 
  private:
@@ -134,13 +92,8 @@ class Clover final : public turtle::EnvironmentProcess {
     if (!(area > 0.0)) {
       return;
     }
-    raster_.forEachCellOfDisc(centre, std::sqrt(area / std::numbers::pi), isCompatible_, [&](std::size_t cell) {
-      std::int32_t& count = leaves_[cell];
-      count += change;
-      if (isCompatible_) {
-        count = std::clamp(count, 0, 255);
-      }
-    });
+    raster_.forEachCellOfDisc(centre, std::sqrt(area / std::numbers::pi),
+                              [&](std::size_t cell) { leaves_[cell] += change; });
   }
 
   void answer(const turtle::QueryBatch& queries, std::size_t query, turtle::ReplyBatch& replies) const {
@@ -160,12 +113,20 @@ class Clover final : public turtle::EnvironmentProcess {
   Raster raster_;
   double transmittance_;
   bool forgets_;
-  bool isCompatible_;
   std::vector<std::int32_t> leaves_;  // leaves over a cell (cellCount)
   std::string lengthUnit_ = "m";
 };
 
 }  // namespace
+
+turtle::EnvironmentDescription describeClover(const std::string& lengthUnit) {
+  return {.name = "clover",
+          .summary = std::string(kSummary),
+          .needs = {.position = true, .parameters = true},
+          .inputs = {{"action", "1", ""}, {"leafArea", lengthUnit + "^2", ""}},
+          .outputs = {{"light", "1", ""}, {"second", "1", ""}},
+          .isStateful = true};
+}
 
 extern constinit const ProcessEntry kCloverProcess{
     .name = "clover",
@@ -174,8 +135,11 @@ extern constinit const ProcessEntry kCloverProcess{
     .keys = kKeys,
     .publishedKeywords = kPublishedKeywords,
     .make = [](const Configuration& configuration) -> ProcessOrErrors {
-      if (auto problems = Raster::problemsOf("clover", configuration); !problems.empty()) {
+      if (auto problems = problemsOfRaster("clover", configuration); !problems.empty()) {
         return tl::unexpected(std::move(problems));
+      }
+      if (configuration.flag("compatible")) {
+        return makePublishedClover(configuration);
       }
       return std::make_unique<Clover>(configuration);
     }};

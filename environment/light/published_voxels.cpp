@@ -1,89 +1,109 @@
 #include "environment/light/published_voxels.h"
 
 #include <algorithm>
-#include <limits>
+#include <cmath>
 
 namespace espalier::environment {
 
-namespace {}  // namespace
+namespace {
 
-PublishedVoxels::PublishedVoxels(std::span<const Sphere> spheres, const std::array<std::size_t, 3>& size)
-    : members_(size[0] * size[1] * size[2]), lastRay_(spheres.size(), 0) {
-  std::array<double, 3> high{};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    size_[axis] = static_cast<std::int64_t>(size[axis]);
-    low_[axis] = std::numeric_limits<double>::infinity();
-    high[axis] = -low_[axis];
-    for (const Sphere& sphere : spheres) {
-      low_[axis] = std::min(low_[axis], componentsOf(sphere.centre)[axis] - sphere.radius);
-      high[axis] = std::max(high[axis], componentsOf(sphere.centre)[axis] + sphere.radius);
-    }
-    side_[axis] =
-        std::max(high[axis] - low_[axis], std::numeric_limits<double>::min()) / static_cast<double>(size[axis]);
-  }
-  for (std::uint32_t i = 0; i < spheres.size(); ++i) {
-    std::array<std::int64_t, 3> first{};
-    std::array<std::int64_t, 3> last{};
+std::array<float, 3> axesOf(const FloatVec& v) {
+  return {v.x, v.y, v.z};
+}
+
+}  // namespace
+
+PublishedVoxels::PublishedVoxels(std::span<const FloatSphere> spheres, const std::array<std::size_t, 3>& cells,
+                                 float beamRadius)
+    : spheres_(spheres), entered_(cells[0] * cells[1] * cells[2]), lastRay_(spheres.size(), 0) {
+  float largest = 0.0F;
+  std::array<float, 3> high{};
+  for (std::size_t i = 0; i < spheres.size(); ++i) {
+    const auto centre = axesOf(spheres[i].centre);
+    const float radius = spheres[i].radius;
+    largest = std::max(largest, radius);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      first[axis] = clampedVoxel(componentsOf(spheres[i].centre)[axis] - spheres[i].radius, axis);
-      last[axis] = clampedVoxel(componentsOf(spheres[i].centre)[axis] + spheres[i].radius, axis);
+      const float low = centre[axis] - radius;
+      low_[axis] = i == 0 ? low : std::min(low_[axis], low);
+      high[axis] = i == 0 ? centre[axis] + radius : std::max(high[axis], centre[axis] + radius);
     }
-    Walk at;
-    for (at.voxel[0] = first[0]; at.voxel[0] <= last[0]; ++at.voxel[0]) {
-      for (at.voxel[1] = first[1]; at.voxel[1] <= last[1]; ++at.voxel[1]) {
-        for (at.voxel[2] = first[2]; at.voxel[2] <= last[2]; ++at.voxel[2]) {
-          members_[voxelOf(at)].push_back(i);
+  }
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    cells_[axis] = static_cast<std::int64_t>(cells[axis]);
+    side_[axis] = (high[axis] - low_[axis]) / static_cast<float>(cells[axis]);
+  }
+  const float halfDiagonal = 0.5F * length({side_[0], side_[1], side_[2]});
+  for (std::uint32_t i = 0; i < spheres.size(); ++i) {
+    enter(i, spheres[i].radius + largest * beamRadius, halfDiagonal);
+  }
+}
+
+void PublishedVoxels::enter(std::uint32_t sphere, float reach, float halfDiagonal) {
+  const auto centre = axesOf(spheres_[sphere].centre);
+  Voxel first{};
+  Voxel last{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    // one voxel more than the box of the sphere
+    first[axis] = std::max<std::int64_t>(clampedIndex(centre[axis] - reach, axis) - 1, 0);
+    last[axis] = std::min(clampedIndex(centre[axis] + reach, axis) + 1, cells_[axis] - 1);
+  }
+  Voxel at{};
+  for (at[0] = first[0]; at[0] <= last[0]; ++at[0]) {
+    for (at[1] = first[1]; at[1] <= last[1]; ++at[1]) {
+      for (at[2] = first[2]; at[2] <= last[2]; ++at[2]) {
+        std::array<float, 3> middle{};
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          middle[axis] = low_[axis] + (static_cast<float>(at[axis]) + 0.5F) * side_[axis];
+        }
+        if (length(FloatVec{middle[0], middle[1], middle[2]} - spheres_[sphere].centre) <= reach + halfDiagonal) {
+          entered_[indexOf(at)].push_back(sphere);
         }
       }
     }
   }
 }
 
-std::int64_t PublishedVoxels::clampedVoxel(double coordinate, std::size_t axis) const {
-  const double voxel = std::floor((coordinate - low_[axis]) / side_[axis]);
-  return static_cast<std::int64_t>(std::clamp(voxel, 0.0, static_cast<double>(size_[axis] - 1)));
+std::int64_t PublishedVoxels::clampedIndex(float place, std::size_t axis) const {
+  const float index = (place - low_[axis]) / side_[axis];
+  const auto last = static_cast<float>(cells_[axis] - 1);
+  return index > 0.0F ? static_cast<std::int64_t>(std::min(index, last)) : 0;  // 0 also for a box without extent
 }
 
-PublishedVoxels::Walk PublishedVoxels::begin(const Ray& ray) const {
-  Walk walk{componentsOf(ray.origin), componentsOf(ray.direction), {}};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    walk.voxel[axis] = clampedVoxel(walk.origin[axis], axis);
-  }
-  return walk;
+PublishedVoxels::Voxel PublishedVoxels::voxelOf(const FloatVec& point) const {
+  return {clampedIndex(point.x, 0), clampedIndex(point.y, 1), clampedIndex(point.z, 2)};
 }
 
-bool PublishedVoxels::isInside(const Walk& walk) const {
-  bool isInside = true;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    isInside = isInside && walk.voxel[axis] >= 0 && walk.voxel[axis] < size_[axis];
-  }
-  return isInside;
+std::size_t PublishedVoxels::indexOf(const Voxel& voxel) const {
+  return static_cast<std::size_t>((voxel[0] * cells_[1] + voxel[1]) * cells_[2] + voxel[2]);
 }
 
-std::size_t PublishedVoxels::voxelOf(const Walk& walk) const {
-  return static_cast<std::size_t>((walk.voxel[0] * size_[1] + walk.voxel[1]) * size_[2] + walk.voxel[2]);
-}
-
-bool PublishedVoxels::advance(Walk& walk) const {
+bool PublishedVoxels::advance(Voxel& voxel, const FloatVec& origin, const FloatVec& direction) const {
+  const auto from = axesOf(origin);
+  const auto along = axesOf(direction);
   std::size_t nearest = 3;
-  double nearestWay = std::numeric_limits<double>::infinity();
+  float nearestWay = 0.0F;
+  float nearestSpeed = 0.0F;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    if (walk.direction[axis] == 0.0) {
+    const float speed = std::abs(along[axis]);
+    if (!(speed > 0.0F)) {
       continue;
     }
-    // the voxel's far border as the published programs compute it, without low_[axis]
-    const double border = static_cast<double>(walk.voxel[axis] + (walk.direction[axis] > 0.0 ? 1 : 0)) * side_[axis];
-    const double way = (border - walk.origin[axis]) / walk.direction[axis];
-    if (way < nearestWay) {
-      nearestWay = way;
+    // the border ahead without the grid's corner, and the way to it without its sign
+    const float middle = (static_cast<float>(voxel[axis]) + 0.5F) * side_[axis];
+    const float half = 0.5F * side_[axis];
+    const float way = std::abs((along[axis] < 0.0F ? middle - half : middle + half) - from[axis]);
+    // ways divided by speeds, compared by products
+    if (nearest == 3 || way * nearestSpeed < nearestWay * speed) {
       nearest = axis;
+      nearestWay = way;
+      nearestSpeed = speed;
     }
   }
   if (nearest == 3) {
     return false;
   }
-  walk.voxel[nearest] += walk.direction[nearest] > 0.0 ? 1 : -1;
-  return true;
+  voxel[nearest] += along[nearest] < 0.0F ? -1 : 1;
+  return voxel[nearest] >= 0 && voxel[nearest] < cells_[nearest];
 }
 
 }  // namespace espalier::environment

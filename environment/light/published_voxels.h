@@ -6,52 +6,60 @@
 #include <span>
 #include <vector>
 
-#include "environment/geometry/sphere_tree.h"
+#include "environment/geometry/float_vec.h"
 
 namespace espalier::environment {
 
-/// The voxel grid of the published programs chiba and takenaka over the box of all spheres, with their traversal, which
-/// leaves the grid's corner out when it chooses the next voxel and so misses spheres where that corner is not the
-/// origin. Only their compatible modes use it.
+/// A sphere of the published programs.
+struct FloatSphere {
+  FloatVec centre;
+  float radius = 0.0F;
+};
+
+/// The voxel grid of the published programs chiba and takenaka over the box of all spheres, with their traversal. It
+/// leaves the grid's corner out when it computes the way to the next voxel, and takes that way without its sign. So it
+/// misses spheres where that corner is not the origin. Only their compatible variants use it. All of it is in 32-bit
+/// floats, operation by operation.
 class PublishedVoxels {
  public:
-  PublishedVoxels(std::span<const Sphere> spheres, const std::array<std::size_t, 3>& size);
+  /// `spheres` must outlive the object. A sphere is entered in the voxels whose middle is at most half a voxel's
+  /// diagonal outside it, when it is widened by `beamRadius` times the largest radius.
+  PublishedVoxels(std::span<const FloatSphere> spheres, const std::array<std::size_t, 3>& cells, float beamRadius);
 
-  /// Calls `visit(index)` once for every sphere in the voxels that the traversal finds.
+  /// Calls `visit(index)` once for every other sphere in the voxels that a ray from the middle of sphere `own` finds:
+  /// voxel by voxel, in each the sphere that was entered last first.
   template <typename Visit>
-  void visitRay(const Ray& ray, const Visit& visit) {
+  void visitRay(std::size_t own, const FloatVec& direction, const Visit& visit) {
     ++ray_;
-    Walk walk = begin(ray);
-    while (isInside(walk)) {
-      for (const std::uint32_t sphere : members_[voxelOf(walk)]) {
-        if (lastRay_[sphere] != ray_) {
-          lastRay_[sphere] = ray_;
-          visit(sphere);
+    lastRay_[own] = ray_;
+    const FloatVec& origin = spheres_[own].centre;
+    Voxel voxel = voxelOf(origin);
+    do {
+      const std::vector<std::uint32_t>& entered = entered_[indexOf(voxel)];
+      for (auto sphere = entered.rbegin(); sphere != entered.rend(); ++sphere) {
+        if (lastRay_[*sphere] != ray_) {
+          lastRay_[*sphere] = ray_;
+          visit(*sphere);
         }
       }
-      if (!advance(walk)) {
-        return;
-      }
-    }
+    } while (advance(voxel, origin, direction));
   }
 
  private:
-  struct Walk {
-    std::array<double, 3> origin{};
-    std::array<double, 3> direction{};
-    std::array<std::int64_t, 3> voxel{};
-  };
+  using Voxel = std::array<std::int64_t, 3>;
 
-  [[nodiscard]] Walk begin(const Ray& ray) const;
-  [[nodiscard]] bool isInside(const Walk& walk) const;
-  [[nodiscard]] std::size_t voxelOf(const Walk& walk) const;
-  [[nodiscard]] bool advance(Walk& walk) const;
-  [[nodiscard]] std::int64_t clampedVoxel(double coordinate, std::size_t axis) const;
+  [[nodiscard]] Voxel voxelOf(const FloatVec& point) const;
+  [[nodiscard]] std::int64_t clampedIndex(float place, std::size_t axis) const;
+  [[nodiscard]] std::size_t indexOf(const Voxel& voxel) const;
+  void enter(std::uint32_t sphere, float reach, float halfDiagonal);
+  /// Goes to the next voxel of a ray. False: the ray leaves the grid, or the direction has no length.
+  [[nodiscard]] bool advance(Voxel& voxel, const FloatVec& origin, const FloatVec& direction) const;
 
-  std::array<double, 3> low_{};
-  std::array<double, 3> side_{};  // of a voxel
-  std::array<std::int64_t, 3> size_{};
-  std::vector<std::vector<std::uint32_t>> members_;  // spheres by voxel
+  std::span<const FloatSphere> spheres_;
+  std::array<float, 3> low_{};
+  std::array<float, 3> side_{};  // of a voxel
+  std::array<std::int64_t, 3> cells_{};
+  std::vector<std::vector<std::uint32_t>> entered_;  // spheres by voxel
   std::vector<std::uint64_t> lastRay_;               // the ray that met a sphere last
   std::uint64_t ray_ = 0;
 };

@@ -2,7 +2,8 @@
 // multiplicative form of the published program shadowpyramid.
 //
 // All shadows of a step are cast before any light is read. Products are fixed-point sums of logarithms, so replies do
-// not depend on the order of queries, bit by bit. Shadows do not outlast the step. O(n shadowDepth^3) for n queries.
+// not depend on the order of queries, bit by bit. Shadows do not outlast the step. `compatible`: published_shadow.cpp.
+// O(n shadowDepth^3) for n queries.
 
 #include <algorithm>
 #include <array>
@@ -15,6 +16,7 @@
 #include "environment/base/replies.h"
 #include "environment/geometry/bricked_grid.h"
 #include "environment/geometry/world_up.h"
+#include "environment/light/published_variants.h"
 
 namespace espalier::environment {
 
@@ -51,9 +53,8 @@ constexpr std::array kKeys{
                      .maximum = 100,
                      .defaultNumber = 6},
     ConfigurationKey{.name = "shadowWeight",
-                     .description = "C1: the part of the light taken in the own voxel",
+                     .description = "C1: the part of the light taken in the own voxel; above 1 also nearby all of it",
                      .minimum = 0.0,
-                     .maximum = 1.0,
                      .defaultNumber = 0.58},
     ConfigurationKey{.name = "shadowDissipation",
                      .description = "C2: the factor by which a shadow weakens per voxel of distance",
@@ -74,6 +75,9 @@ constexpr std::array kKeys{
                      .minimum = 0.0,
                      .isMinimumExclusive = true,
                      .defaultNumber = 1.6},
+    ConfigurationKey{.name = "compatible",
+                     .kind = KeyKind::Boolean,
+                     .description = "voxels, borders and gradients as published; bias and randomness in the field"},
 };
 constexpr std::array kPublishedKeywords{
     PublishedKeyword{.keyword = "grid size", .key = "gridSize"},
@@ -122,18 +126,7 @@ class Shadow final : public turtle::EnvironmentProcess {
     }
   }
 
-  [[nodiscard]] turtle::EnvironmentDescription describe() const override {
-    const std::string perLength = "1/" + lengthUnit_;
-    return {.name = "shadow",
-            .summary = std::string(kSummary),
-            .needs = {.position = true, .parameters = true},
-            .inputs = {{"castsShadow", "1", ""}},
-            .outputs = {{"light", "1", ""},
-                        {"gradientX", perLength, ""},
-                        {"gradientY", perLength, ""},
-                        {"gradientZ", perLength, ""}},
-            .isStateful = false};
-  }
+  [[nodiscard]] turtle::EnvironmentDescription describe() const override { return describeShadow(lengthUnit_); }
 
   [[nodiscard]] std::optional<turtle::EnvironmentError> open(const turtle::EnvironmentContext& context) override {
     const auto axes = gridAxesOf("shadow", context.world);
@@ -278,6 +271,19 @@ class Shadow final : public turtle::EnvironmentProcess {
 
 }  // namespace
 
+turtle::EnvironmentDescription describeShadow(const std::string& lengthUnit) {
+  const std::string perLength = "1/" + lengthUnit;
+  return {.name = "shadow",
+          .summary = std::string(kSummary),
+          .needs = {.position = true, .parameters = true},
+          .inputs = {{"castsShadow", "1", ""}},
+          .outputs = {{"light", "1", ""},
+                      {"gradientX", perLength, ""},
+                      {"gradientY", perLength, ""},
+                      {"gradientZ", perLength, ""}},
+          .isStateful = false};
+}
+
 extern constinit const ProcessEntry kShadowProcess{
     .name = "shadow",
     .summary = kSummary,
@@ -288,6 +294,9 @@ extern constinit const ProcessEntry kShadowProcess{
     .keys = kKeys,
     .publishedKeywords = kPublishedKeywords,
     .make = [](const Configuration& c) -> ProcessOrErrors {
+      if (c.flag("compatible")) {
+        return makePublishedShadow(c);
+      }
       return std::make_unique<Shadow>(ShadowParameters{.gridSize = c.integer("gridSize"),
                                                        .gridSpan = c.number("gridSpan"),
                                                        .spread = c.number("shadowSpread"),

@@ -1,8 +1,6 @@
 // The process `takenaka` (docs/environments.md): photosynthesis of balls of leaves that shade each other.
 //
-// `compatible`: the published traversal (published_voxels.h), balls beyond a source count too, and the published
-// program's 8.64 mol for a unit of area, ten times the value of its own units (cm). O(n · sources · (log n + balls
-// met)).
+// `compatible`: published_takenaka.cpp. O(n · sources · (log n + balls met)).
 
 #include <algorithm>
 #include <array>
@@ -21,7 +19,7 @@
 #include "environment/geometry/world_up.h"
 #include "environment/light/light_directions.h"
 #include "environment/light/light_sources.h"
-#include "environment/light/published_voxels.h"
+#include "environment/light/published_variants.h"
 #include "environment/light/ray_sums.h"
 
 namespace espalier::environment {
@@ -31,11 +29,9 @@ namespace {
 using core::Vec3;
 
 constexpr std::string_view kSummary = "Photosynthesis of balls of leaves that shade each other.";
-constexpr std::array kTwenties{20.0, 20.0, 20.0};
 constexpr double kDarkness = 1e-12;
 constexpr std::int64_t kManyBalls = 100'000;
 constexpr double kYearlyLight = 1000e-6 * 12 * 3600 * 200;  // mol m^-2 a year
-constexpr double kPublishedLight = 8.64;                    // of the published program, for a unit of area
 
 constexpr std::array kKeys{
     ConfigurationKey{.name = "parameterS",
@@ -58,13 +54,18 @@ constexpr std::array kKeys{
                      .description = "light sources: position x, y, z and a weight; empty: straight above, far away",
                      .minimumCount = 4,
                      .maximumCount = 4},
+    ConfigurationKey{
+        .name = "diskSource",
+        .kind = KeyKind::Numbers,
+        .description = "instead of sources parallel light from above: radius and middle of a disc, x, y, z",
+        .unit = "length"},
     ConfigurationKey{.name = "beamRadius",
                      .description = "radius of a beam relative to the ball's that it reaches; it widens the others",
                      .minimum = 0.0},
-    gridSizeKey(kTwenties, "voxels along x, y, z of the published traversal (only when compatible)", 200.0),
+    gridSizeKey(kUnitSides, "voxels along x, y, z of the published traversal (only when compatible)", 200.0),
     ConfigurationKey{.name = "compatible",
                      .kind = KeyKind::Boolean,
-                     .description = "the published traversal, which misses balls, and its ten times too strong light"},
+                     .description = "as the published program, which misses balls and has ten times the light"},
 };
 constexpr std::array kPublishedKeywords{
     PublishedKeyword{.keyword = "grid size", .kind = PublishedKind::Numbers, .key = "gridSize", .count = 3},
@@ -72,6 +73,7 @@ constexpr std::array kPublishedKeywords{
     PublishedKeyword{.keyword = "transmittance", .key = "transmittance"},
     PublishedKeyword{.keyword = "efficiency", .key = "efficiency"},
     PublishedKeyword{.keyword = "source", .kind = PublishedKind::Row, .key = "sources", .count = 4},
+    PublishedKeyword{.keyword = "disk source", .kind = PublishedKind::Numbers, .key = "diskSource", .count = 4},
     PublishedKeyword{.keyword = "beam radius", .key = "beamRadius"},
 };
 
@@ -80,8 +82,7 @@ class Takenaka final : public turtle::EnvironmentProcess {
   explicit Takenaka(const Configuration& configuration)
       : s_(configuration.number("parameterS")),
         efficiency_(configuration.number("efficiency")),
-        beamRadius_(configuration.number("beamRadius")),
-        isCompatible_(configuration.flag("compatible")) {
+        beamRadius_(configuration.number("beamRadius")) {
     const double gap = 1.0 - (1.0 - configuration.number("transmittance")) / (s_ * s_);
     passing_ = gap * gap;
     // the most balls behind which it is not dark; as many as one likes where that is many
@@ -96,18 +97,13 @@ class Takenaka final : public turtle::EnvironmentProcess {
       sources_.push_back({{row[0], row[1], row[2]}, row[3]});
       weight_ += row[3];
     }
-    gridSize_ = cellsOf(configuration);
+    if (const std::vector<double>& disk = configuration.numbers("diskSource"); !disk.empty()) {
+      disk_ = Sphere{{disk[1], disk[2], disk[3]}, disk[0]};
+      sources_.clear();
+    }
   }
 
-  [[nodiscard]] turtle::EnvironmentDescription describe() const override {
-    const std::string area = lengthUnit_ + "^2";
-    return {.name = "takenaka",
-            .summary = std::string(kSummary),
-            .needs = {.position = true, .parameters = true},
-            .inputs = {{"leafArea", area, ""}, {"maintenance", "1", ""}},
-            .outputs = {{"leafArea", area, ""}, {"product", "1", ""}},
-            .isStateful = false};
-  }
+  [[nodiscard]] turtle::EnvironmentDescription describe() const override { return describeTakenaka(lengthUnit_); }
 
   [[nodiscard]] std::optional<turtle::EnvironmentError> open(const turtle::EnvironmentContext& context) override {
     const auto up = upOf("takenaka", context.world);
@@ -115,12 +111,12 @@ class Takenaka final : public turtle::EnvironmentProcess {
       return up.error();
     }
     const LengthUnit* unit = findLengthUnit(context.world.lengthUnit);
-    if (unit == nullptr && !isCompatible_) {
+    if (unit == nullptr) {
       return unknownLengthUnit("takenaka", context.world);
     }
     lengthUnit_ = context.world.lengthUnit;
     hits_.clear();
-    light_ = isCompatible_ ? kPublishedLight : kYearlyLight * unit->metres * unit->metres;
+    light_ = kYearlyLight * unit->metres * unit->metres;
     up_ = *up;
     return std::nullopt;
   }
@@ -137,24 +133,10 @@ class Takenaka final : public turtle::EnvironmentProcess {
         queryOf.push_back(query);
       }
     }
-    if (isCompatible_) {
-      PublishedVoxels voxels(balls, gridSize_);
-      for (std::size_t ball = 0; ball < balls.size(); ++ball) {
-        const double light = arrivingLight(balls[ball], [&](const Ray& ray, std::size_t) {
-          double left = 1.0;
-          voxels.visitRay(ray, [&](std::uint32_t other) {
-            left *= other != ball && isMet(ray, balls[ball], balls[other]) ? passing_ : 1.0;
-          });
-          return left;
-        });
-        setAnswer(queries, queryOf[ball], light, replies);
-      }
-    } else {
-      const DistinctSpheres distinct = distinctSpheres(balls);
-      const std::vector<double> light = lightOf(distinct);
-      for (std::size_t ball = 0; ball < balls.size(); ++ball) {
-        setAnswer(queries, queryOf[ball], light[distinct.indexOf[ball]], replies);
-      }
+    const DistinctSpheres distinct = distinctSpheres(balls);
+    const std::vector<double> light = lightOf(distinct);
+    for (std::size_t ball = 0; ball < balls.size(); ++ball) {
+      setAnswer(queries, queryOf[ball], light[distinct.indexOf[ball]], replies);
     }
     countAnswers(queries, replies);
     return std::nullopt;
@@ -204,21 +186,31 @@ class Takenaka final : public turtle::EnvironmentProcess {
     return left;
   }
 
-  /// From a ball to a source; without sources straight up.
+  /// From a ball to a source; without sources straight up, to the disc when there is one.
   [[nodiscard]] Ray rayOf(const Sphere& ball, std::size_t source) const {
     constexpr double kFar = std::numeric_limits<double>::infinity();
     if (sources_.empty()) {
-      return {ball.centre, up_, kFar};
+      return {ball.centre, up_, disk_ ? core::dot(disk_->centre - ball.centre, up_) : kFar};
     }
     const Vec3 way = sources_[source].direction - ball.centre;
-    return {ball.centre, core::normalised(way), isCompatible_ ? kFar : core::length(way)};
+    return {ball.centre, core::normalised(way), core::length(way)};
+  }
+
+  /// Whether the light of the disc falls on a ball's middle; everywhere without one.
+  [[nodiscard]] bool isUnderDisk(const Sphere& ball) const {
+    if (!disk_) {
+      return true;
+    }
+    const Vec3 way = disk_->centre - ball.centre;
+    const double above = core::dot(way, up_);
+    return above >= 0.0 && core::length(way - up_ * above) <= disk_->radius;
   }
 
   /// The part of all light that reaches a ball; `lightAlong` gives the part that passes along the ray to a source.
   template <typename LightAlong>
   [[nodiscard]] double arrivingLight(const Sphere& ball, const LightAlong& lightAlong) const {
     if (sources_.empty()) {
-      return lightAlong(rayOf(ball, 0), 0);
+      return isUnderDisk(ball) ? lightAlong(rayOf(ball, 0), 0) : 0.0;
     }
     double arriving = 0.0;
     for (std::size_t k = 0; k < sources_.size(); ++k) {
@@ -240,19 +232,32 @@ class Takenaka final : public turtle::EnvironmentProcess {
   double s_;
   double efficiency_;
   double beamRadius_;
-  bool isCompatible_;
   double passing_ = 0.0;    // part of the light that a ball lets pass
   std::int64_t limit_ = 0;  // of the number of balls on a ray
   RaySums hits_;
   std::vector<LightDirection> sources_;  // places and weights
   double weight_ = 0.0;                  // of all sources
-  std::array<std::size_t, 3> gridSize_{};
-  double light_ = kPublishedLight;  // on a unit of area
+  std::optional<Sphere> disk_;           // a flat disc across up; it replaces the sources
+  double light_ = kYearlyLight;          // on a unit of area
   Vec3 up_{0.0, 1.0, 0.0};
   std::string lengthUnit_ = "m";
 };
 
+ConfigurationValues publishedDefaultsOfTakenaka() {
+  return {{"sources", ConfigurationRows{{10000.0, 0.0, 0.0, 1.0}}}};
+}
+
 }  // namespace
+
+turtle::EnvironmentDescription describeTakenaka(const std::string& lengthUnit) {
+  const std::string area = lengthUnit + "^2";
+  return {.name = "takenaka",
+          .summary = std::string(kSummary),
+          .needs = {.position = true, .parameters = true},
+          .inputs = {{"leafArea", area, ""}, {"maintenance", "1", ""}},
+          .outputs = {{"leafArea", area, ""}, {"product", "1", ""}},
+          .isStateful = false};
+}
 
 extern constinit const ProcessEntry kTakenakaProcess{
     .name = "takenaka",
@@ -271,10 +276,19 @@ extern constinit const ProcessEntry kTakenakaProcess{
                                               "more light than falls on it",
                                               "parameterS * parameterS must be at least 1 - transmittance"));
       }
+      if (const auto& disk = configuration.numbers("diskSource");
+          !disk.empty() && (disk.size() != 4 || disk[0] < 0.0)) {
+        problems.push_back(wrongConfiguration("takenaka", "'diskSource' must be a radius, at least 0, and x, y, z",
+                                              "leave it out for light from 'sources'"));
+      }
       if (!problems.empty()) {
         return tl::unexpected(std::move(problems));
       }
+      if (configuration.flag("compatible")) {
+        return makePublishedTakenaka(configuration);
+      }
       return std::make_unique<Takenaka>(configuration);
-    }};
+    },
+    .publishedDefaults = publishedDefaultsOfTakenaka};
 
 }  // namespace espalier::environment

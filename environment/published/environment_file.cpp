@@ -21,7 +21,7 @@ class EnvironmentFileReader {
       : warnings_(warnings), errors_(errors) {}
 
   EnvironmentFile read(const std::string& file, std::string_view text) {
-    for (const PublishedLine& line : readPublishedLines(file, text, PublishedSyntax::Environment, warnings_)) {
+    for (const PublishedLine& line : readPublishedLines(file, text, warnings_)) {
       readLine(line);
     }
     return std::move(file_);

@@ -44,7 +44,10 @@ ProcessOrErrors makeMembers(const std::string& file, std::string_view text, core
                             core::Compatibility compatibility, std::vector<Diagnostic>& warnings) {
   std::vector<std::unique_ptr<turtle::EnvironmentProcess>> members;
   std::vector<Diagnostic> errors;
-  for (const PublishedLine& line : readPublishedLines(file, text, PublishedSyntax::Specification, warnings)) {
+  for (const PublishedLine& line : readPublishedLines(file, text, warnings)) {
+    if (line.keyword == "verbose") {
+      continue;
+    }
     if (line.keyword != kEnvironmentFileKeyword) {
       warnings.push_back({Severity::Warning, "unknown keyword '" + line.keyword + "' of 'multiple' is ignored",
                           line.location, core::suggestName(line.keyword, {kEnvironmentFileKeyword})});

@@ -1,8 +1,10 @@
 #include "environment/published/specification_file.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
+#include "environment/base/number_text.h"
 #include "environment/base/published_text.h"
 
 namespace espalier::environment {
@@ -13,20 +15,35 @@ using core::Diagnostic;
 using core::Severity;
 using core::SourceLocation;
 
+/// A keyword of every program, which has no effect on answers.
+constexpr std::string_view kVerbose = "verbose";
+
 class SpecificationReader {
  public:
   SpecificationReader(const ProcessEntry& process, core::FileProvider& files, std::vector<Diagnostic>& warnings,
                       std::vector<Diagnostic>& errors)
-      : process_(process), files_(files), warnings_(warnings), errors_(errors) {}
+      : process_(process), files_(files), warnings_(warnings), errors_(errors) {
+    if (process.publishedDefaults != nullptr) {
+      specification_.values = process.publishedDefaults();
+    }
+  }
 
   Specification read(const std::string& file, std::string_view text) {
-    for (const PublishedLine& line : readPublishedLines(file, text, PublishedSyntax::Specification, warnings_)) {
+    const std::vector<PublishedLine> lines = readPublishedLines(file, text, warnings_);
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+      const PublishedLine& line = lines[i];
+      before_ = std::span(lines).first(i);
       const auto keyword = std::find_if(process_.publishedKeywords.begin(), process_.publishedKeywords.end(),
                                         [&](const PublishedKeyword& k) { return k.keyword == line.keyword; });
-      if (keyword == process_.publishedKeywords.end()) {
-        warnUnknown(line);
-      } else {
+      if (keyword != process_.publishedKeywords.end()) {
         readLine(file, line, *keyword);
+      } else if (line.keyword != kVerbose) {
+        warnUnknown(line);
+      }
+      if (keyword == process_.publishedKeywords.end() || keyword->kind != PublishedKind::Own) {
+        for (const SourceLocation& location : line.dataLocations) {
+          warn(location, "line of numbers is ignored: '" + line.keyword + "' takes none", "expected 'keyword: values'");
+        }
       }
     }
     return std::move(specification_);
@@ -50,49 +67,97 @@ class SpecificationReader {
       readOwn(file, line, keyword);
       return;
     }
-    const std::string key(keyword.key);
-    specification_.locations.insert_or_assign(key, valueLocation(line));
     if (keyword.kind == PublishedKind::Switch) {
-      const auto words = keyword.onWords;
-      const bool isOn = std::find(words.begin(), words.end(), line.value) != words.end();
-      if (!isOn && line.value != "off" && line.value != "no") {
-        warn(valueLocation(line), "'" + line.keyword + "' is neither on nor off: taken as off",
-             "write '" + std::string(words.front()) + "' or 'off'");
-      }
-      specification_.values.insert_or_assign(key, isOn);
+      readSwitch(line, keyword);
       return;
     }
-    std::string_view rest;
-    std::vector<double> numbers = readPublishedNumbers(line.value, &rest);
-    if (keyword.kind != PublishedKind::Row && numbers.size() < keyword.count) {
-      errors_.push_back({Severity::Error,
-                         "'" + line.keyword + "' needs " +
-                             (keyword.count == 1 ? "a number" : std::to_string(keyword.count) + " numbers") +
-                             ", found " + (numbers.empty() ? "'" + line.value + "'" : std::to_string(numbers.size())),
-                         valueLocation(line),
-                         {}});
-      return;
-    }
-    if (numbers.size() > keyword.count || !rest.empty()) {
+    bool areWhole = true;
+    std::vector<double> numbers = readPublishedNumbers(line.value, &areWhole);
+    if (keyword.kind == PublishedKind::Row && numbers.size() < keyword.count) {
       warn(valueLocation(line),
-           "'" + line.keyword + "': the text after the first " +
-               (keyword.count == 1 ? "number" : std::to_string(keyword.count) + " numbers") + " is ignored",
+           "'" + line.keyword + "' needs " + std::to_string(keyword.count) + " numbers, found " +
+               std::to_string(numbers.size()) + ": the line is dropped",
            {});
-      numbers.resize(std::min(numbers.size(), keyword.count));
+      return;
     }
-    if (keyword.kind == PublishedKind::Number) {
-      specification_.values.insert_or_assign(key, numbers.front());
+    if (!areWhole || numbers.size() != keyword.count) {
+      warnOfNumbers(line, keyword, numbers);
+    }
+    setNumbers(line, keyword, std::move(numbers));
+  }
+
+  void readSwitch(const PublishedLine& line, const PublishedKeyword& keyword) {
+    const std::string_view word = firstPublishedWord(line.value);
+    const bool switchesOn = keyword.offWords.empty();
+    const auto words = switchesOn ? keyword.onWords : keyword.offWords;
+    const bool isExact = std::find(words.begin(), words.end(), word) != words.end();
+    const bool isOther = switchesOn ? word == "off" || word == "no" : word == "on" || word == "yes";
+    if (!isExact && !isOther) {
+      const std::string exact(words.front());
+      warn(valueLocation(line),
+           "'" + line.keyword + "' is switched " + (switchesOn ? "on" : "off") + " only by '" + exact + "': taken as " +
+               (switchesOn ? "off" : "on"),
+           "write '" + exact + "' or '" + (switchesOn ? "off" : "on") + "'");
+    }
+    specification_.locations.insert_or_assign(std::string(keyword.key), valueLocation(line));
+    specification_.values.insert_or_assign(std::string(keyword.key), isExact == switchesOn);
+  }
+
+  /// What is dropped, and what is left at its default.
+  void warnOfNumbers(const PublishedLine& line, const PublishedKeyword& keyword, const std::vector<double>& numbers) {
+    std::string used;
+    for (std::size_t i = 0; i < std::min(numbers.size(), keyword.count); ++i) {
+      used += (i == 0 ? "" : " ") + numberText(numbers[i]);
+    }
+    std::string message = "'" + line.keyword + "': '" + line.value + "' is read as '" + used + "'";
+    if (numbers.size() < keyword.count) {
+      message += keyword.count == 1 ? ", so the default counts" : ", so the defaults of the other numbers count";
+    }
+    warn(valueLocation(line), std::move(message),
+         "expected " + (keyword.count == 1 ? "a number" : std::to_string(keyword.count) + " numbers"));
+  }
+
+  void setNumbers(const PublishedLine& line, const PublishedKeyword& keyword, std::vector<double> numbers) {
+    const std::string name(keyword.key);
+    const bool isFirst = specification_.locations.insert_or_assign(name, valueLocation(line)).second;
+    const auto key = std::find_if(process_.keys.begin(), process_.keys.end(),
+                                  [&](const ConfigurationKey& k) { return k.name == keyword.key; });
+    ConfigurationValue& value = specification_.values.try_emplace(name, defaultOf(*key)).first->second;
+    if (key->isWhole || key->kind == KeyKind::Integer) {
+      std::transform(numbers.begin(), numbers.end(), numbers.begin(), [](double n) { return std::trunc(n); });
+    }
+    numbers.resize(std::min(numbers.size(), keyword.count));
+    if (keyword.kind == PublishedKind::Row) {
+      // the first row replaces the default
+      auto& rows = std::get<ConfigurationRows>(value);
+      rows.resize(isFirst ? 0 : rows.size());
+      rows.push_back(std::move(numbers));
     } else if (keyword.kind == PublishedKind::Numbers) {
-      specification_.values.insert_or_assign(key, std::move(numbers));
-    } else {
-      auto& rows = specification_.values.try_emplace(key, ConfigurationRows{}).first->second;
-      std::get<ConfigurationRows>(rows).push_back(std::move(numbers));
+      auto& all = std::get<std::vector<double>>(value);
+      all.resize(keyword.count);
+      std::copy(numbers.begin(), numbers.end(), all.begin());
+    } else if (!numbers.empty()) {
+      value = numbers.front();
     }
+  }
+
+  static ConfigurationValue defaultOf(const ConfigurationKey& key) {
+    if (key.kind == KeyKind::Rows) {
+      return ConfigurationRows{};
+    }
+    if (key.kind == KeyKind::Numbers) {
+      return std::vector<double>(key.defaultNumbers.begin(), key.defaultNumbers.end());
+    }
+    return key.defaultNumber;
   }
 
   void readOwn(const std::string& file, const PublishedLine& line, const PublishedKeyword& keyword) {
     ConfigurationValues read;
-    const std::string problem = keyword.read(PublishedLineInput{line, file, files_, read});
+    std::string dropped;
+    const std::string problem = keyword.read(PublishedLineInput{line, before_, file, files_, read, dropped});
+    if (!dropped.empty()) {
+      warn(valueLocation(line), "'" + line.keyword + "' " + dropped, {});
+    }
     if (!problem.empty()) {
       errors_.push_back({Severity::Error, "'" + line.keyword + "' " + problem, valueLocation(line), {}});
       return;
@@ -112,6 +177,7 @@ class SpecificationReader {
   std::vector<Diagnostic>& warnings_;
   std::vector<Diagnostic>& errors_;
   Specification specification_;
+  std::span<const PublishedLine> before_;  // the lines above the one that is read
 };
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "engine/core/number_text.h"
 #include "engine/turtle/field.h"
+#include "environment/base/float_number.h"
 
 namespace espalier::environment {
 
@@ -44,7 +45,7 @@ class TextCoupling final : public turtle::EnvironmentProcess {
                                                              turtle::ReplyBatch& replies) override {
     sent_ = queries;
     for (double& parameter : sent_.parameters) {
-      parameter = core::roundThroughPercentG(parameter);
+      parameter = toFloat(core::roundThroughPercentG(parameter));
     }
     exchange(needs_.position, formats_.position, queries.position, sent_.position);
     exchange(needs_.heading, formats_.heading, queries.heading, sent_.heading);
@@ -57,7 +58,7 @@ class TextCoupling final : public turtle::EnvironmentProcess {
       return error;
     }
     for (double& value : replies.values) {
-      value = core::roundThroughPercentG(value);
+      value = core::roundThroughPercentG(toFloat(value));
     }
     return std::nullopt;
   }
@@ -91,7 +92,7 @@ class TextCoupling final : public turtle::EnvironmentProcess {
   void exchangeFollowing() {
     if (formats_.isFollowingSent) {
       for (double& parameter : sent_.followingParameters) {
-        parameter = core::roundThroughPercentG(parameter);
+        parameter = toFloat(core::roundThroughPercentG(parameter));
       }
     } else if (needs_.following) {
       sent_.following.assign(sent_.size(), core::kNoSymbol);
@@ -163,7 +164,8 @@ double TurtleFormat::exchanged(std::size_t k, double value) const {
   std::array<char, 1600> text{};
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wformat-nonliteral"
-  const int length = std::snprintf(text.data(), text.size(), conversions_[k].c_str(), value);
+  const int length =
+      std::snprintf(text.data(), text.size(), conversions_[k].c_str(), static_cast<double>(toFloat(value)));
 #pragma GCC diagnostic pop
   std::string_view printed(text.data(), static_cast<std::size_t>(std::clamp(length, 0, 1599)));
   const std::size_t begin = printed.find_first_not_of(" +");
@@ -171,7 +173,7 @@ double TurtleFormat::exchanged(std::size_t k, double value) const {
   if (begin == std::string_view::npos) {
     return 0.0;
   }
-  return core::parseNumber(printed.substr(begin, end + 1 - begin)).value_or(value);
+  return toFloat(core::parseNumber(printed.substr(begin, end + 1 - begin)).value_or(value));
 }
 
 core::Vec3 TurtleFormat::exchanged(const core::Vec3& vector) const {

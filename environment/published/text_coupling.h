@@ -22,6 +22,7 @@ class TurtleFormat {
   [[nodiscard]] static tl::expected<TurtleFormat, std::string> parse(std::string_view format, std::size_t maximumCount);
 
   /// The number that arrives when `value` is sent as number `k` of the item; 0 when the format has no such conversion.
+  /// The sender prints a 32-bit float, and the receiver reads one.
   [[nodiscard]] double exchanged(std::size_t k, double value) const;
   /// The same for the three coordinates.
   [[nodiscard]] core::Vec3 exchanged(const core::Vec3& vector) const;
@@ -42,9 +43,10 @@ struct TurtleFormats {
   bool isFollowingSent = true;  // the module after the communication module, with its parameters
 };
 
-/// A process behind the text coupling of cpfg, as in the compatible modes: turtle items go through their
-/// formats, parameters and replies through %g, and time passes only in steps with queries (tick() does nothing). State,
-/// name and errors are those of the process inside. O(numbers exchanged) besides the process.
+/// A process behind the text coupling of cpfg, as in the compatible modes: turtle items go through their formats,
+/// parameters and replies through %g, all of them through 32-bit floats, and time passes only in steps with queries
+/// (tick() does nothing). State, name and errors are those of the process inside. O(numbers exchanged) besides the
+/// process.
 [[nodiscard]] std::unique_ptr<turtle::EnvironmentProcess> makeTextCoupling(
     std::unique_ptr<turtle::EnvironmentProcess> process, TurtleFormats formats);
 

@@ -2,8 +2,8 @@
 // in the plane x,y or in space.
 //
 // All queries see the field of the step before. When they want more than a cell holds, each gets the same share of what
-// it wants. Then the obtained amounts leave the cells, and the field spreads. `compatible` behaves as the published
-// program. O(n log n + cells · steps).
+// it wants. Then the obtained amounts leave the cells, and the field spreads. `compatible`: published_soil.cpp.
+// O(n log n + cells · steps).
 
 #include <algorithm>
 #include <array>
@@ -22,6 +22,8 @@
 #include "environment/geometry/world_up.h"
 #include "environment/obstacles/obstacle_scene.h"
 #include "environment/obstacles/scene_file.h"
+#include "environment/soil/published_soil.h"
+#include "environment/soil/soil_avoidance.h"
 #include "environment/soil/soil_field.h"
 #include "environment/soil/soil_specification.h"
 
@@ -34,7 +36,8 @@ using core::Vec3;
 constexpr std::string_view kSummary =
     "Water or a nutrient in the ground: roots take it up, and it spreads by diffusion.";
 constexpr std::array kUnitRange{0.0, 1.0};
-constexpr std::array<std::string_view, 1> kOn{"on"};
+constexpr std::array<std::string_view, 1> kOff{"off"};
+constexpr int kMostDiffusionSteps = 1000000;
 constexpr std::size_t kMaximumCellCount = std::size_t{1} << 26;
 
 constexpr std::array kKeys{
@@ -84,9 +87,9 @@ constexpr std::array kKeys{
                      .description = "the amount that a query obtains leaves its cell"},
     ConfigurationKey{.name = "diffusionSteps",
                      .kind = KeyKind::Integer,
-                     .description = "diffusion steps in a step of the simulation",
-                     .minimum = 0,
-                     .maximum = 1000000},
+                     .description = "diffusion steps in a step of the simulation; -1: until diffusionTolerance is met",
+                     .minimum = -1,
+                     .maximum = kMostDiffusionSteps},
     ConfigurationKey{.name = "diffusionTolerance",
                      .description = "stop the diffusion of a step when no cell changes by as much; 0: never",
                      .minimum = 0.0},
@@ -100,12 +103,13 @@ constexpr std::array kKeys{
                      .description = "thickness of each layer from the top of the box downwards",
                      .unit = "length",
                      .minimum = 0.0},
-    ConfigurationKey{.name = "geotropicAngles",
-                     .kind = KeyKind::Numbers,
-                     .description = "angle between down and the direction in which gravity draws roots, of each layer",
-                     .unit = "degree",
-                     .minimum = -180.0,
-                     .maximum = 180.0},
+    ConfigurationKey{
+        .name = "geotropicAngles",
+        .kind = KeyKind::Numbers,
+        .description = "angle from down of the direction in which gravity draws roots, by layer; missing: 0",
+        .unit = "degree",
+        .minimum = -180.0,
+        .maximum = 180.0},
     ConfigurationKey{.name = "compatible",
                      .kind = KeyKind::Boolean,
                      .description = "uptake in string order, gradients, layers and diffusion as the published program"},
@@ -115,22 +119,16 @@ constexpr std::array kPublishedKeywords{
     PublishedKeyword{.keyword = "domain size", .kind = PublishedKind::Numbers, .key = "domainSize", .count = 3},
     PublishedKeyword{.keyword = "position", .kind = PublishedKind::Numbers, .key = "position", .count = 3},
     PublishedKeyword{.keyword = "array", .kind = PublishedKind::Own, .key = {}, .read = readArray},
-    PublishedKeyword{.keyword = "image", .kind = PublishedKind::Own, .key = {}, .read = readConcentrationImage},
-    PublishedKeyword{
-        .keyword = "obstacles and sources", .kind = PublishedKind::Own, .key = {}, .read = readObstacleImage},
+    PublishedKeyword{.keyword = "image", .kind = PublishedKind::Own, .key = {}, .read = readSoilImage},
+    // read by the two lines above
+    PublishedKeyword{.keyword = "obstacles and sources", .kind = PublishedKind::Unused, .key = {}},
     PublishedKeyword{.keyword = "3D primitives", .kind = PublishedKind::Own, .key = {}, .read = readPrimitives},
     PublishedKeyword{.keyword = "diffusion", .kind = PublishedKind::Own, .key = {}, .read = readDiffusion},
-    PublishedKeyword{.keyword = "depletion", .kind = PublishedKind::Switch, .key = "depletion", .onWords = kOn},
+    PublishedKeyword{.keyword = "depletion", .kind = PublishedKind::Switch, .key = "depletion", .offWords = kOff},
     PublishedKeyword{.keyword = "relaxation factor", .key = "relaxationFactor"},
     PublishedKeyword{.keyword = "layer thicknesses", .kind = PublishedKind::Own, .key = {}, .read = readThicknesses},
     PublishedKeyword{.keyword = "geotropic angles", .kind = PublishedKind::Own, .key = {}, .read = readAngles},
 };
-
-Vec3 rotated(const Vec3& v, const Vec3& axis, double radians) {
-  const double c = std::cos(radians);
-  const double s = std::sin(radians);
-  return v * c + core::cross(axis, v) * s + axis * (core::dot(axis, v) * (1.0 - c));
-}
 
 struct Layers {
   std::vector<double> thicknesses;
@@ -143,37 +141,18 @@ class Soil final : public turtle::EnvironmentProcess {
       : field_(std::move(field)),
         diffusion_{.stepCount = static_cast<int>(configuration.integer("diffusionSteps")),
                    .tolerance = configuration.number("diffusionTolerance"),
-                   .relaxation = configuration.number("relaxationFactor"),
-                   .isAveraging = configuration.flag("compatible")},
+                   .relaxation = configuration.number("relaxationFactor")},
         layers_{configuration.numbers("layerThicknesses"), configuration.numbers("geotropicAngles")},
         range_(configuration.numbers("concentrationRange")[1] - configuration.numbers("concentrationRange")[0]),
-        depletes_(configuration.flag("depletion")),
-        isCompatible_(configuration.flag("compatible")) {}
+        depletes_(configuration.flag("depletion")) {
+    layers_.angles.resize(layers_.thicknesses.size(), 0.0);
+    if (diffusion_.stepCount < 0) {
+      diffusion_.stepCount = kMostDiffusionSteps;
+    }
+  }
 
   [[nodiscard]] turtle::EnvironmentDescription describe() const override {
-    turtle::EnvironmentDescription description{.name = "soil",
-                                               .summary = std::string(kSummary),
-                                               .needs = {.position = true, .heading = true, .parameters = true},
-                                               .inputs = {{"desiredAmount", "1", ""},
-                                                          {"gravityWeight", "1", ""},
-                                                          {"gradientWeight", "1", ""},
-                                                          {"unused", "1", ""},
-                                                          {"segmentLength", lengthUnit_, ""},
-                                                          {"divergence", "degree", ""}},
-                                               .outputs = {{"obtainedAmount", "1", ""},
-                                                           {"directionX", "1", ""},
-                                                           {"directionY", "1", ""},
-                                                           {"directionZ", "1", ""}},
-                                               .isStateful = true};
-    if (field_.isInSpace()) {
-      description.needs.left = true;
-      description.outputs.push_back({"avoidanceX", "1", ""});
-      description.outputs.push_back({"avoidanceY", "1", ""});
-      description.outputs.push_back({"avoidanceZ", "1", ""});
-    } else {
-      description.outputs.push_back({"avoidanceAngle", "degree", ""});
-    }
-    return description;
+    return describeSoil(lengthUnit_, field_.isInSpace());
   }
 
   [[nodiscard]] std::optional<turtle::EnvironmentError> open(const turtle::EnvironmentContext& context) override {
@@ -190,17 +169,10 @@ class Soil final : public turtle::EnvironmentProcess {
   [[nodiscard]] std::optional<turtle::EnvironmentError> step(const turtle::QueryBatch& queries,
                                                              turtle::ReplyBatch& replies) override {
     field_.prepareToSpread(diffusion_);
-    if (isCompatible_) {
-      for (std::size_t query = 0; query < queries.size(); ++query) {
-        takeAtOnce(queries, query, replies);
-        setDirections(queries, query, replies);
-      }
-    } else {
-      for (std::size_t query = 0; query < queries.size(); ++query) {
-        setDirections(queries, query, replies);
-      }
-      shareOut(queries, replies);
+    for (std::size_t query = 0; query < queries.size(); ++query) {
+      setDirections(queries, query, replies);
     }
+    shareOut(queries, replies);
     countAnswers(queries, replies);
     field_.spread(diffusion_);
     return std::nullopt;
@@ -218,22 +190,6 @@ class Soil final : public turtle::EnvironmentProcess {
   }
 
  private:
-  /// The published order: a query takes from the amount that the queries before it have left.
-  void takeAtOnce(const turtle::QueryBatch& queries, std::size_t query, turtle::ReplyBatch& replies) {
-    const auto parameters = queries.parametersOf(query);
-    if (parameters.empty()) {
-      return;
-    }
-    const auto cell = field_.cellOf(queries.position[query]);
-    double obtained = 0.0;
-    if (cell) {
-      double& concentration = field_.cells()[*cell];
-      obtained = depletes_ ? std::min(parameters[0], concentration) : concentration;
-      concentration -= depletes_ ? obtained : 0.0;
-    }
-    replies.set(queries, query, 0, obtained);
-  }
-
   /// All queries of a cell at once: all get what they want, or all the same share of it. What is given off (a negative
   /// amount) is there only for the next step.
   void shareOut(const turtle::QueryBatch& queries, turtle::ReplyBatch& replies) {
@@ -294,19 +250,13 @@ class Soil final : public turtle::EnvironmentProcess {
         replies.set(queries, query, k, components[k - 1]);
       }
     }
-    if (parameters.size() > 4) {
-      const double divergence = parameters.size() > 5 ? parameters[5] : 0.0;
-      const Vec3 normal = field_.isInSpace() ? core::normalised(queries.left[query]) : Vec3{0.0, 0.0, 1.0};
-      avoid(queries, query, parameters[4], rotated(heading, normal, divergence * kRadians), replies);
-    }
+    answerAvoidance(field_, queries, query, replies);
   }
 
   [[nodiscard]] Vec3 gradientAt(std::size_t cell) const {
-    Vec3 gradient = field_.differencesAt(cell);
-    if (!isCompatible_) {
-      const Vec3 size = field_.cellSize();
-      gradient = {gradient.x / size.x, gradient.y / size.y, gradient.z / size.z};
-    }
+    const Vec3 differences = field_.differencesAt(cell);
+    const Vec3 size = field_.cellSize();
+    const Vec3 gradient{differences.x / size.x, differences.y / size.y, differences.z / size.z};
     return range_ == 0.0 ? gradient : gradient * (1.0 / range_);
   }
 
@@ -318,10 +268,9 @@ class Soil final : public turtle::EnvironmentProcess {
     }
     const auto layer = layerOf(position);
     if (!layer) {
-      return isCompatible_ ? Vec3{} : down_;
+      return down_;
     }
-    const double angle = layers_.angles[*layer] * kRadians;
-    return rotated(down_, core::normalised(axis), isCompatible_ ? 2.0 * angle : angle);
+    return rotated(down_, core::normalised(axis), layers_.angles[*layer] * std::numbers::pi / 180.0);
   }
 
   [[nodiscard]] std::optional<std::size_t> layerOf(const Vec3& position) const {
@@ -337,52 +286,11 @@ class Soil final : public turtle::EnvironmentProcess {
     return layers_.thicknesses.empty() ? std::nullopt : std::optional(layers_.thicknesses.size() - 1);
   }
 
-  /// The least turn, in steps of 2 degrees to both sides, after which the next segment meets no obstacle.
-  void avoid(const turtle::QueryBatch& queries, std::size_t query, double length, const Vec3& direction,
-             turtle::ReplyBatch& replies) const {
-    const Vec3& from = queries.position[query];
-    const Vec3 unit = core::normalised(direction);
-    const bool isInSpace = field_.isInSpace();
-    const auto isFree = [&](const Vec3& d) { return !field_.isBlocked(from, from + d * length); };
-    double angle = 0.0;
-    Vec3 found = unit;
-    if (!isFree(unit)) {
-      angle = 180.0;
-      found = -unit;
-      const Vec3 side = isInSpace ? core::normalised(core::cross(unit, queries.left[query])) : Vec3{0.0, 0.0, 1.0};
-      constexpr int kPlanes = 8;
-      for (int k = 1; k < 90 && angle == 180.0; ++k) {
-        for (int plane = 0; plane < (isInSpace ? kPlanes : 1) && angle == 180.0; ++plane) {
-          const Vec3 axis = isInSpace ? rotated(side, unit, std::numbers::pi * plane / kPlanes) : side;
-          for (const double sign : {1.0, -1.0}) {
-            const Vec3 turned = rotated(unit, axis, sign * 2.0 * k * kRadians);
-            if (isFree(turned)) {
-              angle = sign * 2.0 * k;
-              found = turned;
-              break;
-            }
-          }
-        }
-      }
-    }
-    if (!isInSpace) {
-      replies.set(queries, query, 4, angle);
-      return;
-    }
-    const std::array<double, 3> components{found.x, found.y, found.z};
-    for (std::size_t k = 4; k < std::min<std::size_t>(queries.parametersOf(query).size(), 7); ++k) {
-      replies.set(queries, query, k, components[k - 4]);
-    }
-  }
-
-  static constexpr double kRadians = std::numbers::pi / 180.0;
-
   SoilField field_;
   Diffusion diffusion_;
   Layers layers_;
   double range_;
   bool depletes_;
-  bool isCompatible_;
   Vec3 down_{0.0, -1.0, 0.0};
   std::string lengthUnit_ = "m";
 };
@@ -462,12 +370,19 @@ ProcessOrErrors makeSoil(const Configuration& configuration) {
   if (auto problem = tooManyCells("soil", shape.cells, kMaximumCellCount)) {
     return tl::unexpected(std::vector{std::move(*problem)});
   }
-  if (configuration.numbers("layerThicknesses").size() != configuration.numbers("geotropicAngles").size()) {
+  const bool isCompatible = configuration.flag("compatible");
+  if (configuration.numbers("layerThicknesses").size() < configuration.numbers("geotropicAngles").size() &&
+      !isCompatible) {
     return refuse("soil",
                   "there are " + std::to_string(configuration.numbers("layerThicknesses").size()) +
                       " layer thicknesses and " + std::to_string(configuration.numbers("geotropicAngles").size()) +
                       " geotropic angles",
                   "give one angle for each layer");
+  }
+  if (configuration.integer("diffusionSteps") < 0 && configuration.number("diffusionTolerance") == 0.0 &&
+      !isCompatible) {
+    return refuse("soil", "'diffusionSteps' is -1 and 'diffusionTolerance' is 0, so the diffusion would never end",
+                  "give a number of steps, or a tolerance above 0");
   }
   const std::vector<double>& range = configuration.numbers("concentrationRange");
   if (!(range[0] < range[1])) {
@@ -494,11 +409,48 @@ ProcessOrErrors makeSoil(const Configuration& configuration) {
   if (!errors.empty()) {
     return tl::unexpected(std::move(errors));
   }
+  if (isCompatible) {
+    return makePublishedSoil({shape, std::move(initial), std::move(isObstacle), std::move(isSource)}, configuration);
+  }
   return std::make_unique<Soil>(SoilField(shape, std::move(initial), std::move(isObstacle), std::move(isSource)),
                                 configuration);
 }
 
+ConfigurationValues publishedDefaultsOfSoil() {
+  return {{"domainSize", std::vector<double>{2.0, 2.0, 2.0}},
+          {"position", std::vector<double>{-1.0, -1.0, -1.0}},
+          {"uniformConcentration", 6.0},
+          {"depletion", true},
+          {"layerThicknesses", std::vector<double>{2.0}}};
+}
+
 }  // namespace
+
+turtle::EnvironmentDescription describeSoil(const std::string& lengthUnit, bool isInSpace) {
+  turtle::EnvironmentDescription description{.name = "soil",
+                                             .summary = std::string(kSummary),
+                                             .needs = {.position = true, .heading = true, .parameters = true},
+                                             .inputs = {{"desiredAmount", "1", ""},
+                                                        {"gravityWeight", "1", ""},
+                                                        {"gradientWeight", "1", ""},
+                                                        {"unused", "1", ""},
+                                                        {"segmentLength", lengthUnit, ""},
+                                                        {"divergence", "degree", ""}},
+                                             .outputs = {{"obtainedAmount", "1", ""},
+                                                         {"directionX", "1", ""},
+                                                         {"directionY", "1", ""},
+                                                         {"directionZ", "1", ""}},
+                                             .isStateful = true};
+  if (isInSpace) {
+    description.needs.left = true;
+    description.outputs.push_back({"avoidanceX", "1", ""});
+    description.outputs.push_back({"avoidanceY", "1", ""});
+    description.outputs.push_back({"avoidanceZ", "1", ""});
+  } else {
+    description.outputs.push_back({"avoidanceAngle", "degree", ""});
+  }
+  return description;
+}
 
 extern constinit const ProcessEntry kSoilProcess{
     .name = "soil",
@@ -508,6 +460,7 @@ extern constinit const ProcessEntry kSoilProcess{
         "flow; Mech & Prusinkiewicz 1996",
     .keys = kKeys,
     .publishedKeywords = kPublishedKeywords,
-    .make = makeSoil};
+    .make = makeSoil,
+    .publishedDefaults = publishedDefaultsOfSoil};
 
 }  // namespace espalier::environment

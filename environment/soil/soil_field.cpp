@@ -163,13 +163,8 @@ void SoilField::spread(const Diffusion& diffusion) {
   const double faces = isInSpace() ? 6.0 : 4.0;
   for (std::size_t count = 0; count <= 6; ++count) {
     const auto n = static_cast<double>(count);
-    if (diffusion.isAveraging) {
-      factors.own[count] = count == 0 ? 1.0 : 1.0 - diffusion.relaxation;
-      factors.others[count] = count == 0 ? 0.0 : diffusion.relaxation / n;
-    } else {
-      factors.own[count] = 1.0 - diffusion.relaxation * (diffusion.isOpen ? 1.0 : n / faces);
-      factors.others[count] = diffusion.relaxation / faces;
-    }
+    factors.own[count] = 1.0 - diffusion.relaxation * (diffusion.isOpen ? 1.0 : n / faces);
+    factors.others[count] = diffusion.relaxation / faces;
   }
   if (diffusion.tolerance > 0.0) {
     for (int step = 0; step < diffusion.stepCount; ++step) {

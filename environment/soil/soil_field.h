@@ -13,12 +13,11 @@ namespace espalier::environment {
 
 /// How the content of a soil field spreads.
 struct Diffusion {
-  int stepCount = 0;         // in one step of the simulation
-  double tolerance = 0.0;    // stop before when no cell changes by as much; 0: never
-  double relaxation = 0.5;   // 0 … 1
-  bool isAveraging = false;  // the published scheme, which loses or makes matter at borders
-  bool isOpen = false;       // matter that leaves the box through its sides is gone
-  double staying = 1.0;      // part of the matter that has not decayed at the end
+  int stepCount = 0;        // in one step of the simulation
+  double tolerance = 0.0;   // stop before when no cell changes by as much; 0: never
+  double relaxation = 0.5;  // 0 … 1
+  bool isOpen = false;      // matter that leaves the box through its sides is gone
+  double staying = 1.0;     // part of the matter that has not decayed at the end
 };
 
 /// Concentrations in the cells of a box, with impermeable obstacles and sources of constant concentration.
@@ -54,10 +53,9 @@ class SoilField {
   /// Whether a straight line meets an obstacle. O(cells crossed).
   [[nodiscard]] bool isBlocked(const core::Vec3& from, const core::Vec3& to) const;
 
-  /// Sources get their concentration back, then everything spreads. By default every face of two free cells lets pass
-  /// relaxation/(number of faces of a cell) of the difference, so that matter is conserved; the published scheme moves
-  /// each cell by `relaxation` towards the mean of its free neighbours. Both read the old field only. O(cells · steps),
-  /// at the speed of memory where obstacles are few.
+  /// Sources get their concentration back, then everything spreads. Every face of two free cells lets pass
+  /// relaxation/(number of faces of a cell) of the difference, so that matter is conserved. A step reads the field of
+  /// the step before only. O(cells · steps), at the speed of memory where obstacles are few.
   void spread(const Diffusion& diffusion);
 
  private:

@@ -1,7 +1,9 @@
 #include "environment/soil/soil_specification.h"
 
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -11,93 +13,120 @@ namespace espalier::environment {
 
 namespace {
 
-/// The file that the first word of a line names, as an image.
-tl::expected<files::Image, std::string> imageOf(const PublishedLineInput& input,
-                                                const std::vector<std::string>& words) {
-  if (words.empty()) {
-    return tl::unexpected(std::string("names no image file"));
+/// The separators between thicknesses, which may be written as a sum.
+constexpr std::string_view kSumSeparators = "+,;: \t\r";
+
+/// Whether `obstacles and sources: on` stands above the line.
+bool hasKindsBefore(const PublishedLineInput& input) {
+  bool hasKinds = false;
+  for (const PublishedLine& line : input.before) {
+    if (line.keyword == "obstacles and sources") {
+      hasKinds = firstPublishedWord(line.value) == "on";
+    }
   }
-  return readImageBeside(input, words[0]);
+  return hasKinds;
+}
+
+/// The three maps of a field, as rows.
+struct SoilMaps {
+  ConfigurationRows concentrations;
+  ConfigurationRows obstacles;
+  ConfigurationRows sources;
+  bool hasKinds = false;
+
+  void addRow() {
+    concentrations.emplace_back();
+    obstacles.emplace_back();
+    sources.emplace_back();
+  }
+  void add(double concentration, bool isObstacle, bool isSource) {
+    concentrations.back().push_back(concentration);
+    obstacles.back().push_back(isObstacle ? 1.0 : 0.0);
+    sources.back().push_back(isSource ? 1.0 : 0.0);
+  }
+};
+
+void setMaps(const PublishedLineInput& input, SoilMaps maps, double sliceCount, double least, double most) {
+  input.values.insert_or_assign("concentration", std::move(maps.concentrations));
+  input.values.insert_or_assign("sliceCount", sliceCount);
+  input.values.insert_or_assign("concentrationRange", std::vector<double>{least, most});
+  if (maps.hasKinds) {
+    input.values.insert_or_assign("obstacleMap", std::move(maps.obstacles));
+    input.values.insert_or_assign("sourceMap", std::move(maps.sources));
+  }
 }
 
 }  // namespace
 
 std::string readArray(const PublishedLineInput& input) {
-  const std::vector<double> head = readPublishedNumbers(input.line.value);
-  if (head.size() < 5) {
-    return "needs 5 numbers, columns, rows, slices, smallest and largest value, found " + std::to_string(head.size());
+  bool areWhole = true;
+  std::vector<double> head = readPublishedNumbers(input.line.value, &areWhole);
+  // columns, rows, slices, smallest and largest value
+  constexpr std::array kDefaults{1.0, 1.0, 1.0, 0.0, 1.0};
+  for (std::size_t i = head.size(); i < kDefaults.size(); ++i) {
+    head.push_back(kDefaults[i]);
   }
   for (std::size_t i = 0; i < 3; ++i) {
-    if (!(head[i] >= 1.0 && head[i] <= 4096.0) || head[i] != std::floor(head[i])) {
-      return "needs whole numbers of columns, rows and slices, 1 to 4096";
+    head[i] = std::trunc(head[i]);
+    if (!(head[i] >= 1.0 && head[i] <= 4096.0)) {
+      return "needs 1 to 4096 columns, rows and slices";
     }
   }
   const auto columns = static_cast<std::size_t>(head[0]);
   const auto rowCount = static_cast<std::size_t>(head[1]) * static_cast<std::size_t>(head[2]);
   std::vector<double> numbers(head.begin() + 5, head.end());
   for (const std::string& data : input.line.data) {
-    const auto more = readPublishedNumbers(data);
+    const auto more = readPublishedNumbers(data, &areWhole);
     numbers.insert(numbers.end(), more.begin(), more.end());
   }
   if (numbers.size() < columns * rowCount) {
     return "needs " + std::to_string(columns * rowCount) + " concentrations on the lines below, found " +
            std::to_string(numbers.size());
   }
-  ConfigurationRows rows;
-  for (std::size_t row = 0; row < rowCount; ++row) {
-    const auto begin = numbers.begin() + static_cast<std::ptrdiff_t>(row * columns);
-    rows.emplace_back(begin, begin + static_cast<std::ptrdiff_t>(columns));
+  if (!areWhole || numbers.size() > columns * rowCount) {
+    input.dropped = "is followed by text that is no number, or by too many numbers: they are ignored";
   }
-  input.values.insert_or_assign("concentration", std::move(rows));
-  input.values.insert_or_assign("sliceCount", head[2]);
-  input.values.insert_or_assign("concentrationRange", std::vector<double>{head[3], head[4]});
+  SoilMaps maps;
+  maps.hasKinds = hasKindsBefore(input);
+  for (std::size_t i = 0; i < columns * rowCount; ++i) {
+    if (i % columns == 0) {
+      maps.addRow();
+    }
+    maps.add(numbers[i], numbers[i] <= head[3], numbers[i] >= head[4]);
+  }
+  setMaps(input, std::move(maps), head[2], head[3], head[4]);
   return {};
 }
 
-std::string readConcentrationImage(const PublishedLineInput& input) {
+std::string readSoilImage(const PublishedLineInput& input) {
   const std::vector<std::string> words = readPublishedWords(input.line.value);
-  const auto image = imageOf(input, words);
+  if (words.size() < 3) {
+    return "needs the smallest and the largest value and a file, found '" + input.line.value + "'";
+  }
+  if (words.size() > 3) {
+    input.dropped = "names one file: the text after it is ignored";
+  }
+  const double least = readPublishedNumbers(words[0]).at(0);
+  const double most = readPublishedNumbers(words[1]).at(0);
+  const auto image = readImageBeside(input, words[2]);
   if (!image) {
     return image.error();
   }
-  std::vector<double> range{0.0, 1.0};
-  if (words.size() > 1) {
-    range = readPublishedNumbers(input.line.value.substr(words[0].size()));
-    if (range.size() != 2) {
-      return "needs the smallest and the largest value after the file's name, or neither";
-    }
-  }
-  ConfigurationRows rows;
+  SoilMaps maps;
+  maps.hasKinds = hasKindsBefore(input);
   for (int y = 0; y < image->height; ++y) {
-    rows.emplace_back();
+    maps.addRow();
     for (int x = 0; x < image->width; ++x) {
-      rows.back().push_back(range[0] + (range[1] - range[0]) * image->at(x, y, 1) / 255.0);
+      const int red = image->at(x, y, 0);
+      const int green = image->at(x, y, 1);
+      const int blue = image->at(x, y, 2);
+      const bool isSource = red == 255 && green == 255 && blue == 255;
+      const bool isObstacle = !isSource && ((red == 40 && green == 55 && blue == 70) || (red == blue && red > 0));
+      const double part = maps.hasKinds ? green / 255.0 : (0.299 * red + 0.587 * green + 0.114 * blue) / 255.0;
+      maps.add(least + (most - least) * part, isObstacle, isSource);
     }
   }
-  input.values.insert_or_assign("concentration", std::move(rows));
-  input.values.insert_or_assign("sliceCount", 1.0);
-  input.values.insert_or_assign("concentrationRange", std::move(range));
-  return {};
-}
-
-std::string readObstacleImage(const PublishedLineInput& input) {
-  const std::vector<std::string> words = readPublishedWords(input.line.value);
-  const auto image = imageOf(input, words);
-  if (!image) {
-    return image.error();
-  }
-  ConfigurationRows obstacles;
-  ConfigurationRows sources;
-  for (int y = 0; y < image->height; ++y) {
-    obstacles.emplace_back();
-    sources.emplace_back();
-    for (int x = 0; x < image->width; ++x) {
-      obstacles.back().push_back(image->at(x, y, 0) >= 128 ? 1.0 : 0.0);
-      sources.back().push_back(image->at(x, y, 1) >= 128 ? 1.0 : 0.0);
-    }
-  }
-  input.values.insert_or_assign("obstacleMap", std::move(obstacles));
-  input.values.insert_or_assign("sourceMap", std::move(sources));
+  setMaps(input, std::move(maps), 1.0, least, most);
   return {};
 }
 
@@ -112,19 +141,26 @@ std::string readPrimitives(const PublishedLineInput& input) {
 }
 
 std::string readDiffusion(const PublishedLineInput& input) {
-  const auto numbers = readPublishedNumbers(input.line.value);
+  bool areWhole = true;
+  const auto numbers = readPublishedNumbers(input.line.value, &areWhole);
   if (numbers.empty()) {
-    return "needs a number of steps, found '" + input.line.value + "'";
+    input.dropped = "has no number of sweeps: there is no diffusion";
+    return {};
   }
-  input.values.insert_or_assign("diffusionSteps", std::trunc(numbers[0]));
-  if (numbers.size() > 1) {
-    input.values.insert_or_assign("diffusionTolerance", numbers[1]);
+  const double sweeps = std::trunc(numbers[0]);
+  if (!areWhole || numbers.size() > 2) {
+    input.dropped = "is read as " + std::to_string(static_cast<long>(sweeps)) + " sweeps: the rest is ignored";
+  }
+  // a number of sweeps is exact, whatever tolerance follows
+  input.values.insert_or_assign("diffusionSteps", sweeps);
+  if (sweeps < 0.0) {
+    input.values.insert_or_assign("diffusionTolerance", numbers.size() > 1 ? numbers[1] : 0.0);
   }
   return {};
 }
 
 std::string readThicknesses(const PublishedLineInput& input) {
-  input.values.insert_or_assign("layerThicknesses", readPublishedNumbers(input.line.value));
+  input.values.insert_or_assign("layerThicknesses", readPublishedNumbers(input.line.value, nullptr, kSumSeparators));
   return {};
 }
 

@@ -3,21 +3,23 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 
 namespace espalier::test {
 namespace {
 
-bool agree(double expected, double actual, const Tolerance& tolerance) {
+// how far two numbers are apart, as a share of what the tolerance allows; beyond 1 they differ
+double shareOf(double expected, double actual, const Tolerance& tolerance) {
   if (!std::isfinite(expected) || !std::isfinite(actual)) {
-    return false;
+    return std::numeric_limits<double>::infinity();
   }
-  return std::abs(expected - actual) <=
-         tolerance.relative * std::max(std::abs(expected), std::abs(actual)) + tolerance.absolute;
+  return std::abs(expected - actual) /
+         (tolerance.relative * std::max(std::abs(expected), std::abs(actual)) + tolerance.absolute);
 }
 
 // a module that both strings have: its symbol, number of parameters and numbers
 std::optional<std::string> moduleDifference(const TextModule& expected, const TextModule& actual,
-                                            const Tolerance& tolerance) {
+                                            const Tolerance& tolerance, std::size_t index, Deviation& largest) {
   const std::string both = "expected " + expected.text + ", actual " + actual.text;
   if (expected.symbol != actual.symbol) {
     return "other symbol: " + both;
@@ -26,8 +28,12 @@ std::optional<std::string> moduleDifference(const TextModule& expected, const Te
     return "other number of parameters: " + both;
   }
   for (std::size_t k = 0; k < expected.parameters.size(); ++k) {
-    if (!agree(expected.parameters[k], actual.parameters[k], tolerance)) {
+    const double share = shareOf(expected.parameters[k], actual.parameters[k], tolerance);
+    if (!(share <= 1.0)) {
       return "parameter " + std::to_string(k + 1) + " differs: " + both;
+    }
+    if (share > largest.share) {
+      largest = {share, "module " + std::to_string(index) + ": " + both};
     }
   }
   return std::nullopt;
@@ -70,7 +76,7 @@ std::optional<std::vector<TextModule>> splitModules(std::string_view text, std::
 }
 
 std::optional<std::string> firstDifference(std::string_view expected, std::string_view actual,
-                                           const Tolerance& tolerance) {
+                                           const Tolerance& tolerance, Deviation& largest) {
   std::string problem;
   const auto expectedModules = splitModules(expected, problem);
   if (!expectedModules) {
@@ -82,7 +88,7 @@ std::optional<std::string> firstDifference(std::string_view expected, std::strin
   }
   const std::size_t common = std::min(expectedModules->size(), actualModules->size());
   for (std::size_t i = 0; i < common; ++i) {
-    if (const auto difference = moduleDifference((*expectedModules)[i], (*actualModules)[i], tolerance)) {
+    if (const auto difference = moduleDifference((*expectedModules)[i], (*actualModules)[i], tolerance, i, largest)) {
       return "module " + std::to_string(i) + ": " + *difference;
     }
   }

@@ -21,12 +21,19 @@ struct Tolerance {
   double absolute = 1e-6;
 };
 
+/// The largest difference between two numbers that agreed.
+struct Deviation {
+  double share = 0.0;  // of what the tolerance allows, 0 … 1
+  std::string place;   // "module 3: expected A(1), actual A(1.00001)"; empty: all numbers were equal
+};
+
 /// Splits the text form into modules (cases/README.md, "How to compare"). Nothing when a parameter is not a number or a
 /// list has no end; `problem` then says where.
 [[nodiscard]] std::optional<std::vector<TextModule>> splitModules(std::string_view text, std::string& problem);
 
-/// The first difference between two strings in text form as a sentence, or nothing when they agree.
+/// The first difference between two strings in text form as a sentence, or nothing when they agree. `largest` becomes
+/// the largest deviation that was accepted, when it is larger than what it holds.
 [[nodiscard]] std::optional<std::string> firstDifference(std::string_view expected, std::string_view actual,
-                                                         const Tolerance& tolerance);
+                                                         const Tolerance& tolerance, Deviation& largest);
 
 }  // namespace espalier::test

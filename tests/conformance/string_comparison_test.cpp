@@ -7,6 +7,12 @@ namespace {
 
 const Tolerance kTolerance;
 
+std::optional<std::string> firstDifference(std::string_view expected, std::string_view actual,
+                                           const Tolerance& tolerance) {
+  Deviation largest;
+  return test::firstDifference(expected, actual, tolerance, largest);
+}
+
 TEST(StringComparison, EqualStringsAgree) {
   EXPECT_EQ(firstDifference("A(1,2)[+B]", "A(1,2)[+B]", kTolerance), std::nullopt);
   EXPECT_EQ(firstDifference("", "", kTolerance), std::nullopt);
@@ -18,6 +24,18 @@ TEST(StringComparison, NumbersAgreeWithinTheTolerance) {
   EXPECT_EQ(firstDifference("A(0)", "A(6.12323e-17)", kTolerance), std::nullopt);
   EXPECT_EQ(firstDifference("A(0)", "A(-0)", kTolerance), std::nullopt);
   EXPECT_EQ(firstDifference("A(100000)", "A(1.0e+05)", kTolerance), std::nullopt);
+}
+
+TEST(StringComparison, TheLargestAcceptedDeviationIsKept) {
+  // 1e-5 of 2 and 1e-6 allow 2.1e-5: 1e-5 is a share of 10/21 of it; the other numbers are equal or closer
+  Deviation largest;
+  EXPECT_EQ(test::firstDifference("A(1,2)B(7)C", "A(1,2.00001)B(7.000001)C", {1e-5, 1e-6}, largest), std::nullopt);
+  EXPECT_NEAR(largest.share, 10.0 / 21.0, 1e-5);
+  EXPECT_EQ(largest.place, "module 0: expected A(1,2), actual A(1,2.00001)");
+  // a smaller one later changes nothing, and neither does one that is not accepted
+  EXPECT_EQ(test::firstDifference("D(1)", "D(1.000001)", {1e-5, 1e-6}, largest), std::nullopt);
+  EXPECT_NE(test::firstDifference("D(1)", "D(2)", {1e-5, 1e-6}, largest), std::nullopt);
+  EXPECT_EQ(largest.place, "module 0: expected A(1,2), actual A(1,2.00001)");
 }
 
 TEST(StringComparison, WrongSymbolIsSeen) {

@@ -119,7 +119,7 @@ Recording record(const ConformanceCase& entry, core::Compatibility compatibility
 
 // compares recorded strings with a file of `step TAB string` lines
 std::string compareWithFile(const std::vector<std::string>& strings, const std::string& file, const char* which,
-                            const Tolerance& tolerance) {
+                            const Tolerance& tolerance, Deviation& largest) {
   const std::optional<std::string> text = readFile(file);
   if (!text) {
     return "cannot read " + file;
@@ -132,7 +132,12 @@ std::string compareWithFile(const std::vector<std::string>& strings, const std::
     if (i >= strings.size()) {
       return step + ": missing, the run ended before";
     }
-    if (const auto difference = firstDifference(expected, strings[i], tolerance)) {
+    Deviation deviation;
+    const auto difference = firstDifference(expected, strings[i], tolerance, deviation);
+    if (deviation.share > largest.share) {
+      largest = {deviation.share, step + ", " + deviation.place};
+    }
+    if (difference) {
       return step + ": " + *difference + "\n  expected: " + expected.substr(0, 600) +
              "\n  actual:   " + strings[i].substr(0, 600);
     }
@@ -196,7 +201,7 @@ std::map<std::string, std::string> readExceptions(const std::string& file) {
   return exceptions;
 }
 
-std::string runCase(const ConformanceCase& entry, core::Compatibility compatibility) {
+std::string runCase(const ConformanceCase& entry, core::Compatibility compatibility, Deviation& largest) {
   const std::string folder = casesFolder() + "/" + entry.name + "/";
 
   // plain steps give the derived strings
@@ -204,7 +209,7 @@ std::string runCase(const ConformanceCase& entry, core::Compatibility compatibil
   if (!plain.failure.empty()) {
     return plain.failure;
   }
-  std::string difference = compareWithFile(plain.derived, folder + "expected.txt", "derived", entry.tolerance);
+  std::string difference = compareWithFile(plain.derived, folder + "expected.txt", "derived", entry.tolerance, largest);
   if (!difference.empty()) {
     return difference;
   }
@@ -224,7 +229,7 @@ std::string runCase(const ConformanceCase& entry, core::Compatibility compatibil
     return "answering apart from deriving changes the derived strings";
   }
   return entry.hasTurtleFile
-             ? compareWithFile(answered.answered, folder + "expected-turtle.txt", "answered", entry.tolerance)
+             ? compareWithFile(answered.answered, folder + "expected-turtle.txt", "answered", entry.tolerance, largest)
              : std::string{};
 }
 

@@ -35,8 +35,9 @@ inline std::ostream& operator<<(std::ostream& stream, const ConformanceCase& ent
 [[nodiscard]] std::string listFile(const std::string& name);
 
 /// Runs a case and compares everything that the suite recorded for it: derived strings of all steps, answered strings,
-/// log. Returns the first difference as a sentence with its step, or an empty text when all agree.
-[[nodiscard]] std::string runCase(const ConformanceCase& entry, core::Compatibility compatibility);
+/// log. Returns the first difference as a sentence with its step, or an empty text when all agree. `largest` becomes
+/// the largest deviation that was accepted, with its step.
+[[nodiscard]] std::string runCase(const ConformanceCase& entry, core::Compatibility compatibility, Deviation& largest);
 
 /// What a runner with a list of exceptions has to say: empty when the case passes and is not listed, or fails and is
 /// listed. `difference` is what runCase returned, `list` the list's file name.

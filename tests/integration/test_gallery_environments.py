@@ -158,11 +158,12 @@ class GalleryEnvironments(unittest.TestCase):
     def test_roots_keep_out_of_stones_and_gather_in_wet_ground(self) -> None:
         self.counted("roots-and-stones", {"I": "I(", "T": "T(", "D": "D("}, "4")
 
-        def map_of(name: str, component: int) -> List[List[int]]:
-            lines = (GALLERY / "roots-and-stones" / name).read_text(encoding="utf-8").splitlines()[4:]
+        def map_of(component: int) -> List[List[int]]:
+            lines = (GALLERY / "roots-and-stones" / "ground.pnm").read_text(encoding="utf-8").splitlines()[4:]
             return [[int(number) for number in line.split()[component::3]] for line in lines]
 
-        stones, water = map_of("stones.pnm", 0), map_of("water.pnm", 1)
+        # red is that of stone or 0, green is the water
+        stones, water = map_of(0), map_of(1)
         counts: Dict[bool, float] = {True: 0, False: 0}
         for x, y, _, hx, hy, _ in self.tips_of("roots-and-stones", "I"):
             # the place is the end of a segment

@@ -42,17 +42,5 @@ TEST(Ornament, OutsideTheRasterEverythingIs0) {
   EXPECT_EQ(table[1][0], 2.0);
 }
 
-TEST(Ornament, CompatibleObjectsAreEllipsesOfWholeCells) {
-  // radius 0.05 is half a cell: int(0.5 + 1) = 1 cell to each side, so the neighbouring cell's middle counts too
-  for (const auto& [text, expected] :
-       {std::pair{R"({"range":[10,10],"position":[0,0],"gridSize":[100,100],"compatible":true})", 2.0},
-        std::pair{kTen, 1.0}}) {
-    const auto process = openProcess("ornament", text);
-    const auto table =
-        answersOf(*process, QueryBuilder().add({5.05, 5.05, 0}, {0, 0.05}).add({5.15, 5.05, 0}, {0, 0.05}).batch());
-    EXPECT_EQ(firstValues(table), (std::vector<double>{expected, expected}));
-  }
-}
-
 }  // namespace
 }  // namespace espalier::environment

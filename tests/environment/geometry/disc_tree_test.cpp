@@ -26,7 +26,7 @@ TEST(DiscTree, FindsOverlapsAsPairByPairAlsoAfterRemovals) {
           const double sum = discs[i].radius + discs[j].radius;
           expected = expected || (j != i && isIn[j] && discs[j].rank >= least && core::dot(d, d) <= sum * sum);
         }
-        EXPECT_EQ(tree.isOverlapped(i, least), expected) << i << " " << least;
+        EXPECT_EQ(tree.isOverlapped(i, least, discsOverlap), expected) << i << " " << least;
       }
     }
     for (std::size_t i = static_cast<std::size_t>(round); i < discs.size(); i += 5) {
@@ -38,8 +38,8 @@ TEST(DiscTree, FindsOverlapsAsPairByPairAlsoAfterRemovals) {
 
 TEST(DiscTree, TouchingDiscsOverlapAndADiscNeverOverlapsItself) {
   const DiscTree tree({{{0, 0, 0}, 1, 0}, {{3, 0, 0}, 2, 0}, {{9, 0, 0}, 1, 0}});
-  EXPECT_TRUE(tree.isOverlapped(0, 0));
-  EXPECT_FALSE(tree.isOverlapped(2, 0));
+  EXPECT_TRUE(tree.isOverlapped(0, 0, discsOverlap));
+  EXPECT_FALSE(tree.isOverlapped(2, 0, discsOverlap));
 }
 
 }  // namespace

@@ -118,29 +118,6 @@ TEST(Chiba, EqualsAllPairsOnRandomSpheres) {
   }
 }
 
-TEST(Chiba, TheCompatibleTraversalMissesSpheresWhereTheGridIsNotAtTheOrigin) {
-  // a slanted ray to a sphere on it: with the box of the scene 100 aside the published traversal takes all its steps
-  // along x first and leaves the box; the default finds the sphere anywhere
-  const std::string slanted = R"("sources":[[1,1,0,1]],"gridSize":[10,10,10],"transmittance":0.25)";
-  const auto lightAt = [&](double corner, const std::string& more) {
-    const auto process = openProcess("chiba", "{" + slanted + more + "}");
-    QueryBuilder builder;
-    builder.add({corner + 1, 0.5, 1}, {0.5}).add({corner + 8, 7.5, 1}, {0.5}).add({corner + 1, 8.5, 1}, {0.5});
-    return firstValues(answersOf(*process, builder.batch()))[0];
-  };
-  EXPECT_NEAR(lightAt(0, ""), 0.25, 1e-12);
-  EXPECT_NEAR(lightAt(100, ""), 0.25, 1e-12);
-  EXPECT_NEAR(lightAt(-0.5, R"(,"compatible":true)"), 0.25, 1e-12);
-  EXPECT_EQ(lightAt(100, R"(,"compatible":true)"), 1.0);
-}
-
-TEST(Chiba, CompatibleLeavesOutQueriesWithTwoOrThreeParameters) {
-  const auto process = openProcess("chiba", zenith(R"("compatible":true)"));
-  const auto table = answersOf(*process, QueryBuilder().add({0, 0, 0}, {1}).add({0, 5, 0}, {1, 0}).batch());
-  EXPECT_EQ(table[0][0], 1.0);
-  EXPECT_EQ(table[1][0], std::nullopt);
-}
-
 TEST(LightDirections, AreSpreadOverTheSphereAndSumTo1) {
   for (const std::size_t wanted : {std::size_t{1}, std::size_t{20}, std::size_t{100}}) {
     const auto directions = sampleSky({.sampleCount = wanted, .lowerToUpperRatio = 1.0}, {0, 1, 0});

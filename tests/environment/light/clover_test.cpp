@@ -88,22 +88,7 @@ TEST(Clover, OldLeavesCanBeForgotten) {
   EXPECT_EQ(lightAt(*process, 5, 5), 1.0);
 }
 
-TEST(Clover, CompatibleLeavesAreEllipsesOfWholeCells) {
-  // radius 0.26 is 2.6 cells: int(2.6 + 1) = 3 cells to each side of the leaf's own, (i² + j²)/9 <= 1
-  const auto process = openProcess("clover", withTen(R"("compatible":true)"));
-  answersOf(*process, QueryBuilder().add({5.01, 5.01, 0}, {1, std::numbers::pi * 0.26 * 0.26}).batch());
-  for (int j = -4; j <= 4; ++j) {
-    for (int i = -4; i <= 4; ++i) {
-      EXPECT_EQ(lightAt(*process, 5.05 + 0.1 * i, 5.05 + 0.1 * j), i * i + j * j <= 9 ? 0.5 : 1.0) << i << " " << j;
-    }
-  }
-}
-
-TEST(Clover, CompatibleCountsStayBetween0And255) {
-  const auto compatible = openProcess("clover", withTen(R"("compatible":true)"));
-  answersOf(*compatible, QueryBuilder().add({5, 5, 0}, {2, 3}).batch());
-  answersOf(*compatible, QueryBuilder().add({5, 5, 0}, {1, 3}).batch());
-  EXPECT_EQ(lightAt(*compatible, 5, 5), 0.5);
+TEST(Clover, CountsBelow0ShadeNothingUntilLeavesMakeUpForThem) {
   const auto process = openProcess("clover", withTen());
   answersOf(*process, QueryBuilder().add({5, 5, 0}, {2, 3}).batch());
   EXPECT_EQ(lightAt(*process, 5, 5), 1.0);

@@ -28,8 +28,6 @@ TEST(Takenaka, AFullyLitBallMakesItsShareOfAYearsLight) {
   // 1000 µmol m^-2 s^-1 · 12 h · 200 days = 8640 mol m^-2 = 0.864 mol cm^-2
   EXPECT_NEAR(productUnder("", {500, 0, 0}, 1, centimetres()), kFull * 0.864 - 0.1, 1e-12);
   EXPECT_NEAR(productUnder("", {500, 0, 0}, 1, {}), kFull * 8640 - 0.1, 1e-9);
-  // the published program's light is ten times that of its centimetres
-  EXPECT_NEAR(productUnder(R"({"compatible":true})", {500, 0, 0}, 1, {}), kFull * 8.64 - 0.1, 1e-12);
 }
 
 TEST(Takenaka, EveryBallOnTheWayLetsPassItsPart) {
@@ -41,17 +39,34 @@ TEST(Takenaka, EveryBallOnTheWayLetsPassItsPart) {
   EXPECT_NEAR(productUnder("", {0, -50, 0}, 100, centimetres()), kFull * 0.864 - 0.1, 1e-12);
 }
 
-TEST(Takenaka, BallsBeyondASourceCountOnlyWhenCompatible) {
+TEST(Takenaka, BallsBeyondASourceDoNotCount) {
   const std::string sources = R"("sources":[[0,20,0,5]])";
   EXPECT_NEAR(productUnder("{" + sources + "}", {0, 50, 0}, 100, centimetres()), kFull * 0.864 - 0.1, 1e-12);
-  EXPECT_NEAR(productUnder("{" + sources + R"(,"compatible":true})", {0, 50, 0}, 100, centimetres()),
-              kFull * 8.64 * 0.36 - 0.1, 1e-12);
 }
 
 TEST(Takenaka, SourcesShareTheLightByTheirWeights) {
   // one of 3 parts above, shaded; one of 1 part to the side, free
   EXPECT_NEAR(productUnder(R"({"sources":[[0,1000,0,3],[1000,0,0,1]]})", {0, 50, 0}, 100, centimetres()),
               kFull * 0.864 * (0.75 * 0.36 + 0.25) - 0.1, 1e-12);
+}
+
+TEST(Takenaka, ADiskLightsWhatIsBelowItAndWithinItsRadius) {
+  // a disc of radius 5 around (20, 30, 0): its light falls on balls below it that are at most 5 aside
+  const std::string disk = R"({"diskSource":[5,20,30,0],"sources":[[0,9,0,1]]})";
+  const auto productAt = [&](const core::Vec3& place) {
+    const auto process = openProcess("takenaka", disk, centimetres());
+    return *answersOf(*process, QueryBuilder().add(place, {100, 0.1}).batch())[0][1];
+  };
+  EXPECT_NEAR(productAt({20, 0, 0}), kFull * 0.864 - 0.1, 1e-12);
+  EXPECT_NEAR(productAt({24, 30, 3}), kFull * 0.864 - 0.1, 1e-12);
+  EXPECT_NEAR(productAt({24, 0, 3.01}), -0.1, 1e-12);
+  EXPECT_NEAR(productAt({20, 30.01, 0}), -0.1, 1e-12);
+  // balls above the disc shade nothing
+  const auto process = openProcess("takenaka", disk, centimetres());
+  const auto table = answersOf(
+      *process, QueryBuilder().add({20, 0, 0}, {100, 0}).add({20, 20, 0}, {100, 0}).add({20, 40, 0}, {100, 0}).batch());
+  EXPECT_NEAR(*table[0][1], kFull * 0.864 * 0.36, 1e-12);
+  EXPECT_NEAR(*table[1][1], kFull * 0.864, 1e-12);
 }
 
 TEST(Takenaka, OtherNumbersOfParametersAreNoBalls) {

@@ -33,6 +33,8 @@ Loaded load(const std::map<std::string, std::string>& contents, Compatibility co
 
 constexpr const char* kHonda = "executable: honda81 -e model.e model.spec\nturtle position: P: %.0f %.0f %.0f\n";
 
+constexpr const char* kExact = "executable: honda81 -e model.e model.spec\nturtle position: P: %.4f %.4f %.4f\n";
+
 std::vector<double> roundingAnswers(turtle::EnvironmentProcess& process) {
   QueryBuilder builder;
   builder.add({0, 0, 0}, {1}).add({0.4, 0, 0.4}, {2}).add({3.4, 0, 0}, {1}).add({3.6, 0, 0}, {1}).add({6.5, 0, 0}, {1});
@@ -74,22 +76,90 @@ TEST(PublishedEnvironment, UnknownKeywordsAreIgnoredWithAWarning) {
 TEST(PublishedEnvironment, ASwitchThatIsNeitherOnNorOffIsOffWithAWarning) {
   const Loaded loaded = load({{"m/model.e", kHonda}, {"m/model.spec", "3d case: one\n"}});
   EXPECT_EQ(loaded.warnings.substr(0, loaded.warnings.find('\n')),
-            "m/model.spec:1:10: warning: '3d case' is neither on nor off: taken as off");
+            "m/model.spec:1:10: warning: '3d case' is switched on only by 'on': taken as off");
+}
+
+std::string firstWarning(const std::string& program, const std::string& specification) {
+  const Loaded loaded =
+      load({{"m/model.e", "executable: " + program + " -e model.e model.spec\n"}, {"m/model.spec", specification}});
+  EXPECT_EQ(loaded.errors, "");
+  return loaded.warnings.substr(0, loaded.warnings.find('\n'));
+}
+
+TEST(PublishedEnvironment, OnlyTheExactWordOfASwitchCounts) {
+  for (const char* line :
+       {"3d case: on", "3d case\ton", "3d case: off", "3d case: no", "verbose: on", "verbose: off"}) {
+    EXPECT_EQ(firstWarning("honda81", line), "") << line;
+  }
+  EXPECT_EQ(firstWarning("honda81", "3d case: yes"),
+            "m/model.spec:1:10: warning: '3d case' is switched on only by 'on': taken as off");
+  EXPECT_EQ(firstWarning("ecosystem", "3d case: yes"), "");
+  EXPECT_EQ(firstWarning("chiba", "use CIE formula: on"),
+            "m/model.spec:1:18: warning: 'use CIE formula' is switched on only by 'yes': taken as off");
+  EXPECT_EQ(firstWarning("chiba", "estimate intersection area: yes"),
+            "m/model.spec:1:29: warning: 'estimate intersection area' is switched on only by 'on': taken as off");
+  EXPECT_EQ(firstWarning("soil", "depletion: none"),
+            "m/model.spec:1:12: warning: 'depletion' is switched off only by 'off': taken as on");
+  EXPECT_EQ(firstWarning("soil", "depletion: off"), "");
+  EXPECT_EQ(firstWarning("clover", "z is up: maybe"),
+            "m/model.spec:1:10: warning: 'z is up' is switched off only by 'no' or 'off': taken as yes");
+  EXPECT_EQ(firstWarning("clover", "remove old leaves: on\nz is up: no"), "");
+}
+
+TEST(PublishedEnvironment, NumbersAreReadAsThePublishedProgramsDo) {
+  // a recorded run of honda81: two tips at one place and two 0.4 apart
+  const auto answers = [](const std::string& specification) {
+    const Loaded loaded = load({{"m/model.e", kExact}, {"m/model.spec", specification}});
+    EXPECT_EQ(loaded.errors, "");
+    QueryBuilder builder;
+    builder.add({0, 0, 0}, {1}).add({0.4, 0, 0}, {1}).add({5, 0, 0}, {1}).add({5, 0, 0}, {1});
+    return firstValues(answersOf(*loaded.process, builder.batch()));
+  };
+  EXPECT_EQ(answers("radius: 0.5m, say"), (std::vector<double>{0, 0, 0, 0}));
+  EXPECT_EQ(answers("radius\t0.5"), (std::vector<double>{0, 0, 0, 0}));
+  EXPECT_EQ(answers("radius: half"), (std::vector<double>{1, 1, 0, 0}));
+  EXPECT_EQ(answers("radius:"), (std::vector<double>{1, 1, 0, 0}));
+}
+
+TEST(PublishedEnvironment, WhatIsDroppedOfNumbersIsAWarning) {
+  EXPECT_EQ(firstWarning("honda81", "radius: 0.5m, say"),
+            "m/model.spec:1:9: warning: 'radius': '0.5m, say' is read as '0.5'");
+  EXPECT_EQ(firstWarning("honda81", "radius: half"), "m/model.spec:1:9: warning: 'radius': 'half' is read as '0'");
+  EXPECT_EQ(firstWarning("clover", "grid size: 100x100view"),
+            "m/model.spec:1:12: warning: 'grid size': '100x100view' is read as '100 100'");
+  EXPECT_EQ(firstWarning("clover", "grid size: 4x"),
+            "m/model.spec:1:12: warning: 'grid size': '4x' is read as '4', so the defaults of the other numbers count");
+  EXPECT_EQ(firstWarning("chiba", "source direction: 0 1 0"),
+            "m/model.spec:1:19: warning: 'source direction' needs 4 numbers, found 3: the line is dropped");
+  EXPECT_EQ(firstWarning("chiba", "radius: 1\n5 6\n"),
+            "m/model.spec:2:1: warning: line of numbers is ignored: 'radius' takes none");
+  EXPECT_EQ(firstWarning("soil", "diffusion: much"),
+            "m/model.spec:1:12: warning: 'diffusion' is read as 0 sweeps: the "
+            "rest is ignored");
+}
+
+TEST(PublishedEnvironment, AMissingNumberLeavesTheDefault) {
+  // 4 columns and 512 rows of the raster −1 … 1: a leaf of radius 0.001 at the origin covers the cells 1 and 2 of x
+  const Loaded loaded = load({{"m/model.e", "executable: clover -e model.e model.spec\nturtle position: %f %f %f\n"},
+                              {"m/model.spec", "grid size: 4x\n"}});
+  QueryBuilder builder;
+  builder.add({0.1, 0.001, 0}, {1, 3.2e-6}).add({-0.4, 0.001, 0}, {0}).add({0.4, 0.001, 0}, {0});
+  builder.add({0.4, -0.003, 0}, {0}).add({0.4, -0.006, 0}, {0});
+  const auto light = firstValues(answersOf(*loaded.process, builder.batch()));
+  EXPECT_EQ((std::vector<double>{light.begin() + 1, light.end()}), (std::vector<double>{0.6, 0.6, 0.6, 1}));
 }
 
 TEST(PublishedEnvironment, WrongValuesAreLocatedInTheSpecification) {
   EXPECT_EQ(load({{"m/model.e", kHonda}, {"m/model.spec", "radius: -2\n"}}).errors,
             "m/model.spec:1:9: error: environment process 'honda': 'radius' must be at least 0, found -2\n"
             "    1 | radius: -2\n      |         ^~\n   hint: radius: distance up to which tips collide");
-  EXPECT_EQ(load({{"m/model.e", kHonda}, {"m/model.spec", "radius: big\n"}}).errors,
-            "m/model.spec:1:9: error: 'radius' needs a number, found 'big'\n    1 | radius: big\n      |         ^~~");
 }
 
 TEST(PublishedEnvironment, WhatFollowsTheValuesIsIgnoredWithAWarning) {
   const Loaded loaded = load({{"m/model.e", kHonda}, {"m/model.spec", "radius: 1 2\n"}});
   EXPECT_EQ(loaded.errors, "");
   EXPECT_EQ(loaded.warnings.substr(0, loaded.warnings.find('\n')),
-            "m/model.spec:1:9: warning: 'radius': the text after the first number is ignored");
+            "m/model.spec:1:9: warning: 'radius': '1 2' is read as '1'");
 }
 
 TEST(PublishedEnvironment, UnknownProgramListsWhatThereIs) {

@@ -18,10 +18,10 @@ std::string formatError(std::string_view text) {
 }
 
 TEST(TurtleFormat, RoundsAsPrintfDoes) {
-  EXPECT_EQ(formatOf("P: %.4f %.4f %.4f").exchanged({1.23456, -0.00004, 2}), (core::Vec3{1.2346, -0.0, 2}));
+  EXPECT_EQ(formatOf("P: %.4f %.4f %.4f").exchanged({1.23456, -0.00004, 2}), (core::Vec3{1.2346F, -0.0, 2}));
   EXPECT_EQ(formatOf("%.0f,%.0f,%.0f").exchanged({3.6, 6.5, 7.5}), (core::Vec3{4, 6, 8}));
-  EXPECT_EQ(formatOf("%g %e %G").exchanged({1234567, 1234567.5, 0.1}), (core::Vec3{1.23457e6, 1.234568e6, 0.1}));
-  EXPECT_EQ(formatOf("%8.2lf|%-8.1f|%+08.3F").exchanged({1.239, 2.25, 3}), (core::Vec3{1.24, 2.2, 3}));
+  EXPECT_EQ(formatOf("%g %e %G").exchanged({1234567, 1234567.5, 0.1}), (core::Vec3{1.23457e6, 1.234568e6, 0.1F}));
+  EXPECT_EQ(formatOf("%8.2lf|%-8.1f|%+08.3F").exchanged({1.239, 2.25, 3}), (core::Vec3{1.24F, 2.2F, 3}));
   EXPECT_EQ(formatOf("100%% %f").exchanged(0, 0.25), 0.25);
 }
 
@@ -95,7 +95,7 @@ TEST(TextCoupling, RoundsWhatIsSentAndWhatComesBack) {
   QueryBuilder builder;
   const auto row = answersOf(*process, oneQuery(builder))[0];
   EXPECT_EQ(row[0], 0.123457);  // %g
-  EXPECT_EQ(row[1], 1.235);     // %.3f
+  EXPECT_EQ(row[1], 1.235);     // %.3f; answers are %g of floats
   EXPECT_EQ(row[2], 0.0);       // the heading is not sent
   EXPECT_EQ(row[3], 1.0);
   EXPECT_EQ(row[4], 0.333333);  // %g on the way back

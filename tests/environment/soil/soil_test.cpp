@@ -76,23 +76,10 @@ TEST(SoilField, WithoutObstaclesTheFastRowsGiveTheSameBitsAsTheCarefulOnes) {
     SoilField fast(shape, initial, {}, {});
     // a map without obstacles switches the fast rows off
     SoilField careful(shape, initial, std::vector<std::uint8_t>(initial.size(), 0), {});
-    for (const bool isAveraging : {false, true}) {
-      fast.spread({.stepCount = 5, .relaxation = 0.7, .isAveraging = isAveraging});
-      careful.spread({.stepCount = 5, .relaxation = 0.7, .isAveraging = isAveraging});
-      EXPECT_EQ(fast.cells(), careful.cells());
-    }
+    fast.spread({.stepCount = 5, .relaxation = 0.7});
+    careful.spread({.stepCount = 5, .relaxation = 0.7});
+    EXPECT_EQ(fast.cells(), careful.cells());
   }
-}
-
-TEST(SoilField, TheAveragingSchemeMovesACellTowardsTheMeanOfItsNeighbours) {
-  // corner of 2 x 2 cells: neighbours 1 and 3, own 5, half way to the mean 2: 3.5. It does not conserve matter in 3
-  // x 1.
-  SoilField field({{0, 0, 0}, {1, 1, 1}, {2, 2, 1}}, {5, 1, 3, 7}, {}, {});
-  field.spread({.stepCount = 1, .isAveraging = true});
-  EXPECT_EQ(field.cells(), (std::vector<double>{3.5, 3.5, 4.5, 4.5}));
-  SoilField row({{0, 0, 0}, {1, 1, 1}, {3, 1, 1}}, {1, 0, 0}, {}, {});
-  row.spread({.stepCount = 1, .isAveraging = true});
-  EXPECT_EQ(row.cells(), (std::vector<double>{0.5, 0.25, 0.0}));
 }
 
 TEST(SoilField, SpreadingStopsBelowTheTolerance) {
@@ -161,16 +148,6 @@ TEST(Soil, WithoutDepletionNothingIsTaken) {
   }
 }
 
-TEST(Soil, CompatibleEmptiesInStringOrderAndWithoutDepletionGivesTheConcentration) {
-  const auto depleting = openProcess("soil", std::string(kRow) + R"(,"compatible":true})");
-  EXPECT_EQ(
-      firstValues(answersOf(*depleting, QueryBuilder().add({0.5, 0, 0}, {0.75}).add({0.5, 0, 0}, {0.75}).batch())),
-      (std::vector<double>{0.75, 0.25}));
-  const auto lasting = openProcess("soil", R"({"domainSize":[4,1,1],"concentration":[[1,0.5,0,0]],"compatible":true})");
-  EXPECT_EQ(firstValues(answersOf(*lasting, QueryBuilder().add({0.5, 0, 0}, {0.25}).batch())),
-            std::vector<double>{1.0});
-}
-
 TEST(Soil, TheGradientIsPerLengthAndRelativeToTheRange) {
   // concentrations rise by 2 a cell of 0.5 along x and by 10 a cell of 1 along y; the range is 0 to 20
   const auto process = openProcess("soil", R"({"domainSize":[1.5,3,1],"concentrationRange":[0,20],)"
@@ -203,21 +180,6 @@ TEST(Soil, GravityDrawsDownAtTheAngleOfTheLayer) {
   // below the last layer its angle goes on; a vertical heading has no side
   EXPECT_TRUE(isNear(directionAt(0.2, {0.6, 0.8, 0}), most, -half));
   EXPECT_TRUE(isNear(directionAt(2.5, {0, -1, 0}), 0, -2));
-}
-
-TEST(Soil, CompatibleLayersActDoubledAndWithoutThemOnlyVerticalHeadingsFeelGravity) {
-  const auto layered = openProcess("soil", R"({"domainSize":[3,3,1],"gridSize":[3,3,1],"layerThicknesses":[3],)"
-                                           R"("geotropicAngles":[30],"compatible":true})");
-  const auto bare = openProcess("soil", R"({"domainSize":[3,3,1],"gridSize":[3,3,1],"compatible":true})");
-  QueryBuilder builder;
-  builder.add({1.5, 1.5, 0}, {0, 1, 0, 0}).add({1.5, 1.5, 0}, {0, 1, 0, 0});
-  builder.batch().heading = {{1, 0, 0}, {0, -1, 0}};
-  const auto table = answersOf(*layered, builder.batch());
-  EXPECT_NEAR(*table[0][1], std::sqrt(0.75), 1e-12);
-  EXPECT_NEAR(*table[0][2], -0.5, 1e-12);
-  const auto without = answersOf(*bare, builder.batch());
-  EXPECT_EQ(valuesOf(without[0]), (std::vector<double>{1, 0, 0, 0}));
-  EXPECT_EQ(valuesOf(without[1]), (std::vector<double>{1, 0, -1, 0}));
 }
 
 TEST(Soil, RootsTurnAsideBeforeAStone) {
@@ -275,8 +237,8 @@ TEST(Soil, WrongMapsAreErrors) {
   EXPECT_EQ(errorsOf(makeProcess("soil", R"({"concentration":[[1,2],[3,4],[5,6]],"sliceCount":2})")),
             "error: environment process 'soil': 'concentration' has 3 rows, which are not 2 slices of equal size\n"
             "   hint: sliceCount: number of slices along z in the rows");
-  EXPECT_EQ(errorsOf(makeProcess("soil", R"({"layerThicknesses":[1,2],"geotropicAngles":[1]})")),
-            "error: environment process 'soil': there are 2 layer thicknesses and 1 geotropic angles\n"
+  EXPECT_EQ(errorsOf(makeProcess("soil", R"({"layerThicknesses":[1],"geotropicAngles":[1,2]})")),
+            "error: environment process 'soil': there are 1 layer thicknesses and 2 geotropic angles\n"
             "   hint: give one angle for each layer");
   EXPECT_EQ(errorsOf(makeProcess("soil", R"({"gridSize":[4096,4096,4096]})")),
             "error: environment process 'soil': the grid has 68719476736 cells, and the limit is 67108864\n"
