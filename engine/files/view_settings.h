@@ -41,9 +41,8 @@ class SplineFunction {
   SplineFunction(std::string name, std::vector<std::array<double, 2>> points, int sampleCount);
   /// y at x, x clamped to [0, 1]: clamped uniform cubic B-spline, parameter by bisection to |x error| <= 0.001.
   [[nodiscard]] double value(double x) const;
-  /// The `name:` of its file; of a function set: the macro, without a suffix.
+  /// The `name:` of its file; of a function set: the macro.
   [[nodiscard]] const std::string& name() const { return name_; }
-  void setName(std::string name) { name_ = std::move(name); }
 
  private:
   [[nodiscard]] std::array<double, 2> point(double parameter) const;

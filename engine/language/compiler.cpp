@@ -27,12 +27,11 @@ void addAll(core::DiagnosticList& list, const core::DiagnosticList& others) {
   }
 }
 
-// every function of a function set becomes a macro with its number; its name ends at the last '.'
+// every function of a function set becomes a macro with its number; the preprocessor refuses a name with a '.'
 std::vector<std::pair<std::string, std::string>> functionMacros(const files::ViewSettings& view) {
   std::vector<std::pair<std::string, std::string>> macros;
   for (std::size_t i = 0; i < view.functions.size(); ++i) {
-    const std::string& name = view.functions[i].name();
-    macros.emplace_back(name.substr(0, name.rfind('.')), std::to_string(i + 1));
+    macros.emplace_back(view.functions[i].name(), std::to_string(i + 1));
   }
   return macros;
 }

@@ -255,7 +255,7 @@ TEST_F(Folder, StrictReadingMakesWarningsErrors) {
   EXPECT_TRUE(
       contains(error("derive plant --strict --environment height"), "error: unknown view command 'angel factor'"));
   write("p.v", "");
-  EXPECT_TRUE(contains(error("run plant --strict"), "communication modules"));
+  EXPECT_TRUE(contains(error("derive plant --strict"), "error: ?E gets no answer"));
   write("field", std::string(kField) + "colour: red\n");
   writeCommand("cpfg -e field p.l p.v");
   EXPECT_EQ(run("derive plant").output, "FF?E(2)\n");

@@ -111,10 +111,10 @@ class LegacyPrograms(unittest.TestCase):
     def test_every_communication_type_becomes_pipes(self) -> None:
         wanted = self.derived("height")
         more = (self.folder / "m.e").read_bytes()
-        for kind in ("files", "files 2", "memory", "sockets 3", "sockets"):
-            for command in ("./heights", "heights", "heights -e m.e", f"heights -e {self.folder}/m.e"):
-                with self.subTest(kind=kind, command=command):
-                    self.assertEqual(self.run_field("height", f"communication type:{kind}\n", command=command).stdout, wanted)
+        for kind, command in (("files", "./heights"), ("files 2", "heights"), ("memory", "heights -e m.e"), ("sockets 3", "./heights"),
+                              ("sockets", f"heights -e {self.folder}/m.e")):
+            with self.subTest(kind=kind, command=command):
+                self.assertEqual(self.run_field("height", f"communication type:{kind}\n", command=command).stdout, wanted)
         # the file itself stays; the copies are gone
         self.assertIn(b"communication type:sockets\n", (self.folder / "m.e").read_bytes())
         self.assertNotIn(b"communication", more)
@@ -136,10 +136,10 @@ class LegacyPrograms(unittest.TestCase):
                             ("garbage", "answered 'hello there', which is no answer"),
                             ("flags", "answered 'Control: done', which is no answer: expected '<id> E(value,,value)'"),
                             ("ill", "answered '0 E(nan)', which is no answer"),
-                            ("silent", "did not answer within 2000 ms: expected '<id> E(value,,value)' for each module, and 'Control: 4'"),
-                            ("flood", "did not answer within 2000 ms: expected")):
+                            ("silent", "did not answer within 1000 ms: expected '<id> E(value,,value)' for each module, and 'Control: 4'"),
+                            ("flood", "did not answer within 1000 ms: expected")):
             with self.subTest(mode=mode):
-                limit = ("--environment-timeout", "2") if mode in ("silent", "flood") else ()
+                limit = ("--environment-timeout", "1") if mode in ("silent", "flood") else ()
                 done = self.run_field(mode, "", *limit, status=1)
                 self.assertEqual(len(done.stdout.splitlines()), 1)
                 self.assertIn(f"environment program 'heights' {words}", done.stderr)
@@ -179,6 +179,23 @@ class LegacyPrograms(unittest.TestCase):
         self.assertIn("F(2)?E(3,2)", espalier(*answered, ALLOWED).stdout)
         # the built-in process has no file 'height' to read
         self.assertIn("cannot read the specification file", espalier(*answered, status=1).stderr)
+
+    def test_a_folder_runs_as_its_specifications_say(self) -> None:
+        (self.folder / "plant.v").write_text("angle increment: 90\n", encoding="utf-8")
+        (self.folder / "specifications").write_text(
+            "m.l\nplant.v\nsurroundings\nheights\nignore:\n*\nplant:\n\tgenerate:\n\t\tcpfg -e surroundings m.l plant.v\n"
+            "\torgan:\n\t\tcpfg m.l plant.v\n", encoding="utf-8")
+        (self.folder / "surroundings").write_text(
+            f"executable: heights -e surroundings height\ncommunication type: memory\n{FORMAT}", encoding="utf-8")
+        # the copy that names pipes has the suffix of an environment file
+        done = espalier("derive", str(self.folder), ALLOWED, "--answered", "--every")
+        self.assertIn("1\tF(1)F(1)[+(90)f(0.25)?E(7,2)]A(8)?E(1,2)", done.stdout)
+        self.assertIn("starting the program 'heights'", done.stderr)
+        # the other object has no environment
+        done = espalier("derive", str(self.folder), "--object", "organ", ALLOWED, "--steps", "0")
+        self.assertIn("F(1)A(7)?E(1,-1)", done.stdout)
+        done = espalier("derive", str(self.folder), "--object", "leaf", ALLOWED, status=1)
+        self.assertIn("has no object 'leaf': give one of 1 'plant / generate' (m.l), 2 'plant / organ' (m.l)", done.stderr)
 
     def test_says_what_is_missing(self) -> None:
         self.assertIn("--spec FILE.e", espalier("environment", "legacy", "--describe", status=2).stderr)

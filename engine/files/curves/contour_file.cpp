@@ -46,10 +46,10 @@ class ContourReader {
       return fail(type, "'type:'");
     }
     const std::string_view word = type.rest();
-    if (!word.starts_with('o') && !word.starts_with('c')) {
-      return fail(type, version == 1 ? "'open' or 'closed'" : "a type that begins with o (open) or c (closed)");
+    if (version > 1 && !word.starts_with('o') && !word.starts_with('c')) {
+      return fail(type, "a type that begins with o (open) or c (closed)");
     }
-    contour_.isClosed = word.starts_with('c');
+    contour_.isClosed = version == 1 ? type.word() != "open" : word.starts_with('c');
     return (version < 3 || skipEditorLines()) && readPoints(*count, 3, true);
   }
 

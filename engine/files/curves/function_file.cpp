@@ -9,6 +9,7 @@ namespace espalier::files {
 namespace {
 
 constexpr int kLeastControlPoints = 4;
+constexpr int kOldSamplesOfSets = 100;  // of a function in the old format
 
 /// Reads one function of a file, line by line, and warns about the first mistake.
 class FunctionReader {
@@ -94,10 +95,22 @@ class FunctionReader {
       return std::nullopt;
     }
     std::vector<std::array<double, 2>> points;
+    bool hasFallen = false;
     for (int i = 0; i < *count; ++i) {
+      const std::size_t pointBegin = cursor_.position();
       if (!readPoint(points)) {
         return std::nullopt;
       }
+      const std::size_t last = points.size() - 1;
+      if (points.size() > 1 && !hasFallen && points[last][0] < points[last - 1][0]) {
+        hasFallen = true;
+        file_.warn({static_cast<std::uint32_t>(pointBegin), static_cast<std::uint32_t>(pointBegin) + 1},
+                   "x of " + context() + " falls here", "x goes from 0 to 1; values near a fall are arbitrary");
+      }
+    }
+    if (!points.empty() && (points.front()[0] != 0.0 || points.back()[0] != 1.0)) {
+      file_.warn(line.rangeFrom(lineBegin), "x of " + context() + " does not go from 0 to 1",
+                 "func() takes x from 0 to 1, whatever the points are");
     }
     if (points.size() < kLeastControlPoints) {
       file_.warn(line.rangeFrom(lineBegin), context() + " has fewer than 4 points; it is 0 everywhere");
@@ -156,14 +169,6 @@ void skipToNextItem(TextCursor& cursor) {
   }
 }
 
-SplineFunction namedByMacro(SplineFunction function) {
-  const std::size_t point = function.name().rfind('.');
-  if (point != std::string::npos) {
-    function.setName(function.name().substr(0, point));
-  }
-  return function;
-}
-
 }  // namespace
 
 SplineFunction zeroFunction() {
@@ -201,11 +206,11 @@ std::vector<SplineFunction> readFunctionSet(const DataFile& file, core::Compatib
       file.warnExpected(cursor, "fewer points", "the files of one view file");
       break;
     }
-    std::optional<SplineFunction> function = FunctionReader(file, cursor).read(std::nullopt);
+    std::optional<SplineFunction> function = FunctionReader(file, cursor).read(kOldSamplesOfSets);
     if (!function && compatibility == core::Compatibility::Espalier) {
       skipToNextItem(cursor);
     }
-    functions.push_back(function ? namedByMacro(std::move(*function)) : zeroFunction());
+    functions.push_back(function ? std::move(*function) : zeroFunction());
   }
   return functions;
 }

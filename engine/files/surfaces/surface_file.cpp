@@ -43,6 +43,12 @@ class SurfaceReader {
   explicit SurfaceReader(const DataFile& file) : file_(file), cursor_(file.cursor()) {}
 
   bool readHead(Placement& placement) {
+    if (cursor_.rest().starts_with("VERSION stedit")) {
+      file_.warn({0, 14},
+                 "the surface is in the format of the editor stedit, which the reference program does not read",
+                 "save it in the format of surfaces; until then it is undefined and draws nothing");
+      return false;
+    }
     // the bounding box is not used
     for (int i = 0; i < 6; ++i) {
       double ignored = 0.0;

@@ -305,8 +305,7 @@ TEST(Compiler, SourcesHoldEveryFileAndTheHashFollowsThem) {
 }
 
 TEST(Compiler, FunctionSetsDefineMacrosExceptInBatchMode) {
-  const std::string function =
-      "fver 1 1\nname: grow.rate\nsamples: 10\nflip: off\npoints: 4\n0 0\n0.3 0.3\n0.7 0.7\n1 1\n";
+  const std::string function = "fver 1 1\nname: grow\nsamples: 10\nflip: off\npoints: 4\n0 0\n0.3 0.3\n0.7 0.7\n1 1\n";
   const auto indexOf = [&](Compatibility mode) {
     core::MemoryFileProvider files({{"m.l", model("A(n) --> B(grow)")},
                                     {"m.v", "function set: f.fset\n"},
@@ -322,6 +321,24 @@ TEST(Compiler, FunctionSetsDefineMacrosExceptInBatchMode) {
   };
   EXPECT_EQ(indexOf(Compatibility::Cpfg), 1.0);
   EXPECT_EQ(indexOf(Compatibility::CpfgBatch), -1.0);
+}
+
+TEST(Compiler, AFunctionOfASetWhoseNameHasAPointIsNoMacro) {
+  core::MemoryFileProvider files(
+      {{"m.l", model("A(n) --> B(grow)")},
+       {"m.v", "function set: f.fset\n"},
+       {"f.fset",
+        "funcgalleryver 1 1\nitems: 1\nfver 1 1\nname: grow.func\nsamples: 10\nflip: off\npoints: 4\n0 0\n0.3 "
+        "0.3\n0.7 0.7\n1 1\n"}});
+  CompileInput input;
+  input.modelFile = "m.l";
+  input.viewFile = "m.v";
+  const CompileResult result = compile(input, files);
+  ASSERT_NE(result.program, nullptr);
+  const Messages found = briefs(result.diagnostics);
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_TRUE(found[0].starts_with("0:0: warning: 'grow.func' cannot be defined: it is not a macro name")) << found[0];
+  EXPECT_TRUE(found[1].starts_with("3:12: warning: unknown name 'grow'")) << found[1];
 }
 
 TEST(Compiler, CallersDefinesWinOverTheFile) {

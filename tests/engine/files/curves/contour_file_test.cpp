@@ -44,7 +44,11 @@ TEST(ContourFile, SkipsLinesThatEditorsAdd) {
 }
 
 TEST(ContourFile, ReadsTheOlderForms) {
-  EXPECT_TRUE(read("cver 1 1\nname: a\npoints: 3 3\ntype: closed\n1 0 0 1\n0 1 0 1\n-1 0 0 1\n").contour->isClosed);
+  for (const char* type : {"closed", "loop", "opened"}) {
+    const std::string text =
+        std::string("cver 1 1\nname: a\npoints: 3 3\ntype: ") + type + "\n1 0 0 1\n0 1 0 1\n-1 0 0 1\n";
+    EXPECT_TRUE(read(text).contour->isClosed) << type;
+  }
   EXPECT_FALSE(read("cver 1 2\nname: a\npoints: 2 4\ntype: or\n1 0 0 2\n0 1 0 2\n").contour->isClosed);
   const Read plain = read("3 2 closed\n1 0\n0 1\n-1 0\n");
   ASSERT_TRUE(plain.contour.has_value()) << plain.message;

@@ -104,9 +104,27 @@ TEST(FunctionFile, LargeNumbersAskForNoMemoryBeforeTheDataIsSeen) {
             "3:1 more than 10000 samples; 10000 are used");
 }
 
+TEST(FunctionFile, PointsThatDoNotGoFromZeroToOneAreNamed) {
+  const std::string head = "fver 1 1\nname: a\nsamples: 9\nflip: off\npoints: 5\n";
+  EXPECT_EQ(read(head + "0 0\n.3 1\n.7 1\n.6 1\n1 1\n").message, "9:1 x of function 'a' falls here");
+  EXPECT_EQ(read(head + "0 0\n.3 1\n.6 1\n.6 1\n1.1 1\n").message, "5:1 x of function 'a' does not go from 0 to 1");
+  EXPECT_EQ(read(head + "0.05 0\n.3 1\n.6 1\n.6 1\n1 1\n").message, "5:1 x of function 'a' does not go from 0 to 1");
+  EXPECT_EQ(read(head + "0 0\n.3 1\n.6 1\n.6 1\n1 1\n").message, "");
+}
+
+TEST(FunctionSet, OldFunctionsHaveATableOfOneHundredSamples) {
+  const std::string old = "range: 0 1\npoints: 4\n0 1\n0.3 1\n0.7 3\n1 3\n";
+  core::DiagnosticList diagnostics;
+  const DataFile file("s.fset", "funcgalleryver 1 1\nitems: 1\n" + old, diagnostics);
+  const std::vector<SplineFunction> functions = readFunctionSet(file, core::Compatibility::Espalier);
+  ASSERT_EQ(functions.size(), 1U);
+  EXPECT_EQ(functions[0].value(0.253), read(old, 100).function.value(0.253));
+  EXPECT_NE(functions[0].value(0.253), read(old).function.value(0.253));
+}
+
 constexpr const char* kSet =
     "funcgalleryver 1 1\nitems: 2\n"
-    "fver 1 1\nname: rise.func\nsamples: 100\nflip: off\npoints: 4\n0 1\n0.3 1\n0.7 3\n1 3\n"
+    "fver 1 1\nname: rise\nsamples: 100\nflip: off\npoints: 4\n0 1\n0.3 1\n0.7 3\n1 3\n"
     "fver 1 1\nname: Fall\nsamples: 100\nflip: off\npoints: 4\n0 2\n0.4 0.5\n0.6 0.25\n1 0\n";
 
 TEST(FunctionSet, ReadsItsFunctionsAndNamesThemByTheirMacros) {

@@ -51,6 +51,13 @@ void expectNear(const Vec3& value, const Vec3& expected) {
   EXPECT_NEAR(value.z, expected.z, 1e-12);
 }
 
+TEST(SurfaceFile, TheFormatOfAnotherEditorIsNamed) {
+  const Read result = read("VERSION stedit 1.0\n0 0 0 0 0 0\n");
+  EXPECT_FALSE(result.surface);
+  EXPECT_EQ(result.message,
+            "1:1 the surface is in the format of the editor stedit, which the reference program does not read");
+}
+
 // recorded from the reference program: HEADING (0.6,0.8,0), UP (0,0,1), end (1,0,0), SIZE 2, scale 1
 TEST(SurfaceFile, ObliqueHeadingSendsTheFilesAxesToItsFrame) {
   const Read result = read(surfaceText("X: 0.6 Y: 0.8 Z: 0", "X: 0 Y: 0 Z: 1", "X: 1 Y: 0 Z: 0", "2"));
