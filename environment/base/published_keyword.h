@@ -25,7 +25,8 @@ enum class PublishedKind : std::uint8_t {
 /// The input of PublishedKeyword::read: a line with its data rows, the folder's files, and the keys to set.
 struct PublishedLineInput {
   const PublishedLine& line;
-  std::span<const PublishedLine> before;  // the lines above it
+  std::span<const PublishedLine> all;     // the lines of the file
+  std::span<const PublishedLine> before;  // those above `line`
   const std::string& file;                // of the specification: files it names lie beside it
   core::FileProvider& files;
   ConfigurationValues& values;

@@ -32,7 +32,8 @@ class SpecificationReader {
     const std::vector<PublishedLine> lines = readPublishedLines(file, text, warnings_);
     for (std::size_t i = 0; i < lines.size(); ++i) {
       const PublishedLine& line = lines[i];
-      before_ = std::span(lines).first(i);
+      lines_ = lines;
+      before_ = lines_.first(i);
       const auto keyword = std::find_if(process_.publishedKeywords.begin(), process_.publishedKeywords.end(),
                                         [&](const PublishedKeyword& k) { return k.keyword == line.keyword; });
       if (keyword != process_.publishedKeywords.end()) {
@@ -80,8 +81,13 @@ class SpecificationReader {
            {});
       return;
     }
+    if (std::any_of(numbers.begin(), numbers.end(), [](double n) { return !std::isfinite(n); })) {
+      errors_.push_back({Severity::Error, "'" + line.keyword + "' has a number that is too large", valueLocation(line),
+                         "write a number below 1e308"});
+      return;
+    }
     if (!areWhole || numbers.size() != keyword.count) {
-      warnOfNumbers(line, keyword, numbers);
+      warnOfNumbers(line, keyword, numbers, areWhole);
     }
     setNumbers(line, keyword, std::move(numbers));
   }
@@ -104,14 +110,20 @@ class SpecificationReader {
   }
 
   /// What is dropped, and what is left at its default.
-  void warnOfNumbers(const PublishedLine& line, const PublishedKeyword& keyword, const std::vector<double>& numbers) {
+  void warnOfNumbers(const PublishedLine& line, const PublishedKeyword& keyword, const std::vector<double>& numbers,
+                     bool areWhole) {
     std::string used;
     for (std::size_t i = 0; i < std::min(numbers.size(), keyword.count); ++i) {
       used += (i == 0 ? "" : " ") + numberText(numbers[i]);
     }
-    std::string message = "'" + line.keyword + "': '" + line.value + "' is read as '" + used + "'";
-    if (numbers.size() < keyword.count) {
-      message += keyword.count == 1 ? ", so the default counts" : ", so the defaults of the other numbers count";
+    const bool areMissing = numbers.size() < keyword.count;
+    std::string message = "'" + line.keyword + "'";
+    if (!areWhole || !areMissing) {
+      message += ": '" + line.value + "' is read as '" + used + "'" + (areMissing ? "; it" : "");
+    }
+    if (areMissing) {
+      message += " has " + std::to_string(numbers.size()) + " of " + std::to_string(keyword.count) +
+                 (keyword.count == 1 ? " number: the default counts" : " numbers: the others keep their defaults");
     }
     warn(valueLocation(line), std::move(message),
          "expected " + (keyword.count == 1 ? "a number" : std::to_string(keyword.count) + " numbers"));
@@ -154,7 +166,7 @@ class SpecificationReader {
   void readOwn(const std::string& file, const PublishedLine& line, const PublishedKeyword& keyword) {
     ConfigurationValues read;
     std::string dropped;
-    const std::string problem = keyword.read(PublishedLineInput{line, before_, file, files_, read, dropped});
+    const std::string problem = keyword.read(PublishedLineInput{line, lines_, before_, file, files_, read, dropped});
     if (!dropped.empty()) {
       warn(valueLocation(line), "'" + line.keyword + "' " + dropped, {});
     }
@@ -177,7 +189,8 @@ class SpecificationReader {
   std::vector<Diagnostic>& warnings_;
   std::vector<Diagnostic>& errors_;
   Specification specification_;
-  std::span<const PublishedLine> before_;  // the lines above the one that is read
+  std::span<const PublishedLine> lines_;   // of the file that is read
+  std::span<const PublishedLine> before_;  // those above the present one
 };
 
 }  // namespace

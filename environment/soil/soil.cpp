@@ -94,9 +94,11 @@ constexpr std::array kKeys{
                      .description = "stop the diffusion of a step when no cell changes by as much; 0: never",
                      .minimum = 0.0},
     ConfigurationKey{.name = "relaxationFactor",
-                     .description = "part of the way to the mean of the neighbours in a diffusion step",
+                     .description =
+                         "part of the way to the mean of the neighbours in a diffusion step; above 1 only when "
+                         "compatible",
                      .minimum = 0.0,
-                     .maximum = 1.0,
+                     .maximum = 2.0,
                      .defaultNumber = 0.5},
     ConfigurationKey{.name = "layerThicknesses",
                      .kind = KeyKind::Numbers,
@@ -378,6 +380,10 @@ ProcessOrErrors makeSoil(const Configuration& configuration) {
                       " layer thicknesses and " + std::to_string(configuration.numbers("geotropicAngles").size()) +
                       " geotropic angles",
                   "give one angle for each layer");
+  }
+  if (configuration.number("relaxationFactor") > 1.0 && !isCompatible) {
+    return refuse("soil", "'relaxationFactor' is above 1, so cells would give more than they hold",
+                  "write a number from 0 to 1");
   }
   if (configuration.integer("diffusionSteps") < 0 && configuration.number("diffusionTolerance") == 0.0 &&
       !isCompatible) {

@@ -165,7 +165,20 @@ std::string readThicknesses(const PublishedLineInput& input) {
 }
 
 std::string readAngles(const PublishedLineInput& input) {
-  input.values.insert_or_assign("geotropicAngles", readPublishedNumbers(input.line.value));
+  // without thicknesses there is the one layer of the defaults
+  std::size_t layerCount = 1;
+  for (const PublishedLine& line : input.all) {
+    if (line.keyword == "layer thicknesses") {
+      layerCount = readPublishedNumbers(line.value, nullptr, kSumSeparators).size();
+    }
+  }
+  std::vector<double> angles = readPublishedNumbers(input.line.value);
+  if (angles.size() > layerCount) {
+    input.dropped = "has " + std::to_string(angles.size()) + " angles for " + std::to_string(layerCount) +
+                    " layers: the others are ignored";
+    angles.resize(layerCount);
+  }
+  input.values.insert_or_assign("geotropicAngles", std::move(angles));
   return {};
 }
 

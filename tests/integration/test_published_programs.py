@@ -190,7 +190,7 @@ class PublishedPrograms(unittest.TestCase):
             box, corner = [decimal(draw, 1, 6) for _ in range(3)], [decimal(draw, -3, 0) for _ in range(3)]
             values = [[[decimal(draw, -0.2, 2.3) for _ in range(nx)] for _ in range(ny)] for _ in range(nz)]
             more: Dict[str, Any] = {"kinds": draw.random() < 0.5, "depletes": draw.random() < 0.7,
-                                    "omega": draw.choice([0.3, 0.5, 1])}
+                                    "omega": draw.choice([0.3, 0.5, 1, 1.3])}
             text = (f"domain size: {' '.join(map(str, box))}\nposition: {' '.join(map(str, corner))}\n"
                     f"relaxation factor: {more['omega']}\n" + ("" if more["depletes"] else "depletion: off\n")
                     + ("obstacles and sources: on\n" if more["kinds"] else "") + f"array: {nx} {ny} {nz} 0 2\n")
@@ -218,7 +218,7 @@ class PublishedPrograms(unittest.TestCase):
         def make(draw: Draw) -> Tuple[str, Any, Places]:
             n, span = draw.randint(4, 13), draw.choice([3, 5, 7.5])
             more: Dict[str, Any] = {"spread": draw.choice([0.5, 1, 1.5]), "depth": draw.randint(1, 5),
-                                    "c1": draw.choice([0.58, 1.4]), "c2": draw.choice([2, 6.9]), "randomness": draw.choice([0, 0.25]),
+                                    "c1": draw.choice([0.58, 1.4]), "c2": draw.choice([0.8, 2, 6.9]), "randomness": draw.choice([0, 0.25]),
                                     "bias": draw.choice([0, 0.5]), "radius": draw.choice([0.5, 1.6])}
             text = (f"grid size: {n}\ngrid span: {span}\nshadow spread: {more['spread']}\nshadow depth: {more['depth']}\n"
                     f"shadow weight: {more['c1']}\nshadow dissipation: {more['c2']}\nlight randomness: {more['randomness']}\n"

@@ -128,7 +128,14 @@ TEST(PublishedEnvironment, WhatIsDroppedOfNumbersIsAWarning) {
   EXPECT_EQ(firstWarning("clover", "grid size: 100x100view"),
             "m/model.spec:1:12: warning: 'grid size': '100x100view' is read as '100 100'");
   EXPECT_EQ(firstWarning("clover", "grid size: 4x"),
-            "m/model.spec:1:12: warning: 'grid size': '4x' is read as '4', so the defaults of the other numbers count");
+            "m/model.spec:1:12: warning: 'grid size' has 1 of 2 numbers: the others keep their defaults");
+  EXPECT_EQ(firstWarning("chiba", "grid size: 4view"),
+            "m/model.spec:1:12: warning: 'grid size': '4view' is read as '4'; it has 1 of 3 numbers: the others keep "
+            "their defaults");
+  EXPECT_EQ(firstWarning("honda81", "radius:"),
+            "m/model.spec:1:1: warning: 'radius' has 0 of 1 number: the default counts");
+  EXPECT_EQ(firstWarning("soil", "geotropic angles: 1 2 3\nlayer thicknesses: 1+2\n"),
+            "m/model.spec:1:19: warning: 'geotropic angles' has 3 angles for 2 layers: the others are ignored");
   EXPECT_EQ(firstWarning("chiba", "source direction: 0 1 0"),
             "m/model.spec:1:19: warning: 'source direction' needs 4 numbers, found 3: the line is dropped");
   EXPECT_EQ(firstWarning("chiba", "radius: 1\n5 6\n"),
@@ -153,6 +160,9 @@ TEST(PublishedEnvironment, WrongValuesAreLocatedInTheSpecification) {
   EXPECT_EQ(load({{"m/model.e", kHonda}, {"m/model.spec", "radius: -2\n"}}).errors,
             "m/model.spec:1:9: error: environment process 'honda': 'radius' must be at least 0, found -2\n"
             "    1 | radius: -2\n      |         ^~\n   hint: radius: distance up to which tips collide");
+  EXPECT_EQ(load({{"m/model.e", kHonda}, {"m/model.spec", "radius: 1e999\n"}}).errors,
+            "m/model.spec:1:9: error: 'radius' has a number that is too large\n"
+            "    1 | radius: 1e999\n      |         ^~~~~\n   hint: write a number below 1e308");
 }
 
 TEST(PublishedEnvironment, WhatFollowsTheValuesIsIgnoredWithAWarning) {
