@@ -1,11 +1,11 @@
-#include "tests/conformance/string_comparison.h"
+#include "clients/espalier/conformance/string_comparison.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
 
-namespace espalier::test {
+namespace espalier::conformance {
 namespace {
 
 // how far two numbers are apart, as a share of what the tolerance allows; beyond 1 they differ
@@ -99,4 +99,4 @@ std::optional<std::string> firstDifference(std::string_view expected, std::strin
   return std::nullopt;
 }
 
-}  // namespace espalier::test
+}  // namespace espalier::conformance

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-namespace espalier::test {
+namespace espalier::conformance {
 
 /// One module of a string in text form: a symbol of one character and its parameters.
 struct TextModule {
@@ -36,4 +36,4 @@ struct Deviation {
 [[nodiscard]] std::optional<std::string> firstDifference(std::string_view expected, std::string_view actual,
                                                          const Tolerance& tolerance, Deviation& largest);
 
-}  // namespace espalier::test
+}  // namespace espalier::conformance
