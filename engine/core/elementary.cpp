@@ -109,7 +109,40 @@ double upperAngle(double y, double x) {
   return angleOf(y, x, isLeft);
 }
 
+/// The root of x^2 + y^2 for x >= y > 0 with moderate exponents, with what the root squared is too much taken off.
+double correctedRoot(double x, double y) {
+  const double root = std::sqrt(x * x + y * y);
+  double excess = 0.0;
+  if (root <= 2.0 * y) {
+    const double rest = root - y;
+    excess = x * (2.0 * rest - x) + (rest - 2.0 * (x - y)) * rest;
+  } else {
+    const double rest = root - x;
+    excess = 2.0 * rest * (x - 2.0 * y) + ((4.0 * rest - y) * y + rest * rest);
+  }
+  return root - excess / (2.0 * root);
+}
+
 }  // namespace
+
+double hypot(double x, double y) {
+  constexpr double kFar = 0x1p60;
+  if (std::isinf(x) || std::isinf(y)) {
+    return std::numeric_limits<double>::infinity();
+  }
+  const double larger = std::max(std::fabs(x), std::fabs(y));
+  const double smaller = std::min(std::fabs(x), std::fabs(y));
+  if (std::isnan(x) || std::isnan(y) || smaller == 0.0 || larger > kFar * smaller) {
+    return std::fabs(x) + std::fabs(y);
+  }
+  if (larger > 0x1p500) {
+    return 0x1p600 * correctedRoot(0x1p-600 * larger, 0x1p-600 * smaller);
+  }
+  if (smaller < 0x1p-450) {
+    return 0x1p-600 * correctedRoot(0x1p600 * larger, 0x1p600 * smaller);
+  }
+  return correctedRoot(larger, smaller);
+}
 
 double atan2(double y, double x) {
   if (std::isnan(x) || std::isnan(y)) {

@@ -13,6 +13,7 @@
 #include <numbers>
 #include <vector>
 
+#include "engine/core/elementary.h"
 #include "environment/base/process_entry.h"
 #include "environment/base/replies.h"
 #include "environment/competition/tip_field.h"
@@ -228,9 +229,9 @@ class Density final : public turtle::EnvironmentProcess {
       replies.set(queries, query, 2, answer.y);
       return;
     }
-    const double degrees = std::atan2(answer.y, answer.x) * 180.0 / std::numbers::pi;
+    const double degrees = core::atan2(answer.y, answer.x) * 180.0 / std::numbers::pi;
     replies.set(queries, query, 1, degrees < 0.0 ? degrees + 360.0 : degrees);
-    replies.set(queries, query, 2, std::hypot(answer.x, answer.y));
+    replies.set(queries, query, 2, core::hypot(answer.x, answer.y));
   }
 
   bool isOnePoint_;

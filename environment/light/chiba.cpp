@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/core/elementary.h"
 #include "environment/base/process_entry.h"
 #include "environment/base/replies.h"
 #include "environment/geometry/grid_keys.h"
@@ -103,7 +104,7 @@ double commonArea(double r1, double r2, double d) {
   const double d1 = (d * d + r1 * r1 - r2 * r2) / (2.0 * d);
   const double d2 = d - d1;
   const auto segment = [](double r, double h) {
-    return r * r * std::acos(std::clamp(h / r, -1.0, 1.0)) - h * std::sqrt(std::max(r * r - h * h, 0.0));
+    return r * r * core::acos(std::clamp(h / r, -1.0, 1.0)) - h * std::sqrt(std::max(r * r - h * h, 0.0));
   };
   return segment(r1, d1) + segment(r2, d2);
 }
@@ -125,8 +126,8 @@ class Chiba final : public turtle::EnvironmentProcess {
     }
     normaliseLight(sources_);
     // the finest unit with which the chords that make darkness can still be added up
-    const double longest = transmittance_ < 1.0 ? std::log(kDarkness) / std::log(transmittance_) : 1.0;
-    diameter_ = std::exp2(std::clamp(61.0 - std::ceil(std::log2(std::max(longest, 1.0))), 40.0, 56.0));
+    const double longest = transmittance_ < 1.0 ? core::log(kDarkness) / core::log(transmittance_) : 1.0;
+    diameter_ = core::exp2(std::clamp(61.0 - std::ceil(core::log2(std::max(longest, 1.0))), 40.0, 56.0));
     limit_ =
         transmittance_ < 1.0 ? static_cast<std::int64_t>(std::min(longest * diameter_, 0x1p62)) : RaySums::kMostLimit;
   }
@@ -210,7 +211,7 @@ class Chiba final : public turtle::EnvironmentProcess {
                      answers[index] = answerFrom([&](const Vec3&) {
                        const std::int64_t sum = sums[k++];
                        const double light =
-                           sum == 0 ? 1.0 : std::pow(transmittance_, static_cast<double>(sum) / diameter_);
+                           sum == 0 ? 1.0 : core::pow(transmittance_, static_cast<double>(sum) / diameter_);
                        return sum != RaySums::kBeyond && light > kDarkness ? light : 0.0;
                      });
                    });

@@ -11,6 +11,7 @@
 #include <optional>
 #include <vector>
 
+#include "engine/core/elementary.h"
 #include "environment/base/process_entry.h"
 #include "environment/base/replies.h"
 #include "environment/geometry/raster.h"
@@ -101,7 +102,7 @@ class Clover final : public turtle::EnvironmentProcess {
     double light = 0.0;
     double second = 0.0;
     if (cell) {
-      light = raster_.lightOf(*cell) / 255.0 * std::pow(transmittance_, std::max(leaves_[*cell], 0));
+      light = raster_.lightOf(*cell) / 255.0 * core::pow(transmittance_, std::max(leaves_[*cell], 0));
       second = raster_.secondOf(*cell) / 128.0;
     }
     replies.set(queries, query, 0, light);

@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "engine/core/elementary.h"
 #include "engine/core/random.h"
 #include "environment/base/process_entry.h"
 #include "environment/base/replies.h"
@@ -121,8 +122,8 @@ class Shadow final : public turtle::EnvironmentProcess {
     const std::int64_t last = (parameters_.depth - 1) * (parameters_.depth - 1) + 2 * reach * reach;
     for (std::int64_t squared = 0; squared <= last; ++squared) {
       const double distance = std::sqrt(static_cast<double>(squared));
-      const double factor = 1.0 - parameters_.weight * std::pow(parameters_.dissipation, -distance);
-      darknessOf_.push_back(factor > 0.0 ? static_cast<Darkness>(std::llround(-std::log2(factor) * kDarknessUnit))
+      const double factor = 1.0 - parameters_.weight * core::pow(parameters_.dissipation, -distance);
+      darknessOf_.push_back(factor > 0.0 ? static_cast<Darkness>(std::llround(-core::log2(factor) * kDarknessUnit))
                                          : kDark);
     }
   }
@@ -209,7 +210,7 @@ class Shadow final : public turtle::EnvironmentProcess {
 
   [[nodiscard]] double lightOfVoxel(std::int64_t x, std::int64_t y, std::int64_t z) const {
     const Darkness darkness = grid_.get(x, y, z);
-    return darkness == 0 ? 1.0 : std::exp2(-static_cast<double>(darkness) / kDarknessUnit);
+    return darkness == 0 ? 1.0 : core::exp2(-static_cast<double>(darkness) / kDarknessUnit);
   }
 
   [[nodiscard]] double lightAt(const Vec3& point) const {

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <numbers>
+
+#include "engine/core/elementary.h"
 
 namespace espalier::environment {
 
@@ -44,8 +45,8 @@ Turn leastTurn(const SoilField& field, const Vec3& from, double length, const Ve
 }  // namespace
 
 Vec3 rotated(const Vec3& v, const Vec3& axis, double radians) {
-  const double c = std::cos(radians);
-  const double s = std::sin(radians);
+  const double c = core::cos(radians);
+  const double s = core::sin(radians);
   return v * c + core::cross(axis, v) * s + axis * (core::dot(axis, v) * (1.0 - c));
 }
 

@@ -141,6 +141,27 @@ std::vector<std::string> inputAndOutput(const std::vector<SourceFile>& files) {
   return breaches;
 }
 
+std::vector<std::string> elementaryFunctionsOfTheCLibrary(const std::vector<SourceFile>& files) {
+  static const std::regex kFunctions(
+      R"(std::(a?(sin|cos|tan)h?|atan2|exp2?|expm1|log(2|10|1p)?|pow|hypot|cbrt|erfc?|[lt]gamma)\s*\()");
+  std::vector<std::string> breaches;
+  for (const SourceFile& file : files) {
+    const bool isHeld = startsWith(file.name, "engine/") || startsWith(file.name, "environment/") ||
+                        startsWith(file.name, "server/remote/") || startsWith(file.name, "clients/espalier/");
+    const bool isExempt =
+        startsWith(file.name, "engine/core/elementary.") || file.name.find("/published_") != std::string::npos;
+    if (!isCpp(file) || !isHeld || isExempt) {
+      continue;
+    }
+    const std::string code = withoutCommentsAndLiterals(file.text);
+    for (auto match = std::sregex_iterator(code.begin(), code.end(), kFunctions); match != std::sregex_iterator();
+         ++match) {
+      breaches.push_back(file.name + " uses " + match->str() + "): use core:: of engine/core/elementary.h");
+    }
+  }
+  return breaches;
+}
+
 std::vector<std::string> longFiles(const std::vector<SourceFile>& files) {
   constexpr std::ptrdiff_t kMostLines = 700;
   std::vector<std::string> breaches;

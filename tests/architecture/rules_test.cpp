@@ -37,6 +37,10 @@ TEST(Architecture, EngineEnvironmentAndProtocolDoNoInputOrOutput) {
   EXPECT_EQ(lines(inputAndOutput(tree())), "");
 }
 
+TEST(Architecture, OwnModeUsesNoElementaryFunctionOfTheCLibrary) {
+  EXPECT_EQ(lines(elementaryFunctionsOfTheCLibrary(tree())), "");
+}
+
 TEST(Architecture, CodeFilesAreShort) {
   EXPECT_EQ(lines(longFiles(tree())), "");
 }
@@ -98,6 +102,17 @@ TEST(ArchitectureRules, TalkingAboutPrintingIsNoBreach) {
   EXPECT_EQ(inputAndOutput({{"engine/core/a.cpp",
                              "// printf(x)\n/* std::cout */ auto a = \"printf(\"; int b = 1'000; snprintf(c, d);"},
                             {"server/a.cpp", "#include <iostream>\n"}}),
+            Breaches{});
+}
+
+TEST(ArchitectureRules, ElementaryFunctionOfTheCLibraryIsSeen) {
+  EXPECT_EQ(elementaryFunctionsOfTheCLibrary({{"environment/a.cpp", "double b = std::sin(a) + std::log10 (a);"}}),
+            (Breaches{"environment/a.cpp uses std::sin(): use core:: of engine/core/elementary.h",
+                      "environment/a.cpp uses std::log10 (): use core:: of engine/core/elementary.h"}));
+  EXPECT_EQ(elementaryFunctionsOfTheCLibrary({{"environment/light/published_a.cpp", "std::sin(a)"},
+                                              {"engine/core/elementary.h", "std::sin(a)"},
+                                              {"server/a.cpp", "std::sin(a)"},
+                                              {"engine/a.cpp", "core::sin(a) + std::sqrt(a); // std::sin(a)"}}),
             Breaches{});
 }
 

@@ -1,8 +1,8 @@
-#include "tests/conformance/string_comparison.h"
+#include "clients/espalier/conformance/string_comparison.h"
 
 #include <gtest/gtest.h>
 
-namespace espalier::test {
+namespace espalier::conformance {
 namespace {
 
 const Tolerance kTolerance;
@@ -10,7 +10,7 @@ const Tolerance kTolerance;
 std::optional<std::string> firstDifference(std::string_view expected, std::string_view actual,
                                            const Tolerance& tolerance) {
   Deviation largest;
-  return test::firstDifference(expected, actual, tolerance, largest);
+  return conformance::firstDifference(expected, actual, tolerance, largest);
 }
 
 TEST(StringComparison, EqualStringsAgree) {
@@ -29,12 +29,13 @@ TEST(StringComparison, NumbersAgreeWithinTheTolerance) {
 TEST(StringComparison, TheLargestAcceptedDeviationIsKept) {
   // 1e-5 of 2 and 1e-6 allow 2.1e-5: 1e-5 is a share of 10/21 of it; the other numbers are equal or closer
   Deviation largest;
-  EXPECT_EQ(test::firstDifference("A(1,2)B(7)C", "A(1,2.00001)B(7.000001)C", {1e-5, 1e-6}, largest), std::nullopt);
+  EXPECT_EQ(conformance::firstDifference("A(1,2)B(7)C", "A(1,2.00001)B(7.000001)C", {1e-5, 1e-6}, largest),
+            std::nullopt);
   EXPECT_NEAR(largest.share, 10.0 / 21.0, 1e-5);
   EXPECT_EQ(largest.place, "module 0: expected A(1,2), actual A(1,2.00001)");
   // a smaller one later changes nothing, and neither does one that is not accepted
-  EXPECT_EQ(test::firstDifference("D(1)", "D(1.000001)", {1e-5, 1e-6}, largest), std::nullopt);
-  EXPECT_NE(test::firstDifference("D(1)", "D(2)", {1e-5, 1e-6}, largest), std::nullopt);
+  EXPECT_EQ(conformance::firstDifference("D(1)", "D(1.000001)", {1e-5, 1e-6}, largest), std::nullopt);
+  EXPECT_NE(conformance::firstDifference("D(1)", "D(2)", {1e-5, 1e-6}, largest), std::nullopt);
   EXPECT_EQ(largest.place, "module 0: expected A(1,2), actual A(1,2.00001)");
 }
 
@@ -80,4 +81,4 @@ TEST(StringComparison, DigitsAndPunctuationOutsideParametersAreSymbols) {
 }
 
 }  // namespace
-}  // namespace espalier::test
+}  // namespace espalier::conformance

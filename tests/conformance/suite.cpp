@@ -24,15 +24,6 @@ struct Recording {
   std::string failure;  // empty: ran to its end
 };
 
-std::vector<std::string> split(const std::string& text, char separator) {
-  std::vector<std::string> parts;
-  std::istringstream stream(text);
-  for (std::string part; std::getline(stream, part, separator);) {
-    parts.push_back(part);
-  }
-  return parts;
-}
-
 std::string firstMessage(const std::vector<core::Diagnostic>& diagnostics) {
   for (const core::Diagnostic& diagnostic : diagnostics) {
     if (diagnostic.severity == core::Severity::Error) {
@@ -119,34 +110,9 @@ Recording record(const ConformanceCase& entry, core::Compatibility compatibility
 
 // compares recorded strings with a file of `step TAB string` lines
 std::string compareWithFile(const std::vector<std::string>& strings, const std::string& file, const char* which,
-                            const Tolerance& tolerance, Deviation& largest) {
+                            const conformance::Tolerance& tolerance, Deviation& largest) {
   const std::optional<std::string> text = readFile(file);
-  if (!text) {
-    return "cannot read " + file;
-  }
-  const std::vector<std::string> lines = split(*text, '\n');
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    const std::size_t tab = lines[i].find('\t');
-    const std::string expected = tab == std::string::npos ? "" : lines[i].substr(tab + 1);
-    const std::string step = std::string(which) + " string of step " + std::to_string(i);
-    if (i >= strings.size()) {
-      return step + ": missing, the run ended before";
-    }
-    Deviation deviation;
-    const auto difference = firstDifference(expected, strings[i], tolerance, deviation);
-    if (deviation.share > largest.share) {
-      largest = {deviation.share, step + ", " + deviation.place};
-    }
-    if (difference) {
-      return step + ": " + *difference + "\n  expected: " + expected.substr(0, 600) +
-             "\n  actual:   " + strings[i].substr(0, 600);
-    }
-  }
-  if (strings.size() != lines.size()) {
-    return std::string(which) + " strings: expected " + std::to_string(lines.size()) + " steps, actual " +
-           std::to_string(strings.size());
-  }
-  return {};
+  return text ? conformance::compareSteps(strings, *text, which, tolerance, largest) : "cannot read " + file;
 }
 
 }  // namespace
@@ -164,25 +130,11 @@ std::vector<ConformanceCase> readCases() {
   if (!table) {
     throw std::runtime_error("cannot read " + casesFolder() + "/cases.tsv");
   }
-  std::vector<ConformanceCase> cases;
-  for (const std::string& line : split(*table, '\n')) {
-    const std::vector<std::string> column = split(line, '\t');
-    if (column.size() < 6 || column[0] == "case") {
-      continue;
-    }
-    ConformanceCase entry;
-    entry.name = column[0];
-    entry.kind = column[1];
-    entry.steps = std::stoull(column[2]);
-    // the usual tolerance is relative, any other is absolute
-    if (column[3] != "1e-5") {
-      entry.tolerance = {.relative = 0.0, .absolute = std::stod(column[3])};
-    }
-    entry.isQuirk = column[4] == "yes";
-    entry.hasTurtleFile = column[5] == "yes";
-    cases.push_back(std::move(entry));
+  const auto cases = conformance::readCases(*table);
+  if (!cases) {
+    throw std::runtime_error("a line of cases.tsv has too few columns");
   }
-  return cases;
+  return *cases;
 }
 
 std::map<std::string, std::string> readExceptions(const std::string& file) {
@@ -191,7 +143,8 @@ std::map<std::string, std::string> readExceptions(const std::string& file) {
     throw std::runtime_error("cannot read " + file);
   }
   std::map<std::string, std::string> exceptions;
-  for (const std::string& line : split(*text, '\n')) {
+  std::istringstream lines(*text);
+  for (std::string line; std::getline(lines, line);) {
     if (line.empty() || line[0] == '#') {
       continue;
     }

@@ -1,28 +1,16 @@
 #pragma once
 
 #include <map>
-#include <ostream>
 #include <string>
 #include <vector>
 
+#include "clients/espalier/conformance/suite_cases.h"
 #include "engine/core/identifiers.h"
-#include "tests/conformance/string_comparison.h"
 
 namespace espalier::test {
 
-/// One line of cases/cases.tsv.
-struct ConformanceCase {
-  std::string name;
-  std::string kind;  // deterministic, stochastic, random, environment
-  std::uint64_t steps = 0;
-  Tolerance tolerance;
-  bool isQuirk = false;
-  bool hasTurtleFile = false;
-};
-
-inline std::ostream& operator<<(std::ostream& stream, const ConformanceCase& entry) {
-  return stream << entry.name;
-}
+using conformance::ConformanceCase;
+using conformance::Deviation;
 
 /// All cases of the suite in the order of the table. Throws std::runtime_error when the table cannot be read.
 [[nodiscard]] std::vector<ConformanceCase> readCases();

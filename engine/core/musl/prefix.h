@@ -22,7 +22,6 @@
 #define exp espalier_musl_exp
 #define exp2 espalier_musl_exp2
 #define expm1 espalier_musl_expm1
-#define hypot espalier_musl_hypot
 #define log espalier_musl_log
 #define log10 espalier_musl_log10
 #define log1p espalier_musl_log1p
@@ -61,7 +60,6 @@ double log1p(double);
 double log2(double);
 double sin(double);
 double tan(double);
-double hypot(double, double);
 double pow(double, double);
 double scalbn(double, int);
 
