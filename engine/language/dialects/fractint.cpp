@@ -296,6 +296,7 @@ class FractintReader {
         at = end;
         result.make(symbol == '<' ? ";" : ",", offset);
         if (!digits.empty()) {
+          addsNumbers_ = true;
           result.make("(" + cpfgNumber(count) + ")", offset);
         }
         usesColour_ = true;
@@ -357,7 +358,14 @@ class FractintReader {
     }
     draw('@', "@Di(x)");
     // half a turn, or the largest smaller turn of whole parts, clockwise even for a turtle on its back
-    draw('|', ignoresParts ? "*" : parts % 2 == 0 ? "+(180)" : "@Z(" + cpfgNumber(-(parts / 2) * 360.0 / parts) + ")");
+    const std::string part = cpfgNumber(parts / 2 * 360.0 / parts);
+    const bool isClockwise = parts % 2 != 0 && used_.count('!') > 0;
+    if (isClockwise && used_.count('|') > 0 && !ignoresParts) {
+      model_.ownDrawing.emplace_back("| --> @Z(-" + part + ")", offset);
+      model_.needs.emplace_back("turn in the plane of the picture, which | makes whatever ! has exchanged");
+    } else {
+      draw('|', ignoresParts ? "*" : (parts % 2 == 0 ? "+(" : "-(") + part + ")");
+    }
     // the turtle on its back has left and right exchanged
     draw('!', hasTwo ? "/(180)@X/(180)@X" : "/(180)");
     if (parametric_.count('C') > 0) {
@@ -372,8 +380,12 @@ class FractintReader {
     }
     if (usesColour_) {
       for (const auto& [symbol, sign] : {std::pair{';', ""}, std::pair{',', "-"}}) {
-        model_.drawing.emplace_back(std::string(1, symbol) + " --> @C(" + sign + "1)", offset);
-        model_.drawing.emplace_back(std::string(1, symbol) + "(x) --> @C(" + sign + "x)", offset);
+        model_.ownDrawing.emplace_back(std::string(1, symbol) + " --> @C(" + sign + "1)", offset);
+        model_.ownDrawing.emplace_back(std::string(1, symbol) + "(x) --> @C(" + sign + "x)", offset);
+      }
+      model_.lost.emplace_back("that < and > skip color 0");
+      if (addsNumbers_) {
+        model_.needs.emplace_back("colour increment by a number, as in <3");
       }
     }
     if (hasTwo) {
@@ -396,6 +408,7 @@ class FractintReader {
   std::set<char> parametric_;            // with a number
   std::map<std::string, char> letters_;  // for the characters that cpfg cannot use as symbols
   bool usesColour_ = false;
+  bool addsNumbers_ = false;  // to the color
 };
 
 }  // namespace

@@ -18,6 +18,7 @@ namespace {
 constexpr std::array<std::string_view, 8> kWords{"recursion", "angle",     "thickness", "min_thickness",
                                                  "shape",     "switch_yz", "axiom",     "rule"};
 constexpr double kMostRecursion = 1e6;
+constexpr int kFirstGreen = 3;              // the turtle's colour of Lparser's color 2
 constexpr double kThicknessPercent = 10.0;  // of a file that gives none
 
 // 0 to 4 are documented; the others are Espalier's choice
@@ -51,7 +52,7 @@ constexpr std::array kDrawings = {
     Drawing{':', "@A(0.9)", "@A(x)"},
     Drawing{'?', "@W(1.4)", "@W(x)"},
     Drawing{'!', "@W(0.7)", "@W(x)"},
-    Drawing{'c', "@C(1)", ";(x)"},
+    Drawing{'c', ";", ";(x+1)"},  // the turtle's colour 0 is the background
 };
 
 // a line without its remark
@@ -308,9 +309,10 @@ class LparserReader {
     addDrawing();
     model_.viewCommands.push_back("initial line width: " + cpfgNumber(thickness_ / 100.0));
     model_.viewCommands.emplace_back("line style: cylinder");
-    model_.colour = 2;
-    for (int i = 0; i < 256; ++i) {
-      model_.palette[i] = kPalette[static_cast<std::size_t>(i) % kPalette.size()];
+    model_.colour = kFirstGreen;
+    model_.palette[0] = {255, 255, 255};
+    for (int i = 1; i < 256; ++i) {
+      model_.palette[i] = kPalette[static_cast<std::size_t>(i - 1) % kPalette.size()];
     }
     model_.lost.emplace_back("the colors of the numbers behind c");
   }
@@ -324,12 +326,21 @@ class LparserReader {
     for (const Drawing& drawing : kDrawings) {
       const char symbol = nameOf(drawing.symbol);
       drawn.insert(symbol);
+      const auto add = [&](const std::string& predecessor, std::string_view modules) {
+        // cpfg has no such commands
+        const bool isOwn = modules.starts_with("@A") || modules.starts_with("@W") || modules.starts_with("@B");
+        needsOwn_ = needsOwn_ || isOwn;
+        model_.drawing.emplace_back(predecessor + " --> " + std::string(modules), 0);
+      };
       if (plain_.contains(symbol)) {
-        model_.drawing.emplace_back(std::string(1, symbol) + " --> " + std::string(drawing.plain), 0);
+        add(std::string(1, symbol), drawing.plain);
       }
       if (withNumber_.contains(symbol)) {
-        model_.drawing.emplace_back(std::string(1, symbol) + "(x) --> " + std::string(drawing.withNumber), 0);
+        add(std::string(1, symbol) + "(x)", drawing.withNumber);
       }
+    }
+    if (needsOwn_) {
+      model_.needs.emplace_back("turtle commands that multiply angles and widths or bend down");
     }
     // a name of a rule that cpfg's turtle would obey
     std::set<char> silent;
@@ -352,6 +363,7 @@ class LparserReader {
   std::vector<Rule> rules_;
   double thickness_ = kThicknessPercent;
   bool hasAxiom_ = false;
+  bool needsOwn_ = false;
   std::set<char> rewritten_;
   std::set<char> plain_;          // cpfg symbols without a number
   std::set<char> withNumber_;     // with a number

@@ -50,7 +50,6 @@ struct LpyDraws {
 
 /// The hint of all messages about what needs Python.
 inline constexpr std::string_view kNeedsPython =
-    "Espalier reads the part of L-Py without Python objects; for the rest write the model's rules in the language of "
-    "docs/language.md and let the Python package (espalier) compute";
+    "write it with numbers only, or compute it with the Python package 'espalier'";
 
 }  // namespace espalier::language

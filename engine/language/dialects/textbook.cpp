@@ -582,7 +582,8 @@ class TextbookReader {
       draw("'", ";");
       model_.viewCommands.emplace_back("color increment: 20");
       if (uses('!')) {
-        draw("!", "@W(0.7)");
+        model_.ownDrawing.emplace_back("! --> @W(0.7)", 0);
+        model_.lost.emplace_back("that ! makes lines thinner");
       }
       return;
     }

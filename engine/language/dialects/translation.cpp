@@ -135,12 +135,16 @@ MappedText modelText(const CpfgModel& model, bool isAlone) {
     }
   }
   const bool writesTurns = isAlone && model.turnsByAngle;
-  if (!model.drawing.empty() || writesTurns) {
+  const bool writesOwn = !isAlone && !model.ownDrawing.empty();
+  if (!model.drawing.empty() || writesOwn || writesTurns) {
     text.make("homomorphism no warnings\n", 0);
     if (model.drawingDepth != 1) {
       text.make("maximum depth: " + std::to_string(model.drawingDepth) + "\n", 0);
     }
     for (const MappedText& production : model.drawing) {
+      addLine(text, production);
+    }
+    for (const MappedText& production : writesOwn ? model.ownDrawing : std::vector<MappedText>{}) {
       addLine(text, production);
     }
   }

@@ -70,6 +70,8 @@ struct CpfgModel {
   std::vector<MappedText> productions;  // without newlines; empty: nothing is rewritten
   std::vector<MappedText> decomposition;
   std::vector<MappedText> drawing;  // productions of the homomorphism: the drawing of the symbols
+  /// Productions of the homomorphism with turtle commands that cpfg does not have; `lost` or `needs` names them.
+  std::vector<MappedText> ownDrawing;
   std::uint32_t decompositionDepth = 1;
   std::uint32_t drawingDepth = 1;
 

@@ -52,7 +52,8 @@ TEST(Fractint, ColoursAreThoseOfTheScreen) {
 TEST(Fractint, TurnsRoundByWholePartsAndExchangesLeftAndRight) {
   EXPECT_NE(cpfgText(entry("angle 8\naxiom f|f!f\n")).find("| --> +(180)\n! --> /(180)\n"), std::string::npos);
   // an odd number of parts: towards '-', whatever '!' has exchanged
-  EXPECT_NE(cpfgText(entry("angle 5\naxiom f|f\n")).find("| --> @Z(-144)\n"), std::string::npos);
+  EXPECT_NE(cpfgText(entry("angle 5\naxiom f|f\n")).find("| --> -(144)\n"), std::string::npos);
+  EXPECT_NE(cpfgText(entry("angle 5\naxiom f!|f\n")).find("| --> @Z(-144)\n"), std::string::npos);
 }
 
 TEST(Fractint, ErrorsNameItsLinesAndTerms) {

@@ -16,7 +16,7 @@ TEST(Lparser, BothFormsAreOneModel) {
   const std::string text = cpfgText(kOld);
   EXPECT_EQ(text,
             "Lsystem: 1\nderivation length: 5\nAxiom: F[+(90)A]a\nA --> Fbc(3)A\nhomomorphism no warnings\nb --> \\ \n"
-            "a --> /(180)\nc(x) --> ;(x)\nendlsystem\n");
+            "a --> /(180)\nc(x) --> ;(x+1)\nendlsystem\n");
   EXPECT_EQ(cpfgText(kNew), text);
   EXPECT_EQ(recognised(kOld), "lparser");
   EXPECT_EQ(recognised(kNew), "lparser");
@@ -29,7 +29,7 @@ TEST(Lparser, TheAngleTheWidthAndTheColoursAreSet) {
   ASSERT_NE(result.program, nullptr);
   EXPECT_EQ(result.program->view.angleIncrementDegrees, 25.5);
   EXPECT_EQ(result.program->view.initialLineWidth, 0.12);
-  EXPECT_EQ(result.program->view.palette.colour(1), (files::PaletteColour{220, 40, 40}));
+  EXPECT_EQ(result.program->view.palette.colour(2), (files::PaletteColour{220, 40, 40}));
 }
 
 TEST(Lparser, EachSymbolOfTheTurtleHasItsDrawing) {
@@ -51,7 +51,7 @@ TEST(Lparser, EachSymbolOfTheTurtleHasItsDrawing) {
   EXPECT_EQ(drawingOf("\"'(2)"), "a --> @Di(1.1)\n'(x) --> @Di(x)\n");
   EXPECT_EQ(drawingOf(";:(2)"), "; --> @A(1.1)\na(x) --> @A(x)\n");
   EXPECT_EQ(drawingOf("?!(0.5)"), "a --> @W(1.4)\n!(x) --> @W(x)\n");
-  EXPECT_EQ(drawingOf("c"), "c --> @C(1)\n");
+  EXPECT_EQ(drawingOf("c"), "c --> ;\n");
   // names of rules that cpfg's turtle would obey
   EXPECT_EQ(drawingOf("G_,"), "G --> *\n");
 }
