@@ -257,6 +257,18 @@ bool needsDrawnSeed(const language::Program& program) {
          drawsRandomNumbers(program);
 }
 
+std::vector<std::string> modelEntries(const ModelOptions& options, core::FileProvider& files) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(options.model, error)) {
+    return {};
+  }
+  language::CompileInput input;
+  input.modelFile = options.model;
+  input.dialect = options.dialect;
+  input.limits = options.simulationLimits();
+  return language::entriesOf(input, files);
+}
+
 std::shared_ptr<const language::Program> loadProgram(ModelOptions& options, core::FileProvider& files,
                                                      FolderSettings* folder) {
   const Result<ModelFiles> found = findModelFiles(options.model, options.object);

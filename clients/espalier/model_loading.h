@@ -48,6 +48,9 @@ struct ModelOptions {
   [[nodiscard]] std::uint64_t seconds() const;
 };
 
+/// The entries of a model file with several models; empty: the file holds one, or options.model is no plain file.
+[[nodiscard]] std::vector<std::string> modelEntries(const ModelOptions& options, core::FileProvider& files);
+
 /// Adds the options for reading a model: MODEL, --object, --view, --environment, --compat, --define,
 /// --allow-folder-programs, --strict, --limit, --quiet.
 void addReadingOptions(CLI::App& command, ModelOptions& options, bool isModelRequired);

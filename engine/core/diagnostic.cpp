@@ -55,6 +55,80 @@ int editDistance(std::string_view a, std::string_view b) {
   return last[b.size()];
 }
 
+/// Bytes of the UTF-8 character that begins at `at`; 0: none does.
+std::size_t characterBytes(std::string_view text, std::size_t at) {
+  const auto first = static_cast<unsigned char>(text[at]);
+  const std::size_t length = first < 0x80                     ? 1
+                             : first >= 0xC2 && first <= 0xDF ? 2
+                             : first >= 0xE0 && first <= 0xEF ? 3
+                             : first >= 0xF0 && first <= 0xF4 ? 4
+                                                              : 0;
+  if (length == 0 || at + length > text.size()) {
+    return 0;
+  }
+  for (std::size_t i = 1; i < length; ++i) {
+    if ((static_cast<unsigned char>(text[at + i]) & 0xC0U) != 0x80U) {
+      return 0;
+    }
+  }
+  return length;
+}
+
+// a text that a terminal can show: each byte that is not UTF-8 is '?', each control character but TAB a blank
+void makePrintable(std::string& text) {
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t length = characterBytes(text, at);
+    if (length == 0) {
+      text[at] = '?';
+    } else if (length == 1 && text[at] != '\t' && (static_cast<unsigned char>(text[at]) < 0x20 || text[at] == 0x7F)) {
+      text[at] = ' ';
+    } else if (length == 2 && text[at] == '\xC2' && static_cast<unsigned char>(text[at + 1]) < 0xA0) {
+      // the second set of control characters
+      text[at] = text[at + 1] = ' ';
+    }
+    at += std::max<std::size_t>(length, 1);
+  }
+}
+
+/// A part of a line that fits the width of a message.
+struct LineExcerpt {
+  std::string text;
+  std::size_t before = 0;  // bytes of `text` before the place
+  std::size_t length = 0;  // bytes of `text` to underline
+};
+
+LineExcerpt excerptOf(const std::string& line, std::size_t place, std::size_t length) {
+  constexpr std::size_t kMostColumns = 200;
+  constexpr std::size_t kBefore = 120;  // columns before the place, of a line that is cut
+  const auto isInside = [&](std::size_t i) {
+    return i < line.size() && (static_cast<unsigned char>(line[i]) & 0xC0U) == 0x80U;
+  };
+  std::size_t begin = 0;
+  std::size_t end = line.size();
+  if (line.size() > kMostColumns) {
+    begin = place > kBefore ? place - kBefore : 0;
+    end = std::min(line.size(), begin + kMostColumns - 6);
+    while (isInside(begin)) {
+      ++begin;
+    }
+    while (isInside(end)) {
+      --end;
+    }
+  }
+  LineExcerpt excerpt;
+  const std::string front = begin > 0 ? "..." : "";
+  excerpt.text = front + line.substr(begin, end - begin) + (end < line.size() ? "..." : "");
+  makePrintable(excerpt.text);
+  excerpt.before = std::min(front.size() + place - begin, excerpt.text.size());
+  excerpt.length = std::min(length, end > place ? end - place : 1);
+  return excerpt;
+}
+
+std::string printable(std::string text) {
+  makePrintable(text);
+  return text;
+}
+
 }  // namespace
 
 std::string formatDiagnostic(const Diagnostic& diagnostic) {
@@ -69,25 +143,26 @@ std::string formatDiagnostic(const Diagnostic& diagnostic) {
   }
   text += severityWord(diagnostic.severity);
   text += ": ";
-  text += diagnostic.message;
+  text += printable(diagnostic.message);
   if (at.line > 0 && !at.lineText.empty()) {
     std::string number = std::to_string(at.line);
     number.insert(0, number.size() < 5 ? 5 - number.size() : 0, ' ');
-    text += '\n' + number + " | " + at.lineText;
+    const std::size_t place = std::min<std::size_t>(at.column > 0 ? at.column - 1 : 0, at.lineText.size());
+    const LineExcerpt line = excerptOf(at.lineText, place, at.length);
+    text += '\n' + number + " | " + line.text;
     text += '\n' + std::string(number.size(), ' ') + " | ";
     // a blank for each character up to the column, TABs kept so that the caret stays below its place
-    const std::size_t before = std::min<std::size_t>(at.column > 0 ? at.column - 1 : 0, at.lineText.size());
     const auto beginsCharacter = [&](std::size_t i) {
-      return (static_cast<unsigned char>(at.lineText[i]) & 0xC0U) != 0x80U;  // no further byte of UTF-8
+      return (static_cast<unsigned char>(line.text[i]) & 0xC0U) != 0x80U;  // no further byte of UTF-8
     };
-    for (std::size_t i = 0; i < before; ++i) {
+    for (std::size_t i = 0; i < line.before; ++i) {
       if (beginsCharacter(i)) {
-        text += at.lineText[i] == '\t' ? '\t' : ' ';
+        text += line.text[i] == '\t' ? '\t' : ' ';
       }
     }
     text += '^';
-    const std::size_t end = std::min<std::size_t>(at.lineText.size(), before + at.length);
-    for (std::size_t i = before + 1; i < end; ++i) {
+    const std::size_t end = std::min<std::size_t>(line.text.size(), line.before + line.length);
+    for (std::size_t i = line.before + 1; i < end; ++i) {
       text.append(beginsCharacter(i) ? 1 : 0, '~');
     }
   }
@@ -95,7 +170,7 @@ std::string formatDiagnostic(const Diagnostic& diagnostic) {
     text += "\n   " + at.expansion;
   }
   if (!diagnostic.hint.empty()) {
-    text += "\n   hint: " + diagnostic.hint;
+    text += "\n   hint: " + printable(diagnostic.hint);
   }
   return text;
 }
@@ -104,9 +179,21 @@ void DiagnosticList::add(Diagnostic diagnostic) {
   const bool isError = diagnostic.severity == Severity::Error;
   std::size_t& count = isError ? errorCount_ : warningCount_;
   ++count;
-  if (count <= kLimit) {
-    entries_.push_back(std::move(diagnostic));
+  if (count > kLimit) {
+    return;
   }
+  makePrintable(diagnostic.message);
+  makePrintable(diagnostic.hint);
+  makePrintable(diagnostic.location.lineText);
+  // a list keeps few copies of a very long line
+  constexpr std::size_t kLongLine = 10'000;
+  constexpr std::size_t kMostLongLines = 5;
+  const auto isLong = [](const Diagnostic& entry) { return entry.location.lineText.size() > kLongLine; };
+  if (isLong(diagnostic) &&
+      std::count_if(entries_.begin(), entries_.end(), isLong) >= static_cast<std::ptrdiff_t>(kMostLongLines)) {
+    diagnostic.location.lineText.clear();
+  }
+  entries_.push_back(std::move(diagnostic));
 }
 
 std::string_view nearestName(std::string_view name, const std::vector<std::string_view>& candidates) {
@@ -139,11 +226,16 @@ std::string suggestName(std::string_view name, const std::vector<std::string_vie
     text += "'? ";
   }
   text += "Available: ";
-  for (std::size_t i = 0; i < candidates.size(); ++i) {
+  constexpr std::size_t kMostNames = 40;
+  const std::size_t shown = candidates.size() > kMostNames + 5 ? kMostNames : candidates.size();
+  for (std::size_t i = 0; i < shown; ++i) {
     if (i > 0) {
       text += ", ";
     }
     text += candidates[i];
+  }
+  if (shown < candidates.size()) {
+    text += " and " + std::to_string(candidates.size() - shown) + " more";
   }
   text += '.';
   return text;

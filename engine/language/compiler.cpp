@@ -177,8 +177,9 @@ CompileResult compile(const CompileInput& original, core::FileProvider& original
     analyser.analyse();
     if (hasSyntaxErrors) {
       messages.dropWarnings();
-    } else if (messages.errorCount() == 0 && !translated) {
-      checkModel(source.text, input.compatibility, model, messages);
+    } else if (messages.errorCount() == 0) {
+      checkModel(source.text, input.compatibility, translated ? ModelOrigin::Translation : ModelOrigin::Cpfg, model,
+                 messages);
     }
   }
   if (source.hasLostText) {

@@ -23,6 +23,7 @@ struct TurtleState {
   core::Vec3 previousUp{0.0, 0.0, -1.0};
   double width = 1.0;
   double scale = 1.0;
+  double angleFactor = 1.0;  // of turns without a parameter (@A)
   std::int32_t colour = 128;
   std::int32_t backColour = 128;
   std::int32_t contour = 0;  // current contour id; 0: circle

@@ -2,6 +2,10 @@
 
 #include <algorithm>
 
+#include "engine/language/compiler.h"
+#include "engine/language/dialects/dialect.h"
+#include "server/remote/disk_files.h"
+
 namespace espalier::server {
 
 namespace fs = std::filesystem;
@@ -47,6 +51,41 @@ std::vector<std::string> galleryNames(const std::string& gallery) {
   }
   std::sort(names.begin(), names.end());
   return names;
+}
+
+std::vector<std::string> galleryEntries(const std::string& gallery) {
+  std::vector<std::string> entries;
+  for (const std::string& name : galleryNames(gallery)) {
+    const fs::path folder = fs::path(gallery) / name;
+    std::error_code error;
+    if (!fileWithSuffix(folder, name, ".l").empty() && fs::is_regular_file(folder / (name + ".l"), error)) {
+      entries.push_back(name);
+      continue;
+    }
+    std::vector<std::string> models;
+    for (const auto& file : fs::directory_iterator(folder, error)) {
+      const std::string suffix = file.path().extension().string();
+      if (suffix == ".l" || suffix == ".txt" || suffix == ".lsv" || suffix == ".ls" || suffix == ".lpy") {
+        models.push_back(file.path().filename().string());
+      }
+    }
+    std::sort(models.begin(), models.end());
+    DiskFileProvider files;
+    for (const std::string& model : models) {
+      language::CompileInput input;
+      input.modelFile = (folder / model).string();
+      const std::vector<std::string> own = language::entriesOf(input, files);
+      for (const std::string& entry : own) {
+        entries.push_back(name + "/" + model + ":" + entry);
+      }
+      // text that is no model is not offered
+      const bool isModel = language::compile(input, files).program != nullptr;
+      if (own.empty() && isModel) {
+        entries.push_back(name + "/" + model);
+      }
+    }
+  }
+  return entries;
 }
 
 std::optional<fs::path> galleryFolderOf(const std::string& gallery, const std::string& name) {

@@ -20,6 +20,10 @@ inline constexpr const char* kForestFile = "forest.json";
 /// Names of the model folders in the gallery folder, sorted.
 [[nodiscard]] std::vector<std::string> galleryNames(const std::string& gallery);
 
+/// Every model of the gallery: NAME for a folder with one model, NAME/FILE or NAME/FILE:ENTRY for the models of other
+/// folders. Reads the files; sorted.
+[[nodiscard]] std::vector<std::string> galleryEntries(const std::string& gallery);
+
 /// The folder of a gallery model; nothing unless `name` is one of galleryNames, so that no name leads out of the
 /// gallery.
 [[nodiscard]] std::optional<std::filesystem::path> galleryFolderOf(const std::string& gallery, const std::string& name);

@@ -61,9 +61,14 @@ void modelLoad(const Request& request, protocol::ModelParams params) {
 }
 
 void modelList(const Request& request, protocol::NoParams) {
-  protocol::JsonWriter result;
-  result.beginObject().key("gallery").texts(galleryNames(request.session.core().options().galleryFolder)).endObject();
-  request.session.respond(request.id, result.view());
+  // the files of the gallery are read for their entries
+  runOnWorker(request, [](const Request& self) {
+    const std::string& folder = self.session.core().options().galleryFolder;
+    protocol::JsonWriter result;
+    result.beginObject().key("gallery").texts(galleryNames(folder));
+    result.key("entries").texts(galleryEntries(folder)).endObject();
+    self.session.respond(self.id, result.view());
+  });
 }
 
 }  // namespace methods

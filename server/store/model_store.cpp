@@ -87,9 +87,13 @@ void ModelStore::loadKept() {
   }
 }
 
-std::variant<CompiledModel, protocol::Error> ModelStore::compileGallery(const std::string& name,
-                                                                        const std::string& file,
+std::variant<CompiledModel, protocol::Error> ModelStore::compileGallery(const std::string& whole,
+                                                                        const std::string& asked,
                                                                         language::CompileInput input) const {
+  // NAME/FILE:ENTRY
+  const std::size_t slash = asked.empty() ? whole.find('/') : std::string::npos;
+  const std::string name = whole.substr(0, slash);
+  const std::string file = slash == std::string::npos ? asked : whole.substr(slash + 1);
   const auto folder = galleryFolderOf(galleryFolder_, name);
   if (!folder) {
     const auto names = galleryNames(galleryFolder_);
@@ -100,17 +104,30 @@ std::variant<CompiledModel, protocol::Error> ModelStore::compileGallery(const st
                                : "There is no gallery model '" + name + "'. " + core::suggestName(name, views),
                            {}};
   }
-  input.modelFile = file.empty() ? fileWithSuffix(*folder, name, ".l") : (*folder / fs::path(file).filename()).string();
+  // no path leads out of the folder; an entry may hold slashes
+  const std::size_t colon = std::min(file.find(':'), file.size());
+  input.modelFile = file.empty() ? fileWithSuffix(*folder, name, ".l")
+                                 : (*folder / fs::path(file.substr(0, colon)).filename()).string() + file.substr(colon);
   if (input.modelFile.empty()) {
     return protocol::Error{protocol::ErrorCode::NotFound,
                            "The gallery folder '" + name + "' holds no model, or several without one called " + name +
-                               ".l. Send the source instead.",
+                               ".l. model.list names its models: NAME/FILE:ENTRY. Or send the source.",
                            {}};
   }
-  input.viewFile = fileWithSuffix(*folder, fs::path(input.modelFile).stem().string(), ".v");
+  const bool isOneOfMany = slash != std::string::npos;
+  const std::string stem = fs::path(isOneOfMany ? file.substr(0, colon) : input.modelFile).stem().string();
+  std::error_code error;
+  const auto beside = [&](const char* suffix) {
+    const fs::path companion = *folder / (stem + suffix);
+    return fs::is_regular_file(companion, error) ? companion.string() : std::string{};
+  };
+  input.viewFile = isOneOfMany ? beside(".v") : fileWithSuffix(*folder, stem, ".v");
   DiskFileProvider files;
   CompiledModel compiled{language::compile(input, files), {}};
   // its own environment, for simulations that name none
+  if (isOneOfMany && beside(".e").empty()) {
+    return compiled;
+  }
   if (!fileWithSuffix(*folder, name, ".e").empty()) {
     protocol::JsonWriter entry;
     entry.beginArray().beginObject().key("type").text("gallery").key("model").text(name).endObject().endArray();

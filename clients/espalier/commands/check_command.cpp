@@ -13,34 +13,77 @@
 namespace espalier::command {
 namespace {
 
-int check(ModelOptions& options) {
+struct CheckOptions {
+  ModelOptions model;
+  bool isList = false;
+};
+
+// the model without an error, or null
+std::shared_ptr<const language::Program> checkOne(ModelOptions& options, core::FileProvider& files) {
+  FolderSettings folder;
+  std::shared_ptr<const language::Program> program = loadProgram(options, files, &folder);
+  // a check connects to no other process
+  const bool isRemote = options.environment.rfind("tcp://", 0) == 0 || options.environment.rfind("stdio:", 0) == 0;
+  if (!program || isRemote) {
+    return program;
+  }
+  std::optional<LoadedEnvironment> environment;
+  if (!options.environment.empty()) {
+    environment = loadEnvironment(options.environment, options.mode(), options.isQuiet, files, options.remote);
+    if (!environment) {
+      return nullptr;
+    }
+  }
+  const bool isRight = warnAboutUnansweredQueries(*program, environment ? &*environment : nullptr, options.isQuiet,
+                                                  options.remote.isStrict);
+  return isRight ? program : nullptr;
+}
+
+int checkEntries(const ModelOptions& options, const std::vector<std::string>& entries, core::FileProvider& files) {
+  std::string wrong;
+  std::size_t wrongCount = 0;
+  for (const std::string& entry : entries) {
+    ModelOptions one = options;
+    one.model += ":" + entry;
+    if (!checkOne(one, files)) {
+      wrong += (wrong.empty() ? "" : ", ") + entry;
+      ++wrongCount;
+    }
+  }
+  std::printf("%s: %zu models, ", options.model.c_str(), entries.size());
+  if (wrongCount == 0) {
+    std::printf("no errors\n");
+    return kSuccess;
+  }
+  std::printf("%zu with errors: %s\n", wrongCount, wrong.c_str());
+  return kFailure;
+}
+
+int check(CheckOptions& options) {
   server::DiskFileProvider files;
-  if (const auto forest = forestFileOf(options.model)) {
-    if (!loadForest(*forest, options, files)) {
+  const std::vector<std::string> entries = modelEntries(options.model, files);
+  if (options.isList) {
+    for (const std::string& entry : entries) {
+      std::printf("%s:%s\n", options.model.model.c_str(), entry.c_str());
+    }
+    if (entries.empty()) {
+      std::printf("%s\n", options.model.model.c_str());
+    }
+    return kSuccess;
+  }
+  if (!entries.empty()) {
+    return checkEntries(options.model, entries, files);
+  }
+  if (const auto forest = forestFileOf(options.model.model)) {
+    if (!loadForest(*forest, options.model, files)) {
       return kFailure;
     }
     std::printf("%s: no errors\n", forest->c_str());
     return kSuccess;
   }
-  FolderSettings folder;
-  const std::shared_ptr<const language::Program> program = loadProgram(options, files, &folder);
+  const std::shared_ptr<const language::Program> program = checkOne(options.model, files);
   if (!program) {
     return kFailure;
-  }
-  // a check connects to no other process
-  const bool isRemote = options.environment.rfind("tcp://", 0) == 0 || options.environment.rfind("stdio:", 0) == 0;
-  if (!isRemote) {
-    std::optional<LoadedEnvironment> environment;
-    if (!options.environment.empty()) {
-      environment = loadEnvironment(options.environment, options.mode(), options.isQuiet, files, options.remote);
-      if (!environment) {
-        return kFailure;
-      }
-    }
-    if (!warnAboutUnansweredQueries(*program, environment ? &*environment : nullptr, options.isQuiet,
-                                    options.remote.isStrict)) {
-      return kFailure;
-    }
   }
   std::printf("%s: no errors\n", program->modelFile.c_str());
   return kSuccess;
@@ -52,10 +95,14 @@ void addCheck(CLI::App& program, int& status) {
   CLI::App* command = program.add_subcommand("check", "Read a model and list its errors and warnings");
   command->footer(
       "Prints every error and warning on standard error with its place and a hint. Derives nothing.\n"
+      "Of a file with several models each is checked.\n"
       "Exit status 1 when there is an error, with --strict also when there is a warning.\n"
-      "Example: espalier check tree.l");
-  auto options = std::make_shared<ModelOptions>();
-  addReadingOptions(*command, *options, true);
+      "Examples:\n"
+      "  espalier check tree.l\n"
+      "  espalier check curves.l --list          the models in the file");
+  auto options = std::make_shared<CheckOptions>();
+  addReadingOptions(*command, options->model, true);
+  command->add_flag("--list", options->isList, "Only list the models in the file, as FILE:ENTRY");
   command->callback([options, &status] { status = check(*options); });
 }
 

@@ -10,6 +10,7 @@
 #include "clients/espalier/messages.h"
 #include "clients/espalier/model_loading.h"
 #include "clients/espalier/number_option.h"
+#include "clients/espalier/output/contact_sheet.h"
 #include "clients/espalier/output/field_outputs.h"
 #include "clients/espalier/output/growth_outputs.h"
 #include "clients/espalier/output/outputs.h"
@@ -18,6 +19,7 @@
 #include "clients/espalier/resumed_run.h"
 #include "clients/espalier/time_limit.h"
 #include "clients/espalier/trace_option.h"
+#include "engine/language/dialects/dialect.h"
 #include "server/remote/disk_files.h"
 
 namespace espalier::command {
@@ -31,6 +33,7 @@ struct RunOptions {
   std::string resumed;         // snapshot to continue from; empty: none
   std::uint64_t variants = 0;  // plants, each with its own seed; 0: one plant with the seed of the run
   bool writesEveryStep = false;
+  bool runsAll = false;                // the models of a file, into one contact sheet
   std::optional<bool> hasSharedFrame;  // all frames have one scale; nothing: unless the environment is a process
   std::optional<double> rowSpacing;    // distance of the variants in one file; 0: so that they do not touch
 };
@@ -190,7 +193,8 @@ void writeRest(const simulation::Simulation& simulation, const OutputOptions& ou
 }
 
 // one run; the files of a variant have its number
-int runOnce(RunOptions& options, ModelOptions model, std::optional<std::uint64_t> variant, PlantRows* rows = nullptr) {
+int runOnce(RunOptions& options, ModelOptions model, std::optional<std::uint64_t> variant, PlantRows* rows = nullptr,
+            ContactSheet* sheet = nullptr) {
   server::DiskFileProvider files;
   std::optional<ResumedRun> resumed;
   if (!options.resumed.empty()) {
@@ -235,7 +239,7 @@ int runOnce(RunOptions& options, ModelOptions model, std::optional<std::uint64_t
   }
   const OutputWriter writer(separate, model.isQuiet);
   const bool isComplete = runToEnd(simulation, last, options, writer, time);
-  if (!isComplete && !options.writesEveryStep && rows == nullptr) {
+  if (!isComplete && !options.writesEveryStep && rows == nullptr && sheet == nullptr) {
     writeRest(simulation, options.outputs, variant, model.isQuiet);
   }
   if (!options.trace.close() || !isComplete) {
@@ -244,13 +248,45 @@ int runOnce(RunOptions& options, ModelOptions model, std::optional<std::uint64_t
   if (!options.fields.finish(simulation, options.writesEveryStep, options.model.isQuiet)) {
     return kFailure;
   }
+  if (sheet != nullptr) {
+    return sheet->add(simulation, language::splitEntry(model.model, files).entry) ? kSuccess : kFailure;
+  }
   if (rows != nullptr) {
     return rows->add(simulation) ? kSuccess : kFailure;
   }
   return options.writesEveryStep || writer.write(simulation, variant, 3) ? kSuccess : kFailure;
 }
 
+// every model of a file in one picture; a model that fails leaves its cell empty
+int runAll(RunOptions& options) {
+  if (const int status = checkSheetOutputs(options.outputs); status != kSuccess) {
+    return status;
+  }
+  server::DiskFileProvider files;
+  const std::vector<std::string> entries = modelEntries(options.model, files);
+  if (entries.empty()) {
+    printError("'" + options.model.model + "' does not hold several models: leave out --all");
+    return kFailure;
+  }
+  setCellSize(options.outputs);
+  ContactSheet sheet(options.outputs);
+  int status = kSuccess;
+  for (const std::string& entry : entries) {
+    ModelOptions model = options.model;
+    model.model += ":" + entry;
+    if (runOnce(options, model, std::nullopt, nullptr, &sheet) != kSuccess) {
+      printNote("the model '" + entry + "' failed: its cell of the sheet is empty");
+      sheet.addFailed(entry);
+      status = kFailure;
+    }
+  }
+  return sheet.write(options.model.isQuiet) ? status : kFailure;
+}
+
 int run(RunOptions& options) {
+  if (options.runsAll) {
+    return runAll(options);
+  }
   const bool isInRows = options.rowSpacing.has_value();
   if (const int status = isInRows ? checkPlacedOutputs(options.outputs) : checkOutputs(options.outputs);
       status != kSuccess) {
@@ -287,6 +323,7 @@ void addRun(CLI::App& program, int& status) {
       "  espalier run tree.l -o tree.glb -o tree.png -o tree.mtg\n"
       "  espalier run tree.l --every -o frame.png            frame-0000.png, frame-0001.png, ...\n"
       "  espalier run forest.json -o stand.png               several plants, of several models, in one environment\n"
+      "  espalier run curves.l --all -o sheet.png            a contact sheet of the models in a file\n"
       "  espalier run bush.l --variants 20 -o bush-%02d.glb --detail 0.5\n"
       "  espalier run bush.l --variants 20 --in-rows 0 -o nursery.glb -o nursery.png\n"
       "  espalier run tiers.l --environment honda.json --steps 5 -o tiers.snapshot\n"
@@ -320,6 +357,13 @@ void addRun(CLI::App& program, int& status) {
           ->type_name("N")
           ->excludes(every)
           ->excludes(resume);
+  command
+      ->add_flag("--all", options->runsAll,
+                 "Of a file with several models, draw every one into one picture (.png); --size is that of a cell\n"
+                 "(320x240)")
+      ->excludes(every)
+      ->excludes(variants)
+      ->excludes(resume);
   command
       ->add_option(
           "--in-rows", options->rowSpacing,

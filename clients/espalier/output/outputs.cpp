@@ -14,6 +14,7 @@
 #include "clients/espalier/number_option.h"
 #include "clients/espalier/output/drawing_order.h"
 #include "clients/espalier/output/progress_bar.h"
+#include "engine/turtle/export/picture/png.h"
 #include "server/remote/disk_files.h"
 
 namespace espalier::command {
@@ -318,6 +319,14 @@ bool writePlacedFiles(const OutputOptions& options, std::span<turtle::ExportInpu
     }
   }
   return true;
+}
+
+bool writePicture(const OutputOptions& options, const turtle::PictureImage& picture, const std::string& file,
+                  const std::string& what, bool isQuiet) {
+  const auto write = [&](const turtle::ExportTarget& target) {
+    return turtle::writePng(picture, target.sink, options.picture.maximumColours);
+  };
+  return writeFile(file, isQuiet, write, what);
 }
 
 }  // namespace espalier::command

@@ -43,6 +43,10 @@ void addOutputOptions(CLI::App& command, OutputOptions& options, bool isOutputRe
                                     std::span<const turtle::ScenePlacement> placements, const std::string& what,
                                     bool isQuiet);
 
+/// Writes a picture to a PNG file. `what` describes it in the note on standard error.
+[[nodiscard]] bool writePicture(const OutputOptions& options, const turtle::PictureImage& picture,
+                                const std::string& file, const std::string& what, bool isQuiet);
+
 /// The format of a file by --format or its suffix; null: a snapshot, or none of that name.
 [[nodiscard]] const turtle::ExportFormat* formatOf(const OutputOptions& options, const std::string& file);
 

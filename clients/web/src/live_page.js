@@ -60,9 +60,9 @@ class LivePage {
     part("token-form").hidden = true;
     part("controls").hidden = false;
     part("server").textContent = this.connection.server.server;
-    const { gallery } = await this.connection.call("model.list");
+    const { gallery, entries = gallery } = await this.connection.call("model.list");
     part("gallery").replaceChildren(
-      ...gallery.map((name) => new Option(name, name)), new Option("your own model …", ""));
+      ...entries.map((name) => new Option(name, name)), new Option("your own model …", ""));
     this.chooseModel();
     await this.list();
     const named = new URLSearchParams(location.hash.slice(1)).get("simulation");

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "engine/core/work_meter.h"
+#include "engine/language/checks/module_checks.h"
 #include "engine/language/checks/word_checks.h"
 #include "engine/language/constant_evaluation.h"
 
@@ -21,8 +22,13 @@ using Modules = std::vector<ModuleSyntax>;
 
 class Checks {
  public:
-  Checks(std::string_view text, core::Compatibility compatibility, const ModelSyntax& model, MessageList& messages)
-      : text_(text), model_(model), messages_(messages), values_(foldConstants(model, compatibility)) {}
+  Checks(std::string_view text, core::Compatibility compatibility, ModelOrigin origin, const ModelSyntax& model,
+         MessageList& messages)
+      : text_(text),
+        isTranslation_(origin == ModelOrigin::Translation),
+        model_(model),
+        messages_(messages),
+        values_(foldConstants(model, compatibility)) {}
 
   void run() {
     checkSubSystems();
@@ -30,6 +36,9 @@ class Checks {
       checkBrackets(system.axiom, "the axiom");
       forLists(system, [&](const ProductionListSyntax& list) {
         const bool isStochastic = system.isStochastic && &list == &system.productions;
+        if (isDrawing(system, list)) {
+          return;
+        }
         if (isStochastic) {
           checkWeights(list);
         } else {
@@ -37,17 +46,23 @@ class Checks {
         }
         for (const ProductionSyntax& production : list.productions) {
           checkBrackets(production.successor, "the successor of " + textOf(production.predecessorRange));
+          checkContinuation(production);
         }
       });
     }
     // about the letters of such words further messages would only repeat the first
-    if (!checkWords(text_, model_, messages_)) {
+    if (isTranslation_ || !checkWords(text_, model_, messages_)) {
       checkNeverMade();
       checkUnread();
+      checkModules(text_, model_, messages_);
     }
   }
 
  private:
+  /// Whether a translation made the list: the drawing of its symbols.
+  [[nodiscard]] bool isDrawing(const LSystemSyntax& system, const ProductionListSyntax& list) const {
+    return isTranslation_ && &list == &system.homomorphism;
+  }
   template <typename Action>
   static void forLists(const LSystemSyntax& system, Action action) {
     for (const ProductionListSyntax* list : {&system.productions, &system.decomposition, &system.homomorphism}) {
@@ -110,6 +125,16 @@ class Checks {
     if (!open.empty()) {
       messages_.warning(open.back(), "this '[' is not closed in " + place,
                         "a branch is opened and closed in the same successor");
+    }
+  }
+
+  // a successor that goes on in column 1 is read as the predecessor of another production
+  void checkContinuation(const ProductionSyntax& production) {
+    const char first = characterOf(production.predecessor.front().type);
+    if (!isTranslation_ && (first == '[' || first == ']') && production.predecessor.size() > 1) {
+      messages_.warning(production.predecessorRange,
+                        "'" + textOf(production.predecessorRange) + "' is the predecessor of a production of its own",
+                        "to continue the successor of the line above, begin the line with a TAB");
     }
   }
 
@@ -194,7 +219,9 @@ class Checks {
     for (const LSystemSyntax& system : model_.systems) {
       forLists(system, [&](const ProductionListSyntax& list) {
         for (const ProductionSyntax& production : list.productions) {
-          forFormals(production, check);
+          if (!isDrawing(system, list)) {
+            forFormals(production, check);
+          }
         }
       });
     }
@@ -270,7 +297,7 @@ class Checks {
           const std::set<std::string> names = namesRead(production);
           forFormals(production, [&](const FormalModuleSyntax& module) {
             Use& use = uses[module.type];
-            use.first = use.first == nullptr ? &module : use.first;
+            use.first = use.first == nullptr && !isDrawing(system, list) ? &module : use.first;
             use.isRead.resize(module.parameters.size(), false);
             for (std::size_t i = 0; i < module.parameters.size(); ++i) {
               use.isRead[i] = use.isRead[i] || names.contains(module.parameters[i].text);
@@ -282,7 +309,8 @@ class Checks {
     const std::set<core::ModuleTypeId> outside = outsideTypes();
     for (const auto& [type, use] : uses) {
       // a parameter that is read shows that the module's values matter
-      if (outside.contains(type) || std::find(use.isRead.begin(), use.isRead.end(), true) == use.isRead.end()) {
+      if (use.first == nullptr || outside.contains(type) ||
+          std::find(use.isRead.begin(), use.isRead.end(), true) == use.isRead.end()) {
         continue;
       }
       for (std::size_t i = 0; i < use.isRead.size(); ++i) {
@@ -371,6 +399,7 @@ class Checks {
   }
 
   std::string_view text_;
+  bool isTranslation_;
   const ModelSyntax& model_;
   MessageList& messages_;
   std::vector<std::optional<double>> values_;  // of constant expressions, by index
@@ -378,9 +407,9 @@ class Checks {
 
 }  // namespace
 
-void checkModel(std::string_view text, core::Compatibility compatibility, const ModelSyntax& model,
+void checkModel(std::string_view text, core::Compatibility compatibility, ModelOrigin origin, const ModelSyntax& model,
                 MessageList& messages) {
-  Checks(text, compatibility, model, messages).run();
+  Checks(text, compatibility, origin, model, messages).run();
 }
 
 }  // namespace espalier::language

@@ -124,10 +124,17 @@ std::vector<core::Diagnostic> neededFiles(const Program& program, const std::vec
     const core::SourceLocation place = program.sourceMap.locate(need->range);
     core::Diagnostic& error = errors.emplace_back();
     error.location = file.location;
-    error.message =
-        "the model draws with " + nameOf(file) + ", whose file '" + file.file + "' cannot be used (warning above)";
-    error.hint = "needed at " + place.file + ":" + std::to_string(place.line) + ":" + std::to_string(place.column) +
-                 "; repair or add the file, or remove this from the model";
+    const std::string needed = "needed at " + place.file + ":" + std::to_string(place.line) + ":" +
+                               std::to_string(place.column) + "; repair or add the file, or remove this from the model";
+    if (file.kind == UnusableFile::Kind::Texture) {
+      // only pictures and meshes need a texture, and they show plain parts without it
+      error.severity = core::Severity::Warning;
+      error.message = "parts with " + nameOf(file) + " are drawn plain: its file '" + file.file + "' cannot be used";
+    } else {
+      error.message =
+          "the model draws with " + nameOf(file) + ", whose file '" + file.file + "' cannot be used (warning above)";
+    }
+    error.hint = needed;
   }
   return errors;
 }

@@ -20,6 +20,7 @@ struct Word {
   std::string text;
   core::SourceRange range;
   bool hasParameters = false;
+  bool isQuery = false;                 // stands behind '?'
   bool isPredecessor = false;           // is the whole predecessor of a production
   std::vector<std::string> parameters;  // names, of a predecessor
   std::size_t count = 1;
@@ -89,14 +90,16 @@ class WordFinder {
              letters[i].range.begin == letters[i - 1].range.end && !letters[i - 1].hasParameters) {
         ++i;
       }
-      if (i - begin >= 3 && !isCommand) {
-        add(letters, begin, i, isPredecessor && i - begin == letters.size());
+      const bool isQuery = begin > 0 && letters[begin - 1].character == '?' && !letters[begin - 1].hasParameters;
+      if (i - begin >= (isQuery ? 2U : 3U) && !isCommand) {
+        add(letters, begin, i, isPredecessor && i - begin == letters.size(), isQuery);
       }
     }
   }
 
-  void add(const std::vector<Letter>& letters, std::size_t begin, std::size_t end, bool isPredecessor) {
+  void add(const std::vector<Letter>& letters, std::size_t begin, std::size_t end, bool isPredecessor, bool isQuery) {
     Word word;
+    word.isQuery = isQuery;
     for (std::size_t i = begin; i < end; ++i) {
       word.text.push_back(letters[i].character);
     }
@@ -106,6 +109,7 @@ class WordFinder {
       ++known->count;
       known->hasParameters = known->hasParameters || letters[end - 1].hasParameters;
       known->isPredecessor = known->isPredecessor || isPredecessor;
+      known->isQuery = known->isQuery || isQuery;
       if (known->parameters.empty()) {
         known->parameters = letters[end - 1].names;
       }
@@ -124,11 +128,11 @@ class WordFinder {
 };
 
 std::string declarationOf(const Word& word) {
-  std::string text = word.text;
+  std::string text = (word.isQuery ? "?" : "") + word.text;
   for (std::size_t i = 0; i < word.parameters.size(); ++i) {
     text += (i == 0 ? "(" : ", ") + word.parameters[i];
   }
-  return text + (word.parameters.empty() ? (word.hasParameters ? "(x)" : "") : ")");
+  return text + (word.parameters.empty() ? (word.hasParameters ? (word.isQuery ? "(v)" : "(x)") : "") : ")");
 }
 
 }  // namespace

@@ -7,7 +7,10 @@
 
 #include "engine/files/utf8.h"
 #include "engine/language/dialects/fractint.h"
+#include "engine/language/dialects/lparser.h"
+#include "engine/language/dialects/lpy.h"
 #include "engine/language/dialects/lsystem_viewer.h"
+#include "engine/language/dialects/other_programs.h"
 #include "engine/language/dialects/species.h"
 #include "engine/language/dialects/textbook.h"
 #include "engine/language/dialects/turtle_painter.h"
@@ -17,6 +20,8 @@ namespace {
 
 constexpr std::array kDialects = {
     Dialect{"fractint", "Fractint", recognisesFractint, fractintEntries, translateFractint},
+    Dialect{"lpy", "L-Py", recognisesLpy, nullptr, translateLpy},
+    Dialect{"lparser", "Lparser", recognisesLparser, nullptr, translateLparser},
     Dialect{"lsv", "L-System Viewer", recognisesLsystemViewer, nullptr, translateLsystemViewer},
     Dialect{"species", "species of a forest", recognisesSpecies, speciesEntries, translateSpecies},
     Dialect{"turtle-painter", "Turtle Painter", recognisesTurtlePainter, nullptr, translateTurtlePainter},
@@ -29,6 +34,17 @@ char lower(char c) {
 
 bool isSame(std::string_view a, std::string_view b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](char x, char y) { return lower(x) == lower(y); });
+}
+
+// the asked dialect, or the first that recognises a text; null: cpfg, or none of that name
+const Dialect* dialectOf(std::string_view asked, std::string_view text) {
+  if (asked == kCpfgDialect || (asked.empty() && looksLikeCpfg(text))) {
+    return nullptr;
+  }
+  const auto found = std::find_if(kDialects.begin(), kDialects.end(), [&](const Dialect& dialect) {
+    return asked.empty() ? dialect.recognises(text) : dialect.name == asked;
+  });
+  return found == kDialects.end() ? nullptr : &*found;
 }
 
 // the wanted entry, or the first with a note; the name as the file writes it
@@ -51,10 +67,12 @@ std::optional<std::string> chosenEntry(const TranslatedModel& translated, const 
     return std::nullopt;
   }
   if (entries.size() > 1) {
+    constexpr std::size_t kMostNames = 40;
     std::string all;
-    for (const std::string_view name : names) {
-      all += (all.empty() ? "" : ", ") + std::string(name);
+    for (std::size_t i = 0; i < std::min(names.size(), kMostNames); ++i) {
+      all += (all.empty() ? "" : ", ") + std::string(names[i]);
     }
+    all += names.size() > kMostNames ? " and " + std::to_string(names.size() - kMostNames) + " more" : "";
     report.note(entries.front().offset, 1,
                 "the file holds " + std::to_string(entries.size()) + " models; the first is used: " + all,
                 translated.foreign.name + ":NAME chooses another");
@@ -91,33 +109,59 @@ bool looksLikeCpfg(std::string_view text) {
 }
 
 NamedEntry splitEntry(const std::string& name, core::FileProvider& files) {
-  const std::size_t colon = name.rfind(':');
-  const std::size_t slash = name.rfind('/');
-  const bool hasEntry = colon != std::string::npos && colon > 0 && (slash == std::string::npos || slash < colon);
-  if (!hasEntry || files.read(name)) {
+  if (name.find(':') == std::string::npos || files.read(name)) {
     return {name, {}};
   }
-  return {name.substr(0, colon), name.substr(colon + 1)};
+  // the name of an entry may hold colons and slashes
+  std::size_t last = std::string::npos;
+  for (std::size_t colon = name.find(':', 1); colon != std::string::npos; colon = name.find(':', colon + 1)) {
+    if (files.read(name.substr(0, colon))) {
+      return {name.substr(0, colon), name.substr(colon + 1)};
+    }
+    last = colon;
+  }
+  const bool isFile = last == std::string::npos || name.find('/', last) != std::string::npos;
+  return isFile ? NamedEntry{name, {}} : NamedEntry{name.substr(0, last), name.substr(last + 1)};
+}
+
+std::vector<std::string> entriesOf(const CompileInput& input, core::FileProvider& files) {
+  const std::optional<std::string> text = files.read(input.modelFile);
+  if (!text || text->size() > input.limits.maximumSourceBytes || !fileWithoutText(*text).message.empty()) {
+    return {};
+  }
+  const std::string foreign = files::asUtf8(*text);
+  const Dialect* const dialect = dialectOf(input.dialect, foreign);
+  std::vector<std::string> names;
+  if (dialect != nullptr && dialect->entries != nullptr) {
+    for (DialectEntry& entry : dialect->entries(foreign)) {
+      names.push_back(std::move(entry.name));
+    }
+  }
+  return names.size() > 1 ? names : std::vector<std::string>{};
 }
 
 std::optional<TranslatedModel> translateForeign(const CompileInput& input, core::FileProvider& files) {
   const NamedEntry named = splitEntry(input.modelFile, files);
   std::optional<std::string> text = files.read(named.file);
-  if (!text || input.dialect == kCpfgDialect || text->size() > input.limits.maximumSourceBytes) {
+  if (!text || text->size() > input.limits.maximumSourceBytes) {
     return std::nullopt;
   }
   TranslatedModel translated;
-  translated.foreign = {named.file, files::asUtf8(*text)};
+  const ForeignFile noText = fileWithoutText(*text);
+  translated.foreign = {named.file, noText.message.empty() ? files::asUtf8(*text) : std::string{}};
   const std::string& foreign = translated.foreign.text;
   const bool isAsked = !input.dialect.empty();
-  if (!isAsked && looksLikeCpfg(foreign)) {
+  const ForeignFile other = noText.message.empty() && !isAsked ? modelOfOtherProgram(foreign) : noText;
+  if (!other.message.empty()) {
+    DialectReport(translated.foreign, translated.diagnostics).error(0, 1, other.message, other.hint);
+    return translated;
+  }
+  if (input.dialect == kCpfgDialect) {
     return std::nullopt;
   }
-  const auto found = std::find_if(kDialects.begin(), kDialects.end(), [&](const Dialect& dialect) {
-    return isAsked ? dialect.name == input.dialect : dialect.recognises(foreign);
-  });
+  const Dialect* const found = dialectOf(input.dialect, foreign);
   DialectReport report(translated.foreign, translated.diagnostics);
-  if (found == kDialects.end()) {
+  if (found == nullptr) {
     if (isAsked) {
       report.error(0, 1, "there is no dialect '" + input.dialect + "'",
                    core::suggestName(input.dialect, dialectNames()));

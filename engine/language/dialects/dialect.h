@@ -59,6 +59,10 @@ struct NamedEntry {
 };
 [[nodiscard]] NamedEntry splitEntry(const std::string& name, core::FileProvider& files);
 
+/// The names of the models in a file `FILE` (without an entry), each once, in order; empty when it holds one model or
+/// cannot be read.
+[[nodiscard]] std::vector<std::string> entriesOf(const CompileInput& input, core::FileProvider& files);
+
 /// Reads input.modelFile when it is in a foreign dialect: input.dialect, or else the first that recognises the file.
 /// Nothing when the file looks like a cpfg model or cannot be read.
 [[nodiscard]] std::optional<TranslatedModel> translateForeign(const CompileInput& input, core::FileProvider& files);

@@ -1,5 +1,6 @@
 #include "engine/language/dialects/fractint.h"
 
+#include <array>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -13,13 +14,46 @@ namespace {
 
 constexpr std::uint64_t kOrder = 2;  // derivation length; it is not in the file, Fractint asks the user
 constexpr int kLeastAngle = 3;
-constexpr std::size_t kMostRepeated = 255;  // colours
 
 // the 16 colours of a VGA by Fractint's colour numbers; 0 is the background
 constexpr files::PaletteColour kColours[16] = {{0, 0, 0},     {0, 0, 168},    {0, 168, 0},    {0, 168, 168},
                                                {168, 0, 0},   {168, 0, 168},  {168, 84, 0},   {168, 168, 168},
                                                {84, 84, 84},  {84, 84, 252},  {84, 252, 84},  {84, 252, 252},
                                                {252, 84, 84}, {252, 84, 252}, {252, 252, 84}, {252, 252, 252}};
+// of 63, the largest value of a component
+constexpr std::array<int, 16> kGreys{0, 5, 8, 11, 14, 17, 20, 24, 28, 32, 36, 40, 45, 50, 56, 63};
+constexpr std::array<std::array<int, 5>, 9> kLevels{{{0, 16, 31, 47, 63},
+                                                     {31, 39, 47, 55, 63},
+                                                     {45, 49, 54, 58, 63},
+                                                     {0, 7, 14, 21, 28},
+                                                     {14, 17, 21, 24, 28},
+                                                     {20, 22, 24, 26, 28},
+                                                     {0, 4, 8, 12, 16},
+                                                     {8, 10, 12, 14, 16},
+                                                     {11, 12, 13, 15, 16}}};
+// red, green and blue of each hue as levels a to e
+constexpr std::string_view kHues = "aaebaecaedaeeaeeadeaceabeaaebaecaedaeeadeaceabeaaeaaebaecaedaeeadeaceabe";
+
+/// The default palette of a screen with 256 colours (the VGA's): the sixteen, greys, nine runs of 24 hues, black.
+files::PaletteColour screenColour(int index) {
+  const auto full = [](int sixth) { return static_cast<std::uint8_t>(sixth * 4); };
+  if (index < 16) {
+    return kColours[index];
+  }
+  if (index < 32) {
+    const std::uint8_t grey = full(kGreys[static_cast<std::size_t>(index - 16)]);
+    return {grey, grey, grey};
+  }
+  if (index >= 248) {
+    return {0, 0, 0};
+  }
+  const auto run = static_cast<std::size_t>((index - 32) / 24);
+  const auto hue = static_cast<std::size_t>((index - 32) % 24);
+  const auto level = [&](std::size_t component) {
+    return full(kLevels[run][static_cast<std::size_t>(kHues[hue * 3 + component] - 'a')]);
+  };
+  return {level(0), level(1), level(2)};
+}
 constexpr int kFirstColour = 15;
 
 std::string_view withoutComment(std::string_view line) {
@@ -37,15 +71,20 @@ struct EntryText {
 std::vector<EntryText> entryTexts(std::string_view text) {
   std::vector<EntryText> found;
   bool isOpen = false;
+  TextPiece before;  // a word alone on the line before
   for (const TextPiece& line : linesOf(text)) {
     const std::string_view code = withoutComment(line.text);
     std::size_t at = 0;
     if (!isOpen) {
       const std::size_t brace = code.find('{');
       if (brace == std::string_view::npos) {
+        const TextPiece word = TextPiece{code, line.offset}.trimmed();
+        before = word.text.find_first_of(" \t}") == std::string_view::npos ? word : TextPiece{};
         continue;
       }
-      const TextPiece name = line.to(brace).trimmed();
+      const TextPiece front = line.to(brace).trimmed();
+      const TextPiece name = front.empty() ? before : front;
+      before = {};
       // a remark in parentheses may follow the name
       const std::string_view word = name.text.substr(0, name.text.find_first_of(" \t("));
       at = brace + 1;
@@ -61,8 +100,15 @@ std::vector<EntryText> entryTexts(std::string_view text) {
       isOpen = false;
     }
   }
-  // Fractint's blocks of remarks are not entries
-  std::erase_if(found, [](const EntryText& entry) { return lowered(entry.entry.name) == "comment"; });
+  // blocks of remarks are not entries
+  std::erase_if(
+      found, [](const EntryText& entry) { return entry.entry.name.empty() || lowered(entry.entry.name) == "comment"; });
+  // the second of equal names is NAME-2
+  std::map<std::string, std::size_t> counts;
+  for (EntryText& entry : found) {
+    const std::size_t count = ++counts[lowered(entry.entry.name)];
+    entry.entry.name += count > 1 ? "-" + std::to_string(count) : "";
+  }
   return found;
 }
 
@@ -139,18 +185,22 @@ class FractintReader {
   }
 
   void readRule(const TextPiece& predecessor, const TextPiece& successor) {
-    if (predecessor.text.size() != 1) {
+    if (predecessor.empty() || predecessor.text.size() != characterLength(predecessor.text.front())) {
       report_.error(predecessor.offset, predecessor.text.size(),
                     "expected one character before '=', found '" + std::string(predecessor.text.substr(0, 40)) + "'",
                     "a rule is one character, '=' and its string");
       return;
     }
-    const char symbol = upper(predecessor.text.front());
-    if (std::string_view("\\/@<>[]").find(symbol) != std::string_view::npos || !isSymbol(symbol)) {
-      report_.error(predecessor.offset, 1, std::string("the character '") + symbol + "' cannot be rewritten",
+    if (std::string_view("\\/@<>[]").find(predecessor.text.front()) != std::string_view::npos) {
+      report_.error(predecessor.offset, 1, "the character '" + std::string(predecessor.text) + "' cannot be rewritten",
                     "give the rule a letter");
       return;
     }
+    const std::optional<char> named = symbolOf(predecessor.text, predecessor.offset);
+    if (!named) {
+      return;
+    }
+    const char symbol = *named;
     checkBrackets(text_, successor.offset, successor.offset + successor.text.size(),
                   std::string("the rule of ") + symbol, report_);
     used_.insert(symbol);
@@ -167,6 +217,26 @@ class FractintReader {
   // of the characters that cpfg can use as a symbol without a parameter
   static bool isSymbol(char c) {
     return c > ' ' && c < 127 && std::string_view("<>:*%?$();,\"'{}#~&^._").find(c) == std::string_view::npos;
+  }
+
+  /// The symbol that stands for a character: itself in capitals, or a small letter for a character that cpfg cannot
+  /// use. Nothing, with an error, when the small letters do not suffice.
+  std::optional<char> symbolOf(std::string_view character, std::size_t offset) {
+    const char symbol = upper(character.front());
+    if (isSymbol(symbol)) {
+      return symbol;
+    }
+    constexpr std::string_view kFree = "abcdehijklmnopqrtuvwxyz";  // the turtle obeys none of them
+    const auto known = letters_.find(std::string(character));
+    if (known != letters_.end()) {
+      return known->second;
+    }
+    if (letters_.size() == kFree.size()) {
+      report_.error(offset, character.size(), "the character '" + std::string(character) + "' cannot be a symbol here",
+                    "the entry has too many different signs: use a letter instead");
+      return std::nullopt;
+    }
+    return letters_.emplace(character, kFree[letters_.size()]).first->second;
   }
 
   // a number with I (inverse) and Q (square root) before it; `at` moves behind it
@@ -206,15 +276,14 @@ class FractintReader {
       const bool isColour =
           symbol == 'C' && at < text.size() && std::isdigit(static_cast<unsigned char>(text[at])) != 0;
       if (symbol == '@' || symbol == '\\' || symbol == '/' || isColour) {
-        const std::optional<double> number = readNumber(text, at);
-        if (!number || !std::isfinite(*number)) {
-          report_.error(offset, 1, std::string("expected a number behind '") + symbol + "'",
-                        symbol == '@' ? "'@.5' halves the step, '@I2' too, '@Q2' multiplies it by the root of 2"
-                                      : "'\\30' turns left by 30 degrees, '/30' right");
+        const double number = readNumber(text, at).value_or(symbol == '@' ? 1.0 : 0.0);
+        if (!std::isfinite(number)) {
+          report_.error(offset, 1, std::string("the number behind '") + symbol + "' is not finite",
+                        "I is the inverse of the number behind it: write one that is not 0");
           continue;
         }
         // two slashes in a row would begin a comment, and so would a slash and a star
-        result.make(std::string(before.ends_with('/') ? " " : "") + symbol + "(" + cpfgNumber(*number) + ")", offset);
+        result.make(std::string(before.ends_with('/') ? " " : "") + symbol + "(" + cpfgNumber(number) + ")", offset);
         used_.insert(symbol);
         parametric_.insert(symbol);
       } else if (symbol == '<' || symbol == '>') {
@@ -222,24 +291,28 @@ class FractintReader {
         while (end < text.size() && std::isdigit(static_cast<unsigned char>(text[end])) != 0) {
           ++end;
         }
-        const double count = core::parseNumber(text.substr(at, end - at)).value_or(1.0);
+        const std::string_view digits = text.substr(at, end - at);
+        const double count = std::fmod(core::parseNumber(digits).value_or(1.0), 256.0);
         at = end;
-        const auto repeated = std::min(static_cast<std::size_t>(std::fmod(count, 256.0)), kMostRepeated);
-        result.make(std::string(repeated, symbol == '<' ? ';' : ','), offset);
+        result.make(symbol == '<' ? ";" : ",", offset);
+        if (!digits.empty()) {
+          addsNumbers_ = true;
+          result.make("(" + cpfgNumber(count) + ")", offset);
+        }
         usesColour_ = true;
-      } else if (!isSymbol(symbol)) {
-        const std::size_t length = std::min(characterLength(text[begin]), text.size() - begin);
-        report_.error(offset, length,
-                      "the character '" + std::string(text.substr(begin, length)) + "' cannot be a symbol here",
-                      "use a letter instead");
-        at = begin + length;
       } else {
-        if (text[begin] == symbol) {
+        const std::size_t length = std::min(characterLength(text[begin]), text.size() - begin);
+        at = begin + length;
+        const std::optional<char> named = symbolOf(text.substr(begin, length), offset);
+        if (!named) {
+          continue;
+        }
+        if (text[begin] == *named) {
           result.copy(text.substr(begin, 1), offset);
         } else {
-          result.make(std::string(1, symbol), offset);
+          result.make(std::string(1, *named), offset);
         }
-        used_.insert(symbol);
+        used_.insert(*named);
       }
     }
     return result;
@@ -284,8 +357,15 @@ class FractintReader {
       draw('-', "*");
     }
     draw('@', "@Di(x)");
-    // half a turn, or the largest smaller turn of whole parts
-    draw('|', ignoresParts ? "*" : "+(" + cpfgNumber(parts / 2 * 360.0 / parts) + ")");
+    // half a turn, or the largest smaller turn of whole parts, clockwise even for a turtle on its back
+    const std::string part = cpfgNumber(parts / 2 * 360.0 / parts);
+    const bool isClockwise = parts % 2 != 0 && used_.count('!') > 0;
+    if (isClockwise && used_.count('|') > 0 && !ignoresParts) {
+      model_.ownDrawing.emplace_back("| --> @Z(-" + part + ")", offset);
+      model_.needs.emplace_back("turn in the plane of the picture, which | makes whatever ! has exchanged");
+    } else {
+      draw('|', ignoresParts ? "*" : (parts % 2 == 0 ? "+(" : "-(") + part + ")");
+    }
     // the turtle on its back has left and right exchanged
     draw('!', hasTwo ? "/(180)@X/(180)@X" : "/(180)");
     if (parametric_.count('C') > 0) {
@@ -293,9 +373,19 @@ class FractintReader {
     }
     if (usesColour_ || parametric_.count('C') > 0) {
       model_.colour = kFirstColour;
-      model_.lost.emplace_back("the 16 colours of the screen that the color numbers mean, and the first of them, 15");
+      model_.lost.emplace_back("the 256 colours of the screen that the color numbers mean, and the first of them, 15");
       for (int i = 0; i < 256; ++i) {
-        model_.palette[i] = kColours[i % 16];
+        model_.palette[i] = screenColour(i);
+      }
+    }
+    if (usesColour_) {
+      for (const auto& [symbol, sign] : {std::pair{';', ""}, std::pair{',', "-"}}) {
+        model_.ownDrawing.emplace_back(std::string(1, symbol) + " --> @C(" + sign + "1)", offset);
+        model_.ownDrawing.emplace_back(std::string(1, symbol) + "(x) --> @C(" + sign + "x)", offset);
+      }
+      model_.lost.emplace_back("that < and > skip color 0");
+      if (addsNumbers_) {
+        model_.needs.emplace_back("colour increment by a number, as in <3");
       }
     }
     if (hasTwo) {
@@ -315,8 +405,10 @@ class FractintReader {
   std::map<char, Rule> rules_;
   std::vector<char> order_;  // of the rules' first lines
   std::set<char> used_;
-  std::set<char> parametric_;  // with a number
+  std::set<char> parametric_;            // with a number
+  std::map<std::string, char> letters_;  // for the characters that cpfg cannot use as symbols
   bool usesColour_ = false;
+  bool addsNumbers_ = false;  // to the color
 };
 
 }  // namespace

@@ -296,13 +296,20 @@ class LsystemViewerReader {
 
 bool recognisesLsystemViewer(std::string_view text) {
   std::set<std::string> seen;
+  bool hasOtherRule = false;
   for (const TextPiece& line : linesOf(text)) {
     if (const std::optional<Command> command = commandOf(line)) {
       seen.insert(command->name);
+      // arrows and `F=F+F` without `prule` are textbook notation
+      const std::string_view code = command->line.text;
+      const bool isCommand = std::find(kCommands.begin(), kCommands.end(), command->name) != kCommands.end();
+      hasOtherRule = hasOtherRule || code.find("->") != std::string_view::npos ||
+                     code.find("→") != std::string_view::npos ||
+                     (!isCommand && command->name.size() == 1 && code.find('=') != std::string_view::npos);
     }
   }
   const auto has = [&](const char* name) { return seen.count(name) > 0; };
-  return has("prule") || has("generations") || (has("axiom") && (has("angle") || has("step")));
+  return has("prule") || (!hasOtherRule && (has("generations") || (has("axiom") && (has("angle") || has("step")))));
 }
 
 CpfgModel translateLsystemViewer(std::string_view text, const std::string& /*entry*/, DialectReport& report) {

@@ -1,6 +1,5 @@
 #include "engine/language/dialects/textbook.h"
 
-#include <array>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -10,169 +9,92 @@
 #include "engine/language/dialects/painter_objects.h"
 #include "engine/language/dialects/text_lines.h"
 #include "engine/language/dialects/textbook_modules.h"
+#include "engine/language/dialects/textbook_statements.h"
 
 namespace espalier::language {
 namespace {
 
-constexpr std::array<std::string_view, 5> kArrows{"→", "⟶", "-->", "->", "⇒"};
 constexpr double kMostSteps = 1e6;
 constexpr double kProbabilityTolerance = 0.0101;  // a third may be printed as 0.33
 constexpr std::string_view kShape = "shape ";
 
-enum class Setting : std::uint8_t { Axiom, Angle, Steps, Heading, Step, Turns, Productions, Sets };
-
-struct SettingName {
-  std::string_view name;  // small letters
-  Setting setting;
-};
-
-constexpr std::array kSettings = {
-    SettingName{"ω", Setting::Axiom},         SettingName{"w", Setting::Axiom},
-    SettingName{"omega", Setting::Axiom},     SettingName{"axiom", Setting::Axiom},
-    SettingName{"axioma", Setting::Axiom},    SettingName{"axiomat", Setting::Axiom},
-    SettingName{"l", Setting::Axiom},         SettingName{"α", Setting::Axiom},
-    SettingName{"wm", Setting::Axiom},        SettingName{"wd", Setting::Axiom},
-    SettingName{"δ", Setting::Angle},         SettingName{"delta", Setting::Angle},
-    SettingName{"angle", Setting::Angle},     SettingName{"b", Setting::Angle},
-    SettingName{"n", Setting::Steps},         SettingName{"steps", Setting::Steps},
-    SettingName{"iteracja", Setting::Steps},  SettingName{"derivation length", Setting::Steps},
-    SettingName{"α0", Setting::Heading},      SettingName{"alpha0", Setting::Heading},
-    SettingName{"heading", Setting::Heading}, SettingName{"d", Setting::Step},
-    SettingName{"turns", Setting::Turns},     SettingName{"p", Setting::Productions},
-    SettingName{"pm", Setting::Productions},  SettingName{"pd", Setting::Productions},
-    SettingName{"v", Setting::Sets},          SettingName{"g", Setting::Sets},
-    SettingName{"a", Setting::Sets},          SettingName{"gm", Setting::Sets},
-    SettingName{"gd", Setting::Sets},         SettingName{"alphabet", Setting::Sets},
-};
-
-// place and length of the first arrow
-std::optional<std::pair<std::size_t, std::size_t>> arrowOf(std::string_view text) {
-  std::optional<std::pair<std::size_t, std::size_t>> first;
-  for (const std::string_view arrow : kArrows) {
-    const std::size_t at = text.find(arrow);
-    if (at != std::string_view::npos && (!first || at < first->first)) {
-      first = {at, arrow.size()};
-    }
+// a piece without the probability at its end, `F .5`; the probability, or an empty piece
+TextPiece takeProbability(TextPiece& left) {
+  const std::size_t last = left.text.find_last_not_of("0123456789./% ");
+  const std::string_view end = left.text.substr(last == std::string_view::npos ? 0 : last + 1);
+  const std::size_t blank = end.find(' ');
+  // a number behind an operator belongs to the condition
+  const bool isBehindOperand =
+      last != std::string_view::npos && (std::isalnum(static_cast<unsigned char>(left.text[last])) != 0 ||
+                                         left.text[last] == ')' || left.text[last] == ']');
+  const std::size_t begin = end.starts_with('.') ? 0 : blank;
+  if (!isBehindOperand || begin == std::string_view::npos) {
+    return {};
   }
-  return first;
+  const TextPiece number = left.from(last + 1 + begin).trimmed();
+  const bool isProbability = number.text.find_first_of("./%") != std::string_view::npos || number.text == "1";
+  if (!isProbability || !textbookNumber(number.text)) {
+    return {};
+  }
+  left = left.to(last + 1 + begin).trimmed();
+  return number;
 }
 
-// a line without its remark
-TextPiece withoutRemark(const TextPiece& line) {
-  const std::size_t slashes = std::min(line.text.find("//"), line.text.find("/*"));
-  // in a string of modules two slashes are two rolls: a remark stands after blanks, or alone
-  const bool isRemark =
-      slashes == 0 || (slashes != std::string_view::npos && line.text[slashes - 1] == ' ' && !arrowOf(line.text));
-  return (isRemark ? line.to(slashes) : line).trimmed();
+// the same at the beginning of a successor: `.5 F[+F]F`
+TextPiece takeFrontProbability(TextPiece& right) {
+  const std::size_t end = right.text.find(' ');
+  if (end == std::string_view::npos || right.text.find_first_not_of("0123456789./%") != end) {
+    return {};
+  }
+  const TextPiece number = right.to(end);
+  if (number.text.find_first_of(".%") == std::string_view::npos || !textbookNumber(number.text)) {
+    return {};
+  }
+  right = right.from(end).trimmed();
+  return number;
 }
 
-// statements: lines; a line that begins with an arrow is joined to the line before
-std::vector<TextPiece> statementsOf(std::string_view text) {
-  std::vector<TextPiece> statements;
-  for (const TextPiece& line : linesOf(text)) {
-    const TextPiece code = withoutRemark(line);
-    if (code.empty()) {
-      continue;
-    }
-    const auto arrow = arrowOf(code.text);
-    if (arrow && arrow->first == 0 && !statements.empty() && !arrowOf(statements.back().text)) {
-      TextPiece& last = statements.back();
-      last.text = text.substr(last.offset, code.offset + code.text.size() - last.offset);
-    } else {
-      statements.push_back(code);
-    }
-  }
-  return statements;
-}
-
-struct NamedValue {
-  Setting setting = Setting::Sets;
-  TextPiece value;
-};
-
-// `name: value` or `name = value` of a known name; a subscript 0 belongs to the name
-std::optional<NamedValue> settingOf(const TextPiece& statement) {
-  std::size_t at = statement.text.find_first_of(":=");
-  if (at == std::string_view::npos) {
-    return std::nullopt;
-  }
-  std::string name = lowered(statement.to(at).trimmed().text);
-  for (const std::string_view zero : {"_0", "_{0}", "₀"}) {
-    if (name.ends_with(zero)) {
-      name.replace(name.size() - zero.size(), zero.size(), "0");
-    }
-  }
-  const auto found =
-      std::find_if(kSettings.begin(), kSettings.end(), [&](const auto& entry) { return entry.name == name; });
-  if (found == kSettings.end()) {
-    return std::nullopt;
-  }
-  const TextPiece value = statement.from(at + 1).trimmed();
-  // α is a heading when it is a number
-  const bool isHeading = found->name == "α" && textbookNumber(value.text).has_value();
-  return NamedValue{isHeading ? Setting::Heading : found->setting, value};
-}
-
-// the axioms of a set `L,R`: commas outside parentheses, each between two symbols
-std::vector<TextPiece> axiomsOf(TextPiece value) {
-  if (value.text.starts_with('{') && value.text.ends_with('}')) {
-    value = value.from(1).to(value.text.size() - 2);
-  }
-  std::vector<TextPiece> axioms;
+// the colon or semicolon before the condition of a production
+std::size_t conditionMark(std::string_view left) {
   int depth = 0;
-  std::size_t begin = 0;
-  for (std::size_t at = 0; at <= value.text.size(); ++at) {
-    const char c = at < value.text.size() ? value.text[at] : ',';
-    depth += c == '(' ? 1 : c == ')' ? -1 : 0;
-    if (c == ',' && (depth == 0 || at == value.text.size())) {
-      axioms.push_back(TextPiece{value.text.substr(begin, at - begin), value.offset + begin}.trimmed());
-      begin = at + 1;
+  for (std::size_t at = 0; at < left.size(); ++at) {
+    depth += left[at] == '(' ? 1 : left[at] == ')' ? -1 : 0;
+    if (depth == 0 && (left[at] == ':' || left[at] == ';')) {
+      return at;
     }
   }
-  const bool isSet = std::none_of(axioms.begin(), axioms.end(), [](const TextPiece& axiom) { return axiom.empty(); });
-  return isSet ? axioms : std::vector<TextPiece>{value};
+  return std::string_view::npos;
 }
 
-std::optional<NamedValue> axiomOf(std::string_view text) {
-  for (const TextPiece& statement : statementsOf(text)) {
-    const auto setting = arrowOf(statement.text) ? std::nullopt : settingOf(statement);
-    if (setting && setting->setting == Setting::Axiom) {
-      return setting;
-    }
+// words with blanks between them: a title or a remark
+bool isProse(std::string_view text) {
+  const std::size_t blank = text.find(' ');
+  const auto isWordLetter = [](char c) {
+    return std::isalpha(static_cast<unsigned char>(c)) != 0 || static_cast<unsigned char>(c) >= 0x80;
+  };
+  std::size_t longest = 0;
+  std::size_t length = 0;
+  for (const char c : text) {
+    length = isWordLetter(c) ? length + 1 : 0;
+    longest = std::max(longest, length);
   }
-  return std::nullopt;
-}
-
-// `p1:`, `p:` or `P:` before a production
-TextPiece withoutLabel(const TextPiece& statement) {
-  const std::size_t colon = statement.text.find(':');
-  const auto arrow = arrowOf(statement.text);
-  if (colon == std::string_view::npos || (arrow && arrow->first < colon)) {
-    return statement;
-  }
-  std::size_t at = 0;
-  const TextPiece label = statement.to(colon).trimmed();
-  if (label.empty() || lowered(label.text.front()) != 'p') {
-    return statement;
-  }
-  at = 1;
-  while (at < label.text.size() && std::isdigit(static_cast<unsigned char>(label.text[at])) != 0) {
-    ++at;
-  }
-  (void)readSubscript(label.text, at);
-  return at == label.text.size() ? statement.from(colon + 1).trimmed() : statement;
+  return blank != std::string_view::npos && longest >= 4 && text.find_first_of("[]{}|+") == std::string_view::npos;
 }
 
 class TextbookReader {
  public:
   TextbookReader(std::string_view text, const TextbookExtension& extension, DialectReport& report)
-      : text_(text),
+      : plain_(plainTextbook(text)),
+        text_(plain_),
         report_(report),
         modules_(report, symbols_, PainterSigns{extension.isTurtlePainter}),
         painter_(extension.isTurtlePainter, report) {}
 
   CpfgModel read(const std::string& entry) {
-    for (const TextPiece& statement : statementsOf(text_)) {
+    const std::vector<TextPiece> statements = textbookStatements(text_);
+    modules_.setConstants(textbookConstants(statements));
+    hasNamedAxiom_ = axiomOf(text_).has_value();
+    for (const TextPiece& statement : statements) {
       readStatement(statement, entry);
     }
     finish();
@@ -190,10 +112,10 @@ class TextbookReader {
     if (lowered(statement.text.substr(0, kShape.size())) == kShape) {
       return readShape(statement.from(kShape.size()).trimmed());
     }
-    if (const auto arrow = arrowOf(statement.text)) {
+    if (arrowOf(statement.text)) {
       const auto setting = settingOf(statement);
-      const bool isSet = setting && setting->setting == Setting::Productions && setting->value.text.starts_with('{');
-      return isSet ? readProductionSet(setting->value) : readProduction(withoutLabel(statement));
+      return setting && setting->setting == Setting::Productions ? readProductionSet(setting->value)
+                                                                 : readProductionSet(withoutLabel(statement));
     }
     const std::size_t equals = statement.text.find('=');
     if (equals != std::string_view::npos) {
@@ -209,15 +131,60 @@ class TextbookReader {
     if (const auto setting = settingOf(statement)) {
       return readSetting(*setting, statement, entry);
     }
-    if (const auto degrees = textbookNumber(statement.text); degrees && statement.text.ends_with("°")) {
+    std::size_t at = 0;
+    const std::string name = readTextbookName(statement.text, at);
+    if (modules_.isConstant(name)) {
+      return;
+    }
+    if (const auto degrees = textbookNumber(statement.text);
+        degrees && (statement.text.ends_with("°") || statement.text.ends_with("◦"))) {
       model_.angleDegrees = *degrees;
       hasAngle_ = true;
       return;
     }
-    report_.error(
-        statement.offset, statement.text.size(),
-        "expected an axiom, a production or a setting, found '" + std::string(statement.text.substr(0, 40)) + "'",
-        "write 'ω: F', 'p1: F → F+F', 'δ = 60°', 'n = 3', 'd = 1', '#ignore: +-'");
+    // the axiom of a caption stands alone on its line
+    if (!hasNamedAxiom_ && model_.productions.empty() && isModules(statement.text)) {
+      report_.note(statement.offset, statement.text.size(),
+                   "'" + std::string(statement.text.substr(0, 40)) + "' is read as the axiom",
+                   "write 'ω: F' to name the axiom");
+      model_.axiom = {};
+      return readAxiom(statement, entry);
+    }
+    readOtherLine(statement);
+  }
+
+  // a line without `:`, `=` and blanks between words, with the letters and signs of modules
+  static bool isModules(std::string_view text) {
+    const bool hasSigns = text.find_first_of(":=\"?!;") != std::string_view::npos;
+    return !hasSigns && !isProse(text) &&
+           std::any_of(text.begin(), text.end(),
+                       [](char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; }) &&
+           (text.size() <= 2 || text.find_first_of("+-[(&^/") != std::string_view::npos ||
+            std::none_of(text.begin(), text.end(),
+                         [](char c) { return std::islower(static_cast<unsigned char>(c)) != 0; }));
+  }
+
+  void readOtherLine(const TextPiece& statement) {
+    const std::string shown(statement.text.substr(0, 40));
+    const std::size_t mark = statement.text.find_first_of(":=");
+    const std::string_view near = mark == std::string_view::npos
+                                      ? std::string_view{}
+                                      : nearestSetting(lowered(statement.to(mark).trimmed().text));
+    if (!near.empty()) {
+      report_.error(statement.offset, mark,
+                    "there is no setting '" + std::string(statement.to(mark).trimmed().text) + "'",
+                    "did you mean '" + std::string(near) + "'?");
+    } else if (mark != std::string_view::npos && textbookNumber(statement.from(mark + 1).text)) {
+      report_.warn(statement.offset, mark, "nothing in the model uses '" + shown + "'",
+                   "use the name or remove the line");
+    } else if (isProse(statement.text)) {
+      report_.warn(statement.offset, statement.text.size(), "'" + shown + "' is read as a remark",
+                   "begin remarks with '#'");
+    } else {
+      report_.error(statement.offset, statement.text.size(),
+                    "expected an axiom, a production or a setting, found '" + shown + "'",
+                    "write 'ω: F', 'p1: F → F+F', 'δ = 60°', 'n = 3', 'd = 1', '#ignore: +-'");
+    }
   }
 
   // `shape X: modules`: the drawing of a symbol; for a bracket, too, so that brackets need no partner in it
@@ -239,28 +206,60 @@ class TextbookReader {
   void readDirective(const TextPiece& statement) {
     const TextPiece word = statement.from(1).trimmed();
     for (const std::string_view name : {"ignore", "consider"}) {
-      if (!word.text.starts_with(name)) {
-        continue;
+      if (word.text.starts_with(name)) {
+        TextPiece list = word.from(name.size()).trimmed();
+        list = list.text.starts_with(':') ? list.from(1) : list;
+        return addSymbolList(name, list);
       }
-      TextPiece list = word.from(name.size()).trimmed();
-      list = list.text.starts_with(':') ? list.from(1) : list;
-      MappedText item(std::string(name) + ": ", statement.offset);
-      for (std::size_t i = 0; i < list.text.size(); ++i) {
-        if (list.text[i] != ' ' && list.text[i] != ',') {
-          item.copy(list.text.substr(i, 1), list.offset + i);
-        }
-      }
-      model_.items.push_back(std::move(item));
-      return;
     }
     if (word.text.starts_with("define")) {
-      model_.items.push_back(MappedText().copy(statement.text, statement.offset));
+      const TextPiece macro = word.from(std::string_view("define").size()).trimmed();
+      std::size_t at = 0;
+      const std::string name = readTextbookName(macro.text, at);
+      const TextPiece value = macro.from(at).trimmed();
+      const auto setting = settingOf({std::string(macro.to(at).text) + ":", 0});
+      if (setting && setting->setting == Setting::Steps && textbookNumber(value.text)) {
+        readSteps(value);
+      } else if (!modules_.isConstant(name)) {
+        model_.items.push_back(MappedText().copy(statement.text, statement.offset));
+      }
     }
     // other lines with # are remarks
   }
 
+  void addSymbolList(std::string_view name, const TextPiece& list) {
+    MappedText item(std::string(name) + ": ", list.offset);
+    for (std::size_t i = 0; i < list.text.size(); ++i) {
+      if (list.text[i] != ' ' && list.text[i] != ',') {
+        item.copy(list.text.substr(i, 1), list.offset + i);
+      }
+    }
+    model_.items.push_back(std::move(item));
+  }
+
+  void readSteps(const TextPiece& value) {
+    const std::optional<double> number = textbookNumber(value.text);
+    if (!number || *number < 0.0 || *number != std::floor(*number) || *number > kMostSteps) {
+      report_.error(value.offset, value.text.size(),
+                    "expected a whole number from 0 to 1000000 while reading n, found '" +
+                        std::string(value.text.substr(0, 40)) + "'",
+                    "it says how many steps are derived");
+      return;
+    }
+    steps_ = static_cast<std::uint64_t>(*number);
+  }
+
   void readSetting(const NamedValue& setting, const TextPiece& statement, const std::string& entry) {
     if (setting.setting == Setting::Sets) {
+      return;
+    }
+    if (setting.value.empty() && setting.setting == Setting::Productions) {
+      return;  // a heading: the productions follow
+    }
+    // a name of one letter that expressions use is a constant: `d = 137.5`
+    const bool isLetter = setting.name != "n" && setting.name != "δ" && setting.name != "θ" && setting.name.size() <= 2;
+    std::size_t at = 0;
+    if (isLetter && modules_.isConstant(readTextbookName(statement.text, at))) {
       return;
     }
     if (setting.value.empty()) {
@@ -282,21 +281,16 @@ class TextbookReader {
         return;
       case Setting::Step:
         return readStep(setting.value);
+      case Setting::Steps:
+        return readSteps(setting.value);
+      case Setting::Ignore:
+        return addSymbolList("ignore", setting.value);
+      case Setting::Consider:
+        return addSymbolList("consider", setting.value);
       default:
         break;
     }
     const std::optional<double> number = textbookNumber(setting.value.text);
-    if (setting.setting == Setting::Steps) {
-      if (!number || *number < 0.0 || *number != std::floor(*number) || *number > kMostSteps) {
-        report_.error(setting.value.offset, setting.value.text.size(),
-                      "expected a whole number from 0 to 1000000 while reading n, found '" +
-                          std::string(setting.value.text.substr(0, 40)) + "'",
-                      "it says how many steps are derived");
-        return;
-      }
-      steps_ = static_cast<std::uint64_t>(*number);
-      return;
-    }
     if (!number) {
       report_.error(setting.value.offset, setting.value.text.size(),
                     "expected an angle in degrees, found '" + std::string(setting.value.text.substr(0, 40)) + "'",
@@ -351,27 +345,9 @@ class TextbookReader {
     return true;
   }
 
-  void readProductionSet(TextPiece value) {
-    if (value.text.starts_with('{') && value.text.ends_with('}')) {
-      value = value.from(1).to(value.text.size() - 2);
-    }
-    // a comma ends a production when an arrow follows before the next comma
-    std::size_t begin = 0;
-    int depth = 0;
-    for (std::size_t at = 0; at <= value.text.size(); ++at) {
-      const char c = at < value.text.size() ? value.text[at] : ',';
-      depth += c == '(' ? 1 : c == ')' ? -1 : 0;
-      const std::string_view behind = at < value.text.size() ? value.text.substr(at + 1) : std::string_view{};
-      const auto arrow = arrowOf(behind);
-      const bool isEnd =
-          at == value.text.size() || (arrow && behind.substr(0, arrow->first).find(',') == std::string_view::npos);
-      if (c == ',' && depth == 0 && isEnd) {
-        const TextPiece production = TextPiece{value.text.substr(begin, at - begin), value.offset + begin}.trimmed();
-        if (!production.empty()) {
-          readProduction(production);
-        }
-        begin = at + 1;
-      }
+  void readProductionSet(const TextPiece& value) {
+    for (const TextPiece& production : productionsOf(value)) {
+      readProduction(withoutLabel(production));
     }
   }
 
@@ -385,25 +361,31 @@ class TextbookReader {
           "a production is a predecessor, '→' and its successor");
       return;
     }
-    const TextPiece left = production.to(arrow->first).trimmed();
+    TextPiece left = production.to(arrow->first).trimmed();
     TextPiece right = production.from(arrow->first + arrow->second).trimmed();
     if (const auto head = TextbookModules::levelled(left)) {
       return addRecurrence(*head, left, right);
     }
-    const TextPiece front = left.to(left.text.find(':')).trimmed();
+    TextPiece written = takeProbability(left);
+    const std::size_t mark = conditionMark(left.text);
+    const TextPiece front = left.to(mark).trimmed();
     const bool isIdentity = front.text == right.text && (front.text == "[" || front.text == "]");
     if (isIdentity) {
       return;
     }
     modules_.setFormals(front);
     MappedText text = readPredecessor(front);
-    if (left.text.find(':') != std::string_view::npos) {
+    const TextPiece condition = mark == std::string_view::npos ? TextPiece{} : left.from(mark + 1).trimmed();
+    if (!condition.empty() && condition.text != "*") {
       text.make(" : ", front.offset);
-      text.add(modules_.expression(left.from(left.text.find(':') + 1).trimmed()));
+      text.add(modules_.expression(condition));
     }
-    // the probability in front, in parentheses, or behind a colon
-    TextPiece written;
-    if (right.text.starts_with('(') && right.text.find(')') != std::string_view::npos) {
+    // the probability before the arrow, in front of the successor, in parentheses, or behind a colon
+    if (!written.empty()) {
+      // read already
+    } else if (written = takeFrontProbability(right); !written.empty()) {
+      // read now
+    } else if (right.text.starts_with('(') && right.text.find(')') != std::string_view::npos) {
       const std::size_t end = right.text.find(')');
       written = right.from(1).to(end - 1);
       right = right.from(end + 1).trimmed();
@@ -411,7 +393,12 @@ class TextbookReader {
       written = right.from(colon + 1).trimmed();
       right = right.to(colon).trimmed();
     }
-    const MappedText probability = written.empty() ? MappedText{} : modules_.expression(written);
+    MappedText probability;
+    if (written.text.ends_with('%') && textbookNumber(written.text)) {
+      probability.make(cpfgNumber(*textbookNumber(written.text)), written.offset);
+    } else if (!written.empty()) {
+      probability = modules_.expression(written);
+    }
     noteProbability(left, written);
     checkBrackets(text_, right.offset, right.offset + right.text.size(), "the successor", report_);
     const MappedText successor = right.text == "*" ? MappedText{} : modules_.modules(right);
@@ -515,6 +502,7 @@ class TextbookReader {
       report_.error(0, 1, "the model has no axiom", "write the first string as 'ω: F'");
     }
     const auto turns = [&](char symbol) { return symbols_.plain.count(symbol) > 0; };
+    drawLettersOfNothing();
     if (!hasAngle_ && (turns('+') || turns('-'))) {
       report_.note(0, 1, "the model turns with + or - and has no angle: it is taken as 45 degrees", "write 'δ = 60°'");
     }
@@ -530,6 +518,28 @@ class TextbookReader {
     addDrawing();
   }
 
+  // in a model that turns and has no symbol of the turtle's that draws, every rewritten capital letter is a step
+  void drawLettersOfNothing() {
+    const auto uses = [&](std::string_view symbols) {
+      return std::any_of(symbols.begin(), symbols.end(), [&](char c) { return symbols_.all.count(c) > 0; });
+    };
+    if (!uses("+-") || uses("FGfg{~@") || !symbols_.names.empty() || !symbols_.levelled.empty() || symbols_.hasLeaf ||
+        !model_.drawing.empty() || painter_.isActive()) {
+      return;
+    }
+    std::string letters;
+    for (const char c : symbols_.plain) {
+      if (c >= 'A' && c <= 'Z') {
+        letters += std::string(letters.empty() ? "" : ", ") + c;
+        drawnLetters_.insert(c);
+      }
+    }
+    if (!letters.empty()) {
+      report_.note(0, 1, "no symbol of the model draws: " + letters + " are drawn as steps",
+                   "'shape A: F' gives the drawing of a symbol");
+    }
+  }
+
   void addDrawing() {
     const std::string angle = "(" + cpfgNumber(model_.angleDegrees) + ")";
     const std::string length =
@@ -542,6 +552,9 @@ class TextbookReader {
     if (!length.empty()) {
       draw("F", "F" + length);
       draw("f", "f" + length);
+    }
+    for (const char symbol : drawnLetters_) {
+      draw(std::string(1, symbol), "F" + length);
     }
     for (const std::string& name : symbols_.names) {
       const auto width = widths_.find(name);
@@ -563,6 +576,16 @@ class TextbookReader {
     const auto uses = [&](char symbol) { return symbols_.plain.count(symbol) > 0; };
     if (painter_.isActive()) {
       return painter_.addDrawing(symbols_.plain, model_);
+    }
+    // an apostrophe, the next colour of ABOP: the symbols are those of that book
+    if (uses('\'')) {
+      draw("'", ";");
+      model_.viewCommands.emplace_back("color increment: 20");
+      if (uses('!')) {
+        model_.ownDrawing.emplace_back("! --> @W(0.7)", 0);
+        model_.lost.emplace_back("that ! makes lines thinner");
+      }
+      return;
     }
     // the chapter's matrices roll in the opposite direction
     if (uses('/')) {
@@ -589,7 +612,8 @@ class TextbookReader {
     bool areNumbers = true;  // each of them has one
   };
 
-  std::string_view text_;
+  std::string plain_;
+  std::string_view text_;  // the plain text
   DialectReport& report_;
   CpfgModel model_;
   std::map<std::string, Chances> chances_;  // by left side without blanks
@@ -601,6 +625,8 @@ class TextbookReader {
   std::string firstRecurrence_;
   int highestLevel_ = 0;
   std::size_t recurrenceOffset_ = 0;
+  bool hasNamedAxiom_ = false;
+  std::set<char> drawnLetters_;
   bool isBehind_ = false;
   bool isClockwise_ = false;
   bool hasAngle_ = false;
@@ -611,27 +637,31 @@ class TextbookReader {
 
 }  // namespace
 
-bool recognisesTextbook(std::string_view text) {
+bool recognisesTextbook(std::string_view original) {
+  const std::string text = plainTextbook(original);
   bool hasArrow = false;
-  for (const TextPiece& statement : statementsOf(text)) {
-    const bool isStart = !arrowOf(statement.text) && settingOf(statement) &&
-                         (statement.text.starts_with("ω") || lowered(statement.text).starts_with("w"));
-    if (isStart || statement.text.find("→") != std::string_view::npos ||
-        statement.text.find("⟶") != std::string_view::npos) {
+  for (const TextPiece& statement : textbookStatements(text)) {
+    const auto arrow = arrowOf(statement.text);
+    const bool isStart =
+        !arrow && settingOf(statement) && (statement.text.starts_with("ω") || lowered(statement.text).starts_with("w"));
+    // every arrow but those of ASCII is none of cpfg's
+    const bool isPrinted = arrow && statement.text[arrow->first] != '-';
+    if (isStart || isPrinted) {
       return true;
     }
     const std::size_t equals = statement.text.find('=');
     if (equals != std::string_view::npos && TextbookModules::levelled(statement.to(equals))) {
       return true;
     }
-    const std::size_t arrow = statement.text.find("->");
-    hasArrow = hasArrow || (arrow != std::string_view::npos && arrow > 0 && statement.text[arrow - 1] != '-');
+    const std::size_t ascii = statement.text.find("->");
+    hasArrow = hasArrow || (ascii != std::string_view::npos && ascii > 0 && statement.text[ascii - 1] != '-');
   }
   // without an axiom, too: cpfg's arrow is longer
   return hasArrow && (axiomOf(text).has_value() || text.find("-->") == std::string_view::npos);
 }
 
-std::vector<DialectEntry> textbookEntries(std::string_view text) {
+std::vector<DialectEntry> textbookEntries(std::string_view original) {
+  const std::string text = plainTextbook(original);
   const std::optional<NamedValue> axiom = axiomOf(text);
   std::vector<DialectEntry> entries;
   if (axiom) {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "engine/core/number_text.h"
+#include "engine/language/dialects/textbook_statements.h"
 
 namespace espalier::language {
 namespace {
@@ -12,13 +13,16 @@ namespace {
 using Pair = std::pair<std::string_view, std::string_view>;
 
 // signs that are printed as one character and mean another
-constexpr std::array kSigns = {Pair{"−", "-"}, Pair{"–", "-"}, Pair{"—", "-"}, Pair{"ˆ", "^"}};
-constexpr std::array kOperators = {Pair{"≤", "<="},  Pair{"≥", ">="},  Pair{"≠", "!="},  Pair{"∧", "&&"},
-                                   Pair{"∨", "||"},  Pair{"−", "-"},   Pair{"·", "*"},   Pair{"×", "*"},
-                                   Pair{"<=", "<="}, Pair{">=", ">="}, Pair{"==", "=="}, Pair{"!=", "!="},
-                                   Pair{"=", "=="}};
+constexpr std::array kSigns = {Pair{"−", "-"}, Pair{"–", "-"}, Pair{"—", "-"}, Pair{"ˆ", "^"}, Pair{"∧", "^"}};
+constexpr std::array<std::string_view, 5> kNothing{"ε", "ϵ", "∅", "λ", "є"};
+constexpr std::array kOperators = {
+    Pair{"≤", "<="},  Pair{"≥", ">="},  Pair{"≠", "!="},  Pair{"∧", "&&"},  Pair{"∨", "||"},
+    Pair{"−", "-"},   Pair{"·", "*"},   Pair{"×", "*"},   Pair{"⩽", "<="},  Pair{"⩾", ">="},
+    Pair{"⋅", "*"},   Pair{"÷", "/"},   Pair{"&&", "&&"}, Pair{"||", "||"}, Pair{"<>", "!="},
+    Pair{"°", ""},    Pair{"◦", ""},    Pair{"º", ""},    Pair{"²", "^2"},  Pair{"³", "^3"},
+    Pair{"<=", "<="}, Pair{">=", ">="}, Pair{"==", "=="}, Pair{"!=", "!="}, Pair{"=", "=="}};
 constexpr std::array<std::string_view, 10> kSubscriptDigits{"₀", "₁", "₂", "₃", "₄", "₅", "₆", "₇", "₈", "₉"};
-constexpr std::string_view kLeaf = "♠";
+constexpr std::string_view kLeafSign = "♠";
 
 template <std::size_t Count>
 const Pair* pairAt(const std::array<Pair, Count>& pairs, std::string_view text) {
@@ -71,20 +75,43 @@ std::string levelText(const Subscript& subscript, int predecessorShift) {
 }  // namespace
 
 std::optional<double> textbookNumber(std::string_view text) {
-  std::string plain(text);
-  for (const std::string_view sign : {"°", "º", "^\\circ", " "}) {
-    for (std::size_t at = plain.find(sign); at != std::string::npos; at = plain.find(sign)) {
-      plain.erase(at, sign.size());
+  std::string plain = lowered(text);
+  std::erase_if(plain, [](char c) { return c == ' ' || c == '\t' || c == '\r'; });
+  double factor = 1.0;
+  const auto dropEnd = [&](std::string_view end, double unit) {
+    if (plain.size() > end.size() && plain.ends_with(end)) {
+      plain.erase(plain.size() - end.size());
+      factor = unit;
+    }
+  };
+  constexpr double kDegreesPerRadian = 57.29577951308232;
+  for (const std::string_view sign : {"°", "º", "◦", "˚", "^\\circ", "degrees", "degree", "deg"}) {
+    dropEnd(sign, 1.0);
+  }
+  dropEnd("rad", kDegreesPerRadian);
+  dropEnd("%", 0.01);
+  // `π/3`, `2π/5`
+  for (const std::string_view sign : {"π", "pi"}) {
+    if (const std::size_t at = plain.find(sign); at != std::string::npos) {
+      plain.replace(at, sign.size(), at == 0 ? "180" : "*180");
     }
   }
   std::replace(plain.begin(), plain.end(), ',', '.');
+  // a product and one quotient
   const std::size_t slash = plain.find('/');
-  const auto above = core::parseNumber(std::string_view(plain).substr(0, slash));
-  if (!above || slash == std::string::npos) {
-    return above;
+  std::string_view above = std::string_view(plain).substr(0, slash);
+  if (const std::size_t star = above.find('*'); star != std::string_view::npos) {
+    const auto first = core::parseNumber(above.substr(0, star));
+    factor *= first.value_or(0.0);
+    above = first ? above.substr(star + 1) : std::string_view{};
+  }
+  const auto numerator = core::parseNumber(above);
+  if (!numerator || slash == std::string::npos) {
+    return numerator ? std::optional(factor == 1.0 ? *numerator : *numerator * factor) : std::nullopt;
   }
   const auto below = core::parseNumber(std::string_view(plain).substr(slash + 1));
-  return below && *below != 0.0 ? std::optional(*above / *below) : std::nullopt;
+  return below && *below != 0.0 ? std::optional(factor == 1.0 ? *numerator / *below : *numerator * factor / *below)
+                                : std::nullopt;
 }
 
 Subscript readSubscript(std::string_view text, std::size_t& at) {
@@ -141,11 +168,12 @@ MappedText TextbookModules::modules(const TextPiece& piece, int predecessorShift
     at += characterLength(c);
     if (const Pair* sign = pairAt(kSigns, text.substr(begin))) {
       symbol = sign->second;
-    } else if (text.substr(begin).starts_with(kLeaf)) {
+    } else if (text.substr(begin).starts_with(kLeafSign)) {
       symbols_.hasLeaf = true;
       result.make("@o(0.4)", offset);
       continue;
-    } else if (text.substr(begin).starts_with("ε")) {
+    } else if (std::any_of(kNothing.begin(), kNothing.end(),
+                           [&](std::string_view nothing) { return text.substr(begin).starts_with(nothing); })) {
       continue;
     } else if (static_cast<unsigned char>(c) > 126 || c < ' ' ||
                std::string_view("<>:*()").find(c) != std::string_view::npos) {
@@ -163,6 +191,9 @@ MappedText TextbookModules::modules(const TextPiece& piece, int predecessorShift
     }
     const Subscript subscript = isLetter(c) ? readSubscript(text, at) : Subscript{};
     const bool hasParameters = at < text.size() && text[at] == '(';
+    if (symbol.size() == 1) {
+      symbols_.all.insert(symbol.front());
+    }
     if (subscript.kind == Subscript::Kind::Name) {
       symbol += "_" + subscript.name;
       symbols_.names.insert(symbol);
@@ -204,14 +235,14 @@ MappedText TextbookModules::modules(const TextPiece& piece, int predecessorShift
 void TextbookModules::setFormals(const TextPiece& predecessor) {
   formals_.clear();
   int depth = 0;
-  std::string name;
-  for (const char c : predecessor.text) {
+  for (std::size_t at = 0; at < predecessor.text.size();) {
+    const char c = predecessor.text[at];
     depth += c == '(' ? 1 : c == ')' ? -1 : 0;
-    const bool isPart = depth > 0 && (isLetter(c) || isDigit(c));
-    if (isPart) {
-      name += c;
-    } else if (!name.empty()) {
-      formals_.insert(std::exchange(name, {}));
+    std::string name = depth > 0 ? readTextbookName(predecessor.text, at) : std::string{};
+    if (name.empty()) {
+      ++at;
+    } else {
+      formals_.insert(std::move(name));
     }
   }
 }
@@ -236,23 +267,32 @@ void TextbookModules::appendExpression(MappedText& result, const TextPiece& piec
       previous = '=';
       continue;
     }
-    std::size_t end = at + 1;
-    while (isLetter(c) && end < text.size() && (isLetter(text[end]) || isDigit(text[end]))) {
-      ++end;
-    }
+    std::size_t end = at;
+    const std::string name = readTextbookName(text, end);
+    end = name.empty() ? at + 1 : end;
     const std::string word(text.substr(at, end - at));
     const bool isOperand = isLetter(previous) || isDigit(previous) || previous == ')' || previous == '.';
-    if (painter_.areRead && word == "%" && !isOperand) {
+    const bool isFormal = formals_.count(name) > 0;
+    const auto constant = name.empty() || isFormal ? constants_.end() : constants_.find(name);
+    if (constant != constants_.end()) {
+      const bool isNumber = constant->second.find_first_not_of("0123456789.") == std::string::npos;
+      result.make(isNumber ? constant->second : "(" + constant->second + ")", offset);
+      previous = ')';
+    } else if (painter_.areRead && word == "%" && !isOperand) {
       result.make("floor(ran(100))", offset);
       previous = ')';
-    } else if (painter_.areRead && word == "t" && formals_.count(word) == 0) {
+    } else if (painter_.areRead && word == "t" && !isFormal) {
       result.make("Q", offset);
       previous = 'Q';
-    } else if (painter_.areRead && isCondition && (word == "&" || word == "|") && previous != c) {
-      const std::size_t twice = text.substr(at).starts_with(word + word) ? 2 : 1;
+    } else if (isCondition && (word == "&" || word == "|") && previous != c) {
       result.make(word + word, offset);
-      end = at + twice;
       previous = c;
+    } else if (isCondition && (word == "and" || word == "or" || word == "not") && !isFormal) {
+      result.make(word == "and" ? "&&" : word == "or" ? "||" : "!", offset);
+      previous = '=';
+    } else if (!name.empty() && name != word) {
+      result.make(name, offset);
+      previous = 'x';
     } else {
       result.copy(text.substr(at, end - at), offset);
       previous = c == ' ' || c == '\t' ? previous : text[end - 1];

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
 #include <optional>
 #include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "engine/language/dialects/text_lines.h"
 #include "engine/language/dialects/translation.h"
@@ -22,6 +24,7 @@ struct Subscript {
 /// The symbols that the modules of a textbook's model use.
 struct TextbookSymbols {
   std::set<char> plain;            // without parameter and subscript
+  std::set<char> all;              // with or without
   std::set<std::string> names;     // with a name as subscript: F_a
   std::set<std::string> levelled;  // with a level as subscript
   bool hasLeaf = false;            // the sign ♠
@@ -39,6 +42,10 @@ class TextbookModules {
  public:
   TextbookModules(DialectReport& report, TextbookSymbols& symbols, PainterSigns painter)
       : report_(report), symbols_(symbols), painter_(painter) {}
+
+  /// Constants of the model, by name, as cpfg text.
+  void setConstants(std::map<std::string, std::string> constants) { constants_ = std::move(constants); }
+  [[nodiscard]] bool isConstant(const std::string& name) const { return constants_.contains(name); }
 
   /// The names of a production's formal parameters: they hide `t`.
   void setFormals(const TextPiece& predecessor);
@@ -63,12 +70,13 @@ class TextbookModules {
   TextbookSymbols& symbols_;
   PainterSigns painter_;
   std::set<std::string> formals_;
+  std::map<std::string, std::string> constants_;
 };
 
 /// The subscript at `at` of the text, which moves behind it.
 [[nodiscard]] Subscript readSubscript(std::string_view text, std::size_t& at);
 
-/// A number with a decimal point or comma, possibly a fraction and with a degree sign.
+/// A number with a decimal point or comma, possibly a fraction, in per cent, or with a degree sign or a unit.
 [[nodiscard]] std::optional<double> textbookNumber(std::string_view text);
 
 }  // namespace espalier::language

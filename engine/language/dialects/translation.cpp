@@ -31,7 +31,9 @@ std::pair<double, double> direction(double degrees) {
 
 void addLine(MappedText& text, const MappedText& line) {
   text.add(line);
-  text.make("\n", line.runs().empty() ? 0 : line.runs().back().foreignOffset);
+  // a backslash at the end of a line would join the next one
+  const bool isJoining = std::string_view(line.text()).ends_with('\\');
+  text.make(isJoining ? " \n" : "\n", line.runs().empty() ? 0 : line.runs().back().foreignOffset);
 }
 
 // modules that bring the turtle to its start
@@ -85,6 +87,12 @@ void DialectReport::add(core::Severity severity, std::size_t offset, std::size_t
                         std::string hint) {
   core::Diagnostic diagnostic;
   diagnostic.severity = severity;
+  // finding a place takes a walk through the file, and the list keeps only its limit of each severity
+  const std::size_t count = severity == core::Severity::Error ? diagnostics_.errorCount() : diagnostics_.warningCount();
+  if (count >= core::DiagnosticList::kLimit) {
+    diagnostics_.add(std::move(diagnostic));
+    return;
+  }
   diagnostic.message = std::move(message);
   diagnostic.hint = std::move(hint);
   diagnostic.location = files::locateInFile(file_, static_cast<std::uint32_t>(offset),
@@ -121,10 +129,23 @@ MappedText modelText(const CpfgModel& model, bool isAlone) {
   for (const MappedText& production : model.productions) {
     addLine(text, production);
   }
+  if (!model.decomposition.empty()) {
+    text.make("decomposition no warnings\nmaximum depth: " + std::to_string(model.decompositionDepth) + "\n", 0);
+    for (const MappedText& production : model.decomposition) {
+      addLine(text, production);
+    }
+  }
   const bool writesTurns = isAlone && model.turnsByAngle;
-  if (!model.drawing.empty() || writesTurns) {
+  const bool writesOwn = !isAlone && !model.ownDrawing.empty();
+  if (!model.drawing.empty() || writesOwn || writesTurns) {
     text.make("homomorphism no warnings\n", 0);
+    if (model.drawingDepth != 1) {
+      text.make("maximum depth: " + std::to_string(model.drawingDepth) + "\n", 0);
+    }
     for (const MappedText& production : model.drawing) {
+      addLine(text, production);
+    }
+    for (const MappedText& production : writesOwn ? model.ownDrawing : std::vector<MappedText>{}) {
       addLine(text, production);
     }
   }

@@ -68,7 +68,12 @@ struct CpfgModel {
   std::vector<MappedText> items;        // before the axiom: `ignore:`, `Start:`, ...
   MappedText axiom;                     // modules; never empty
   std::vector<MappedText> productions;  // without newlines; empty: nothing is rewritten
-  std::vector<MappedText> drawing;      // productions of the homomorphism: the drawing of the symbols
+  std::vector<MappedText> decomposition;
+  std::vector<MappedText> drawing;  // productions of the homomorphism: the drawing of the symbols
+  /// Productions of the homomorphism with turtle commands that cpfg does not have; `lost` or `needs` names them.
+  std::vector<MappedText> ownDrawing;
+  std::uint32_t decompositionDepth = 1;
+  std::uint32_t drawingDepth = 1;
 
   double angleDegrees = 45.0;    // of turns without a parameter
   double headingDegrees = 90.0;  // of the first step: 0 is +x, counter-clockwise

@@ -150,6 +150,14 @@ bool Parser::parseModuleDeclaration() {
     do {
       lexer_.advance();
       const Token parameter = lexer_.peekExpression();
+      // `(...)`: any number of parameters
+      if (parameter.kind == TokenKind::Invalid && parameter.text == "." && symbol.parameterNames.empty()) {
+        for (int i = 0; i < 3 && lexer_.peekExpression().text == "."; ++i) {
+          lexer_.advance();
+        }
+        symbol.parameterNames = {std::string(kAnyParameters)};
+        break;
+      }
       if (parameter.kind != TokenKind::Identifier) {
         return expected(
             "a parameter name", parameter,

@@ -48,6 +48,10 @@ void Parser::parseProduction(ProductionListSyntax& list) {
 
 std::string Parser::productionHint(std::uint32_t begin) const {
   const std::string_view line = lineAt(begin);
+  if (line.starts_with('[') || line.starts_with(']')) {
+    return "a line that begins in column 1 is a new production; to continue the successor above, begin the line with a "
+           "TAB";
+  }
   const std::size_t colon = line.find(':');
   if (colon != std::string_view::npos) {
     static const std::vector<std::string_view> kKeywords{
@@ -316,7 +320,8 @@ bool Parser::parseSuccessor(ProductionSyntax& production) {
 
 bool Parser::internModule(core::SymbolId symbol, std::size_t arity, core::SourceRange range, core::ModuleTypeId& type) {
   const Symbol& declared = model_.symbols[symbol];
-  if (declared.isDeclared && declared.parameterNames.size() != arity) {
+  const bool hasAny = declared.parameterNames.size() == 1 && declared.parameterNames.front() == kAnyParameters;
+  if (declared.isDeclared && !hasAny && declared.parameterNames.size() != arity) {
     std::string form = declared.name;
     for (std::size_t i = 0; i < declared.parameterNames.size(); ++i) {
       form += (i == 0 ? "(" : ", ") + declared.parameterNames[i];

@@ -12,6 +12,9 @@
 
 namespace espalier::language {
 
+/// The only parameter name of a module that is declared with `(...)`: it has any number of parameters.
+inline constexpr std::string_view kAnyParameters = "...";
+
 /// Interns Symbols and module types while a model is read, in the order of their first use.
 class SymbolTable {
  public:

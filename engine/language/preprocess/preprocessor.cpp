@@ -6,6 +6,7 @@
 
 #include "engine/core/work_meter.h"
 #include "engine/files/file_name.h"
+#include "engine/files/utf8.h"
 #include "engine/language/preprocess/directive_expression.h"
 #include "engine/language/preprocess/line_reader.h"
 #include "engine/language/preprocess/macro_table.h"
@@ -43,6 +44,9 @@ class Preprocessor {
                                {},
                                "check the name and that the file may be read"});
     }
+    if (file.has_value() && !hasStopped_) {
+      checkOverrides();
+    }
     result_.macros = macros_.names();
     result_.isComplete = file.has_value() && !hasStopped_;
     result_.sourceMap.files.assign(std::make_move_iterator(files_.begin()), std::make_move_iterator(files_.end()));
@@ -65,6 +69,59 @@ class Preprocessor {
     macros_.define(std::move(macro));
   }
 
+  /// An override that no file names has no effect: a misspelt name.
+  void checkOverrides() {
+    for (const auto& [name, value] : input_.overrides) {
+      const auto isNamed = [&name = name](const files::SourceMap::File& file) { return namesMacro(file.text, name); };
+      const bool isFunction = std::any_of(input_.macros.begin(), input_.macros.end(),
+                                          [&](const auto& macro) { return macro.first == name; });
+      if (wordEnd(name, 0) != name.size() || isFunction || std::any_of(files_.begin(), files_.end(), isNamed)) {
+        continue;
+      }
+      const std::vector<std::string> macros = macroNames();
+      const std::vector<std::string_view> names(macros.begin(), macros.end());
+      result_.diagnostics.add({core::Severity::Error,
+                               "the model does not use the macro '" + name + "', so its value has no effect",
+                               {},
+                               names.empty() ? "the model has no macros: write '#define " + name + " 1' in it"
+                                             : core::suggestName(name, names)});
+    }
+  }
+
+  static bool namesMacro(std::string_view text, std::string_view name) {
+    for (std::size_t at = text.find(name); at != std::string_view::npos; at = text.find(name, at + 1)) {
+      const bool beginsWord = at == 0 || !isIdentifierPart(text[at - 1]);
+      if (beginsWord && (at + name.size() == text.size() || !isIdentifierPart(text[at + name.size()]))) {
+        return true;
+      }
+    }
+    return false;
+  }
+
+  /// The names in the directives of all files, also of those that a condition leaves out.
+  [[nodiscard]] std::vector<std::string> macroNames() const {
+    std::vector<std::string> names;
+    for (const files::SourceMap::File& file : files_) {
+      for (std::size_t at = 0; at < file.text.size();
+           at = std::min(file.text.find('\n', at), file.text.size() - 1) + 1) {
+        std::string_view line = std::string_view(file.text).substr(at);
+        if (!line.starts_with('#')) {
+          continue;
+        }
+        line = trimBlanks(line.substr(1, line.find('\n') - 1));
+        const std::size_t end = wordEnd(line, 0);
+        const std::string_view directive = line.substr(0, end);
+        const std::string_view rest = trimBlanks(line.substr(end));
+        const std::string_view name = rest.substr(0, wordEnd(rest, 0));
+        const bool isNaming = directive == "define" || directive == "ifdef" || directive == "ifndef";
+        if (isNaming && !name.empty() && std::find(names.begin(), names.end(), name) == names.end()) {
+          names.emplace_back(name);
+        }
+      }
+    }
+    return names;
+  }
+
   // ---- files
 
   std::optional<std::uint32_t> open(const std::string& name) {
@@ -77,7 +134,7 @@ class Preprocessor {
       return std::nullopt;
     }
     const auto index = static_cast<std::uint32_t>(files_.size());
-    files_.push_back({name, std::move(*text)});
+    files_.push_back({name, files::readableText(*text)});
     fileIndices_.emplace(name, index);
     return index;
   }

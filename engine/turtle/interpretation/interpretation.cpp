@@ -324,7 +324,7 @@ std::uint64_t Interpretation::executeAt(const Sequence& sequence, std::uint64_t 
     }
     const bool isWhole = !(arity == 0 && takesSecondSymbol(first));
     const TurtleCommand command = first != '\0' && isWhole ? commandAfterAt(first, '\0') : TurtleCommand::None;
-    const bool isForeign = command == TurtleCommand::ExchangeFrames && isCompatible();
+    const bool isForeign = isAddition(command) && isCompatible();
     if (command != TurtleCommand::None && !isForeign) {
       performAt(command, {sequence.parameters + nextOffset, arity});
       return 2;
@@ -377,7 +377,8 @@ std::uint64_t Interpretation::executeSurface(const Sequence& sequence, std::uint
     }
   }
   // a surface without a file draws nothing and the turtle stays
-  warnOnce(std::string("the surface '~") + id + "' is not defined in the view file and is not drawn");
+  warnOnce(std::string("the surface '~") + id + "' is not defined and is not drawn: " + "write 'surface: " + id +
+           " FILE.s' into the view file, which has the model's name and the suffix .v");
   return 2;
 }
 

@@ -127,6 +127,7 @@ class Interpretation {
   // the turtle table
   void perform(TurtleCommand command, const Arguments& arguments);
   void performAt(TurtleCommand command, const Arguments& arguments);
+  void performAddition(TurtleCommand command, const Arguments& arguments);
   void advance(const Arguments& arguments, bool draws, bool addsVertex);
   void changeColour(const Arguments& arguments, int sign, bool isBack);
   void changeWidth(const Arguments& arguments, double sign);

@@ -14,16 +14,25 @@ namespace {
 
 constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
 constexpr double kSmallestWidth = 1e-7;
+constexpr double kLargestWidth = 1e300;
+constexpr double kSmallestBend = 1e-12;
 constexpr double kStepLength = 1.0;  // of F without a parameter
 
 std::int32_t wrappedColour(std::int64_t colour) {
   return static_cast<std::int32_t>(((colour % 256) + 256) % 256);
 }
 
+// among the colours 1 to 255; one step down from 0 is 255, as from 1
+std::int32_t cycledColour(std::int64_t colour, std::int64_t change) {
+  constexpr std::int64_t kCount = 255;
+  const std::int64_t index = (change < 0 ? std::max<std::int64_t>(colour, 1) : colour) - 1 + change;
+  return static_cast<std::int32_t>((index % kCount + kCount) % kCount + 1);
+}
+
 }  // namespace
 
 double Interpretation::angleRadians(const Arguments& arguments) const {
-  return arguments.valueOr(0, view_.angleIncrementDegrees) * kRadiansPerDegree;
+  return arguments.valueOr(0, view_.angleIncrementDegrees * state_.angleFactor) * kRadiansPerDegree;
 }
 
 void Interpretation::perform(TurtleCommand command, const Arguments& arguments) {
@@ -134,6 +143,48 @@ void Interpretation::changeColour(const Arguments& arguments, int sign, bool isB
   const int increment = isBack ? view_.backColourIncrement : view_.colourIncrement;
   colour = wrappedColour(arguments.count > 0 ? std::int64_t{wholeNumber(arguments.values[0])}
                                              : std::int64_t{colour} + std::int64_t{sign} * increment);
+}
+
+void Interpretation::performAddition(TurtleCommand command, const Arguments& arguments) {
+  switch (command) {
+    case TurtleCommand::ExchangeFrames:
+      std::swap(state_.frame, state_.otherFrame);
+      return;
+    case TurtleCommand::ScaleAngle:
+      state_.angleFactor *= arguments.valueOr(0, 1.0);
+      return;
+    case TurtleCommand::ScaleWidth:
+      state_.width = std::clamp(state_.width * arguments.valueOr(0, 1.0), kSmallestWidth, kLargestWidth);
+      return;
+    case TurtleCommand::CycleColour:
+      state_.colour = cycledColour(state_.colour, wholeNumber(arguments.valueOr(0, 1.0)));
+      return;
+    case TurtleCommand::TurnInPlane: {
+      const Vec3 axis = coordinates_.toWorldDirection({0.0, 0.0, 1.0});
+      const double angle = angleRadians(arguments);
+      const auto turned = [&](const Vec3& v) {
+        return std::cos(angle) * v + std::sin(angle) * core::cross(axis, v) +
+               ((1.0 - std::cos(angle)) * core::dot(axis, v)) * axis;
+      };
+      state_.frame = {turned(state_.frame.heading), turned(state_.frame.left), turned(state_.frame.up)};
+      return;
+    }
+    case TurtleCommand::BendDown: {
+      const Vec3 down = coordinates_.toWorldDirection({0.0, -1.0, 0.0});
+      const double angle = arguments.valueOr(0, 0.0) * core::length(core::cross(state_.frame.heading, down));
+      const Vec3 across = down - core::dot(down, state_.frame.heading) * state_.frame.heading;
+      if (core::length(across) > kSmallestBend) {
+        const Vec3 heading =
+            core::normalised(std::cos(angle) * state_.frame.heading + std::sin(angle) * core::normalised(across));
+        state_.frame.up = transported(state_.frame.up, state_.frame.heading, heading);
+        state_.frame.heading = heading;
+        state_.frame.left = core::cross(heading, state_.frame.up);
+      }
+      return;
+    }
+    default:
+      return;
+  }
 }
 
 void Interpretation::changeWidth(const Arguments& arguments, double sign) {
@@ -296,9 +347,6 @@ void Interpretation::performAt(TurtleCommand command, const Arguments& arguments
     case TurtleCommand::TransportUp:
       transportUp(state_);
       return;
-    case TurtleCommand::ExchangeFrames:
-      std::swap(state_.frame, state_.otherFrame);
-      return;
     case TurtleCommand::PatchStart:
       drawing_.startPatch(wholeNumber(arguments.valueOr(0, 0.0)));
       return;
@@ -329,6 +377,7 @@ void Interpretation::performAt(TurtleCommand command, const Arguments& arguments
       changeColour(arguments, -1, true);
       return;
     default:
+      performAddition(command, arguments);
       return;
   }
 }

@@ -45,6 +45,9 @@ constexpr std::array kAfterAt = {
     Entry{"J", TurtleCommand::Ignored},           Entry{"mo", TurtleCommand::Ignored},
     Entry{"mc", TurtleCommand::ConditionalCut},   Entry{";", TurtleCommand::BackColourUp},
     Entry{",", TurtleCommand::BackColourDown},    Entry{"X", TurtleCommand::ExchangeFrames},
+    Entry{"A", TurtleCommand::ScaleAngle},        Entry{"W", TurtleCommand::ScaleWidth},
+    Entry{"C", TurtleCommand::CycleColour},       Entry{"Z", TurtleCommand::TurnInPlane},
+    Entry{"B", TurtleCommand::BendDown},
 };
 
 }  // namespace
@@ -81,6 +84,10 @@ TurtleCommand commandAfterAt(char first, char second) {
     }
   }
   return TurtleCommand::None;
+}
+
+bool isAddition(TurtleCommand command) {
+  return command >= TurtleCommand::ExchangeFrames && command <= TurtleCommand::BendDown;
 }
 
 bool takesSecondSymbol(char first) {

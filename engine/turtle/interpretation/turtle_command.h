@@ -60,16 +60,22 @@ enum class TurtleCommand : std::uint8_t {
   ElasticityDown,    // Td
   KeepTwist,         // Tf
   TransportUp,       // Tp
-  ExchangeFrames,    // X, in Espalier's own mode only
-  PatchStart,        // PS
-  PatchPoint,        // PC
-  PatchDraw,         // PD
-  Label,             // L
-  SystemCall,        // S
-  Ignored,           // I J mo: for other renderers
-  ConditionalCut,    // mc
-  BackColourUp,      // ;
-  BackColourDown,    // ,
+  // in Espalier's own mode only, for other dialects
+  ExchangeFrames,  // X
+  ScaleAngle,      // A
+  ScaleWidth,      // W
+  CycleColour,     // C
+  TurnInPlane,     // Z
+  BendDown,        // B
+  PatchStart,      // PS
+  PatchPoint,      // PC
+  PatchDraw,       // PD
+  Label,           // L
+  SystemCall,      // S
+  Ignored,         // I J mo: for other renderers
+  ConditionalCut,  // mc
+  BackColourUp,    // ;
+  BackColourDown,  // ,
 };
 
 /// The command of a symbol with `arity` parameters on its own; `character` 0 (a declared name) has none.
@@ -77,6 +83,9 @@ enum class TurtleCommand : std::uint8_t {
 
 /// The command of `first` after `@`, or of `first second` when second is not 0. None: unknown.
 [[nodiscard]] TurtleCommand commandAfterAt(char first, char second);
+
+/// Whether a command exists in Espalier's own mode only.
+[[nodiscard]] bool isAddition(TurtleCommand command);
 
 /// Whether `first` after `@`, when it has no parameters, takes one more symbol: P T G m D b.
 [[nodiscard]] bool takesSecondSymbol(char first);

@@ -58,7 +58,7 @@ TEST(NeededFiles, AnotherFileOfTheSameNameServes) {
   EXPECT_TRUE(compiled("surface: l none.s 1\nsurface: l good.obj 1\n", "A --> ~l").isCompiled);
 }
 
-TEST(NeededFiles, ContoursAndTexturesCountByTheirNumbers) {
+TEST(NeededFiles, ContoursCountByTheirNumbers) {
   const std::string view = "contour: 2 none.con\ntexture: F none.png\n";
   const auto errors = [&view](const std::string& successor) { return compiled(view, "A --> " + successor).errors; };
   EXPECT_EQ(
@@ -66,19 +66,26 @@ TEST(NeededFiles, ContoursAndTexturesCountByTheirNumbers) {
       Messages{"m.v:1:1: error: the model draws with contour 2, whose file 'none.con' cannot be "
                "used (warning above) | needed at m.l:3:8; repair or add the file, or remove this from the model"});
   EXPECT_EQ(errors("@#(1)F@#"), Messages{});
-  EXPECT_EQ(
-      errors("@Tx(1)F"),
-      Messages{"m.v:2:1: error: the model draws with texture 1, whose file 'none.png' cannot "
-               "be used (warning above) | needed at m.l:3:9; repair or add the file, or remove this from the model"});
   EXPECT_EQ(errors("@Tx(2)F@Tx(0)"), Messages{});
   // a number that is only known in the run
-  EXPECT_EQ(compiled(view, "A(i) --> @Tx(i)F", "A(1)").errors.size(), 1U);
+  EXPECT_EQ(compiled(view, "A(i) --> @#(i)F", "A(1)").errors.size(), 1U);
+}
+
+TEST(NeededFiles, AMissingTextureStopsNothing) {
+  const std::string view = "contour: 2 none.con\ntexture: F none.png\n";
+  for (const char* const successor : {"@Tx(1)F", "@Tx(Q)F"}) {
+    const Result result = compiled(view, std::string("A --> ") + successor);
+    EXPECT_TRUE(result.isCompiled);
+    EXPECT_EQ(result.errors, Messages{});
+    EXPECT_EQ(result.warningCount, 3U) << successor;
+  }
+  EXPECT_EQ(compiled(view, "A --> @Tx(2)F").warningCount, 2U);
 }
 
 TEST(NeededFiles, ATextureThatASurfaceInUseWearsIsNeeded) {
   const std::string view = "texture: F none.png\nsurface: l good.obj 1 1\n";
-  EXPECT_EQ(compiled(view, "A --> ~l").errors.size(), 1U);
-  EXPECT_EQ(compiled(view, "A --> F").errors.size(), 0U);
+  EXPECT_EQ(compiled(view, "A --> ~l").warningCount, 2U);
+  EXPECT_EQ(compiled(view, "A --> F").warningCount, 1U);
 }
 
 TEST(NeededFiles, TheReferencesModesDrawNothingInstead) {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tests/engine/language/dialects/dialect_text.h"
 
 namespace espalier::language {
@@ -12,6 +14,11 @@ const char* const kTwo = "First { angle 4\naxiom f\n}\nSecond { angle 6\naxiom f
 TEST(Dialect, IsRecognisedByContent) {
   EXPECT_EQ(recognised("Koch {\n Angle 6\n Axiom F\n F=F+F\n}\n"), "fractint");
   EXPECT_EQ(recognised("axiom F\nangle 60\nprule F -> F+F\n"), "lsv");
+  EXPECT_EQ(recognised("axiom: F\nF -> F+F--F+F\nangle: 60\n"), "textbook");
+  EXPECT_EQ(recognised("axiom: F\nangle: 60\nF=F+F--F+F\n"), "textbook");
+  EXPECT_EQ(recognised("recursion 3\nthickness 5\naxiom F\nrule F=FF\n"), "lparser");
+  EXPECT_EQ(recognised("3\n90\n10\nF\nF=FF\n@\n"), "lparser");
+  EXPECT_EQ(recognised("Axiom: F\nproduction:\nF --> FF\n"), "lpy");
   EXPECT_EQ(recognised("Espécie 6\nAxioma: F\nRegras: F -> F[+F]F\n"), "species");
   EXPECT_EQ(recognised("ω: F\np1: F → F+F\n"), "textbook");
   EXPECT_EQ(recognised("w: F\np: F -> F[+F]F : 0.5\n"), "textbook");
@@ -38,14 +45,83 @@ TEST(Dialect, FilesOfOtherEditorsAreReadToo) {
             "species");
 }
 
+TEST(Dialect, FilesOfOldSystemsAreReadToo) {
+  const std::string text = "axiom: F\nF -> F+F\nangle: 60\n";
+  const std::string plain = cpfgText(text);
+  ASSERT_FALSE(plain.empty());
+  std::string little = "\xFF\xFE";
+  std::string big = "\xFE\xFF";
+  std::string macintosh = text;
+  for (const char c : text) {
+    little += std::string(1, c) + std::string(1, '\0');
+    big += std::string(1, '\0') + std::string(1, c);
+  }
+  std::replace(macintosh.begin(), macintosh.end(), '\n', '\r');
+  EXPECT_EQ(cpfgText(little), plain);
+  EXPECT_EQ(cpfgText(big), plain);
+  EXPECT_EQ(cpfgText(macintosh), plain);
+  EXPECT_EQ(cpfgText(text + "\x1A"), plain);
+  EXPECT_EQ(cpfgText(text + "\x1A" + std::string(100, '\0')), plain);
+  // a byte order mark in the middle: two files were joined
+  EXPECT_EQ(cpfgText("axiom: F\n\xEF\xBB\xBF"
+                     "F -> F+F\nangle: 60\n"),
+            plain);
+  // Windows-1252: an en dash as the stroke of the arrow, and a degree sign
+  EXPECT_EQ(cpfgText("axiom: F\nF \x96> F+F\nangle: 60\xB0\n"), plain);
+}
+
+TEST(Dialect, AFileWithoutTextIsNamed) {
+  const std::string png = "\x89PNG\r\n\x1A\n" + std::string(100, '\0');
+  EXPECT_EQ(foreignMessages(png),
+            Messages{"1:1: error: this is a PNG picture, not a model | give the name of a text file with an L-system"});
+  EXPECT_EQ(foreignMessages(png, {}, "cpfg"), foreignMessages(png));
+  EXPECT_EQ(foreignMessages("%PDF-1.4\n").front(),
+            "1:1: error: this is a PDF document, not a model | give the name of a text file with an L-system");
+  EXPECT_EQ(foreignMessages(std::string("A\0B", 3)).front(),
+            "1:1: error: this is a binary file, not a model | give the name of a text file with an L-system");
+}
+
+TEST(Dialect, ModelsOfOtherProgramsAreNamed) {
+  EXPECT_EQ(foreignMessages("#include <lpfgall.h>\nderivation length: 3;\nmodule A(int);\nAxiom: A(0);\n")
+                .front()
+                .substr(0, 49),
+            "1:1: error: this is an L+C model for lpfg, and Es");
+  EXPECT_EQ(foreignMessages("module A(float);\nAxiom: A(1);\nA(x): { produce A(x+1); }\n").size(), 1U);
+  EXPECT_EQ(foreignMessages("module A(float len);\npublic void run() [\n A(x) ==> F(x) [RU(30) A(x)];\n]\n")
+                .front()
+                .substr(0, 43),
+            "1:1: error: this is an XL model for GroIMP,");
+  EXPECT_EQ(foreignMessages("<!DOCTYPE html>\n<html></html>\n").front().substr(0, 45),
+            "1:1: error: this is a web page or another XML");
+}
+
+TEST(Dialect, EveryEntryOfAFileIsListedOnce) {
+  core::MemoryFileProvider files(
+      {{"m.txt", "A { angle 4\naxiom f\n}\na { angle 4\naxiom ff\n}\nB { angle 4\naxiom f\n}\n"},
+       {"one.txt", "axiom: F\nF -> FF\n"}});
+  CompileInput input;
+  input.modelFile = "m.txt";
+  EXPECT_EQ(entriesOf(input, files), (std::vector<std::string>{"A", "a-2", "B"}));
+  input.modelFile = "m.txt:a-2";
+  EXPECT_NE(compile(input, files).program->sources.front().text.find("Axiom: FF\n"), std::string::npos);
+  input.modelFile = "one.txt";
+  EXPECT_EQ(entriesOf(input, files), std::vector<std::string>{});
+}
+
+TEST(Dialect, TranslationsGetTheWarningsAboutModels) {
+  EXPECT_EQ(foreignMessages("ω: A(1)\nA(x) → F\nA(x) → FF\n").size(), 1U);
+  EXPECT_EQ(foreignMessages("ω: A\nA → F\nB → F\n"),
+            Messages{"3:1: warning: 'B' never matches: no axiom or successor makes the module B"});
+}
+
 TEST(Dialect, IsOverriddenByName) {
   const std::string text = "w: F\np: F -> FF\n";
   EXPECT_EQ(foreignMessages(text, {}, "lsv").front().substr(0, 26), "1:1: error: unknown comman");
   EXPECT_EQ(foreignMessages(text, {}, "cpfg").front().substr(0, 11), "1:1: error:");
   EXPECT_EQ(
       foreignMessages(text, {}, "textbok"),
-      Messages{"1:1: error: there is no dialect 'textbok' | Did you mean 'textbook'? Available: cpfg, fractint, lsv, "
-               "species, turtle-painter, textbook."});
+      Messages{"1:1: error: there is no dialect 'textbok' | Did you mean 'textbook'? Available: cpfg, fractint, lpy, "
+               "lparser, lsv, species, turtle-painter, textbook."});
 }
 
 TEST(Dialect, AnEntryIsChosenWithoutRegardToCase) {

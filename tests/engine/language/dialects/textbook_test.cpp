@@ -81,6 +81,82 @@ TEST(Textbook, StartsUpwardsUnlessAnAngleIsGiven) {
   EXPECT_EQ(right.program->view.initialHeading, (core::Vec3{1.0, 0.0, 0.0}));
 }
 
+TEST(Textbook, ReadsTheWordsOfFilesThatPeopleHave) {
+  const std::string koch = "Lsystem: 1\nderivation length: 1\nAxiom: F\nF --> F+F--F+F\nendlsystem\n";
+  for (const char* const text :
+       {"axiom: F\nF -> F+F--F+F\nangle: 60\n", "axiom = F\nF -> F+F--F+F\nangle = 60\n",
+        "START : F\np1: F → F+F−−F+F\nδ=60\n", "axiom F\nangle 60\nF -> F+F--F+F\n",
+        "Axiom: \"F\"\nAngle: 60 degrees\nRules:\n  F -> F+F--F+F;\n", "axiom: F\nangle: π/3\nF=F+F--F+F\n",
+        "variables : F\nconstants : + −\nstart : F\nrules : (F → F+F−−F+F)\nangle : 60°\n",
+        "/* a comment\n over lines */\naxiom: F # start\nRule 1: F -> F+F--F+F\nangle: 60 // go\n",
+        "axiom: F\nF –> F+F--\n   F+F\nangle: 60◦\n"}) {
+    EXPECT_EQ(cpfgText(text), koch) << text;
+    EXPECT_EQ(foreignMessages(text), Messages{}) << text;
+    EXPECT_EQ(compileForeign(text).program->view.angleIncrementDegrees, 60.0) << text;
+  }
+}
+
+TEST(Textbook, ReadsCaptions) {
+  EXPECT_EQ(cpfgText("n=5, δ=25.7◦\nF\nF→F[+F]F\n"),
+            "Lsystem: 1\nderivation length: 5\nAxiom: F\nF --> F[+F]F\nendlsystem\n");
+  EXPECT_EQ(foreignMessages("Koch curve of the lecture\nn=4\nδ=60\nF\nF→F+F\n"),
+            (Messages{"1:1: warning: 'Koch curve of the lecture' is read as a remark | begin remarks with '#'",
+                      "4:1: note: 'F' is read as the axiom | write 'ω: F' to name the axiom"}));
+}
+
+TEST(Textbook, WikipediasRulesAreOneList) {
+  const std::string text = cpfgText("variables : X F\nstart : X\nrules  : (X → F+[[X]-X]-X), (F → FF)\nangle : 25°\n");
+  EXPECT_TRUE(contains(text, "Axiom: X\nX --> F+[[X]-X]-X\nF --> FF\nendlsystem\n")) << text;
+}
+
+TEST(Textbook, ConstantsStandBesideProductions) {
+  EXPECT_TRUE(
+      contains(cpfgText("ω: A(1)\nR = 0.7\nA(s) → F(s)[+A(s*R)][-A(s×R)]\n"), "A(s) --> F(s)[+A(s*0.7)][-A(s*0.7)]\n"));
+  EXPECT_TRUE(contains(cpfgText("#define r1 0.9 /* c */\n#define d 137.5\nω : A(1)\np1 : A(l) : * → F(l)/(d)A(l*r1)\n"),
+                       "A(l) --> F(l)/(137.5)A(l*0.9)\n"));
+  EXPECT_TRUE(contains(cpfgText("α₁ = 30°\nω: A(1)\nA(λ) : λ>0 → +(α₁)A(λ/2)\n"),
+                       "A(lambda) : lambda>0 --> +(30)A(lambda/2)\n"));
+  EXPECT_TRUE(contains(cpfgText("START : F\n#define maxgen 4\nF → FF\n"), "derivation length: 4\n"));
+  // a misspelt setting, and a name that nothing uses
+  EXPECT_EQ(foreignMessages("axiom: F\nangel: 60\nF -> FF\n"),
+            Messages{"2:1: error: there is no setting 'angel' | did you mean 'angle'?"});
+  EXPECT_EQ(foreignMessages("axiom: F\nq = 60\nF -> FF\n"),
+            Messages{"2:1: warning: nothing in the model uses 'q = 60' | use the name or remove the line"});
+}
+
+TEST(Textbook, ReadsProbabilitiesBeforeTheArrow) {
+  for (const char* const text : {"ω: F\nF .5→ FF\n", "ω: F\nF 0.5 → FF\n", "ω: F\nF 1/2 -> FF\n", "ω: F\nF 50% → FF\n",
+                                 "ω: F\nF → .5 FF\n", "ω: F\nF → FF : 50%\n"}) {
+    const std::string cpfg = cpfgText(text);
+    EXPECT_TRUE(contains(cpfg, "F --> FF : 0.5\n") || contains(cpfg, "F --> FF : 1/2\n") ||
+                contains(cpfg, "F --> FF : .5\n"))
+        << cpfg;
+  }
+  // a number of the condition is none
+  EXPECT_TRUE(contains(cpfgText("ω: A(1)\nA(x) : x > 0.5 → F\n"), "A(x) : x > 0.5 --> F\n"));
+}
+
+TEST(Textbook, ASemicolonMayBeginTheCondition) {
+  EXPECT_TRUE(contains(cpfgText("axiom: A(1)\nA(x); x != 2 -> A(x+1)\n"), "A(x) : x != 2 --> A(x+1)\n"));
+  EXPECT_TRUE(contains(cpfgText("axiom: A(1)\nA(x) : x>1 and x<>3 -> A(x+1)\n"), "A(x) : x>1 && x!=3 --> A(x+1)\n"));
+}
+
+TEST(Textbook, TheBooksApostropheIsTheNextColour) {
+  const std::string text = cpfgText("ω: A\nδ=22.5\nA → [&F!A]/////’[&F!A]\nL → [’’∧{−f+f}]\n");
+  EXPECT_TRUE(contains(text, "A --> [&F!A]/ / / / /'[&F!A]\nL --> [''^{-f+f}]\n")) << text;
+  EXPECT_TRUE(contains(text, "' --> ;\n! --> @W(0.7)\n")) << text;
+}
+
+TEST(Textbook, LettersAreStepsWhenNothingElseDraws) {
+  const std::string arrowhead = "start: A\nrules: (A → B−A−B), (B → A+B+A)\nangle: 60°\n";
+  EXPECT_TRUE(contains(cpfgText(arrowhead), "A --> F\nB --> F\n"));
+  EXPECT_EQ(
+      foreignMessages(arrowhead),
+      Messages{"1:1: note: no symbol of the model draws: A, B are drawn as steps | 'shape A: F' gives the drawing "
+               "of a symbol"});
+  EXPECT_FALSE(contains(cpfgText("start: X\nangle: 90\nX → X+YF\nY → FX-Y\n"), "X --> F\n"));
+}
+
 TEST(Textbook, ErrorsNameItsLinesAndTerms) {
   EXPECT_EQ(foreignMessages("F → FF\n"),
             Messages{"1:1: error: the model has no axiom | write the first string as 'ω: F'"});

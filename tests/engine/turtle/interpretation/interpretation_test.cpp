@@ -104,6 +104,20 @@ TEST(Interpretation, TheTurtleHasASecondOrientation) {
   expectParameters(positionAfter("F@X F", view), {2, 0, 0});
 }
 
+TEST(Interpretation, OtherDialectsHaveCommandsOfTheirOwn) {
+  // @A multiplies the angle of turns without a parameter, and brackets bring it back
+  files::ViewSettings view;
+  view.angleIncrementDegrees = 45.0;
+  expectParameters(positionAfter("[@A(3)+F]@A(2)+F", view), {-1, 0, 0});
+  // @Z turns about the z axis, also for a turtle on its back
+  expectParameters(positionAfter("@Z(90)F", view), {-1, 0, 0});
+  expectParameters(positionAfter("/(180)@Z(-90)F", view), {1, 0, 0});
+  // @B turns from +x towards -y by the angle in radians times the sine
+  const double angle = 0.2;
+  expectParameters(positionAfter("-(90)@B(0.2)F", view), {std::cos(angle), -std::sin(angle), 0});
+  expectParameters(positionAfter("@B(0.2)F", view), {0, 1, 0});
+}
+
 TEST(Interpretation, TheSecondOrientationIsNoneOfTheReferences) {
   TurtleRun run("@X F?P(0,0,0)", {}, core::Compatibility::Cpfg);
   run.pass();
@@ -193,7 +207,10 @@ TEST(Interpretation, ASurfaceMovesToItsEndPointByTheFirstFactor) {
   ASSERT_EQ(run.scene.surfaces.size(), 1U);
   EXPECT_EQ(run.scene.surfaces[0].scale, (core::Vec3{2, 3, 4}));
   ASSERT_EQ(run.messages.size(), 1U);
-  EXPECT_EQ(run.messages[0], "the surface '~q' is not defined in the view file and is not drawn");
+  EXPECT_EQ(
+      run.messages[0],
+      "the surface '~q' is not defined and is not drawn: write 'surface: q FILE.s' into the view file, which has the "
+      "model's name and the suffix .v");
 }
 
 TEST(Interpretation, ATextureThatTheViewFileDoesNotHaveIsSaidOnce) {

@@ -1,0 +1,66 @@
+#include "engine/language/dialects/other_programs.h"
+
+#include <algorithm>
+#include <array>
+
+#include "engine/files/utf8.h"
+#include "engine/language/dialects/text_lines.h"
+
+namespace espalier::language {
+namespace {
+
+bool holdsWord(std::string_view text, std::string_view word) {
+  return text.find(word) != std::string_view::npos;
+}
+
+// `module A(float, int);`: parameters with types of C
+bool declaresTypedModules(std::string_view text) {
+  for (const TextPiece& line : linesOf(text)) {
+    const std::string_view code = line.trimmed().text;
+    if (!code.starts_with("module ") || !code.ends_with(";")) {
+      continue;
+    }
+    for (const std::string_view type : {"(int", "(float", "(double", "(struct", "(char", "(bool"}) {
+      if (holdsWord(code, type)) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+ForeignFile fileWithoutText(std::string_view bytes) {
+  const std::string kind = files::kindOfNoText(bytes);
+  if (kind.empty()) {
+    return {};
+  }
+  return {"this is " + kind + ", not a model", "give the name of a text file with an L-system"};
+}
+
+ForeignFile modelOfOtherProgram(std::string_view text) {
+  const std::size_t first = std::min(text.find_first_not_of(" \t\r\n"), text.size());
+  const std::string start = lowered(text.substr(first, 200));
+  if (start.starts_with("<!doctype") || start.starts_with("<html") || start.starts_with("<?xml") ||
+      start.starts_with("<svg")) {
+    return {"this is a web page or another XML file, not a model",
+            "save the file itself from the page, or copy the model's lines into a text file"};
+  }
+  if (start.starts_with("{\"") || start.starts_with("{\n  \"") || start.starts_with("{\r\n  \"")) {
+    return {"this is a JSON file, not a model", "a forest (.json) is a model for 'run'; else give an L-system file"};
+  }
+  const bool hasRules = holdsWord(text, "==>") || holdsWord(text, "::>");
+  if (hasRules && (holdsWord(text, "module ") || holdsWord(text, "public void") || holdsWord(text, "Axiom"))) {
+    return {"this is an XL model for GroIMP, and Espalier does not read XL",
+            "write its rules in the language of docs/language.md: 'A(x) --> F(x)[+A(x/2)]' in place of '==>'"};
+  }
+  if (holdsWord(text, "lpfgall.h") || (declaresTypedModules(text) && !holdsWord(lowered(text), "lsystem:"))) {
+    return {"this is an L+C model for lpfg, and Espalier does not read L+C, which needs a C++ compiler",
+            "write its productions in the language of docs/language.md: 'A(n) : n > 0 --> F(n)A(n-1)' in place of "
+            "'produce'"};
+  }
+  return {};
+}
+
+}  // namespace espalier::language

@@ -1,0 +1,65 @@
+#include "engine/language/checks/module_checks.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/engine/language/compile_text.h"
+
+namespace espalier::language {
+namespace {
+
+Messages messagesOf(const std::string& productions, const std::string& axiom = "A", const std::string& before = {}) {
+  core::MemoryFileProvider files(
+      {{"m.l", before + "Lsystem: 1\nAxiom: " + axiom + "\n" + productions + "\nendlsystem\n"}});
+  CompileInput input;
+  input.modelFile = "m.l";
+  return briefs(compile(input, files).diagnostics);
+}
+
+TEST(ModuleChecks, AQueryThatNobodyAnswers) {
+  EXPECT_EQ(
+      messagesOf("A --> ?e(0)"),
+      Messages{"3:8: warning: nobody answers '?e': its parameters keep their values | did you mean '?E'? The case "
+               "of the letter counts"});
+  EXPECT_EQ(
+      messagesOf("A --> ?K(0)"),
+      Messages{"3:8: warning: nobody answers '?K': its parameters keep their values | the turtle fills ?P, ?H, ?L, "
+               "?U, ?Q and ?F, the environment ?E and the queries that 'Module:' declares"});
+  EXPECT_EQ(messagesOf("A --> ?E(0)?P(0,0)?Q(0)"), Messages{});
+}
+
+TEST(ModuleChecks, ADeclaredQueryThatIsNeverMade) {
+  EXPECT_EQ(
+      messagesOf("A --> F", "A", "Module: ?Light(v)\n"),
+      Messages{"1:9: warning: the query ?Light is declared, and no axiom or successor makes it | write ?Light(...) "
+               "in a successor, with the '?', or remove the declaration"});
+  EXPECT_EQ(messagesOf("A --> ?Light(0)", "A", "Module: ?Light(v)\n"), Messages{});
+}
+
+TEST(ModuleChecks, AnUndeclaredQueryIsDeclaredWithItsQuestionMark) {
+  EXPECT_EQ(
+      messagesOf("A --> ?Light(0)"),
+      Messages{"3:8: warning: 'Light' is read as 5 modules: L, i, g, h and t(0) | to make it a name, write a line "
+               "before the L-system: 'Module: ?Light(v)'"});
+}
+
+TEST(ModuleChecks, AModuleWithAnotherNumberOfParametersIsNotRewritten) {
+  EXPECT_EQ(messagesOf("A(x) --> A(x,2)A(x)", "A(1)"),
+            Messages{"3:10: warning: no production rewrites 'A(x,2)': the productions of A have 1 parameter | a "
+                     "production matches only modules with exactly as many parameters"});
+  // drawn, read by a context, or all of another number: no message or another one
+  EXPECT_EQ(messagesOf("F(x) --> F F(x)", "F(1)"), Messages{});
+  EXPECT_EQ(messagesOf("A(x) --> A(x,2)A(x)\nA(x,y) < B --> C", "A(1)B"), Messages{});
+}
+
+TEST(ModuleChecks, ASuccessorThatGoesOnInColumnOne) {
+  EXPECT_EQ(
+      messagesOf("A --> A\n[+A]A --> F").front(),
+      "4:1: warning: '[+A]A' is the predecessor of a production of its own | to continue the successor of the line "
+      "above, begin the line with a TAB");
+  EXPECT_EQ(messagesOf("A --> A\n[+A]").front(),
+            "4:5: error: expected '-->' while reading a production, found the end of the line | a line that begins in "
+            "column 1 is a new production; to continue the successor above, begin the line with a TAB");
+}
+
+}  // namespace
+}  // namespace espalier::language
