@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/core/elementary.h"
+
 namespace espalier::environment {
 
 using core::Vec3;
@@ -16,10 +18,27 @@ Ground::Ground(const Shape& shape, const GridAxes& axes)
     counts_[axis] = shape.cells[static_cast<std::size_t>(axis_[axis])];
     sizes_[axis] = sizes[static_cast<std::size_t>(axis_[axis])];
   }
+  // a geometric series from the top whose sum is the height of the box
+  const double whole = sizes_[2] * static_cast<double>(counts_[2]);
+  double sum = 0.0;
+  heights_.assign(counts_[2], sizes_[2]);
+  if (shape.growth != 1.0) {
+    for (std::size_t layer = 0; layer < counts_[2]; ++layer) {
+      heights_[layer] = core::pow(shape.growth, static_cast<double>(counts_[2] - 1 - layer));
+      sum += heights_[layer];
+    }
+    for (double& height : heights_) {
+      height *= whole / sum;
+    }
+  }
+  edges_.assign(1, 0.0);
+  for (std::size_t layer = 0; layer < counts_[2]; ++layer) {
+    edges_.push_back(shape.growth == 1.0 ? sizes_[2] * static_cast<double>(layer + 1) : edges_.back() + heights_[layer]);
+  }
 }
 
 RichardsSolver::Shape Ground::solverShape() const {
-  return {{counts_[0], counts_[1]}, counts_[2], sizes_};
+  return {{counts_[0], counts_[1]}, counts_[2], {sizes_[0], sizes_[1]}, heights_};
 }
 
 std::optional<std::size_t> Ground::cellOf(const Vec3& point) const {
@@ -33,7 +52,13 @@ std::optional<std::size_t> Ground::cellOf(const Vec3& point) const {
     }
     cell[axis] = static_cast<std::size_t>(number);
   }
-  const std::size_t layer = sign_ < 0.0 ? counts_[2] - 1 - cell[2] : cell[2];
+  std::size_t layer = sign_ < 0.0 ? counts_[2] - 1 - cell[2] : cell[2];
+  if (edges_[1] != sizes_[2]) {
+    const double along = place[static_cast<std::size_t>(axis_[2])] - low_[static_cast<std::size_t>(axis_[2])];
+    const double height = sign_ < 0.0 ? edges_.back() - along : along;
+    const auto above = std::upper_bound(edges_.begin() + 1, edges_.end() - 1, height);
+    layer = static_cast<std::size_t>(above - edges_.begin()) - 1;
+  }
   return (layer * counts_[0] + cell[0]) * counts_[1] + cell[1];
 }
 
@@ -45,6 +70,11 @@ Vec3 Ground::middleOf(std::size_t cell) const {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto world = static_cast<std::size_t>(axis_[axis]);
     place[world] = low_[world] + (static_cast<double>(number[axis]) + 0.5) * sizes_[axis];
+  }
+  if (edges_[1] != sizes_[2]) {
+    const double height = 0.5 * (edges_[layer] + edges_[layer + 1]);
+    const auto world = static_cast<std::size_t>(axis_[2]);
+    place[world] = low_[world] + (sign_ < 0.0 ? edges_.back() - height : height);
   }
   return {place[0], place[1], place[2]};
 }
@@ -64,7 +94,21 @@ std::size_t Ground::fieldIndexOf(std::size_t cell) const {
 
 double Ground::depthOf(std::size_t cell) const {
   const std::size_t layer = cell / (counts_[0] * counts_[1]);
+  if (edges_[1] != sizes_[2]) {
+    return edges_.back() - 0.5 * (edges_[layer] + edges_[layer + 1]);
+  }
   return (static_cast<double>(counts_[2] - layer) - 0.5) * sizes_[2];
+}
+
+double Ground::spanOf(std::size_t cell, std::size_t axis) const {
+  if (axis != 2) {
+    return 2.0 * sizes_[axis];
+  }
+  const std::size_t layer = cell / (counts_[0] * counts_[1]);
+  const double own = heights_[layer];
+  const double above = layer + 1 < counts_[2] ? heights_[layer + 1] : own;
+  const double below = layer > 0 ? heights_[layer - 1] : own;
+  return own + 0.5 * (above + below);
 }
 
 double RateSeries::phaseOf(double day) const {

@@ -19,7 +19,8 @@ class Ground {
   struct Shape {
     core::Vec3 position;                        // corner with the smallest coordinates
     std::array<std::size_t, 3> cells{1, 1, 1};  // along the world's x, y, z
-    core::Vec3 cellSize{1.0, 1.0, 1.0};         // length
+    core::Vec3 cellSize{1.0, 1.0, 1.0};         // length; along up: the mean
+    double growth = 1.0;                        // height of a cell over that of the cell above it
   };
   Ground() = default;
   Ground(const Shape& shape, const GridAxes& axes);
@@ -43,12 +44,12 @@ class Ground {
       const double above = water.hasFace(cell, axis) ? value(cell + next) : own;
       const double below = cell >= next && water.hasFace(cell - next, axis) ? value(cell - next) : own;
       const double sign = axis == 2 ? sign_ : 1.0;
-      gradient[static_cast<std::size_t>(axis_[axis])] = sign * (above - below) / (2.0 * sizes_[axis]);
+      gradient[static_cast<std::size_t>(axis_[axis])] = sign * (above - below) / spanOf(cell, axis);
     }
     return {gradient[0], gradient[1], gradient[2]};
   }
 
-  /// A quantity of the cells as a field along the world's axes.
+  /// A quantity of the cells as a field along the world's axes. Cells that grow with depth are sampled in equal ones.
   template <typename Value>
   [[nodiscard]] turtle::Field field(const std::string& name, const std::string& unit, const Value& value) const {
     turtle::Field field{name, unit, {}, {low_[0], low_[1], low_[2]}, {}, {}};
@@ -77,10 +78,15 @@ class Ground {
     return axis == 0 ? counts_[1] : axis == 1 ? 1 : counts_[0] * counts_[1];
   }
 
+  /// Distance of the middles of both neighbours of a cell along an axis, where a missing one is as high as the cell.
+  [[nodiscard]] double spanOf(std::size_t cell, std::size_t axis) const;
+
   std::array<double, 3> low_{};          // by world axis
   std::array<int, 3> axis_{0, 2, 1};     // world axes of the solver's two horizontal directions and of up
   std::array<std::size_t, 3> counts_{};  // by solver axis
-  std::array<double, 3> sizes_{};        // of a cell by solver axis
+  std::array<double, 3> sizes_{};        // of a cell by solver axis; along up: the mean
+  std::vector<double> heights_;          // of the layers, the lowest first, length
+  std::vector<double> edges_;            // heights of the layers' lower borders above the bottom, and of the top
   double sign_ = 1.0;                    // -1: up is against the axis
 };
 

@@ -8,26 +8,22 @@ namespace espalier::environment {
 
 namespace {
 
-constexpr int kMostIterations = 30;
+constexpr int kMostIterations = 25;
+constexpr int kMostHalvings = 6;
 constexpr double kShortestStepDays = 1e-9;
-constexpr double kSystemTolerance = 1e-8;  // of a linear system, relative: outer iterations repair the rest
-
-double dotProduct(const std::vector<double>& a, const std::vector<double>& b) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    sum += a[i] * b[i];
-  }
-  return sum;
-}
+constexpr double kSystemTolerance = 1e-8;  // of the linear equations: the next iteration repairs the rest
+constexpr double kMostGrowth = 2.0;        // of a time step from one to the next
 
 }  // namespace
 
 RichardsSolver::RichardsSolver(const Shape& shape, std::vector<SoilLayer> soils, std::vector<int> soilOf)
-    : shape_(shape), soils_(std::move(soils)), soilOf_(std::move(soilOf)) {
+    : shape_(shape), soils_(std::move(soils)), soilOf_(std::move(soilOf)), system_(shape.columns, shape.layers) {
+  for (const SoilLayer& soil : soils_) {
+    potentials_.emplace_back(soil);
+  }
   const std::size_t count = soilOf_.size();
   for (std::size_t axis = 0; axis < 3; ++axis) {
     hasFace_[axis].assign(count, 0);
-    coupling_[axis].assign(count, 0.0);
     fluxes_[axis].assign(count, 0.0);
   }
   isSurface_.assign(count, 0);
@@ -42,24 +38,13 @@ RichardsSolver::RichardsSolver(const Shape& shape, std::vector<SoilLayer> soils,
   }
   state_.heads.assign(count, -1.0);
   state_.contents.assign(count, 0.0);
+  state_.rates.assign(count, 0.0);
   for (std::size_t cell = 0; cell < count; ++cell) {
     setHead(cell, -1.0);
   }
-  surfaceFlux_.assign(count, 0.0);
-  bottomFlux_.assign(count, 0.0);
-  diagonal_.assign(count, 1.0);
-  residual_.assign(count, 0.0);
-  change_.assign(count, 0.0);
-  conductivities_.assign(count, 0.0);
-  forward_.assign(shape_.layers, 0.0);
-}
-
-bool RichardsSolver::isTopOfColumn(std::size_t cell) const {
-  return isSurface_[cell] != 0;
-}
-
-bool RichardsSolver::isBottomOfColumn(std::size_t cell) const {
-  return cell < stride(2) && isSoil(cell);
+  for (auto* numbers : {&sinks_, &surfaceFlux_, &bottomFlux_, &residual_, &change_}) {
+    numbers->assign(count, 0.0);
+  }
 }
 
 void RichardsSolver::setHead(std::size_t cell, double head) {
@@ -67,104 +52,170 @@ void RichardsSolver::setHead(std::size_t cell, double head) {
   state_.contents[cell] = isSoil(cell) ? soilOf(cell).content(head) : 0.0;
 }
 
-void RichardsSolver::take(std::size_t cell, double amount) {
-  const SoilLayer& soil = soilOf(cell);
-  state_.contents[cell] -= amount / cellVolume();
-  state_.heads[cell] = soil.headAt(soil.content(state_.heads[cell]) - amount / cellVolume());
-}
-
 double RichardsSolver::storedWater() const {
   double sum = 0.0;
   for (std::size_t cell = 0; cell < cellCount(); ++cell) {
-    sum += contentOf(cell);
+    sum += contentOf(cell) * cellVolume(cell);
   }
-  return sum * cellVolume();
+  return sum;
 }
 
-double RichardsSolver::advance(double days, const SoilBorders& borders, double tolerance) {
+double RichardsSolver::advance(double days, const SoilBorders& borders, const Tolerance& tolerance) {
   double step = std::min(days, state_.timeStep);
   for (; step >= std::min(kShortestStepDays, days); step /= 3.0) {
     heads_ = state_.heads;
-    int iteration = 0;
-    bool isConverged = false;
-    for (; iteration <= kMostIterations; ++iteration) {
-      assemble(step, borders);
-      isConverged = largestResidual() * step <= tolerance * cellVolume();
-      if (isConverged || iteration == kMostIterations) {
-        break;
-      }
-      solve();
-      for (std::size_t cell = 0; cell < cellCount(); ++cell) {
-        heads_[cell] += change_[cell];
-      }
-    }
-    if (!isConverged) {
+    if (!iterate(step, borders, tolerance.iteration)) {
       continue;
     }
-    state_.heads = heads_;
-    for (std::size_t cell = 0; cell < cellCount(); ++cell) {
-      if (isSoil(cell)) {
-        // the content after inflow and outflow, which differs a little from that of the head
-        state_.contents[cell] = soilOf(cell).content(heads_[cell]) + residual_[cell] * step / cellVolume();
-      }
-      state_.balance.infiltrated += surfaceFlux_[cell] * step;
-      state_.balance.drained += bottomFlux_[cell] * step;
-      if (isTopOfColumn(cell) && !borders.hasTopHead) {
-        const double offered = borders.rain * shape_.cellSize[0] * shape_.cellSize[1];
-        const double demanded = borders.evaporation * shape_.cellSize[0] * shape_.cellSize[1];
-        state_.balance.runOff +=
-            std::max(offered - demanded - surfaceFlux_[cell], 0.0) * step * (offered > demanded ? 1.0 : 0.0);
-      }
+    const double error = timeErrorOf(step);
+    // the error grows with the square of the step
+    const double factor = 0.9 * std::sqrt(tolerance.time / std::max(error, 1e-300));
+    if (factor < 0.5 && step > 1e3 * kShortestStepDays) {
+      step *= 3.0 * std::max(factor, 0.1);
+      continue;
     }
-    // steps that converge quickly become longer; one cut by the end of the time says nothing about the next
-    if (step < days || iteration >= 15) {
-      state_.timeStep = iteration <= 7 ? step * 1.5 : iteration >= 15 ? step * 0.7 : step;
-    } else {
-      state_.timeStep = std::max(state_.timeStep, iteration <= 7 ? step * 1.5 : step);
-    }
+    const double next = step * std::min(factor, kMostGrowth);
+    // a step that was cut by the end of the time says only that the next one may be as long
+    state_.timeStep = step < days ? next : std::max(state_.timeStep, next);
+    accept(step, borders);
     return step;
   }
   return 0.0;
 }
 
+bool RichardsSolver::iterate(double days, const SoilBorders& borders, double tolerance) {
+  assemble(days, borders);
+  double residual = largestResidual();
+  for (int iteration = 0; iteration < kMostIterations; ++iteration) {
+    if (residual * days <= tolerance) {
+      return true;
+    }
+    if (!system_.solve(residual_, kSystemTolerance, change_)) {
+      return false;
+    }
+    // a whole step of Newton's method, or as much of it as makes the residual smaller
+    const std::vector<double> start = heads_;
+    double share = 1.0;
+    double best = HUGE_VAL;
+    for (int halving = 0; halving <= kMostHalvings; ++halving, share *= 0.5) {
+      for (std::size_t cell = 0; cell < cellCount(); ++cell) {
+        heads_[cell] = start[cell] + share * change_[cell];
+      }
+      assemble(days, borders);
+      best = largestResidual();
+      if (best < residual) {
+        break;
+      }
+    }
+    if (!std::isfinite(best)) {
+      return false;
+    }
+    residual = best;
+  }
+  return false;
+}
+
+double RichardsSolver::timeErrorOf(double days) const {
+  double largest = 0.0;
+  for (std::size_t cell = 0; cell < cellCount(); ++cell) {
+    if (isSoil(cell)) {
+      const double rate = (soilOf(cell).content(heads_[cell]) - state_.contents[cell]) / days;
+      largest = std::max(largest, std::abs(rate - state_.rates[cell]));
+    }
+  }
+  return 0.5 * days * largest;
+}
+
+void RichardsSolver::accept(double days, const SoilBorders& borders) {
+  state_.heads = heads_;
+  for (std::size_t cell = 0; cell < cellCount(); ++cell) {
+    if (isSoil(cell)) {
+      // the content after inflow and outflow, which differs a little from that of the head
+      const double content = soilOf(cell).content(heads_[cell]) + residual_[cell] * days / cellVolume(cell);
+      state_.rates[cell] = (content - state_.contents[cell]) / days;
+      state_.contents[cell] = content;
+    }
+    state_.balance.infiltrated += surfaceFlux_[cell] * days;
+    state_.balance.drained += bottomFlux_[cell] * days;
+    if (isSurface(cell) && !borders.hasTopHead && borders.rain > borders.evaporation) {
+      const double offered = (borders.rain - borders.evaporation) * faceArea(cell, 2);
+      state_.balance.runOff += std::max(offered - surfaceFlux_[cell], 0.0) * days;
+    }
+  }
+}
+
+RichardsSolver::FaceFlow RichardsSolver::faceFlow(int soilFrom, int soilTo, double headFrom, double headTo, double rise,
+                                                  double areaPerDistance) const {
+  // K of the face is the mean over both soils of their mean K between the heads
+  FluxPotential::Mean mean = potentials_[static_cast<std::size_t>(soilFrom)].meanBetween(headFrom, headTo);
+  if (soilTo != soilFrom) {
+    const FluxPotential::Mean other = potentials_[static_cast<std::size_t>(soilTo)].meanBetween(headFrom, headTo);
+    mean = {0.5 * (mean.conductivity + other.conductivity), 0.5 * (mean.byA + other.byA), 0.5 * (mean.byB + other.byB)};
+  }
+  const double drop = headFrom - headTo;
+  FaceFlow flow{areaPerDistance * mean.conductivity * drop,
+                areaPerDistance * (mean.conductivity + mean.byA * drop),
+                areaPerDistance * (-mean.conductivity + mean.byB * drop)};
+  if (rise == 0.0) {
+    return flow;
+  }
+  // gravity: where the upper side is the wetter one, with the mean of K at both sides, so that water in the soil behind a
+  // front is not held back by the dry soil before it; elsewhere with the same mean as above, so that water at rest stays
+  if ((rise < 0.0) == (headFrom > headTo)) {
+    const SoilLayer& one = soils_[static_cast<std::size_t>(soilFrom)];
+    const SoilLayer& other = soils_[static_cast<std::size_t>(soilTo)];
+    const double head = rise < 0.0 ? headFrom : headTo;
+    const double atUpper = 0.5 * (one.conductivityAt(head) + other.conductivityAt(head));
+    const double slope = 0.5 * (one.conductivitySlope(head) + other.conductivitySlope(head));
+    const double least = std::abs(rise) * areaPerDistance * atUpper;
+    const double matric = std::abs(flow.flux);
+    const double whole = matric + std::abs(rise) * areaPerDistance * mean.conductivity;
+    if (whole < least) {
+      const double sign = rise < 0.0 ? 1.0 : -1.0;
+      return {sign * least, rise < 0.0 ? -areaPerDistance * rise * slope : 0.0, rise < 0.0 ? 0.0 : -areaPerDistance * rise * slope};
+    }
+  }
+  flow.flux -= areaPerDistance * rise * mean.conductivity;
+  flow.byFrom -= areaPerDistance * rise * mean.byA;
+  flow.byTo -= areaPerDistance * rise * mean.byB;
+  return flow;
+}
+
 void RichardsSolver::assemble(double days, const SoilBorders& borders) {
   const std::size_t count = cellCount();
-  const double volume = cellVolume();
-  // storage: the term that the modified Picard iteration linearises
+  system_.clear();
   for (std::size_t cell = 0; cell < count; ++cell) {
     surfaceFlux_[cell] = 0.0;
     bottomFlux_[cell] = 0.0;
     residual_[cell] = 0.0;
-    diagonal_[cell] = 1.0;
+    system_.diagonal(cell) = 1.0;
     if (isSoil(cell)) {
       const SoilLayer& soil = soilOf(cell);
-      conductivities_[cell] = soil.conductivityAt(heads_[cell]);
-      diagonal_[cell] = soil.capacity(heads_[cell]) * volume / days;
-      residual_[cell] = -(soil.content(heads_[cell]) - state_.contents[cell]) * volume / days;
+      const double storage = cellVolume(cell) / days;
+      system_.diagonal(cell) = soil.capacity(heads_[cell]) * storage;
+      residual_[cell] = -(soil.content(heads_[cell]) - state_.contents[cell]) * storage - sinks_[cell];
     }
   }
-  // flow through the faces
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double distance = shape_.cellSize[axis];
-    const double area = volume / distance;
-    const double rise = axis == 2 ? distance : 0.0;
     const std::size_t next = stride(axis);
-    for (std::size_t cell = 0; cell < count; ++cell) {
+    for (std::size_t cell = 0; cell + next < count; ++cell) {
       if (hasFace_[axis][cell] == 0) {
         continue;
       }
-      const double conductance = 0.5 * (conductivities_[cell] + conductivities_[cell + next]) * area / distance;
-      const double flux = conductance * (heads_[cell] - heads_[cell + next] - rise);
-      coupling_[axis][cell] = conductance;
-      fluxes_[axis][cell] = flux;
-      residual_[cell] -= flux;
-      residual_[cell + next] += flux;
-      diagonal_[cell] += conductance;
-      diagonal_[cell + next] += conductance;
+      const double distance = distanceToNext(cell, axis);
+      const FaceFlow flow = faceFlow(soilOf_[cell], soilOf_[cell + next], heads_[cell], heads_[cell + next],
+                                     axis == 2 ? distance : 0.0, faceArea(cell, axis) / distance);
+      fluxes_[axis][cell] = flow.flux;
+      residual_[cell] -= flow.flux;
+      residual_[cell + next] += flow.flux;
+      system_.diagonal(cell) += flow.byFrom;
+      system_.diagonal(cell + next) -= flow.byTo;
+      system_.next(cell, axis) = flow.byTo;
+      system_.back(cell, axis) = -flow.byFrom;
     }
   }
   for (std::size_t cell = 0; cell < count; ++cell) {
-    if (isTopOfColumn(cell)) {
+    if (isSurface(cell)) {
       addSurface(cell, borders);
     }
     if (isBottomOfColumn(cell)) {
@@ -174,48 +225,48 @@ void RichardsSolver::assemble(double days, const SoilBorders& borders) {
 }
 
 void RichardsSolver::addSurface(std::size_t cell, const SoilBorders& borders) {
-  const double area = shape_.cellSize[0] * shape_.cellSize[1];
-  const double half = shape_.cellSize[2] / 2.0;
-  const SoilLayer& soil = soilOf(cell);
+  const double area = faceArea(cell, 2);
+  const double half = sizeOf(cell, 2) / 2.0;
   // flow from a surface that has a head
-  const auto conductance = [&](double surfaceHead) {
-    return 0.5 * (soil.conductivityAt(surfaceHead) + conductivities_[cell]) * area / half;
-  };
   const auto inflow = [&](double surfaceHead) {
-    return conductance(surfaceHead) * (surfaceHead + half - heads_[cell]);
+    return faceFlow(soilOf_[cell], soilOf_[cell], surfaceHead, heads_[cell], -half, area / half);
   };
   double flux = 0.0;
-  bool isByHead = borders.hasTopHead;
-  double head = borders.topHead;
-  if (!isByHead) {
+  double byHead = 0.0;
+  if (borders.hasTopHead) {
+    const FaceFlow flow = inflow(borders.topHead);
+    flux = flow.flux;
+    byHead = flow.byTo;
+  } else {
     flux = (borders.rain - borders.evaporation) * area;
     // no more than a flooded surface lets in, no more out than a dry one gives
-    head = flux > 0.0 ? 0.0 : borders.driestHead;
-    const double most = inflow(head);
-    isByHead = flux > 0.0 ? most < flux : most > flux;
-  }
-  if (isByHead) {
-    flux = inflow(head);
-    if (!borders.hasTopHead && head < 0.0 && flux > 0.0) {
-      flux = 0.0;
-    } else {
-      diagonal_[cell] += conductance(head);
+    const FaceFlow most = inflow(flux > 0.0 ? 0.0 : borders.driestHead);
+    if (flux > 0.0 && most.flux < flux) {
+      flux = most.flux;
+      byHead = most.byTo;
+    } else if (flux < 0.0 && most.flux > flux) {
+      // a soil that is drier than the driest surface gives nothing
+      flux = std::min(most.flux, 0.0);
+      byHead = most.flux < 0.0 ? most.byTo : 0.0;
     }
   }
   surfaceFlux_[cell] = flux;
   residual_[cell] += flux;
+  system_.diagonal(cell) -= byHead;
 }
 
 void RichardsSolver::addBottom(std::size_t cell, const SoilBorders& borders) {
-  const double area = shape_.cellSize[0] * shape_.cellSize[1];
-  const double half = shape_.cellSize[2] / 2.0;
+  const double area = faceArea(cell, 2);
+  const double half = sizeOf(cell, 2) / 2.0;
   double flux = 0.0;
   if (borders.bottom == SoilBorders::Bottom::Free) {
-    flux = conductivities_[cell] * area;
+    flux = soilOf(cell).conductivityAt(heads_[cell]) * area;
+    system_.diagonal(cell) += soilOf(cell).conductivitySlope(heads_[cell]) * area;
   } else if (borders.bottom == SoilBorders::Bottom::Head) {
-    const double mean = 0.5 * (soilOf(cell).conductivityAt(borders.bottomHead) + conductivities_[cell]);
-    flux = mean * area / half * (heads_[cell] + half - borders.bottomHead);
-    diagonal_[cell] += mean * area / half;
+    const FaceFlow flow =
+        faceFlow(soilOf_[cell], soilOf_[cell], heads_[cell], borders.bottomHead, -half, area / half);
+    flux = flow.flux;
+    system_.diagonal(cell) += flow.byFrom;
   }
   bottomFlux_[cell] = flux;
   residual_[cell] -= flux;
@@ -223,75 +274,12 @@ void RichardsSolver::addBottom(std::size_t cell, const SoilBorders& borders) {
 
 double RichardsSolver::largestResidual() const {
   double largest = 0.0;
-  for (const double residual : residual_) {
+  for (std::size_t cell = 0; cell < cellCount(); ++cell) {
     // not a number is as bad as infinite
+    const double residual = residual_[cell] / cellVolume(cell);
     largest = std::isfinite(residual) ? std::max(largest, std::abs(residual)) : HUGE_VAL;
   }
   return largest;
-}
-
-void RichardsSolver::multiply(const std::vector<double>& v, std::vector<double>& result) const {
-  for (std::size_t cell = 0; cell < v.size(); ++cell) {
-    result[cell] = diagonal_[cell] * v[cell];
-  }
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const std::size_t next = stride(axis);
-    for (std::size_t cell = 0; cell < v.size(); ++cell) {
-      if (hasFace_[axis][cell] != 0) {
-        result[cell] -= coupling_[axis][cell] * v[cell + next];
-        result[cell + next] -= coupling_[axis][cell] * v[cell];
-      }
-    }
-  }
-}
-
-void RichardsSolver::solveColumns(const std::vector<double>& right, std::vector<double>& result) const {
-  const std::size_t up = stride(2);
-  const auto link = [&](std::size_t cell) { return hasFace_[2][cell] != 0 ? coupling_[2][cell] : 0.0; };
-  for (std::size_t column = 0; column < up; ++column) {
-    // elimination upwards, then back
-    double pivot = diagonal_[column];
-    result[column] = right[column] / pivot;
-    std::size_t cell = column;
-    for (std::size_t layer = 1; layer < shape_.layers; ++layer) {
-      const double coupling = link(cell);
-      forward_[layer] = coupling / pivot;
-      cell += up;
-      pivot = diagonal_[cell] - coupling * forward_[layer];
-      result[cell] = (right[cell] + coupling * result[cell - up]) / pivot;
-    }
-    for (std::size_t layer = shape_.layers; layer-- > 1;) {
-      result[cell - up] += forward_[layer] * result[cell];
-      cell -= up;
-    }
-  }
-}
-
-void RichardsSolver::solve() {
-  const std::size_t count = cellCount();
-  std::vector<double> rest = residual_;
-  std::vector<double> improved(count);
-  std::vector<double> image(count);
-  std::fill(change_.begin(), change_.end(), 0.0);
-  solveColumns(rest, improved);
-  std::vector<double> direction = improved;
-  double product = dotProduct(rest, improved);
-  const double enough = product * kSystemTolerance * kSystemTolerance;
-  for (std::size_t round = 0; round < 1000 && product > enough; ++round) {
-    multiply(direction, image);
-    const double width = product / dotProduct(direction, image);
-    for (std::size_t i = 0; i < count; ++i) {
-      change_[i] += width * direction[i];
-      rest[i] -= width * image[i];
-    }
-    solveColumns(rest, improved);
-    const double next = dotProduct(rest, improved);
-    const double turn = next / product;
-    product = next;
-    for (std::size_t i = 0; i < count; ++i) {
-      direction[i] = improved[i] + turn * direction[i];
-    }
-  }
 }
 
 }  // namespace espalier::environment

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "environment/soil/flow_system.h"
+#include "environment/soil/flux_potential.h"
 #include "environment/soil/soil_layer.h"
 
 namespace espalier::environment {
@@ -21,20 +23,21 @@ struct SoilBorders {
   double bottomHead = 0.0;       // at the lower border, length
 };
 
-/// Water in unsaturated soil: Richards' equation ∂θ/∂t = ∇·(K(h) ∇(h + z)) in its mixed form, solved by modified Picard
-/// iteration, which conserves water (Celia, Bouloutas & Zarba, Water Resources Research 26, 1990), in a box of
-/// cells, each with a soil of its own or impermeable. Finite volumes; conductivities of faces are the mean of both
-/// sides; implicit in time with steps that adapt. The linear systems are solved by conjugate gradients, preconditioned
-/// with the exact solution of each column, so a single column needs one iteration.
+/// Water in unsaturated soil: Richards' equation ∂θ/∂t = ∇·(K(h) ∇(h + z)) − sink in its mixed form, which conserves
+/// water (Celia, Bouloutas & Zarba, Water Resources Research 26, 1990), in a box of cells, each with a soil of its own
+/// or impermeable. Finite volumes. The conductivity of a face is the mean of K between the heads of both sides, from the
+/// matric flux potential. Implicit in time, solved by Newton's method.
 ///
-/// A step ends when θ(h) is met to a tolerance. Water contents are then set to the result of the fluxes, and the next
-/// step starts from these. The next step corrects the error of the iteration, so the balance is exact to rounding.
+/// A time step ends when θ(h) is met to a tolerance. Water contents are then set to the result of the fluxes, and the
+/// next step starts from these, so the balance is exact to rounding. The length of a time step follows its error: half
+/// the step times the change of dθ/dt since the last one (Thomas & Gladwell 1988; Kavetski et al. 2001).
 class RichardsSolver {
  public:
   struct Shape {
     std::array<std::size_t, 2> columns{1, 1};  // along the two horizontal directions
     std::size_t layers = 1;                    // of cells, the first one is the lowest
-    std::array<double, 3> cellSize{1, 1, 1};   // horizontal, horizontal, vertical; length
+    std::array<double, 2> cellSize{1, 1};      // horizontal, length
+    std::vector<double> heights{1};            // of the layers, length
   };
   /// Amounts of water since the beginning, length³.
   struct Balance {
@@ -48,37 +51,65 @@ class RichardsSolver {
   struct State {
     std::vector<double> heads;     // length
     std::vector<double> contents;  // volume of water per volume of soil, 0 in impermeable cells
+    std::vector<double> rates;     // dθ/dt of the last time step, 1/day
     double timeStep = 1e-4;        // tried next, days
     Balance balance;
+  };
+
+  /// How exactly a time step is solved, as volume of water per volume of soil.
+  struct Tolerance {
+    double iteration = 1e-6;  // of each cell's content against the content that belongs to its head
+    double time = 1e-3;       // error of one time step
   };
 
   /// `soilOf` is the number of each cell's soil in `soils`, −1: impermeable.
   RichardsSolver(const Shape& shape, std::vector<SoilLayer> soils, std::vector<int> soilOf);
 
   [[nodiscard]] const Shape& shape() const { return shape_; }
+  /// Difference of the indices of a cell and the next one along an axis.
+  [[nodiscard]] std::size_t stride(std::size_t axis) const {
+    return axis == 0 ? shape_.columns[1] : axis == 1 ? 1 : shape_.columns[0] * shape_.columns[1];
+  }
   [[nodiscard]] std::size_t cellCount() const { return soilOf_.size(); }
-  [[nodiscard]] double cellVolume() const { return shape_.cellSize[0] * shape_.cellSize[1] * shape_.cellSize[2]; }
+  /// Size of a cell along an axis (0, 1: horizontal; 2: vertical).
+  [[nodiscard]] double sizeOf(std::size_t cell, std::size_t axis) const {
+    return axis == 2 ? shape_.heights[cell / stride(2)] : shape_.cellSize[axis];
+  }
+  /// Distance of the middles of a cell and the next one along an axis.
+  [[nodiscard]] double distanceToNext(std::size_t cell, std::size_t axis) const {
+    return axis == 2 ? 0.5 * (sizeOf(cell, 2) + sizeOf(cell + stride(2), 2)) : shape_.cellSize[axis];
+  }
+  /// Area of the face between a cell and the next one along an axis.
+  [[nodiscard]] double faceArea(std::size_t cell, std::size_t axis) const {
+    return axis == 2 ? shape_.cellSize[0] * shape_.cellSize[1] : shape_.cellSize[1 - axis] * sizeOf(cell, 2);
+  }
+  [[nodiscard]] double cellVolume(std::size_t cell) const { return faceArea(cell, 2) * sizeOf(cell, 2); }
   [[nodiscard]] bool isSoil(std::size_t cell) const { return soilOf_[cell] >= 0; }
   [[nodiscard]] const SoilLayer& soilOf(std::size_t cell) const {
     return soils_[static_cast<std::size_t>(soilOf_[cell])];
   }
+  [[nodiscard]] const FluxPotential& potentialOf(std::size_t cell) const {
+    return potentials_[static_cast<std::size_t>(soilOf_[cell])];
+  }
   [[nodiscard]] State& state() { return state_; }
   [[nodiscard]] const State& state() const { return state_; }
+  /// Whether the upper side of a cell is the surface of the ground.
+  [[nodiscard]] bool isSurface(std::size_t cell) const { return isSurface_[cell] != 0; }
   /// Whether water can flow from a cell to the next one along an axis (2: upwards).
   [[nodiscard]] bool hasFace(std::size_t cell, std::size_t axis) const { return hasFace_[axis][cell] != 0; }
   /// Water content of a cell; 0 in impermeable ones.
   [[nodiscard]] double contentOf(std::size_t cell) const { return state_.contents[cell]; }
   /// Sets the head of a cell and the water content that belongs to it.
   void setHead(std::size_t cell, double head);
-  /// Takes an amount of water (length³) out of a cell, or adds it when negative.
-  void take(std::size_t cell, double amount);
+  /// Water that leaves each cell during advance(), length³ per day; negative where water is added (cells).
+  [[nodiscard]] std::vector<double>& sinks() { return sinks_; }
   /// All water in the box, length³.
   [[nodiscard]] double storedWater() const;
 
-  /// Lets time pass in one step of at most `days`, as long as converges: the water content of every cell agrees with
-  /// its head to `tolerance` (volume of water per volume of soil). Returns the days that passed. 0 means that not even
-  /// the shortest step of 10⁻⁹ days converged, and nothing has changed. Afterwards flux() has the flow of the step.
-  [[nodiscard]] double advance(double days, const SoilBorders& borders, double tolerance);
+  /// Lets time pass in one step of at most `days`, as long as converges and as its error allows. Returns the days that
+  /// passed. 0 means that not even the shortest step of 10⁻⁹ days converged, and nothing has changed. Afterwards flux()
+  /// has the flow of the step.
+  [[nodiscard]] double advance(double days, const SoilBorders& borders, const Tolerance& tolerance);
 
   /// Water that crossed the face above (axis 2), or towards higher i (axis 0) or k (axis 1) of a cell in the last
   /// advance(), length³ per day, in that direction.
@@ -89,31 +120,35 @@ class RichardsSolver {
   [[nodiscard]] double bottomFlux(std::size_t cell) const { return bottomFlux_[cell]; }
 
  private:
-  [[nodiscard]] std::size_t stride(std::size_t axis) const {
-    return axis == 0 ? shape_.columns[1] : axis == 1 ? 1 : shape_.columns[0] * shape_.columns[1];
-  }
-  [[nodiscard]] bool isTopOfColumn(std::size_t cell) const;
-  [[nodiscard]] bool isBottomOfColumn(std::size_t cell) const;
+  /// Flow through a face and its derivatives by the heads of both sides, length³ and length² per day.
+  struct FaceFlow {
+    double flux = 0.0;
+    double byFrom = 0.0;
+    double byTo = 0.0;
+  };
+  [[nodiscard]] FaceFlow faceFlow(int soilFrom, int soilTo, double headFrom, double headTo, double rise,
+                                  double areaPerDistance) const;
+  [[nodiscard]] bool isBottomOfColumn(std::size_t cell) const { return cell < stride(2) && isSoil(cell); }
+  [[nodiscard]] bool iterate(double days, const SoilBorders& borders, double tolerance);
   void assemble(double days, const SoilBorders& borders);
   void addSurface(std::size_t cell, const SoilBorders& borders);
   void addBottom(std::size_t cell, const SoilBorders& borders);
   [[nodiscard]] double largestResidual() const;
-  void solve();
-  void solveColumns(const std::vector<double>& right, std::vector<double>& result) const;
-  void multiply(const std::vector<double>& v, std::vector<double>& result) const;
+  [[nodiscard]] double timeErrorOf(double days) const;
+  void accept(double days, const SoilBorders& borders);
 
   Shape shape_;
   std::vector<SoilLayer> soils_;
+  std::vector<FluxPotential> potentials_;  // of the soils
   std::vector<int> soilOf_;
   std::array<std::vector<std::uint8_t>, 3> hasFace_;  // an open face towards the next cell along an axis (cells)
   std::vector<std::uint8_t> isSurface_;               // its upper face is the surface of the ground (cells)
   State state_;
-  std::vector<double> heads_;                    // of the iteration (cells)
-  std::vector<double> conductivities_;           // at these heads (cells)
-  std::array<std::vector<double>, 3> coupling_;  // conductance of faces, length² per day (cells)
-  std::array<std::vector<double>, 3> fluxes_;    // (cells)
-  std::vector<double> surfaceFlux_, bottomFlux_, diagonal_, residual_, change_;
-  mutable std::vector<double> forward_;  // of a column elimination (layers)
+  std::vector<double> sinks_;                  // (cells)
+  std::vector<double> heads_;                  // of the iteration (cells)
+  std::array<std::vector<double>, 3> fluxes_;  // (cells)
+  std::vector<double> surfaceFlux_, bottomFlux_, residual_, change_;
+  FlowSystem system_;
 };
 
 }  // namespace espalier::environment

@@ -9,11 +9,16 @@ namespace espalier::environment {
 
 namespace {
 constexpr double kDriestHead = -1e7;
+// α|h| below which K is taken as a straight line to its saturated value: its slope has no bound at 0 when n is below 2
+constexpr double kStraight = 1e-4;
 }
 
 double SoilLayer::saturation(double head) const {
   if (head >= 0.0) {
     return 1.0;
+  }
+  if (function == Function::Gardner) {
+    return core::exp(alpha * head);
   }
   return core::pow(1.0 + core::pow(-alpha * head, n), 1.0 / n - 1.0);
 }
@@ -27,6 +32,9 @@ double SoilLayer::capacity(double head) const {
   if (head >= 0.0) {
     return specificStorage;
   }
+  if (function == Function::Gardner) {
+    return (saturatedContent - residualContent) * alpha * core::exp(alpha * head);
+  }
   const double m = 1.0 - 1.0 / n;
   const double suction = -alpha * head;
   return (saturatedContent - residualContent) * m * n * alpha * core::pow(suction, n - 1.0) *
@@ -36,6 +44,14 @@ double SoilLayer::capacity(double head) const {
 double SoilLayer::conductivityAt(double head) const {
   if (head >= 0.0) {
     return conductivity;
+  }
+  if (function == Function::Gardner) {
+    return conductivity * core::exp(alpha * head);
+  }
+  const double straight = -kStraight / alpha;
+  if (n < 2.0 && head > straight) {
+    const double part = head / straight;
+    return (1.0 - part) * conductivity + part * conductivityAt(straight);
   }
   const double m = 1.0 - 1.0 / n;
   const double effective = saturation(head);
@@ -53,9 +69,35 @@ double SoilLayer::headAt(double content) const {
   if (!(effective > 0.0)) {
     return kDriestHead;
   }
+  if (function == Function::Gardner) {
+    return std::max(core::log(effective) / alpha, kDriestHead);
+  }
   const double m = 1.0 - 1.0 / n;
   const double suction = core::pow(core::pow(effective, -1.0 / m) - 1.0, 1.0 / n) / alpha;
   return std::max(-suction, kDriestHead);
+}
+
+double SoilLayer::conductivitySlope(double head) const {
+  if (head >= 0.0) {
+    return 0.0;
+  }
+  if (function == Function::Gardner) {
+    return alpha * conductivity * core::exp(alpha * head);
+  }
+  const double straight = -kStraight / alpha;
+  if (n < 2.0 && head > straight) {
+    return (conductivity - conductivityAt(straight)) / -straight;
+  }
+  // K = Ks √S f², with f = 1 − (s/(1 + s))^m, s = (α|h|)^n
+  const double m = 1.0 - 1.0 / n;
+  const double power = core::pow(-alpha * head, n);
+  const double part = core::pow(power / (1.0 + power), m);
+  const double film = -core::expm1(m * core::log(power / (1.0 + power)));
+  const double byLog = n / (1.0 + power);  // d ln(s/(1 + s))/d ln|h|
+  const double root = std::sqrt(saturation(head));
+  const double byLogOfRoot = -0.5 * m * n * power / (1.0 + power) * root;
+  const double byLogOfFilm = -m * part * byLog;
+  return conductivity * (byLogOfRoot * film * film + 2.0 * root * film * byLogOfFilm) / head;
 }
 
 }  // namespace espalier::environment

@@ -1,16 +1,22 @@
 #pragma once
 
+#include <cstdint>
+
 namespace espalier::environment {
 
-/// The hydraulic functions of a soil after van Genuchten (1980) and Mualem (1976, l = 1/2). Heads h are in the world's
-/// length unit, negative where water is held by suction; conductivities in length per day.
+/// The hydraulic functions of a soil after van Genuchten (1980) and Mualem (1976, l = 1/2), or after Gardner (1958): both
+/// S and K/Ks are e^(αh). Heads h are in the world's length unit, negative where water is held by suction;
+/// conductivities in length per day.
 struct SoilLayer {
+  enum class Function : std::uint8_t { VanGenuchten, Gardner };
+
   double residualContent = 0.078;  // θr
   double saturatedContent = 0.43;  // θs
   double alpha = 3.6;              // 1/length
-  double n = 1.56;                 // above 1
+  double n = 1.56;                 // above 1; not of Gardner's soil
   double conductivity = 0.2496;    // saturated, length/day
   double specificStorage = 1e-6;   // water taken up by saturated soil, 1/length
+  Function function = Function::VanGenuchten;
 
   /// Effective saturation ((θ − θr)/(θs − θr)) at a head: 1 when h ≥ 0.
   [[nodiscard]] double saturation(double head) const;
@@ -22,6 +28,8 @@ struct SoilLayer {
   [[nodiscard]] double conductivityAt(double head) const;
   /// The head at a water content; −10⁷ lengths at the residual water content.
   [[nodiscard]] double headAt(double content) const;
+  /// dK/dh, 1/day; 0 when h ≥ 0.
+  [[nodiscard]] double conductivitySlope(double head) const;
 };
 
 }  // namespace espalier::environment

@@ -3,8 +3,8 @@
 //
 // Richards' equation with van Genuchten's functions by layer (richards.h), any number of solutes and buffered H⁺
 // (solutes.h), stones, rain and evaporation. All queries see the state of the step before; when they want more than a
-// cell holds, each gets the same share of what it wants. Sums are sorted. Then the obtained amounts leave the cells,
-// and the step's time passes. O(n log n + cells · time steps · iterations).
+// cell holds, each gets the same share of what it wants. Sums are sorted. The obtained amounts leave the cells evenly
+// while the step's time passes. O(n log n + cells · time steps · iterations).
 
 #include <algorithm>
 #include <array>
@@ -111,7 +111,10 @@ class SoilWater final : public turtle::EnvironmentProcess {
   }
 
   [[nodiscard]] std::optional<turtle::EnvironmentError> tick(std::uint64_t) override {
-    return orGoBack([this](const std::vector<double>& before) { return passTime(before); });
+    return orGoBack([this](const std::vector<double>& before) {
+      std::fill(water_->sinks().begin(), water_->sinks().end(), 0.0);
+      return passTime(before);
+    });
   }
 
   [[nodiscard]] std::vector<turtle::Field> fields() const override {
@@ -177,7 +180,7 @@ class SoilWater final : public turtle::EnvironmentProcess {
     if (keys_.acidity) {
       solutes.push_back(keys_.protons(litres_));
     }
-    solutes_.emplace(std::move(solutes), *water_);
+    solutes_.emplace(std::move(solutes), *water_, keys_.hasSurfaceConcentration);
     day_ = 0.0;
   }
 
@@ -242,16 +245,16 @@ class SoilWater final : public turtle::EnvironmentProcess {
   }
 
   void takeUp(const turtle::QueryBatch& queries, turtle::ReplyBatch& replies) {
-    const double volume = water_->cellVolume();
+    std::fill(water_->sinks().begin(), water_->sinks().end(), 0.0);
     constexpr double kNoLimit = 1e300;
     // solutes first: their concentrations are those of the water that was there
     for (std::size_t solute = 0; solute < keys_.solutes.size(); ++solute) {
       settle(
           queries, 7 + 2 * solute,
           [&](std::size_t cell) {
-            return std::pair(std::max(solutes_->amounts(solute)[cell], 0.0) * volume, kNoLimit);
+            return std::pair(std::max(solutes_->amounts(solute)[cell], 0.0) * water_->cellVolume(cell), kNoLimit);
           },
-          [&](std::size_t cell, double amount) { solutes_->amounts(solute)[cell] -= amount / volume; }, replies);
+          [&](std::size_t cell, double amount) { solutes_->amounts(solute)[cell] -= amount / water_->cellVolume(cell); }, replies);
     }
     if (keys_.acidity) {
       giveOffProtons(queries);
@@ -261,10 +264,11 @@ class SoilWater final : public turtle::EnvironmentProcess {
         [&](std::size_t cell) {
           const SoilLayer& soil = water_->soilOf(cell);
           const double content = water_->contentOf(cell);
+          const double volume = water_->cellVolume(cell);
           return std::pair(std::max(content - soil.content(keys_.wiltingHead), 0.0) * volume,
                            std::max(soil.saturatedContent - content, 0.0) * volume);
         },
-        [&](std::size_t cell, double amount) { water_->take(cell, amount); }, replies);
+        [&](std::size_t cell, double amount) { water_->sinks()[cell] = amount / days_; }, replies);
   }
 
   void giveOffProtons(const turtle::QueryBatch& queries) {
@@ -279,7 +283,7 @@ class SoilWater final : public turtle::EnvironmentProcess {
     }
     std::sort(given.begin(), given.end());
     for (const auto& [cell, amount] : given) {
-      solutes_->amounts(keys_.solutes.size())[cell] += amount / water_->cellVolume();
+      solutes_->amounts(keys_.solutes.size())[cell] += amount / water_->cellVolume(cell);
     }
   }
 
@@ -307,7 +311,7 @@ class SoilWater final : public turtle::EnvironmentProcess {
         before[cell] = water_->contentOf(cell);
       }
       // weather that ends within rounding has ended
-      const double days = water_->advance(std::max(until, 1e-12 * std::max(1.0, end)), borders, keys_.tolerance);
+      const double days = water_->advance(std::max(until, 1e-12 * std::max(1.0, end)), borders, keys_.tolerances);
       if (!(days > 0.0)) {
         const std::string day = std::to_string(day_);
         setNumbers(backup);
@@ -333,6 +337,7 @@ class SoilWater final : public turtle::EnvironmentProcess {
     all = {day_, state.timeStep, state.balance.infiltrated, state.balance.drained, state.balance.runOff};
     all.insert(all.end(), state.heads.begin(), state.heads.end());
     all.insert(all.end(), state.contents.begin(), state.contents.end());
+    all.insert(all.end(), state.rates.begin(), state.rates.end());
     for (std::size_t solute = 0; solute < solutes_->soluteCount(); ++solute) {
       all.insert(all.end(), solutes_->amounts(solute).begin(), solutes_->amounts(solute).end());
       all.push_back(solutes_->balances()[solute].left);
@@ -357,6 +362,7 @@ class SoilWater final : public turtle::EnvironmentProcess {
     };
     read(state.heads);
     read(state.contents);
+    read(state.rates);
     for (std::size_t solute = 0; solute < solutes_->soluteCount(); ++solute) {
       read(solutes_->amounts(solute));
       solutes_->balances()[solute].left = *from++;

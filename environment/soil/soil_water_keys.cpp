@@ -14,13 +14,21 @@ constexpr std::array kGridSize{1.0, 20.0, 1.0};
 constexpr std::array kCellSize{1.0, 0.05, 1.0};
 constexpr std::array kPosition{-0.5, -1.0, -0.5};
 constexpr std::array<std::string_view, 2> kStarts{"head", "waterTable"};
+constexpr std::array<std::string_view, 2> kSoils{"vanGenuchten", "gardner"};
+constexpr std::array<std::string_view, 2> kEntries{"flow", "concentration"};
 constexpr std::array<std::string_view, 2> kSurfaces{"weather", "head"};
 constexpr std::array<std::string_view, 3> kBottoms{"free", "closed", "head"};
 constexpr std::size_t kMaximumCellCount = std::size_t{1} << 24;
 
 constexpr std::array kOwnKeys{
     gridSizeKey(kGridSize, "cells along x, y, z; one along both horizontal directions: a column"),
-    sidesKey("cellSize", "sides of a cell along x, y, z", kCellSize),
+    sidesKey("cellSize", "sides of a cell along x, y, z; upwards the mean", kCellSize),
+    ConfigurationKey{.name = "growth",
+                     .description = "height of a cell over that of the cell above it, in a box of the same height",
+                     .unit = "1",
+                     .minimum = 0.5,
+                     .maximum = 2.0,
+                     .defaultNumber = 1.0},
     positionKey(kPosition),
     ConfigurationKey{
         .name = "layers",
@@ -31,6 +39,12 @@ constexpr std::array kOwnKeys{
         .minimum = 0.0,
         .minimumCount = 6,
         .maximumCount = 6},
+    ConfigurationKey{.name = "soil",
+                     .kind = KeyKind::Choice,
+                     .description = "vanGenuchten: van Genuchten's and Mualem's functions; gardner: saturation and "
+                                    "relative conductivity e^(αh), where the layers' n means nothing",
+                     .defaultText = "vanGenuchten",
+                     .choices = kSoils},
     ConfigurationKey{.name = "specificStorage",
                      .description = "water that saturated soil takes up with the head",
                      .unit = "1/length",
@@ -102,6 +116,12 @@ constexpr std::array kOwnKeys{
                      .minimum = 0.0,
                      .minimumCount = 6,
                      .maximumCount = 6},
+    ConfigurationKey{.name = "solutesEnter",
+                     .kind = KeyKind::Choice,
+                     .description = "flow: with the rain only; concentration: the surface keeps the rain's "
+                                    "concentration, and solutes spread from it",
+                     .defaultText = "flow",
+                     .choices = kEntries},
     ConfigurationKey{.name = "acidity",
                      .kind = KeyKind::Boolean,
                      .description = "carry H⁺ with the water, buffered by the soil, and answer its pH"},
@@ -134,6 +154,12 @@ constexpr std::array kOwnKeys{
         .description = "largest difference of a cell's water content from the content that belongs to its head",
         .minimum = 1e-16,
         .defaultNumber = 1e-6},
+    ConfigurationKey{.name = "timeTolerance",
+                     .description = "largest error of a cell's water content in one internal time step",
+                     .unit = "1",
+                     .minimum = 1e-9,
+                     .maximum = 0.1,
+                     .defaultNumber = 1e-3},
 };
 constexpr auto kKeys = joinTables(kOwnKeys, kObstacleKeys);
 
@@ -173,10 +199,13 @@ Solute SoilWaterKeys::protons(double litres) const {
 
 SoilWaterKeys readSoilWater(const Configuration& configuration) {
   SoilWaterKeys keys;
-  keys.shape = {vectorOf(configuration, "position"), cellsOf(configuration), vectorOf(configuration, "cellSize")};
+  keys.shape = {vectorOf(configuration, "position"), cellsOf(configuration), vectorOf(configuration, "cellSize"),
+                configuration.number("growth")};
+  const auto function = configuration.text("soil") == "gardner" ? SoilLayer::Function::Gardner
+                                                                 : SoilLayer::Function::VanGenuchten;
   for (const auto& row : configuration.rows("layers")) {
     keys.thicknesses.push_back(row[0]);
-    keys.soils.push_back({row[1], row[2], row[3], row[4], row[5], configuration.number("specificStorage")});
+    keys.soils.push_back({row[1], row[2], row[3], row[4], row[5], configuration.number("specificStorage"), function});
   }
   keys.hasOwnLayers = !keys.soils.empty();
   if (keys.hasOwnLayers) {
@@ -211,7 +240,8 @@ SoilWaterKeys readSoilWater(const Configuration& configuration) {
     keys.waterTableDepth = configuration.number("waterTableDepth");
   }
   keys.wiltingHead = configuration.number("wiltingHead");
-  keys.tolerance = configuration.number("tolerance");
+  keys.hasSurfaceConcentration = configuration.text("solutesEnter") == "concentration";
+  keys.tolerances = {configuration.number("tolerance"), configuration.number("timeTolerance")};
   return keys;
 }
 

@@ -35,7 +35,8 @@ struct SoilWaterKeys {
   std::vector<double> initialHeads;  // of the cells, x fastest; empty: none are given
   std::optional<double> waterTableDepth;
   double wiltingHead = -150.0;
-  double tolerance = 1e-6;
+  bool hasSurfaceConcentration = false;  // the surface keeps the concentration of the rain
+  RichardsSolver::Tolerance tolerances;
 
   /// Number of the layer at a depth below the top of the box.
   [[nodiscard]] int layerAt(double depth) const;

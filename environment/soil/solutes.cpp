@@ -12,8 +12,11 @@ namespace {
 constexpr double kLogarithm10 = 2.302585092994045684;
 }
 
-SoluteTransport::SoluteTransport(std::vector<Solute> solutes, const RichardsSolver& water)
-    : solutes_(std::move(solutes)), water_(&water), balances_(solutes_.size()) {
+SoluteTransport::SoluteTransport(std::vector<Solute> solutes, const RichardsSolver& water, bool hasSurfaceConcentration)
+    : solutes_(std::move(solutes)),
+      water_(&water),
+      hasSurfaceConcentration_(hasSurfaceConcentration),
+      balances_(solutes_.size()) {
   for (const Solute& solute : solutes_) {
     std::vector<double> amounts(water.cellCount(), 0.0);
     for (std::size_t cell = 0; cell < amounts.size(); ++cell) {
@@ -53,22 +56,51 @@ double SoluteTransport::concentration(std::size_t number, std::size_t cell, doub
   return solute.initialConcentration * core::exp(x);
 }
 
+double SoluteTransport::diffusivityIn(const Solute& solute, std::size_t cell) const {
+  const double full = water_->soilOf(cell).saturatedContent;
+  return solute.diffusivity * core::pow(contents_[cell], 10.0 / 3.0) / (full * full);
+}
+
 double SoluteTransport::coefficientOf(const Solute& solute, std::size_t cell, std::size_t axis) const {
-  const auto& shape = water_->shape();
-  const std::size_t next = cell + (axis == 0 ? shape.columns[1] : axis == 1 ? 1 : shape.columns[0] * shape.columns[1]);
-  const double area = water_->cellVolume() / shape.cellSize[axis];
-  const auto effective = [&](std::size_t one) {
-    const double full = water_->soilOf(one).saturatedContent;
-    return solute.diffusivity * core::pow(contents_[one], 10.0 / 3.0) / (full * full);
-  };
-  const double mean = 0.5 * (effective(cell) + effective(next));
-  return (mean * area + solute.dispersivity * std::abs(water_->flux(cell, axis))) / shape.cellSize[axis];
+  const double mean = 0.5 * (diffusivityIn(solute, cell) + diffusivityIn(solute, cell + water_->stride(axis)));
+  return (mean * water_->faceArea(cell, axis) + solute.dispersivity * std::abs(water_->flux(cell, axis))) /
+         water_->distanceToNext(cell, axis);
+}
+
+double SoluteTransport::surfaceCoefficientOf(const Solute& solute, std::size_t cell) const {
+  if (!hasSurfaceConcentration_ || !water_->isSurface(cell)) {
+    return 0.0;
+  }
+  return (diffusivityIn(solute, cell) * water_->faceArea(cell, 2) +
+          solute.dispersivity * std::abs(water_->surfaceFlux(cell))) /
+         (0.5 * water_->sizeOf(cell, 2));
+}
+
+/// The concentration that water carries through a face: that of the cell it leaves, and a limited part of the slope
+/// there, less what flows through while the slope passes (Lax & Wendroff 1960; van Leer 1974).
+double SoluteTransport::atFace(const Solute& solute, std::size_t cell, std::size_t axis, double days) const {
+  const std::size_t stride = water_->stride(axis);
+  const double flux = water_->flux(cell, axis);
+  const std::size_t from = flux > 0.0 ? cell : cell + stride;
+  const std::size_t to = flux > 0.0 ? cell + stride : cell;
+  const double own = concentrations_[from];
+  const double ahead = concentrations_[to] - own;
+  const bool hasBehind =
+      flux > 0.0 ? from >= stride && water_->hasFace(from - stride, axis) : water_->hasFace(from, axis);
+  if (!hasBehind || ahead == 0.0) {
+    return own;
+  }
+  const double behind = own - concentrations_[flux > 0.0 ? from - stride : from + stride];
+  const double ratio = behind / ahead;
+  const double limiter = ratio > 0.0 ? 2.0 * ratio / (1.0 + ratio) : 0.0;
+  const double passing =
+      std::abs(flux) * days / (water_->cellVolume(from) * (contents_[from] + solute.sorption));
+  return own + 0.5 * limiter * (1.0 - std::min(passing, 1.0)) * ahead;
 }
 
 void SoluteTransport::follow(double days, const std::vector<double>& before) {
   // no cell loses more than it has: the largest part of its water that leaves it, or spreads, in a step
   const std::size_t count = water_->cellCount();
-  const auto& shape = water_->shape();
   std::vector<double> after(count);
   for (std::size_t cell = 0; cell < count; ++cell) {
     after[cell] = water_->contentOf(cell);
@@ -78,10 +110,11 @@ void SoluteTransport::follow(double days, const std::vector<double>& before) {
     const Solute& solute = solutes_[number];
     std::vector<double>& leaving = changes_;
     for (std::size_t cell = 0; cell < count; ++cell) {
-      leaving[cell] = std::max(water_->bottomFlux(cell), 0.0);
+      leaving[cell] = std::max(water_->bottomFlux(cell), 0.0) +
+                      (water_->isSoil(cell) ? surfaceCoefficientOf(solute, cell) : 0.0);
     }
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const std::size_t stride = axis == 0 ? shape.columns[1] : axis == 1 ? 1 : shape.columns[0] * shape.columns[1];
+      const std::size_t stride = water_->stride(axis);
       for (std::size_t cell = 0; cell + stride < count; ++cell) {
         if (!water_->hasFace(cell, axis)) {
           continue;
@@ -95,7 +128,7 @@ void SoluteTransport::follow(double days, const std::vector<double>& before) {
     double fastest = 0.0;
     for (std::size_t cell = 0; cell < count; ++cell) {
       if (water_->isSoil(cell)) {
-        fastest = std::max(fastest, leaving[cell] / (water_->cellVolume() * (contents_[cell] + solute.sorption)));
+        fastest = std::max(fastest, leaving[cell] / (water_->cellVolume(cell) * (contents_[cell] + solute.sorption)));
       }
     }
     const double steps = std::max(1.0, std::ceil(fastest * days / 0.9));
@@ -114,24 +147,25 @@ void SoluteTransport::follow(double days, const std::vector<double>& before) {
 void SoluteTransport::move(std::size_t number, double days) {
   const Solute& solute = solutes_[number];
   const std::size_t count = water_->cellCount();
-  const auto& shape = water_->shape();
   Balance& balance = balances_[number];
   for (std::size_t cell = 0; cell < count; ++cell) {
     // in with the rain, out through the bottom; nothing with water that evaporates
-    const double in = std::max(water_->surfaceFlux(cell), 0.0) * solute.rainConcentration;
+    const double spreading = water_->isSoil(cell) ? surfaceCoefficientOf(solute, cell) : 0.0;
+    const double in = std::max(water_->surfaceFlux(cell), 0.0) * solute.rainConcentration +
+                      spreading * (solute.rainConcentration - concentrations_[cell]);
     const double out = water_->bottomFlux(cell) * concentrations_[cell];
     changes_[cell] = in - out;
     balance.left += (out - in) * days;
   }
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const std::size_t stride = axis == 0 ? shape.columns[1] : axis == 1 ? 1 : shape.columns[0] * shape.columns[1];
+    const std::size_t stride = water_->stride(axis);
     for (std::size_t cell = 0; cell + stride < count; ++cell) {
       if (!water_->hasFace(cell, axis)) {
         continue;
       }
       const double flux = water_->flux(cell, axis);
       const double carried =
-          flux * concentrations_[flux > 0.0 ? cell : cell + stride] +
+          flux * atFace(solute, cell, axis, days) +
           coefficientOf(solute, cell, axis) * (concentrations_[cell] - concentrations_[cell + stride]);
       changes_[cell] -= carried;
       changes_[cell + stride] += carried;
@@ -140,8 +174,8 @@ void SoluteTransport::move(std::size_t number, double days) {
   const double staying = core::exp(-solute.decayRate * days);
   for (std::size_t cell = 0; cell < count; ++cell) {
     double& amount = amounts_[number][cell];
-    amount += changes_[cell] * days / water_->cellVolume();
-    balance.decayed += amount * (1.0 - staying) * water_->cellVolume();
+    amount += changes_[cell] * days / water_->cellVolume(cell);
+    balance.decayed += amount * (1.0 - staying) * water_->cellVolume(cell);
     amount *= staying;
   }
 }

@@ -19,14 +19,15 @@ struct Solute {
   double bufferCapacity = 0.0;
 };
 
-/// Transport of solutes with the water of a RichardsSolver: advection from the upwind cell, dispersion and diffusion
+/// Transport of solutes with the water of a RichardsSolver: advection of second order with van Leer's limiter (1974), dispersion and diffusion
 /// with the tortuosity θ^(7/3)/θs² (Millington & Quirk 1961), sorption or buffering in equilibrium, decay. Explicit, in
 /// as many steps as stability needs, and conservative: the flow out of one cell through a face enters the other cell.
 /// Water that evaporates leaves its solutes behind.
 class SoluteTransport {
  public:
   /// `water` must outlive the transport and hold the initial water contents.
-  SoluteTransport(std::vector<Solute> solutes, const RichardsSolver& water);
+  /// With `hasSurfaceConcentration` the surface of the ground keeps the concentration of the rain.
+  SoluteTransport(std::vector<Solute> solutes, const RichardsSolver& water, bool hasSurfaceConcentration = false);
 
   [[nodiscard]] std::size_t soluteCount() const { return solutes_.size(); }
   [[nodiscard]] const Solute& solute(std::size_t number) const { return solutes_[number]; }
@@ -48,11 +49,15 @@ class SoluteTransport {
   [[nodiscard]] const std::vector<Balance>& balances() const { return balances_; }
 
  private:
+  [[nodiscard]] double diffusivityIn(const Solute& solute, std::size_t cell) const;
   [[nodiscard]] double coefficientOf(const Solute& solute, std::size_t cell, std::size_t axis) const;
+  [[nodiscard]] double surfaceCoefficientOf(const Solute& solute, std::size_t cell) const;
+  [[nodiscard]] double atFace(const Solute& solute, std::size_t cell, std::size_t axis, double days) const;
   void move(std::size_t number, double days);
 
   std::vector<Solute> solutes_;
   const RichardsSolver* water_;
+  bool hasSurfaceConcentration_;
   std::vector<std::vector<double>> amounts_;  // by solute and cell
   std::vector<Balance> balances_;             // by solute
   std::vector<double> contents_;              // of water, in a step (cells)

@@ -17,7 +17,7 @@ TEST(Ground, PointsFindTheirCellsForAnyDirectionOfUp) {
     EXPECT_FALSE(ground.cellOf({1, 0, 0}).has_value());
     EXPECT_FALSE(ground.cellOf({0, -2.1, 0}).has_value());
     // the last cell is the highest, half a cell below the top
-    EXPECT_EQ(ground.depthOf(23) * 2, ground.solverShape().cellSize[2]);
+    EXPECT_EQ(ground.depthOf(23) * 2, ground.solverShape().heights[0]);
     EXPECT_GT(core::dot(ground.middleOf(23), up), core::dot(ground.middleOf(0), up));
   }
 }
