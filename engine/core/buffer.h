@@ -83,6 +83,10 @@ class Buffer {
     }
     return other;
   }
+  /// Whether another buffer shares the memory. Once none does, none will unless share() is called.
+  [[nodiscard]] bool isShared() const {
+    return lease_ != nullptr && lease_->owners.load(std::memory_order_acquire) > 1;
+  }
   /// Makes the memory this buffer's own: pointers into it stay valid, and may be written through, until it grows.
   void own() {
     if (lease_ != nullptr) [[unlikely]] {

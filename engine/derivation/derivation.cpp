@@ -56,6 +56,7 @@ class Derivation::Implementation {
   void rewind(PlantState& state, const ModuleString* start);
   void derive(PlantState& state, StepChanges* changes);
   void deriveRecorded(PlantState& state, ModuleRecord& record);
+  void ownParameters(PlantState& state) { context_.rotation.ownParameters(state.string); }
   void beginInterpretation(PlantState& state);
   void endInterpretation() { context_.random.usePrivateStream(false); }
   [[nodiscard]] Homomorphism& homomorphism() { return homomorphism_; }
@@ -84,7 +85,7 @@ void Derivation::Implementation::attach(PlantState& state, std::uint64_t step, s
 void Derivation::Implementation::derive(PlantState& state, StepChanges* changes) {
   ESPALIER_CHECK(!state.instances.empty());
   if (changes != nullptr) {
-    *changes = {};
+    changes->clear();
   }
   context_.changes = changes;
   backup_.save(state);
@@ -198,6 +199,9 @@ void Derivation::rewind(PlantState& state, const ModuleString* start) {
 }
 void Derivation::derive(PlantState& state, StepChanges* changes) {
   implementation_->derive(state, changes);
+}
+void Derivation::ownParameters(PlantState& state) {
+  implementation_->ownParameters(state);
 }
 void Derivation::deriveRecorded(PlantState& state, ModuleRecord& record) {
   implementation_->deriveRecorded(state, record);

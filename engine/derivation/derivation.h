@@ -47,8 +47,11 @@ class Derivation {
   /// (null: not wanted) becomes what the step left of the string.
   void derive(PlantState& state, StepChanges* changes = nullptr);
 
-  /// The same, and records everything that the step does with the module `record.module` of the string. Slower, because
-  /// it takes no shortcut. When the step fails, the record ends at the failure.
+  /// Gives the parameters of the string memory that no view shares, before answers are written into them.
+  void ownParameters(PlantState& state);
+
+  /// The same as derive, and records everything that the step does with the module `record.module` of the string.
+  /// Slower, because it takes no shortcut. When the step fails, the record ends at the failure.
   void deriveRecorded(PlantState& state, ModuleRecord& record);
 
   /// Whether the program has homomorphism productions. Without them, interpreting needs no `expand` and does not change

@@ -186,14 +186,18 @@ void Simulation::Implementation::completeStep() {
 
 void Simulation::Implementation::noteAnswers() {
   for (std::size_t plant = 0; plant < population_.states().size(); ++plant) {
-    changes_.add(plant, transaction_.answered(plant));
+    if (const derivation::StepChanges* const answered = transaction_.answered(plant)) {
+      changes_.add(plant, *answered);
+    }
   }
 }
 
 void Simulation::Implementation::undoStep() {
   // the answers go as they came
-  if (transaction_.isAnswered()) {
+  if (transaction_.hasNotedAnswers()) {
     noteAnswers();
+  } else if (transaction_.isAnswered()) {
+    changes_.forget();
   }
   transaction_.takeBack(population_.states());
   births_.clear();

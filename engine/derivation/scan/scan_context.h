@@ -11,6 +11,7 @@
 #include "engine/derivation/state/plant_state.h"
 #include "engine/derivation/state/step_changes.h"
 #include "engine/derivation/state/string_index.h"
+#include "engine/derivation/state/string_rotation.h"
 #include "engine/derivation/system_tables.h"
 
 namespace espalier::derivation {
@@ -63,6 +64,7 @@ struct ScanContext {
   PlantState* plant = nullptr;        // of the caller of Derivation
   const ModuleString* old = nullptr;  // the string that is read; of the caller
   ModuleString output;                // the string being produced; between steps: the string that was read last
+  StringRotation rotation;            // memory for `output` and the plant's string
   CutParts cuts;                      // of the step
   StepChanges* changes = nullptr;     // what the step leaves as it was is noted here; null: nowhere
   StringIndex index;                  // brackets of the string that is read

@@ -101,7 +101,7 @@ void StepScan::begin(Kind kind, const ModuleString& old) {
   // signals run through strings whose branches stay where they are: the links of the last step serve again
   areLinksRight_ = context.isOutputIndexed && context.index.isShared(context.output.types(), old.types());
   context.isOutputIndexed = false;
-  context.output.clear();
+  context.rotation.clear(context.output);
   context.cuts.clear();
   // several threads link brackets with the scan
   const bool isParallel = kind == Kind::ParallelBatch || kind == Kind::ParallelGeneral;

@@ -81,6 +81,12 @@ void StepChanges::keep(std::uint64_t from, std::uint64_t to, std::uint64_t modul
 
 StepChanges StepChanges::then(const StepChanges& next) const {
   StepChanges result;
+  join(next, result);
+  return result;
+}
+
+void StepChanges::join(const StepChanges& next, StepChanges& result) const {
+  result.clear();
   auto a = kept_.begin();
   auto b = next.kept_.begin();
   while (a != kept_.end() && b != next.kept_.end()) {
@@ -92,7 +98,6 @@ StepChanges StepChanges::then(const StepChanges& next) const {
     }
     (a->to + a->modules < b->from + b->modules) ? ++a : ++b;
   }
-  return result;
 }
 
 void StepChanges::keepEqualEnds(const StringStretch& older, const StringStretch& newer,

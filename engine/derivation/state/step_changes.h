@@ -46,8 +46,12 @@ class StepChanges {
   /// `older` has become `newer`: keeps the modules at both ends that are equal, bit by bit. They come behind those of
   /// the calls before. `arity`: by module type.
   void keepEqualEnds(const StringStretch& older, const StringStretch& newer, std::span<const std::uint16_t> arity);
+  /// Everything may have changed again; the memory stays.
+  void clear() { kept_.clear(); }
   /// Both changes as one, `next` being the later one.
   [[nodiscard]] StepChanges then(const StepChanges& next) const;
+  /// The same into `result`, which is neither of them.
+  void join(const StepChanges& next, StepChanges& result) const;
 
   /// Ascending in both strings.
   [[nodiscard]] const std::vector<KeptModules>& kept() const { return kept_; }

@@ -39,6 +39,7 @@ void AnswerPass::interpret() {
       continue;
     }
     derivation::PlantState& state = population.states()[plant];
+    population.derivation(plant).ownParameters(state);
     parts_.transaction.rememberVariables(plant, state);
     turtle::InterpretationOutput output;
     output.queries = &queries_;

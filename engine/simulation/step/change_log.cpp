@@ -6,7 +6,8 @@ namespace espalier::simulation {
 
 void ChangeLog::add(std::size_t plant, const derivation::StepChanges& changes) {
   if (plant < changes_.size()) {
-    changes_[plant] = changes_[plant].then(changes);
+    changes_[plant].join(changes, joined_);
+    std::swap(changes_[plant], joined_);
   }
 }
 

@@ -35,6 +35,7 @@ class ChangeLog {
   bool isFollowed_ = false;
   bool isKnown_ = false;
   std::vector<derivation::StepChanges> changes_;  // by plant; plants that came since are missing
+  derivation::StepChanges joined_;                // working memory
 };
 
 }  // namespace espalier::simulation

@@ -18,6 +18,7 @@ void StepTransaction::write(std::size_t plant, derivation::PlantState& state, st
 }
 
 void StepTransaction::noteAnswers(const std::vector<derivation::PlantState>& states) {
+  hasNotedAnswers_ = true;
   std::vector<std::uint64_t> modules;
   for (std::size_t plant = 0; plant < states.size(); ++plant) {
     const derivation::ModuleString& string = states[plant].string;
@@ -28,8 +29,11 @@ void StepTransaction::noteAnswers(const std::vector<derivation::PlantState>& sta
         modules.push_back(change.module);
       }
     }
-    std::sort(modules.begin(), modules.end());
-    undo_[plant].answered = derivation::StepChanges::ofParameters(modules, string.size());
+    undo_[plant].isAnswered = !modules.empty();
+    if (!modules.empty()) {
+      std::sort(modules.begin(), modules.end());
+      undo_[plant].answered = derivation::StepChanges::ofParameters(modules, string.size());
+    }
   }
 }
 
@@ -55,6 +59,7 @@ void StepTransaction::takeBack(std::vector<derivation::PlantState>& states) {
     undo_[plant].apply(states[plant]);
   }
   isAnswered_ = false;
+  hasNotedAnswers_ = false;
 }
 
 void StepTransaction::commit() {
@@ -62,6 +67,7 @@ void StepTransaction::commit() {
     undo.clear();
   }
   isAnswered_ = false;
+  hasNotedAnswers_ = false;
   // the batch keeps its memory for the next step
   answer_ = EnvironmentAnswer{.replies = std::move(answer_.replies)};
 }

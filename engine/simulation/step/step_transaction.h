@@ -40,8 +40,11 @@ class StepTransaction {
   void noteAnswers(const std::vector<derivation::PlantState>& states);
   /// The derivation of a plant says here what it left of the string.
   [[nodiscard]] derivation::StepChanges& derivedChanges(std::size_t plant);
-  /// What the answers left of a plant's string, as far as noteAnswers was told.
-  [[nodiscard]] const derivation::StepChanges& answered(std::size_t plant) const { return undo_[plant].answered; }
+  [[nodiscard]] bool hasNotedAnswers() const { return hasNotedAnswers_; }
+  /// What the answers left of a plant's string; null: they changed nothing, or nobody wants to know.
+  [[nodiscard]] const derivation::StepChanges* answered(std::size_t plant) const {
+    return undo_[plant].isAnswered ? &undo_[plant].answered : nullptr;
+  }
   /// What the derivation left of it; null: the plant was not derived, or nobody wants to know.
   [[nodiscard]] const derivation::StepChanges* derived(std::size_t plant) const {
     return undo_[plant].isDerived ? &undo_[plant].derived : nullptr;
@@ -65,6 +68,7 @@ class StepTransaction {
  private:
   std::vector<StepUndo> undo_;  // by plant number
   bool isAnswered_ = false;
+  bool hasNotedAnswers_ = false;
   EnvironmentAnswer answer_;
 };
 

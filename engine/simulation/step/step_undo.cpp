@@ -8,8 +8,9 @@ void StepUndo::clear() {
   hasVariables = false;
   hasUnderived = false;
   changes.clear();
-  answered = {};
-  derived = {};
+  answered.clear();
+  derived.clear();
+  isAnswered = false;
   isDerived = false;
 }
 

@@ -20,6 +20,7 @@ struct StepUndo {
   // for viewers; only noted when changes are followed
   derivation::StepChanges answered;  // from the string before the answers to the one with them
   derivation::StepChanges derived;   // from there to the derived one
+  bool isAnswered = false;           // some answer changed something
   bool isDerived = false;
 
   /// Forgets everything: the step is complete, or was undone.

@@ -37,6 +37,10 @@ bool haveSameBits(double a, double b) {
   return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
 }
 
+bool areSame(std::span<const double> a, std::span<const double> b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), haveSameBits);
+}
+
 bool areSame(const Records& a, const Records& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const auto& x, const auto& y) {
     return x.plant == y.plant && x.module == y.module && x.symbol == y.symbol && x.parent == y.parent &&
@@ -210,6 +214,20 @@ TEST(ViewDrawing, AViewStaysAsItIsAndCopiesNoString) {
   const double* const before = simulation.string().parameters().data();
   expectSuccess(simulation.answer());
   EXPECT_EQ(simulation.string().parameters().data(), before);
+}
+
+TEST(ViewDrawing, AnswersFromBeforeTheFirstViewCanBeTakenBack) {
+  TestRun run(compileText("Lsystem: 1\nderivation length: 9\nAxiom: F(1)?P(0,0,0)X\nX --> X(exp(1000))\nendlsystem\n"),
+              1, {}, false);
+  Simulation& simulation = run.simulation;
+  expectSuccess(simulation.rewind());
+  expectSuccess(simulation.answer());
+  simulation.followChanges(true);
+  const auto view = simulation.takeView();
+  EXPECT_TRUE(simulation.step().has_value());
+  const auto next = simulation.takeView();
+  EXPECT_FALSE(areSame(view->plants[0].string.parameters(), next->plants[0].string.parameters()));
+  EXPECT_EQ(next->base, 0U);
 }
 
 TEST(ViewDrawing, SaysWhatASimulationSays) {

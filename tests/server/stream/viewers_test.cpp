@@ -97,11 +97,14 @@ class ViewersTest : public testing::Test {
   std::shared_ptr<Session> session_ = std::make_shared<Session>("viewer", core_, connection_);
   std::shared_ptr<Viewers> viewers_;
   std::atomic<int> asked_{0};
+  std::weak_ptr<const simulation::PlantsView> lastView_;
 
  private:
   void handOver(bool isDue, std::shared_ptr<Stream> first) {
     simulation_.followChanges(viewers_->wantDifferences());
-    viewers_->handOver({.plants = simulation_.takeView(),
+    auto view = simulation_.takeView();
+    lastView_ = view;
+    viewers_->handOver({.plants = std::move(view),
                         .milliseconds = 0.0,
                         .queries = nullptr,
                         .isDue = isDue,
@@ -225,10 +228,7 @@ TEST_F(ViewersTest, AfterTheEndNothingIsSentAndNoMemoryIsShared) {
   ASSERT_EQ(all.size(), 2U);
   EXPECT_EQ(member(all[1], "reason"), "over");
   EXPECT_FALSE(viewers_->exist());
-  // the next step writes where it is
-  const auto* const memory = simulation_.string().types().data();
-  const simulation::PlantsView view = *simulation_.takeView();
-  EXPECT_EQ(view.plants[0].string.types().data(), memory);
+  EXPECT_TRUE(lastView_.expired());
 }
 
 }  // namespace
