@@ -30,7 +30,6 @@ class ViewerConnection final : public server::Connection {
   void closeWhenSent() override {}
   void remind(std::chrono::milliseconds) override {}
   [[nodiscard]] std::size_t outboxBytes() const override { return queued_; }
-  [[nodiscard]] bool isLocal() const override { return true; }
   [[nodiscard]] std::string peerName() const override { return "viewer"; }
 
  private:
