@@ -55,7 +55,8 @@ std::string prometheusText(const Metrics& metrics, const Gauges& gauges) {
   append(text, "espalier_sent_bytes_total", "counter", "Bytes to sessions.", metrics.bytesSent);
   append(text, "espalier_sessions_total", "counter", "Sessions opened.", metrics.sessions);
   append(text, "espalier_stream_frames_total", "counter", "Frames sent to viewers.", metrics.frames);
-  append(text, "espalier_stream_drops_total", "counter", "Frames left out for slow viewers.", metrics.drops);
+  append(text, "espalier_stream_drops_total", "counter",
+         "Frames left out because a viewer, or the server, was slower than the steps.", metrics.drops);
   append(text, "espalier_sessions", "gauge", "Sessions open now.", gauges.sessions);
   append(text, "espalier_simulations", "gauge", "Simulations of the server.", gauges.simulations);
   append(text, "espalier_workers", "gauge", "Simulations that may compute at a time.", gauges.workers);

@@ -34,7 +34,7 @@ struct Metrics {
   std::atomic<std::uint64_t> bytesSent{0};
   std::atomic<std::uint64_t> sessions{0};  // of peers that said hello
   std::atomic<std::uint64_t> frames{0};    // of streams, sent
-  std::atomic<std::uint64_t> drops{0};     // frames left out because a viewer was slow
+  std::atomic<std::uint64_t> drops{0};     // frames left out because a viewer, or the server, was slow
   DurationHistogram stepSeconds;
   DurationHistogram environmentSeconds;  // calls of environments in other processes
 };

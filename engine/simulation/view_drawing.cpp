@@ -14,30 +14,6 @@
 #include "engine/simulation/plants/plant_variables.h"
 
 namespace espalier::simulation {
-namespace {
-
-/// What views of the same Programs and options are drawn with.
-struct Studio {
-  explicit Studio(const PlantsView& view)
-      : models(view.programs), options(silent(*view.options)), factory(models, options, isCancelled, messages) {}
-
-  /// Another thread owns the simulation, so drawing a view tells its caller nothing.
-  static SimulationOptions silent(SimulationOptions options) {
-    options.messages = nullptr;
-    options.fileWriter = nullptr;
-    return options;
-  }
-
-  const ModelSet models;
-  const SimulationOptions options;
-  const std::atomic<bool> isCancelled{false};
-  PlantMessages messages{nullptr};
-  const DerivationFactory factory;
-  PlantDrawing drawing{models, options, factory};
-};
-
-}  // namespace
-
 class ViewDrawing::Implementation {
  public:
   void show(std::shared_ptr<const PlantsView> view);
@@ -58,6 +34,26 @@ class ViewDrawing::Implementation {
   [[nodiscard]] const ModelSet& models() const { return studio_->models; }
 
  private:
+  /// What views of the same Programs and options are drawn with.
+  struct Studio {
+    explicit Studio(const PlantsView& view)
+        : models(view.programs), options(silent(*view.options)), factory(models, options, isCancelled, messages) {}
+
+    /// Another thread owns the simulation, so drawing a view tells its caller nothing.
+    static SimulationOptions silent(SimulationOptions options) {
+      options.messages = nullptr;
+      options.fileWriter = nullptr;
+      return options;
+    }
+
+    const ModelSet models;
+    const SimulationOptions options;
+    const std::atomic<bool> isCancelled{false};
+    PlantMessages messages{nullptr};
+    const DerivationFactory factory;
+    PlantDrawing drawing{models, options, factory};
+  };
+
   void joinChanges();
 
   std::shared_ptr<const PlantsView> view_;                  // null: none is shown

@@ -99,12 +99,15 @@ void RecordChainBuilder::appendPlant() {
 
 void RecordChainBuilder::findNext() {
   nextModule_ = kNever;
-  while (next_.link < end_ && !kept_.empty()) {
+  while (next_.link < end_) {
     const RecordChain::Link& link = base_->links[next_.link];
     const RecordGroup::Link& part = link.group->links[next_.stretch];
     const std::uint64_t first = link.firstModule + part.firstModule;
     while (!kept_.empty() && kept_.front().from + kept_.front().modules <= first) {
       kept_ = kept_.subspan(1);
+    }
+    if (kept_.empty()) {
+      return;
     }
     const std::uint64_t place = placeOf(first, part.stretch->passage.modules);
     if (place != kNever && place >= module_) {

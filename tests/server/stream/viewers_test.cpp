@@ -20,7 +20,6 @@ class FrameConnection final : public Connection {
   void closeWhenSent() override {}
   void remind(std::chrono::milliseconds) override {}
   [[nodiscard]] std::size_t outboxBytes() const override { return 0; }
-  [[nodiscard]] bool isLocal() const override { return true; }
   [[nodiscard]] std::string peerName() const override { return "viewer"; }
   [[nodiscard]] std::vector<std::string> frames() {
     const std::lock_guard lock(mutex_);
