@@ -122,8 +122,10 @@ class ModuleChecks {
       const char character = symbolOf(made.type).character();
       const auto rewritten = rewritten_.find(symbol);
       const bool isLetter = std::isalpha(static_cast<unsigned char>(character)) != 0;
-      if (rewritten == rewritten_.end() || !isLetter || kTurtleLetters.find(character) != std::string_view::npos ||
-          made.isQuery || made.isCommand || read_.contains(made.type) || reported.contains(made.type)) {
+      // a letter without parameters is often the finished form of one with parameters, and the other way round
+      if (rewritten == rewritten_.end() || arityOf(made.type) == 0 || rewritten->second.contains(0) || !isLetter ||
+          kTurtleLetters.find(character) != std::string_view::npos || made.isQuery || made.isCommand ||
+          read_.contains(made.type) || reported.contains(made.type)) {
         continue;
       }
       // when no production of the symbol can match, each of them has a message of its own

@@ -64,7 +64,8 @@ TEST(ConformanceModels, FewGiveWarnings) {
       all += core::formatDiagnostic(diagnostic) + "\n";
     }
   }
-  EXPECT_LE(count, 12U) << all;
+  // two of them: 011-arity-mismatch-copies makes V(x) and V(x,y,z) where only V(x,y) is rewritten
+  EXPECT_LE(count, 14U) << all;
 }
 
 // authors copy models of the gallery

@@ -46,6 +46,8 @@ TEST(ModuleChecks, AModuleWithAnotherNumberOfParametersIsNotRewritten) {
   EXPECT_EQ(messagesOf("A(x) --> A(x,2)A(x)", "A(1)"),
             Messages{"3:10: warning: no production rewrites 'A(x,2)': the productions of A have 1 parameter | a "
                      "production matches only modules with exactly as many parameters"});
+  // the finished form of a module
+  EXPECT_EQ(messagesOf("A(x) --> A A(x)", "A(1)"), Messages{});
   // drawn, read by a context, or all of another number: no message or another one
   EXPECT_EQ(messagesOf("F(x) --> F F(x)", "F(1)"), Messages{});
   EXPECT_EQ(messagesOf("A(x) --> A(x,2)A(x)\nA(x,y) < B --> C", "A(1)B"), Messages{});
