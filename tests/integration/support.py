@@ -84,8 +84,9 @@ class Server(Process):
     """A server with its HTTP side."""
 
     def __init__(self, *arguments: str, listen: str = "127.0.0.1:0") -> None:
+        gallery = [] if "--gallery" in arguments else ["--gallery", str(GALLERY)]
         super().__init__([program(), "serve", "--listen", listen, "--http", "127.0.0.1:0", "--log-level", "off",
-                          "--gallery", str(GALLERY), *arguments])
+                          *gallery, *arguments])
         found = re.match(r"http on (\S+)$", self._stream.readline().strip())
         assert found is not None
         self.http = found.group(1)

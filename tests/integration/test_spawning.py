@@ -146,8 +146,7 @@ class Spawning(unittest.TestCase):
     def test_a_command_that_cannot_start_is_an_error_at_start(self) -> None:
         for line, words in (('light = "/no/such/program --x"', "names the program '/no/such/program', which is not there"),
                             ('light = "python3 /no/such/light.py"', "names the file '/no/such/light.py', which is not there"),
-                            ('light = ""', "is empty"), ('"li ght" = "true"', "unusual name"),
-                            ('light = "true"\nlight = "false"', "twice")):
+                            ('light = ""', "is empty"), ('"li ght" = "true"', "unusual name")):
             file = self.folder / "wrong.toml"
             file.write_text(f"[spawn]\n{line}\n", encoding="utf-8")
             self.assertIn(words, espalier("serve", "--config", str(file), "--listen", "127.0.0.1:0", status=2).stderr)
@@ -171,7 +170,7 @@ class Spawning(unittest.TestCase):
             espalier("run", str(model), "--environment", environment, "--steps", "2", "-o", snapshot)
             self.assertTrue(self.marker.exists())
             self.marker.unlink()
-            refused = espalier("run", "--resume", snapshot, "-o", str(self.folder / "a.txt"), status=1)
+            refused = espalier("run", "--resume", snapshot, "-o", str(self.folder / "a.string"), status=1)
             self.assertIn("a snapshot may come from a stranger", refused.stderr)
             self.assertFalse(self.marker.exists())
             espalier("run", "--resume", snapshot, "--environment", environment, "-o", str(self.folder / "b.snapshot"))
