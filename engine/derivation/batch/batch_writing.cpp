@@ -154,8 +154,8 @@ void BatchRewriter::noteKept(std::uint64_t target, StepChanges& changes) const {
   }
   const std::uint32_t* const madeModule = isResized_ ? madeModule_.data() : siteModule_.data();
   const std::uint64_t made = isResized_ ? madeModules_ : modules;
-  // between many sites only the two ends are worth a look
-  constexpr std::size_t kManySites = 256;
+  // between many sites the runs are too short: only the two ends are worth a look
+  constexpr std::size_t kManySites = kChunkModules / StepChanges::kShortestRun;
   std::uint64_t from = 0;  // behind the last site that changes
   std::uint64_t to = 0;    // the same place of the result
   std::size_t site = 0;
