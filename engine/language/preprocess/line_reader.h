@@ -10,7 +10,8 @@
 
 namespace espalier::language {
 
-/// One logical line of a file: physical lines joined at `\`, comments replaced by a blank.
+/// One logical line of a file: physical lines joined at `\`, comments replaced by a blank. A comment over several lines
+/// ends no directive.
 struct LogicalLine {
   std::string text;
   std::vector<std::uint32_t> offsets;  // of each byte of `text` in the file
@@ -39,6 +40,11 @@ class LineReader {
     bool isInLineComment = false;
     while (position_ < text_.size()) {
       if (const std::size_t length = newlineLength(position_); length > 0) {
+        // a directive goes on behind a comment over several lines
+        if (isInComment_ && !line.startsInComment && line.text.starts_with('#')) {
+          position_ += length;
+          continue;
+        }
         line.end = static_cast<std::uint32_t>(position_);
         position_ += length;
         return true;

@@ -72,6 +72,43 @@ const Macro* MacroTable::find(std::string_view name) const {
   return found == macros_.end() ? nullptr : &found->second;
 }
 
+bool MacroTable::hasOpenCall(std::string_view line) const {
+  std::size_t i = 0;
+  while (i < line.size()) {
+    std::size_t end = std::max(line[i] == '"' ? stringLiteralEnd(line, i) : wordEnd(line, i), i + 1);
+    const Macro* const macro = find(line.substr(i, end - i));
+    i = end;
+    if (macro == nullptr || !macro->isFunctionLike) {
+      continue;
+    }
+    while (end < line.size() && isBlank(line[end])) {
+      ++end;
+    }
+    if (end == line.size() || line[end] != '(') {
+      continue;
+    }
+    std::size_t depth = 0;
+    do {
+      const char c = line[end];
+      depth += c == '(' ? 1U : 0U;
+      depth -= c == ')' ? 1U : 0U;
+      if (c == '\'') {
+        // a quote without a partner hides the rest of the line: the call is a mistake
+        end = std::min(line.find('\'', end + 1), line.size());
+        if (end == line.size()) {
+          return false;
+        }
+      }
+      end = c == '"' ? std::max(stringLiteralEnd(line, end), end + 1) : end + 1;
+    } while (depth > 0 && end < line.size());
+    if (depth > 0) {
+      return true;
+    }
+    i = end;
+  }
+  return false;
+}
+
 /// The expansion of one line.
 class MacroTable::Expansion {
  public:
@@ -204,8 +241,7 @@ class MacroTable::Expansion {
     if (depth > 0) {
       report("expected ')' while reading the arguments of the macro '" + macro.name + "', found the end of the line",
              hasOpenQuote ? "a ' without a partner hides the ')' behind it: remove it"
-                          : "the arguments of a macro must stand on one line; a '\\' at the end of a line joins the "
-                            "next line to it",
+                          : "close the call; its arguments may stand on several lines",
              false);
       return false;
     }

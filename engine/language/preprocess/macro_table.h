@@ -52,6 +52,8 @@ class MacroTable {
   void undefine(std::string_view name);
   [[nodiscard]] std::vector<std::string> names() const;
   [[nodiscard]] const Macro* find(std::string_view name) const;
+  /// Whether a macro is called in `line` and the line ends inside its arguments. O(length).
+  [[nodiscard]] bool hasOpenCall(std::string_view line) const;
 
   /// The pieces of `line` in order; `problem` is called for each mistake (the use is then copied as it is).
   [[nodiscard]] std::vector<ExpandedPiece> expand(std::string_view line,

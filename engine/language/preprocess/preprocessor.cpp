@@ -157,6 +157,7 @@ class Preprocessor {
       if (!line.startsInComment && line.text.starts_with('#')) {
         directive(file, depth, line, outerConditionals);
       } else if (isActive()) {
+        joinCall(reader, line);
         emitLine(file, line);
       }
     }
@@ -176,6 +177,29 @@ class Preprocessor {
     // the text of the including file starts on a line of its own
     if (!result_.text.empty() && result_.text.back() != '\n') {
       emit('\n', file, static_cast<std::uint32_t>(text.size()), files::SourceMap::kNoExpansion);
+    }
+  }
+
+  /// Joins the lines behind `line` over which a macro call goes on. A call that does not end, or that a directive
+  /// interrupts, is left as it is.
+  void joinCall(LineReader& reader, LogicalLine& line) const {
+    constexpr int kMostLines = 100;  // of one call
+    if (!macros_.hasOpenCall(line.text)) {
+      return;
+    }
+    LineReader ahead = reader;
+    LogicalLine joined = line;
+    LogicalLine next;
+    for (int i = 0; i < kMostLines && ahead.next(next) && !next.text.starts_with('#'); ++i) {
+      joined.add(' ', joined.end);
+      joined.text += next.text;
+      joined.offsets.insert(joined.offsets.end(), next.offsets.begin(), next.offsets.end());
+      joined.end = next.end;
+      if (!macros_.hasOpenCall(joined.text)) {
+        line = std::move(joined);
+        reader = ahead;
+        return;
+      }
     }
   }
 

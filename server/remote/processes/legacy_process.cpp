@@ -342,9 +342,10 @@ class LegacyProcess final : public turtle::EnvironmentProcess {
         continue;
       }
       if (text.starts_with("Control:")) {
-        const auto numbers = environment::readPublishedNumbers(text.substr(8));
-        if (!numbers.empty() && numbers[0] >= 0.0 && numbers[0] < 256.0) {
-          flags = static_cast<int>(numbers[0]);
+        const std::vector<std::string> words = environment::readPublishedWords(text.substr(8));
+        const auto number = words.empty() ? std::nullopt : core::parseNumber(words[0]);
+        if (number && *number >= 0.0 && *number < 256.0) {
+          flags = static_cast<int>(*number);
           return std::nullopt;
         }
       }

@@ -129,10 +129,20 @@ TEST(Preprocessor, AWrongNumberOfArgumentsIsAnError) {
 }
 
 TEST(Preprocessor, OpenArgumentsAreAnError) {
-  EXPECT_EQ(
-      problemsOf("#define F(a) a\nF(1\n)\n"),
-      Messages{"2:1: error: expected ')' while reading the arguments of the macro 'F', found the end of the line | the "
-               "arguments of a macro must stand on one line; a '\\' at the end of a line joins the next line to it"});
+  const Messages found{
+      "2:1: error: expected ')' while reading the arguments of the macro 'F', found the end of the line | "
+      "close the call; its arguments may stand on several lines"};
+  EXPECT_EQ(problemsOf("#define F(a) a\nF(1\n2\n"), found);
+  EXPECT_EQ(problemsOf("#define F(a) a\nF(1\n#define G 2\n)\n"), found);
+}
+
+TEST(Preprocessor, ACallMayGoOnOverSeveralLines) {
+  EXPECT_EQ(textOf("#define F(a,b) <a,b>\nx F(1,\n\tF(2 /* c */,\n3)) y\nF (4,5) z\n"), "x <1,<2,3>> y\n<4,5> z\n");
+  // places are those of the file
+  EXPECT_EQ(problemsOf("#define F(a) a\nF(1\n) F(2,3)\n"),
+            Messages{"3:3: error: expected 1 arguments while reading the macro 'F', found 2"});
+  // a name that is not called, and a quote, join nothing
+  EXPECT_EQ(textOf("#define F(a) a\nF\n(1)\n\"F(\" x\ny\n"), "F\n(1)\n\"F(\" x\ny\n");
 }
 
 TEST(Preprocessor, AQuoteWithoutAPartnerHidesTheRestOfACall) {
@@ -146,6 +156,13 @@ TEST(Preprocessor, ADollarSignIsALetterOfNames) {
   EXPECT_EQ(textOf("#define K 7\n#define a$ 8\n#define $ 9\n$K K$ 1$K #K @K a$ a $ K\n"), "$K K$ 1$K #7 @7 8 a 9 7\n");
   EXPECT_EQ(textOf("#define K$ 1\n#ifdef K$\na\n#endif\n#if defined(K) || K\nb\n#endif\n#if K$\nc\n#endif\n"),
             "a\nc\n");
+}
+
+TEST(Preprocessor, ADirectiveGoesOnBehindACommentOverSeveralLines) {
+  EXPECT_EQ(textOf("#define X 2 /* a\n comment */ +3\n#define Y \\\n 1 /* b\n\n c */ \\\n + 2 // e \\\n f\nX Y\n"),
+            "2   +3 1    + 2\n");
+  // outside a directive the line ends
+  EXPECT_EQ(textOf("A /* a\n b */ B\n"), "A  \n B\n");
 }
 
 TEST(Preprocessor, OnlyTheLastBackslashOfALineContinuesIt) {
