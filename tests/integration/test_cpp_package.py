@@ -31,6 +31,10 @@ class CppPackage(Installed):
         # the coroutines: four plants over one connection, in the order in which they finish
         self.assertEqual(sorted(many.splitlines()),
                          [f"{height}\t{'F' * height}A?E({height})" for height in range(1, 5)])
+        # and its conformance suite
+        suite = run(str(self.prefix / "bin" / "espalier"), "conformance", "001", "178")
+        self.assertIn("2 passed, 0 failed", suite)
+        self.assertTrue((self.prefix / "share" / "espalier" / "conformance" / "README.md").is_file())
         self.assertEqual((wrong.returncode, "Cannot connect to 127.0.0.1:1" in wrong.stderr), (1, True))
 
 
