@@ -175,7 +175,7 @@ class BackgroundReader {
   // ambient, diffuse, specular and emission with four components each, then the exponent; only complete groups count
   std::string_view addMaterial(const std::vector<double>& n) {
     if (n.size() < 4) {
-      return "4 numbers";
+      return {};
     }
     if (scene_.materials.size() >= kMostBackgroundMaterials) {
       return "a scene with at most 256 materials";
