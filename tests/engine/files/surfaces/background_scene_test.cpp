@@ -86,7 +86,7 @@ TEST(BackgroundScene, WhatIsSkippedIsNamedWithItsPlace) {
   const BackgroundScene scene =
       readBackgroundScene("// a hill\nloadidentity\nprism 1 2\n/* more\n*/ sphere -1 sphere 2 material 1 1", problems);
   EXPECT_EQ(scene.shapes.size(), 1U);
-  ASSERT_EQ(problems.size(), 3U);  // an incomplete material has no group, and changes nothing
+  ASSERT_EQ(problems.size(), 3U);
   EXPECT_TRUE(problems[0].isUnknown);
   EXPECT_EQ(problems[0].message, "unknown keyword 'loadidentity'");
   EXPECT_EQ(problems[1].message, "'prism' needs 3 numbers, found 2 numbers");
@@ -94,6 +94,8 @@ TEST(BackgroundScene, WhatIsSkippedIsNamedWithItsPlace) {
   EXPECT_EQ(problems[1].range.begin, 23U);
   EXPECT_EQ(problems[2].message, "'sphere' needs a radius that is not negative, found 1 numbers");
   EXPECT_EQ(problems[2].line, 5U);
+  // a material without a complete group changes nothing
+  EXPECT_EQ(scene.materials.size(), 1U);
 }
 
 TEST(BackgroundScene, CornersAreBounded) {
