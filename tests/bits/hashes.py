@@ -11,6 +11,7 @@ import shlex
 import subprocess
 import sys
 import tempfile
+import zlib
 from pathlib import Path
 from typing import Dict, List, Optional
 
@@ -22,6 +23,18 @@ FILE = Path(__file__).with_name("hashes.txt")
 MASKS = ("glibc.cpu.hwcaps=-FMA", "glibc.cpu.hwcaps=-FMA,-AVX2,-AVX")
 
 MODELS_IN_BLOCK = 100
+
+
+def content(file: bytes) -> bytes:
+    """The bytes of a file; of a PNG its rows, because zlib may pack them otherwise in another version."""
+    if not file.startswith(b"\x89PNG"):
+        return file
+    rows, place = b"", 8
+    while place < len(file):
+        size = int.from_bytes(file[place:place + 4], "big")
+        rows += file[place + 8:place + 8 + size] if file[place + 4:place + 8] == b"IDAT" else b""
+        place += size + 12
+    return zlib.decompress(rows)
 
 
 class Programs:
@@ -54,7 +67,7 @@ class Programs:
         with tempfile.TemporaryDirectory() as folder:
             file = f"{folder}/{name}"
             self.run("espalier", ["run", *arguments, "--quiet", "--threads", str(self.threads), "-o", file])
-            return hashlib.sha256(Path(file).read_bytes()).hexdigest()[:16]
+            return hashlib.sha256(content(Path(file).read_bytes())).hexdigest()[:16]
 
     def again(self, names: List[str]) -> Dict[str, str]:
         """The hashes of these lines."""

@@ -48,13 +48,32 @@ struct HitContext {
 };
 static_assert(std::is_standard_layout_v<HitContext>);
 
-/// The distance along the ray to the plane of a triangle that Embree has met; negative when it is not on the ray.
+/// On which side of an edge a ray along `way` from the origin passes. The same number with the other sign for the
+/// edge in the other direction, so that of two triangles at an edge at least one is met.
+double sideOf(const Vec3& way, const Vec3& from, const Vec3& to) {
+  return core::dot(way, core::cross(from, to));
+}
+
+/// The distance along the ray to a triangle that Embree has met; negative when the ray does not meet it between its
+/// ends. Embree also takes rays that pass a triangle closely, but whether it looks at that triangle then depends on its
+/// tree, which differs between vector instructions.
 double distanceOf(const HitContext& context, const RTCRay& ray, const RTCHit& hit) {
-  const float* vertex = context.vertices + std::size_t{3} * context.corners[std::size_t{3} * hit.primID];
-  const Vec3 way = Vec3{vertex[0], vertex[1], vertex[2]} - Vec3{ray.org_x, ray.org_y, ray.org_z};
+  const Vec3 origin{ray.org_x, ray.org_y, ray.org_z};
+  const Vec3 way{ray.dir_x, ray.dir_y, ray.dir_z};
+  const auto corner = [&](std::size_t k) {
+    const float* vertex = context.vertices + std::size_t{3} * context.corners[std::size_t{3} * hit.primID + k];
+    return Vec3{vertex[0], vertex[1], vertex[2]} - origin;
+  };
+  const Vec3 a = corner(0);
+  const Vec3 b = corner(1);
+  const Vec3 c = corner(2);
+  const double ab = sideOf(way, a, b);
+  const double bc = sideOf(way, b, c);
+  const double ca = sideOf(way, c, a);
+  const bool isInside = (ab >= 0.0 && bc >= 0.0 && ca >= 0.0) || (ab <= 0.0 && bc <= 0.0 && ca <= 0.0);
   const Vec3 normal{hit.Ng_x, hit.Ng_y, hit.Ng_z};
-  const double distance = core::dot(way, normal) / core::dot(Vec3{ray.dir_x, ray.dir_y, ray.dir_z}, normal);
-  return distance >= context.from && distance <= context.to ? distance : -1.0;
+  const double distance = core::dot(a, normal) / core::dot(way, normal);
+  return isInside && distance >= context.from && distance <= context.to ? distance : -1.0;
 }
 
 /// Keeps the nearest triangle; of triangles at the same distance the one with the smallest number. Embree looks on for
