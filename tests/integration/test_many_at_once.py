@@ -147,7 +147,8 @@ class ManyAtOnce(unittest.TestCase):
         for group, runner in enumerate(runners):
             for _ in names[10 * group:10 * group + 10]:
                 answer = runner.read()
-                steps.append(answer["result"]["step"])
+                self.assertIn("result", answer, answer)
+            steps.append(answer["result"]["step"])
         self.assertEqual(len(steps), simulations)
         self.assertGreater(min(steps), 0)
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "engine/core/diagnostic.h"
+#include "engine/core/elementary.h"
 #include "engine/core/number_text.h"
 
 namespace espalier::language {
@@ -220,7 +221,7 @@ class ExpressionReader {
     }
     LpyValue base = primary();
     if (takes("**")) {
-      return binary(base, "^", unary(), [](double a, double b) { return std::pow(a, b); });
+      return binary(base, "^", unary(), [](double a, double b) { return core::pow(a, b); });
     }
     return base;
   }
@@ -382,15 +383,15 @@ class ExpressionReader {
 
   std::optional<LpyValue> mathematics(const std::string& function, const std::vector<LpyValue>& a) {
     static const std::array kFunctions = {
-        OneArgument{"sin", "sin(57.295779513082323*", ")", [](double x) { return std::sin(x); }},
-        OneArgument{"cos", "cos(57.295779513082323*", ")", [](double x) { return std::cos(x); }},
-        OneArgument{"tan", "tan(57.295779513082323*", ")", [](double x) { return std::tan(x); }},
-        OneArgument{"asin", "(asin(", ")/57.295779513082323)", [](double x) { return std::asin(x); }},
-        OneArgument{"acos", "(acos(", ")/57.295779513082323)", [](double x) { return std::acos(x); }},
-        OneArgument{"atan", "(atan(", ")/57.295779513082323)", [](double x) { return std::atan(x); }},
-        OneArgument{"exp", "exp(", ")", [](double x) { return std::exp(x); }},
-        OneArgument{"log", "log(", ")", [](double x) { return std::log(x); }},
-        OneArgument{"log10", "(log(", ")/log(10))", [](double x) { return std::log10(x); }},
+        OneArgument{"sin", "sin(57.295779513082323*", ")", [](double x) { return core::sin(x); }},
+        OneArgument{"cos", "cos(57.295779513082323*", ")", [](double x) { return core::cos(x); }},
+        OneArgument{"tan", "tan(57.295779513082323*", ")", [](double x) { return core::tan(x); }},
+        OneArgument{"asin", "(asin(", ")/57.295779513082323)", [](double x) { return core::asin(x); }},
+        OneArgument{"acos", "(acos(", ")/57.295779513082323)", [](double x) { return core::acos(x); }},
+        OneArgument{"atan", "(atan(", ")/57.295779513082323)", [](double x) { return core::atan(x); }},
+        OneArgument{"exp", "exp(", ")", [](double x) { return core::exp(x); }},
+        OneArgument{"log", "log(", ")", [](double x) { return core::log(x); }},
+        OneArgument{"log10", "(log(", ")/log(10))", [](double x) { return core::log10(x); }},
         OneArgument{"sqrt", "sqrt(", ")", [](double x) { return std::sqrt(x); }},
         OneArgument{"abs", "fabs(", ")", [](double x) { return std::abs(x); }},
         OneArgument{"fabs", "fabs(", ")", [](double x) { return std::abs(x); }},
@@ -441,14 +442,14 @@ class ExpressionReader {
     }
     const std::string both = a[0].text + "," + a[1].text;
     if (function == "pow") {
-      return binary(a[0], "^", a[1], [](double x, double y) { return std::pow(x, y); });
+      return binary(a[0], "^", a[1], [](double x, double y) { return core::pow(x, y); });
     }
     if (function == "atan2") {
       return valueOf("atan2(" + both + ")/" + std::string(kDegrees),
-                     [](double y, double x) { return std::atan2(y, x); });
+                     [](double y, double x) { return core::atan2(y, x); });
     }
     if (function == "hypot") {
-      return valueOf("hypot(" + both + ")", [](double x, double y) { return std::hypot(x, y); });
+      return valueOf("hypot(" + both + ")", [](double x, double y) { return core::hypot(x, y); });
     }
     if (function == "fmod") {
       return valueOf(a[0].text + " < 0 ? -mod(fabs(" + a[0].text + "),fabs(" + a[1].text + ")) : mod(" + a[0].text +
@@ -457,7 +458,7 @@ class ExpressionReader {
     }
     if (function == "log") {
       return valueOf("log(" + a[0].text + ")/log(" + a[1].text + ")",
-                     [](double x, double y) { return std::log(x) / std::log(y); });
+                     [](double x, double y) { return core::log(x) / core::log(y); });
     }
     return std::nullopt;
   }

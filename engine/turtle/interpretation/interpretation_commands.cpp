@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "engine/turtle/interpretation/interpretation.h"
+#include "engine/core/elementary.h"
 #include "engine/turtle/interpretation/tropism.h"
 #include "engine/turtle/turtle_motion.h"
 
@@ -163,8 +164,8 @@ void Interpretation::performAddition(TurtleCommand command, const Arguments& arg
       const Vec3 axis = coordinates_.toWorldDirection({0.0, 0.0, 1.0});
       const double angle = angleRadians(arguments);
       const auto turned = [&](const Vec3& v) {
-        return std::cos(angle) * v + std::sin(angle) * core::cross(axis, v) +
-               ((1.0 - std::cos(angle)) * core::dot(axis, v)) * axis;
+        return core::cos(angle) * v + core::sin(angle) * core::cross(axis, v) +
+               ((1.0 - core::cos(angle)) * core::dot(axis, v)) * axis;
       };
       state_.frame = {turned(state_.frame.heading), turned(state_.frame.left), turned(state_.frame.up)};
       return;
@@ -175,7 +176,7 @@ void Interpretation::performAddition(TurtleCommand command, const Arguments& arg
       const Vec3 across = down - core::dot(down, state_.frame.heading) * state_.frame.heading;
       if (core::length(across) > kSmallestBend) {
         const Vec3 heading =
-            core::normalised(std::cos(angle) * state_.frame.heading + std::sin(angle) * core::normalised(across));
+            core::normalised(core::cos(angle) * state_.frame.heading + core::sin(angle) * core::normalised(across));
         state_.frame.up = transported(state_.frame.up, state_.frame.heading, heading);
         state_.frame.heading = heading;
         state_.frame.left = core::cross(heading, state_.frame.up);
