@@ -148,7 +148,7 @@ class ManyAtOnce(unittest.TestCase):
             for _ in names[10 * group:10 * group + 10]:
                 answer = runner.read()
                 self.assertIn("result", answer, answer)
-            steps.append(answer["result"]["step"])
+                steps.append(answer["result"]["step"])
         self.assertEqual(len(steps), simulations)
         self.assertGreater(min(steps), 0)
 

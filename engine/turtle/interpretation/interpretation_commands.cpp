@@ -2,8 +2,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "engine/turtle/interpretation/interpretation.h"
 #include "engine/core/elementary.h"
+#include "engine/turtle/interpretation/interpretation.h"
 #include "engine/turtle/interpretation/tropism.h"
 #include "engine/turtle/turtle_motion.h"
 
