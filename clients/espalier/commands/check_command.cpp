@@ -13,7 +13,7 @@
 namespace espalier::command {
 namespace {
 
-struct CheckOptions {
+struct ModelCheckOptions {
   ModelOptions model;
   bool isList = false;
 };
@@ -59,7 +59,7 @@ int checkEntries(const ModelOptions& options, const std::vector<std::string>& en
   return kFailure;
 }
 
-int check(CheckOptions& options) {
+int check(ModelCheckOptions& options) {
   server::DiskFileProvider files;
   const std::vector<std::string> entries = modelEntries(options.model, files);
   if (options.isList) {
@@ -100,7 +100,7 @@ void addCheck(CLI::App& program, int& status) {
       "Examples:\n"
       "  espalier check tree.l\n"
       "  espalier check curves.l --list          the models in the file");
-  auto options = std::make_shared<CheckOptions>();
+  auto options = std::make_shared<ModelCheckOptions>();
   addReadingOptions(*command, options->model, true);
   command->add_flag("--list", options->isList, "Only list the models in the file, as FILE:ENTRY");
   command->callback([options, &status] { status = check(*options); });

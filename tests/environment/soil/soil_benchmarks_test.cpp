@@ -107,10 +107,9 @@ double relativeConductivity(double height, double time, double length, double be
     double high = static_cast<double>(n) * std::numbers::pi / length;
     for (int round = 0; round < 100; ++round) {
       const double middle = 0.5 * (low + high);
-      (std::sin(middle * length) + 2.0 * middle * std::cos(middle * length) > 0.0 ==
-               std::sin(low * length) + 2.0 * low * std::cos(low * length) > 0.0
-           ? low
-           : high) = middle;
+      const bool isPositive = std::sin(middle * length) + 2.0 * middle * std::cos(middle * length) > 0.0;
+      const bool isPositiveBelow = std::sin(low * length) + 2.0 * low * std::cos(low * length) > 0.0;
+      (isPositive == isPositiveBelow ? low : high) = middle;
     }
     const double root = 0.5 * (low + high);
     sum += std::sin(root * height) * std::sin(root * length) * std::exp(-root * root * time) /
