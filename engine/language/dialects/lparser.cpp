@@ -397,7 +397,8 @@ bool recognisesLparser(std::string_view text) {
     ruleCount += isRuleLine(code.text) || TextPiece{code.text, 0}.from(1).trimmed().text.starts_with('=') ? 1 : 0;
   }
   // the new form, whose words no other notation has together
-  if (words.contains("axiom") && words.contains("recursion") && (hasNamedRule || words.contains("thickness"))) {
+  const int known = (words.contains("axiom") ? 1 : 0) + (words.contains("thickness") ? 1 : 0) + (hasNamedRule ? 1 : 0);
+  if (words.contains("recursion") && known > 1) {
     return true;
   }
   // the old form: three numbers, a string, and rules

@@ -304,7 +304,8 @@ bool recognisesLsystemViewer(std::string_view text) {
       const std::string_view code = command->line.text;
       const bool isCommand = std::find(kCommands.begin(), kCommands.end(), command->name) != kCommands.end();
       hasOtherRule = hasOtherRule || code.find("->") != std::string_view::npos ||
-                     code.find("→") != std::string_view::npos ||
+                     code.find("→") != std::string_view::npos || code.find("–>") != std::string_view::npos ||
+                     code.find("−>") != std::string_view::npos ||
                      (!isCommand && command->name.size() == 1 && code.find('=') != std::string_view::npos);
     }
   }

@@ -114,8 +114,13 @@ class TextbookReader {
     }
     if (arrowOf(statement.text)) {
       const auto setting = settingOf(statement);
-      return setting && setting->setting == Setting::Productions ? readProductionSet(setting->value)
-                                                                 : readProductionSet(withoutLabel(statement));
+      if (!setting || setting->setting != Setting::Productions) {
+        return readProductionSet(withoutLabel(statement));
+      }
+      // `Rule 1: F -> FF`
+      const std::size_t number = setting->value.text.find_first_not_of("0123456789");
+      const bool isNumbered = number != 0 && number != std::string_view::npos && setting->value.text[number] == ':';
+      return readProductionSet(isNumbered ? setting->value.from(number + 1).trimmed() : setting->value);
     }
     const std::size_t equals = statement.text.find('=');
     if (equals != std::string_view::npos) {

@@ -125,6 +125,14 @@ const Token& Lexer::peek(Mode mode) {
   return peeked_;
 }
 
+bool Lexer::takeDots() {
+  if (skipping_.size() != 1 || text_.substr(skipping_[0].begin, skipping_[0].end - skipping_[0].begin) != "...") {
+    return false;
+  }
+  skipping_.clear();
+  return true;
+}
+
 void Lexer::advance() {
   if (peekedMode_ != Mode::None) {
     position_ = peeked_.range.end;

@@ -95,6 +95,9 @@ class Lexer {
   /// neighbours are one range.
   [[nodiscard]] const std::vector<core::SourceRange>& skipped() const { return skipped_; }
 
+  /// Whether exactly `...` was skipped before the token peeked last: the dots then count as read.
+  [[nodiscard]] bool takeDots();
+
   /// Consumes the token peeked last.
   void advance();
 

@@ -151,10 +151,7 @@ bool Parser::parseModuleDeclaration() {
       lexer_.advance();
       const Token parameter = lexer_.peekExpression();
       // `(...)`: any number of parameters
-      if (parameter.kind == TokenKind::Invalid && parameter.text == "." && symbol.parameterNames.empty()) {
-        for (int i = 0; i < 3 && lexer_.peekExpression().text == "."; ++i) {
-          lexer_.advance();
-        }
+      if (parameter.kind == TokenKind::CloseParenthesis && symbol.parameterNames.empty() && lexer_.takeDots()) {
         symbol.parameterNames = {std::string(kAnyParameters)};
         break;
       }
