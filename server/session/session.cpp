@@ -68,6 +68,10 @@ void Session::onRead(const protocol::MessageReader::Read& read) {
 }
 
 void Session::onMessage(const protocol::Message& message) {
+  {
+    const std::lock_guard lock(mutex_);
+    isHeartbeatOwed_ = false;
+  }
   ++core_->metrics.requests;
   if (message.kind == protocol::Message::Kind::Result || message.kind == protocol::Message::Kind::Error) {
     onAnswer(message);
