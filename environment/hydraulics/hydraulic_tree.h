@@ -9,8 +9,8 @@ namespace espalier::environment {
 
 /// Water in the xylem of trees of segments, from the root tips to a collar or to leaves, in steady state. Within a
 /// segment of radius a the head ψ follows ψ'' = c (ψ − ψs), c = 2πa kr/kx (Landsberg & Fowkes 1978), which is solved
-/// exactly (Meunier et al., Applied Mathematical Modelling 52, 2017): the number of segments does not change the result.
-/// Heads are pressure heads in a length, flows in length³ per day.
+/// exactly (Meunier et al., Applied Mathematical Modelling 52, 2017): the number of segments does not change the
+/// result. Heads are pressure heads in a length, flows in length³ per day.
 class HydraulicTree {
  public:
   static constexpr std::uint32_t kNoParent = 0xffffffff;
@@ -21,10 +21,10 @@ class HydraulicTree {
     double length = 0.0;               // of the segment, above 0
     double rise = 0.0;                 // height of the node above its parent
     double radius = 0.0;
-    double axialConductance = 0.0;   // kx, length³/day, above 0
-    double radialConductivity = 0.0; // kr, 1/day; 0: no water crosses the surface
-    double soilHead = 0.0;           // at the surface of the segment, length
-    double demand = 0.0;             // water that leaves the plant at this node (a leaf), length³/day
+    double axialConductance = 0.0;    // kx, length³/day, above 0
+    double radialConductivity = 0.0;  // kr, 1/day; 0: no water crosses the surface
+    double soilHead = 0.0;            // at the surface of the segment, length
+    double demand = 0.0;              // water that leaves the plant at this node (a leaf), length³/day
   };
   /// What holds at a collar: a head, or a flow out of the plant.
   struct Collar {

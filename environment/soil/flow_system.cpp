@@ -26,8 +26,7 @@ FlowSystem::FlowSystem(std::array<std::size_t, 2> columns, std::size_t layers) :
     next_[axis].assign(count, 0.0);
     back_[axis].assign(count, 0.0);
   }
-  for (auto* numbers :
-       {&pivot_, &factor_, &rest_, &shadow_, &direction_, &turned_, &image_, &half_, &halfImage_}) {
+  for (auto* numbers : {&pivot_, &factor_, &rest_, &shadow_, &direction_, &turned_, &image_, &half_, &halfImage_}) {
     numbers->assign(count, 0.0);
   }
 }

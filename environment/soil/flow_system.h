@@ -21,9 +21,9 @@ class FlowSystem {
   /// The entry in the row of that neighbour for the cell.
   double& back(std::size_t cell, std::size_t axis) { return back_[axis][cell]; }
 
-  /// Solves for the right side `right` into `result`: one column by elimination, more by stabilised bi-conjugate gradients
-  /// (van der Vorst 1992), preconditioned with the exact solution of each column. False when it does not get within
-  /// `tolerance` of the right side (relative, Euclidean) or divides by 0.
+  /// Solves for the right side `right` into `result`: one column by elimination, more by stabilised bi-conjugate
+  /// gradients (van der Vorst 1992), preconditioned with the exact solution of each column. False when it does not get
+  /// within `tolerance` of the right side (relative, Euclidean) or divides by 0.
   [[nodiscard]] bool solve(const std::vector<double>& right, double tolerance, std::vector<double>& result);
 
  private:

@@ -32,10 +32,10 @@ class FluxPotential {
   [[nodiscard]] double missingAt(double head) const;
 
   SoilLayer soil_;
-  double firstLog_ = 0.0;         // ln(−h) of the first node, the wettest
-  std::vector<double> phi_;       // Φ at the nodes, exact in dry soil
-  std::vector<double> missing_;   // Φ(0) − Φ at the nodes, exact in wet soil
-  std::vector<double> slope_;     // −dΦ/d ln(−h) there
+  double firstLog_ = 0.0;        // ln(−h) of the first node, the wettest
+  std::vector<double> phi_;      // Φ at the nodes, exact in dry soil
+  std::vector<double> missing_;  // Φ(0) − Φ at the nodes, exact in wet soil
+  std::vector<double> slope_;    // −dΦ/d ln(−h) there
 };
 
 }  // namespace espalier::environment

@@ -33,7 +33,8 @@ Ground::Ground(const Shape& shape, const GridAxes& axes)
   }
   edges_.assign(1, 0.0);
   for (std::size_t layer = 0; layer < counts_[2]; ++layer) {
-    edges_.push_back(shape.growth == 1.0 ? sizes_[2] * static_cast<double>(layer + 1) : edges_.back() + heights_[layer]);
+    edges_.push_back(shape.growth == 1.0 ? sizes_[2] * static_cast<double>(layer + 1)
+                                         : edges_.back() + heights_[layer]);
   }
 }
 

@@ -153,14 +153,14 @@ RichardsSolver::FaceFlow RichardsSolver::faceFlow(int soilFrom, int soilTo, doub
     mean = {0.5 * (mean.conductivity + other.conductivity), 0.5 * (mean.byA + other.byA), 0.5 * (mean.byB + other.byB)};
   }
   const double drop = headFrom - headTo;
-  FaceFlow flow{areaPerDistance * mean.conductivity * drop,
-                areaPerDistance * (mean.conductivity + mean.byA * drop),
+  FaceFlow flow{areaPerDistance * mean.conductivity * drop, areaPerDistance * (mean.conductivity + mean.byA * drop),
                 areaPerDistance * (-mean.conductivity + mean.byB * drop)};
   if (rise == 0.0) {
     return flow;
   }
-  // gravity: where the upper side is the wetter one, with the mean of K at both sides, so that water in the soil behind a
-  // front is not held back by the dry soil before it; elsewhere with the same mean as above, so that water at rest stays
+  // gravity: where the upper side is the wetter one, with the mean of K at both sides, so that water in the soil behind
+  // a front is not held back by the dry soil before it; elsewhere with the same mean as above, so that water at rest
+  // stays
   if ((rise < 0.0) == (headFrom > headTo)) {
     const SoilLayer& one = soils_[static_cast<std::size_t>(soilFrom)];
     const SoilLayer& other = soils_[static_cast<std::size_t>(soilTo)];
@@ -172,7 +172,8 @@ RichardsSolver::FaceFlow RichardsSolver::faceFlow(int soilFrom, int soilTo, doub
     const double whole = matric + std::abs(rise) * areaPerDistance * mean.conductivity;
     if (whole < least) {
       const double sign = rise < 0.0 ? 1.0 : -1.0;
-      return {sign * least, rise < 0.0 ? -areaPerDistance * rise * slope : 0.0, rise < 0.0 ? 0.0 : -areaPerDistance * rise * slope};
+      return {sign * least, rise < 0.0 ? -areaPerDistance * rise * slope : 0.0,
+              rise < 0.0 ? 0.0 : -areaPerDistance * rise * slope};
     }
   }
   flow.flux -= areaPerDistance * rise * mean.conductivity;
@@ -263,8 +264,7 @@ void RichardsSolver::addBottom(std::size_t cell, const SoilBorders& borders) {
     flux = soilOf(cell).conductivityAt(heads_[cell]) * area;
     system_.diagonal(cell) += soilOf(cell).conductivitySlope(heads_[cell]) * area;
   } else if (borders.bottom == SoilBorders::Bottom::Head) {
-    const FaceFlow flow =
-        faceFlow(soilOf_[cell], soilOf_[cell], heads_[cell], borders.bottomHead, -half, area / half);
+    const FaceFlow flow = faceFlow(soilOf_[cell], soilOf_[cell], heads_[cell], borders.bottomHead, -half, area / half);
     flux = flow.flux;
     system_.diagonal(cell) += flow.byFrom;
   }

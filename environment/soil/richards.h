@@ -25,8 +25,8 @@ struct SoilBorders {
 
 /// Water in unsaturated soil: Richards' equation ∂θ/∂t = ∇·(K(h) ∇(h + z)) − sink in its mixed form, which conserves
 /// water (Celia, Bouloutas & Zarba, Water Resources Research 26, 1990), in a box of cells, each with a soil of its own
-/// or impermeable. Finite volumes. The conductivity of a face is the mean of K between the heads of both sides, from the
-/// matric flux potential. Implicit in time, solved by Newton's method.
+/// or impermeable. Finite volumes. The conductivity of a face is the mean of K between the heads of both sides, from
+/// the matric flux potential. Implicit in time, solved by Newton's method.
 ///
 /// A time step ends when θ(h) is met to a tolerance. Water contents are then set to the result of the fluxes, and the
 /// next step starts from these, so the balance is exact to rounding. The length of a time step follows its error: half

@@ -11,7 +11,7 @@ namespace {
 constexpr double kDriestHead = -1e7;
 // α|h| below which K is taken as a straight line to its saturated value: its slope has no bound at 0 when n is below 2
 constexpr double kStraight = 1e-4;
-}
+}  // namespace
 
 double SoilLayer::saturation(double head) const {
   if (head >= 0.0) {

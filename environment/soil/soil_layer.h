@@ -4,8 +4,8 @@
 
 namespace espalier::environment {
 
-/// The hydraulic functions of a soil after van Genuchten (1980) and Mualem (1976, l = 1/2), or after Gardner (1958): both
-/// S and K/Ks are e^(αh). Heads h are in the world's length unit, negative where water is held by suction;
+/// The hydraulic functions of a soil after van Genuchten (1980) and Mualem (1976, l = 1/2), or after Gardner (1958):
+/// both S and K/Ks are e^(αh). Heads h are in the world's length unit, negative where water is held by suction;
 /// conductivities in length per day.
 struct SoilLayer {
   enum class Function : std::uint8_t { VanGenuchten, Gardner };

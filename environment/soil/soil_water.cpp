@@ -254,7 +254,10 @@ class SoilWater final : public turtle::EnvironmentProcess {
           [&](std::size_t cell) {
             return std::pair(std::max(solutes_->amounts(solute)[cell], 0.0) * water_->cellVolume(cell), kNoLimit);
           },
-          [&](std::size_t cell, double amount) { solutes_->amounts(solute)[cell] -= amount / water_->cellVolume(cell); }, replies);
+          [&](std::size_t cell, double amount) {
+            solutes_->amounts(solute)[cell] -= amount / water_->cellVolume(cell);
+          },
+          replies);
     }
     if (keys_.acidity) {
       giveOffProtons(queries);

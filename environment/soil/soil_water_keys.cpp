@@ -201,8 +201,8 @@ SoilWaterKeys readSoilWater(const Configuration& configuration) {
   SoilWaterKeys keys;
   keys.shape = {vectorOf(configuration, "position"), cellsOf(configuration), vectorOf(configuration, "cellSize"),
                 configuration.number("growth")};
-  const auto function = configuration.text("soil") == "gardner" ? SoilLayer::Function::Gardner
-                                                                 : SoilLayer::Function::VanGenuchten;
+  const auto function =
+      configuration.text("soil") == "gardner" ? SoilLayer::Function::Gardner : SoilLayer::Function::VanGenuchten;
   for (const auto& row : configuration.rows("layers")) {
     keys.thicknesses.push_back(row[0]);
     keys.soils.push_back({row[1], row[2], row[3], row[4], row[5], configuration.number("specificStorage"), function});

@@ -93,8 +93,7 @@ double SoluteTransport::atFace(const Solute& solute, std::size_t cell, std::size
   const double behind = own - concentrations_[flux > 0.0 ? from - stride : from + stride];
   const double ratio = behind / ahead;
   const double limiter = ratio > 0.0 ? 2.0 * ratio / (1.0 + ratio) : 0.0;
-  const double passing =
-      std::abs(flux) * days / (water_->cellVolume(from) * (contents_[from] + solute.sorption));
+  const double passing = std::abs(flux) * days / (water_->cellVolume(from) * (contents_[from] + solute.sorption));
   return own + 0.5 * limiter * (1.0 - std::min(passing, 1.0)) * ahead;
 }
 
@@ -110,8 +109,8 @@ void SoluteTransport::follow(double days, const std::vector<double>& before) {
     const Solute& solute = solutes_[number];
     std::vector<double>& leaving = changes_;
     for (std::size_t cell = 0; cell < count; ++cell) {
-      leaving[cell] = std::max(water_->bottomFlux(cell), 0.0) +
-                      (water_->isSoil(cell) ? surfaceCoefficientOf(solute, cell) : 0.0);
+      leaving[cell] =
+          std::max(water_->bottomFlux(cell), 0.0) + (water_->isSoil(cell) ? surfaceCoefficientOf(solute, cell) : 0.0);
     }
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const std::size_t stride = water_->stride(axis);

@@ -19,10 +19,10 @@ struct Solute {
   double bufferCapacity = 0.0;
 };
 
-/// Transport of solutes with the water of a RichardsSolver: advection of second order with van Leer's limiter (1974), dispersion and diffusion
-/// with the tortuosity θ^(7/3)/θs² (Millington & Quirk 1961), sorption or buffering in equilibrium, decay. Explicit, in
-/// as many steps as stability needs, and conservative: the flow out of one cell through a face enters the other cell.
-/// Water that evaporates leaves its solutes behind.
+/// Transport of solutes with the water of a RichardsSolver: advection of second order with van Leer's limiter (1974),
+/// dispersion and diffusion with the tortuosity θ^(7/3)/θs² (Millington & Quirk 1961), sorption or buffering in
+/// equilibrium, decay. Explicit, in as many steps as stability needs, and conservative: the flow out of one cell
+/// through a face enters the other cell. Water that evaporates leaves its solutes behind.
 class SoluteTransport {
  public:
   /// `water` must outlive the transport and hold the initial water contents.

@@ -28,7 +28,7 @@ X --> X
 endlsystem
 """.replace("Axiom: X", "Axiom: " + "F(1)+(1)" * 500 + "X")
 HELLO = {"jsonrpc": "2.0", "id": 1, "method": "hello",
-         "params": {"protocol": [1], "roles": ["viewer"], "name": "idle", "version": "1"}}
+         "params": {"protocol": [1], "roles": ["controller", "viewer"], "name": "idle", "version": "1"}}
 
 
 class Raw:

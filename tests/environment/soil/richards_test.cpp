@@ -18,12 +18,14 @@ void setHeads(RichardsSolver& solver, const std::vector<double>& heads) {
 }
 
 RichardsSolver column(std::size_t layers, double size, const SoilLayer& soil, double head) {
-  RichardsSolver solver({{1, 1}, layers, {1, 1}, std::vector<double>(layers, size)}, {soil}, std::vector<int>(layers, 0));
+  RichardsSolver solver({{1, 1}, layers, {1, 1}, std::vector<double>(layers, size)}, {soil},
+                        std::vector<int>(layers, 0));
   setHeads(solver, std::vector<double>(layers, head));
   return solver;
 }
 
-void pass(RichardsSolver& solver, double days, const SoilBorders& borders, double tolerance, double timeTolerance = 1e-3) {
+void pass(RichardsSolver& solver, double days, const SoilBorders& borders, double tolerance,
+          double timeTolerance = 1e-3) {
   while (days > 1e-12) {
     const double passed = solver.advance(days, borders, {tolerance, timeTolerance});
     ASSERT_GT(passed, 0.0);
@@ -110,8 +112,8 @@ TEST(Richards, CeliasInfiltrationAgreesWithAnExplicitSolution) {
   for (int hour = 0; hour < 96; ++hour) {
     pass(solver, 1.0 / 96, borders, 1e-7);
   }
-  // the two differ by the order of the time step, and in the mean of K at a face: here of both sides, there over all heads
-  // between them
+  // the two differ by the order of the time step, and in the mean of K at a face: here of both sides, there over all
+  // heads between them
   double front = 0.0;
   for (std::size_t i = 0; i < kCells; ++i) {
     EXPECT_NEAR(solver.contentOf(kCells - 1 - i), expected[i], 0.005) << i << " cm deep";

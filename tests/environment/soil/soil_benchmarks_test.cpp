@@ -96,8 +96,8 @@ TEST(SoilBenchmarks, SteadyFlowAboveAWaterTableHasTheProfileOfItsEquation) {
   }
 }
 
-/// Infiltration into Gardner's soil above a water table (Srivastava & Yeh 1991): K/Ks at a height, in units of 1/α, of a
-/// column of length `length`, when the flow from above changes from `before` to `after` at time 0.
+/// Infiltration into Gardner's soil above a water table (Srivastava & Yeh 1991): K/Ks at a height, in units of 1/α, of
+/// a column of length `length`, when the flow from above changes from `before` to `after` at time 0.
 double relativeConductivity(double height, double time, double length, double before, double after) {
   const double steady = after - (after - 1.0) * std::exp(-height);
   double sum = 0.0;
@@ -131,8 +131,7 @@ TEST(SoilBenchmarks, InfiltrationIntoGardnersSoilIsThatOfTheSeries) {
     hours = until;
     for (const std::size_t cell : {20U, 60U, 100U, 140U, 180U, 199U}) {
       const double height = (static_cast<double>(cell) + 0.5) * 0.5;
-      const double expected =
-          std::log(relativeConductivity(0.1 * height, 0.1 * hours / 0.34, 10.0, 0.1, 0.9)) / 0.1;
+      const double expected = std::log(relativeConductivity(0.1 * height, 0.1 * hours / 0.34, 10.0, 0.1, 0.9)) / 0.1;
       EXPECT_NEAR(solver.state().heads[cell], expected, 0.1) << height << " cm, " << hours << " h";
     }
   }
@@ -178,8 +177,8 @@ TEST(SoilBenchmarks, ASoluteFrontIsThatOfOgataAndBanksAndOfSecondOrder) {
     double worst = 0.0;
     for (double x = size / 2.0; x < 50.0; x += size) {
       const double width = std::sqrt(4.0 * d * days);
-      const double expected = 0.5 * std::erfc((x - v * days) / width) +
-                              0.5 * std::exp(v * x / d) * std::erfc((x + v * days) / width);
+      const double expected =
+          0.5 * std::erfc((x - v * days) / width) + 0.5 * std::exp(v * x / d) * std::erfc((x + v * days) / width);
       const std::size_t cell = layers - 1 - static_cast<std::size_t>(x / size);
       worst = std::max(worst, std::abs(solutes.concentration(0, cell, water.contentOf(cell)) - expected));
     }

@@ -101,7 +101,7 @@ TEST(Textbook, ReadsCaptions) {
             "Lsystem: 1\nderivation length: 5\nAxiom: F\nF --> F[+F]F\nendlsystem\n");
   EXPECT_EQ(foreignMessages("Koch curve of the lecture\nn=4\nδ=60\nF\nF→F+F\n"),
             (Messages{"1:1: warning: 'Koch curve of the lecture' is read as a remark | begin remarks with '#'",
-                      "4:1: note: 'F' is read as the axiom | write 'ω: F' to name the axiom"}));
+                      "4:1: warning: 'F' is read as the axiom | write 'ω: F' to name the axiom"}));
 }
 
 TEST(Textbook, WikipediasRulesAreOneList) {
@@ -152,7 +152,7 @@ TEST(Textbook, LettersAreStepsWhenNothingElseDraws) {
   EXPECT_TRUE(contains(cpfgText(arrowhead), "A --> F\nB --> F\n"));
   EXPECT_EQ(
       foreignMessages(arrowhead),
-      Messages{"1:1: note: no symbol of the model draws: A, B are drawn as steps | 'shape A: F' gives the drawing "
+      Messages{"1:1: warning: no symbol of the model draws: A, B are drawn as steps | 'shape A: F' gives the drawing "
                "of a symbol"});
   EXPECT_FALSE(contains(cpfgText("start: X\nangle: 90\nX → X+YF\nY → FX-Y\n"), "X --> F\n"));
 }

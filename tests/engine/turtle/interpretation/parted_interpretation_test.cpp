@@ -115,7 +115,7 @@ TEST(PartedInterpretation, GivesWhatOneThreadGives) {
 }
 
 TEST(PartedInterpretation, WarnsInTheOrderOfTheString) {
-  const std::string text = "@Q[" + tree(kDepth, "F?E(1)@YA@J") + "]@K[" + tree(kDepth - 1, "F?E(1)@VA@Q") + "]@U";
+  const std::string text = "@Q[" + tree(kDepth, "F?E(1)@YA@H") + "]@N[" + tree(kDepth - 1, "F?E(1)@VA@Q") + "]@U";
   expectSame(text);
   TurtleRun run(text);
   ASSERT_FALSE(pass(run, 2));
