@@ -36,7 +36,7 @@ class OpenDocuments final : public core::FileProvider {
   [[nodiscard]] std::optional<std::string> read(const std::string& name) override;
   [[nodiscard]] std::optional<std::string> readInside(const std::string& folder, const std::string& name) override;
 
-  /// `/home/anna/tree.l` for `file:///home/anna/tree.l`; any other URI stays as it is.
+  /// `/models/tree.l` for `file:///models/tree.l`; any other URI stays as it is.
   [[nodiscard]] static std::string pathOf(const std::string& uri);
   /// The URI of an open document with this path, else that of the file.
   [[nodiscard]] std::string uriOf(const std::string& path) const;

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
+#include <tl/expected.hpp>
 #include "engine/core/streams.h"
 #include "server/language_server/model_analysis.h"
-#include "tl/expected.hpp"
 
 namespace espalier::server {
 
