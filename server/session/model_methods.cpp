@@ -1,5 +1,5 @@
 #include "protocol/codec.h"
-#include "server/remote/gallery.h"
+#include "server/remote/models/gallery.h"
 #include "server/remote/translation/translate.h"
 #include "server/server_core.h"
 #include "server/session/request_work.h"

@@ -5,17 +5,14 @@
 #include <filesystem>
 #include <fstream>
 
-#include "server/remote/gallery.h"
+#include "server/remote/models/gallery.h"
 
 namespace espalier::server {
 namespace {
 
 class GalleryForest : public testing::Test {
  protected:
-  // a folder for each test: several run at a time
-  GalleryForest()
-      : gallery_(std::filesystem::path(testing::TempDir()) /
-                 ("espalier-gallery-" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()))) {
+  GalleryForest() : gallery_(std::filesystem::path(testing::TempDir()) / "espalier-gallery-forest") {
     std::filesystem::remove_all(gallery_);
     std::filesystem::create_directories(gallery_ / "stand");
   }
