@@ -12,7 +12,10 @@ namespace {
 
 class GalleryForest : public testing::Test {
  protected:
-  GalleryForest() : gallery_(std::filesystem::path(testing::TempDir()) / "espalier-gallery-forest") {
+  // a folder for each test: several run at a time
+  GalleryForest()
+      : gallery_(std::filesystem::path(testing::TempDir()) /
+                 ("espalier-gallery-" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()))) {
     std::filesystem::remove_all(gallery_);
     std::filesystem::create_directories(gallery_ / "stand");
   }

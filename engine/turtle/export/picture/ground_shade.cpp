@@ -82,7 +82,7 @@ void GroundShade::row(int y, std::span<float> shades) const {
       const double falloff = (1.0 - d) * (1.0 - d);
       const double shade = kShade * falloff + kFootShade * core::exp(-d / (kFoot * kFoot)) * falloff;
       // spots that meet do not add up to black
-      shades[x] = static_cast<float>(1.0 - (1.0 - static_cast<double>(shades[x])) * (1.0 - shade));
+      shades[x] = std::max(shades[x], static_cast<float>(shade));
     }
   }
 }
