@@ -11,7 +11,6 @@
 
 #include "clients/espalier/forest_file.h"
 #include "clients/espalier/messages.h"
-#include "clients/espalier/model_files.h"
 #include "clients/espalier/number_option.h"
 #include "clients/espalier/output/folder_writer.h"
 #include "engine/files/file_name.h"
@@ -19,6 +18,7 @@
 #include "engine/language/dialects/dialect.h"
 #include "engine/turtle/export/text/mtg.h"
 #include "server/remote/limits.h"
+#include "server/remote/models/model_files.h"
 #include "server/remote/remote_settings.h"
 
 namespace espalier::command {
@@ -270,19 +270,19 @@ std::vector<std::string> modelEntries(const ModelOptions& options, core::FilePro
 }
 
 std::shared_ptr<const language::Program> loadProgram(ModelOptions& options, core::FileProvider& files,
-                                                     FolderSettings* folder) {
-  const Result<ModelFiles> found = findModelFiles(options.model, options.object);
+                                                     server::FolderSettings* folder) {
+  const server::FoundModel found = server::findModelFiles(options.model, options.object);
   if (!found) {
     printError(found.error());
     return nullptr;
   }
-  const ModelFiles& modelFiles = *found;
+  const server::ModelFiles& modelFiles = *found;
   core::DiagnosticList remarks;
   for (const core::Diagnostic& remark : modelFiles.remarks) {
     remarks.add(remark);
   }
   if (folder != nullptr) {
-    *folder = readFolderSettings(modelFiles, options.isAnimated, files, remarks);
+    *folder = server::readFolderSettings(modelFiles, options.isAnimated, files, remarks);
   }
   if (!printDiagnostics(remarks.entries(), options.isQuiet, options.remote.isStrict)) {
     return nullptr;
@@ -367,8 +367,7 @@ std::optional<LoadedModel> loadModel(ModelOptions& options, core::FileProvider& 
   }
   loaded.simulationOptions = simulationOptionsFor(options, *loaded.program);
   loaded.simulationOptions.environmentOrigin = loaded.environment.origin;
-  loaded.simulationOptions.palette =
-      loaded.folder.palette.empty() ? loaded.program->view.palette : loaded.folder.palette;
+  loaded.simulationOptions.palette = loaded.folder.palette;
   if (!options.startFile.empty()) {
     std::optional<std::string> start = readStartString(options.startFile, files, options.isQuiet);
     if (!start) {

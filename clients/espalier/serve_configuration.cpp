@@ -15,7 +15,8 @@ namespace {
 /// Options that a configuration file does not have: limits have their own section, a token has its hash or its own
 /// file.
 bool isLeftOut(const std::string& name) {
-  constexpr std::array<std::string_view, 5> kNames{"help", "config", "print-config", "limit", "token"};
+  constexpr std::array<std::string_view, 6> kNames{"help",  "config", "print-config",
+                                                   "limit", "token",  "until-input-ends"};
   return std::find(kNames.begin(), kNames.end(), name) != kNames.end();
 }
 

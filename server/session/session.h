@@ -53,6 +53,10 @@ class Session final : public AskedPeer, public std::enable_shared_from_this<Sess
   // any thread
   void respond(const protocol::MessageId& id, std::string_view resultJson);
   void respondError(const protocol::MessageId& id, const protocol::Error& error);
+  /// Unknown members of a request are errors: the peer named the capability `strict`.
+  [[nodiscard]] bool isStrict() const;
+  /// Sentences that the answer to a request will have as `warnings`.
+  void warn(const protocol::MessageId& id, std::vector<std::string> warnings);
   void notify(std::string_view method, const protocol::Body& params);
   /// Calls onDrained() when that time has passed.
   void remind(std::chrono::milliseconds delay) { connection_->remind(delay); }
@@ -90,6 +94,8 @@ class Session final : public AskedPeer, public std::enable_shared_from_this<Sess
   void onHello(const protocol::Message& message);
   /// Refuses and closes.
   void refuse(const protocol::MessageId& id, const protocol::Error& error);
+  /// The answer with the warnings of its request; empty: there are none.
+  [[nodiscard]] std::string withWarnings(const protocol::MessageId& id, std::string_view resultJson);
   void failPendingCalls(const LinkFailure& failure);
   void send(std::string line);
 
@@ -101,6 +107,7 @@ class Session final : public AskedPeer, public std::enable_shared_from_this<Sess
   mutable std::mutex mutex_;  // guards the members below
   bool isClosed_ = false;
   bool isEnded_ = false;          // the peer answers nothing more
+  bool isStrict_ = false;         // it named the capability
   bool takesHeartbeats_ = false;  // it named the capability
   bool isHeartbeatOwed_ = false;  // it was asked and has been silent since
   std::uint64_t heartbeatCount_ = 0;
@@ -109,6 +116,7 @@ class Session final : public AskedPeer, public std::enable_shared_from_this<Sess
   std::uint64_t streamCount_ = 0;
   std::map<std::string, std::shared_ptr<PendingCall>> pending_;  // questions to the peer, by id
   std::map<std::string, std::function<void()>> inProgress_;      // how to cancel its requests, by the text of their id
+  std::map<std::string, std::vector<std::string>> warnings_;     // for answers to come, by the text of the request's id
   std::map<std::string, std::pair<std::shared_ptr<Stream>, std::weak_ptr<SimulationRunner>>> streams_;
 };
 
