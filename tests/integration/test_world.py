@@ -78,7 +78,7 @@ class Worlds(unittest.TestCase):
         espalier("run", self.model, *run, "--steps", "1", "-o", snapshot, "--quiet")
         (self.folder / "weather.csv").unlink()
         end = str(self.folder / "end.string")
-        espalier("run", "--resume", snapshot, "-o", end, "--quiet")
+        espalier("run", "--resume", snapshot, "--steps", "3", "-o", end, "--quiet")
         self.assertEqual(light(Path(end).read_text())[0], expected[3])
         failed = espalier("run", "--resume", snapshot, "--world", world, "-o", end, status=1)
         self.assertIn("--world and --step-duration are for a new run", failed.stderr)
@@ -86,7 +86,8 @@ class Worlds(unittest.TestCase):
     def test_an_environment_in_another_process_is_told(self) -> None:
         self.write("weather.csv", "time,direct,diffuse\n0,800,100\n1,100,50\n2,0,10\n3,0,0\n")
         world = self.write("berlin.json", json.dumps({**WORLD, "stepDuration": "1 d", "weather": "weather.csv"}))
-        remote = f"stdio:{program()} environment light --configuration {self.write('keys.json', json.dumps({'sun': 'position', 'sunSamples': 1}))}"
+        keys = self.write("keys.json", json.dumps({"sun": "position", "sunSamples": 1}))
+        remote = f"stdio:{program()} environment light --stdio --configuration {keys}"
         self.assertEqual(self.derive(self.model, "--environment", remote, "--world", world),
                          self.derive(self.model, "--environment", self.sun, "--world", world))
 
