@@ -8,10 +8,10 @@
 #include <utility>
 #include <variant>
 
+#include "clients/espalier/json_file.h"
 #include "clients/espalier/messages.h"
+#include "clients/espalier/world_file.h"
 #include "engine/turtle/export/palette.h"
-#include "protocol/codec.h"
-#include "protocol/json_text.h"
 #include "server/remote/translation/translate.h"
 
 namespace espalier::command {
@@ -38,35 +38,6 @@ class WithEnvironment final : public core::FileProvider {
 
 std::string besideForest(const std::string& forest, const std::string& file) {
   return (fs::path(forest).parent_path() / file).string();
-}
-
-std::optional<protocol::ForestParams> readForest(const std::string& file, core::FileProvider& files) {
-  const std::optional<std::string> text = files.read(file);
-  if (!text) {
-    printError("there is no forest file '" + file + "': check the name and the working folder");
-    return std::nullopt;
-  }
-  if (const auto problem = protocol::jsonProblem(*text)) {
-    printError(file + ": " + *problem);
-    return std::nullopt;
-  }
-  const auto complain = [&file](std::string message) {
-    constexpr std::string_view kRoot = "params";
-    if (message.starts_with(kRoot)) {
-      message.erase(0, kRoot.size() + (message.substr(kRoot.size(), 1) == "." ? 1 : 2));
-    }
-    printError(file + ": " + message);
-    return std::nullopt;
-  };
-  const auto message = protocol::decodeMessage("{\"jsonrpc\":\"2.0\",\"method\":\"forest\",\"params\":" + *text + "}");
-  if (!message) {
-    return complain(message.error().error.message);
-  }
-  auto decoded = protocol::decodeForestParams(message->payload);
-  if (!decoded) {
-    return complain(decoded.error().message);
-  }
-  return std::move(*decoded);
 }
 
 bool loadModels(const protocol::ForestParams& forest, const std::string& file, const ModelOptions& options,
@@ -115,6 +86,16 @@ bool loadEnvironmentOf(const protocol::ForestParams& forest, const std::string& 
   return true;
 }
 
+std::optional<turtle::World> worldOfForest(const protocol::ForestParams& forest, const std::string& file,
+                                           const ModelOptions& options, core::FileProvider& files) {
+  const std::string own = besideForest(file, kWorldFile);
+  std::error_code error;
+  if (options.world.empty() && forest.world) {
+    return completeWorld(*forest.world, file, options, files);
+  }
+  return loadWorld(options, fs::is_regular_file(own, error) ? own : std::string(), files);
+}
+
 }  // namespace
 
 std::optional<std::string> forestFileOf(const std::string& model) {
@@ -138,7 +119,8 @@ std::optional<LoadedModel> loadForest(const std::string& file, ModelOptions& opt
       return std::nullopt;
     }
   }
-  const std::optional<protocol::ForestParams> forest = readForest(file, files);
+  const std::optional<protocol::ForestParams> forest =
+      decodeJsonFile(file, "forest file", files, protocol::decodeForestParams);
   LoadedModel loaded;
   if (!forest || !loadModels(*forest, file, options, files, loaded)) {
     return std::nullopt;
@@ -162,7 +144,12 @@ std::optional<LoadedModel> loadForest(const std::string& file, ModelOptions& opt
       }
     }
   }
+  auto world = worldOfForest(*forest, file, options, files);
+  if (!world) {
+    return std::nullopt;
+  }
   loaded.simulationOptions = simulationOptionsFor(options, *loaded.program);
+  loaded.simulationOptions.world = std::move(*world);
   const fs::path path(file);
   loaded.simulationOptions.name =
       path.filename() == kForestFile ? path.parent_path().filename().string() : path.stem().string();

@@ -38,6 +38,8 @@ struct ModelOptions {
   std::string startFile;             // string that takes the axiom's place; empty: none
   RemoteOptions remote;
   simulation::Coupling coupling;
+  std::string world;         // a file; empty: that of the folder or of the forest, or the default
+  std::string stepDuration;  // such as 1 h; empty: that of the world
   bool isQuiet = false;
 
   [[nodiscard]] core::Compatibility mode() const;
@@ -55,7 +57,7 @@ struct ModelOptions {
 /// --allow-folder-programs, --strict, --limit, --quiet.
 void addReadingOptions(CLI::App& command, ModelOptions& options, bool isModelRequired);
 /// Adds the options for running it: --steps, --animate, --environment-policy, --environment-timeout, --iterations,
-/// --tolerance, --seed, --from, --threads.
+/// --tolerance, --seed, --from, --world, --step-duration, --threads.
 void addRunningOptions(CLI::App& command, ModelOptions& options);
 
 /// `NAME=VALUE` as in the option -D of a preprocessor: without `=` the value is 1.

@@ -74,6 +74,10 @@ std::optional<ResumedRun> readResumedRun(const std::string& file, const std::str
 
 std::optional<LoadedModel> loadResumed(ModelOptions& options, simulation::SnapshotInfo& info,
                                        core::FileProvider& files) {
+  if (!options.world.empty() || !options.stepDuration.empty()) {
+    printError("--world and --step-duration are for a new run: the snapshot holds the world of its run");
+    return std::nullopt;
+  }
   // keep the seed of the run
   if (!options.seed) {
     options.seed = info.seed;

@@ -244,6 +244,9 @@ Expected<CreateParams> decodeCreateParams(const Payload& payload) {
       }
     }
     create.bounds = readBounds(params);
+    if (const Member world = params["world"]; !world.isAbsent()) {
+      create.world = readOwnWorld(world);
+    }
     create.isTraced = !params["trace"].isAbsent() && params["trace"].boolean();
     if (const Member save = params["save"]; !save.isAbsent()) {
       create.save = readSavePolicy(save);

@@ -96,6 +96,14 @@ std::optional<protocol::Error> HostedSimulation::build(simulation::Programs prog
       trace->note(step, message);
     };
   }
+  turtle::World world;
+  if (record_.create.world) {
+    auto read = toWorld(*record_.create.world);
+    if (!read) {
+      return protocol::memberError("params.world", read.error());
+    }
+    world = std::move(*read);
+  }
   auto built =
       buildEnvironment(record_.create.environmentJson, programs.front()->compatibility, isAbsenceTolerated, services);
   if (auto* error = std::get_if<protocol::Error>(&built)) {
@@ -115,6 +123,7 @@ std::optional<protocol::Error> HostedSimulation::build(simulation::Programs prog
   options.limits = limits_;
   options.coupling = {record_.create.iterations, record_.create.tolerance};
   options.threads = services_.threads;
+  options.world = std::move(world);
   options.seeds = seedRules(record_.create.seeds);
   options.environmentOrigin = std::move(environment.origin);
   auto process = trace_ == nullptr ? std::move(environment.process) : trace_->record(std::move(environment.process));

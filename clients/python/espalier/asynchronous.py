@@ -219,20 +219,22 @@ class AsyncClient:
                      environment: Optional[Environments] = None, name: Optional[str] = None,
                      derivation_length: Optional[int] = None, plants: Optional[Sequence[Vector]] = None,
                      parameters: Optional[Mapping[str, Any]] = None, limits: Optional[Mapping[str, int]] = None,
-                     save: bool = True) -> "AsyncSimulation":
+                     save: bool = True, world: Optional[Mapping[str, Any]] = None) -> "AsyncSimulation":
         created = await self._do(requests.create(
             source, gallery=gallery, loaded=loaded, files=files, main=main, environment=entries(environment), plants=plants,
             save=save,
-            seed=seed, name=name, derivationLength=derivation_length, parameters=parameters, limits=limits))
+            seed=seed, name=name, derivationLength=derivation_length, parameters=parameters, limits=limits,
+            world=world))
         return AsyncSimulation(self, str(created["simulation"]), created)
 
     @_as(blocking.Client.create_forest)
     async def create_forest(self, models: Sequence[Mapping[str, Any]], plants: Sequence[Mapping[str, Any]], *,
                             seeds: Optional[Mapping[str, Any]] = None, environment: Optional[Environments] = None,
                             seed: Optional[int] = None, name: Optional[str] = None,
-                            derivation_length: Optional[int] = None) -> "AsyncSimulation":
+                            derivation_length: Optional[int] = None,
+                            world: Optional[Mapping[str, Any]] = None) -> "AsyncSimulation":
         created = await self._do(requests.create_forest(models, plants, seeds=seeds, environment=entries(environment), seed=seed,
-                                                        name=name, derivationLength=derivation_length))
+                                                        name=name, derivationLength=derivation_length, world=world))
         return AsyncSimulation(self, str(created["simulation"]), created)
 
     @_as(blocking.Client.simulation)

@@ -186,13 +186,16 @@ class Client:
                environment: Optional[Environments] = None, name: Optional[str] = None,
                derivation_length: Optional[int] = None, plants: Optional[Sequence[Vector]] = None,
                parameters: Optional[Mapping[str, Any]] = None, limits: Optional[Mapping[str, int]] = None,
-               save: bool = True) -> "Simulation":
+               save: bool = True, world: Optional[Mapping[str, Any]] = None) -> "Simulation":
         """Creates a simulation of a model. The model is a file ("tree.l"), a folder, a source text, a model of the gallery,
         `files` by name with `main`, or a result of load(). Files go to the server with the files that they name.
 
         `environment` is a name ("honda"), a configuration ({"type": "honda", "radius": 0.5}), a class or an object of
         Environment (of a client that local() made), a file (.json, .e), or a list of them. `parameters` override #define.
         `plants` are positions (x, y, z) in the unit of the model, with a plant at each. A model with errors raises ServerError with all `diagnostics`.
+
+        `world` has `lengthUnit`, `up`, `north`, `stepDuration` (days, or a text such as "1 h"), `latitude`, `longitude`,
+        `start`, `baseTemperature` and `weather` (the text of a table).
 
         >>> client.create(gallery="branch-tiers", environment={"type": "honda", "radius": 0.5}, seed=7).step().step
         1
@@ -202,13 +205,15 @@ class Client:
         created = self._do(requests.create(
             source, gallery=gallery, loaded=loaded, files=files, main=main,
             environment=entries(environment, getattr(self, "_offer", None)), plants=plants, save=save, seed=seed, name=name,
-            derivationLength=derivation_length, parameters=parameters, limits=limits))
+            derivationLength=derivation_length, parameters=parameters, limits=limits,
+            world=world))
         return Simulation(self, str(created["simulation"]), created)
 
     def create_forest(self, models: Sequence[Mapping[str, Any]], plants: Sequence[Mapping[str, Any]], *,
                       seeds: Optional[Mapping[str, Any]] = None, environment: Optional[Environments] = None,
                       seed: Optional[int] = None, name: Optional[str] = None,
-                      derivation_length: Optional[int] = None) -> "Simulation":
+                      derivation_length: Optional[int] = None,
+                      world: Optional[Mapping[str, Any]] = None) -> "Simulation":
         """Creates a simulation of plants of several models in one environment. A model has a `name` and a `source`,
         `gallery` or `files` with `main`; a plant a `position`, and a `model` by name (the first), `heading`, `turn`.
         `seeds` says where the seeds that plants drop take root: `maximumPlants`, `spacing`, `ground`, `area`.
@@ -220,7 +225,7 @@ class Client:
         """
         created = self._do(requests.create_forest(models, plants, seeds=seeds,
                                                   environment=entries(environment, getattr(self, "_offer", None)),
-                                                  seed=seed, name=name, derivationLength=derivation_length))
+                                                  seed=seed, name=name, derivationLength=derivation_length, world=world))
         return Simulation(self, str(created["simulation"]), created)
 
     def simulation(self, identifier: str) -> "Simulation":

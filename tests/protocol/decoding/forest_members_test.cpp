@@ -59,7 +59,7 @@ TEST(ForestMembers, AForestFileHasNoKeysThatAreNotKnown) {
             "(accepted)");
   EXPECT_EQ(
       read(R"({"model":"x.l"})"),
-      "params.model: this key is not known; there are models, plants, seeds, environment, derivationLength, seed");
+      "params.model: this key is not known; there are models, plants, seeds, environment, derivationLength, seed, world");
   EXPECT_EQ(read(R"({"models":[{"name":"b"}],"plants":[{"position":[0,0,0]}]})"),
             "params.models[0].file: expected the name of a .l file or of a model folder");
   EXPECT_EQ(read(R"({"models":[{"name":"b","file":"x.l"}]})"),
