@@ -60,6 +60,11 @@ struct ModelParams {
   std::vector<std::pair<std::string, std::string>> defines;  // NAME, VALUE: they win over #define
 };
 
+/// Of editor.message: a message of the Language Server Protocol.
+struct EditorParams {
+  std::string message;  // JSON
+};
+
 /// Of model.read.
 struct ReadModelParams {
   std::string gallery;  // NAME, NAME/FILE or NAME/FILE:ENTRY

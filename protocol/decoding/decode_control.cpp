@@ -321,6 +321,13 @@ Expected<ForkParams> decodeForkParams(const Payload& payload) {
   });
 }
 
+Expected<EditorParams> decodeEditorParams(const Payload& payload) {
+  return decodePayload<EditorParams>(payload, [](const Member& params, EditorParams& editor) {
+    params.requireObject();
+    editor.message = params["message"].text();
+  });
+}
+
 Expected<ReadModelParams> decodeReadModelParams(const Payload& payload) {
   return decodePayload<ReadModelParams>(payload, [](const Member& params, ReadModelParams& read) {
     params.requireObject();

@@ -6,6 +6,7 @@
 #include "protocol/codec.h"
 #include "protocol/version.h"
 #include "server/server_core.h"
+#include "server/session/editor_conversation.h"
 #include "server/session/methods.h"
 
 namespace espalier::server {
@@ -392,6 +393,14 @@ void Session::submit(const protocol::MessageId& id, std::shared_ptr<SimulationRu
 void Session::onCancel(const protocol::MessageId& id, std::function<void()> cancel) {
   const std::lock_guard lock(mutex_);
   inProgress_[protocol::toText(id)] = std::move(cancel);
+}
+
+std::shared_ptr<EditorConversation> Session::editor() {
+  const std::lock_guard lock(mutex_);
+  if (editor_ == nullptr) {
+    editor_ = std::make_shared<EditorConversation>();
+  }
+  return editor_;
 }
 
 void Session::cancelRequest(const protocol::MessageId& id) {

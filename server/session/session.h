@@ -18,6 +18,7 @@
 
 namespace espalier::server {
 
+class EditorConversation;
 class ServerCore;
 
 /// One peer: handshake, its requests in progress, its streams, and the questions put to it when it offers environments.
@@ -83,6 +84,8 @@ class Session final : public AskedPeer, public std::enable_shared_from_this<Sess
   /// How a request in progress is given up when it is cancelled or its connection is lost.
   void onCancel(const protocol::MessageId& id, std::function<void()> cancel);
   void cancelRequest(const protocol::MessageId& id);
+  /// The peer's conversation of the Language Server Protocol; it begins with the first call.
+  [[nodiscard]] std::shared_ptr<EditorConversation> editor();
   /// Null when the session has as many streams as its limit allows.
   [[nodiscard]] std::shared_ptr<Stream> openStream(protocol::StreamOpenParams params, SimulationRunner& runner);
   [[nodiscard]] std::shared_ptr<Stream> findStream(const std::string& id);
@@ -115,6 +118,7 @@ class Session final : public AskedPeer, public std::enable_shared_from_this<Sess
   std::uint64_t askedCount_ = 0;
   std::uint64_t streamCount_ = 0;
   std::map<std::string, std::shared_ptr<PendingCall>> pending_;  // questions to the peer, by id
+  std::shared_ptr<EditorConversation> editor_;
   std::map<std::string, std::function<void()>> inProgress_;      // how to cancel its requests, by the text of their id
   std::map<std::string, std::vector<std::string>> warnings_;     // for answers to come, by the text of the request's id
   std::map<std::string, std::pair<std::shared_ptr<Stream>, std::weak_ptr<SimulationRunner>>> streams_;
