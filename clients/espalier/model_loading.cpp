@@ -6,7 +6,6 @@
 #include <limits>
 #include <random>
 #include <system_error>
-#include <thread>
 #include <variant>
 
 #include "clients/espalier/forest_file.h"
@@ -18,6 +17,7 @@
 #include "engine/language/compiler.h"
 #include "engine/language/dialects/dialect.h"
 #include "engine/turtle/export/text/mtg.h"
+#include "server/remote/control_group.h"
 #include "server/remote/limits.h"
 #include "server/remote/remote_settings.h"
 
@@ -103,7 +103,7 @@ std::string limitHelp() {
 }  // namespace
 
 unsigned ModelOptions::threadCount() const {
-  return threads > 0 ? threads : std::max(1U, std::thread::hardware_concurrency());
+  return threads > 0 ? threads : server::processorCount();
 }
 
 core::Limits ModelOptions::simulationLimits() const {

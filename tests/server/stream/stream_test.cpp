@@ -66,6 +66,8 @@ TEST(Stream, AViewerWithoutCreditIsMovedToTheLatestFrameAndToldHowManyItMissed) 
   resultOf(client->request("simulation.step", named(simulation, R"("steps":10)")));
   const std::string first = nextFrame(*client);
   EXPECT_EQ(member(first, "step"), "0");
+  // the turn of the last step has ended: its state was handed over to the viewers
+  resultOf(client->request("simulation.get", named(simulation, R"("what":"statistics")")));
   EXPECT_FALSE(client->notify("stream.ack", "{\"stream\":\"" + stream + "\",\"sequence\":0}").has_value());
   const std::string latest = nextFrame(*client);
   EXPECT_EQ(member(latest, "step"), "10");
