@@ -78,6 +78,8 @@ int main(int argumentCount, char** arguments) {
   addStatus(program, status);
   addLoad(program, status);
   addToken(program, status);
+  addBackup(program, status);
+  addRestore(program, status);
 
   // name a mistyped command before its options are read
   if (argumentCount > 1 && arguments[1][0] != '-') {

@@ -6,7 +6,6 @@
 #include <limits>
 #include <random>
 #include <system_error>
-#include <thread>
 #include <variant>
 
 #include "clients/espalier/forest_file.h"
@@ -19,6 +18,7 @@
 #include "engine/language/dialects/dialect.h"
 #include "engine/turtle/export/text/mtg.h"
 #include "protocol/codec.h"
+#include "server/remote/control_group.h"
 #include "server/remote/limits.h"
 #include "server/remote/models/model_files.h"
 #include "server/remote/remote_settings.h"
@@ -105,7 +105,7 @@ std::string limitHelp() {
 }  // namespace
 
 unsigned ModelOptions::threadCount() const {
-  return threads > 0 ? threads : std::max(1U, std::thread::hardware_concurrency());
+  return threads > 0 ? threads : server::processorCount();
 }
 
 core::Limits ModelOptions::simulationLimits() const {

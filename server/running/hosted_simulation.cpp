@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <charconv>
 #include <chrono>
+#include <new>
 
 #include "engine/simulation/snapshot.h"
 #include "engine/simulation/snapshot_editing.h"
 #include "protocol/json_writer.h"
 #include "server/metrics.h"
 #include "server/remote/translation/translate.h"
+#include "server/running/turn_meter.h"
 
 namespace espalier::server {
 namespace {
@@ -104,8 +106,13 @@ std::optional<protocol::Error> HostedSimulation::build(simulation::Programs prog
     }
     world = std::move(*read);
   }
-  auto built =
-      buildEnvironment(record_.create.environmentJson, programs.front()->compatibility, isAbsenceTolerated, services);
+  PartMeter environmentMemory;
+  const auto buildMetered = [&] {
+    const core::WorkMeter::Scope scope(&environmentMemory);
+    return buildEnvironment(record_.create.environmentJson, programs.front()->compatibility, isAbsenceTolerated,
+                            services);
+  };
+  auto built = buildMetered();
   if (auto* error = std::get_if<protocol::Error>(&built)) {
     return std::move(*error);
   }
@@ -126,7 +133,11 @@ std::optional<protocol::Error> HostedSimulation::build(simulation::Programs prog
   options.world = std::move(world);
   options.seeds = seedRules(record_.create.seeds);
   options.environmentOrigin = std::move(environment.origin);
-  auto process = trace_ == nullptr ? std::move(environment.process) : trace_->record(std::move(environment.process));
+  *environmentBytes_ = environmentMemory.net();
+  auto process = countMemory(std::move(environment.process), environmentBytes_);
+  if (trace_ != nullptr) {
+    process = trace_->record(std::move(process));
+  }
   auto made = std::make_unique<simulation::Simulation>(
       std::move(programs), std::move(plants), QueryRecorder::record(std::move(process), queries_), std::move(options));
   const std::lock_guard lock(cancelMutex_);
@@ -214,9 +225,16 @@ std::optional<protocol::Error> HostedSimulation::save(bool withRecord) {
     return std::nullopt;
   }
   const std::uint64_t step = simulation_->completedSteps();
-  const std::string state = snapshot();
-  const auto problem = withRecord ? store_->save({record_.id, toText(record_), step}, state)
-                                  : store_->saveState(record_.id, step, state);
+  // also when there is not enough memory for it
+  isSaveDue_ = true;
+  std::optional<std::string> problem;
+  try {
+    const std::string state = snapshot();
+    problem = withRecord ? store_->save({record_.id, toText(record_), step, record_.owner}, state)
+                         : store_->saveState(record_.id, step, state);
+  } catch (const std::bad_alloc&) {
+    problem = "there is not enough memory to save it. Delete simulations, or use smaller ones.";
+  }
   isSaveDue_ = problem.has_value();
   isSaved_ = !isSaveDue_;
   if (problem) {
@@ -232,7 +250,7 @@ std::optional<protocol::Error> HostedSimulation::saveChange() {
 }
 
 std::optional<protocol::Error> HostedSimulation::keep() {
-  return isSaved_ ? std::nullopt : save(false);
+  return isSaved_ ? std::nullopt : save(isSaveDue_);
 }
 
 std::optional<protocol::Error> HostedSimulation::step(double& milliseconds) {
@@ -299,6 +317,7 @@ void HostedSimulation::adopt(HostedSimulation& fresh) {
     simulation_.swap(fresh.simulation_);
     links_.swap(fresh.links_);
   }
+  environmentBytes_.swap(fresh.environmentBytes_);
   trace_ = fresh.trace_;
   beginTrace();
 }
@@ -436,11 +455,6 @@ std::optional<protocol::Error> HostedSimulation::setTraced(bool isTraced) {
   }
   adopt(fresh);
   return save(true);
-}
-
-std::optional<protocol::Error> HostedSimulation::removeFromDisk() {
-  const auto problem = store_->remove(record_.id);
-  return problem ? std::optional(storageError(*problem)) : std::nullopt;
 }
 
 void HostedSimulation::setCancelled(bool isCancelled) {

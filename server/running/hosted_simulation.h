@@ -12,6 +12,7 @@
 #include "protocol/messages.h"
 #include "server/running/environment_builder.h"
 #include "server/running/interruption.h"
+#include "server/running/metered_environment.h"
 #include "server/running/simulation_trace.h"
 #include "server/store/simulation_record.h"
 #include "server/store/store.h"
@@ -43,6 +44,17 @@ class HostedSimulation {
   /// The names by which queries address the environments.
   [[nodiscard]] const std::vector<std::string>& processNames() const { return processNames_; }
   [[nodiscard]] bool isSaved() const { return isSaved_; }
+  /// The strings, which are kept twice: a step reads one copy and writes the other.
+  [[nodiscard]] std::uint64_t stringBytes() const { return 2 * simulation_->statistics().bytes; }
+  [[nodiscard]] std::uint64_t environmentBytes() const {
+    const std::int64_t bytes = *environmentBytes_;
+    return bytes > 0 ? static_cast<std::uint64_t>(bytes) : 0;
+  }
+  /// The copy on disk is all that it needs to go on later: it is saved, its environment is in this process, and it has
+  /// no trace.
+  [[nodiscard]] bool canBePassive() const {
+    return isSaved_ && store_->isKept() && links_.empty() && trace_ == nullptr;
+  }
   /// From now on the queries of steps are kept, or not.
   void recordQueries(bool isRecorded) { queries_->want(isRecorded); }
   /// The queries of the last step that was recorded. Null: none.
@@ -80,7 +92,6 @@ class HostedSimulation {
   [[nodiscard]] std::optional<std::string> readTrace(std::uint64_t number, std::uint64_t bound) const {
     return SimulationTrace::read(services_.traceFolder, record_.id, number, bound);
   }
-  [[nodiscard]] std::optional<protocol::Error> removeFromDisk();
 
   /// From any thread. True: the running step is given up, also while it waits for an environment. False: steps are
   /// possible again.
@@ -112,6 +123,7 @@ class HostedSimulation {
   std::vector<std::string> environmentNames_;
   std::vector<std::string> processNames_;
   std::shared_ptr<SimulationTrace> trace_;  // null: none
+  std::shared_ptr<EnvironmentBytes> environmentBytes_ = std::make_shared<EnvironmentBytes>(0);
   std::shared_ptr<QueryRecorder> queries_ = std::make_shared<QueryRecorder>();
   bool isSaved_ = false;    // the copy on disk is of the present step
   bool isSaveDue_ = false;  // it could not be written: the next step saves it first

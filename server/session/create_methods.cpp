@@ -3,6 +3,7 @@
 #include "engine/language/checks/model_queries.h"
 #include "protocol/codec.h"
 #include "server/remote/translation/translate.h"
+#include "server/running/limit_errors.h"
 #include "server/server_core.h"
 #include "server/session/gallery_forest.h"
 #include "server/session/request_work.h"
@@ -85,14 +86,15 @@ protocol::CreateResult createResultOf(HostedSimulation& hosted) {
 }
 
 protocol::Expected<std::string> forkSimulation(ServerCore& core, HostedSimulation& original, const std::string& session,
-                                               const std::string& title) {
-  auto reserved = core.reserve(session);
+                                               const std::string& owner, const std::string& title) {
+  auto reserved = core.reserve(session, owner);
   if (auto* error = std::get_if<protocol::Error>(&reserved)) {
     return tl::unexpected(std::move(*error));
   }
   const std::string& name = std::get<std::string>(reserved);
   SimulationRecord record = original.record();
   record.id = name;
+  record.owner = owner;
   if (!title.empty()) {
     record.create.name = title;
   }
@@ -136,13 +138,14 @@ void createSimulation(const Request& request, protocol::CreateParams params, Int
     session.respondError(id, *problem);
     return;
   }
+  core.keepRoom(session.account());
   auto compiled = compileModels(core, params);
   if (!compiled) {
     session.respondError(id, compiled.error());
     return;
   }
   const CompiledModels& models = *compiled;
-  const auto reserved = core.reserve(session.id());
+  const auto reserved = core.reserve(session.id(), session.account().owner());
   if (const auto* error = std::get_if<protocol::Error>(&reserved)) {
     session.respondError(id, *error);
     return;
@@ -152,6 +155,7 @@ void createSimulation(const Request& request, protocol::CreateParams params, Int
   // a restarted server makes the simulation again from the record
   SimulationRecord record;
   record.id = name;
+  record.owner = session.account().owner();
   record.seed = effectiveSeed(params, models.programs);
   record.hasSeed = params.seed.has_value();
   record.create = std::move(params);
@@ -221,8 +225,10 @@ void simulationCreate(const Request& request, protocol::CreateParams params) {
 
 void simulationFork(const Request& request, std::shared_ptr<SimulationRunner> runner, protocol::ForkParams params) {
   doInTurn(request, std::move(runner),
-           [core = &request.session.core(), creator = request.session.id(), name = std::move(params.name)](
-               SimulationRunner& self) { return forkSimulation(*core, self.hosted(), creator, name); });
+           [core = &request.session.core(), creator = request.session.id(), owner = request.session.account().owner(),
+            name = std::move(params.name)](SimulationRunner& self) {
+             return forkSimulation(*core, self.hosted(), creator, owner, name);
+           });
 }
 
 }  // namespace methods

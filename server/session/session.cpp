@@ -19,6 +19,11 @@ Session::~Session() {
   core_->leave(*this);
 }
 
+Account& Session::account() const {
+  // a token is one owner, and the programs of this machine together are one
+  return core_->accounts().of(std::string(tokenName()));
+}
+
 void Session::send(std::string line) {
   connection_->send(std::make_shared<const std::string>(std::move(line)));
 }
@@ -201,11 +206,12 @@ void Session::onHello(const protocol::Message& message) {
     refuse(message.id, {protocol::ErrorCode::Unauthorised, std::move(grant.error()), {}});
     return;
   }
+  // the connection counts for the account of the token from then on
+  grant_ = std::move(*grant);
   if (const auto refusal = connection_->admit()) {
     refuse(message.id, *refusal);
     return;
   }
-  grant_ = std::move(*grant);
   isGreeted_ = true;
   {
     const std::lock_guard lock(mutex_);
@@ -283,8 +289,8 @@ void Session::onDrained() {
   {
     const std::lock_guard lock(mutex_);
     for (const auto& [name, entry] : streams_) {
-      auto runner = entry.second.lock();
-      if (runner != nullptr && entry.first->wantsToCatchUp()) {
+      auto runner = entry.runner.lock();
+      if (runner != nullptr && entry.stream->wantsToCatchUp()) {
         runners.push_back(std::move(runner));
       }
     }
@@ -327,7 +333,7 @@ void Session::onClosed() {
     isClosed_ = true;
     requests.swap(inProgress_);
     for (const auto& [name, entry] : streams_) {
-      entry.first->close();
+      entry.stream->close();
     }
     streams_.clear();
   }
@@ -418,27 +424,35 @@ void Session::cancelRequest(const protocol::MessageId& id) {
   }
 }
 
-std::shared_ptr<Stream> Session::openStream(protocol::StreamOpenParams params, SimulationRunner& runner) {
+protocol::Expected<std::shared_ptr<Stream>> Session::openStream(protocol::StreamOpenParams params,
+                                                                SimulationRunner& runner) {
   const ServerLimits& limits = core_->options().limits;
+  Account& owner = account();
   const std::lock_guard lock(mutex_);
   // streams that ended by themselves do not count
-  if (streams_.size() >= limits.streamsPerSession) {
-    std::erase_if(streams_, [](const auto& entry) { return entry.second.first->isClosed(); });
+  if (streams_.size() >= limits.streamsPerSession || owner.streams() >= owner.bounds().streams) {
+    std::erase_if(streams_, [](const auto& entry) { return entry.second.stream->isClosed(); });
   }
   if (isClosed_ || streams_.size() >= limits.streamsPerSession) {
-    return nullptr;
+    const std::uint64_t bound = limits.streamsPerSession;
+    return tl::unexpected(protocol::limitError("streamsPerSession", bound + 1, bound, "Close one first."));
+  }
+  if (const std::uint64_t bound = owner.bounds().streams; owner.streams() >= bound) {
+    return tl::unexpected(protocol::limitError("accountStreams", bound + 1, bound, "Close one first."));
   }
   std::string name = "stream-" + id_ + "-" + std::to_string(++streamCount_);
   auto stream =
       std::make_shared<Stream>(name, std::move(params), weak_from_this(), static_cast<std::size_t>(limits.outboxBytes));
-  streams_.emplace(std::move(name), std::pair(stream, runner.weak_from_this()));
+  owner.addStreams(1);
+  std::shared_ptr<void> place(nullptr, [&owner](void*) { owner.addStreams(-1); });
+  streams_.emplace(std::move(name), OpenStream{stream, runner.weak_from_this(), std::move(place)});
   return stream;
 }
 
 std::shared_ptr<Stream> Session::findStream(const std::string& id) {
   const std::lock_guard lock(mutex_);
   const auto found = streams_.find(id);
-  return found == streams_.end() ? nullptr : found->second.first;
+  return found == streams_.end() ? nullptr : found->second.stream;
 }
 
 bool Session::closeStream(const std::string& id) {
@@ -447,7 +461,7 @@ bool Session::closeStream(const std::string& id) {
   if (found == streams_.end()) {
     return false;
   }
-  found->second.first->close();
+  found->second.stream->close();
   streams_.erase(found);
   return true;
 }

@@ -18,6 +18,7 @@
 
 namespace espalier::server {
 
+class Account;
 class EditorConversation;
 class ServerCore;
 
@@ -78,6 +79,8 @@ class Session final : public AskedPeer, public std::enable_shared_from_this<Sess
   [[nodiscard]] std::string_view tokenName() const {
     return grant_.token == nullptr ? std::string_view() : std::string_view(grant_.token->name);
   }
+  /// What the peer asks for counts there.
+  [[nodiscard]] Account& account() const;
   /// Sends a command to a simulation as the work of a request, so that $/cancel and a lost connection reach it.
   void submit(const protocol::MessageId& id, std::shared_ptr<SimulationRunner> runner,
               std::shared_ptr<Command> command);
@@ -86,8 +89,9 @@ class Session final : public AskedPeer, public std::enable_shared_from_this<Sess
   void cancelRequest(const protocol::MessageId& id);
   /// The peer's conversation of the Language Server Protocol; it begins with the first call.
   [[nodiscard]] std::shared_ptr<EditorConversation> editor();
-  /// Null when the session has as many streams as its limit allows.
-  [[nodiscard]] std::shared_ptr<Stream> openStream(protocol::StreamOpenParams params, SimulationRunner& runner);
+  /// An error when the session, or its account, has as many streams as it may have.
+  [[nodiscard]] protocol::Expected<std::shared_ptr<Stream>> openStream(protocol::StreamOpenParams params,
+                                                                       SimulationRunner& runner);
   [[nodiscard]] std::shared_ptr<Stream> findStream(const std::string& id);
   [[nodiscard]] bool closeStream(const std::string& id);
 
@@ -119,9 +123,15 @@ class Session final : public AskedPeer, public std::enable_shared_from_this<Sess
   std::uint64_t streamCount_ = 0;
   std::map<std::string, std::shared_ptr<PendingCall>> pending_;  // questions to the peer, by id
   std::shared_ptr<EditorConversation> editor_;
-  std::map<std::string, std::function<void()>> inProgress_;      // how to cancel its requests, by the text of their id
-  std::map<std::string, std::vector<std::string>> warnings_;     // for answers to come, by the text of the request's id
-  std::map<std::string, std::pair<std::shared_ptr<Stream>, std::weak_ptr<SimulationRunner>>> streams_;
+  std::map<std::string, std::function<void()>> inProgress_;   // how to cancel its requests, by the text of their id
+  std::map<std::string, std::vector<std::string>> warnings_;  // for answers to come, by the text of the request's id
+  /// A stream counts for the account as long as it is in the map.
+  struct OpenStream {
+    std::shared_ptr<Stream> stream;
+    std::weak_ptr<SimulationRunner> runner;
+    std::shared_ptr<void> place;
+  };
+  std::map<std::string, OpenStream> streams_;
 };
 
 }  // namespace espalier::server

@@ -128,7 +128,7 @@ class Http(unittest.TestCase):
         self.assertIn('espalier_step_seconds_bucket{le="+Inf"} 3\n', text)
         self.assertIn("espalier_step_seconds_count 3\n", text)
         for line in text.splitlines():
-            self.assertRegex(line, r'^(# (HELP|TYPE) espalier_\w+ .+|espalier_\w+(\{le="[^"]+"\})? [0-9.e+-]+)$')
+            self.assertRegex(line, r'^(# (HELP|TYPE) espalier_\w+ .+|espalier_\w+(\{(\w+="[^"]+",?)+\})? [0-9.e+-]+)$')
 
     def upgrade(self, origin: str) -> str:
         host, port = self.server.http.rsplit(":", 1)

@@ -67,7 +67,7 @@ TEST(ErrorNumbers, ABugInACommandIsInternalAndClosesThatSimulationOnly) {
   ServerCore core(quietOptions());
   const auto make = [&core]() {
     SimulationRecord record;
-    record.id = std::get<std::string>(core.reserve("1"));
+    record.id = std::get<std::string>(core.reserve("1", "local"));
     core::MemoryFileProvider files({{"model.l", std::string(kGrowth)}});
     language::CompileInput input;
     input.modelFile = "model.l";

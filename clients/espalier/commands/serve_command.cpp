@@ -30,6 +30,7 @@ struct ServeOptions {
   std::string configuration;  // file
   bool isConfigurationPrinted = false;
   bool endsWithInput = false;
+  std::string durability = "process";
   std::vector<std::string> limits;  // NAME=NUMBER
   server::ServerOptions server;
 };
@@ -119,6 +120,7 @@ int runServe(CLI::App& command, ServeOptions& options) {
       return kUsage;
     }
   }
+  options.server.durability = server::durabilityOf(options.durability).value_or(server::Durability::Process);
   if (options.isConfigurationPrinted) {
     const std::string text = serveConfigurationText(command, options.server);
     std::fwrite(text.data(), 1, text.size(), stdout);
@@ -192,6 +194,13 @@ void addServe(CLI::App& program, int& status) {
                       "Origin of other web pages that may open WebSockets, such as https://HOST. May be repeated");
   command->add_option("--data", options->server.dataFolder,
                       "Folder for saved simulations; the server makes it when it is missing");
+  command
+      ->add_option(
+          "--durability", options->durability,
+          "What \"saved\" survives: process (the end of the server), or power (also a power failure: the disk is "
+          "asked to keep each save before its answer). In a configuration: [store] durability = \"power\"")
+      ->check(CLI::IsMember({"process", "power"}))
+      ->capture_default_str();
   command->add_option(
       "--gallery", options->server.galleryFolder,
       "Folder of model folders that clients use by name: {\"gallery\":\"NAME\"} (default: the gallery that "
@@ -209,7 +218,7 @@ void addServe(CLI::App& program, int& status) {
                       "HOST:PORT of an environment that clients may name (`tcp`), or any. May be repeated");
   command
       ->add_option("--workers", options->server.workers,
-                   "Simulations that compute at the same time; 0: as many as the machine has cores")
+                   "Simulations that compute at the same time; 0: as many as the process has processors")
       ->capture_default_str();
   command->add_option("--threads", options->server.threads, "Threads for one step; useful with few large plants")
       ->check(CLI::Range(1, 256))

@@ -32,7 +32,8 @@ TEST(DecodeControl, NamesThePathOfWhatIsWrong) {
             "traces, trace, palette, explanation, found \"all\"");
   EXPECT_EQ(problem(decodeGetParams(params(R"({"simulation":"a","what":"explanation"})"))),
             "params.module: expected a whole number from 0 to 9007199254740992, found nothing");
-  EXPECT_EQ(problem(decodeEditorParams(params(R"({"message":{}})"))), "params.message: expected a text, found an object");
+  EXPECT_EQ(problem(decodeEditorParams(params(R"({"message":{}})"))),
+            "params.message: expected a text, found an object");
   EXPECT_EQ(problem(decodeReadModelParams(params(R"({"gallery":7})"))), "params.gallery: expected a text, found 7");
   EXPECT_EQ(problem(decodeRestoreParams(params(R"({"simulation":"a","snapshot":"!"})"))),
             "params.snapshot: expected base64, as simulation.save gave it");
