@@ -1,5 +1,4 @@
 #include "protocol/codec.h"
-#include "server/running/turn_meter.h"
 #include "server/session/editor_conversation.h"
 #include "server/session/request_work.h"
 #include "server/session/session.h"
@@ -8,9 +7,6 @@ namespace espalier::server::methods {
 
 void editorMessage(const Request& request, protocol::EditorParams params) {
   runOnWorker(request, [params = std::move(params)](const Request& self) {
-    // memory and time of what is compiled
-    PartMeter meter;
-    const core::WorkMeter::Scope scope(&meter);
     protocol::JsonWriter result;
     result.beginObject().key("messages").texts(self.session.editor()->receive(params.message)).endObject();
     self.session.respond(self.id, result.view());
