@@ -14,11 +14,14 @@ void Database::fail() {
   }
 }
 
-void Database::open(const std::string& file) {
+void Database::open(const std::string& file, Access access) {
   constexpr int kFlags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX;
   if (sqlite3_open_v2(file.c_str(), &connection_, kFlags, nullptr) != SQLITE_OK) {
     fail();
     return;
+  }
+  if (access == Access::Exclusive) {
+    execute("PRAGMA locking_mode = EXCLUSIVE");
   }
   execute("PRAGMA journal_mode = WAL");
   // the log is forced to disk when it is moved into the database, so that a power failure costs moments, never the file
@@ -60,6 +63,16 @@ Database::Statement& Database::Statement::bind(int index, std::int64_t value) {
   return *this;
 }
 
+Database::Statement& Database::Statement::bind(int index, double value) {
+  sqlite3_bind_double(statement_, index, value);
+  return *this;
+}
+
+Database::Statement& Database::Statement::bindNull(int index) {
+  sqlite3_bind_null(statement_, index);
+  return *this;
+}
+
 Database::Statement& Database::Statement::bind(int index, std::string_view text) {
   sqlite3_bind_text64(statement_, index, text.data(), text.size(), SQLITE_TRANSIENT, SQLITE_UTF8);
   return *this;
@@ -86,8 +99,20 @@ void Database::Statement::run() {
   }
 }
 
+void Database::Statement::reset() {
+  sqlite3_reset(statement_);
+}
+
 std::int64_t Database::Statement::integer(int column) const {
   return sqlite3_column_int64(statement_, column);
+}
+
+double Database::Statement::real(int column) const {
+  return sqlite3_column_double(statement_, column);
+}
+
+bool Database::Statement::isNull(int column) const {
+  return sqlite3_column_type(statement_, column) == SQLITE_NULL;
 }
 
 std::string_view Database::Statement::text(int column) const {

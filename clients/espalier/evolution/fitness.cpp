@@ -221,13 +221,17 @@ PlantMeasures measurePlant(turtle::Scene&& scene, const files::ViewSettings& vie
     measures.symmetry = symmetryOf(geometry, bounds.extent());
   }
   measures.extent = bounds.extent();
-  measures.light = shadeOf(geometry, 0.0, 0.0, INFINITY);
+  measures.light = silhouetteArea(geometry);
   // a beam 45 degrees high is as much narrower than its shade on the ground
   const double twig = measures.extent / kTwigsInExtent;
   const double oblique = shadeOf(geometry, 1.0, 0.0, twig) + shadeOf(geometry, -1.0, 0.0, twig) +
                          shadeOf(geometry, 0.0, 1.0, twig) + shadeOf(geometry, 0.0, -1.0, twig);
   measures.sky = (shadeOf(geometry, 0.0, 0.0, twig) + oblique / std::numbers::sqrt2) / 5.0;
   return measures;
+}
+
+double silhouetteArea(const turtle::Geometry& geometry) {
+  return shadeOf(geometry, 0.0, 0.0, INFINITY);
 }
 
 std::optional<std::string> FitnessFormula::read(std::string_view text, FitnessFormula& formula) {

@@ -20,7 +20,7 @@ from .connecting import connect
 from .errors import ConnectionLost, EspalierError
 from .hosting import CLIENT_ROLES, hello_parameters
 from .requests import Inbox, NewModule, Process, Request, Result, result_of
-from .shapes import Frame, Model, StepResult, TurtleRecord, Vector, step_of
+from .shapes import CompiledModel, Frame, StepResult, TurtleRecord, Vector, step_of
 from .viewing import View, geometry_of
 
 
@@ -121,7 +121,7 @@ class Client:
 
     # ---- models ------------------------------------------------------------------------------------------------
 
-    def check(self, source: str) -> Model:
+    def check(self, source: str) -> CompiledModel:
         """Compiles a model without keeping it. The diagnostics name every error with its place.
 
         >>> wrong = client.check("Lsystem: 1")
@@ -131,7 +131,7 @@ class Client:
         return self._do(requests.check(source))
 
     def load(self, source: Optional[str] = None, *, gallery: Optional[str] = None,
-             files: Optional[Mapping[str, str]] = None, main: Optional[str] = None) -> Model:
+             files: Optional[Mapping[str, str]] = None, main: Optional[str] = None) -> CompiledModel:
         """Compiles a model and keeps it on the server, for many simulations: `create(loaded=model.model)`.
 
         >>> client.load(gallery="classic-algae").valid

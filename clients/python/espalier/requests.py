@@ -13,7 +13,7 @@ from typing import Any, Callable, Deque, Dict, Generic, List, Mapping, Optional,
 from . import geometry, wire
 from .errors import EspalierError, ProtocolError, ServerError
 from .frames import read_next
-from .shapes import Frame, Model, StepResult, TurtleRecord, Vector, read_model, read_record, read_step
+from .shapes import CompiledModel, Frame, StepResult, TurtleRecord, Vector, read_model, read_record, read_step
 
 Result = TypeVar("Result")
 # one process with its configuration, as in {"type": "honda", "radius": 0.5}
@@ -90,12 +90,12 @@ class Inbox:
 # ---- models and the server ------------------------------------------------------------------------------------------
 
 
-def check(source: str) -> Request[Model]:
+def check(source: str) -> Request[CompiledModel]:
     return Request("model.check", {"source": source}, read_model)
 
 
 def load(source: Optional[str], gallery: Optional[str], files: Optional[Mapping[str, str]],
-         main: Optional[str]) -> Request[Model]:
+         main: Optional[str]) -> Request[CompiledModel]:
     return Request("model.load", {"model": _reference(source, gallery, files, main, None)}, read_model)
 
 
