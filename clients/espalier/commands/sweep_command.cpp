@@ -303,12 +303,18 @@ int runPlan(const SweepOptions& options) {
     return kFailure;
   }
   if (options.usesSlurm) {
-    const auto mistake = submitSlurmJob(
+    const Result<std::vector<std::string>> jobs = submitSlurmJob(
         {.plan = options.plan, .output = options.output, .slices = options.slices, .options = options.jobOptions});
-    if (mistake) {
-      printError(*mistake);
+    if (!jobs) {
+      printError(jobs.error());
+      return kFailure;
     }
-    return mistake ? kFailure : kSuccess;
+    for (const std::string& job : *jobs) {
+      std::printf("%s\n", job.c_str());
+    }
+    printNote("submitted " + std::to_string(options.slices) + " jobs; job " + jobs->back() +
+              " merges their parts into '" + options.output + "'");
+    return kSuccess;
   }
   Result<SweepResults> results = SweepResults::continued(options.output, describeSweep(*model, prepared->table));
   if (!results) {

@@ -98,8 +98,8 @@ struct Bounds {
 };
 
 // area of the shade on the ground of light that goes `alongX` and `alongZ` to the side for each unit
-// downward; lines count as `widest` at most
-double shadeOf(const turtle::Geometry& geometry, double alongX, double alongZ, double widest) {
+// downward; lines count as `widest` at most; lines reach at most `margin` beyond the points at their ends
+double shadeOf(const turtle::Geometry& geometry, double alongX, double alongZ, double widest, double margin = 0.0) {
   const auto fallen = [&](const Vec3& p) { return Vec3{p.x + alongX * p.y, 0.0, p.z + alongZ * p.y}; };
   Bounds bounds;
   bounds.add({});
@@ -115,11 +115,11 @@ double shadeOf(const turtle::Geometry& geometry, double alongX, double alongZ, d
   for (const Vec3& end : geometry.end) {
     height = std::max(height, end.y);
   }
-  const double extent = std::max(bounds.extent(), height);
+  const double extent = std::max(bounds.extent(), height) + 2.0 * margin;
   if (!(extent > 0.0)) {
     return 0.0;
   }
-  GroundShade shade(bounds.low.x, bounds.low.z, extent);
+  GroundShade shade(bounds.low.x - margin, bounds.low.z - margin, extent);
   for (std::size_t i = 0; i < geometry.start.size(); ++i) {
     const double width = geometry.areWidthsPixels ? 0.0 : std::max(geometry.startWidth[i], geometry.endWidth[i]);
     shade.addLine(fallen(geometry.start[i]), fallen(geometry.end[i]), std::min(width, widest));
@@ -221,7 +221,7 @@ PlantMeasures measurePlant(turtle::Scene&& scene, const files::ViewSettings& vie
     measures.symmetry = symmetryOf(geometry, bounds.extent());
   }
   measures.extent = bounds.extent();
-  measures.light = silhouetteArea(geometry);
+  measures.light = shadeOf(geometry, 0.0, 0.0, INFINITY);
   // a beam 45 degrees high is as much narrower than its shade on the ground
   const double twig = measures.extent / kTwigsInExtent;
   const double oblique = shadeOf(geometry, 1.0, 0.0, twig) + shadeOf(geometry, -1.0, 0.0, twig) +
@@ -231,7 +231,11 @@ PlantMeasures measurePlant(turtle::Scene&& scene, const files::ViewSettings& vie
 }
 
 double silhouetteArea(const turtle::Geometry& geometry) {
-  return shadeOf(geometry, 0.0, 0.0, INFINITY);
+  double widest = 0.0;
+  for (std::size_t i = 0; i < geometry.start.size() && !geometry.areWidthsPixels; ++i) {
+    widest = std::max({widest, geometry.startWidth[i], geometry.endWidth[i]});
+  }
+  return shadeOf(geometry, 0.0, 0.0, INFINITY, widest / 2.0);
 }
 
 std::optional<std::string> FitnessFormula::read(std::string_view text, FitnessFormula& formula) {

@@ -44,7 +44,8 @@ inline constexpr std::string_view kUsualFitness = "symmetry=2,sky=1,height=1,ext
 /// are those of plane figures on a screen; ours are those of plants in space. O(segments log segments + triangles).
 [[nodiscard]] PlantMeasures measurePlant(turtle::Scene&& scene, const files::ViewSettings& view);
 
-/// The area of the shade on the ground of light from straight above, as PlantMeasures::light.
+/// The area of the shade on the ground of light from straight above. PlantMeasures::light is the same without the parts
+/// of thick lines beyond the extent of their ends.
 [[nodiscard]] double silhouetteArea(const turtle::Geometry& geometry);
 
 /// A product of powers of measures. The choice of units does not change the order of plants.

@@ -216,7 +216,7 @@ void Measures::takeModules(const simulation::Simulation& simulation, const std::
   }
   for (std::size_t i = 0; i < open.size(); ++i) {
     const MeasureDefinition& definition = open[i].measure->definition;
-    values[open[i].column] = definition.kind != MeasureKind::Count         ? statistic(definition, open[i].values)
+    values[open[i].column] = definition.kind != MeasureKind::Count  ? statistic(definition, open[i].values)
                              : open[i].measure->expression == kNone ? counts[i]
                                                                     : static_cast<double>(open[i].values.size());
   }
@@ -238,7 +238,8 @@ std::optional<core::SimulationError> Measures::take(const simulation::Simulation
     }
   }
   for (const Wanted& one : wanted) {
-    isDrawn = isDrawn || one.measure->definition.kind == MeasureKind::Plant || one.measure->definition.kind == MeasureKind::Profile;
+    isDrawn = isDrawn || one.measure->definition.kind == MeasureKind::Plant ||
+              one.measure->definition.kind == MeasureKind::Profile;
   }
   try {
     takeModules(simulation, wanted, values);

@@ -63,12 +63,14 @@ bool leavesExpression(const std::string& text) {
 }
 
 // an L-system with a production for each expression: its condition is the condition, its successor the value
-std::string systemOf(const std::vector<ModuleExpression>& expressions, const language::Program& model,
-                     bool declaresModules) {
-  std::string text = "Lsystem: 987654321\nderivation length: 1\n";
+std::string systemOf(const std::vector<ModuleExpression>& expressions, const language::Program& model, bool isAlone) {
+  std::string text = "Lsystem: 987654321\n";
+  if (isAlone) {
+    text += "derivation length: 1\n";  // as the first of a file
+  }
   std::set<std::string> declared;
   for (const ModuleExpression& expression : expressions) {
-    if (declaresModules && expression.of.symbol.size() > 1 && declared.insert(expression.of.symbol).second) {
+    if (isAlone && expression.of.symbol.size() > 1 && declared.insert(expression.of.symbol).second) {
       text += "Module: " + expression.of.symbol + "(...)\n";
     }
   }
@@ -94,10 +96,15 @@ struct Compiled {
   std::string problem;
 };
 
-Compiled compileText(const language::CompileInput& input, core::FileProvider& files) {
+// `own`: the text of the expressions, in which a warning is a mistake too
+Compiled compileText(const language::CompileInput& input, core::FileProvider& files, const std::string& own) {
   const language::CompileResult result = language::compile(input, files);
   for (const core::Diagnostic& diagnostic : result.diagnostics.entries()) {
-    if (diagnostic.severity == core::Severity::Error) {
+    const std::string& line = diagnostic.location.lineText;
+    // a warning about the predecessor only says that nothing makes the module
+    const bool isOwn =
+        !line.empty() && diagnostic.location.column > 1 && own.find("\n" + line + "\n") != std::string::npos;
+    if (diagnostic.severity == core::Severity::Error || (isOwn && diagnostic.severity == core::Severity::Warning)) {
       return {nullptr, diagnostic.message + (diagnostic.hint.empty() ? "" : ". Hint: " + diagnostic.hint)};
     }
   }
@@ -106,19 +113,21 @@ Compiled compileText(const language::CompileInput& input, core::FileProvider& fi
 
 Compiled compileAlone(const std::vector<ModuleExpression>& expressions, const language::Program& model,
                       core::Compatibility mode) {
+  const std::string own = systemOf(expressions, model, true);
   core::MemoryFileProvider files;
-  files.add(kFile, systemOf(expressions, model, true));
+  files.add(kFile, own);
   language::CompileInput input;
   input.modelFile = kFile;
   input.compatibility = mode;
-  return compileText(input, files);
+  return compileText(input, files, own);
 }
 
 Compiled compileWithModel(const std::vector<ModuleExpression>& expressions, const language::Program& model,
                           const language::CompileInput& input, core::FileProvider& files) {
   const std::string text = files.read(input.modelFile).value_or("");
-  WithFile with(files, input.modelFile, text + "\n" + systemOf(expressions, model, false));
-  return compileText(input, with);
+  const std::string own = systemOf(expressions, model, false);
+  WithFile with(files, input.modelFile, text + "\n" + own);
+  return compileText(input, with, own);
 }
 
 bool drawsRandom(const language::ProductionList& list) {

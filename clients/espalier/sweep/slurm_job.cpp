@@ -6,8 +6,8 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <optional>
 
-#include "clients/espalier/messages.h"
 #include "server/remote/disk_files.h"
 
 namespace espalier::command {
@@ -56,14 +56,30 @@ std::uint64_t arrayLimit() {
   return std::max<std::uint64_t>(size == 0 ? kUsual : size, 2) - 1;
 }
 
-std::string partName(const SlurmJob& job, const std::string& number) {
-  return fs::path(job.output).replace_extension("").string() + ".part-" + number + ".sqlite";
-}
-
 std::string thisProgram() {
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
   return error ? "espalier" : program.string();
+}
+
+// the identifier of a submitted job, without the name of the cluster that may follow a `;`
+Result<std::string> submit(const std::string& command) {
+  const CommandOutput output = outputOf(command);
+  if (output.status != 0) {
+    return problem(
+        "Slurm has refused a job (its message is above): correct the options, as "
+        "--job-option=--partition=NAME. The command is " +
+        command);
+  }
+  return output.text.substr(0, output.text.find_first_of(";\n"));
+}
+
+std::string mergingScript(const SlurmJob& job, const std::string& program) {
+  const std::string stem = fs::path(job.output).replace_extension("").string();
+  return "#!/bin/bash\n#SBATCH --job-name=espalier-merge\n#SBATCH --output=" + stem +
+         ".slurm-merge.log\nparts=()\nfor k in $(seq " + std::to_string(job.slices) + "); do parts+=(" +
+         quotedForShell(stem) + ".part-$k.sqlite); done\nexec " + quotedForShell(program) +
+         " sweep merge \"${parts[@]}\" -o " + quotedForShell(job.output) + "\n";
 }
 
 }  // namespace
@@ -87,62 +103,49 @@ std::string slurmScript(const SlurmJob& job, const std::string& program) {
          std::to_string(job.slices) + " --workers ${SLURM_CPUS_PER_TASK:-1}\n";
 }
 
-std::optional<std::string> submitSlurmJob(const SlurmJob& job) {
+Result<std::vector<std::string>> submitSlurmJob(const SlurmJob& job) {
   const std::string stem = fs::path(job.output).replace_extension("").string();
   const std::string script = stem + ".slurm.sh";
-  const std::string program = thisProgram();
-  if (auto problem = server::writeFileAtomically(script, slurmScript(job, program))) {
-    return problem;
-  }
-  const bool isHere = isOnPath("sbatch");
-  std::string wanted;
-  std::string dependency;
-  for (const auto& [first, count] : slurmArrays(job.slices, isHere ? arrayLimit() : 1000)) {
-    const std::string command = "sbatch --parsable --array=1-" + std::to_string(count) +
-                                " --export=ALL,ESPALIER_OFFSET=" + std::to_string(first - 1) + " " +
-                                quotedForShell(script);
-    wanted += "\n  " + command;
-    if (!isHere) {
-      continue;
-    }
-    const CommandOutput submitted = outputOf(command);
-    if (submitted.status != 0) {
-      return "Slurm has refused the jobs (its message is above): correct the options, as --job-option=--partition=NAME";
-    }
-    // the number of the job, perhaps with a `;` and the name of the cluster
-    const std::string id = submitted.text.substr(0, submitted.text.find_first_of(";\n"));
-    dependency += ":" + id;
-    std::printf("%s\n", id.c_str());
-  }
-  std::string parts;
-  for (std::uint64_t slice = 1; slice <= job.slices && job.slices <= 1000; ++slice) {
-    parts += " " + quotedForShell(partName(job, std::to_string(slice)));
-  }
-  if (job.slices > 1000) {
-    parts = " " + quotedForShell(stem) + ".part-*.sqlite";
-  }
-  const std::string merge = "#!/bin/bash\n#SBATCH --job-name=espalier-merge\n#SBATCH --output=" + stem +
-                            ".slurm-merge.log\nexec " + quotedForShell(program) + " sweep merge" + parts + " -o " +
-                            quotedForShell(job.output) + "\n";
   const std::string mergeScript = stem + ".slurm-merge.sh";
-  if (auto problem = server::writeFileAtomically(mergeScript, merge)) {
-    return problem;
+  const std::string program = thisProgram();
+  for (const auto& [file, text] :
+       {std::pair(script, slurmScript(job, program)), std::pair(mergeScript, mergingScript(job, program))}) {
+    if (auto mistake = server::writeFileAtomically(file, text)) {
+      return problem(*mistake);
+    }
   }
-  wanted += "\n  sbatch --dependency=afterok:JOBS " + quotedForShell(mergeScript);
+  std::vector<std::string> commands;
+  const bool isHere = isOnPath("sbatch");
+  for (const auto& [first, count] : slurmArrays(job.slices, isHere ? arrayLimit() : 1000)) {
+    commands.push_back("sbatch --parsable --array=1-" + std::to_string(count) +
+                       " --export=ALL,ESPALIER_OFFSET=" + std::to_string(first - 1) + " " + quotedForShell(script));
+  }
+  const std::string merging = "sbatch --parsable --dependency=afterok:";
   if (!isHere) {
-    return "Slurm is not here: there is no sbatch on the PATH. The job scripts are '" + script + "' and '" +
-           mergeScript + "'. On the cluster these commands submit the sweep:" + wanted;
+    std::string wanted;
+    for (const std::string& command : commands) {
+      wanted += "\n  " + command;
+    }
+    return problem("Slurm is not here: there is no sbatch on the PATH. The job scripts are '" + script + "' and '" +
+                   mergeScript + "'. On the cluster these commands submit the sweep:" + wanted + "\n  " + merging +
+                   "JOBS " + quotedForShell(mergeScript));
   }
-  const CommandOutput submitted =
-      outputOf("sbatch --parsable --dependency=afterok" + dependency + " " + quotedForShell(mergeScript));
-  if (submitted.status != 0) {
-    return "Slurm has refused the job that merges the parts: run " + mergeScript +
-           " yourself when the others have ended";
+  std::vector<std::string> jobs;
+  std::string all;
+  for (const std::string& command : commands) {
+    const Result<std::string> submitted = submit(command);
+    if (!submitted) {
+      return problem(submitted.error());
+    }
+    jobs.push_back(*submitted);
+    all += (all.empty() ? "" : ":") + *submitted;
   }
-  std::printf("%s", submitted.text.c_str());
-  printNote("submitted " + std::to_string(job.slices) + " jobs and the one that merges their parts into '" +
-            job.output + "'");
-  return std::nullopt;
+  const Result<std::string> submitted = submit(merging + all + " " + quotedForShell(mergeScript));
+  if (!submitted) {
+    return problem(submitted.error());
+  }
+  jobs.push_back(*submitted);
+  return jobs;
 }
 
 }  // namespace espalier::command

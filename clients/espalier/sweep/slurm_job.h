@@ -1,10 +1,11 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "clients/espalier/result.h"
 
 namespace espalier::command {
 
@@ -24,8 +25,8 @@ struct SlurmJob {
 [[nodiscard]] std::string slurmScript(const SlurmJob& job, const std::string& program);
 
 /// Writes the job script beside the output (NAME.slurm.sh), submits as many arrays as the limit of the cluster
-/// (MaxArraySize) asks for, and a job that merges all parts afterwards. Prints what it has submitted. A sentence when
-/// it fails; without Slurm it says what it would have submitted.
-[[nodiscard]] std::optional<std::string> submitSlurmJob(const SlurmJob& job);
+/// (MaxArraySize) asks for, and a job that merges all parts afterwards. Returns their identifiers, the last is of the
+/// merging job. Without Slurm the problem says what would have been submitted.
+[[nodiscard]] Result<std::vector<std::string>> submitSlurmJob(const SlurmJob& job);
 
 }  // namespace espalier::command

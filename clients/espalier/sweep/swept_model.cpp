@@ -132,9 +132,9 @@ std::optional<std::string> SweptModel::findParameters(const language::Program& p
       if (parameter.kind != ParameterKind::Define) {
         names.insert(names.end(), variables.begin(), variables.end());
       }
-      const std::string what = isUnknown                        ? "#define and no variable"
+      const std::string what = isUnknown                                 ? "#define and no variable"
                                : parameter.kind == ParameterKind::Define ? "#define"
-                                                                : "variable";
+                                                                         : "variable";
       problems += (problems.empty() ? "" : "\n") + ("parameters." + parameter.name) + ": the model has no " + what +
                   " '" + parameter.target + "'. " +
                   (names.empty() ? "It has none: write the number that changes as a #define"
