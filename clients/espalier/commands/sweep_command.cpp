@@ -77,6 +77,7 @@ std::string foundFile(const std::string& name, const std::string& folder, bool i
 /// A plan with everything that its runs need.
 struct Prepared {
   Plan plan;
+  std::string file;
   std::string folder;
   RunTable table;
 };
@@ -93,7 +94,8 @@ std::optional<Prepared> readPlanFile(const std::string& file, bool isPiped) {
     printError(file + ": " + plan.error());
     return std::nullopt;
   }
-  Prepared prepared{.plan = std::move(*plan), .folder = fs::path(file).parent_path().string(), .table = {}};
+  Prepared prepared{
+      .plan = std::move(*plan), .file = file, .folder = fs::path(file).parent_path().string(), .table = {}};
   if (!isPiped) {
     Result<RunTable> table = makeRuns(prepared.plan, prepared.folder, files);
     if (!table) {
@@ -106,12 +108,15 @@ std::optional<Prepared> readPlanFile(const std::string& file, bool isPiped) {
 }
 
 // the environment of a plan or of its model; prints an error and returns false
-bool findEnvironment(SweepInput& input, const std::string& folder, const ModelOptions& model,
+bool findEnvironment(SweepInput& input, const std::string& planFile, const ModelOptions& model,
                      core::FileProvider& files) {
+  const std::string folder = fs::path(planFile).parent_path().string();
   const std::string& own = input.plan.environment;
   std::string text = own.starts_with('{') || own.starts_with('[') ? own : "";
   std::string file = text.empty() ? (own.empty() ? model.environment : foundFile(own, folder, false)) : "the plan";
-  if (file.empty()) {
+  // a plan beside the model with its name is no environment
+  std::error_code error;
+  if (file.empty() || (own.empty() && fs::equivalent(file, planFile, error))) {
     return true;
   }
   if (text.empty() && environment::findProcess(file) != nullptr) {
@@ -174,7 +179,7 @@ std::unique_ptr<SweptModel> loadSweptModel(Prepared& prepared, bool isQuiet, cor
   input.model.limits = options.simulationLimits();
   input.model.defines = plan.defines;
   input.palette = folder.palette.empty() ? program->view.palette : folder.palette;
-  if (!findEnvironment(input, prepared.folder, options, files)) {
+  if (!findEnvironment(input, prepared.file, options, files)) {
     return nullptr;
   }
   const std::span<const double> first = prepared.table.count() == 0 ? std::span<const double>() : prepared.table.row(0);

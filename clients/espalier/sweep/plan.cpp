@@ -393,6 +393,9 @@ void readMeasure(const std::string& name, const ordered_json& value, const Plan&
     case Kind::Maximum:
     case Kind::Deviation:
       reader.text(word.c_str(), measure.expression);
+      if (measure.expression.find_first_not_of(' ') == std::string::npos) {
+        reader.complain(word, "expected an expression over the names in 'of'");
+      }
       break;
     default:
       reader.text(word.c_str(), measure.what);

@@ -9,6 +9,7 @@ import io
 import os
 import subprocess
 import tempfile
+from dataclasses import dataclass
 from typing import Any, Dict, List, NamedTuple, Optional, Union
 
 from .errors import ServerFailed
@@ -18,7 +19,8 @@ from .program import find_program
 Path = Union[str, "os.PathLike[str]"]
 
 
-class Results(NamedTuple):
+@dataclass(frozen=True)
+class Results:
     """The results of a sweep by the number of the run. NaN: no value, or the run failed."""
 
     columns: Dict[str, Any]  # by name, in order: run, seed, the parameters, the measures; arrays (n)
