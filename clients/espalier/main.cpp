@@ -40,6 +40,7 @@ int main(int argumentCount, char** arguments) {
   addForest(program, status);
   addSweep(program, status);
   addInfer(program, status);
+  addLanguageServer(program, status);
   addField(program, status);
   addReplay(program, status);
   addConformance(program, status);
