@@ -153,6 +153,7 @@ class Sweep(unittest.TestCase):
     def test_a_killed_sweep_continues_and_no_run_is_lost_or_doubled(self) -> None:
         self.kill_and_continue(10)
 
+    @unittest.skipUnless(os.environ.get("ESPALIER_LONG_TESTS") == "yes", "takes long: ./dev test --all sweep")
     def test_long_a_sweep_that_is_killed_a_hundred_times(self) -> None:
         self.kill_and_continue(100)
 

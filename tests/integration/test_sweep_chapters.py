@@ -3,6 +3,7 @@
 import importlib.util
 import json
 import math
+import os
 import sys
 import tempfile
 import unittest
@@ -88,6 +89,7 @@ class Chapter(unittest.TestCase):
         self.assertTrue(82 <= inside <= 97, inside)
         self.assertLess(width, 1 / 3)
 
+    @unittest.skipUnless(os.environ.get("ESPALIER_LONG_TESTS") == "yes", "takes long: ./dev test --all sweep")
     def test_long_patterns_filter_the_sets_and_the_planted_one_survives(self) -> None:
         report = script("patterns").filtered()
         self.assertGreaterEqual(len(report.filters), 4)

@@ -37,11 +37,15 @@ class Model:
     change, as in a plan of `espalier sweep` (docs/sweeps.md). `measures`, and `settings` such as environment, steps, defines
     and answered, are the plan's members. `workers`: runs at the same time; 0: as many as the machine has cores.
 
+    `client`: a Dask client. Its workers, which have the package and the program and reach the model under the same name, then
+    make the runs.
+
     The process that makes the runs stays until close() or the end of the `with` block. Several threads may call run(): one
     runs, the others wait."""
 
     def __init__(self, model: Union[str, "os.PathLike[str]"], *, measures: Mapping[str, Mapping[str, Any]],
-                 parameters: Names = (), workers: int = 0, program: Optional[str] = None, **settings: Any) -> None:
+                 parameters: Names = (), workers: int = 0, program: Optional[str] = None, client: Any = None,
+                 **settings: Any) -> None:
         require_numpy()
         name = os.fspath(model)
         plan: Dict[str, Any] = dict(settings)
@@ -51,8 +55,19 @@ class Model:
         plan["parameters"] = ({key: dict(value) for key, value in parameters.items()} if isinstance(parameters, Mapping)
                               else {key: {} for key in parameters})
         plan["measures"] = {key: dict(value) for key, value in measures.items()}
-        self.plan = json.dumps(plan)
+        self._open(json.dumps(plan), workers, program, client)
+
+    @classmethod
+    def of_plan(cls, plan: str, *, workers: int = 0, program: Optional[str] = None) -> "Model":
+        """A model of the text of a plan without runs, as the attribute `plan` of another model."""
+        made = cls.__new__(cls)
+        made._open(plan, workers, program, None)
+        return made
+
+    def _open(self, plan: str, workers: int, program: Optional[str], client: Any) -> None:
+        self.plan = plan
         self.workers = workers
+        self._client = client
         self.failures: List[Tuple[int, str]] = []
         self._lock = threading.Lock()
         self._start(find_program() if program is None else program)
@@ -93,13 +108,25 @@ class Model:
         if not np.isfinite(rows).all():
             raise ValueError("A parameter is not finite: give numbers only.")
         keys = b""
+        given = None
         if seeds is not None:
             given = np.asarray(seeds)
             if given.shape != (len(rows),) or not np.issubdtype(given.dtype, np.integer) or (given < 0).any():
                 raise ValueError(f"Expected {len(rows)} seeds, whole numbers from 0.")
             keys = given.astype("<u8").tobytes()
+        if self._client is not None:
+            return self._spread(rows, given)
         with self._lock:
             return self._exchange(HEAD.pack(len(rows), 1 if keys else 0) + rows.tobytes() + keys, len(rows))
+
+    def _spread(self, rows: Any, seeds: Any) -> Any:
+        np = require_numpy()
+        count = max(1, len(rows) // (4 * max(1, len(self._client.scheduler_info()["workers"]))))
+        starts = range(0, len(rows), count)
+        parts = [(rows[i:i + count], None if seeds is None else seeds[i:i + count]) for i in starts]
+        answers = self._client.gather([self._client.submit(run_on_worker, self.plan, *part, pure=False) for part in parts])
+        self.failures = [(start + row, message) for start, (_, failures) in zip(starts, answers) for row, message in failures]
+        return np.concatenate([values for values, _ in answers] or [np.empty((0, len(self.measures)))])
 
     def _exchange(self, request: bytes, count: int) -> Any:
         np = require_numpy()
@@ -151,3 +178,17 @@ class Model:
         if hasattr(self, "_process") and self._process.poll() is None:
             self._process.kill()
             self.close()
+
+
+worker_models: Dict[str, Model] = {}
+
+
+def run_on_worker(plan: str, rows: Any, seeds: Any) -> Tuple[Any, List[Tuple[int, str]]]:
+    """Values and failures of some rows. A Dask worker calls it; it keeps the model of the plan for the next call."""
+    if plan not in worker_models:
+        for other in worker_models.values():
+            other.close()
+        worker_models.clear()
+        worker_models[plan] = Model.of_plan(plan, workers=1)
+    model = worker_models[plan]
+    return model.run(rows, seeds), model.failures
