@@ -67,6 +67,7 @@ int main(int argumentCount, char** arguments) {
   addDisassemble(program, status);
   addEvolve(program, status);
   addForest(program, status);
+  addSweep(program, status);
   addInfer(program, status);
   addLanguageServer(program, status);
   addField(program, status);

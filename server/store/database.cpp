@@ -14,9 +14,13 @@ void Database::fail() {
   }
 }
 
-void Database::openFile(const std::string& file, int flags) {
+void Database::openFile(const std::string& file, int flags, Access access) {
   if (sqlite3_open_v2(file.c_str(), &connection_, flags | SQLITE_OPEN_NOMUTEX, nullptr) != SQLITE_OK) {
     fail();
+    return;
+  }
+  if (access == Access::Exclusive) {
+    execute("PRAGMA locking_mode = EXCLUSIVE");
     return;
   }
   // another process may hold the file for a moment: a backup begins while the server writes, or the other way round
@@ -26,11 +30,11 @@ void Database::openFile(const std::string& file, int flags) {
 
 void Database::openToRead(const std::string& file) {
   // reading a write-ahead log needs its index, which a reader may have to make
-  openFile(file, SQLITE_OPEN_READWRITE);
+  openFile(file, SQLITE_OPEN_READWRITE, Access::Shared);
 }
 
-void Database::open(const std::string& file) {
-  openFile(file, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE);
+void Database::open(const std::string& file, Access access) {
+  openFile(file, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, access);
   execute("PRAGMA journal_mode = WAL");
   // the log is forced to disk when it is moved into the database, so that a power failure costs moments, never the file
   execute("PRAGMA synchronous = NORMAL");
@@ -71,6 +75,16 @@ Database::Statement& Database::Statement::bind(int index, std::int64_t value) {
   return *this;
 }
 
+Database::Statement& Database::Statement::bind(int index, double value) {
+  sqlite3_bind_double(statement_, index, value);
+  return *this;
+}
+
+Database::Statement& Database::Statement::bindNull(int index) {
+  sqlite3_bind_null(statement_, index);
+  return *this;
+}
+
 Database::Statement& Database::Statement::bind(int index, std::string_view text) {
   sqlite3_bind_text64(statement_, index, text.data(), text.size(), SQLITE_TRANSIENT, SQLITE_UTF8);
   return *this;
@@ -97,8 +111,20 @@ void Database::Statement::run() {
   }
 }
 
+void Database::Statement::reset() {
+  sqlite3_reset(statement_);
+}
+
 std::int64_t Database::Statement::integer(int column) const {
   return sqlite3_column_int64(statement_, column);
+}
+
+double Database::Statement::real(int column) const {
+  return sqlite3_column_double(statement_, column);
+}
+
+bool Database::Statement::isNull(int column) const {
+  return sqlite3_column_type(statement_, column) == SQLITE_NULL;
 }
 
 std::string_view Database::Statement::text(int column) const {

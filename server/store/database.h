@@ -19,8 +19,12 @@ class Database {
   Database(const Database&) = delete;
   Database& operator=(const Database&) = delete;
 
+  enum class Access : std::uint8_t {
+    Shared,    // several connections, on one machine
+    Exclusive  // no other connection can open the file; works on file systems of networks too
+  };
   /// Opens or makes the file with a write-ahead log.
-  void open(const std::string& file);
+  void open(const std::string& file, Access access = Access::Shared);
   /// Opens a file that is there, beside a server that may write it.
   void openToRead(const std::string& file);
   void execute(const char* sql);
@@ -40,14 +44,20 @@ class Database {
     Statement& operator=(const Statement&) = delete;
 
     Statement& bind(int index, std::int64_t value);
+    Statement& bind(int index, double value);
     Statement& bind(int index, std::string_view text);
+    Statement& bindNull(int index);
     /// The bytes must live until the statement is run.
     Statement& bindBytes(int index, std::string_view bytes);
     /// Whether there is a row.
     bool next();
     /// Runs it to its end.
     void run();
+    /// Makes it ready for other values.
+    void reset();
     [[nodiscard]] std::int64_t integer(int column) const;
+    [[nodiscard]] double real(int column) const;
+    [[nodiscard]] bool isNull(int column) const;
     [[nodiscard]] std::string_view text(int column) const;
     [[nodiscard]] std::string_view bytes(int column) const;
 
@@ -58,7 +68,7 @@ class Database {
 
  private:
   void fail();
-  void openFile(const std::string& file, int flags);
+  void openFile(const std::string& file, int flags, Access access);
 
   sqlite3* connection_ = nullptr;
   std::optional<std::string> problem_;

@@ -24,6 +24,7 @@ void addServe(CLI::App& program, int& status);
 void addEnvironment(CLI::App& program, int& status);
 void addEvolve(CLI::App& program, int& status);
 void addForest(CLI::App& program, int& status);
+void addSweep(CLI::App& program, int& status);
 void addInfer(CLI::App& program, int& status);
 void addLanguageServer(CLI::App& program, int& status);
 void addField(CLI::App& program, int& status);

@@ -98,8 +98,8 @@ struct Bounds {
 };
 
 // area of the shade on the ground of light that goes `alongX` and `alongZ` to the side for each unit
-// downward; lines count as `widest` at most
-double shadeOf(const turtle::Geometry& geometry, double alongX, double alongZ, double widest) {
+// downward; lines count as `widest` at most; lines reach at most `margin` beyond the points at their ends
+double shadeOf(const turtle::Geometry& geometry, double alongX, double alongZ, double widest, double margin = 0.0) {
   const auto fallen = [&](const Vec3& p) { return Vec3{p.x + alongX * p.y, 0.0, p.z + alongZ * p.y}; };
   Bounds bounds;
   bounds.add({});
@@ -115,11 +115,11 @@ double shadeOf(const turtle::Geometry& geometry, double alongX, double alongZ, d
   for (const Vec3& end : geometry.end) {
     height = std::max(height, end.y);
   }
-  const double extent = std::max(bounds.extent(), height);
+  const double extent = std::max(bounds.extent(), height) + 2.0 * margin;
   if (!(extent > 0.0)) {
     return 0.0;
   }
-  GroundShade shade(bounds.low.x, bounds.low.z, extent);
+  GroundShade shade(bounds.low.x - margin, bounds.low.z - margin, extent);
   for (std::size_t i = 0; i < geometry.start.size(); ++i) {
     const double width = geometry.areWidthsPixels ? 0.0 : std::max(geometry.startWidth[i], geometry.endWidth[i]);
     shade.addLine(fallen(geometry.start[i]), fallen(geometry.end[i]), std::min(width, widest));
@@ -228,6 +228,14 @@ PlantMeasures measurePlant(turtle::Scene&& scene, const files::ViewSettings& vie
                          shadeOf(geometry, 0.0, 1.0, twig) + shadeOf(geometry, 0.0, -1.0, twig);
   measures.sky = (shadeOf(geometry, 0.0, 0.0, twig) + oblique / std::numbers::sqrt2) / 5.0;
   return measures;
+}
+
+double silhouetteArea(const turtle::Geometry& geometry) {
+  double widest = 0.0;
+  for (std::size_t i = 0; i < geometry.start.size() && !geometry.areWidthsPixels; ++i) {
+    widest = std::max({widest, geometry.startWidth[i], geometry.endWidth[i]});
+  }
+  return shadeOf(geometry, 0.0, 0.0, INFINITY, widest / 2.0);
 }
 
 std::optional<std::string> FitnessFormula::read(std::string_view text, FitnessFormula& formula) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engine/files/view_settings.h"
+#include "engine/turtle/scene/geometry.h"
 #include "engine/turtle/scene/scene.h"
 
 namespace espalier::command {
@@ -42,6 +43,10 @@ inline constexpr std::string_view kUsualFitness = "symmetry=2,sky=1,height=1,ext
 /// Measures a scene of one plant. After Ochoa 1998 ("On genetic algorithms and Lindenmayer systems"), whose measures
 /// are those of plane figures on a screen; ours are those of plants in space. O(segments log segments + triangles).
 [[nodiscard]] PlantMeasures measurePlant(turtle::Scene&& scene, const files::ViewSettings& view);
+
+/// The area of the shade on the ground of light from straight above. PlantMeasures::light is the same without the parts
+/// of thick lines beyond the extent of their ends.
+[[nodiscard]] double silhouetteArea(const turtle::Geometry& geometry);
 
 /// A product of powers of measures. The choice of units does not change the order of plants.
 struct FitnessFormula {

@@ -58,6 +58,12 @@ void ProgressBar::showWriting(const std::string& file, std::uint64_t done, std::
   }
 }
 
+void ProgressBar::showLine(const std::string& line) {
+  if (isOnTerminal_) {
+    draw(line);
+  }
+}
+
 void ProgressBar::clear() {
   if (isShown_) {
     std::fputs("\r\x1b[K", stderr);

@@ -24,6 +24,8 @@ class ProgressBar {
   void show(std::uint64_t completedSteps, std::uint64_t totalSteps, std::uint64_t moduleCount);
   /// The same for a file that is being written; redrawn only when the percentage changes.
   void showWriting(const std::string& file, std::uint64_t done, std::uint64_t total);
+  /// A line of the caller's.
+  void showLine(const std::string& line);
   /// Erases the bar, so that a message can be written in its place.
   void clear();
 

@@ -21,7 +21,7 @@ from .errors import ConnectionLost, EspalierError
 from .hosting import CLIENT_ROLES, hello_parameters
 from .model_folder import ModelSource
 from .requests import Inbox, NewModule, Request, Result, result_of
-from .shapes import Frame, Model, StepResult, TurtleRecord, Vector, step_of
+from .shapes import CompiledModel, Frame, StepResult, TurtleRecord, Vector, step_of
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -205,12 +205,12 @@ class AsyncClient:
     # ---- models and simulations --------------------------------------------------------------------------------
 
     @_as(blocking.Client.check)
-    async def check(self, source: str) -> Model:
+    async def check(self, source: str) -> CompiledModel:
         return await self._do(requests.check(source))
 
     @_as(blocking.Client.load)
     async def load(self, source: Optional[ModelSource] = None, *, gallery: Optional[str] = None,
-                   files: Optional[Mapping[str, str]] = None, main: Optional[str] = None) -> Model:
+                   files: Optional[Mapping[str, str]] = None, main: Optional[str] = None) -> CompiledModel:
         return await self._do(requests.load(source, gallery, files, main))
 
     @_as(blocking.Client.create)

@@ -25,7 +25,7 @@ from .errors import ConnectionLost, EspalierError
 from .hosting import CLIENT_ROLES, hello_parameters
 from .plotting import plotted
 from .requests import Inbox, NewModule, Request, Result, result_of
-from .shapes import Frame, Model, StepResult, TurtleRecord, Vector, step_of
+from .shapes import CompiledModel, Frame, StepResult, TurtleRecord, Vector, step_of
 from .viewing import View, geometry_of
 
 
@@ -161,7 +161,7 @@ class Client:
 
     # ---- models ------------------------------------------------------------------------------------------------
 
-    def check(self, source: str) -> Model:
+    def check(self, source: str) -> CompiledModel:
         """Compiles a model without keeping it. The diagnostics name every error with its place.
 
         >>> wrong = client.check("Lsystem: 1")
@@ -171,7 +171,7 @@ class Client:
         return self._do(requests.check(source))
 
     def load(self, source: Optional[ModelSource] = None, *, gallery: Optional[str] = None,
-             files: Optional[Mapping[str, str]] = None, main: Optional[str] = None) -> Model:
+             files: Optional[Mapping[str, str]] = None, main: Optional[str] = None) -> CompiledModel:
         """Compiles a model and keeps it on the server, for many simulations: `create(loaded=model.model)`.
 
         >>> client.load(gallery="classic-algae").valid

@@ -15,7 +15,7 @@ from .environment_entries import Process
 from .errors import EspalierError, ProtocolError, ServerError
 from .frames import read_next
 from .model_folder import ModelSource, reference
-from .shapes import Frame, Model, StepResult, TurtleRecord, Vector, read_model, read_record, read_step
+from .shapes import CompiledModel, Frame, StepResult, TurtleRecord, Vector, read_model, read_record, read_step
 
 Result = TypeVar("Result")
 # a module to be put into a string: its symbol and parameters, as in ("F", 1.5)
@@ -94,12 +94,12 @@ class Inbox:
 # ---- models and the server ------------------------------------------------------------------------------------------
 
 
-def check(source: str) -> Request[Model]:
+def check(source: str) -> Request[CompiledModel]:
     return Request("model.check", {"source": source}, read_model)
 
 
 def load(source: Optional[ModelSource], gallery: Optional[str], files: Optional[Mapping[str, str]],
-         main: Optional[str]) -> Request[Model]:
+         main: Optional[str]) -> Request[CompiledModel]:
     return Request("model.load", {"model": _reference(source, gallery, files, main, None)}, read_model)
 
 

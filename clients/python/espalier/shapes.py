@@ -30,7 +30,7 @@ class StepResult:
 
 
 @dataclass(frozen=True)
-class Model:
+class CompiledModel:
     """A model that the server has compiled, or its errors.
 
     >>> wrong = client.check("Lsystem: 1\\nAxiom: A(\\nendlsystem\\n")
@@ -203,7 +203,7 @@ def step_of(frame: Frame) -> StepResult:
     return StepResult(frame.step, frame.finished, False, False, frame.statistics)
 
 
-def read_model(shape: Mapping[str, Any]) -> Model:
+def read_model(shape: Mapping[str, Any]) -> CompiledModel:
     """What the answer to model.check or model.load says."""
-    return Model(str(shape.get("model", "")), bool(shape["valid"]), int(shape.get("derivationLength", 0)),
+    return CompiledModel(str(shape.get("model", "")), bool(shape["valid"]), int(shape.get("derivationLength", 0)),
                  shape.get("diagnostics", []))
