@@ -40,6 +40,9 @@ THREAD_TARGET = 0.9  # gain of two threads over the gain of two threads that cop
 
 ROUND_TRIP_TARGET = 3.0  # median of a step of a small plant over a bare echo of as many bytes, left alone
 
+SWEEP_TARGET = 1.05  # runs of a sweep over the same runs in a bare loop
+SWEEP_MINUTES = 10.0  # of 10^5 runs by two workers
+
 OTHER_COLUMNS = (
     ("modules", "modules", "{:,.0f}", 1),
     ("modules/s", "M modules/s", "{:.1f}", 1e-6),
@@ -151,6 +154,17 @@ def field_rows(entries: dict) -> list[list[str]]:
             touched, copied = entry["bytes/s"], entry["copied bytes/s"]
             rows.append([name, f"{milliseconds(entry):,.2f}", f"{touched / 1e9:.2f}", f"{copied / 1e9:.2f}",
                          f"{touched / copied:.2f}"])
+    return rows
+
+
+def sweep_rows(entries: dict) -> list[list[str]]:
+    rows = [["sweep", "modules", "runs/s, one worker", "x bare loop", "target", "", "100,000 runs by two, extrapolated", "target", ""]]
+    for name, entry in entries.items():
+        if name.startswith("sweep/"):
+            share, minutes = entry["of a bare loop"], entry["minutes for 100000"]
+            rows.append([name, f"{entry['modules']:,.0f}", f"{entry['runs/s']:,.0f}", f"{share:.3f}", f"{SWEEP_TARGET}",
+                         verdict(share <= SWEEP_TARGET), f"{minutes:.1f} min", f"{SWEEP_MINUTES:.0f} min",
+                         verdict(minutes <= SWEEP_MINUTES)])
     return rows
 
 
@@ -305,6 +319,7 @@ def main() -> int:
     print_table("No cliff: small strings, many productions and parameters, nesting, contexts",
                 cliff_rows(entries, baseline), page)
     print_table("Fields, beside plain copies of as many bytes", field_rows(entries), page)
+    print_table("Sweeps", sweep_rows(entries), page)
     print_table("Work proportional to what changed", change_rows(entries), page)
     print_table("Everything else", other_rows(entries, baseline), page)
     print_table("Growth with the number of queries", growth_rows(entries), page)

@@ -42,7 +42,7 @@ def filtered() -> Report:
     with tempfile.TemporaryDirectory() as folder:
         espalier.sweep.run(HERE / "patterns.json", f"{folder}/sets.sqlite")
         results = espalier.sweep.results(f"{folder}/sets.sqlite")
-    with espalier.Model(PLAN["model"], parameters=names, measures=PLAN["measures"], steps=PLAN["steps"]) as model:
+    with espalier.Model(HERE / PLAN["model"], parameters=names, measures=PLAN["measures"], steps=PLAN["steps"]) as model:
         planted = dict(zip(model.measures, model.run([[PLANTED[name] for name in names]])[0]))
 
     def agrees(values: Any, pattern: str) -> Any:

@@ -1,0 +1,121 @@
+// Sweeps beside a bare loop over the same runs: what the table, the measures and the file of results cost.
+
+#include <benchmark/benchmark.h>
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "clients/espalier/sweep/sweep.h"
+#include "environment/published/published_environment.h"
+#include "tests/benchmark/workload.h"
+#include "tests/support/disk_files.h"
+#include "tests/support/places.h"
+
+namespace espalier::benchmarking {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t kRuns = 300;
+
+std::string modelFile(const char* suffix) {
+  return sourceFolder() + "/clients/gallery/branch-tiers/branch-tiers" + suffix;
+}
+
+// the environment of branch-tiers: honda, by its published file
+std::unique_ptr<turtle::EnvironmentProcess> honda() {
+  test::DiskFiles files;
+  std::vector<core::Diagnostic> warnings;
+  auto made = environment::makeFromEnvironmentFile(modelFile(".e"), files, core::Compatibility::Espalier, warnings);
+  if (!made) {
+    throw std::runtime_error(made.error().front().message);
+  }
+  return std::move(*made);
+}
+
+double seconds(Clock::time_point begin) {
+  return std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
+// the runs without a sweep: one simulation that is set back for each run
+double bareLoop(const std::shared_ptr<const language::Program>& program, std::uint64_t& modules) {
+  simulation::Simulation simulation(program, {turtle::PlantPlacement{}}, honda(), {});
+  const auto begin = Clock::now();
+  for (std::size_t i = 0; i < kRuns; ++i) {
+    require(simulation.rewind());
+    while (!simulation.isFinished()) {
+      require(simulation.step());
+    }
+    modules = simulation.string().size();
+  }
+  return seconds(begin);
+}
+
+double sweep(command::SweptModel& model, const command::RunTable& table) {
+  const std::string file =
+      (fs::temp_directory_path() / ("espalier-sweep-" + std::to_string(getpid()) + ".sqlite")).string();
+  const auto begin = Clock::now();
+  {
+    auto results = command::SweepResults::continued(file, command::describeSweep(model, table));
+    const std::atomic<bool> isCancelled{false};
+    command::SweepProgress last;
+    const auto problem = command::runSweep(
+        model, table, {}, 1, *results, {}, isCancelled, [](const command::SweepProgress&) {}, last);
+    if (problem || last.failed > 0) {
+      throw std::runtime_error(problem.value_or(last.firstError));
+    }
+  }
+  const double taken = seconds(begin);
+  for (const char* suffix : {"", "-wal", "-shm"}) {
+    fs::remove(file + suffix);
+  }
+  return taken;
+}
+
+void runs(benchmark::State& state) {
+  test::DiskFiles files;
+  const auto program = compileFile(modelFile(".l"), modelFile(".v"), {});
+  command::SweepInput input;
+  input.plan = *command::readPlan("{\"model\":\"branch-tiers\",\"replicates\":" + std::to_string(kRuns) +
+                                  ",\"measures\":{\"modules\":{\"count\":\"*\"},\"tips\":{\"count\":\"A\"}}}");
+  input.model.modelFile = modelFile(".l");
+  input.model.viewFile = modelFile(".v");
+  input.environmentMaker = honda;
+  auto table = command::makeRuns(input.plan, "", files);
+  auto model = command::SweptModel::make(std::move(input), {}, files);
+  if (!model || !table) {
+    throw std::runtime_error(model ? table.error() : model.error());
+  }
+  std::vector<double> bare;
+  std::vector<double> swept;
+  std::uint64_t modules = 0;
+  for (auto _ : state) {
+    // in turn, so that a busy machine slows both
+    bare.push_back(bareLoop(program, modules));
+    swept.push_back(sweep(**model, *table));
+  }
+  const auto median = [](std::vector<double>& times) {
+    std::nth_element(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2), times.end());
+    return times[times.size() / 2];
+  };
+  const double time = median(swept);
+  state.counters["modules"] = benchmark::Counter(static_cast<double>(modules));
+  state.counters["runs/s"] = benchmark::Counter(kRuns / time);
+  state.counters["of a bare loop"] = benchmark::Counter(time / median(bare));
+  // of 10^5 runs by two workers, extrapolated
+  state.counters["minutes for 100000"] = benchmark::Counter(1e5 / kRuns * time / 2.0 / 60.0);
+}
+
+BENCHMARK(runs)->Name("sweep/branch-tiers")->Unit(benchmark::kMillisecond)->Iterations(15);
+
+}  // namespace
+}  // namespace espalier::benchmarking
