@@ -71,8 +71,10 @@ int main(int argumentCount, char** arguments) {
   addInfer(program, status);
   addLanguageServer(program, status);
   addField(program, status);
+  addTraits(program, status);
   addReplay(program, status);
   addConformance(program, status);
+  addValidate(program, status);
   addServe(program, status);
   addEnvironment(program, status);
   addConnect(program, status);

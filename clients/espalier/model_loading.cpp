@@ -12,6 +12,7 @@
 #include "clients/espalier/messages.h"
 #include "clients/espalier/number_option.h"
 #include "clients/espalier/output/folder_writer.h"
+#include "clients/espalier/roots/root_system.h"
 #include "clients/espalier/world_file.h"
 #include "engine/files/file_name.h"
 #include "engine/language/compiler.h"
@@ -59,12 +60,47 @@ std::optional<std::string> readStartString(const std::string& file, core::FilePr
       printNote("'" + file + "' (--from) has the modules " + modules);
     }
   }
+  if (roots::isRootFile(file)) {
+    const auto roots = roots::readRoots(file, *text);
+    if (!roots) {
+      printError(file + ", " + roots.error());
+      return std::nullopt;
+    }
+    text = roots::stringOf(*roots);
+    if (!isQuiet) {
+      printNote("'" + file +
+                "' (--from) has the modules @M(x,y,z), @R(x,y,z), !(diameter), F(length), ?E(age,order,…)");
+    }
+  }
   if (text->find_first_not_of(" \t\r\n") == std::string::npos) {
     printError("'" + file + "' (--from) has no modules");
     return std::nullopt;
   }
   return text;
 }
+
+/// Gives a root system in a file as the source of a model, and a view file that draws round lines.
+class RootModelFiles final : public core::FileProvider {
+ public:
+  static constexpr const char* kViewSuffix = ".round-lines.v";
+
+  RootModelFiles(core::FileProvider& files, std::string name, std::string model)
+      : files_(files), name_(std::move(name)), model_(std::move(model)) {}
+  [[nodiscard]] std::optional<std::string> read(const std::string& name) override {
+    if (name == name_) {
+      return model_;
+    }
+    return name == name_ + kViewSuffix ? "line style: cylinder\n" : files_.read(name);
+  }
+  [[nodiscard]] std::optional<std::string> readInside(const std::string& folder, const std::string& name) override {
+    return files_.readInside(folder, name);
+  }
+
+ private:
+  core::FileProvider& files_;
+  std::string name_;
+  std::string model_;
+};
 
 bool drawsRandom(const language::ProductionList& list) {
   return std::any_of(list.productions.begin(), list.productions.end(),
@@ -148,7 +184,7 @@ void addReadingOptions(CLI::App& command, ModelOptions& options, bool isModelReq
   CLI::Option* model =
       command.add_option("model", options.model,
                          "An L-system file (.l, or a file of another dialect; FILE:ENTRY for one of several "
-                         "models in it),\na model folder, or a forest (.json)");
+                         "models in it),\na model folder, a forest (.json), or a root system (.rsml, or a .tsv table)");
   model->type_name("MODEL");
   model->required(isModelRequired);
   command.add_option("--dialect", options.dialect, "Dialect of the model (default: recognised by its content)")
@@ -228,7 +264,8 @@ void addRunningOptions(CLI::App& command, ModelOptions& options) {
       ->type_name("S");
   command
       .add_option("--from", options.startFile,
-                  "A string that replaces the axiom: a file of `run -o NAME.string` or an MTG (.mtg)")
+                  "A string that replaces the axiom: a file of `run -o NAME.string`, an MTG (.mtg), or a root\n"
+                  "system (.rsml, or a .tsv table)")
       ->type_name("FILE");
   command
       .add_option("--world", options.world,
@@ -313,6 +350,17 @@ std::shared_ptr<const language::Program> loadProgram(ModelOptions& options, core
     options.environment = modelFiles.environment;
   }
 
+  std::optional<RootModelFiles> rootFiles;
+  if (roots::isRootFile(modelFiles.model)) {
+    const auto text = files.read(modelFiles.model);
+    const auto roots = roots::readRoots(modelFiles.model, text.value_or(""));
+    if (!roots) {
+      printError(modelFiles.model + ", " + roots.error());
+      return nullptr;
+    }
+    rootFiles.emplace(files, modelFiles.model, roots::modelOf(*roots));
+    options.view += options.view.empty() ? modelFiles.model + RootModelFiles::kViewSuffix : "";
+  }
   language::CompileInput input;
   input.modelFile = modelFiles.model;
   input.viewFile = options.view;
@@ -322,7 +370,8 @@ std::shared_ptr<const language::Program> loadProgram(ModelOptions& options, core
   for (const std::string& define : options.defines) {
     input.defines.push_back(splitDefine(define));
   }
-  language::CompileResult result = language::compile(input, files);
+  language::CompileResult result =
+      language::compile(input, rootFiles ? static_cast<core::FileProvider&>(*rootFiles) : files);
   if (!printDiagnostics(result.diagnostics.entries(), options.isQuiet, options.remote.isStrict)) {
     return nullptr;
   }

@@ -2,7 +2,8 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <optional>
+#include <span>
+#include <utility>
 #include <vector>
 
 namespace espalier::environment {
@@ -24,9 +25,11 @@ class HydraulicTree {
     double axialConductance = 0.0;    // kx, length³/day, above 0
     double radialConductivity = 0.0;  // kr, 1/day; 0: no water crosses the surface
     double soilHead = 0.0;            // at the surface of the segment, length
-    double demand = 0.0;              // water that leaves the plant at this node (a leaf), length³/day
+    double demand = 0.0;              // water that leaves the plant at this node (a leaf) at head 0, length³/day
+    double demandByHead = 0.0;        // how much more at a higher head, length²/day, at least 0
+    std::uint32_t plant = 0;          // of a collar: the collars of a plant have one head
   };
-  /// What holds at a collar: a head, or a flow out of the plant.
+  /// What holds at the collars of a plant: a head, or a flow out of all its collars together.
   struct Collar {
     bool hasHead = true;
     double head = 0.0;
@@ -43,19 +46,22 @@ class HydraulicTree {
   struct Result {
     std::vector<double> heads;            // at the nodes
     std::vector<double> uptakes;          // through the surface of each node's segment, into the plant
-    std::vector<double> collarFlows;      // out of the plant at the collar of each tree, by collar (collars())
-    std::vector<double> conductances;     // Krs: flow per difference of soil and collar heads, length²/day, by collar
+    std::vector<double> collarFlows;      // out of all collars of a plant (plants)
+    std::vector<double> conductances;     // Krs: flow per difference of soil and collar heads, length²/day (plants)
     std::vector<double> uptakeFractions;  // SUF: parts of the uptake when the soil's total head is the same everywhere
   };
-  /// Solves all trees; all collars have the same conditions. O(nodes).
-  [[nodiscard]] Result solve(const Collar& collar) const;
+  /// Solves all trees. `plants` has the conditions of each plant, or of all when there is one. O(nodes).
+  [[nodiscard]] Result solve(std::span<const Collar> plants) const;
+  [[nodiscard]] Result solve(const Collar& all) const { return solve(std::span(&all, 1)); }
 
-  /// Indices of the nodes without parent, in order.
-  [[nodiscard]] std::vector<std::uint32_t> collars() const;
-  /// The collar that each node belongs to, as an index into collars().
-  [[nodiscard]] std::vector<std::uint32_t> collarOf() const;
+  /// The plant of each node.
+  [[nodiscard]] std::vector<std::uint32_t> plantOf() const;
 
  private:
+  /// The head of each plant's collars, from the flows out of the nodes below as base + slope · head (nodes).
+  [[nodiscard]] std::vector<double> collarHeads(std::span<const Collar> plants, const std::vector<double>& base,
+                                                const std::vector<double>& slope) const;
+
   std::vector<Node> nodes_;
 };
 

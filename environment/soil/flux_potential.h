@@ -15,6 +15,8 @@ class FluxPotential {
   explicit FluxPotential(const SoilLayer& soil);
 
   [[nodiscard]] double at(double head) const;
+  /// K at a head, length/day.
+  [[nodiscard]] double conductivityAt(double head) const { return soil_.conductivityAt(head); }
   /// The head of a potential; the driest head of the table below its first value.
   [[nodiscard]] double headAt(double potential) const;
 

@@ -112,6 +112,24 @@ double Ground::spanOf(std::size_t cell, std::size_t axis) const {
   return own + 0.5 * (above + below);
 }
 
+double Ground::meanAround(std::size_t cell, const std::vector<double>& amounts) const {
+  const std::array<std::size_t, 3> place{cell / counts_[1] % counts_[0], cell % counts_[1],
+                                         cell / (counts_[0] * counts_[1])};
+  double amount = 0.0;
+  double height = 0.0;  // of all cells, each as wide as this one
+  const auto from = [&](std::size_t axis) { return place[axis] == 0 ? 0 : place[axis] - 1; };
+  const auto until = [&](std::size_t axis) { return std::min(place[axis] + 2, counts_[axis]); };
+  for (std::size_t layer = from(2); layer < until(2); ++layer) {
+    for (std::size_t i = from(0); i < until(0); ++i) {
+      for (std::size_t k = from(1); k < until(1); ++k) {
+        amount += amounts[(layer * counts_[0] + i) * counts_[1] + k];
+        height += heights_[layer];
+      }
+    }
+  }
+  return amount * heights_[place[2]] / height;
+}
+
 double RateSeries::phaseOf(double day) const {
   return period_ > 0.0 ? day - period_ * std::floor(day / period_) : day;
 }

@@ -33,6 +33,12 @@ class Ground {
   [[nodiscard]] std::size_t fieldIndexOf(std::size_t cell) const;
   /// Depth of a cell's middle below the top of the box, length.
   [[nodiscard]] double depthOf(std::size_t cell) const;
+  /// How far up a point is, length.
+  [[nodiscard]] double heightOf(const core::Vec3& point) const {
+    return sign_ * (axis_[2] == 0 ? point.x : axis_[2] == 1 ? point.y : point.z);
+  }
+  /// The mean of an amount per volume over a cell and those that touch it, times the cell's volume (cells).
+  [[nodiscard]] double meanAround(std::size_t cell, const std::vector<double>& amounts) const;
   /// Central differences of a quantity of the cells, per length, in world coordinates. A neighbour that is not open
   /// counts as having the cell's own value.
   template <typename Value>

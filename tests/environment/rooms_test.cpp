@@ -19,7 +19,7 @@ const std::map<std::string, std::set<std::string>>& allowedRooms() {
       {"obstacles", {"base", "geometry"}},
       {"light", {"base", "geometry", "obstacles"}},
       {"soil", {"base", "geometry", "obstacles"}},
-      {"hydraulics", {"base", "geometry"}},
+      {"hydraulics", {"base", "geometry", "obstacles", "soil"}},
       {"competition", {"base", "geometry", "obstacles"}},
       {"directions", {"base", "geometry"}},
       {"", {"base"}},  // the root: it knows the processes by processes.def only

@@ -30,6 +30,8 @@ void addLanguageServer(CLI::App& program, int& status);
 void addField(CLI::App& program, int& status);
 void addReplay(CLI::App& program, int& status);
 void addConformance(CLI::App& program, int& status);
+void addTraits(CLI::App& program, int& status);
+void addValidate(CLI::App& program, int& status);
 void addConnect(CLI::App& program, int& status);
 void addLoad(CLI::App& program, int& status);
 void addStatus(CLI::App& program, int& status);

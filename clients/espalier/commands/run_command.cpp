@@ -17,6 +17,7 @@
 #include "clients/espalier/output/plant_rows.h"
 #include "clients/espalier/output/progress_bar.h"
 #include "clients/espalier/resumed_run.h"
+#include "clients/espalier/roots/root_system.h"
 #include "clients/espalier/time_limit.h"
 #include "clients/espalier/trace_option.h"
 #include "engine/language/dialects/dialect.h"
@@ -374,6 +375,9 @@ void addRun(CLI::App& program, int& status) {
       ->check(CLI::NonNegativeNumber)
       ->needs(variants);
   command->callback([options, &status] {
+    if (options->model.model.empty() && roots::isRootFile(options->model.startFile)) {
+      options->model.model = std::exchange(options->model.startFile, {});
+    }
     if (options->model.model.empty() && options->resumed.empty()) {
       throw CLI::RequiredError("MODEL (or --resume FILE.snapshot)");
     }

@@ -16,6 +16,7 @@
 #include "engine/turtle/export/picture/svg.h"
 #include "engine/turtle/export/text/module_table.h"
 #include "engine/turtle/export/text/mtg.h"
+#include "engine/turtle/export/text/rsml.h"
 
 namespace espalier::turtle {
 
@@ -84,6 +85,7 @@ constexpr std::array kFormats = {
     usdaFormat(),
     ExportFormat{"mtg", ".mtg", "a multiscale tree graph with geometry, for plant science", writeMtg, nullptr,
                  ExportSource::Modules},
+    ExportFormat{"rsml", ".rsml", "axes and diameters of root systems (Root System Markup Language)", writeRsml},
     ExportFormat{"csv", ".csv", "a table of all modules with the turtle's state", writeModuleTable, nullptr,
                  ExportSource::Modules},
     ExportFormat{"string", ".string", "the derived string as text, to start from with --from", writeStrings, nullptr,

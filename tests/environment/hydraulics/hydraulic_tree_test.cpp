@@ -126,12 +126,46 @@ TEST(HydraulicTree, LeavesDrawWhatRootsTakeUp) {
   EXPECT_NEAR(result.heads.back(), result.heads[0] - 30.0 - 0.02 * 30.0 / 0.5, 1e-9);
 }
 
+TEST(HydraulicTree, TheCollarsOfAPlantHaveOneHeadAndShareItsFlow) {
+  // two roots of one plant, in wet and in dry soil: together they give the flow, each by its own conductance
+  std::vector<Node> both = straightRoot(5, 10.0, 0.1, 0.1, 1e-3, -100.0);
+  const auto offset = static_cast<std::uint32_t>(both.size());
+  for (Node node : straightRoot(5, 10.0, 0.1, 0.1, 1e-3, -400.0)) {
+    node.parent = node.parent == HydraulicTree::kNoParent ? node.parent : node.parent + offset;
+    both.push_back(node);
+  }
+  const auto result = HydraulicTree(both).solve({.hasHead = false, .flow = 0.5});
+  EXPECT_EQ(result.heads[0], result.heads[offset]);
+  ASSERT_EQ(result.collarFlows.size(), 1U);
+  EXPECT_NEAR(result.collarFlows[0], 0.5, 1e-12);
+  const auto wet = HydraulicTree(straightRoot(5, 10.0, 0.1, 0.1, 1e-3, -100.0)).solve({.head = result.heads[0]});
+  const auto dry = HydraulicTree(straightRoot(5, 10.0, 0.1, 0.1, 1e-3, -400.0)).solve({.head = result.heads[0]});
+  EXPECT_NEAR(wet.collarFlows[0] + dry.collarFlows[0], 0.5, 1e-10);
+  EXPECT_NEAR(result.conductances[0], 2.0 * wet.conductances[0], 1e-12);
+}
+
+TEST(HydraulicTree, ALeafThatGivesLessAtALowHeadFindsItsHead) {
+  // demand 0.04 + 0.0001 ψ at the top of a stem: the head where roots deliver just that
+  std::vector<Node> nodes = straightRoot(10, 20.0, 0.05, 0.05, 1e-3, -200.0);
+  Node leaf{0, 30.0, 30.0, 0.2, 0.5};
+  leaf.demand = 0.04;
+  leaf.demandByHead = 1e-4;
+  nodes.push_back(leaf);
+  const auto result = HydraulicTree(nodes).solve({.hasHead = false, .flow = 0.0});
+  double uptake = 0.0;
+  for (const double part : result.uptakes) {
+    uptake += part;
+  }
+  EXPECT_NEAR(uptake, 0.04 + 1e-4 * result.heads.back(), 1e-12);
+}
+
 TEST(HydraulicTree, SeveralPlantsAreEachAsAlone) {
   std::vector<Node> both = straightRoot(5, 10.0, 0.1, 0.1, 1e-3, -100.0);
   const std::vector<Node> second = straightRoot(7, 30.0, 0.05, 0.02, 2e-3, -400.0);
   const auto offset = static_cast<std::uint32_t>(both.size());
   for (Node node : second) {
     node.parent = node.parent == HydraulicTree::kNoParent ? node.parent : node.parent + offset;
+    node.plant = 1;
     both.push_back(node);
   }
   const auto result = HydraulicTree(both).solve({.head = -800.0});

@@ -1,0 +1,103 @@
+#include <CLI/CLI.hpp>
+#include <array>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+
+#include "clients/espalier/commands/commands.h"
+#include "clients/espalier/folder_settings.h"
+#include "clients/espalier/messages.h"
+#include "clients/espalier/model_loading.h"
+#include "clients/espalier/result.h"
+#include "clients/espalier/roots/root_system.h"
+#include "clients/espalier/roots/root_traits.h"
+#include "server/remote/disk_files.h"
+
+namespace espalier::command {
+namespace {
+
+struct TraitsOptions {
+  ModelOptions model;
+  std::string up = "y";
+};
+
+bool isRootFile(const std::string& file) {
+  const std::filesystem::path suffix = std::filesystem::path(file).extension();
+  return suffix == ".rsml" || suffix == ".tsv";
+}
+
+/// The lines of a model after its last step; nothing after an error.
+std::optional<roots::RootSystem> rootsOfModel(const TraitsOptions& options, server::DiskFileProvider& files) {
+  ModelOptions model = options.model;
+  std::optional<LoadedModel> loaded = loadModel(model, files);
+  if (!loaded) {
+    return std::nullopt;
+  }
+  simulation::Simulation simulation(loaded->program, {turtle::PlantPlacement{}}, std::move(loaded->environment.process),
+                                    std::move(loaded->simulationOptions));
+  std::optional<core::SimulationError> failure = simulation.rewind();
+  while (!failure && !isOver(simulation, model.steps)) {
+    failure = simulation.step();
+  }
+  if (!failure) {
+    const auto scene = simulation.scene();
+    if (const auto* drawn = std::get_if<turtle::Scene>(&scene)) {
+      return roots::rootsOf(*drawn);
+    }
+    failure = std::get<core::SimulationError>(scene);
+  }
+  printError(formatSimulationError(*failure));
+  return std::nullopt;
+}
+
+int run(const TraitsOptions& options) {
+  server::DiskFileProvider files;
+  std::optional<roots::RootSystem> system;
+  if (isRootFile(options.model.model)) {
+    const auto text = files.read(options.model.model);
+    if (!text) {
+      printError("there is no file '" + options.model.model + "': check the name and the working folder");
+      return kFailure;
+    }
+    auto read = roots::readRoots(options.model.model, *text);
+    if (!read) {
+      printError(options.model.model + ", " + read.error());
+      return kFailure;
+    }
+    system = std::move(*read);
+  } else {
+    system = rootsOfModel(options, files);
+  }
+  if (!system) {
+    return kFailure;
+  }
+  const int up = options.up == "x" ? 0 : options.up == "y" ? 1 : 2;
+  std::cout << roots::traitTable(roots::traitsOf(*system, up)) << std::flush;
+  return kSuccess;
+}
+
+}  // namespace
+
+void addTraits(CLI::App& program, int& status) {
+  CLI::App* command =
+      program.add_subcommand("traits", "Print lengths, numbers and topology of a root system or a plant");
+  command->footer(
+      "Prints a table of traits by order: lengths, numbers of axes, diameters, height, width, and Fitter's topology.\n"
+      "MODEL is a model, or a root system: a .rsml file, or a .tsv table with the columns node, parent, x, y, z.\n"
+      "Examples:\n"
+      "  espalier traits clients/gallery/roots-in-soil --seed 1\n"
+      "  espalier traits roots.rsml --up z");
+  auto options = std::make_shared<TraitsOptions>();
+  addReadingOptions(*command, options->model, true);
+  addRunningOptions(*command, options->model);
+  command->add_option("--up", options->up, "The axis of the height")
+      ->check(CLI::IsMember({"x", "y", "z"}))
+      ->capture_default_str();
+  command->callback([options, &status] { status = run(*options); });
+}
+
+}  // namespace espalier::command

@@ -1,0 +1,150 @@
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "clients/espalier/commands/commands.h"
+#include "clients/espalier/messages.h"
+#include "clients/espalier/validation/result_plot.h"
+#include "clients/espalier/validation/validation.h"
+#include "server/remote/disk_files.h"
+
+namespace espalier::command {
+namespace {
+
+struct ValidateOptions {
+  std::vector<std::string> names;
+  std::string data;
+  std::string plots;  // folder; empty: none
+  bool isQuick = false;
+  bool isList = false;
+};
+
+std::string shortNumber(double value) {
+  if (std::isnan(value)) {
+    return "none";
+  }
+  char text[40];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
+std::string namesOfCases() {
+  std::string names;
+  for (const validation::Case& one : validation::cases()) {
+    names += (names.empty() ? "" : ", ") + std::string(one.name);
+  }
+  return names;
+}
+
+/// The cases that the options choose; empty after an error.
+std::vector<const validation::Case*> chosenCases(const ValidateOptions& options) {
+  std::vector<const validation::Case*> chosen;
+  for (const std::string& name : options.names) {
+    const auto& all = validation::cases();
+    const auto found = std::find_if(all.begin(), all.end(), [&](const auto& one) { return one.name == name; });
+    if (found == all.end()) {
+      printError("there is no benchmark '" + name + "': choose from " + namesOfCases());
+      return {};
+    }
+    chosen.push_back(&*found);
+  }
+  for (const validation::Case& one : validation::cases()) {
+    if (options.names.empty() && (one.isQuick || !options.isQuick)) {
+      chosen.push_back(&one);
+    }
+  }
+  return chosen;
+}
+
+/// Prints the rows of a case; false when one is beyond its tolerance.
+bool printRows(const validation::Case& one, const validation::CaseResult& result, double seconds) {
+  bool isMet = true;
+  for (const validation::Row& row : result.rows) {
+    isMet = isMet && row.isMet();
+    const std::string verdict = !row.tolerance ? "reported" : row.isMet() ? "met" : "NOT MET";
+    std::printf("%s\t%s\t%s\t%s\t%s\t%s\t%.1f\n", std::string(one.name).c_str(), row.what.c_str(),
+                shortNumber(row.error).c_str(), row.tolerance ? shortNumber(*row.tolerance).c_str() : "",
+                verdict.c_str(), row.published.c_str(), seconds);
+  }
+  std::fflush(stdout);
+  for (const std::string& name : result.missing) {
+    printNote("left out: a part of " + std::string(one.name) + " needs " + name +
+              ", which its authors publish; give the folder that has it with --data");
+  }
+  return isMet;
+}
+
+int validate(const ValidateOptions& options) {
+  if (options.isList) {
+    for (const validation::Case& one : validation::cases()) {
+      std::printf("%s\t%s\t%s\n", std::string(one.name).c_str(), one.isQuick ? "quick" : "long",
+                  std::string(one.title).c_str());
+    }
+    return kSuccess;
+  }
+  if (!options.data.empty() && !std::filesystem::is_directory(options.data)) {
+    printError("there is no folder '" + options.data + "' of published data: check the name given with --data");
+    return kFailure;
+  }
+  const auto data = [&](const std::string& name) -> std::optional<std::string> {
+    server::DiskFileProvider files;
+    return options.data.empty() ? std::nullopt : files.read(options.data + "/" + name);
+  };
+  const auto chosen = chosenCases(options);
+  if (chosen.empty()) {
+    return kUsage;
+  }
+  std::printf("case\twhat\terror\ttolerance\tresult\tpublished programs\tseconds of the case\n");
+  bool isMet = true;
+  for (const validation::Case* one : chosen) {
+    const auto begin = std::chrono::steady_clock::now();
+    const validation::CaseResult result = one->run(data);
+    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
+    isMet = printRows(*one, result, seconds.count()) && isMet;
+    const std::string plot =
+        options.plots.empty() ? "" : validation::resultPlot(std::string(one->title), result.curves);
+    if (!plot.empty()) {
+      std::error_code ignored;
+      std::filesystem::create_directories(options.plots, ignored);
+      const std::string file = options.plots + "/" + std::string(one->name) + ".svg";
+      if (const auto problem = server::writeFileAtomically(file, plot)) {
+        printError(*problem);
+        return kFailure;
+      }
+      printNote("wrote " + file);
+    }
+  }
+  if (!isMet) {
+    printError("at least one result is beyond its tolerance: look for NOT MET above");
+  }
+  return isMet ? kSuccess : kFailure;
+}
+
+}  // namespace
+
+void addValidate(CLI::App& program, int& status) {
+  CLI::App* command =
+      program.add_subcommand("validate", "Compare soil, roots and light with published benchmarks and exact solutions");
+  command->footer(
+      "Prints a table: case, what is compared, error, tolerance, errors of published programs, time.\n"
+      "Examples:\n"
+      "  espalier validate --list\n"
+      "  espalier validate m3.1 steady\n"
+      "  espalier validate --data validation --plot plots");
+  auto options = std::make_shared<ValidateOptions>();
+  command->add_option("CASE", options->names, "Benchmarks by name (default: all)");
+  command->add_option("--data", options->data,
+                      "Folder with the published tables; parts that need a missing table are left out and named");
+  command->add_option("--plot", options->plots, "Folder for a picture (SVG) of each benchmark that has curves");
+  command->add_flag("--quick", options->isQuick, "Only the benchmarks of the ordinary tests");
+  command->add_flag("--list", options->isList, "Print the benchmarks with what they compare, and run none");
+  command->callback([options, &status] { status = validate(*options); });
+}
+
+}  // namespace espalier::command

@@ -1,0 +1,275 @@
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <unordered_map>
+
+#include "clients/espalier/roots/root_system.h"
+#include "engine/core/number_text.h"
+
+namespace espalier::roots {
+
+namespace {
+
+std::string placeOf(std::size_t line) {
+  return "line " + std::to_string(line) + ": ";
+}
+
+std::optional<double> numberOf(std::string_view field) {
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
+  return error == std::errc() && end == field.data() + field.size() && std::isfinite(value) ? std::optional(value)
+                                                                                            : std::nullopt;
+}
+
+std::vector<std::string_view> fieldsAt(std::string_view line) {
+  std::vector<std::string_view> fields;
+  for (std::size_t begin = 0;;) {
+    const std::size_t end = line.find('\t', begin);
+    fields.push_back(line.substr(begin, end == std::string_view::npos ? end : end - begin));
+    if (end == std::string_view::npos) {
+      return fields;
+    }
+    begin = end + 1;
+  }
+}
+
+/// A row of a table of nodes as it is written.
+struct TableNode {
+  std::size_t line = 0;
+  double id = 0.0;
+  double parent = -1.0;
+  RootSystem::Node node;
+};
+
+/// Puts parents before their children and replaces names by indices.
+tl::expected<RootSystem, std::string> sorted(const std::vector<TableNode>& rows) {
+  std::unordered_map<double, std::size_t> rowOf;
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    if (!rowOf.try_emplace(rows[row].id, row).second) {
+      return tl::unexpected(placeOf(rows[row].line) + "the node " +
+                            std::to_string(static_cast<long long>(rows[row].id)) +
+                            " is there twice. Give each node a number of its own");
+    }
+  }
+  RootSystem roots;
+  std::vector<std::uint32_t> indexOf(rows.size(), RootSystem::kNone);
+  std::vector<std::size_t> way;
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    // up to a node that has its place already
+    way.clear();
+    for (std::size_t at = row; indexOf[at] == RootSystem::kNone;) {
+      way.push_back(at);
+      if (way.size() > rows.size()) {
+        return tl::unexpected(placeOf(rows[at].line) + "the node " +
+                              std::to_string(static_cast<long long>(rows[at].id)) +
+                              " is its own ancestor. Let parents lead to a collar, whose parent is -1");
+      }
+      if (rows[at].parent < 0.0) {
+        break;
+      }
+      const auto parent = rowOf.find(rows[at].parent);
+      if (parent == rowOf.end()) {
+        return tl::unexpected(placeOf(rows[at].line) + "the node " +
+                              std::to_string(static_cast<long long>(rows[at].id)) + " has the parent " +
+                              std::to_string(static_cast<long long>(rows[at].parent)) +
+                              ", which is not in the file. Add it, or write -1 for a collar");
+      }
+      at = parent->second;
+    }
+    for (; !way.empty(); way.pop_back()) {
+      RootSystem::Node node = rows[way.back()].node;
+      if (rows[way.back()].parent >= 0.0) {
+        node.parent = indexOf[rowOf.at(rows[way.back()].parent)];
+      }
+      indexOf[way.back()] = static_cast<std::uint32_t>(roots.nodes.size());
+      roots.nodes.push_back(node);
+    }
+  }
+  return roots;
+}
+
+/// Numbers the axes: the first child of a point's order continues its axis, the others begin new ones.
+void numberAxes(RootSystem& roots) {
+  std::uint32_t count = 0;
+  std::vector<std::uint8_t> isContinued(roots.nodes.size(), 0);
+  for (RootSystem::Node& node : roots.nodes) {
+    if (node.parent == RootSystem::kNone) {
+      continue;
+    }
+    const RootSystem::Node& parent = roots.nodes[node.parent];
+    const bool continues =
+        parent.parent != RootSystem::kNone && parent.order == node.order && isContinued[node.parent] == 0;
+    isContinued[node.parent] = continues ? 1 : isContinued[node.parent];
+    node.axis = continues ? parent.axis : count++;
+  }
+}
+
+}  // namespace
+
+tl::expected<RootSystem, std::string> readRootTable(std::string_view text) {
+  std::map<std::string, std::size_t, std::less<>> columns;
+  std::vector<TableNode> rows;
+  std::size_t number = 0;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    std::string_view line = text.substr(begin, end - begin);
+    begin = end + 1;
+    ++number;
+    line = !line.empty() && line.back() == '\r' ? line.substr(0, line.size() - 1) : line;
+    if (line.empty() || line.front() == '#') {
+      continue;
+    }
+    const auto fields = fieldsAt(line);
+    if (columns.empty()) {
+      for (std::size_t i = 0; i < fields.size(); ++i) {
+        columns.emplace(fields[i], i);
+      }
+      for (const char* name : {"node", "parent", "x", "y", "z"}) {
+        if (!columns.contains(name)) {
+          return tl::unexpected(placeOf(number) + "the header has no column '" + name +
+                                "'. A table of roots has the columns node, parent, x, y, z, separated by tabs");
+        }
+      }
+      continue;
+    }
+    TableNode row;
+    row.line = number;
+    double order = 1.0;
+    for (const auto& [name, target] : {std::pair<std::string_view, double*>{"node", &row.id},
+                                       {"parent", &row.parent},
+                                       {"x", &row.node.place.x},
+                                       {"y", &row.node.place.y},
+                                       {"z", &row.node.place.z},
+                                       {"radius", &row.node.radius},
+                                       {"order", &order},
+                                       {"emergence", &row.node.emergence}}) {
+      const auto column = columns.find(name);
+      if (column == columns.end()) {
+        continue;
+      }
+      const std::string_view field = column->second < fields.size() ? fields[column->second] : std::string_view();
+      const auto value = numberOf(field);
+      if (!value) {
+        return tl::unexpected(placeOf(number) + "expected a number in the column '" + std::string(name) + "', found '" +
+                              std::string(field.substr(0, 40)) + "'. Write a number there");
+      }
+      *target = *value;
+    }
+    if (row.node.radius < 0.0 || !(order >= 1.0 && order <= 1000.0)) {
+      return tl::unexpected(placeOf(number) +
+                            (row.node.radius < 0.0 ? "a radius is below 0" : "an order is not from 1 to 1000") +
+                            ". Correct the number");
+    }
+    row.node.order = static_cast<std::uint32_t>(order);
+    rows.push_back(row);
+  }
+  if (rows.empty()) {
+    return tl::unexpected(std::string("the file has no nodes. Give a table with a header and a row for each node"));
+  }
+  auto roots = sorted(rows);
+  if (roots) {
+    numberAxes(*roots);
+  }
+  return roots;
+}
+
+tl::expected<RootSystem, std::string> readRoots(const std::string& fileName, std::string_view text) {
+  return fileName.ends_with(".rsml") ? readRsml(text) : readRootTable(text);
+}
+
+RootSystem rootsOf(const turtle::Scene& scene) {
+  RootSystem roots;
+  std::vector<std::uint32_t> nodeOf(scene.segments.size());
+  for (std::size_t i = 0; i < scene.segments.size(); ++i) {
+    const turtle::Segment& segment = scene.segments[i];
+    RootSystem::Node node;
+    node.radius = 0.25 * (segment.startWidth + segment.endWidth);
+    node.order = segment.branchOrder + 1;
+    if (segment.parent == turtle::kNoParent) {
+      node.place = segment.start;
+      roots.nodes.push_back(node);
+      node.parent = static_cast<std::uint32_t>(roots.nodes.size() - 1);
+    } else {
+      node.parent = nodeOf[segment.parent];
+    }
+    node.place = segment.end;
+    nodeOf[i] = static_cast<std::uint32_t>(roots.nodes.size());
+    roots.nodes.push_back(node);
+  }
+  numberAxes(roots);
+  return roots;
+}
+
+std::string stringOf(const RootSystem& roots) {
+  const auto& nodes = roots.nodes;
+  std::vector<std::vector<std::uint32_t>> children(nodes.size());
+  for (std::uint32_t i = 0; i < nodes.size(); ++i) {
+    if (nodes[i].parent != RootSystem::kNone) {
+      children[nodes[i].parent].push_back(i);
+    }
+  }
+  // what continues an axis comes last and needs no brackets
+  for (std::uint32_t i = 0; i < nodes.size(); ++i) {
+    std::stable_partition(children[i].begin(), children[i].end(),
+                          [&](std::uint32_t child) { return nodes[child].axis != nodes[i].axis; });
+  }
+  double last = 0.0;
+  for (const RootSystem::Node& node : nodes) {
+    last = std::max(last, std::isnan(node.emergence) ? 0.0 : node.emergence);
+  }
+  std::string text;
+  const auto add = [&](const char* name, std::initializer_list<double> values) {
+    text += name;
+    for (const double* value = values.begin(); value != values.end(); ++value) {
+      text += value == values.begin() ? "(" : ",";
+      core::appendNumber(text, *value, core::NumberStyle::Shortest);
+    }
+    text += ")";
+  };
+  struct Visit {
+    std::uint32_t node;
+    std::size_t next;  // child
+    bool hasBracket;
+  };
+  for (std::uint32_t collar = 0; collar < nodes.size(); ++collar) {
+    if (nodes[collar].parent != RootSystem::kNone) {
+      continue;
+    }
+    text += "[";
+    add("@M", {nodes[collar].place.x, nodes[collar].place.y, nodes[collar].place.z});
+    std::vector<Visit> open{{collar, 0, true}};
+    while (!open.empty()) {
+      Visit& visit = open.back();
+      if (visit.next == children[visit.node].size()) {
+        text += visit.hasBracket ? "]" : "";
+        open.pop_back();
+        continue;
+      }
+      const std::uint32_t child = children[visit.node][visit.next++];
+      const bool hasBracket = visit.next < children[visit.node].size();
+      const core::Vec3 way = nodes[child].place - nodes[visit.node].place;
+      text += hasBracket ? "[" : "";
+      if (const double length = core::length(way); length > 0.0) {
+        add("@R", {way.x, way.y, way.z});
+        add("!", {2.0 * nodes[child].radius});
+        add("F", {length});
+      }
+      const double age = std::isnan(nodes[child].emergence) ? 0.0 : last - nodes[child].emergence;
+      add("?E", {age, static_cast<double>(nodes[child].order), 0, 0, 0, 0, 0, 0, 0, 0});
+      open.push_back({child, 0, hasBracket});
+    }
+  }
+  return text;
+}
+
+bool isRootFile(std::string_view fileName) {
+  return fileName.ends_with(".rsml") || fileName.ends_with(".tsv");
+}
+
+std::string modelOf(const RootSystem& roots) {
+  return "Lsystem: 1\nderivation length: 1\nAxiom: " + stringOf(roots) + "\nendlsystem\n";
+}
+
+}  // namespace espalier::roots

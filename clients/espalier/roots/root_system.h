@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <tl/expected.hpp>
+#include <vector>
+
+#include "engine/core/vec3.h"
+#include "engine/turtle/scene/scene.h"
+
+namespace espalier::roots {
+
+/// Roots, or shoots, as trees of points. An axis is a series of points of one order; a lateral begins at a point of
+/// another axis.
+struct RootSystem {
+  static constexpr std::uint32_t kNone = 0xffffffff;
+  struct Node {
+    std::uint32_t parent = kNone;  // an earlier node; kNone: the collar of a plant
+    core::Vec3 place;
+    double radius = 0.0;
+    std::uint32_t order = 1;  // 1: an axis that begins at a collar
+    std::uint32_t axis = 0;   // number of the axis that the segment to the parent belongs to
+    double emergence = std::numeric_limits<double>::quiet_NaN();  // day; not a number: unknown
+  };
+  std::vector<Node> nodes;
+  std::string unit;  // of lengths; empty: unknown
+};
+
+/// Reads the Root System Markup Language (Lobet et al. 2015): axes as polylines, laterals inside their parent, the
+/// functions `diameter` and `emergence_time`. A lateral begins at the point `parent-node`, or else at the nearest point
+/// of its parent. An error is a sentence with the line. At most 10 million points and 1000 orders.
+[[nodiscard]] tl::expected<RootSystem, std::string> readRsml(std::string_view text);
+
+/// Reads a table with the columns node, parent, x, y, z and, if there are such, radius, order and emergence, separated
+/// by tabs; a parent of −1 makes a collar. Nodes stand in any order. An error is a sentence with the line.
+[[nodiscard]] tl::expected<RootSystem, std::string> readRootTable(std::string_view text);
+
+/// One of both by the ending of a file's name: `.rsml`, or a table.
+[[nodiscard]] tl::expected<RootSystem, std::string> readRoots(const std::string& fileName, std::string_view text);
+
+/// The lines that plants draw, by the segments that they grow from.
+[[nodiscard]] RootSystem rootsOf(const turtle::Scene& scene);
+
+/// Whether the name of a file is that of a root system: `.rsml`, or `.tsv` for a table.
+[[nodiscard]] bool isRootFile(std::string_view fileName);
+
+/// The roots as a string of modules that draws them: @M to the collar, then for each segment @R !(diameter) F(length)
+/// and a query ?E(age,order,0,0,0,0,0,0,0,0) as `xylem` reads it, laterals in brackets. The age is that at the last
+/// emergence of the file; 0 where none is known.
+[[nodiscard]] std::string stringOf(const RootSystem& roots);
+
+/// The source of a model whose axiom is that string, and that has no productions.
+[[nodiscard]] std::string modelOf(const RootSystem& roots);
+
+}  // namespace espalier::roots

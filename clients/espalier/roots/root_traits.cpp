@@ -1,0 +1,89 @@
+#include "clients/espalier/roots/root_traits.h"
+
+#include <algorithm>
+#include <array>
+#include <set>
+
+#include "engine/core/number_text.h"
+
+namespace espalier::roots {
+
+RootTraits traitsOf(const RootSystem& roots, int up) {
+  RootTraits traits;
+  const auto& nodes = roots.nodes;
+  std::set<std::uint32_t> axes;
+  std::vector<std::uint32_t> childCount(nodes.size(), 0);
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    if (nodes[i].parent == RootSystem::kNone) {
+      continue;
+    }
+    const double length = core::length(nodes[i].place - nodes[nodes[i].parent].place);
+    RootTraits::Order& order = traits.orders[nodes[i].order];
+    order.number += axes.insert(nodes[i].axis).second ? 1 : 0;
+    order.length += length;
+    order.diameter += length * 2.0 * nodes[i].radius;
+    traits.length += length;
+    ++childCount[nodes[i].parent];
+  }
+  for (auto& [number, order] : traits.orders) {
+    order.diameter /= order.length > 0.0 ? order.length : 1.0;
+  }
+  std::array<double, 3> low{}, high{};
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const std::array<double, 3> place{nodes[i].place.x, nodes[i].place.y, nodes[i].place.z};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      low[axis] = i == 0 ? place[axis] : std::min(low[axis], place[axis]);
+      high[axis] = i == 0 ? place[axis] : std::max(high[axis], place[axis]);
+    }
+  }
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    double& side = static_cast<int>(axis) == up ? traits.height : traits.width;
+    side = std::max(side, high[axis] - low[axis]);
+  }
+  // links from the collar to each node: of k children of a point the first laterals leave at the first of k − 1
+  // branching points, and the axis itself passes all of them
+  std::vector<std::uint64_t> links(nodes.size(), 0);
+  std::vector<std::uint32_t> taken(nodes.size(), 0);
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    if (nodes[i].parent == RootSystem::kNone) {
+      continue;
+    }
+    const RootSystem::Node& parent = nodes[nodes[i].parent];
+    const bool isCollar = parent.parent == RootSystem::kNone;
+    const std::uint32_t branchings = childCount[nodes[i].parent] - 1;
+    const bool isSameAxis = !isCollar && parent.axis == nodes[i].axis;
+    const std::uint32_t passed = isSameAxis ? branchings : std::min(++taken[nodes[i].parent], branchings);
+    links[i] = links[nodes[i].parent] + passed + (isCollar ? 1 : 0);
+    if (childCount[i] == 0) {
+      ++traits.magnitude;
+      traits.altitude = std::max(traits.altitude, links[i]);
+      traits.pathLength += links[i];
+    }
+  }
+  return traits;
+}
+
+std::string traitTable(const RootTraits& traits) {
+  std::string table = "trait\torder\tvalue\n";
+  const auto add = [&](const char* name, const std::string& order, double value) {
+    table += std::string(name) + "\t" + order + "\t";
+    core::appendNumber(table, value, core::NumberStyle::Shortest);
+    table += "\n";
+  };
+  add("length", "", traits.length);
+  for (const auto& [number, order] : traits.orders) {
+    const std::string name = std::to_string(number);
+    add("length", name, order.length);
+    add("number", name, static_cast<double>(order.number));
+    add("mean_length", name, order.number > 0 ? order.length / static_cast<double>(order.number) : 0.0);
+    add("diameter", name, order.diameter);
+  }
+  add("height", "", traits.height);
+  add("width", "", traits.width);
+  add("magnitude", "", static_cast<double>(traits.magnitude));
+  add("altitude", "", static_cast<double>(traits.altitude));
+  add("path_length", "", static_cast<double>(traits.pathLength));
+  return table;
+}
+
+}  // namespace espalier::roots

@@ -1,0 +1,174 @@
+// Benchmarks of water in the xylem: M3.1 and M3.2 of Schnepf et al. 2020, closed forms of one root, size.
+
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <numbers>
+
+#include "clients/espalier/validation/reference_table.h"
+#include "clients/espalier/validation/root_tables.h"
+#include "clients/espalier/validation/validation.h"
+#include "environment/hydraulics/hydraulic_tree.h"
+
+namespace espalier::validation {
+
+namespace {
+
+using environment::HydraulicTree;
+
+struct SingleRoot {
+  double length, radius, kx, kr, soilHead, collar;
+};
+
+/// A root straight down in equal parts.
+HydraulicTree straightRoot(const SingleRoot& root, std::uint32_t parts) {
+  std::vector<HydraulicTree::Node> nodes(1);
+  for (std::uint32_t i = 0; i < parts; ++i) {
+    nodes.push_back({i, root.length / parts, -root.length / parts, root.radius, root.kx, root.kr, root.soilHead});
+  }
+  return HydraulicTree(std::move(nodes));
+}
+
+/// u = ψ − ψs obeys u'' = τ² u with u' = 1 at the tip (no flow, gravity) and the collar's head at the top.
+double headOf(const SingleRoot& root, double depth) {
+  const double tau = std::sqrt(2.0 * std::numbers::pi * root.radius * root.kr / root.kx);
+  const double whole = std::cosh(tau * root.length);
+  return root.soilHead + (root.collar - root.soilHead) * std::cosh(tau * (root.length - depth)) / whole +
+         std::sinh(tau * depth) / (tau * whole);
+}
+
+CaseResult singleRoot(const Data&) {
+  CaseResult result;
+  const std::array<SingleRoot, 3> roots{SingleRoot{50, 0.2, 0.0432, 0.000173, -200, -1000},
+                                        SingleRoot{50, 0.05, 0.00432, 0.00173, -200, -1000},
+                                        SingleRoot{20, 0.02, 0.0004, 0.00411, -3000, -8000}};
+  for (std::size_t k = 0; k < roots.size(); ++k) {
+    double worst = 0.0;
+    Curve ours{"parameters " + std::to_string(k + 1), false, {}};
+    Curve theirs{ours.name + ", closed form", true, {}};
+    for (const std::uint32_t parts : {1U, 10U, 500U}) {
+      const auto flow = straightRoot(roots[k], parts).solve({.head = roots[k].collar});
+      for (std::uint32_t i = 0; i <= parts; ++i) {
+        const double depth = roots[k].length * i / parts;
+        const double expected = headOf(roots[k], depth);
+        worst = std::max(worst, std::abs(flow.heads[i] / expected - 1.0));
+        if (parts == 500) {
+          ours.points.emplace_back(depth, flow.heads[i]);
+          theirs.points.emplace_back(depth, expected);
+        }
+      }
+    }
+    result.rows.push_back({"parameters " + std::to_string(k + 1) + ", heads with 1, 10 and 500 segments, relative",
+                           worst, 1e-6, k == 0 ? "DuMux 3.0e-4, OpenSimRoot 5.5e-4, R-SWMS 5.5e-5, SRI 2.6e-4" : ""});
+    result.curves.push_back(std::move(ours));
+    result.curves.push_back(std::move(theirs));
+  }
+  return result;
+}
+
+CaseResult conductance(const Data&) {
+  // √(2πa kr kx) tanh(√(2πa kr/kx) L), without gravity (Landsberg & Fowkes 1978)
+  CaseResult result;
+  double worst = 0.0;
+  for (const double length : {0.01, 1.0, 50.0, 4000.0}) {
+    const double c = 2.0 * std::numbers::pi * 0.05 * 0.00173;
+    const double expected = std::sqrt(c * 0.00432) * std::tanh(std::sqrt(c / 0.00432) * length);
+    const auto flow = straightRoot({length, 0.05, 0.00432, 0.00173, 0.0, -1.0}, 3).solve({.head = -1.0});
+    worst = std::max(worst, std::abs(flow.conductances[0] / expected - 1.0));
+  }
+  result.rows.push_back({"roots of 0.01 to 4000 cm, relative", worst, 1e-9, ""});
+  return result;
+}
+
+CaseResult rootSystem(const Data& data) {
+  CaseResult result;
+  const auto roots = ReferenceTable::read(data, "m32_roots.tsv", result.missing);
+  const auto fractions = ReferenceTable::read(data, "m32_uptake_fractions.tsv", result.missing);
+  if (!roots) {
+    return result;
+  }
+  for (const bool isAlternative : {false, true}) {
+    const std::string join = isAlternative ? "_alternative" : "";
+    const std::string name = isAlternative ? "joins of DuMux and R-SWMS" : "joins of the reference";
+    const HydraulicTree tree = treeOf(*roots, "parent" + join, {.kx = 0.0432, .kr = 1.728e-4, .soilHead = -200.0});
+    const auto flow = tree.solve({.head = -500.0});
+    double worst = 0.0;
+    double uptake = 0.0;
+    for (std::size_t i = 0; i < roots->rowCount(); ++i) {
+      worst = std::max(worst, std::abs(flow.heads[i] - roots->number(i, "head_a" + join)));
+      uptake += flow.uptakes[i];
+    }
+    result.rows.push_back(
+        {name + ", heads of all nodes, cm", worst, 0.01, "nRMSE: DuMux 2e-6, R-SWMS 0.0019, SRI 0.008 at most"});
+    result.rows.push_back(
+        {name + ", uptake against collar flow, relative", std::abs(uptake / flow.collarFlows[0] - 1.0), 1e-10, ""});
+    result.rows.push_back({name + ", collar flow against the published one, cm3/day",
+                           std::abs(flow.collarFlows[0] - (isAlternative ? 1.371538 : 1.363622)), 1e-6, ""});
+    result.rows.push_back({name + ", Krs, cm2/day",
+                           std::abs(flow.conductances[0] - (isAlternative ? 0.00470172 : 0.00467420)), 1e-8, ""});
+    if (!isAlternative && fractions) {
+      std::vector<double> found(fractions->rowCount(), 0.0);
+      for (std::size_t i = 0; i < roots->rowCount(); ++i) {
+        const double parent = roots->number(i, "parent");
+        const double depth =
+            -0.5 * (roots->number(i, "z") + roots->number(static_cast<std::size_t>(std::max(parent, 0.0)), "z"));
+        for (std::size_t row = 0; row < found.size(); ++row) {
+          if (depth >= fractions->number(row, "depth_from") && depth < fractions->number(row, "depth_to")) {
+            found[row] += flow.uptakeFractions[i];
+          }
+        }
+      }
+      double most = 0.0;
+      for (std::size_t row = 0; row < found.size(); ++row) {
+        most = std::max(most, std::abs(found[row] - fractions->number(row, "fraction")));
+      }
+      result.rows.push_back({"standard uptake fractions by depth", most, 1e-4, ""});
+    }
+  }
+  if (const auto ages = ReferenceTable::read(data, "root_conductivities.tsv", result.missing)) {
+    const auto flow =
+        treeOf(*roots, "parent", {.soilHead = -200.0, .ages = &*ages, .day = 14.0}).solve({.head = -500.0});
+    result.rows.push_back({"conductivities by age, collar flow, cm3/day", flow.collarFlows[0], std::nullopt, ""});
+  }
+  return result;
+}
+
+CaseResult millionSegments(const Data&) {
+  // a main root with laterals of a hundred segments
+  std::vector<HydraulicTree::Node> nodes(1);
+  for (std::uint32_t lateral = 0; lateral < 10'000; ++lateral) {
+    const auto base = static_cast<std::uint32_t>(nodes.size()) - (lateral == 0 ? 1 : 100);
+    for (std::uint32_t i = 0; i < 100; ++i) {
+      nodes.push_back(
+          {i == 0 ? base : static_cast<std::uint32_t>(nodes.size() - 1), 0.1, -0.05, 0.05, 0.04, 1e-4, -200.0});
+    }
+  }
+  const HydraulicTree tree(std::move(nodes));
+  const auto begin = std::chrono::steady_clock::now();
+  const auto flow = tree.solve({.head = -1000.0});
+  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
+  double uptake = 0.0;
+  for (const double part : flow.uptakes) {
+    uptake += part;
+  }
+  return {{{"uptake against collar flow, relative", std::abs(uptake / flow.collarFlows[0] - 1.0), 1e-8, ""},
+           {"time of a solution, s", seconds.count(), 1.0, ""}},
+          {},
+          {}};
+}
+
+constexpr std::array kRootCases{
+    Case{"m3.1", "heads in one root (Schnepf et al. 2020; Landsberg & Fowkes 1978)", true, singleRoot},
+    Case{"m3.2", "heads and uptake in a lupine root system (Schnepf et al. 2020; Meunier et al. 2017)", true,
+         rootSystem},
+    Case{"root-conductance", "conductance of one root (Landsberg & Fowkes 1978)", true, conductance},
+    Case{"million-segments", "a root system of a million segments", false, millionSegments},
+};
+
+}  // namespace
+
+std::span<const Case> rootCases() {
+  return kRootCases;
+}
+
+}  // namespace espalier::validation

@@ -1,0 +1,43 @@
+#include "clients/espalier/validation/root_tables.h"
+
+#include <cmath>
+
+namespace espalier::validation {
+
+environment::ConfigurationRows rowsOf(const ReferenceTable& ages, const std::string& column) {
+  environment::ConfigurationRows rows;
+  for (std::size_t row = 0; row < ages.rowCount(); ++row) {
+    rows.push_back({ages.number(row, "order"), ages.number(row, "age"), ages.number(row, column)});
+  }
+  return rows;
+}
+
+environment::HydraulicTree treeOf(const ReferenceTable& roots, const std::string& parents,
+                                  const RootProperties& properties) {
+  const bool hasAges = properties.ages != nullptr;
+  const environment::ConductivityTable axial(
+      properties.kx, hasAges ? rowsOf(*properties.ages, "kx") : environment::ConfigurationRows());
+  const environment::ConductivityTable radial(
+      properties.kr, hasAges ? rowsOf(*properties.ages, "kr") : environment::ConfigurationRows());
+  std::vector<environment::HydraulicTree::Node> nodes;
+  for (std::size_t i = 0; i < roots.rowCount(); ++i) {
+    environment::HydraulicTree::Node node;
+    const double parent = roots.number(i, parents);
+    if (parent >= 0.0) {
+      node.parent = static_cast<std::uint32_t>(parent);
+      const auto way = [&](const char* axis) { return roots.number(i, axis) - roots.number(node.parent, axis); };
+      node.length = std::hypot(way("x"), way("y"), way("z"));
+      node.rise = way("z");
+      node.radius = roots.number(i, "radius");
+      const double order = roots.number(i, "order");
+      const double age = properties.day - roots.number(i, "emergence");
+      node.axialConductance = axial.at(order, age);
+      node.radialConductivity = radial.at(order, age);
+      node.soilHead = properties.soilHead;
+    }
+    nodes.push_back(node);
+  }
+  return environment::HydraulicTree(std::move(nodes));
+}
+
+}  // namespace espalier::validation

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <string>
+
+#include "clients/espalier/validation/reference_table.h"
+#include "environment/hydraulics/conductivities.h"
+#include "environment/hydraulics/hydraulic_tree.h"
+
+namespace espalier::validation {
+
+/// What the segments of a table of roots have beside their places.
+struct RootProperties {
+  double kx = 0.0;  // unless by age
+  double kr = 0.0;
+  double soilHead = 0.0;
+  const ReferenceTable* ages = nullptr;  // conductivities by order and age; null: none
+  double day = 0.0;                      // of the roots: the age of a segment is the time since it emerged
+};
+
+/// The rows of order, age and value of a table of conductivities.
+[[nodiscard]] environment::ConfigurationRows rowsOf(const ReferenceTable& ages, const std::string& column);
+
+/// The tree of a table of nodes: x, y, z (up), radius, order, emergence, and the column that has the parents.
+[[nodiscard]] environment::HydraulicTree treeOf(const ReferenceTable& roots, const std::string& parents,
+                                                const RootProperties& properties);
+
+}  // namespace espalier::validation

@@ -1,0 +1,16 @@
+#include "clients/espalier/validation/validation.h"
+
+namespace espalier::validation {
+
+std::span<const Case> cases() {
+  static const std::vector<Case> kAll = [] {
+    std::vector<Case> all;
+    for (const auto& some : {soilCases(), rootCases(), uptakeCases()}) {
+      all.insert(all.end(), some.begin(), some.end());
+    }
+    return all;
+  }();
+  return kAll;
+}
+
+}  // namespace espalier::validation

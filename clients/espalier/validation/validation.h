@@ -1,0 +1,55 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace espalier::validation {
+
+/// One comparison of a benchmark: how far the result is from the reference.
+struct Row {
+  std::string what;                 // "loam, depth, cm"
+  double error = 0.0;               // in the sense of `what`; not a number: no result
+  std::optional<double> tolerance;  // nothing: a figure that is reported only
+  std::string published;            // errors of other programs in the same comparison, or empty
+
+  [[nodiscard]] bool isMet() const { return !tolerance || error <= *tolerance; }
+};
+
+/// A line of a picture of the results.
+struct Curve {
+  std::string name;
+  bool isReference = false;
+  std::vector<std::pair<double, double>> points;
+};
+
+struct CaseResult {
+  std::vector<Row> rows;
+  std::vector<Curve> curves;
+  std::vector<std::string> missing;  // files of data without which a part is left out
+};
+
+/// The text of a file of published data by its name; nothing when it is not there.
+using Data = std::function<std::optional<std::string>(const std::string& name)>;
+
+/// A benchmark with a known answer.
+struct Case {
+  std::string_view name;   // "m3.1"
+  std::string_view title;  // one line: what is compared with what, and the source
+  bool isQuick = true;     // belongs to the ordinary tests
+  CaseResult (*run)(const Data& data);
+};
+
+/// All benchmarks in the order of the table.
+[[nodiscard]] std::span<const Case> cases();
+
+/// The cases, by subject: soil_cases.cpp, root_cases.cpp, uptake_cases.cpp.
+[[nodiscard]] std::span<const Case> soilCases();
+[[nodiscard]] std::span<const Case> rootCases();
+[[nodiscard]] std::span<const Case> uptakeCases();
+
+}  // namespace espalier::validation

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "environment/base/configuration.h"
+
+namespace espalier::environment {
+
+/// A conductivity of roots by order and age: rows of order, age in days and value.
+class ConductivityTable {
+ public:
+  ConductivityTable() = default;
+  /// `rows` are sorted by order and then by age; without rows the value is `constant` everywhere.
+  ConductivityTable(double constant, const ConfigurationRows& rows);
+
+  /// Linear between the ages of the rows, constant beyond. An order without rows has those of the highest order below
+  /// it, or else of the lowest order.
+  [[nodiscard]] double at(double order, double age) const;
+
+  /// What is wrong with rows, as the end of a sentence about the key; empty when nothing is.
+  [[nodiscard]] static std::string problemOf(const ConfigurationRows& rows);
+
+ private:
+  double constant_ = 0.0;
+  ConfigurationRows rows_;
+};
+
+}  // namespace espalier::environment

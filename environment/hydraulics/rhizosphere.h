@@ -1,0 +1,28 @@
+#pragma once
+
+#include "environment/soil/flux_potential.h"
+
+namespace espalier::environment {
+
+/// How the flux potentials of a soil cell and of the root surface in it differ: Φ(cell) − Φ(surface) = Q g/2π, where Q
+/// is the uptake of a unit of root length. This gives g when the root drains the soil around it at a steady rate up to
+/// `ratio` times its radius, and Φ(cell) is the mean over that soil (Schröder et al., Vadose Zone Journal 7, 2008).
+[[nodiscard]] double annulusFactor(double ratio);
+
+/// The same for a cell that is smaller than the soil which a root drains, so that water enters through its faces:
+/// ln(0.198 side/radius) (Peaceman, Society of Petroleum Engineers Journal 18, 1978); 0 when the root fills the cell.
+[[nodiscard]] double cellFactor(double side, double radius);
+
+/// What a unit of root length takes up, and how it changes.
+struct RootUptake {
+  double perLength = 0.0;    // length²/day, negative when water leaves the root
+  double byHead = 0.0;       // how much less at a higher head in the xylem, length/day
+  double surfaceHead = 0.0;  // at the root surface, length
+};
+
+/// The uptake through soil and root in series: 2πa kr (ψ surface − ψ xylem) = 2π/g (Φ(soil) − Φ(surface)). Water that
+/// leaves a root meets no resistance of the soil. `surfaceGuess` is a head near that of the surface.
+[[nodiscard]] RootUptake rootUptake(const FluxPotential& potential, double factor, double soilHead, double radius,
+                                    double radialConductivity, double xylemHead, double surfaceGuess);
+
+}  // namespace espalier::environment

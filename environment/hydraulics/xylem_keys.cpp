@@ -1,0 +1,245 @@
+#include "environment/hydraulics/xylem_keys.h"
+
+#include <array>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "environment/base/json_text.h"
+#include "environment/base/number_text.h"
+
+namespace espalier::environment {
+
+extern const ProcessEntry kSoilWaterProcess;
+
+namespace {
+
+constexpr std::array<std::string_view, 2> kCollars{"flow", "head"};
+
+constexpr std::array kKeys{
+    ConfigurationKey{.name = "kr",
+                     .description = "radial conductivity of roots",
+                     .unit = "1/day",
+                     .minimum = 0.0,
+                     .defaultNumber = 1.728e-4},
+    ConfigurationKey{.name = "krTable",
+                     .kind = KeyKind::Rows,
+                     .description =
+                         "order, age (day) and radial conductivity (1/day), by order and then by age; linear "
+                         "between rows; none: kr",
+                     .minimumCount = 3,
+                     .maximumCount = 3},
+    ConfigurationKey{.name = "kx",
+                     .description = "axial conductance of roots and stems; the default is converted from metres",
+                     .unit = "length^3/day",
+                     .minimum = 0.0,
+                     .isMinimumExclusive = true,
+                     .defaultNumber = 4.32e-8},
+    ConfigurationKey{.name = "kxTable",
+                     .kind = KeyKind::Rows,
+                     .description = "order, age (day) and axial conductance (length^3/day), as krTable; none: kx",
+                     .minimumCount = 3,
+                     .maximumCount = 3},
+    ConfigurationKey{.name = "radius",
+                     .description = "radius of all segments; 0: half the width that the plant draws",
+                     .unit = "length",
+                     .minimum = 0.0},
+    ConfigurationKey{.name = "join",
+                     .description = "distance within which the start of a segment is joined to the end of another; 0: "
+                                    "they are the same point",
+                     .unit = "length",
+                     .minimum = 0.0},
+    ConfigurationKey{.name = "groundHeight",
+                     .description = "height of the ground: segments whose middle is above it take up nothing",
+                     .unit = "length"},
+    ConfigurationKey{.name = "soilHead",
+                     .description = "pressure head of the soil when there is no 'soil'; the default is converted from "
+                                    "metres",
+                     .unit = "length",
+                     .defaultNumber = -1.0},
+    ConfigurationKey{.name = "soilHeads",
+                     .kind = KeyKind::Rows,
+                     .description = "height and pressure head of the soil (length), by height; linear between rows; "
+                                    "none: soilHead",
+                     .minimumCount = 2,
+                     .maximumCount = 2},
+    ConfigurationKey{.name = "collar",
+                     .kind = KeyKind::Choice,
+                     .description = "flow: 'transpiration' leaves each plant at its collars, no more than flows at "
+                                    "lowestHead; head: collarHead",
+                     .defaultText = "flow",
+                     .choices = kCollars},
+    ConfigurationKey{.name = "collarHead",
+                     .description = "pressure head at the collars; the default is converted from metres",
+                     .unit = "length",
+                     .defaultNumber = -50.0},
+    ConfigurationKey{.name = "transpiration",
+                     .kind = KeyKind::Rows,
+                     .description = "day, flow out of each plant (length^3/day) from then on; none: what queries send",
+                     .minimum = 0.0,
+                     .minimumCount = 2,
+                     .maximumCount = 2},
+    ConfigurationKey{.name = "transpirationPeriod",
+                     .description = "days after which the rows of 'transpiration' repeat; 0: never",
+                     .unit = "day",
+                     .minimum = 0.0},
+    ConfigurationKey{.name = "dayCourse",
+                     .kind = KeyKind::Boolean,
+                     .description = "the flow follows the hours: times 1 − cos(2π t), t in days, 0 at midnight"},
+    ConfigurationKey{.name = "lowestHead",
+                     .description = "pressure head below which a collar does not fall when it gives a flow; the "
+                                    "default is converted from metres",
+                     .unit = "length",
+                     .defaultNumber = -150.0},
+    ConfigurationKey{.name = "closingHeads",
+                     .kind = KeyKind::Numbers,
+                     .description = "pressure heads at which leaves begin to close and at which they are closed; none: "
+                                    "leaves give what is wanted",
+                     .unit = "length",
+                     .maximum = 0.0,
+                     .maximumCount = 2},
+    ConfigurationKey{.name = "vulnerabilityHead",
+                     .description = "pressure head at which half of kx is lost; 0: nothing is lost",
+                     .unit = "length",
+                     .maximum = 0.0},
+    ConfigurationKey{.name = "vulnerabilityShape",
+                     .description = "exponent s of the part that is left: 1/(1 + (head/vulnerabilityHead)^s)",
+                     .minimum = 0.1,
+                     .maximum = 50.0,
+                     .defaultNumber = 3.0},
+    ConfigurationKey{.name = "soil",
+                     .kind = KeyKind::Entries,
+                     .description = "one environment soil-water, whose water the roots take within the step; none: "
+                                    "soilHead or soilHeads"},
+    ConfigurationKey{.name = "rhizosphere",
+                     .kind = KeyKind::Boolean,
+                     .description = "the soil around a root resists when it dries (Schröder et al. 2008)",
+                     .defaultNumber = 1.0},
+    ConfigurationKey{.name = "longestStep",
+                     .description = "longest internal step of soil and plants together, and of a course of the day",
+                     .unit = "day",
+                     .minimum = 1e-4,
+                     .defaultNumber = 1.0 / 48.0},
+    ConfigurationKey{.name = "couplingTolerance",
+                     .description =
+                         "largest difference between what plants take from a cell and what the cell gives in "
+                         "an internal step, as water content",
+                     .minimum = 1e-12,
+                     .maximum = 0.01,
+                     .defaultNumber = 1e-6},
+};
+
+core::Diagnostic wrongXylem(const std::string& sentence, std::string hint) {
+  return wrongConfiguration("xylem", sentence, std::move(hint));
+}
+
+/// An error of the key `soil`: that of soil-water in the name of xylem.
+core::Diagnostic ofSoil(core::Diagnostic error) {
+  error.message = "environment process 'xylem': in 'soil', " + error.message;
+  return error;
+}
+
+}  // namespace
+
+extern constinit const ProcessEntry kXylemProcess{
+    .name = "xylem",
+    .summary = kXylemSummary,
+    .source =
+        "Landsberg & Fowkes 1978; Meunier et al. 2017, A hybrid analytical-numerical method for solving water flow "
+        "equations in root hydraulic architectures; Schröder et al. 2008; Couvreur et al. 2012; Peaceman 1978",
+    .keys = kKeys,
+    .make = makeXylem};
+
+XylemKeys readXylem(const Configuration& configuration) {
+  XylemKeys keys;
+  keys.radial = ConductivityTable(configuration.number("kr"), configuration.rows("krTable"));
+  keys.axial = ConductivityTable(configuration.number("kx"), configuration.rows("kxTable"));
+  keys.hasOwnAxial = configuration.isGiven("kx") || !configuration.rows("kxTable").empty();
+  keys.radius = configuration.number("radius");
+  keys.join = configuration.number("join");
+  keys.groundHeight = configuration.number("groundHeight");
+  keys.soilHeads = configuration.rows("soilHeads");
+  keys.soilHead = configuration.number("soilHead");
+  keys.hasOwnSoilHead = configuration.isGiven("soilHead");
+  keys.hasCollarHead = configuration.text("collar") == "head";
+  keys.collarHead = configuration.number("collarHead");
+  keys.hasOwnCollarHead = configuration.isGiven("collarHead");
+  keys.lowestHead = configuration.number("lowestHead");
+  keys.hasOwnLowestHead = configuration.isGiven("lowestHead");
+  keys.transpiration = RateSeries(configuration.rows("transpiration"), configuration.number("transpirationPeriod"));
+  keys.hasDayCourse = configuration.flag("dayCourse");
+  keys.changesInTime = keys.hasDayCourse || configuration.rows("transpiration").size() > 1;
+  if (const auto& heads = configuration.numbers("closingHeads"); !heads.empty()) {
+    keys.leaves = {.canClose = true, .open = heads[0], .closed = heads[1]};
+  }
+  keys.vessels = {configuration.number("vulnerabilityHead"), configuration.number("vulnerabilityShape")};
+  keys.hasRhizosphere = configuration.flag("rhizosphere");
+  keys.limits = {configuration.number("longestStep"), configuration.number("couplingTolerance")};
+  return keys;
+}
+
+std::vector<core::Diagnostic> checkXylem(const Configuration& configuration) {
+  std::vector<core::Diagnostic> errors;
+  for (const std::string key : {"krTable", "kxTable"}) {
+    const auto& rows = configuration.rows(key);
+    if (const std::string problem = ConductivityTable::problemOf(rows); !problem.empty()) {
+      errors.push_back(wrongXylem("'" + key + "' " + problem,
+                                  "write rows of order, age and conductivity, by order and then by age"));
+    }
+    for (std::size_t i = 0; key == "kxTable" && i < rows.size(); ++i) {
+      if (rows[i][2] == 0.0) {
+        errors.push_back(wrongXylem("'kxTable' has the conductance 0 in row " + std::to_string(i),
+                                    "water must be able to flow along a root: write a number above 0"));
+      }
+    }
+  }
+  for (const auto& [key, what] :
+       {std::pair<std::string, std::string>{"soilHeads", "height"}, {"transpiration", "day"}}) {
+    const auto& rows = configuration.rows(key);
+    for (std::size_t i = 1; i < rows.size(); ++i) {
+      if (!(rows[i - 1][0] < rows[i][0])) {
+        errors.push_back(wrongXylem("'" + key + "' has " + what + " " + numberText(rows[i][0]) + " after " + what +
+                                        " " + numberText(rows[i - 1][0]),
+                                    "write the rows in ascending order, each " + what + " once"));
+      }
+    }
+  }
+  const auto& heads = configuration.numbers("closingHeads");
+  if (heads.size() == 1 || (heads.size() == 2 && !(heads[0] > heads[1]))) {
+    errors.push_back(wrongXylem("'closingHeads' must be two heads, the second one lower",
+                                "write the head at which leaves begin to close, then that at which they are closed"));
+  }
+  return errors;
+}
+
+tl::expected<std::optional<SoilBody>, std::vector<core::Diagnostic>> readXylemSoil(const Configuration& configuration) {
+  const std::vector<std::string>& entries = configuration.entries("soil");
+  if (entries.empty()) {
+    return std::optional<SoilBody>();
+  }
+  const std::string hint = R"(write "soil": [{"type": "soil-water", …}])";
+  auto object = parseJson(entries.front(), "soil");
+  if (entries.size() > 1 || !object || !object->is_object() ||
+      object->value("type", nlohmann::json()) != "soil-water") {
+    return tl::unexpected(std::vector{wrongXylem("'soil' must be one environment of the type soil-water", hint)});
+  }
+  object->erase("type");
+  object->erase("name");
+  auto read = readConfiguration("soil-water", kSoilWaterProcess.keys, object->dump());
+  std::vector<core::Diagnostic> errors;
+  if (!read) {
+    for (ConfigurationError& error : read.error()) {
+      errors.push_back(ofSoil(std::move(error.diagnostic)));
+    }
+    return tl::unexpected(std::move(errors));
+  }
+  auto body = makeSoilBody(*read);
+  if (!body) {
+    for (core::Diagnostic& error : body.error()) {
+      errors.push_back(ofSoil(std::move(error)));
+    }
+    return tl::unexpected(std::move(errors));
+  }
+  return std::optional<SoilBody>(std::move(*body));
+}
+
+}  // namespace espalier::environment

@@ -1,0 +1,178 @@
+#include "environment/soil/soil_body.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "engine/core/elementary.h"
+#include "environment/base/length_unit.h"
+#include "environment/geometry/world_up.h"
+
+namespace espalier::environment {
+
+std::optional<turtle::EnvironmentError> SoilBody::open(std::string_view process, const turtle::World& world) {
+  const auto fail = [&](const std::string& sentences) {
+    return turtle::EnvironmentError{"Environment '" + std::string(process) + "' " + sentences, false};
+  };
+  const auto axes = gridAxesOf(process, world);
+  if (!axes) {
+    return axes.error();
+  }
+  if (!(world.stepDurationDays > 0.0)) {
+    return fail("lets time pass in steps: the world's 'stepDurationDays' must be greater than 0.");
+  }
+  if (world.lengthUnit != "m" && !keys_.hasOwnLayers) {
+    return fail("has a default soil in metres, and the world's unit is '" + world.lengthUnit +
+                "'. Give 'layers', or set lengthUnit to m.");
+  }
+  const LengthUnit* unit = findLengthUnit(world.lengthUnit);
+  if (keys_.acidity && unit == nullptr) {
+    return unknownLengthUnit(process, world);
+  }
+  litres_ = unit == nullptr ? 0.0 : unit->litres;
+  lengthUnit_ = world.lengthUnit;
+  ground_ = Ground(keys_.shape, *axes);
+  fill();
+  return std::nullopt;
+}
+
+void SoilBody::fill() {
+  const RichardsSolver::Shape shape = ground_.solverShape();
+  const std::size_t count = shape.columns[0] * shape.columns[1] * shape.layers;
+  std::vector<int> soilOf(count);
+  for (std::size_t cell = 0; cell < count; ++cell) {
+    soilOf[cell] =
+        stones_.isEmpty() || !stones_.isInside(ground_.middleOf(cell)) ? keys_.layerAt(ground_.depthOf(cell)) : -1;
+  }
+  water_.emplace(shape, keys_.soils, std::move(soilOf));
+  for (std::size_t cell = 0; cell < count; ++cell) {
+    water_->setHead(cell, !keys_.initialHeads.empty() ? keys_.initialHeads[ground_.fieldIndexOf(cell)]
+                          : keys_.waterTableDepth     ? ground_.depthOf(cell) - *keys_.waterTableDepth
+                                                      : keys_.initialHead);
+  }
+  std::vector<Solute> solutes = keys_.solutes;
+  if (keys_.acidity) {
+    solutes.push_back(keys_.protons(litres_));
+  }
+  solutes_.emplace(std::move(solutes), *water_, keys_.hasSurfaceConcentration);
+  contentsBefore_.assign(count, 0.0);
+  day_ = 0.0;
+}
+
+std::optional<std::size_t> SoilBody::cellOf(const core::Vec3& point) const {
+  const auto cell = ground_.cellOf(point);
+  return cell && water_->isSoil(*cell) ? cell : std::nullopt;
+}
+
+double SoilBody::phOf(std::size_t cell) const {
+  // roots that take up more than is there leave none: the scale ends at 14
+  constexpr double kLeast = 1e-14;  // mol/L
+  const double concentration = solutes_->concentration(keys_.solutes.size(), cell, water_->contentOf(cell)) / litres_;
+  return -core::log10(std::max(concentration, kLeast));
+}
+
+double SoilBody::advance(double days) {
+  SoilBorders borders = keys_.borders;
+  borders.rain = keys_.rain.at(day_);
+  borders.evaporation = keys_.evaporation.at(day_);
+  const double until = std::min({days, keys_.rain.remaining(day_), keys_.evaporation.remaining(day_)});
+  for (std::size_t cell = 0; cell < contentsBefore_.size(); ++cell) {
+    contentsBefore_[cell] = water_->contentOf(cell);
+  }
+  // weather that ends within rounding has ended
+  const double passed = water_->advance(std::max(until, 1e-12 * std::max(1.0, day_ + days)), borders, keys_.tolerances);
+  if (passed > 0.0) {
+    solutes_->follow(passed, contentsBefore_);
+    day_ += passed;
+  }
+  return passed;
+}
+
+std::optional<turtle::EnvironmentError> SoilBody::passTime(double days) {
+  const double end = day_ + days;
+  while (end - day_ > 1e-12 * std::max(1.0, end)) {
+    if (!(advance(end - day_) > 0.0)) {
+      return turtle::EnvironmentError{
+          "Environment 'soil-water' finds no solution of the flow of water on day " + std::to_string(day_) +
+              ". Use larger cells, a larger 'tolerance', or less extreme weather and layers.",
+          false};
+    }
+  }
+  day_ = end;
+  return std::nullopt;
+}
+
+std::vector<turtle::Field> SoilBody::fields() const {
+  if (!water_) {
+    return {};
+  }
+  std::vector<turtle::Field> fields;
+  const auto add = [&](const std::string& name, const std::string& unit, const auto& value) {
+    fields.push_back(
+        ground_.field(name, unit, [&](std::size_t cell) { return water_->isSoil(cell) ? value(cell) : 0.0; }));
+  };
+  add("waterContent", "1", [&](std::size_t cell) { return water_->contentOf(cell); });
+  add("pressureHead", lengthUnit_, [&](std::size_t cell) { return water_->state().heads[cell]; });
+  for (std::size_t solute = 0; solute < keys_.solutes.size(); ++solute) {
+    add("solute" + std::to_string(solute + 1), "1/" + lengthUnit_ + "^3",
+        [&](std::size_t cell) { return solutes_->concentration(solute, cell, water_->contentOf(cell)); });
+  }
+  if (keys_.acidity) {
+    add("pH", "1", [&](std::size_t cell) { return phOf(cell); });
+  }
+  return fields;
+}
+
+std::vector<double> SoilBody::numbers() const {
+  std::vector<double> all;
+  if (!water_) {
+    return all;
+  }
+  const RichardsSolver::State& state = water_->state();
+  all = {day_, state.timeStep, state.balance.infiltrated, state.balance.drained, state.balance.runOff};
+  all.insert(all.end(), state.heads.begin(), state.heads.end());
+  all.insert(all.end(), state.contents.begin(), state.contents.end());
+  all.insert(all.end(), state.rates.begin(), state.rates.end());
+  for (std::size_t solute = 0; solute < solutes_->soluteCount(); ++solute) {
+    all.insert(all.end(), solutes_->amounts(solute).begin(), solutes_->amounts(solute).end());
+    all.push_back(solutes_->balances()[solute].left);
+    all.push_back(solutes_->balances()[solute].decayed);
+  }
+  return all;
+}
+
+void SoilBody::setNumbers(const std::vector<double>& all) {
+  if (!water_) {
+    return;
+  }
+  auto from = all.begin();
+  RichardsSolver::State& state = water_->state();
+  for (double* number :
+       {&day_, &state.timeStep, &state.balance.infiltrated, &state.balance.drained, &state.balance.runOff}) {
+    *number = *from++;
+  }
+  const auto read = [&](std::vector<double>& numbers) {
+    std::copy_n(from, numbers.size(), numbers.begin());
+    from += static_cast<std::ptrdiff_t>(numbers.size());
+  };
+  read(state.heads);
+  read(state.contents);
+  read(state.rates);
+  for (std::size_t solute = 0; solute < solutes_->soluteCount(); ++solute) {
+    read(solutes_->amounts(solute));
+    solutes_->balances()[solute].left = *from++;
+    solutes_->balances()[solute].decayed = *from++;
+  }
+}
+
+tl::expected<SoilBody, std::vector<core::Diagnostic>> makeSoilBody(const Configuration& configuration) {
+  auto read = readObstacles("soil-water", configuration);
+  if (!read) {
+    return tl::unexpected(std::move(read.error()));
+  }
+  if (auto errors = checkSoilWater(configuration); !errors.empty()) {
+    return tl::unexpected(std::move(errors));
+  }
+  return SoilBody(ObstacleScene(std::move(*read)), readSoilWater(configuration));
+}
+
+}  // namespace espalier::environment

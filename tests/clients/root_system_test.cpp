@@ -1,0 +1,110 @@
+#include "clients/espalier/roots/root_system.h"
+
+#include <gtest/gtest.h>
+
+#include "clients/espalier/roots/root_traits.h"
+
+namespace espalier::roots {
+namespace {
+
+/// A primary root of 4 cm with laterals of 1 and 2 cm at 1 and 3 cm, rows out of order.
+constexpr const char* kTable =
+    "# a root\nnode\tparent\tx\ty\tz\tradius\torder\n0\t-1\t0\t0\t0\t0.1\t1\n3\t2\t0\t0\t-3\t0.1\t1\n"
+    "4\t3\t0\t0\t-4\t0.1\t1\n1\t0\t0\t0\t-1\t0.1\t1\n2\t1\t0\t0\t-2\t0.1\t1\n"
+    "9\t1\t1\t0\t-1\t0.05\t2\n7\t3\t0\t2\t-3\t0.05\t2\n";
+
+constexpr const char* kRsml = R"(<?xml version="1.0"?>
+<rsml><metadata><unit>cm</unit></metadata><scene><plant ID="1">
+<root ID="a"><geometry><polyline><point x="0" y="0" z="0"/><point x="0" y="0" z="-1"/><point x="0" y="0" z="-2"/>
+<point x="0" y="0" z="-3"/><point x="0" y="0" z="-4"/></polyline></geometry>
+<functions><function name="diameter" domain="polyline"><sample>0.2</sample><sample>0.2</sample></function>
+<function name="emergence_time" domain="polyline"><sample value="0"/><sample value="2.5"/></function></functions>
+<root ID="b"><properties><parent-node value="1"/></properties><geometry><polyline><point x="0" y="0" z="-1"/>
+<point x="1" y="0" z="-1"/></polyline></geometry>
+<functions><function name="diameter"><sample value="0.1"/></function></functions></root>
+<root ID="c"><geometry><polyline><point x="0" y="0" z="-3"/><point x="0" y="2" z="-3"/></polyline></geometry>
+<functions><function name="diameter"><sample value="0.1"/></function></functions></root>
+</root></plant></scene></rsml>)";
+
+TEST(RootSystem, BothFilesGiveTheSameTraits) {
+  for (const auto& roots : {readRootTable(kTable), readRsml(kRsml)}) {
+    ASSERT_TRUE(roots) << roots.error();
+    ASSERT_EQ(roots->nodes.size(), 7U);
+    const RootTraits traits = traitsOf(*roots, 2);
+    EXPECT_DOUBLE_EQ(traits.length, 7.0);
+    EXPECT_EQ(traits.orders.at(1).number, 1U);
+    EXPECT_DOUBLE_EQ(traits.orders.at(1).length, 4.0);
+    EXPECT_EQ(traits.orders.at(2).number, 2U);
+    EXPECT_DOUBLE_EQ(traits.orders.at(2).length, 3.0);
+    EXPECT_DOUBLE_EQ(traits.orders.at(1).diameter, 0.2);
+    EXPECT_DOUBLE_EQ(traits.orders.at(2).diameter, 0.1);
+    EXPECT_DOUBLE_EQ(traits.height, 4.0);
+    EXPECT_DOUBLE_EQ(traits.width, 2.0);
+    // a herringbone of magnitude μ = 3 has the path length (μ² + 3μ − 2)/2 (Fitter 1987)
+    EXPECT_EQ(traits.magnitude, 3U);
+    EXPECT_EQ(traits.altitude, 3U);
+    EXPECT_EQ(traits.pathLength, 8U);
+  }
+  EXPECT_EQ(readRsml(kRsml)->unit, "cm");
+  EXPECT_EQ(readRsml(kRsml)->nodes[1].emergence, 2.5);
+}
+
+TEST(RootSystem, ADichotomousTreeHasThePathLengthOfItsForm) {
+  // 8 tips, each 4 links from the collar
+  RootSystem roots;
+  roots.nodes.resize(16);
+  for (std::uint32_t i = 1; i < 16; ++i) {
+    roots.nodes[i].parent = i / 2;
+    roots.nodes[i].axis = i;
+    roots.nodes[i].place = {static_cast<double>(i), 0, 0};
+  }
+  const RootTraits traits = traitsOf(roots, 1);
+  EXPECT_EQ(traits.magnitude, 8U);
+  EXPECT_EQ(traits.altitude, 4U);
+  EXPECT_EQ(traits.pathLength, 32U);
+}
+
+TEST(RootSystem, TheStringDrawsTheRoots) {
+  EXPECT_EQ(stringOf(*readRootTable("node\tparent\tx\ty\tz\tradius\torder\temergence\n0\t-1\t1\t2\t3\t0.1\t1\t0\n"
+                                    "1\t0\t1\t2\t1\t0.1\t1\t4\n2\t1\t1\t2\t0\t0.1\t1\t5\n3\t1\t2\t2\t1\t0.05\t2\t6\n")),
+            "[@M(1,2,3)@R(0,0,-2)!(0.2)F(2)?E(2,1,0,0,0,0,0,0,0,0)[@R(1,0,0)!(0.1)F(1)?E(0,2,0,0,0,0,0,0,0,0)]"
+            "@R(0,0,-1)!(0.2)F(1)?E(1,1,0,0,0,0,0,0,0,0)]");
+}
+
+TEST(RootSystem, WrongFilesAreRefusedInOneSentence) {
+  const auto ofTable = [](const std::string& rows) { return readRootTable("node\tparent\tx\ty\tz\n" + rows).error(); };
+  EXPECT_EQ(ofTable("0\t-1\t0\t0\t0\n1\t2\t0\t0\t0\n2\t1\t0\t0\t0\n"),
+            "line 4: the node 2 is its own ancestor. Let parents lead to a collar, whose parent is -1");
+  EXPECT_EQ(ofTable("0\t-1\t0\t0\t0\n1\t7\t0\t0\t0\n"),
+            "line 3: the node 1 has the parent 7, which is not in the file. Add it, or write -1 for a collar");
+  EXPECT_EQ(ofTable("0\t-1\t0\t0\t0\n0\t-1\t0\t0\t0\n"),
+            "line 3: the node 0 is there twice. Give each node a number of its own");
+  EXPECT_EQ(ofTable("0\t-1\t0\tnorth\t0\n"),
+            "line 2: expected a number in the column 'y', found 'north'. Write a number there");
+  EXPECT_EQ(ofTable("0\t-1\t0\n"), "line 2: expected a number in the column 'y', found ''. Write a number there");
+  EXPECT_EQ(
+      readRootTable("x\ty\n1\t2\n").error(),
+      "line 1: the header has no column 'node'. A table of roots has the columns node, parent, x, y, z, separated "
+      "by tabs");
+  EXPECT_EQ(readRootTable("node\tparent\tx\ty\tz\n").error(),
+            "the file has no nodes. Give a table with a header and a row for each node");
+  EXPECT_EQ(readRsml("<rsml><scene>").error(),
+            "line 1: the file is no XML: no element found. Give a file in the Root System Markup Language");
+  EXPECT_EQ(readRsml("<rsml></rsml>").error(),
+            "line 1: the file has no 'scene' of plants. Give a file in the Root System Markup Language");
+  EXPECT_EQ(readRsml("<rsml><scene><root><point x='1' z='2'/></root></scene></rsml>").error(),
+            "line 1: a point has no 'y'. Write its coordinates as attributes x, y and z");
+  EXPECT_EQ(readRsml("<rsml><scene><root>\n<point x='1' y='up'/></root></scene></rsml>").error(),
+            "line 2: expected a number, found 'up'. Write a number there");
+  EXPECT_EQ(readRsml("<!DOCTYPE a [<!ENTITY b \"cccc\">]>\n<rsml/>").error(),
+            "line 1: the file declares an entity, which root files do not need. Remove it");
+  std::string deep = "<rsml><scene>";
+  for (int i = 0; i < 1001; ++i) {
+    deep += "<root>";
+  }
+  EXPECT_EQ(readRsml(deep).error(),
+            "line 1: roots stand inside each other more than 1000 deep. Give a file with fewer orders");
+}
+
+}  // namespace
+}  // namespace espalier::roots

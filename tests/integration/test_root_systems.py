@@ -1,0 +1,72 @@
+"""Root systems in files: read as plants, written, and measured."""
+
+import tempfile
+import unittest
+from pathlib import Path
+from typing import Dict, Tuple
+
+from support import espalier, model
+
+TABLE = """node	parent	x	y	z	radius	order
+0	-1	0	0	0	0.1	1
+1	0	0.1	-1	0	0.1	1
+2	1	0.3	-2	0.1	0.1	1
+3	2	0.3	-3.5	0.2	0.08	1
+4	1	1.25	-1.5	0.4	0.05	2
+5	4	2.25	-1.75	0.9	0.05	2
+6	2	-0.7	-2.5	0.1	0.04	2
+"""
+
+
+class RootSystems(unittest.TestCase):
+    def setUp(self) -> None:
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+        self.table = self.folder / "roots.tsv"
+        self.table.write_text(TABLE, encoding="utf-8")
+
+    def traits(self, *arguments: str) -> Dict[Tuple[str, str], float]:
+        lines = espalier("traits", *arguments).stdout.splitlines()
+        self.assertEqual(lines[0], "trait\torder\tvalue")
+        return {(name, order): float(value) for name, order, value in (line.split("\t") for line in lines[1:])}
+
+    def test_a_table_is_a_plant_and_is_written_as_rsml(self) -> None:
+        expected = self.traits(str(self.table))
+        self.assertEqual((expected["number", "1"], expected["number", "2"]), (1, 2))
+        self.assertEqual(expected["magnitude", ""], 3)
+        rsml = self.folder / "written.rsml"
+        espalier("run", "--from", str(self.table), "-o", str(rsml))
+        for file in (rsml, self.table):
+            picture = self.folder / "again.rsml"
+            espalier("run", str(file), "-o", str(picture))
+            for found in (self.traits(str(file)), self.traits(str(picture))):
+                self.assertEqual(found.keys(), expected.keys())
+                for name, value in expected.items():
+                    self.assertAlmostEqual(found[name], value, 9, msg=str(name))
+
+    def test_roots_from_a_file_take_up_water(self) -> None:
+        xylem = self.folder / "xylem.json"
+        xylem.write_text('{"type": "xylem", "collar": "head", "collarHead": -5, "soilHead": -1, "kx": 0.001, "kr": 0.001}',
+                         encoding="utf-8")
+        text = espalier("derive", str(self.table), "--environment", str(xylem)).stdout
+        queries = [part.split(")")[0].split(",") for part in text.split("?E(")[1:]]
+        self.assertEqual(len(queries), 6)
+        uptake = sum(float(query[4]) for query in queries)
+        self.assertGreater(uptake, 0)
+        self.assertAlmostEqual(uptake / float(queries[0][6]), 1, 9)
+
+    def test_models_have_traits_too(self) -> None:
+        traits = self.traits(model("roots-in-soil"), "--seed", "1", "--steps", "10")
+        self.assertGreater(traits["magnitude", ""], 2)
+        self.assertGreater(traits["length", ""], 0)
+
+    def test_wrong_files_are_named_with_their_line(self) -> None:
+        self.table.write_text(TABLE.replace("6\t2", "6\t6"), encoding="utf-8")
+        for command in (("traits", str(self.table)), ("derive", str(self.table))):
+            self.assertIn("line 8: the node 6 is its own ancestor", espalier(*command, status=1).stderr)
+        self.assertIn("there is no file 'none.rsml'", espalier("traits", "none.rsml", status=1).stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()

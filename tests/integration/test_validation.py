@@ -1,0 +1,56 @@
+"""`espalier validate`: the quick benchmarks meet their tolerances, with the published tables where they are."""
+
+import os
+import tempfile
+import unittest
+from pathlib import Path
+from typing import Dict, List
+
+from support import REPOSITORY, espalier
+
+# published tables, which the repository does not hold
+PUBLISHED = Path(os.environ.get("ESPALIER_VALIDATION", str(REPOSITORY.parent / "shared" / "validation")))
+
+
+def rows(text: str) -> List[Dict[str, str]]:
+    lines = [line.split("\t") for line in text.splitlines()]
+    return [dict(zip(lines[0], line)) for line in lines[1:]]
+
+
+class Validation(unittest.TestCase):
+    def setUp(self) -> None:
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
+    def test_the_quick_benchmarks_meet_their_tolerances(self) -> None:
+        data = ["--data", str(PUBLISHED)] if PUBLISHED.is_dir() else []
+        run = espalier("validate", "--quick", *data, "--plot", str(self.folder / "plots"))
+        table = rows(run.stdout)
+        self.assertEqual({row["result"] for row in table} - {"reported"}, {"met"}, run.stdout)
+        cases = {row["case"] for row in table}
+        self.assertLessEqual({"m2.1-sand", "steady", "gardner", "solutes", "m3.1", "root-conductance", "c1.1"}, cases)
+        self.assertEqual("left out" in run.stderr, not data, run.stderr)
+        if not data:
+            print("the published tables are not there; without them the benchmarks leave out m2.2, m3.2 and c1.2")
+        self.assertIn("<svg", (self.folder / "plots" / "m3.1.svg").read_text(encoding="utf-8"))
+
+    def test_another_reference_is_not_met(self) -> None:
+        # a root system of one segment whose reference says another head than the equation
+        (self.folder / "m32_roots.tsv").write_text(
+            "node\tparent\tparent_alternative\tx\ty\tz\tradius\torder\temergence\thead_a\thead_a_alternative\n"
+            "0\t-1\t-1\t0\t0\t0\t0.1\t1\t0\t-500\t-500\n1\t0\t0\t0\t0\t-1\t0.1\t1\t0\t-400\t-400\n", encoding="utf-8")
+        run = espalier("validate", "m3.2", "--data", str(self.folder), status=1)
+        self.assertEqual(rows(run.stdout)[0]["result"], "NOT MET")
+        self.assertIn("at least one result is beyond its tolerance", run.stderr)
+        self.assertIn("needs m32_uptake_fractions.tsv", run.stderr)
+
+    def test_wrong_names_are_refused(self) -> None:
+        self.assertIn("there is no benchmark 'm9': choose from m2.1-sand, m2.1-loam", espalier("validate", "m9", status=2).stderr)
+        self.assertIn("there is no folder 'nowhere' of published data",
+                      espalier("validate", "--data", "nowhere", status=1).stderr)
+        self.assertIn("m3.1\tquick\theads in one root", espalier("validate", "--list").stdout)
+
+
+if __name__ == "__main__":
+    unittest.main()
