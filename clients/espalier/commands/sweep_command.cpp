@@ -25,8 +25,8 @@
 #include "clients/espalier/sweep/sweep.h"
 #include "environment/registry.h"
 #include "server/remote/disk_files.h"
-#include "server/remote/gallery.h"
 #include "server/remote/limits.h"
+#include "server/remote/models/gallery.h"
 
 namespace espalier::command {
 namespace {
@@ -165,7 +165,7 @@ std::unique_ptr<SweptModel> loadSweptModel(Prepared& prepared, bool isQuiet, cor
   for (const auto& [name, value] : plan.defines) {
     options.defines.push_back(name + "=" + value);
   }
-  FolderSettings folder;
+  server::FolderSettings folder;
   const std::shared_ptr<const language::Program> program = loadProgram(options, files, &folder);
   if (!program) {
     return nullptr;
@@ -178,7 +178,7 @@ std::unique_ptr<SweptModel> loadSweptModel(Prepared& prepared, bool isQuiet, cor
   input.model.compatibility = options.mode();
   input.model.limits = options.simulationLimits();
   input.model.defines = plan.defines;
-  input.palette = folder.palette.empty() ? program->view.palette : folder.palette;
+  input.palette = folder.palette;
   if (!findEnvironment(input, prepared.file, options, files)) {
     return nullptr;
   }
