@@ -265,16 +265,23 @@ CaseResult dryingSoil(const Data& data) {
   return result;
 }
 
-CaseResult dryingSoilMore(const Data& data) {
+CaseResult dryingSoilFine(const Data& data) {
+  CaseResult result;
+  const auto roots = ReferenceTable::read(data, "c12_roots.tsv", result.missing);
+  const auto transpiration = ReferenceTable::read(data, "c12_transpiration.tsv", result.missing);
+  if (roots && transpiration) {
+    addDryingSoil(*roots, nullptr, *transpiration, 0.5, 0.15, result);
+  }
+  return result;
+}
+
+CaseResult dryingSoilByAge(const Data& data) {
   CaseResult result;
   const auto roots = ReferenceTable::read(data, "c12_roots.tsv", result.missing);
   const auto transpiration = ReferenceTable::read(data, "c12_transpiration.tsv", result.missing);
   const auto ages = ReferenceTable::read(data, "root_conductivities.tsv", result.missing);
-  if (roots && transpiration) {
-    addDryingSoil(*roots, nullptr, *transpiration, 0.5, 0.15, result);
-    if (ages) {
-      addDryingSoil(*roots, &*ages, *transpiration, 1.0, std::nullopt, result);
-    }
+  if (roots && transpiration && ages) {
+    addDryingSoil(*roots, &*ages, *transpiration, 1.0, std::nullopt, result);
   }
   return result;
 }
@@ -282,7 +289,8 @@ CaseResult dryingSoilMore(const Data& data) {
 constexpr std::array kUptakeCases{
     Case{"c1.1", "stress around one root (Schnepf et al. 2020; Schröder et al. 2008)", true, oneRoot},
     Case{"c1.2", "a root system in drying soil (Schnepf et al. 2020), cells of 1 cm", true, dryingSoil},
-    Case{"c1.2-fine", "the same with cells of 0.5 cm, and with conductivities by age", false, dryingSoilMore},
+    Case{"c1.2-fine", "the same with cells of 0.5 cm", false, dryingSoilFine},
+    Case{"c1.2-ages", "the same with conductivities by order and age, cells of 1 cm", false, dryingSoilByAge},
 };
 
 }  // namespace
