@@ -1,7 +1,9 @@
 #include "engine/files/utf8.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <iterator>
 
 namespace espalier::files {
 
@@ -164,7 +166,14 @@ std::string kindOfNoText(std::string_view bytes) {
   const bool isUtf16 = bytes.starts_with("\xFF\xFE") || bytes.starts_with("\xFE\xFF");
   // old editors fill the last block of a file behind Ctrl-Z
   const std::string_view text = bytes.substr(0, bytes.find('\x1A'));
-  return !isUtf16 && text.find('\0') != std::string_view::npos ? "a binary file" : std::string{};
+  // a stray control character may stand in a text, many do not
+  constexpr std::ptrdiff_t kTextBytesPerControl = 50;
+  const auto controls = std::count_if(text.begin(), text.end(), [](char c) {
+    const auto byte = static_cast<unsigned char>(c);
+    return byte < '\t' || (byte > '\r' && byte < ' ' && byte != '\x1B');
+  });
+  const bool isBinary = text.find('\0') != std::string_view::npos || kTextBytesPerControl * controls > std::ssize(text);
+  return !isUtf16 && isBinary ? "a binary file" : std::string{};
 }
 
 }  // namespace espalier::files

@@ -306,7 +306,8 @@ bool recognisesLsystemViewer(std::string_view text) {
       hasOtherRule = hasOtherRule || code.find("->") != std::string_view::npos ||
                      code.find("→") != std::string_view::npos || code.find("–>") != std::string_view::npos ||
                      code.find("−>") != std::string_view::npos ||
-                     (!isCommand && command->name.size() == 1 && code.find('=') != std::string_view::npos);
+                     (!isCommand && command->name.size() == 1 && code.find('=') != std::string_view::npos) ||
+                     command->name == "rule" || command->name == "rules" || command->name == "productions";
     }
   }
   const auto has = [&](const char* name) { return seen.count(name) > 0; };

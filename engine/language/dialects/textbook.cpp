@@ -10,6 +10,7 @@
 #include "engine/language/dialects/text_lines.h"
 #include "engine/language/dialects/textbook_modules.h"
 #include "engine/language/dialects/textbook_statements.h"
+#include "engine/language/dialects/textbook_words.h"
 
 namespace espalier::language {
 namespace {
@@ -66,21 +67,6 @@ std::size_t conditionMark(std::string_view left) {
   return std::string_view::npos;
 }
 
-// words with blanks between them: a title or a remark
-bool isProse(std::string_view text) {
-  const std::size_t blank = text.find(' ');
-  const auto isWordLetter = [](char c) {
-    return std::isalpha(static_cast<unsigned char>(c)) != 0 || static_cast<unsigned char>(c) >= 0x80;
-  };
-  std::size_t longest = 0;
-  std::size_t length = 0;
-  for (const char c : text) {
-    length = isWordLetter(c) ? length + 1 : 0;
-    longest = std::max(longest, length);
-  }
-  return blank != std::string_view::npos && longest >= 4 && text.find_first_of("[]{}|+") == std::string_view::npos;
-}
-
 class TextbookReader {
  public:
   TextbookReader(std::string_view text, const TextbookExtension& extension, DialectReport& report)
@@ -93,6 +79,7 @@ class TextbookReader {
   CpfgModel read(const std::string& entry) {
     const std::vector<TextPiece> statements = textbookStatements(text_);
     modules_.setConstants(textbookConstants(statements));
+    symbols_.words = textbookWords(statements);
     hasNamedAxiom_ = axiomOf(text_).has_value();
     for (const TextPiece& statement : statements) {
       readStatement(statement, entry);
@@ -373,7 +360,7 @@ class TextbookReader {
     }
     TextPiece written = takeProbability(left);
     const std::size_t mark = conditionMark(left.text);
-    const TextPiece front = left.to(mark).trimmed();
+    const TextPiece front = withoutAnyContext(left.to(mark).trimmed());
     const bool isIdentity = front.text == right.text && (front.text == "[" || front.text == "]");
     if (isIdentity) {
       return;
@@ -512,10 +499,13 @@ class TextbookReader {
       report_.note(0, 1, "the model turns with + or - and has no angle: it is taken as 45 degrees", "write 'δ = 60°'");
     }
     model_.derivationLength = steps_.value_or(1);
-    if (!symbols_.names.empty()) {
+    if (!symbols_.names.empty() || !symbols_.words.empty()) {
       std::string names;
       for (const std::string& name : symbols_.names) {
         names += (names.empty() ? "" : ", ") + name;
+      }
+      for (const std::string& word : symbols_.words) {
+        names += (names.empty() ? "" : ", ") + word + "(...)";
       }
       model_.items.insert(model_.items.begin(), MappedText("Module: " + names, 0));
       model_.needs.push_back("symbols of more than one character: " + names);
@@ -645,10 +635,13 @@ class TextbookReader {
 bool recognisesTextbook(std::string_view original) {
   const std::string text = plainTextbook(original);
   bool hasArrow = false;
+  bool hasOwnSetting = false;  // that models of cpfg do not have
   for (const TextPiece& statement : textbookStatements(text)) {
     const auto arrow = arrowOf(statement.text);
-    const bool isStart =
-        !arrow && settingOf(statement) && (statement.text.starts_with("ω") || lowered(statement.text).starts_with("w"));
+    const auto setting = arrow ? std::nullopt : settingOf(statement);
+    const bool isStart = setting && (statement.text.starts_with("ω") || lowered(statement.text).starts_with("w"));
+    hasOwnSetting = hasOwnSetting || (setting && setting->name.size() > 2 && setting->name != "axiom" &&
+                                      (setting->setting == Setting::Axiom || setting->setting == Setting::Angle));
     // every arrow but those of ASCII is none of cpfg's
     const bool isPrinted = arrow && statement.text[arrow->first] != '-';
     if (isStart || isPrinted) {
@@ -662,7 +655,8 @@ bool recognisesTextbook(std::string_view original) {
     hasArrow = hasArrow || (ascii != std::string_view::npos && ascii > 0 && statement.text[ascii - 1] != '-');
   }
   // without an axiom, too: cpfg's arrow is longer
-  return hasArrow && (axiomOf(text).has_value() || text.find("-->") == std::string_view::npos);
+  const bool hasLongArrow = text.find("-->") != std::string_view::npos;
+  return hasLongArrow ? axiomOf(text) && (hasArrow || hasOwnSetting) : hasArrow;
 }
 
 std::vector<DialectEntry> textbookEntries(std::string_view original) {

@@ -6,6 +6,7 @@
 
 #include "engine/core/number_text.h"
 #include "engine/language/dialects/textbook_statements.h"
+#include "engine/language/dialects/textbook_words.h"
 
 namespace espalier::language {
 namespace {
@@ -164,9 +165,12 @@ MappedText TextbookModules::modules(const TextPiece& piece, int predecessorShift
       ++at;
       continue;
     }
-    std::string symbol(1, c);
-    at += characterLength(c);
-    if (const Pair* sign = pairAt(kSigns, text.substr(begin))) {
+    const std::string_view word = wordAt(text.substr(begin), symbols_.words);
+    std::string symbol(word.empty() ? text.substr(begin, 1) : word);
+    at += word.empty() ? characterLength(c) : word.size();
+    if (!word.empty()) {
+      // a symbol of several letters
+    } else if (const Pair* sign = pairAt(kSigns, text.substr(begin))) {
       symbol = sign->second;
     } else if (text.substr(begin).starts_with(kLeafSign)) {
       symbols_.hasLeaf = true;
@@ -189,7 +193,7 @@ MappedText TextbookModules::modules(const TextPiece& piece, int predecessorShift
     if (symbol == "/" && std::string_view(result.text()).ends_with('/')) {
       result.make(" ", offset);
     }
-    const Subscript subscript = isLetter(c) ? readSubscript(text, at) : Subscript{};
+    const Subscript subscript = isLetter(c) && word.empty() ? readSubscript(text, at) : Subscript{};
     const bool hasParameters = at < text.size() && text[at] == '(';
     if (symbol.size() == 1) {
       symbols_.all.insert(symbol.front());
@@ -203,7 +207,7 @@ MappedText TextbookModules::modules(const TextPiece& piece, int predecessorShift
       result.make(symbol + "(" + levelText(subscript, predecessorShift) + ")", offset);
       continue;
     }
-    if (symbol == text.substr(begin, 1)) {
+    if (symbol == text.substr(begin, symbol.size())) {
       result.copy(symbol, offset);
     } else {
       result.make(symbol, offset);

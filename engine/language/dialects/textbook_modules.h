@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <map>
 #include <optional>
 #include <set>
@@ -23,11 +24,12 @@ struct Subscript {
 
 /// The symbols that the modules of a textbook's model use.
 struct TextbookSymbols {
-  std::set<char> plain;            // without parameter and subscript
-  std::set<char> all;              // with or without
-  std::set<std::string> names;     // with a name as subscript: F_a
-  std::set<std::string> levelled;  // with a level as subscript
-  bool hasLeaf = false;            // the sign ♠
+  std::set<char> plain;                      // without parameter and subscript
+  std::set<char> all;                        // with or without
+  std::set<std::string> names;               // with a name as subscript: F_a
+  std::set<std::string> levelled;            // with a level as subscript
+  std::set<std::string, std::less<>> words;  // textbookWords, set before modules are read
+  bool hasLeaf = false;                      // the sign ♠
 };
 
 /// The additions of Turtle Painter to the notation.

@@ -5,6 +5,7 @@
 #include "engine/core/diagnostic.h"
 #include "engine/core/number_text.h"
 #include "engine/language/dialects/textbook_modules.h"
+#include "engine/language/dialects/textbook_words.h"
 
 namespace espalier::language {
 namespace {
@@ -178,9 +179,19 @@ void markEqualsRules(std::string& text) {
     return;
   }
   std::vector<std::size_t> marks;
+  bool isBelowHeading = false;
   for (const TextPiece& line : linesOf(text)) {
     const auto setting = settingOf(line.trimmed());
     const bool isList = setting && setting->setting == Setting::Productions;
+    // `F: F+F` below `rules:`
+    const TextPiece rule = line.trimmed();
+    const std::size_t colon = rule.text.find(':');
+    if (isBelowHeading && colon != std::string_view::npos && rule.to(colon).trimmed().text.size() == 1 &&
+        isRuleValue(rule.from(colon + 1).trimmed().text)) {
+      marks.push_back(rule.offset + colon);
+      continue;
+    }
+    isBelowHeading = rule.empty() ? isBelowHeading : isList && setting->value.empty();
     const TextPiece code = isList ? setting->value : line.trimmed();
     if (setting && !isList && setting->name.size() > 1) {
       continue;
@@ -204,7 +215,7 @@ void markEqualsRules(std::string& text) {
 }
 
 // a line without its remark: `//`, `#` and `;` at its beginning, and ` // ` or ` # ` behind blanks
-TextPiece withoutRemark(const TextPiece& line) {
+TextPiece withoutRemark(const TextPiece& line, std::string_view whole) {
   const std::string_view text = line.text;
   const TextPiece code = line.trimmed();
   const bool isDirective = code.text.starts_with('#') && code.text.size() > 1 && isLetterOrDigit(code.text[1]);
@@ -218,7 +229,8 @@ TextPiece withoutRemark(const TextPiece& line) {
     const std::size_t behind = at + (isSlashes ? 2 : 1);
     const bool isBeforeBlank = behind >= text.size() || text[behind] == ' ' || text[behind] == '\t';
     // in a string of modules two slashes are two rolls, and '#' is a symbol
-    if (isSign && (text[at - 1] == ' ' || text[at - 1] == '\t') && (isBeforeBlank || !hasArrow) && !isDirective) {
+    if (isSign && (text[at - 1] == ' ' || text[at - 1] == '\t') && (isBeforeBlank || !hasArrow) && !isDirective &&
+        (!isSlashes || !hasArrow || isRemark(text.substr(std::min(behind, text.size())), whole))) {
       return line.to(at).trimmed();
     }
   }
@@ -311,16 +323,22 @@ std::optional<std::pair<std::size_t, std::size_t>> arrowOf(std::string_view text
 std::vector<TextPiece> textbookStatements(std::string_view text) {
   std::vector<TextPiece> statements;
   for (const TextPiece& line : linesOf(text)) {
-    const TextPiece code = withoutEnd(withoutRemark(line));
+    const TextPiece code = withoutEnd(withoutRemark(line, text));
     if (code.empty()) {
       continue;
     }
     const auto arrow = arrowOf(code.text);
     const bool joinsArrow = arrow && arrow->first == 0 && !statements.empty() && !arrowOf(statements.back().text);
-    // an indented rest of a successor
-    const bool isRest = !arrow && !statements.empty() && arrowOf(statements.back().text) && code.offset > line.offset &&
-                        code.text.find_first_of(":=") == std::string_view::npos && !settingOf(code) &&
-                        !code.text.starts_with('#');
+    // a rest of a successor: indented, in an open bracket, or with a sign at its beginning
+    const bool isBehindProduction = !arrow && !statements.empty() && arrowOf(statements.back().text).has_value();
+    const auto isOpen = [](std::string_view before) {
+      return std::count(before.begin(), before.end(), '[') > std::count(before.begin(), before.end(), ']');
+    };
+    const bool isRest = isBehindProduction && !code.text.starts_with('#') &&
+                        (code.offset > line.offset ||
+                         std::string_view("[]{}+-&^/\\|").find(code.text.front()) != std::string_view::npos ||
+                         isOpen(statements.back().text)) &&
+                        code.text.find_first_of(":=") == std::string_view::npos && !settingOf(code);
     if (joinsArrow || isRest) {
       TextPiece& last = statements.back();
       last.text = text.substr(last.offset, code.offset + code.text.size() - last.offset);
@@ -433,6 +451,17 @@ TextPiece withoutLabel(const TextPiece& statement) {
   const bool isLabel = statement.text[end] == ')' ? hasNumber && wordEnd == 0
                                                   : wordEnd > 0 && (hasNumber || !isLetter || label.front() == 'p');
   return at == label.size() && isLabel ? statement.from(end + 1).trimmed() : statement;
+}
+
+TextPiece withoutAnyContext(TextPiece predecessor) {
+  if (predecessor.text.starts_with('*') && predecessor.from(1).trimmed().text.starts_with('<')) {
+    predecessor = predecessor.from(1).trimmed().from(1).trimmed();
+  }
+  if (predecessor.text.ends_with('*')) {
+    const TextPiece front = predecessor.to(predecessor.text.size() - 1).trimmed();
+    predecessor = front.text.ends_with('>') ? front.to(front.text.size() - 1).trimmed() : predecessor;
+  }
+  return predecessor;
 }
 
 std::vector<TextPiece> productionsOf(TextPiece value) {

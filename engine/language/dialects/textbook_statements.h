@@ -21,8 +21,8 @@ namespace espalier::language {
 /// Place and length of the first arrow.
 [[nodiscard]] std::optional<std::pair<std::size_t, std::size_t>> arrowOf(std::string_view text);
 
-/// The statements of a plain text: lines. A line that begins with an arrow, and an indented rest of a successor, belong
-/// to the line before. `n=5, δ=25.7°` is two statements.
+/// The statements of a plain text: lines. A line that begins with an arrow, and a rest of a successor that is indented,
+/// begins with a sign or stands in an open bracket, belong to the line before. `n=5, δ=25.7°` is two statements.
 [[nodiscard]] std::vector<TextPiece> textbookStatements(std::string_view text);
 
 enum class Setting : std::uint8_t { Axiom, Angle, Steps, Heading, Step, Turns, Productions, Ignore, Consider, Sets };
@@ -45,6 +45,9 @@ struct NamedValue {
 
 /// A production without its label `p1:`, `r2:`, `Rule 3:` or `4)`.
 [[nodiscard]] TextPiece withoutLabel(const TextPiece& statement);
+
+/// A predecessor without contexts `* <` and `> *`, which match anything.
+[[nodiscard]] TextPiece withoutAnyContext(TextPiece predecessor);
 
 /// The parts of `F → FF, X → F`, `{...}` or `(...), (...)` that hold one production each.
 [[nodiscard]] std::vector<TextPiece> productionsOf(TextPiece value);

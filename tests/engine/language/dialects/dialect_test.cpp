@@ -77,8 +77,10 @@ TEST(Dialect, AFileWithoutTextIsNamed) {
   EXPECT_EQ(foreignMessages(png, {}, "cpfg"), foreignMessages(png));
   EXPECT_EQ(foreignMessages("%PDF-1.4\n").front(),
             "1:1: error: this is a PDF document, not a model | give the name of a text file with an L-system");
-  EXPECT_EQ(foreignMessages(std::string("A\0B", 3)).front(),
-            "1:1: error: this is a binary file, not a model | give the name of a text file with an L-system");
+  for (const std::string& bytes : {std::string("A\0B", 3), std::string("\x03\x9F\x02Q\x1A\x05\0", 7)}) {
+    EXPECT_EQ(foreignMessages(bytes).front(),
+              "1:1: error: this is a binary file, not a model | give the name of a text file with an L-system");
+  }
 }
 
 TEST(Dialect, ModelsOfOtherProgramsAreNamed) {

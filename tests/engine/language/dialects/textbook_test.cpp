@@ -27,6 +27,37 @@ TEST(Textbook, ReadsEveryWayOfWritingAProduction) {
       contains(cpfgText("WM = 0\nPM = {0 → 1[0]0, 1 → 1, [ → [, ] → ]}\n"), "0 --> 1[0]0\n1 --> 1\nendlsystem"));
 }
 
+TEST(Textbook, AnyNeighbourIsNoContext) {
+  // Hogeweg and Hesper's models, as The Algorithmic Beauty of Plants prints them
+  const std::string text = cpfgText("ω : F1F1\np1 : 0 < 1 > 1 → 1F1\np9 : * < + > * → −\np10 : * < − > 0 → +\n");
+  EXPECT_TRUE(contains(text, "0 < 1 > 1 --> 1F1\n+ --> -\n- > 0 --> +\n")) << text;
+}
+
+TEST(Textbook, SymbolsMayBeWords) {
+  const std::string text = cpfgText(
+      "n=5, δ=18°\nω : plant\np1 : plant → internode + [ plant + flower] − − //\n[ − − leaf ] internode − [ plant ]\n"
+      "p2 : internode → F seg [// & & leaf ] Fseg stem\nseg → seg F seg\n");
+  EXPECT_TRUE(contains(text, "Module: flower(...), internode(...), leaf(...), plant(...), seg(...), stem(...)\n"))
+      << text;
+  EXPECT_TRUE(contains(text, "plant --> internode+[plant+flower]--/ /[--leaf]internode-[plant]\n")) << text;
+  EXPECT_TRUE(contains(text, "internode --> Fseg[/ /&&leaf]Fsegstem\n")) << text;
+}
+
+TEST(Textbook, BehindTwoSlashesAreRemarksOrModules) {
+  EXPECT_TRUE(contains(cpfgText("ω: F\nF → F[+F]F // a bush, see [1]\n"), "F --> F[+F]F\n"));
+  EXPECT_TRUE(contains(cpfgText("ω: F\nF → FF // trunk\n"), "F --> FF\n"));
+  EXPECT_TRUE(contains(cpfgText("ω: A\nA → F // A\nB → F //\n"), "A --> F/ /A\nB --> F/ /\n"));
+  EXPECT_TRUE(contains(cpfgText("ω: apex\napex → F // apex\n"), "apex --> F/ /apex\n"));
+}
+
+TEST(Textbook, RulesMayStandBelowAHeading) {
+  EXPECT_TRUE(contains(cpfgText("axiom: F\nrules:\n  F: F+F−F\n  X: FX\nangle: 90 degrees\n"),
+                       "F --> F+F-F\nX --> FX\nendlsystem\n"));
+  EXPECT_TRUE(contains(cpfgText("Axiom: FX\nRule: X=X+YF+\nRule: Y=-FX-Y\nAngle: 90\n"), "X --> X+YF+\nY --> -FX-Y\n"));
+  EXPECT_TRUE(contains(cpfgText("omega: F\ndelta = 60\nP1: F --> F+F−−F+F\nn = 2\n"), "F --> F+F--F+F\n"));
+  EXPECT_TRUE(contains(cpfgText("ω: F\nF → F[+F\nF]F\n"), "F --> F[+FF]F\n")) << "a bracket is open";
+}
+
 TEST(Textbook, ReadsProbabilitiesBeforeAndBehind) {
   EXPECT_TRUE(contains(cpfgText("ω: F\nF → (1/3)FF\n"), "F --> FF : 1/3\n"));
   EXPECT_TRUE(contains(cpfgText("ω: F\nF → FF : 0.33\n"), "F --> FF : 0.33\n"));

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/language/dialects/text_lines.h"
+
+namespace espalier::language {
+
+/// The symbols of a model that are words: `plant → internode [leaf]`. A word has three letters or more, one of them
+/// small. A model has words when one of them is a predecessor; the other words of its productions are symbols then,
+/// too. Empty: every letter is a symbol.
+[[nodiscard]] std::set<std::string, std::less<>> textbookWords(const std::vector<TextPiece>& statements);
+
+/// The longest of these words with which a text begins; empty: none.
+[[nodiscard]] std::string_view wordAt(std::string_view text, const std::set<std::string, std::less<>>& words);
+
+/// Whether the text behind two slashes in a production is a remark, and not modules behind two rolls. `whole` is the
+/// text of the model: its predecessors may be words.
+[[nodiscard]] bool isRemark(std::string_view behindSlashes, std::string_view whole);
+
+/// Words with blanks between them: a title or a remark.
+[[nodiscard]] bool isProse(std::string_view text);
+
+}  // namespace espalier::language
