@@ -1,5 +1,7 @@
 #include "protocol/json_text.h"
 
+#include <simdjson.h>
+
 #include "protocol/decoding/json_parser.h"
 
 namespace espalier::protocol {
@@ -52,6 +54,10 @@ std::optional<std::vector<std::string>> listOf(std::string_view json, std::strin
     texts.push_back(value.get<std::string>());
   }
   return texts;
+}
+
+bool isPlainText(std::string_view bytes) {
+  return bytes.find('\0') == std::string_view::npos && simdjson::validate_utf8(bytes);
 }
 
 std::optional<std::string> jsonProblem(std::string_view json) {

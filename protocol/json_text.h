@@ -20,6 +20,9 @@ namespace espalier::protocol {
 /// The member `name` of a JSON object, when it is an array of texts. Otherwise nothing.
 [[nodiscard]] std::optional<std::vector<std::string>> listOf(std::string_view json, std::string_view name);
 
+/// Whether bytes are text that JSON can carry: UTF-8 without a zero byte.
+[[nodiscard]] bool isPlainText(std::string_view bytes);
+
 /// The reason why a text is not one JSON value, as `line 3, column 7: ...`. Nothing when it is one.
 [[nodiscard]] std::optional<std::string> jsonProblem(std::string_view json);
 

@@ -49,8 +49,8 @@ struct HelloResult {
 struct ModelReference {
   std::optional<std::string> source;         // the text of the `.l` file
   std::optional<std::string> gallery;        // name of a folder of the server's gallery
-  std::map<std::string, std::string> files;  // texts by name; with `main`
-  std::string main;                          // name of the `.l` file among `files`
+  std::map<std::string, std::string> files;  // contents by name, of `files` and `binary`; with `main`
+  std::string main;                          // name of the `.l` file among `files`, perhaps with `:ENTRY`
   std::optional<std::string> loaded;         // identifier that model.load gave
 };
 
@@ -58,6 +58,11 @@ struct ModelParams {
   ModelReference model;
   std::string compatibility;                                 // empty, cpfg or cpfg-batch
   std::vector<std::pair<std::string, std::string>> defines;  // NAME, VALUE: they win over #define
+};
+
+/// Of model.read.
+struct ReadModelParams {
+  std::string gallery;  // NAME, NAME/FILE or NAME/FILE:ENTRY
 };
 
 struct SourcePosition {
@@ -243,10 +248,12 @@ struct StreamSelection {
 
 struct GetParams {
   std::string simulation;
-  std::string what;  // string, statistics, state-hash, turtle, model, information, checkpoints, traces, trace
+  // string, statistics, state-hash, turtle, model, information, checkpoints, traces, trace, palette, explanation
+  std::string what;
   std::uint32_t plant = 0;
-  std::uint64_t trace = 0;  // number of the trace; 0: not given
-  StreamSelection select;   // of turtle records
+  std::uint64_t module = 0;  // of the explanation
+  std::uint64_t trace = 0;   // number of the trace; 0: not given
+  StreamSelection select;    // of turtle records
 };
 
 /// Of a method that only names a simulation.

@@ -59,9 +59,19 @@ void readModelReference(const Member& member, ModelReference& model) {
     for (const auto& [name, value] : files.json().items()) {
       model.files.emplace(name, files[name].text());
     }
+    if (const Member binary = member["binary"]; !binary.isAbsent()) {
+      binary.requireObject();
+      for (const auto& [name, value] : binary.json().items()) {
+        auto bytes = fromBase64(binary[name].text());
+        if (!bytes) {
+          binary[name].failExpected("base64");
+        }
+        model.files.emplace(name, std::move(*bytes));
+      }
+    }
     const Member main = member["main"];
     model.main = readName(main);
-    if (!model.files.contains(model.main)) {
+    if (!model.files.contains(model.main) && !model.files.contains(model.main.substr(0, model.main.find(':')))) {
       main.fail("'" + model.main + "' is not one of the files");
     }
     ++count;
@@ -303,20 +313,32 @@ Expected<ForkParams> decodeForkParams(const Payload& payload) {
   });
 }
 
+Expected<ReadModelParams> decodeReadModelParams(const Payload& payload) {
+  return decodePayload<ReadModelParams>(payload, [](const Member& params, ReadModelParams& read) {
+    params.requireObject();
+    read.gallery = readName(params["gallery"]);
+  });
+}
+
 Expected<GetParams> decodeGetParams(const Payload& payload) {
   return decodePayload<GetParams>(payload, [](const Member& params, GetParams& get) {
     params.requireObject();
     get.simulation = readName(params["simulation"]);
     const Member what = params["what"];
     get.what = what.text();
-    constexpr std::array<std::string_view, 9> kKinds{"string",      "statistics",  "state-hash", "turtle", "model",
-                                                     "information", "checkpoints", "traces",     "trace"};
+    constexpr std::array<std::string_view, 11> kKinds{"string", "statistics",  "state-hash",  "turtle",
+                                                      "model",  "information", "checkpoints", "traces",
+                                                      "trace",  "palette",     "explanation"};
     if (std::find(kKinds.begin(), kKinds.end(), get.what) == kKinds.end()) {
       what.failExpected(
-          "one of string, statistics, state-hash, turtle, model, information, checkpoints, traces, trace");
+          "one of string, statistics, state-hash, turtle, model, information, checkpoints, traces, trace, palette, "
+          "explanation");
     }
     if (get.what == "trace") {
       get.trace = static_cast<std::uint64_t>(params["trace"].integer(1, kMaximumExactInteger));
+    }
+    if (get.what == "explanation") {
+      get.module = params["module"].count();
     }
     if (const Member plant = params["plant"]; !plant.isAbsent()) {
       get.plant = static_cast<std::uint32_t>(plant.integer(0, 0xFFFFFFFF));

@@ -7,6 +7,7 @@
 
 #include "engine/turtle/export/exporters.h"
 #include "protocol/codec.h"
+#include "server/remote/gallery.h"
 #include "server/running/simulation_trace.h"
 #include "server/server_core.h"
 
@@ -14,6 +15,7 @@ namespace espalier::server {
 namespace {
 
 constexpr std::string_view kRoot = "/simulations";
+constexpr std::string_view kGallery = "/gallery/";
 constexpr std::string_view kSnapshotSuffix = ".snapshot";
 constexpr std::string_view kBytes = "application/octet-stream";
 
@@ -139,23 +141,16 @@ HttpPage pageFor(SimulationRunner& runner, const DownloadPath& path, std::uint64
                                           ", or the trace is larger than blockBytes.");
     }
     case DownloadPath::Kind::List:
+    case DownloadPath::Kind::Picture:
       break;
   }
   return problemPage(404, "There is no download of that name.");
 }
 
-}  // namespace
-
-std::optional<DownloadPath> downloadPathOf(std::string_view target) {
-  target = target.substr(0, target.find('?'));
-  if (target == kRoot) {
-    return DownloadPath{};
-  }
-  if (!target.starts_with(kRoot) || target[kRoot.size()] != '/') {
-    return std::nullopt;
-  }
+/// The parts of a path between slashes, percent-decoded; nothing when one is empty.
+std::optional<std::vector<std::string>> partsOf(std::string_view rest) {
   std::vector<std::string> parts;
-  for (std::string_view rest = target.substr(kRoot.size() + 1); parts.size() < 4;) {
+  while (parts.size() < 4) {
     const std::size_t slash = rest.find('/');
     auto part = decoded(rest.substr(0, slash));
     if (!part || part->empty()) {
@@ -167,6 +162,10 @@ std::optional<DownloadPath> downloadPathOf(std::string_view target) {
     }
     rest.remove_prefix(slash + 1);
   }
+  return parts;
+}
+
+std::optional<DownloadPath> simulationPathOf(const std::vector<std::string>& parts) {
   if (parts.size() == 2) {
     const bool isSnapshot = parts[1].ends_with(kSnapshotSuffix);
     return DownloadPath{isSnapshot ? DownloadPath::Kind::Snapshot : DownloadPath::Kind::Export, parts[0], parts[1]};
@@ -184,9 +183,41 @@ std::optional<DownloadPath> downloadPathOf(std::string_view target) {
   return std::nullopt;
 }
 
+HttpPage picturePage(const ServerCore& core, const DownloadPath& path) {
+  auto bytes = readGalleryPicture(core.options().galleryFolder, path.simulation, path.name);
+  return bytes ? HttpPage{200, "image/png", std::move(*bytes), {}}
+               : problemPage(404, "The gallery has no such picture. model.list names the pictures.");
+}
+
+}  // namespace
+
+std::optional<DownloadPath> downloadPathOf(std::string_view target) {
+  target = target.substr(0, target.find('?'));
+  if (target == kRoot) {
+    return DownloadPath{};
+  }
+  const bool isOfGallery = target.starts_with(kGallery);
+  if (!isOfGallery && (!target.starts_with(kRoot) || target[kRoot.size()] != '/')) {
+    return std::nullopt;
+  }
+  const auto parts = partsOf(target.substr(isOfGallery ? kGallery.size() : kRoot.size() + 1));
+  if (!parts) {
+    return std::nullopt;
+  }
+  if (isOfGallery) {
+    return parts->size() == 2 ? std::optional(DownloadPath{DownloadPath::Kind::Picture, (*parts)[0], (*parts)[1]})
+                              : std::nullopt;
+  }
+  return simulationPathOf(*parts);
+}
+
 void makeDownload(ServerCore& core, const DownloadPath& path, std::function<void(HttpPage)> done) {
   if (path.kind == DownloadPath::Kind::List) {
     done(listPage(core));
+    return;
+  }
+  if (path.kind == DownloadPath::Kind::Picture) {
+    core.pool().post({.run = [&core, path, done] { done(picturePage(core, path)); }, .owner = "http"});
     return;
   }
   const auto runner = core.find(path.simulation);

@@ -1,6 +1,8 @@
 #include "server/remote/gallery.h"
 
 #include <algorithm>
+#include <array>
+#include <string_view>
 
 #include "engine/language/compiler.h"
 #include "engine/language/dialects/dialect.h"
@@ -26,6 +28,27 @@ std::string folderOfProgram(const char* installed, const char* inSources) {
     }
   }
   return {};
+}
+
+// of one file of a model that is sent
+constexpr std::size_t kMostGalleryBytes = 16'000'000;
+// pictures and tables beside a model that nobody edits
+constexpr std::array<std::string_view, 4> kNotEdited{".png", ".svg", ".tsv", ".pnm"};
+
+bool contains(const auto& list, std::string_view text) {
+  return std::find(list.begin(), list.end(), text) != list.end();
+}
+
+std::vector<fs::path> filesIn(const fs::path& folder) {
+  std::vector<fs::path> found;
+  std::error_code error;
+  for (const auto& file : fs::directory_iterator(folder, error)) {
+    if (file.is_regular_file(error)) {
+      found.push_back(file.path());
+    }
+  }
+  std::sort(found.begin(), found.end());
+  return found;
 }
 
 }  // namespace
@@ -94,6 +117,64 @@ std::optional<fs::path> galleryFolderOf(const std::string& gallery, const std::s
     return std::nullopt;
   }
   return fs::path(gallery) / name;
+}
+
+GalleryModel readGalleryModel(const std::string& gallery, const std::string& entry,
+                              const std::vector<std::string>& used) {
+  const std::size_t slash = entry.find('/');
+  const std::string name = entry.substr(0, slash);
+  const auto folder = galleryFolderOf(gallery, name);
+  GalleryModel model;
+  if (!folder) {
+    return model;
+  }
+  const bool isOneOfMany = slash != std::string::npos;
+  model.main =
+      isOneOfMany ? entry.substr(slash + 1) : fs::path(fileWithSuffix(*folder, name, ".l")).filename().string();
+  DiskFileProvider files(kMostGalleryBytes);
+  for (const auto& file : filesIn(*folder)) {
+    const std::string own = file.filename().string();
+    const bool isUsed = std::find(used.begin(), used.end(), file.string()) != used.end();
+    const bool isLeftOut = isOneOfMany || contains(kNotEdited, file.extension().string());
+    if (!isUsed && isLeftOut) {
+      continue;
+    }
+    if (auto bytes = files.read(file.string())) {
+      model.files.emplace(own, std::move(*bytes));
+    }
+  }
+  return model;
+}
+
+std::map<std::string, std::string> galleryPictures(const std::string& gallery,
+                                                   const std::vector<std::string>& entries) {
+  std::map<std::string, std::string> pictures;
+  for (const std::string& entry : entries) {
+    const std::size_t slash = entry.find('/');
+    const std::string name = entry.substr(0, slash);
+    const std::string file = slash == std::string::npos ? name : entry.substr(slash + 1);
+    const std::size_t colon = std::min(file.find(':'), file.size());
+    const std::string stem = slash == std::string::npos ? name : fs::path(file.substr(0, colon)).stem().string();
+    const std::string ofEntry = colon < file.size() ? stem + "-" + file.substr(colon + 1) : stem;
+    for (const std::string& candidate : {ofEntry, stem}) {
+      std::error_code error;
+      if (fs::is_regular_file(fs::path(gallery) / name / (candidate + ".png"), error)) {
+        pictures.emplace(entry, "/gallery/" + name + "/" + candidate + ".png");
+        break;
+      }
+    }
+  }
+  return pictures;
+}
+
+std::optional<std::string> readGalleryPicture(const std::string& gallery, const std::string& name,
+                                              const std::string& file) {
+  const auto folder = galleryFolderOf(gallery, name);
+  const fs::path plain = fs::path(file).filename();
+  if (!folder || plain.string() != file || plain.extension() != ".png") {
+    return std::nullopt;
+  }
+  return DiskFileProvider(kMostGalleryBytes).readInside(folder->string(), (*folder / plain).string());
 }
 
 std::string fileWithSuffix(const fs::path& folder, const std::string& stem, const std::string& suffix) {

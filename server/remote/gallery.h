@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,6 +28,26 @@ inline constexpr const char* kForestFile = "forest.json";
 /// The folder of a gallery model; nothing unless `name` is one of galleryNames, so that no name leads out of the
 /// gallery.
 [[nodiscard]] std::optional<std::filesystem::path> galleryFolderOf(const std::string& gallery, const std::string& name);
+
+/// The files of a model of the gallery.
+struct GalleryModel {
+  std::string main;                          // FILE or FILE:ENTRY
+  std::map<std::string, std::string> files;  // bytes by name in the folder
+};
+
+/// Reads the model `entry` of galleryEntries. `used` are the files that its compiler read. A folder with one model also
+/// gives the other files that a person edits: panels, functions, environments, its README. No path leads out of the
+/// folder.
+[[nodiscard]] GalleryModel readGalleryModel(const std::string& gallery, const std::string& entry,
+                                            const std::vector<std::string>& used);
+
+/// The path on the HTTP side, `/gallery/NAME/FILE.png`, of the picture of each entry that has one.
+[[nodiscard]] std::map<std::string, std::string> galleryPictures(const std::string& gallery,
+                                                                 const std::vector<std::string>& entries);
+
+/// The bytes of the picture FILE.png in the folder NAME; nothing when there is none.
+[[nodiscard]] std::optional<std::string> readGalleryPicture(const std::string& gallery, const std::string& name,
+                                                            const std::string& file);
 
 /// The file of a stem with the suffix in a folder, else the only one with the suffix; empty when there is none or a
 /// choice.

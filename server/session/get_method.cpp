@@ -2,6 +2,8 @@
 #include <array>
 
 #include "engine/core/check.h"
+#include "engine/derivation/explanation.h"
+#include "engine/turtle/export/palette.h"
 #include "protocol/base64.h"
 #include "protocol/codec.h"
 #include "server/remote/translation/translate.h"
@@ -105,6 +107,42 @@ Problem writeTurtle(SimulationRunner& runner, const protocol::GetParams& params,
   return std::nullopt;
 }
 
+Problem writePalette(SimulationRunner& runner, const protocol::GetParams&, protocol::JsonWriter& result) {
+  const simulation::Simulation& simulation = runner.hosted().simulation();
+  const files::Palette& ofView = simulation.view().palette;
+  const files::Palette& ofModel = ofView.empty() ? simulation.options().palette : ofView;
+  const turtle::Scene nothing;
+  const turtle::Palette palette(nothing, &ofModel);
+  const auto write = [&result](turtle::Colour colour) {
+    result.beginArray().integer(std::uint32_t{colour.red}).integer(std::uint32_t{colour.green});
+    result.integer(std::uint32_t{colour.blue}).endArray();
+  };
+  result.key("isOfModel").boolean(!ofModel.empty()).key("colours").beginArray();
+  for (std::int32_t index = 0; index < files::Palette::kBlockSize; ++index) {
+    write(palette.ofIndex(index));
+  }
+  result.endArray().key("background");
+  write(palette.background());
+  return std::nullopt;
+}
+
+Problem writeExplanation(SimulationRunner& runner, const protocol::GetParams& params, protocol::JsonWriter& result) {
+  const simulation::Simulation& simulation = runner.hosted().simulation();
+  const auto explained =
+      derivation::explain(simulation.program(params.plant), simulation.derivationOptions(params.plant),
+                          simulation.plantState(params.plant), params.module);
+  if (const auto* error = std::get_if<core::SimulationError>(&explained)) {
+    return runner.hosted().errorOf(*error);
+  }
+  std::string text = std::get<std::string>(explained);
+  // the replies of the next exchange are not known before the step
+  if (!simulation.isAnswered() && !runner.hosted().processNames().empty()) {
+    text += "The environment has not answered yet: this uses the values that the modules hold now.\n";
+  }
+  result.key("explanation").text(text);
+  return std::nullopt;
+}
+
 struct Part {
   std::string_view what;
   Problem (*write)(SimulationRunner&, const protocol::GetParams&, protocol::JsonWriter&);
@@ -116,7 +154,8 @@ constexpr std::array kParts{
     Part{"state-hash", writeStateHash},    Part{"model", writeModel},
     Part{"information", writeInformation}, Part{"checkpoints", writeCheckpoints},
     Part{"traces", writeTraces},           Part{"trace", writeTrace},
-    Part{"turtle", writeTurtle},
+    Part{"turtle", writeTurtle},           Part{"palette", writePalette},
+    Part{"explanation", writeExplanation},
 };
 
 protocol::Expected<std::string> readPart(SimulationRunner& runner, const protocol::GetParams& params) {

@@ -1,4 +1,6 @@
+#include "protocol/base64.h"
 #include "protocol/codec.h"
+#include "protocol/json_text.h"
 #include "server/remote/gallery.h"
 #include "server/remote/translation/translate.h"
 #include "server/server_core.h"
@@ -48,6 +50,51 @@ void compileModel(const Request& request, const protocol::ModelParams& params, b
   session.respond(request.id, protocol::encode(result));
 }
 
+std::vector<std::string> namesOf(const language::Program& program) {
+  std::vector<std::string> names;
+  for (const auto& file : program.sources) {
+    names.push_back(file.name);
+  }
+  return names;
+}
+
+/// An object of texts. Names may be any text.
+void writeTexts(protocol::JsonWriter& result, const std::map<std::string, std::string>& texts) {
+  std::string members;
+  for (const auto& [name, text] : texts) {
+    protocol::JsonWriter key;
+    protocol::JsonWriter value;
+    members += (members.empty() ? "" : ",") + key.text(name).take() + ":" + value.text(text).take();
+  }
+  result.beginObject();
+  if (!members.empty()) {
+    result.raw(members);
+  }
+  result.endObject();
+}
+
+/// Answers model.read. Files that are no text go as base64.
+void writeFiles(const Request& request, const GalleryModel& model, const std::string& environmentJson) {
+  std::map<std::string, std::string> texts;
+  std::map<std::string, std::string> binary;
+  for (const auto& [name, bytes] : model.files) {
+    if (protocol::isPlainText(bytes)) {
+      texts.emplace(name, bytes);
+    } else {
+      binary.emplace(name, protocol::toBase64(bytes));
+    }
+  }
+  protocol::JsonWriter result;
+  result.beginObject().key("main").text(model.main).key("files");
+  writeTexts(result, texts);
+  result.key("binary");
+  writeTexts(result, binary);
+  if (!environmentJson.empty()) {
+    result.key("environment").raw(environmentJson);
+  }
+  request.session.respond(request.id, result.endObject().view());
+}
+
 }  // namespace
 
 namespace methods {
@@ -60,13 +107,36 @@ void modelLoad(const Request& request, protocol::ModelParams params) {
   runOnWorker(request, [params = std::move(params)](const Request& self) { compileModel(self, params, true); });
 }
 
+void modelRead(const Request& request, protocol::ReadModelParams params) {
+  runOnWorker(request, [params = std::move(params)](const Request& self) {
+    const std::string& gallery = self.session.core().options().galleryFolder;
+    protocol::ModelParams model;
+    model.model.gallery = params.gallery;
+    // the compiler finds out which files it reads
+    const auto compiled = self.session.core().models().compile(model, self.session.core().options().limits.simulation);
+    if (const auto* error = std::get_if<protocol::Error>(&compiled)) {
+      self.session.respondError(self.id, *error);
+      return;
+    }
+    const auto& found = std::get<CompiledModel>(compiled);
+    if (found.result.program == nullptr) {
+      self.session.respondError(self.id, toError(found.result.diagnostics.entries()));
+      return;
+    }
+    writeFiles(self, readGalleryModel(gallery, params.gallery, namesOf(*found.result.program)), found.environmentJson);
+  });
+}
+
 void modelList(const Request& request, protocol::NoParams) {
   // the files of the gallery are read for their entries
   runOnWorker(request, [](const Request& self) {
     const std::string& folder = self.session.core().options().galleryFolder;
     protocol::JsonWriter result;
     result.beginObject().key("gallery").texts(galleryNames(folder));
-    result.key("entries").texts(galleryEntries(folder)).endObject();
+    const std::vector<std::string> entries = galleryEntries(folder);
+    result.key("entries").texts(entries).key("pictures");
+    writeTexts(result, galleryPictures(folder, entries));
+    result.endObject();
     self.session.respond(self.id, result.view());
   });
 }

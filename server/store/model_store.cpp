@@ -28,7 +28,8 @@ std::uint64_t numberIn(std::string_view name) {
 
 /// The view file beside a model among files on the wire.
 std::string viewBeside(const std::map<std::string, std::string>& files, const std::string& model) {
-  const std::string view = fs::path(model).replace_extension(".v").string();
+  // without its entry
+  const std::string view = fs::path(model.substr(0, model.find(':'))).replace_extension(".v").string();
   return files.contains(view) ? view : std::string();
 }
 

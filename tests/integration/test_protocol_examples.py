@@ -19,7 +19,7 @@ README = REPOSITORY / "protocol" / "README.md"
 VOLATILE = {"milliseconds", "bytes", "content", "snapshot", "uptimeSeconds", "storeBytes", "outboxBytes", "stringBytes",
             "sessions", "workers", "server"}
 # abbreviated in the text: the members and elements that are there must be in the answer
-ABBREVIATED = {"limits", "gallery", "entries"}
+ABBREVIATED = {"limits", "gallery", "entries", "pictures", "files"}
 # names that the server makes: those of the text stand for others
 NAMES = {"simulation", "stream", "model", "session"}
 # ids of examples that need a run that lasts, a peer that leaves, a smaller limit or binary blocks; each has a test of its own

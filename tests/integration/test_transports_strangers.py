@@ -176,6 +176,7 @@ class NothingBlocks(unittest.TestCase):
             "model.check": [{"source": source + " " * 5_000_000}],
             "model.load": [{"source": source}],
             "model.list": [{}],
+            "model.read": [{"gallery": "light-tree"}],
             "simulation.create": [{"model": {"source": source}}],
             "simulation.step": [big],
             "simulation.run": [{**big, "until": 14}],

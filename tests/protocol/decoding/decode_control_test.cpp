@@ -29,8 +29,10 @@ TEST(DecodeControl, NamesThePathOfWhatIsWrong) {
             "params.roles[0]: expected \"controller\", \"environment\" or \"viewer\", found \"king\"");
   EXPECT_EQ(problem(decodeGetParams(params(R"({"simulation":"a","what":"all"})"))),
             "params.what: expected one of string, statistics, state-hash, turtle, model, information, checkpoints, "
-            "traces, trace, "
-            "found \"all\"");
+            "traces, trace, palette, explanation, found \"all\"");
+  EXPECT_EQ(problem(decodeGetParams(params(R"({"simulation":"a","what":"explanation"})"))),
+            "params.module: expected a whole number from 0 to 9007199254740992, found nothing");
+  EXPECT_EQ(problem(decodeReadModelParams(params(R"({"gallery":7})"))), "params.gallery: expected a text, found 7");
   EXPECT_EQ(problem(decodeRestoreParams(params(R"({"simulation":"a","snapshot":"!"})"))),
             "params.snapshot: expected base64, as simulation.save gave it");
 }
@@ -42,6 +44,11 @@ TEST(DecodeControl, AModelComesFromExactlyOnePlace) {
   EXPECT_EQ(problem(decodeModelParams(params(R"({"model":{"source":"a","gallery":"b"}})"))), expected);
   EXPECT_EQ(problem(decodeModelParams(params(R"({"model":{"files":{"a.l":"x"},"main":"b.l"}})"))),
             "params.model.main: 'b.l' is not one of the files");
+  EXPECT_EQ(problem(decodeModelParams(params(R"({"model":{"files":{"a.l":"x"},"binary":{"b":"!"},"main":"a.l"}})"))),
+            "params.model.binary.b: expected base64, found \"!\"");
+  const auto mixed =
+      decodeModelParams(params(R"({"model":{"files":{"a.l":"x"},"binary":{"b.map":"AP8="},"main":"a.l:Second"}})"));
+  EXPECT_EQ(mixed.value().model.files.at("b.map"), std::string("\0\xff", 2));
   EXPECT_EQ(decodeModelParams(params(R"({"model":"model-1"})")).value().model.loaded, "model-1");
   EXPECT_EQ(decodeModelParams(params(R"({"source":"x"})")).value().model.source, "x");
 }
