@@ -78,7 +78,8 @@ class Insects final : public turtle::EnvironmentProcess {
   [[nodiscard]] std::optional<turtle::EnvironmentError> step(const turtle::QueryBatch& queries,
                                                              turtle::ReplyBatch& replies) override {
     collect(queries);
-    if (!offers_.empty() && state_.front() == 0.0) {
+    next_ = state_;
+    if (!offers_.empty() && next_.front() == 0.0) {
       settle();
     }
     takeSeats();
@@ -99,6 +100,7 @@ class Insects final : public turtle::EnvironmentProcess {
     }
     walk(queries.step);
     countAnswers(queries, replies);
+    state_.swap(next_);
     return std::nullopt;
   }
 
@@ -116,12 +118,12 @@ class Insects final : public turtle::EnvironmentProcess {
   };
 
   [[nodiscard]] Vec3 placeOf(std::size_t insect) const {
-    return {state_[1 + 3 * insect], state_[2 + 3 * insect], state_[3 + 3 * insect]};
+    return {next_[1 + 3 * insect], next_[2 + 3 * insect], next_[3 + 3 * insect]};
   }
   void put(std::size_t insect, const Vec3& place) {
-    state_[1 + 3 * insect] = place.x;
-    state_[2 + 3 * insect] = place.y;
-    state_[3 + 3 * insect] = place.z;
+    next_[1 + 3 * insect] = place.x;
+    next_[2 + 3 * insect] = place.y;
+    next_[3 + 3 * insect] = place.z;
   }
 
   /// The queries that offer food, in an order that does not depend on theirs.
@@ -160,12 +162,14 @@ class Insects final : public turtle::EnvironmentProcess {
       const auto found = std::upper_bound(sums.begin(), sums.end() - 1, drawn);
       put(insect, offers_[static_cast<std::size_t>(found - sums.begin())].place);
     }
-    state_.front() = 1.0;
+    next_.front() = 1.0;
   }
 
   /// The offers within reach of a place, ascending.
   void findNear(const Vec3& place, std::vector<std::size_t>& found) const {
+    // the tree's library does not pass on a failure to find memory
     found.clear();
+    found.reserve(offers_.size());
     near_->visitNear(place, 0.0, [&](unsigned offer) {
       const Vec3 way = offers_[offer].place - place;
       if (core::dot(way, way) <= reach_ * reach_) {
@@ -179,7 +183,7 @@ class Insects final : public turtle::EnvironmentProcess {
   /// An insect sits on the nearest offer within reach, or nowhere.
   void takeSeats() {
     std::vector<std::size_t> near;
-    for (std::size_t insect = 0; insect < count_ && state_.front() != 0.0; ++insect) {
+    for (std::size_t insect = 0; insect < count_ && next_.front() != 0.0; ++insect) {
       const Vec3 place = placeOf(insect);
       findNear(place, near);
       const auto distance = [&](std::size_t offer) { return core::length(offers_[offer].place - place); };
@@ -193,7 +197,7 @@ class Insects final : public turtle::EnvironmentProcess {
 
   void walk(std::uint64_t step) {
     std::vector<std::size_t> near;
-    for (std::size_t insect = 0; insect < count_ && state_.front() != 0.0; ++insect) {
+    for (std::size_t insect = 0; insect < count_ && next_.front() != 0.0; ++insect) {
       const Vec3 place = placeOf(insect);
       findNear(place, near);
       Vec3 shift;
@@ -231,6 +235,7 @@ class Insects final : public turtle::EnvironmentProcess {
   std::uint64_t seed_ = 0;
   double days_ = 1.0;            // of a step
   std::vector<double> state_;    // whether the insects have settled, then their places (1 + 3 count)
+  std::vector<double> next_;     // the same after the step
   std::vector<Offer> offers_;    // of this step
   std::optional<BoxTree> near_;  // boxes of the offers' reach
 };

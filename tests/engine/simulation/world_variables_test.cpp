@@ -53,8 +53,8 @@ TEST(WorldVariables, GoOnFromASnapshotAndAfterARewind) {
 TEST(WorldVariables, AreTheSameInEveryBlockAndSubLSystem) {
   const auto program = compileText(R"(Lsystem: 1
 derivation length: 2
-Axiom: A(0)?(2,1)B(0)$
 StartEach: { warm = world.temperature; }
+Axiom: A(0)?(2,1)B(0)$
 A(x) --> A(warm)
 endlsystem
 Lsystem: 2
@@ -95,7 +95,8 @@ std::vector<std::string> errorsOf(const std::string& model, core::Compatibility 
   input.modelFile = "model.l";
   input.compatibility = mode;
   std::vector<std::string> errors;
-  for (const core::Diagnostic& diagnostic : language::compile(input, files).diagnostics.entries()) {
+  const language::CompileResult compiled = language::compile(input, files);
+  for (const core::Diagnostic& diagnostic : compiled.diagnostics.entries()) {
     if (diagnostic.severity == core::Severity::Error) {
       errors.push_back(diagnostic.message + " / " + diagnostic.hint);
     }

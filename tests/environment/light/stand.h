@@ -3,14 +3,14 @@
 #include <string>
 #include <vector>
 
-#include "clients/espalier/validation/canopy.h"
 #include "engine/turtle/field.h"
+#include "tests/environment/light/canopy.h"
 #include "tests/environment/query_builder.h"
 
 namespace espalier::environment {
 
 /// Leaves and the queries about them, for tests of stands.
-class Stand : public validation::Canopy {
+class Stand : public Canopy {
  public:
   /// One query of so many parameters that stands before no organ.
   [[nodiscard]] turtle::QueryBatch sensor(std::size_t parameters, const core::Vec3& place = {}) const {

@@ -8,7 +8,7 @@
 #include "engine/core/elementary.h"
 #include "engine/turtle/scene/geometry.h"
 
-namespace espalier::validation {
+namespace espalier::environment {
 
 /// Leaves of one plant, each drawn by a module of its own: module 2i + 1 draws leaf i.
 class Canopy {
@@ -86,4 +86,4 @@ class Canopy {
   std::uint64_t state_ = 1;
 };
 
-}  // namespace espalier::validation
+}  // namespace espalier::environment
