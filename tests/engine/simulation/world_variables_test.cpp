@@ -73,7 +73,7 @@ endlsystem
 TEST(WorldVariables, WeatherThatIsNotThereFailsTheStep) {
   TestRun none(compileText(kReading), 1, {}, false);
   expectSuccess(none.simulation.rewind());
-  EXPECT_EQ(none.simulation.step()->message.substr(0, 121),
+  EXPECT_EQ(none.simulation.step()->message.substr(0, 123),
             "step 1: the model reads 'world.temperature' and needs the weather's 'temperature', and the world has no "
             "'weather'. Give the");
   TestRun brief(compileText(kReading), 1, inWeather("time,temperature\n0,12\n0.5,30\n"), false);
@@ -114,7 +114,7 @@ TEST(WorldVariables, WrongNamesAndPlacesAreErrors) {
       errorsOf(head + "Axiom: A(world.wind)\nA(x) --> A(x)\nendlsystem\n").front(),
       "'world.wind' has no value yet in the axiom / read it in a production or in StartEach: the weather is that of "
       "a step");
-  EXPECT_EQ(errorsOf(head + "Axiom: A(0)\nStartEach: { world.wind = 3; }\nA(x) --> A(x)\nendlsystem\n").front(),
+  EXPECT_EQ(errorsOf(head + "StartEach: { world.wind = 3; }\nAxiom: A(0)\nA(x) --> A(x)\nendlsystem\n").front(),
             "'world.wind' cannot be assigned: it comes from the world / give the variable another name");
   EXPECT_EQ(errorsOf(head + "Axiom: A(0)\nA(x) --> A(world.wind)\nendlsystem\n", core::Compatibility::Cpfg).front(),
             "'world.wind' is a name of Espalier's own mode / leave out --compat, or use a #define");
