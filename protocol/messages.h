@@ -49,8 +49,8 @@ struct HelloResult {
 struct ModelReference {
   std::optional<std::string> source;         // the text of the `.l` file
   std::optional<std::string> gallery;        // name of a folder of the server's gallery
-  std::map<std::string, std::string> files;  // contents by name, of `files` and `binary`; with `main`
-  std::string main;                          // name of the `.l` file among `files`, perhaps with `:ENTRY`
+  std::map<std::string, std::string> files;  // contents by name, texts and bytes
+  std::string main;                          // of `files`: FILE or FILE:ENTRY; empty: they are a model folder
   std::optional<std::string> loaded;         // identifier that model.load gave
 };
 
@@ -58,6 +58,11 @@ struct ModelParams {
   ModelReference model;
   std::string compatibility;                                 // empty, cpfg or cpfg-batch
   std::vector<std::pair<std::string, std::string>> defines;  // NAME, VALUE: they win over #define
+};
+
+/// Of editor.message: a message of the Language Server Protocol.
+struct EditorParams {
+  std::string message;  // JSON
 };
 
 /// Of model.read.

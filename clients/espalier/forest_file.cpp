@@ -40,47 +40,6 @@ std::string besideForest(const std::string& forest, const std::string& file) {
   return (fs::path(forest).parent_path() / file).string();
 }
 
-// every model has its own blocks; a model without colours gets the default colours when another model has colours
-files::Palette joined(const std::vector<files::Palette>& palettes) {
-  files::Palette whole;
-  if (std::all_of(palettes.begin(), palettes.end(), [](const auto& palette) { return palette.empty(); })) {
-    return whole;
-  }
-  whole.usesMaterials =
-      std::any_of(palettes.begin(), palettes.end(), [](const auto& palette) { return palette.usesMaterials; });
-  const auto diffuse = [](double red, double green, double blue) {
-    files::Material material;
-    material.diffuse = {red / 255.0, green / 255.0, blue / 255.0};
-    return material;
-  };
-  for (std::size_t model = 0; model < palettes.size(); ++model) {
-    const files::Palette& own = palettes[model];
-    const int shift = simulation::kBlocksPerModel * static_cast<int>(model) + whole.base - own.base;
-    for (const auto& [block, map] : own.maps) {
-      whole.maps[block + shift] = map;
-      if (whole.usesMaterials && !own.usesMaterials) {
-        for (std::size_t i = 0; i < map.size(); ++i) {
-          whole.materials[block + shift][i] = diffuse(map[i].red, map[i].green, map[i].blue);
-        }
-      }
-    }
-    if (own.usesMaterials) {
-      for (const auto& [block, materials] : own.materials) {
-        whole.materials[block + shift] = materials;
-      }
-    }
-    if (own.empty()) {
-      for (int i = 0; i < files::Palette::kBlockSize; ++i) {
-        const turtle::Colour colour = turtle::defaultColour(i);
-        const auto entry = static_cast<std::size_t>(i);
-        whole.maps[own.base + shift][entry] = {colour.red, colour.green, colour.blue};
-        whole.materials[own.base + shift][entry] = diffuse(colour.red, colour.green, colour.blue);
-      }
-    }
-  }
-  return whole;
-}
-
 bool loadModels(const protocol::ForestParams& forest, const std::string& file, const ModelOptions& options,
                 core::FileProvider& files, LoadedModel& loaded) {
   std::vector<files::Palette> palettes;
@@ -90,7 +49,7 @@ bool loadModels(const protocol::ForestParams& forest, const std::string& file, c
     own.object.clear();
     own.view.clear();
     own.environment.clear();
-    FolderSettings folder;
+    server::FolderSettings folder;
     auto program = loadProgram(own, files, &folder);
     if (!program) {
       return false;
@@ -98,7 +57,7 @@ bool loadModels(const protocol::ForestParams& forest, const std::string& file, c
     loaded.programs.push_back(std::move(program));
     palettes.push_back(std::move(folder.palette));
   }
-  loaded.folder.palette = joined(palettes);
+  loaded.folder.palette = simulation::joinedPalettes(loaded.programs, palettes);
   return true;
 }
 

@@ -6,12 +6,10 @@
 #include <limits>
 #include <random>
 #include <system_error>
-#include <thread>
 #include <variant>
 
 #include "clients/espalier/forest_file.h"
 #include "clients/espalier/messages.h"
-#include "clients/espalier/model_files.h"
 #include "clients/espalier/number_option.h"
 #include "clients/espalier/output/folder_writer.h"
 #include "clients/espalier/world_file.h"
@@ -20,7 +18,9 @@
 #include "engine/language/dialects/dialect.h"
 #include "engine/turtle/export/text/mtg.h"
 #include "protocol/codec.h"
+#include "server/remote/control_group.h"
 #include "server/remote/limits.h"
+#include "server/remote/models/model_files.h"
 #include "server/remote/remote_settings.h"
 
 namespace espalier::command {
@@ -105,7 +105,7 @@ std::string limitHelp() {
 }  // namespace
 
 unsigned ModelOptions::threadCount() const {
-  return threads > 0 ? threads : std::max(1U, std::thread::hardware_concurrency());
+  return threads > 0 ? threads : server::processorCount();
 }
 
 core::Limits ModelOptions::simulationLimits() const {
@@ -286,19 +286,19 @@ std::vector<std::string> modelEntries(const ModelOptions& options, core::FilePro
 }
 
 std::shared_ptr<const language::Program> loadProgram(ModelOptions& options, core::FileProvider& files,
-                                                     FolderSettings* folder) {
-  const Result<ModelFiles> found = findModelFiles(options.model, options.object);
+                                                     server::FolderSettings* folder) {
+  const server::FoundModel found = server::findModelFiles(options.model, options.object);
   if (!found) {
     printError(found.error());
     return nullptr;
   }
-  const ModelFiles& modelFiles = *found;
+  const server::ModelFiles& modelFiles = *found;
   core::DiagnosticList remarks;
   for (const core::Diagnostic& remark : modelFiles.remarks) {
     remarks.add(remark);
   }
   if (folder != nullptr) {
-    *folder = readFolderSettings(modelFiles, options.isAnimated, files, remarks);
+    *folder = server::readFolderSettings(modelFiles, options.isAnimated, files, remarks);
   }
   if (!printDiagnostics(remarks.entries(), options.isQuiet, options.remote.isStrict)) {
     return nullptr;
@@ -388,8 +388,7 @@ std::optional<LoadedModel> loadModel(ModelOptions& options, core::FileProvider& 
   loaded.simulationOptions = simulationOptionsFor(options, *loaded.program);
   loaded.simulationOptions.world = std::move(*world);
   loaded.simulationOptions.environmentOrigin = loaded.environment.origin;
-  loaded.simulationOptions.palette =
-      loaded.folder.palette.empty() ? loaded.program->view.palette : loaded.folder.palette;
+  loaded.simulationOptions.palette = loaded.folder.palette;
   if (!options.startFile.empty()) {
     std::optional<std::string> start = readStartString(options.startFile, files, options.isQuiet);
     if (!start) {

@@ -8,12 +8,12 @@
 #include <vector>
 
 #include "clients/espalier/environment_loading.h"
-#include "clients/espalier/folder_settings.h"
 #include "engine/core/identifiers.h"
 #include "engine/core/limits.h"
 #include "engine/core/streams.h"
 #include "engine/language/program.h"
 #include "engine/simulation/simulation.h"
+#include "server/remote/models/folder_settings.h"
 
 namespace CLI {
 class App;
@@ -73,7 +73,7 @@ void addRunningOptions(CLI::App& command, ModelOptions& options);
 /// it. `folder`, when not null, receives its colours and animation. Prints diagnostics and errors on standard error.
 /// Returns null after an error.
 [[nodiscard]] std::shared_ptr<const language::Program> loadProgram(ModelOptions& options, core::FileProvider& files,
-                                                                   FolderSettings* folder = nullptr);
+                                                                   server::FolderSettings* folder = nullptr);
 
 /// A model ready to run. The environment's process is null when there is none.
 struct LoadedModel {
@@ -81,7 +81,7 @@ struct LoadedModel {
   simulation::Programs programs;                     // of a forest several
   std::vector<simulation::PlantOrigin> plants;
   bool isForest = false;  // from a forest file
-  FolderSettings folder;
+  server::FolderSettings folder;
   LoadedEnvironment environment;
   simulation::SimulationOptions simulationOptions;
 };

@@ -12,11 +12,11 @@ namespace espalier::command {
 namespace {
 
 // the model of the command line, or the model in the snapshot
-simulation::Programs resumedPrograms(ModelOptions& options, simulation::SnapshotInfo& info, FolderSettings& folder,
-                                     core::FileProvider& files) {
+simulation::Programs resumedPrograms(ModelOptions& options, simulation::SnapshotInfo& info,
+                                     server::FolderSettings& folder, core::FileProvider& files) {
   if (const auto forest = forestFileOf(options.model)) {
     std::optional<LoadedModel> loaded = loadForest(*forest, options, files);
-    folder = loaded ? std::move(loaded->folder) : FolderSettings{};
+    folder = loaded ? std::move(loaded->folder) : server::FolderSettings{};
     return loaded ? std::move(loaded->programs) : simulation::Programs{};
   }
   if (!options.model.empty()) {
