@@ -4,6 +4,8 @@
 #include <array>
 #include <utility>
 
+#include "environment/tick_rule.h"
+
 namespace espalier::environment {
 
 #define ESPALIER_PROCESS(entry) extern const ProcessEntry entry;
@@ -17,6 +19,13 @@ constexpr std::array kProcesses{
 #include "environment/processes.def"
 #undef ESPALIER_PROCESS
 };
+
+/// The keys of a process, with the key that all have.
+std::vector<ConfigurationKey> allKeysOf(const ProcessEntry& entry) {
+  std::vector<ConfigurationKey> keys(entry.keys.begin(), entry.keys.end());
+  keys.push_back(kTickKey);
+  return keys;
+}
 
 }  // namespace
 
@@ -65,7 +74,7 @@ std::string sourceOf(std::string_view name) {
 
 std::string configurationSchema(std::string_view name) {
   const ProcessEntry* entry = findProcess(name);
-  return entry == nullptr ? std::string() : writeSchema(entry->name, entry->summary, entry->keys);
+  return entry == nullptr ? std::string() : writeSchema(entry->name, entry->summary, allKeysOf(*entry));
 }
 
 ProcessOrErrors makeProcess(std::string_view name, std::string_view configurationJson) {
@@ -73,7 +82,8 @@ ProcessOrErrors makeProcess(std::string_view name, std::string_view configuratio
   if (entry == nullptr) {
     return tl::unexpected(std::vector{unknownProcess(name)});
   }
-  auto configuration = readConfiguration(entry->name, entry->keys, configurationJson);
+  const std::vector<ConfigurationKey> keys = allKeysOf(*entry);
+  auto configuration = readConfiguration(entry->name, keys, configurationJson);
   if (!configuration) {
     std::vector<core::Diagnostic> diagnostics;
     for (ConfigurationError& error : configuration.error()) {
@@ -84,7 +94,11 @@ ProcessOrErrors makeProcess(std::string_view name, std::string_view configuratio
   if (entry->publishedDefaults != nullptr && configuration->flag("compatible")) {
     configuration->setDefaults(entry->publishedDefaults());
   }
-  return entry->make(*configuration);
+  auto made = entry->make(*configuration);
+  if (made && configuration->text(kTickKey.name) == "queries") {
+    return tickingWithQueries(std::move(*made));
+  }
+  return made;
 }
 
 }  // namespace espalier::environment

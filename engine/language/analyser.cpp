@@ -32,6 +32,15 @@ Binding Analyser::Scope::addVariable(const std::string& name) {
   return binding;
 }
 
+Binding Analyser::Scope::addShared(const std::string& name) {
+  const Binding binding{Binding::Kind::Variable, static_cast<std::uint32_t>(system_.variables.size())};
+  const auto [found, isNew] = lsystem_.emplace(name, binding);
+  if (isNew) {
+    system_.variables.push_back(name);
+  }
+  return found->second;
+}
+
 Binding Analyser::Scope::find(const std::string& name) const {
   if (const auto local = production_.find(name); local != production_.end()) {
     return local->second;

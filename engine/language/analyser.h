@@ -56,6 +56,7 @@ class Analyser {
   void checkFileName(const ExpressionNode& call);
   bool checkFormat(const ExpressionNode& call, std::size_t formatIndex, bool isScan);
   void resolveFunction(ExpressionNode& node, Scope& scope);
+  void resolveWorldName(ExpressionNode& node, Scope& scope);
   void reportUnknownName(const ExpressionNode& node, const Scope& scope);
   void expectArguments(const ExpressionNode& node, std::size_t least, std::size_t most);
 
@@ -98,6 +99,8 @@ class Analyser::Scope {
   }
   /// A variable of the innermost table.
   Binding addVariable(const std::string& name);
+  /// A variable of the L-system, wherever the place is.
+  Binding addShared(const std::string& name);
   void addArray(const std::string& name, std::uint32_t index) {
     lsystem_.emplace(name, Binding{Binding::Kind::Array, index});
   }

@@ -8,6 +8,7 @@
 #include "engine/language/analyser.h"
 #include "engine/language/arithmetic.h"
 #include "engine/language/program.h"
+#include "engine/language/world_names.h"
 
 namespace espalier::language {
 namespace {
@@ -91,6 +92,10 @@ void Analyser::resolveStatements(std::vector<Statement>& statements, Scope& scop
     resolve(statement.value, scope);
     if (statement.kind == Statement::Kind::Assign) {
       resolve(statement.target, scope);
+      if (const ExpressionNode& target = at(statement.target); isWorldName(target.text)) {
+        messages_.error(target.range, "'" + target.text + "' cannot be assigned: it comes from the world",
+                        "give the variable another name");
+      }
     }
     resolveStatements(statement.body, scope);
     resolveStatements(statement.otherwise, scope);
@@ -139,6 +144,10 @@ void Analyser::resolve(ExpressionIndex expression, Scope& scope) {
 }
 
 void Analyser::resolveName(ExpressionNode& node, Scope& scope) {
+  if (isWorldName(node.text)) {
+    resolveWorldName(node, scope);
+    return;
+  }
   node.binding = scope.find(node.text);
   if (node.binding.kind == Binding::Kind::Array) {
     messages_.error(node.range, "the array '" + node.text + "' needs a subscript in " + describePlace(),
@@ -156,6 +165,23 @@ void Analyser::resolveName(ExpressionNode& node, Scope& scope) {
   } else {
     reportUnknownName(node, scope);
     node.binding = scope.addVariable(node.text);
+  }
+}
+
+void Analyser::resolveWorldName(ExpressionNode& node, Scope& scope) {
+  node.binding = scope.addShared(node.text);
+  if (compatibility_ != core::Compatibility::Espalier) {
+    messages_.error(node.range, "'" + node.text + "' is a name of Espalier's own mode",
+                    "leave out --compat, or use a #define");
+  } else if (!isKnownWorldName(node.text)) {
+    std::vector<std::string_view> names(kWorldNames.begin(), kWorldNames.end());
+    const std::string_view near = core::nearestName(node.text.substr(kWorldPrefix.size()), names);
+    messages_.error(node.range, "the world has no '" + node.text.substr(kWorldPrefix.size()) + "'",
+                    (near.empty() ? "" : "did you mean '" + std::string(kWorldPrefix) + std::string(near) + "'? ") +
+                        "There are " + joined(names));
+  } else if (place_ == "Start" || place_ == "the axiom") {
+    messages_.error(node.range, "'" + node.text + "' has no value yet in " + place_,
+                    "read it in a production or in StartEach: the weather is that of a step");
   }
 }
 

@@ -14,6 +14,7 @@
 #include "engine/simulation/plants/plant_drawing.h"
 #include "engine/simulation/plants/plant_messages.h"
 #include "engine/simulation/plants/population.h"
+#include "engine/simulation/plants/world_variables.h"
 #include "engine/simulation/plants_view.h"
 #include "engine/simulation/simulation.h"
 #include "engine/simulation/snapshot_content.h"
@@ -110,6 +111,7 @@ class Simulation::Implementation {
   EnvironmentLink environment_;
   PlantDrawing drawing_;
   StepStatistics statistics_;
+  WorldVariables worldVariables_;
   AnswerPass answerPass_;
   DerivationPass derivationPass_;
   std::uint64_t completedSteps_ = 0;

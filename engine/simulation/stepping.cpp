@@ -48,6 +48,7 @@ Simulation::Implementation::Implementation(Programs programs, std::vector<PlantO
       transaction_(population_.size()),
       environment_(std::move(environment)),
       drawing_(models_, options_, derivations_),
+      worldVariables_(models_.programs()),
       answerPass_(AnswerPass::Parts{.models = models_,
                                     .options = options_,
                                     .derivations = derivations_,
@@ -104,6 +105,9 @@ void Simulation::Implementation::answerQueries() {
   }
   // answer() may have made the pass already
   if (!transaction_.isAnswered()) {
+    if (const auto problem = worldVariables_.problem(options_.world, completedSteps_)) {
+      failAsModel("step " + std::to_string(completedSteps_ + 1) + ": " + *problem, completedSteps_ + 1);
+    }
     answerPass_.run(completedSteps_);
     transaction_.setAnswered();
     if (changes_.isFollowed()) {
@@ -181,6 +185,7 @@ void Simulation::Implementation::completeStep() {
   }
   transaction_.commit();
   births_.complete(population_, transaction_, completedSteps_, statistics_);
+  worldVariables_.set(population_, options_.world, completedSteps_);
   countStrings();
 }
 
@@ -255,6 +260,7 @@ void Simulation::Implementation::begin() {
   }
   changes_.forget();
   population_.setStates(std::move(plants));
+  worldVariables_.set(population_, options_.world, 0);
   transaction_ = StepTransaction(population_.size());
   completedSteps_ = 0;
   isStarted_ = true;

@@ -49,7 +49,7 @@ constexpr std::array kKeys{
                      .maximum = 1.0,
                      .defaultNumber = 0.3},
     ConfigurationKey{.name = "deathProbability",
-                     .description = "probability that a plant with less than its least share dies in a step",
+                     .description = "probability that a plant with less than its least share dies in a day",
                      .minimum = 0.0,
                      .maximum = 1.0,
                      .defaultNumber = 1.0},
@@ -139,6 +139,9 @@ class Crowding final : public turtle::EnvironmentProcess {
     axes_ = *axes;
     seed_ = context.seed;
     lengthUnit_ = context.world.lengthUnit;
+    // of a day that is cut into steps the probabilities to live multiply
+    const double days = context.world.stepDurationDays;
+    deathOfStep_ = days == 1.0 ? deathProbability_ : 1.0 - core::pow(1.0 - deathProbability_, days);
     return std::nullopt;
   }
 
@@ -279,8 +282,8 @@ class Crowding final : public turtle::EnvironmentProcess {
     }
     const double share = sum / static_cast<double>(samples_.size());
     bool lives = share >= (parameters.size() > 1 ? parameters[1] : leastShare_);
-    if (!lives && deathProbability_ < 1.0) {
-      lives = draw(queries, query, 0) >= deathProbability_;
+    if (!lives && deathOfStep_ < 1.0) {
+      lives = draw(queries, query, 0) >= deathOfStep_;
     }
     const std::array<double, 3> values{lives ? 1.0 : 0.0, share, qualityAt(middle)};
     for (std::size_t k = 0; k < std::min<std::size_t>(parameters.size(), values.size()); ++k) {
@@ -339,6 +342,7 @@ class Crowding final : public turtle::EnvironmentProcess {
   double asymmetry_;
   double leastShare_;
   double deathProbability_;
+  double deathOfStep_ = 1.0;  // set by open()
   double germination_;
   bool isPeriodic_;
   std::vector<double> extent_;  // of both horizontal coordinates, low and high; empty: no borders

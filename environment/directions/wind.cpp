@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "engine/core/elementary.h"
+#include "engine/turtle/weather.h"
+#include "environment/base/length_unit.h"
 #include "environment/base/process_entry.h"
 #include "environment/directions/direction_reply.h"
 #include "environment/geometry/world_up.h"
@@ -28,7 +30,7 @@ constexpr std::array kKeys{
                      .minimumCount = 3,
                      .maximumCount = 3},
     ConfigurationKey{.name = "speed",
-                     .description = "speed, with a profile at the reference height",
+                     .description = "speed, with a profile at the reference height; the weather's wind takes its place",
                      .unit = "length/s",
                      .minimum = 0.0,
                      .defaultNumber = 1.0},
@@ -105,11 +107,25 @@ class Wind final : public turtle::EnvironmentProcess {
     }
     up_ = *up;
     lengthUnit_ = context.world.lengthUnit;
+    world_ = context.world;
+    isMeasured_ = world_.weather && world_.weather->has("wind") && profile_ != Profile::Table;
+    if (isMeasured_ && findLengthUnit(lengthUnit_) == nullptr) {
+      return unknownLengthUnit("wind", world_);
+    }
     return std::nullopt;
   }
 
   [[nodiscard]] std::optional<turtle::EnvironmentError> step(const turtle::QueryBatch& queries,
                                                              turtle::ReplyBatch& replies) override {
+    if (isMeasured_) {
+      const double end = queries.timeDays + world_.stepDurationDays;
+      const auto mean = world_.weather->mean("wind", queries.timeDays, end);
+      if (!mean) {
+        return turtle::EnvironmentError{
+            "Environment 'wind' " + turtle::missingWeather(world_, "wind", queries.timeDays, end), false};
+      }
+      speed_ = *mean / findLengthUnit(lengthUnit_)->metres;
+    }
     replyVectors(queries, replies,
                  [this](const Vec3& place) { return direction_ * speedAt(core::dot(place, up_) - ground_); });
     return std::nullopt;
@@ -142,7 +158,7 @@ class Wind final : public turtle::EnvironmentProcess {
   }
 
   Vec3 direction_;
-  double speed_;
+  double speed_;  // of this step
   Profile profile_ = Profile::Constant;
   double ground_;
   double reference_;
@@ -153,6 +169,8 @@ class Wind final : public turtle::EnvironmentProcess {
   std::vector<double> speeds_;   // as many
   Vec3 up_{0.0, 1.0, 0.0};
   std::string lengthUnit_ = "m";
+  turtle::World world_;
+  bool isMeasured_ = false;  // the weather brings the speed
 };
 
 ProcessOrErrors makeWind(const Configuration& configuration) {

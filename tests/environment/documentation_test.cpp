@@ -6,6 +6,7 @@
 
 #include "environment/obstacles/obstacle_scene.h"
 #include "environment/registry.h"
+#include "environment/tick_rule.h"
 #include "tests/support/disk_files.h"
 #include "tests/support/places.h"
 
@@ -46,7 +47,8 @@ TEST(EnvironmentsPage, NamesEveryKeyAliasAndPublishedKeyword) {
     for (const auto& [key, property] : schema["properties"].items()) {
       const bool isNamed = section.find("`" + key + "`") != std::string::npos;
       // the keys of obstacles are on one place for all processes
-      const bool isShared = isObstacleKey(key) && section.find("(#keys-of-obstacles)") != std::string::npos;
+      const bool isShared =
+          key == kTickKey.name || (isObstacleKey(key) && section.find("(#keys-of-obstacles)") != std::string::npos);
       EXPECT_TRUE(isNamed || isShared) << name << " " << key;
     }
     for (const std::string& alias : aliasesOf(name)) {

@@ -49,6 +49,22 @@ TEST(Registry, EveryProcessSaysWhereItComesFrom) {
   EXPECT_TRUE(aliasesOf("hodna").empty());
 }
 
+TEST(Registry, TimeOfAnyProcessMayPassOnlyWithQueries) {
+  // a substance that decays to half in a step
+  const std::string keys = R"({"gridSize":[1,1,1],"initialConcentration":8,"decayRate":0.6931471805599453)";
+  const auto after = [&](const std::string& more) {
+    const auto process = openProcess("emission", keys + more + "}");
+    EXPECT_FALSE(process->tick(0).has_value());
+    EXPECT_FALSE(process->tick(1).has_value());
+    return *answersOf(*process, QueryBuilder().add({0.5, 0.5, 0.5}, {0}).batch())[0][0];
+  };
+  EXPECT_NEAR(after(""), 2, 1e-12);
+  EXPECT_NEAR(after(R"(,"tick":"always")"), 2, 1e-12);
+  EXPECT_NEAR(after(R"(,"tick":"queries")"), 8, 1e-12);
+  EXPECT_NE(errorsOf(makeProcess("honda", R"({"tick":"never"})")).find("'tick' must be one of"), std::string::npos)
+      << errorsOf(makeProcess("honda", R"({"tick":"never"})"));
+}
+
 TEST(Registry, UnknownNameSuggestsTheNearestAndListsAll) {
   const std::string text = errorsOf(makeProcess("hodna", ""));
   EXPECT_NE(text.find("environment process 'hodna' is unknown. Did you mean 'honda'? Available: "), std::string::npos)

@@ -91,6 +91,17 @@ class Worlds(unittest.TestCase):
         self.assertEqual(self.derive(self.model, "--environment", remote, "--world", world),
                          self.derive(self.model, "--environment", self.sun, "--world", world))
 
+    def test_a_model_reads_the_weather(self) -> None:
+        model = self.write("bud.l", "Lsystem: 1\nderivation length: 4\nAxiom: B(0)\n"
+                                    "B(t) : world.thermalTime >= 10 --> F(world.time)\nB(t) --> B(world.temperature)\n"
+                                    "endlsystem\n")
+        self.write("weather.csv", "time,temperature\n0,9\n1,12\n2,13\n3,14\n")
+        world = self.write("world.json", json.dumps({"weather": "weather.csv", "baseTemperature": 5}))
+        strings = espalier("derive", model, "--world", world, "--every", "--quiet").stdout.splitlines()
+        # 4, then 11 degree days above 5 °C
+        self.assertEqual([line.split("\t")[1] for line in strings], ["B(0)", "B(9)", "B(12)", "F(2)", "F(2)"])
+        self.assertIn("the world has no 'weather'", espalier("derive", model, status=1).stderr)
+
     def test_what_cannot_be_has_a_sentence(self) -> None:
         for world, sentence in (({"up": [0, 0, 0]}, "up: a vector of length 0 has no direction"),
                                 ({"up": [0, 1, 0], "north": [0, -1, 0]}, "'north' is along 'up'"),

@@ -5,6 +5,7 @@
 
 #include "engine/core/number_text.h"
 #include "engine/language/preprocess/macro_table.h"
+#include "engine/language/world_names.h"
 
 namespace espalier::language {
 namespace {
@@ -305,6 +306,12 @@ Token Lexer::scanExpression() {
     std::uint32_t end = begin;
     while (isIdentifierPart(at(end))) {
       ++end;
+    }
+    // `world.temperature` is one name; a point elsewhere has no meaning
+    if (at(end) == '.' && isIdentifierStart(at(end + 1)) && isWorldName(text_.substr(begin, end + 1 - begin))) {
+      do {
+        ++end;
+      } while (isIdentifierPart(at(end)));
     }
     return make(TokenKind::Identifier, begin, end);
   }

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "engine/turtle/weather.h"
 #include "tests/environment/query_builder.h"
 
 namespace espalier::environment {
@@ -62,6 +63,26 @@ TEST(Wind, WrongProfilesAreErrors) {
             "   hint: the table profile needs one speed for each of at least one height");
   EXPECT_EQ(errorsOf(makeProcess("wind", R"({"profile":"table","heights":[2,2],"speeds":[1,1]})")),
             "error: environment process 'wind': 'heights' must be ascending\n   hint: sort them, each with its speed");
+}
+
+TEST(Wind, TheWeatherBringsTheSpeed) {
+  turtle::EnvironmentContext context;
+  context.world.lengthUnit = "cm";
+  context.world.stepDurationDays = 0.5;
+  context.world.weather =
+      std::make_shared<const turtle::Weather>(*turtle::Weather::read("time,wind\n0,2\n0.5,3\n", ""));
+  const auto process = openProcess("wind", "{}", context);
+  turtle::QueryBatch queries = QueryBuilder().add({0, 5, 0}, {0, 0, 0}).batch();
+  EXPECT_EQ(answersOf(*process, queries)[0][0], 200.0);
+  queries.timeDays = 0.5;
+  EXPECT_EQ(answersOf(*process, queries)[0][0], 300.0);
+  queries.timeDays = 1;
+  turtle::ReplyBatch replies;
+  replies.prepare(queries);
+  EXPECT_EQ(
+      process->step(queries, replies)->message,
+      "Environment 'wind' needs the weather from day 1 to day 1.5, and the table ends on day 1 or begins after it. "
+      "Add rows to the table, or make fewer steps.");
 }
 
 }  // namespace

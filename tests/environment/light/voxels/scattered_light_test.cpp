@@ -156,5 +156,26 @@ TEST(VoxelLayers, ABoxThatStandsAloneBalancesWithItsSides) {
   EXPECT_GT(fieldValue(*process, "incoming"), 1.0) << "light comes through the sides too";
 }
 
+TEST(VoxelLayers, AStandThatIsTurnedByARightAngleKeepsItsFluxes) {
+  const auto fluxes = [](bool isTurned) {
+    std::string densities;
+    for (int z = 0; z < 3; ++z) {
+      for (int y = 0; y < 3; ++y) {
+        for (int x = 0; x < 3; ++x) {
+          const int number = isTurned ? 9 * (2 - x) + 3 * y + z : 9 * z + 3 * y + x;
+          densities += (densities.empty() ? "" : ",") + std::to_string(number * number % 7);
+        }
+      }
+    }
+    return voxelFluxes(R"({"gridSize":[3,3,3],"voxelSize":1,"position":[0,0,0],"periodic":true,)" +
+                       scattering(0.3, 0.3, 0.2) + R"("sky":"overcast","leafAreaDensity":[)" + densities + "]}");
+  };
+  const StandFluxes before = fluxes(false);
+  const StandFluxes after = fluxes(true);
+  EXPECT_NEAR(before.up, after.up, 1e-12);
+  EXPECT_NEAR(before.down, after.down, 1e-12);
+  EXPECT_NEAR(before.byPlants, after.byPlants, 1e-12);
+}
+
 }  // namespace
 }  // namespace espalier::environment
