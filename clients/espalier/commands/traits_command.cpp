@@ -9,13 +9,13 @@
 #include <variant>
 
 #include "clients/espalier/commands/commands.h"
-#include "clients/espalier/folder_settings.h"
 #include "clients/espalier/messages.h"
 #include "clients/espalier/model_loading.h"
 #include "clients/espalier/result.h"
 #include "clients/espalier/roots/root_system.h"
 #include "clients/espalier/roots/root_traits.h"
 #include "server/remote/disk_files.h"
+#include "server/remote/models/folder_settings.h"
 
 namespace espalier::command {
 namespace {
@@ -40,7 +40,7 @@ std::optional<roots::RootSystem> rootsOfModel(const TraitsOptions& options, serv
   simulation::Simulation simulation(loaded->program, {turtle::PlantPlacement{}}, std::move(loaded->environment.process),
                                     std::move(loaded->simulationOptions));
   std::optional<core::SimulationError> failure = simulation.rewind();
-  while (!failure && !isOver(simulation, model.steps)) {
+  while (!failure && !server::isOver(simulation, model.steps)) {
     failure = simulation.step();
   }
   if (!failure) {
