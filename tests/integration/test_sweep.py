@@ -230,7 +230,6 @@ class Sweep(unittest.TestCase):
                                    stderr=subprocess.PIPE, text=True)
         while not Path(self.file("r.sqlite")).exists():
             time.sleep(0.01)
-        time.sleep(0.3)
         process.send_signal(signal.SIGINT)
         _, errors = process.communicate(timeout=60)
         self.assertEqual(process.returncode, 1)
