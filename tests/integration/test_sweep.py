@@ -211,6 +211,30 @@ class Sweep(unittest.TestCase):
         self.assertIn("is no file of results", self.sweep("export", self.file("no.sqlite"), status=1).stderr)
         self.assertIn("there is no file", self.sweep("export", self.file("none.sqlite"), status=1).stderr)
 
+    def test_a_full_disk_loses_no_run(self) -> None:
+        plan = self.plan(model="random.l", parameters={"P": {"uniform": [0.3, 0.5]}}, runs={"design": "random", "count": 6000},
+                         measures={"n": {"count": "F"}}, steps=6)
+        # a limit of 100 kB a file stands for the disk
+        done = subprocess.run(["bash", "-c", f"ulimit -f 100; exec {program()} sweep {plan} -o {self.file('r.sqlite')} --quiet"],
+                              env=variables(), capture_output=True, text=True)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("the same command continues", done.stderr)
+        self.sweep(plan, "-o", self.file("r.sqlite"), "--quiet")
+        self.sweep(plan, "-o", self.file("whole.sqlite"), "--quiet")
+        self.assertEqual(self.hash(self.file("r.sqlite")), self.hash(self.file("whole.sqlite")))
+        self.assertIn("a folder that exists", self.sweep(plan, "-o", self.file("no/r.sqlite"), status=1).stderr)
+
+    def test_an_interrupt_lets_the_running_plants_finish(self) -> None:
+        plan = self.plan(model="random.l", replicates=2_000_000, measures={"n": {"count": "F"}})
+        process = subprocess.Popen([program(), "sweep", plan, "-o", self.file("r.sqlite")], env=variables(),
+                                   stderr=subprocess.PIPE, text=True)
+        while not Path(self.file("r.sqlite")).exists():
+            time.sleep(0.01)
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 1)
+        self.assertIn("of 2000000 runs. The same command continues", errors)
+
     def test_one_program_at_a_time_writes_a_file(self) -> None:
         self.results("r.sqlite", model="tree.l", measures={"n": {"count": "F"}})
         connection = sqlite3.connect(self.file("r.sqlite"))

@@ -4,13 +4,15 @@ import importlib.util
 import json
 import math
 import os
+import shutil
+import subprocess
 import sys
 import tempfile
 import unittest
 from pathlib import Path
 from typing import Any
 
-from support import GALLERY, program
+from support import GALLERY, PACKAGE, program, variables
 
 import espalier
 
@@ -146,6 +148,23 @@ class ModelAsFunction(unittest.TestCase):
         model.close()
         with self.assertRaises(espalier.EspalierError):
             model.run([[1, 0.3]])
+
+
+@unittest.skipUnless(shutil.which("Rscript"), "R is not installed (Debian: r-base-core)")
+class ModelInR(unittest.TestCase):
+    def run_r(self, code: str) -> "subprocess.CompletedProcess[str]":
+        source = f'source("{PACKAGE.parent / "r" / "sweep.R"}"); '
+        return subprocess.run(["Rscript", "-e", source + code], capture_output=True, text=True,
+                              env=variables(ESPALIER_PROGRAM=program()), stdin=subprocess.DEVNULL)
+
+    def test_a_data_frame_in_and_a_data_frame_out(self) -> None:
+        call = ("espalier_run('{}', data.frame(length = c(1, 2, 0.1 + 0.2), seed = 9), "
+                "'{{\"trunk\": {{\"sum\": \"l\", \"of\": \"I(o,l)\", \"where\": \"o == 0\"}}}}', '\"steps\": 5')")
+        done = self.run_r("x <- " + call.format(CHAPTER / "tree.l") +
+                          "; cat(names(x), x$length[3] == 0.1 + 0.2, x$trunk[2] / x$trunk[1])")
+        self.assertEqual((done.returncode, done.stdout), (0, "run seed length trunk error TRUE 2"), done.stderr)
+        done = self.run_r(call.format(CHAPTER / "nothing.l"))
+        self.assertIn("there is no file", done.stderr)
 
 
 if __name__ == "__main__":

@@ -321,13 +321,13 @@ int runPlan(const SweepOptions& options) {
               " merges their parts into '" + options.output + "'");
     return kSuccess;
   }
+  std::signal(SIGINT, noteSignal);
+  std::signal(SIGTERM, noteSignal);
   Result<SweepResults> results = SweepResults::continued(options.output, describeSweep(*model, prepared->table));
   if (!results) {
     printError(results.error());
     return kFailure;
   }
-  std::signal(SIGINT, noteSignal);
-  std::signal(SIGTERM, noteSignal);
   SweepReport report(options.isQuiet);
   SweepProgress last;
   const auto problem = runSweep(

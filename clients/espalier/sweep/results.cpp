@@ -47,6 +47,12 @@ std::string sentenceOf(const std::string& file, const std::string& problem) {
   if (problem.find("disk is full") != std::string::npos) {
     return "the disk of '" + file + "' is full: make room, and the same command continues";
   }
+  if (problem.find("disk I/O error") != std::string::npos) {
+    return "'" + file + "' cannot be written further: check the disk and its limits, and the same command continues";
+  }
+  if (problem.find("unable to open") != std::string::npos) {
+    return "'" + file + "' cannot be opened: give the name of a file in a folder that exists";
+  }
   if (problem.find("not a database") != std::string::npos) {
     return "'" + file + "' is no file of results: give another name";
   }
