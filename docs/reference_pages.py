@@ -3,34 +3,24 @@
 import json
 import re
 import subprocess
+import sys
 import typing
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT / "clients" / "packaging"))
+
+import command_table  # noqa: E402
 
 
 def said(program: str, *arguments: str) -> str:
     return subprocess.run([program, *arguments], capture_output=True, text=True, check=True).stdout
 
 
-def subcommands(text: str) -> list[str]:
-    """The names below `Subcommands:` of a help text."""
-    _, _, rest = text.partition("\nSubcommands:\n")
-    return re.findall(r"^  ([a-z][\w-]*) ", rest.split("\n\n")[0], re.MULTILINE)
-
-
-def helps(program: str, command: tuple[str, ...] = ()) -> typing.Iterator[tuple[tuple[str, ...], str]]:
-    """Every command with its help, subcommands behind their command."""
-    text = said(program, *command, "--help")
-    yield command, text
-    for name in subcommands(text):
-        yield from helps(program, (*command, name))
-
-
 def commands(program: str) -> str:
     page = ["# Commands", "", "What `espalier COMMAND --help` prints. [The command line](../docs/command-line.md) explains what several commands share.", ""]
-    for command, text in helps(program):
-        page += [f"## {' '.join(('espalier', *command))}", "", "```", text.rstrip().replace("```", "'''"), "```", ""]
+    for command in command_table.commands(program):
+        page += [f"## {' '.join(('espalier', *command.words))}", "", "```", command.text.rstrip(), "```", ""]
     return "\n".join(page)
 
 

@@ -16,10 +16,11 @@ import sys
 import tarfile
 import zipfile
 from pathlib import Path
-from typing import Any, Dict, List, Optional, Tuple
+from typing import Any, Dict, List, Optional, Sequence, Tuple
 
 ROOT = Path(__file__).resolve().parent.parent
 PACKAGE = "espalier"
+PURE = "py3-none-any"
 # archives hold this date so that equal sources give equal files
 ARCHIVE_DATE = (1980, 1, 1, 0, 0, 0)
 
@@ -117,7 +118,7 @@ def bundle(web: Path) -> None:
     """Makes the script from its sources where Node.js is there, as the build of the program does."""
     node = shutil.which("node")
     if node is not None and shutil.which("npm") is not None and (web / "build.js").is_file():
-        subprocess.run([node, "build.js"], cwd=web, stdout=sys.stderr, stdin=subprocess.DEVNULL, check=False)
+        subprocess.run([node, "build.js"], cwd=web, stdout=sys.__stderr__, stdin=subprocess.DEVNULL, check=False)
 
 
 def source_files() -> List[Path]:
@@ -141,16 +142,18 @@ def metadata() -> bytes:
     return "\n".join(lines).encode()
 
 
-def metadata_files() -> List[Tuple[str, bytes]]:
-    wheel = "Wheel-Version: 1.0\nGenerator: espalier_build\nRoot-Is-Purelib: true\nTag: py3-none-any\n"
+def metadata_files(tag: str = PURE) -> List[Tuple[str, bytes]]:
+    is_pure = "true" if tag == PURE else "false"
+    wheel = f"Wheel-Version: 1.0\nGenerator: espalier_build\nRoot-Is-Purelib: {is_pure}\nTag: {tag}\n"
     return [("METADATA", metadata()), ("WHEEL", wheel.encode())]
 
 
-def write_wheel(directory: Path, files: List[Tuple[str, bytes]]) -> str:
-    """Writes a wheel of the files plus metadata and the record of hashes that installers check."""
+def write_wheel(directory: Path, files: List[Tuple[str, bytes]], tag: str = PURE, programs: Sequence[str] = ()) -> str:
+    """Writes a wheel of the files plus metadata and the record of hashes that installers check. `programs` are those of the
+    files that can be run."""
     info = f"{PACKAGE}-{version()}.dist-info"
-    name = f"{PACKAGE}-{version()}-py3-none-any.whl"
-    entries = files + [(f"{info}/{relative}", content) for relative, content in metadata_files()]
+    name = f"{PACKAGE}-{version()}-{tag}.whl"
+    entries = files + [(f"{info}/{relative}", content) for relative, content in metadata_files(tag)]
     record = ""
     for relative, content in entries:
         digest = base64.urlsafe_b64encode(hashlib.sha256(content).digest()).rstrip(b"=").decode()
@@ -160,7 +163,7 @@ def write_wheel(directory: Path, files: List[Tuple[str, bytes]]) -> str:
     with zipfile.ZipFile(directory / name, "w", zipfile.ZIP_DEFLATED) as archive:
         for relative, content in entries:
             entry = zipfile.ZipInfo(relative, ARCHIVE_DATE)
-            entry.external_attr = 0o644 << 16
+            entry.external_attr = (0o100755 if relative in programs else 0o100644) << 16
             entry.compress_type = zipfile.ZIP_DEFLATED
             archive.writestr(entry, content)
     return name

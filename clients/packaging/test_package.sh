@@ -1,0 +1,127 @@
+#!/usr/bin/env bash
+# Tests of the Debian packages: test_package.sh FOLDER [JOBS]. FOLDER has the packages of build_package.sh, and gets the second build.
+# Each line of standard output is a claim that holds; the first that does not ends the script. `./dev test --all package` calls this.
+set -euo pipefail
+
+here="$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd -P)"
+folder="$(cd "$1" && pwd -P)"
+jobs="${2:-$(nproc)}"
+
+passed() { echo "passed: $*"; }
+fail() {
+  echo "failed: $*" >&2
+  exit 1
+}
+
+packages=("$folder"/espalier_*.deb "$folder"/espalier-dev_*.deb "$folder"/python3-espalier_*.deb)
+for package in "${packages[@]}"; do [[ -f "$package" ]] || fail "there is no ${package##*/}: run ./dev package first"; done
+program_package="${packages[0]}"
+
+# lintian ends with 2 when there is an error; warnings are printed
+lintian --fail-on error --allow-root "${packages[@]}" >"$folder/lintian.txt" 2>&1 || fail "lintian: $(grep '^E:' "$folder/lintian.txt")"
+passed "lintian finds no error"
+
+systemd-analyze security --offline=true --threshold=25 "$here/debian/espalier.service" >/dev/null ||
+  fail "the exposure of espalier.service is above 2.5: systemd-analyze security"
+passed "espalier.service is exposed by 2.5 at most"
+
+# in another folder, at another time
+if [[ "${ESPALIER_PACKAGE_BUILDS:-2}" == 2 ]]; then
+  mkdir -p "$folder/second"
+  "$here/build_package.sh" "$folder/second" "$jobs" >/dev/null
+  for package in "${packages[@]}"; do
+    cmp "$package" "$folder/second/${package##*/}" || fail "two builds of ${package##*/} differ"
+  done
+  passed "two builds have the same bytes"
+fi
+
+wheel="$(ls "$folder"/../wheels/espalier-*manylinux*.whl 2>/dev/null | head -n 1)"
+[[ -n "$wheel" ]] || fail "there is no wheel in build/wheels: run ./dev package first"
+
+# an older version, for upgrades
+older="$folder/older"
+rm -rf "$older"
+dpkg-deb -R "$program_package" "$older"
+sed -i 's/^Version: .*/Version: 0.0.9/' "$older/DEBIAN/control"
+dpkg-deb --root-owner-group -b "$older" "$folder/older.deb" >/dev/null
+rm -rf "$older"
+
+# what happens in the bare system; every command must succeed
+cat >"$folder/inside.sh" <<'INSIDE'
+set -eux
+cd /root
+apt-get update -qq
+install() { DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "$@" >/dev/null; }
+
+# a wheel needs Python only
+install python3-venv
+python3 -m venv plants
+plants/bin/pip install --quiet --no-index ./espalier-*.whl
+env -i plants/bin/espalier conformance --kind deterministic --quiet
+rm -rf plants
+
+# installed and used in less than a minute, with the download of what it needs
+began=$(date +%s)
+install ./older.deb
+espalier run /usr/share/espalier/gallery/classic-weed -o weed.png
+test "$(head -c 4 weed.png | tail -c 3)" = PNG
+test $(($(date +%s) - began)) -lt 60
+dpkg-query -W -f '${Version}' espalier | grep -qx 0.0.9
+
+# upgraded while a server runs: the server goes on
+espalier serve --listen 127.0.0.1:0 --data data >address.txt 2>server.log &
+server=$!
+until grep -q listening address.txt; do sleep 0.1; done
+address=$(sed 's/listening on //' address.txt)
+plant=$(espalier connect "$address" create --gallery light-tree --environment constant --seed 7)
+install ./espalier_*.deb
+dpkg-query -W -f '${Version}' espalier | grep -qx "$(dpkg-deb -f ./espalier_*.deb Version)"
+espalier connect "$address" step "$plant" 2
+kill "$server"
+wait "$server"
+
+# an upgrade that is killed half-way, and done again
+dpkg -i older.deb
+timeout -s KILL 0.4 dpkg -i ./espalier_*.deb || true
+dpkg --configure -a
+dpkg -i ./espalier_*.deb
+espalier --version
+
+# what came with it
+espalier conformance --kind deterministic --quiet
+for each in man/man1/espalier.1.gz man/man1/espalier-run.1.gz bash-completion/completions/espalier zsh/vendor-completions/_espalier \
+  fish/vendor_completions.d/espalier.fish doc/espalier/handbook/index.html; do
+  test -s "/usr/share/$each"
+done
+if espalier --help | grep -q self-test; then espalier self-test; fi
+
+# an environment of one's own, and the development files
+install ./python3-espalier_*.deb
+cat >ceiling.py <<'PYTHON'
+from espalier import Environment
+
+class Ceiling(Environment):
+    def answer(self, query):
+        return [1 if query.position[1] < 6 else 0]
+
+Ceiling.serve()
+PYTHON
+espalier run /usr/share/espalier/gallery/light-tree --environment 'stdio:python3 ceiling.py' -o tree.png
+
+# settings that a person changed stay when the package goes, and go when it is purged
+echo '# changed' >>/etc/espalier/serve.toml
+mkdir -p /var/lib/private/espalier
+apt-get remove -y -qq espalier >/dev/null
+! command -v espalier
+grep -q changed /etc/espalier/serve.toml
+test -d /var/lib/private/espalier
+apt-get purge -y -qq espalier >/dev/null
+test ! -e /etc/espalier/serve.toml
+test ! -e /var/lib/private/espalier
+INSIDE
+
+mmdebstrap --variant=apt --quiet --include=ca-certificates \
+  --customize-hook="copy-in '${packages[0]}' '${packages[1]}' '${packages[2]}' '$folder/older.deb' '$wheel' '$folder/inside.sh' /root" \
+  --customize-hook='chroot "$1" sh /root/inside.sh' \
+  bookworm /dev/null >"$folder/bare.log" 2>&1 || fail "in a bare Debian 12: $(tail -n 12 "$folder/bare.log")"
+passed "in a bare Debian 12: wheel, package installed and used in a minute, upgraded under a running server and after a kill, removed, purged"

@@ -1,0 +1,161 @@
+"""The Basic Model Interface: all functions, time in pieces, inputs; a BMI model as an environment."""
+
+import importlib.util
+import json
+import tempfile
+import unittest
+from pathlib import Path
+from typing import Any, List
+
+from support import program
+
+import espalier
+from espalier import bmi
+
+# of the BMI 2.0 specification
+FUNCTIONS = """initialize update update_until finalize get_component_name get_input_item_count get_output_item_count get_input_var_names
+get_output_var_names get_var_grid get_var_type get_var_units get_var_itemsize get_var_nbytes get_var_location get_current_time
+get_start_time get_end_time get_time_units get_time_step get_value get_value_ptr get_value_at_indices set_value set_value_at_indices
+get_grid_rank get_grid_size get_grid_type get_grid_shape get_grid_spacing get_grid_origin get_grid_x get_grid_y get_grid_z
+get_grid_node_count get_grid_edge_count get_grid_face_count get_grid_edge_nodes get_grid_face_edges get_grid_face_nodes
+get_grid_nodes_per_face""".split()
+MODEL = "#define GAIN 2\nLsystem: 1\nderivation length: 6\nAxiom: A(1)\nA(l) --> F(l)A(l*GAIN)\nendlsystem\n"
+
+
+class Diffusion:
+    """A BMI model in five lines of physics: a row of nodes along y that loses half of what it holds in each step."""
+
+    def initialize(self, config_file: str) -> None:
+        import numpy
+
+        self.amount = numpy.array([16.0, 8.0, 4.0, 2.0])
+        self.demand = numpy.zeros(4)
+
+    def update(self) -> None:
+        self.amount = (self.amount - self.demand) / 2
+
+    def get_var_grid(self, name: str) -> int:
+        return 0
+
+    def get_grid_type(self, grid: int) -> str:
+        return "uniform_rectilinear"
+
+    def get_grid_rank(self, grid: int) -> int:
+        return 1
+
+    def get_grid_shape(self, grid: int, shape: Any) -> Any:
+        shape[:] = [4]
+        return shape
+
+    def get_grid_spacing(self, grid: int, spacing: Any) -> Any:
+        spacing[:] = [1.0]
+        return spacing
+
+    def get_grid_origin(self, grid: int, origin: Any) -> Any:
+        origin[:] = [0.0]
+        return origin
+
+    def get_var_type(self, name: str) -> str:
+        return "float64"
+
+    def get_var_nbytes(self, name: str) -> int:
+        return 32
+
+    def get_var_itemsize(self, name: str) -> int:
+        return 8
+
+    def get_value(self, name: str, dest: Any) -> Any:
+        dest[:] = self.amount
+        return dest
+
+    def set_value(self, name: str, src: Any) -> None:
+        self.demand = src
+
+
+@unittest.skipUnless(importlib.util.find_spec("numpy"), "NumPy is not installed")
+class Model(unittest.TestCase):
+    def setUp(self) -> None:
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+        (self.folder / "m.l").write_text(MODEL, encoding="utf-8")
+
+    def model(self, **more: Any) -> bmi.EspalierBmi:
+        settings = {"model": "m.l", "program": program(), "outputs": ["modules", "height", "count:F", "sum:F:1"],
+                    "inputs": ["GAIN"], "parameters": {"GAIN": 2}, **more}
+        (self.folder / "m.json").write_text(json.dumps(settings), encoding="utf-8")
+        made = bmi.EspalierBmi()
+        made.initialize(str(self.folder / "m.json"))
+        self.addCleanup(made.finalize)
+        return made
+
+    def values(self, model: bmi.EspalierBmi) -> List[float]:
+        import numpy
+
+        return [float(model.get_value(name, numpy.empty(1))[0]) for name in model.get_output_var_names()]
+
+    def test_has_every_function(self) -> None:
+        self.assertEqual([name for name in FUNCTIONS if not callable(getattr(bmi.EspalierBmi, name, None))], [])
+        self.assertEqual(len(FUNCTIONS), 41)
+
+    def test_steps_and_says_what_there_is(self) -> None:
+        import numpy
+
+        model = self.model(stepDurationDays=0.5)
+        self.assertEqual(self.values(model), [1.0, 0.0, 0.0, 0.0])
+        model.update()
+        self.assertEqual((model.get_current_time(), model.get_time_step(), model.get_end_time(), model.get_time_units()), (0.5, 0.5, 3.0, "d"))
+        self.assertEqual(self.values(model), [2.0, 1.0, 1.0, 1.0])
+        self.assertEqual((model.get_input_var_names(), model.get_output_item_count()), (("GAIN",), 4))
+        self.assertEqual((model.get_var_type("height"), model.get_var_units("height"), model.get_var_nbytes("height")), ("float64", "m", 8))
+        self.assertEqual((model.get_grid_type(0), model.get_grid_rank(0), model.get_grid_size(0)), ("scalar", 0, 1))
+        pointer = model.get_value_ptr("height")
+        model.update()
+        # 1 + 2
+        self.assertEqual((float(pointer[0]), float(model.get_value_at_indices("height", numpy.empty(1), numpy.array([0]))[0])), (3.0, 3.0))
+
+    def test_time_in_two_halves_is_time_in_one_piece(self) -> None:
+        whole, halves = self.model(stepDurationDays=0.1), self.model(stepDurationDays=0.1)
+        whole.update_until(0.6)
+        halves.update_until(0.3)
+        halves.update_until(0.6)
+        self.assertEqual(self.values(whole), self.values(halves))
+        self.assertEqual(self.values(whole)[1], 63.0)
+        self.assertEqual((whole.get_current_time(), halves.get_current_time()), (whole.get_end_time(),) * 2)
+
+    def test_an_input_counts_from_the_next_step_on(self) -> None:
+        import numpy
+
+        model = self.model()
+        model.update()
+        model.set_value("GAIN", numpy.array([10.0]))
+        model.update()
+        model.update()
+        # F(1), F(2): its length was set before; then 2·10
+        self.assertEqual(self.values(model)[1], 1.0 + 2.0 + 20.0)
+
+    def test_wrong_calls_are_one_sentence(self) -> None:
+        import numpy
+
+        model = self.model()
+        model.update_until(6)
+        for call, said in ((model.update, "ends after 6 steps"), (lambda: model.update_until(1), "does not go back"),
+                           (lambda: model.get_var_type("depth"), "no variable 'depth'"), (lambda: model.get_grid_x(0, None), "a scalar"),
+                           (lambda: model.get_grid_size(1), "no grid 1"), (lambda: model.set_value("height", numpy.zeros(1)), "no input"),
+                           (lambda: self.model(outputs=["width"]), "no output 'width'"), (lambda: self.model(colour=1), "'colour' is not known"),
+                           (lambda: self.model(parameters={}), "needs a value at the start"), (bmi.EspalierBmi().update, "")):
+            with self.subTest(said), self.assertRaisesRegex(bmi.BmiError, said):
+                call()
+
+    def test_a_bmi_model_answers_plants(self) -> None:
+        source = "Lsystem: 1\nderivation length: 3\nAxiom: [@M(0,0,0)?E(4)][@M(0,1.4,0)?E(0)][@M(5,9,0)?E(0)]\nendlsystem\n"
+        with espalier.local(program()) as client:
+            asked = client.attach(bmi.environment_of(Diffusion, "none", "amount", demand="demand", axes=("y",)))
+            plant = client.create(source, environment=[asked], save=False)
+            plant.step(1)
+            # (16 - 4)/2 at the ground, 8/2 at the height 1, 2/2 at the border
+            self.assertEqual([record.parameters for record in plant.turtle() if record.symbol == "E"], [(6.0,), (4.0,), (1.0,)])
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,116 @@
+"""Man pages, completions and wheels are made from the program: every command and option is in them."""
+
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+import zipfile
+from pathlib import Path
+from typing import ClassVar, List
+
+from support import REPOSITORY, SECONDS, program
+
+sys.path.insert(0, str(REPOSITORY / "clients" / "packaging"))
+
+import build_wheels  # noqa: E402
+import command_table  # noqa: E402
+import make_completions  # noqa: E402
+import make_manpages  # noqa: E402
+
+
+class FromHelp(unittest.TestCase):
+    table: ClassVar[List[command_table.Command]]
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        cls.table = list(command_table.commands(program()))
+
+    def command(self, *words: str) -> command_table.Command:
+        return next(each for each in self.table if each.words == words)
+
+    def test_the_table_has_commands_options_values_and_choices(self) -> None:
+        self.assertGreater(len(self.table), 30)
+        options = {option.names[-1]: option for option in self.command("run").options}
+        self.assertEqual(options["--compat"].choices, ["cpfg", "cpfg-batch"])
+        self.assertEqual(options["--output"].names, ["-o", "--output"])
+        self.assertEqual((options["--steps"].value, options["--quiet"].value), ("N", ""))
+        self.assertTrue(options["--variants"].meaning.startswith("Grow N plants"))
+        self.assertEqual(self.command("derive").positionals[0][0].split()[0], "model")
+        # a subcommand behind an address
+        self.assertIn("--until", [option.names[0] for option in self.command("connect", "ADDRESS", "step").options])
+        # every option of a help text is in the table
+        for command in self.table:
+            for option in command.options:
+                self.assertTrue(option.names and option.meaning, (command.words, option))
+
+    def test_each_command_has_a_man_page_without_warnings(self) -> None:
+        pages = dict(make_manpages.pages(program(), "1.2", "2026-01-01"))
+        self.assertEqual(len(pages), len(self.table))
+        self.assertIn("\\fB\\-o, \\-\\-output\\fR \\fIFILE\\fR", pages["espalier-run.1"])
+        self.assertIn("espalier-connect-create.1", pages)
+        if shutil.which("groff"):
+            for name, text in pages.items():
+                done = subprocess.run(["groff", "-man", "-ww", "-Tutf8", "-K", "utf8", "-z"], input=text, capture_output=True, text=True,
+                                      timeout=SECONDS, check=False)
+                self.assertEqual((done.returncode, done.stderr), (0, ""), name)
+
+    def completed(self, *words: str) -> List[str]:
+        """What bash offers for the last word."""
+        with tempfile.TemporaryDirectory() as folder:
+            script = Path(folder) / "espalier"
+            script.write_text(make_completions.bash(self.table), encoding="utf-8")
+            quoted = " ".join(f"'{word}'" for word in ("espalier", *words))
+            text = f"source {script}; COMP_WORDS=({quoted}); COMP_CWORD={len(words)}; _espalier; printf '%s\\n' \"${{COMPREPLY[@]}}\""
+            done = subprocess.run(["bash", "-c", text], capture_output=True, text=True, timeout=SECONDS, check=True, cwd=folder)
+        return done.stdout.split()
+
+    def test_bash_completes_commands_options_values_and_files(self) -> None:
+        self.assertEqual(self.completed("deri"), ["derive"])
+        self.assertEqual(self.completed("derive", "--comp"), ["--compat"])
+        self.assertEqual(self.completed("derive", "--compat", ""), ["cpfg", "cpfg-batch"])
+        self.assertEqual(self.completed("connect", "127.0.0.1:1", "st"), ["step", "stream", "status"])
+        self.assertEqual(self.completed("token", "new", "--ro"), ["--role"])
+        self.assertEqual(self.completed("derive", "esp"), ["espalier"])
+
+    def test_zsh_and_fish_read_theirs(self) -> None:
+        for shell, words, text in (("zsh", ["-n"], make_completions.zsh(self.table)),
+                                   ("fish", ["--no-execute"], make_completions.fish(self.table))):
+            for command in ("derive", "token"):
+                self.assertIn(command, text)
+            if shutil.which(shell):
+                with tempfile.NamedTemporaryFile("w", suffix=shell, encoding="utf-8") as file:
+                    file.write(text)
+                    file.flush()
+                    done = subprocess.run([shell, *words, file.name], capture_output=True, text=True, timeout=SECONDS, check=False)
+                self.assertEqual((done.returncode, done.stderr), (0, ""), shell)
+
+
+class Wheels(unittest.TestCase):
+    @unittest.skipUnless(os.environ.get("ESPALIER_LONG_TESTS") == "yes", "takes long: ./dev test --all long")
+    @unittest.skipUnless(shutil.which("patchelf") and shutil.which("objdump"), "patchelf is not installed (Debian: patchelf)")
+    def test_long_one_has_the_program_inside_and_an_honest_name(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            name = build_wheels.platform_wheel(Path(program()).resolve(), Path(folder))
+            self.assertRegex(name, r"^espalier-[\d.]+-py3-none-manylinux_2_\d+_\w+\.whl$")
+            with zipfile.ZipFile(Path(folder) / name) as wheel:
+                files = wheel.namelist()
+                for wanted in ("espalier/bin/espalier", "espalier/share/espalier/gallery/classic-weed/classic-weed.l",
+                               "espalier/share/espalier/conformance/cases.tsv", "espalier/__init__.py"):
+                    self.assertIn(wanted, files)
+                self.assertTrue(wheel.getinfo("espalier/bin/espalier").external_attr >> 16 & 0o111)
+                # the C library is the system's
+                self.assertEqual([file for file in files if Path(file).name.startswith(("libc.so", "libm.so", "ld-linux"))], [])
+                self.assertIn("espalier = espalier.program:main",
+                              wheel.read(next(file for file in files if file.endswith("entry_points.txt"))).decode())
+                wheel.extractall(folder)
+            copy = Path(folder) / "espalier" / "bin" / "espalier"
+            copy.chmod(0o755)
+            done = subprocess.run(["ldd", str(copy)], capture_output=True, text=True, timeout=SECONDS, check=True)
+            self.assertIn(f"{copy.parent}/lib/libembree3.so.3", done.stdout.replace("bin/lib/../lib", "bin/lib"))
+            self.assertNotIn("not found", done.stdout)
+
+
+if __name__ == "__main__":
+    unittest.main()
