@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "protocol/base64.h"
 #include "protocol/codec.h"
 #include "protocol/json_text.h"
@@ -90,7 +92,11 @@ void writeFiles(const Request& request, const GalleryModel& model, const std::st
   result.key("binary");
   writeTexts(result, binary);
   if (!environmentJson.empty()) {
-    result.key("environment").raw(environmentJson);
+    // a message is one line
+    std::string line = environmentJson;
+    std::replace_if(
+        line.begin(), line.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
+    result.key("environment").raw(line);
   }
   request.session.respond(request.id, result.endObject().view());
 }

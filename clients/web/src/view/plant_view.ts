@@ -1,8 +1,9 @@
 // A page with the geometry of a plant: one frame, or several frames with a slider and a button that plays the growth.
 import { Box3 } from "three";
+import type { Object3D } from "three";
 import { PlantScene, boxOf } from "./plant_scene.js";
 
-function bytesOf(base64) {
+function bytesOf(base64: string): ArrayBuffer {
   const text = atob(base64);
   const bytes = new Uint8Array(text.length);
   for (let i = 0; i < text.length; ++i) {
@@ -12,30 +13,30 @@ function bytesOf(base64) {
 }
 
 /** Shows frames (base64 texts of .glb files) in an element. Several frames get a slider and a button that plays them. */
-export async function showPlant(element, frames, background = "#f7f7f2") {
-  const fail = (text) => {
+export async function showPlant(element: HTMLElement, frames: string[], background = "#f7f7f2"): Promise<void> {
+  const fail = (text: string) => {
     element.textContent = text;
     element.dataset.state = "failed";
   };
-  let view;
+  let view: PlantScene;
   try {
     view = new PlantScene(element, background);
   } catch (error) {
-    fail(`This page cannot draw: WebGL is not available (${error.message}).`);
+    fail(`This page cannot draw: WebGL is not available (${(error as Error).message}).`);
     return;
   }
-  const plants = [];
+  const plants: Object3D[] = [];
   const whole = new Box3();
   for (const frame of frames) {
     try {
       plants.push(await view.read(bytesOf(frame)));
     } catch (error) {
-      fail(`The plant cannot be read: ${error.message}`);
+      fail(`The plant cannot be read: ${(error as Error).message}`);
       return;
     }
     whole.union(boxOf(plants[plants.length - 1]));
   }
-  const show = (index) => view.show(plants[index], true);
+  const show = (index: number) => view.show(plants[index], true);
   if (plants.length > 1) {
     addPlayer(element, plants.length, show);
   }
@@ -44,7 +45,7 @@ export async function showPlant(element, frames, background = "#f7f7f2") {
   element.dataset.state = "shown";
 }
 
-function addPlayer(element, count, show) {
+function addPlayer(element: HTMLElement, count: number, show: (index: number) => void): void {
   const bar = document.createElement("div");
   bar.style.cssText = "position:absolute;left:12px;right:12px;bottom:10px;display:flex;gap:10px;font:13px sans-serif";
   const button = document.createElement("button");
@@ -55,14 +56,14 @@ function addPlayer(element, count, show) {
   slider.value = slider.max;
   slider.style.flex = "1";
   const label = document.createElement("span");
-  const go = (index) => {
+  const go = (index: number) => {
     slider.value = String(index);
     label.textContent = `${index + 1} of ${count}`;
     show(index);
   };
   label.textContent = `${count} of ${count}`;
   slider.addEventListener("input", () => go(Number(slider.value)));
-  let timer = 0;
+  let timer: ReturnType<typeof setInterval> | undefined;
   button.addEventListener("click", () => {
     clearInterval(timer);
     let index = 0;

@@ -5,6 +5,8 @@ import {
   Color,
   DirectionalLight,
   DoubleSide,
+  Mesh,
+  Object3D,
   HemisphereLight,
   PerspectiveCamera,
   Scene,
@@ -14,15 +16,16 @@ import {
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 
-function addLights(scene) {
+function addLights(scene: Scene): void {
   scene.add(new HemisphereLight(0xffffff, 0x8a7f6a, 1.6), new AmbientLight(0xffffff, 0.4));
   const sun = new DirectionalLight(0xffffff, 2.2);
   sun.position.set(-0.6, 1, 0.8);
   scene.add(sun);
 }
 
-function freeMemory(object) {
-  object.traverse((part) => {
+function freeMemory(object: Object3D): void {
+  object.traverse((found) => {
+    const part = found as Mesh;
     part.geometry?.dispose();
     for (const material of part.material ? [part.material].flat() : []) {
       material.dispose();
@@ -32,10 +35,18 @@ function freeMemory(object) {
 
 /** A canvas in an element. Throws when the browser has no WebGL. */
 export class PlantScene {
-  constructor(element, background = "#f7f7f2") {
-    this.element = element;
-    this.renderer = new WebGLRenderer({ antialias: true });
-    this.scene = new Scene();
+  private readonly renderer = new WebGLRenderer({ antialias: true });
+  private readonly scene = new Scene();
+  private readonly camera: PerspectiveCamera;
+  private readonly controls: OrbitControls;
+  private readonly loader = new GLTFLoader();
+  private plant: Object3D | null = null;
+  private hasCamera = false;
+
+  constructor(
+    private readonly element: HTMLElement,
+    background = "#f7f7f2",
+  ) {
     this.scene.background = new Color(background);
     addLights(this.scene);
     this.camera = new PerspectiveCamera(35, element.clientWidth / element.clientHeight, 0.01, 1000);
@@ -45,15 +56,13 @@ export class PlantScene {
     element.append(this.renderer.domElement);
     this.controls.addEventListener("change", () => this.draw());
     new ResizeObserver(() => this.resize()).observe(element);
-    this.loader = new GLTFLoader();
-    this.plant = null;
   }
 
-  draw() {
+  draw(): void {
     this.renderer.render(this.scene, this.camera);
   }
 
-  resize() {
+  resize(): void {
     const { clientWidth, clientHeight } = this.element;
     if (clientWidth > 0 && clientHeight > 0) {
       this.camera.aspect = clientWidth / clientHeight;
@@ -64,10 +73,10 @@ export class PlantScene {
   }
 
   /** The object of a binary glTF file (an ArrayBuffer). */
-  async read(bytes) {
+  async read(bytes: ArrayBuffer): Promise<Object3D> {
     const { scene } = await this.loader.parseAsync(bytes, "");
     scene.traverse((object) => {
-      for (const material of object.isMesh ? [object.material].flat() : []) {
+      for (const material of object instanceof Mesh ? [object.material].flat() : []) {
         material.side = DoubleSide; // leaves have two sides
       }
     });
@@ -75,7 +84,7 @@ export class PlantScene {
   }
 
   /** Shows a plant. Frees the plant before it, unless that plant is kept to be shown again. */
-  show(plant, isKept = false) {
+  show(plant: Object3D | null, isKept = false): void {
     if (this.plant) {
       this.scene.remove(this.plant);
       if (!isKept) {
@@ -90,7 +99,7 @@ export class PlantScene {
   }
 
   /** Places the camera a little above the plant, so far away that the whole box is visible. */
-  fit(box) {
+  fit(box: Box3): void {
     if (box.isEmpty()) {
       return;
     }
@@ -113,16 +122,8 @@ export class PlantScene {
     controls.update();
     this.draw();
   }
-
-  /** Zooms out when the plant has grown beyond the fitted box. */
-  fitGrown(box) {
-    if (!this.fitted || !this.fitted.containsBox(box)) {
-      this.fitted = box.clone().expandByScalar(0.15 * box.getSize(new Vector3()).length());
-      this.fit(box);
-    }
-  }
 }
 
-export function boxOf(object) {
+export function boxOf(object: Object3D): Box3 {
   return new Box3().setFromObject(object);
 }
