@@ -39,6 +39,7 @@ int main(int argumentCount, char** arguments) {
   addEvolve(program, status);
   addForest(program, status);
   addInfer(program, status);
+  addLanguageServer(program, status);
   addField(program, status);
   addReplay(program, status);
   addConformance(program, status);

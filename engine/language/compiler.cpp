@@ -7,15 +7,11 @@
 
 #include "engine/core/hash.h"
 #include "engine/files/file_name.h"
-#include "engine/language/analyser.h"
-#include "engine/language/checks/model_checks.h"
 #include "engine/language/checks/needed_files.h"
 #include "engine/language/code_generator.h"
 #include "engine/language/dialects/dialect.h"
 #include "engine/language/message_list.h"
-#include "engine/language/parse/parser.h"
-#include "engine/language/parse/syntax.h"
-#include "engine/language/preprocess/preprocessor.h"
+#include "engine/language/parsed_model.h"
 #include "engine/language/view/view_file.h"
 
 namespace espalier::language {
@@ -25,15 +21,6 @@ void addAll(core::DiagnosticList& list, const core::DiagnosticList& others) {
   for (const core::Diagnostic& diagnostic : others.entries()) {
     list.add(diagnostic);
   }
-}
-
-// every function of a function set becomes a macro with its number; the preprocessor refuses a name with a '.'
-std::vector<std::pair<std::string, std::string>> functionMacros(const files::ViewSettings& view) {
-  std::vector<std::pair<std::string, std::string>> macros;
-  for (std::size_t i = 0; i < view.functions.size(); ++i) {
-    macros.emplace_back(view.functions[i].name(), std::to_string(i + 1));
-  }
-  return macros;
 }
 
 void addSources(std::vector<files::SourceMap::File>& sources, const std::vector<files::SourceMap::File>& files) {
@@ -151,40 +138,14 @@ CompileResult compile(const CompileInput& original, core::FileProvider& original
     view = readViewFile(input.viewFile, files, input.compatibility, input.limits);
     addAll(result.diagnostics, view.diagnostics);
   }
-  PreprocessInput preprocessInput;
-  preprocessInput.file = input.modelFile;
-  preprocessInput.overrides = input.defines;
-  preprocessInput.limits = input.limits;
-  if (view.settings.functionSetDefinesMacros && input.compatibility != core::Compatibility::CpfgBatch) {
-    preprocessInput.macros = functionMacros(view.settings);
-  }
-
-  // source text -> preprocessed text
-  PreprocessResult source = preprocess(preprocessInput, files);
+  // source text -> preprocessed text -> analysed syntax tree
+  ParsedModel parsed =
+      parseModel(input, view.settings, translated ? ModelOrigin::Translation : ModelOrigin::Cpfg, files);
+  PreprocessResult& source = parsed.source;
+  MessageList& messages = parsed.messages;
   addAll(result.diagnostics, source.diagnostics);
   if (!source.isComplete) {
     return result;
-  }
-
-  // -> syntax tree -> analysed tree
-  MessageList messages;
-  ModelSyntax model;
-  Parser(source.text, input.limits, model, messages).parseFile();
-  if (!source.diagnostics.hasErrors()) {
-    const bool hasSyntaxErrors = messages.errorCount() > 0;
-    Analyser analyser(source.text, input.compatibility, input.limits, model, messages);
-    analyser.setMacros(source.macros);
-    analyser.analyse();
-    if (hasSyntaxErrors) {
-      messages.dropWarnings();
-    } else if (messages.errorCount() == 0) {
-      checkModel(source.text, input.compatibility, translated ? ModelOrigin::Translation : ModelOrigin::Cpfg, model,
-                 messages);
-    }
-  }
-  if (source.hasLostText) {
-    // the rest of the model is inside the open comment, which was reported
-    messages.dropFrom(static_cast<std::uint32_t>(source.text.find_last_not_of(" \t\n") + 1));
   }
   const bool hasErrors = messages.errorCount() > 0 || source.diagnostics.hasErrors();
   // a Program holds the translated files; its messages name the foreign file
@@ -198,7 +159,7 @@ CompileResult compile(const CompileInput& original, core::FileProvider& original
   }
 
   // -> Program
-  CodeGenerator(model, source.text, *program).generate();
+  CodeGenerator(parsed.syntax, source.text, *program).generate();
   program->view = std::move(view.settings);
   program->text = std::move(source.text);
   program->sourceMap = std::move(source.sourceMap);

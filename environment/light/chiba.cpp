@@ -22,6 +22,7 @@
 #include "environment/light/light_directions.h"
 #include "environment/light/light_sources.h"
 #include "environment/light/published_variants.h"
+#include "environment/light/published_voxels.h"
 #include "environment/light/ray_sums.h"
 
 namespace espalier::environment {
@@ -70,7 +71,7 @@ constexpr std::array kKeys{
     ConfigurationKey{.name = "estimateIntersectionArea",
                      .kind = KeyKind::Boolean,
                      .description = "light lost by the area that the spheres' discs have in common along a ray"},
-    gridSizeKey(kUnitSides, "voxels along x, y, z of the published traversal (only when compatible)", 200.0),
+    gridSizeKey(kUnitSides, "voxels along x, y, z of the published traversal (only when compatible)"),
     ConfigurationKey{.name = "compatible",
                      .kind = KeyKind::Boolean,
                      .description = "as the published program, which misses spheres"},
@@ -299,6 +300,9 @@ extern constinit const ProcessEntry kChibaProcess{
         return tl::unexpected(std::move(problems));
       }
       if (configuration.flag("compatible")) {
+        if (auto problem = tooManyCells("chiba", cellsOf(configuration), PublishedVoxels::kMostVoxels)) {
+          return tl::unexpected(std::vector{*std::move(problem)});
+        }
         return makePublishedChiba(configuration);
       }
       return std::make_unique<Chiba>(configuration);

@@ -164,6 +164,9 @@ class PublishedChiba final : public turtle::EnvironmentProcess {
       }
     }
     PublishedVoxels voxels(spheres, cells_, estimatesArea_ ? 1.0F : beamRadius_);
+    if (auto error = voxels.tooManyEntries()) {
+      return error;
+    }
     for (std::size_t own = 0; own < spheres.size(); ++own) {
       answer(queries, queryOf[own], spheres, own, voxels, replies);
     }

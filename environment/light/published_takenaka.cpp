@@ -75,6 +75,9 @@ class PublishedTakenaka final : public turtle::EnvironmentProcess {
       }
     }
     PublishedVoxels voxels(balls, cells_, 1.0F);
+    if (auto error = voxels.tooManyEntries()) {
+      return error;
+    }
     for (std::size_t ball = 0; ball < balls.size(); ++ball) {
       const auto parameters = queries.parametersOf(queryOf[ball]);
       const float area = toFloat(parameters[0]);

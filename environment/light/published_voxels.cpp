@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 namespace espalier::environment {
 
@@ -15,7 +16,7 @@ std::array<float, 3> axesOf(const FloatVec& v) {
 
 PublishedVoxels::PublishedVoxels(std::span<const FloatSphere> spheres, const std::array<std::size_t, 3>& cells,
                                  float beamRadius)
-    : spheres_(spheres), entered_(cells[0] * cells[1] * cells[2]), lastRay_(spheres.size(), 0) {
+    : spheres_(spheres), lastEntry_(cells[0] * cells[1] * cells[2]), lastRay_(spheres.size(), 0) {
   float largest = 0.0F;
   std::array<float, 3> high{};
   for (std::size_t i = 0; i < spheres.size(); ++i) {
@@ -38,6 +39,15 @@ PublishedVoxels::PublishedVoxels(std::span<const FloatSphere> spheres, const std
   }
 }
 
+std::optional<turtle::EnvironmentError> PublishedVoxels::tooManyEntries() const {
+  if (entries_.size() <= kMostEntries) {
+    return std::nullopt;
+  }
+  return turtle::EnvironmentError{"The spheres fill more than " + std::to_string(kMostEntries) +
+                                      " voxels in all, and that is the limit. Give a 'grid size' with fewer voxels.",
+                                  false};
+}
+
 void PublishedVoxels::enter(std::uint32_t sphere, float reach, float halfDiagonal) {
   const auto centre = axesOf(spheres_[sphere].centre);
   Voxel first{};
@@ -56,7 +66,12 @@ void PublishedVoxels::enter(std::uint32_t sphere, float reach, float halfDiagona
           middle[axis] = low_[axis] + (static_cast<float>(at[axis]) + 0.5F) * side_[axis];
         }
         if (length(FloatVec{middle[0], middle[1], middle[2]} - spheres_[sphere].centre) <= reach + halfDiagonal) {
-          entered_[indexOf(at)].push_back(sphere);
+          if (entries_.size() > kMostEntries) {
+            return;
+          }
+          std::uint32_t& lastEntry = lastEntry_[indexOf(at)];
+          entries_.push_back({sphere, lastEntry});
+          lastEntry = static_cast<std::uint32_t>(entries_.size() - 1);
         }
       }
     }

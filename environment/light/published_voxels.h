@@ -3,9 +3,11 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "engine/turtle/environment_process.h"
 #include "environment/geometry/float_vec.h"
 
 namespace espalier::environment {
@@ -22,9 +24,15 @@ struct FloatSphere {
 /// floats, operation by operation.
 class PublishedVoxels {
  public:
+  static constexpr std::size_t kMostVoxels = 100'000'000;
+  static constexpr std::size_t kMostEntries = 200'000'000;  // spheres in voxels, 8 bytes each
+
   /// `spheres` must outlive the object. A sphere is entered in the voxels whose middle is at most half a voxel's
   /// diagonal outside it, when it is widened by `beamRadius` times the largest radius.
   PublishedVoxels(std::span<const FloatSphere> spheres, const std::array<std::size_t, 3>& cells, float beamRadius);
+
+  /// The error of spheres that fill more voxels than memory may hold. Then no ray may be followed.
+  [[nodiscard]] std::optional<turtle::EnvironmentError> tooManyEntries() const;
 
   /// Calls `visit(index)` once for every other sphere in the voxels that a ray from the middle of sphere `own` finds:
   /// voxel by voxel, in each the sphere that was entered last first.
@@ -35,11 +43,11 @@ class PublishedVoxels {
     const FloatVec& origin = spheres_[own].centre;
     Voxel voxel = voxelOf(origin);
     do {
-      const std::vector<std::uint32_t>& entered = entered_[indexOf(voxel)];
-      for (auto sphere = entered.rbegin(); sphere != entered.rend(); ++sphere) {
-        if (lastRay_[*sphere] != ray_) {
-          lastRay_[*sphere] = ray_;
-          visit(*sphere);
+      for (std::uint32_t at = lastEntry_[indexOf(voxel)]; at != 0; at = entries_[at].previous) {
+        const std::uint32_t sphere = entries_[at].sphere;
+        if (lastRay_[sphere] != ray_) {
+          lastRay_[sphere] = ray_;
+          visit(sphere);
         }
       }
     } while (advance(voxel, origin, direction));
@@ -48,9 +56,16 @@ class PublishedVoxels {
  private:
   using Voxel = std::array<std::int64_t, 3>;
 
+  /// A sphere in a voxel, and the entry of that voxel before it. Entry 0 means none.
+  struct Entry {
+    std::uint32_t sphere = 0;
+    std::uint32_t previous = 0;
+  };
+
   [[nodiscard]] Voxel voxelOf(const FloatVec& point) const;
   [[nodiscard]] std::int64_t clampedIndex(float place, std::size_t axis) const;
   [[nodiscard]] std::size_t indexOf(const Voxel& voxel) const;
+  /// Nothing is entered any more once there are too many entries.
   void enter(std::uint32_t sphere, float reach, float halfDiagonal);
   /// Goes to the next voxel of a ray. False: the ray leaves the grid, or the direction has no length.
   [[nodiscard]] bool advance(Voxel& voxel, const FloatVec& origin, const FloatVec& direction) const;
@@ -59,8 +74,9 @@ class PublishedVoxels {
   std::array<float, 3> low_{};
   std::array<float, 3> side_{};  // of a voxel
   std::array<std::int64_t, 3> cells_{};
-  std::vector<std::vector<std::uint32_t>> entered_;  // spheres by voxel
-  std::vector<std::uint64_t> lastRay_;               // the ray that met a sphere last
+  std::vector<Entry> entries_{1};
+  std::vector<std::uint32_t> lastEntry_;  // by voxel
+  std::vector<std::uint64_t> lastRay_;    // the ray that met a sphere last
   std::uint64_t ray_ = 0;
 };
 

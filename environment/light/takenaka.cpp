@@ -20,6 +20,7 @@
 #include "environment/light/light_directions.h"
 #include "environment/light/light_sources.h"
 #include "environment/light/published_variants.h"
+#include "environment/light/published_voxels.h"
 #include "environment/light/ray_sums.h"
 
 namespace espalier::environment {
@@ -62,7 +63,7 @@ constexpr std::array kKeys{
     ConfigurationKey{.name = "beamRadius",
                      .description = "radius of a beam relative to the ball's that it reaches; it widens the others",
                      .minimum = 0.0},
-    gridSizeKey(kUnitSides, "voxels along x, y, z of the published traversal (only when compatible)", 200.0),
+    gridSizeKey(kUnitSides, "voxels along x, y, z of the published traversal (only when compatible)"),
     ConfigurationKey{.name = "compatible",
                      .kind = KeyKind::Boolean,
                      .description = "as the published program, which misses balls and has ten times the light"},
@@ -281,10 +282,15 @@ extern constinit const ProcessEntry kTakenakaProcess{
         problems.push_back(wrongConfiguration("takenaka", "'diskSource' must be a radius, at least 0, and x, y, z",
                                               "leave it out for light from 'sources'"));
       }
+      const bool isCompatible = configuration.flag("compatible");
+      if (auto problem = tooManyCells("takenaka", cellsOf(configuration), PublishedVoxels::kMostVoxels);
+          isCompatible && problem) {
+        problems.push_back(*std::move(problem));
+      }
       if (!problems.empty()) {
         return tl::unexpected(std::move(problems));
       }
-      if (configuration.flag("compatible")) {
+      if (isCompatible) {
         return makePublishedTakenaka(configuration);
       }
       return std::make_unique<Takenaka>(configuration);

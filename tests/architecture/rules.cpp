@@ -22,6 +22,7 @@ const std::vector<std::pair<std::string, std::vector<std::string>>>& directions(
        {"engine/core/", "engine/files/", "engine/language/", "engine/derivation/", "engine/turtle/", "environment/"}},
       {"protocol/", {"protocol/"}},
       {"server/remote/", {"engine/", "environment/", "protocol/", "server/remote/"}},
+      {"server/language_server/", {"engine/core/", "engine/files/", "engine/language/", "server/language_server/"}},
       {"server/", {"engine/", "environment/", "protocol/", "server/"}},
       {"clients/cpp/", {"protocol/", "clients/cpp/"}},
       {"clients/web/", {"clients/web/"}},

@@ -25,6 +25,7 @@ void addEnvironment(CLI::App& program, int& status);
 void addEvolve(CLI::App& program, int& status);
 void addForest(CLI::App& program, int& status);
 void addInfer(CLI::App& program, int& status);
+void addLanguageServer(CLI::App& program, int& status);
 void addField(CLI::App& program, int& status);
 void addReplay(CLI::App& program, int& status);
 void addConformance(CLI::App& program, int& status);

@@ -71,6 +71,7 @@ void Parser::parseSymbolList(std::vector<core::SymbolId>& symbols, std::string_v
   reading_ = name;
   while (lexer_.peekPlain().kind == TokenKind::Symbol) {
     symbols.push_back(lexer_.peekPlain().symbol);
+    model_.symbolPlaces.push_back({symbols.back(), false, lexer_.peekPlain().range});
     lexer_.advance();
   }
   if (lexer_.peekPlain().kind == TokenKind::Invalid) {
@@ -171,6 +172,7 @@ bool Parser::parseModuleDeclaration() {
   if (!model_.symbols.declare(std::move(symbol), &id)) {
     messages_.error(name.range, "the module '" + name.text + "' is declared twice");
   }
+  model_.symbolPlaces.push_back({id, true, name.range});
   return true;
 }
 

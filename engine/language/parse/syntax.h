@@ -152,10 +152,18 @@ struct LSystemSyntax {
   std::uint32_t arrayElementCount = 0;
 };
 
+/// A symbol outside axioms and productions: in `ignore:`, `consider:` or `Module:`.
+struct SymbolPlace {
+  core::SymbolId symbol = core::kNoSymbol;
+  bool isDeclaration = false;
+  core::SourceRange range;
+};
+
 struct ModelSyntax {
   std::vector<ExpressionNode> expressions;
   std::vector<LSystemSyntax> systems;
   SymbolTable symbols;
+  std::vector<SymbolPlace> symbolPlaces;
   // set by the analyser
   std::uint64_t derivationLength = 1;
   std::vector<std::string> staticNames;  // production-local variables of all productions

@@ -74,7 +74,7 @@ class Preprocessor {
     for (const auto& [name, value] : input_.overrides) {
       const auto isNamed = [&name = name](const files::SourceMap::File& file) { return namesMacro(file.text, name); };
       const bool isFunction = std::any_of(input_.macros.begin(), input_.macros.end(),
-                                          [&](const auto& macro) { return macro.first == name; });
+                                          [&name = name](const auto& macro) { return macro.first == name; });
       if (wordEnd(name, 0) != name.size() || isFunction || std::any_of(files_.begin(), files_.end(), isNamed)) {
         continue;
       }

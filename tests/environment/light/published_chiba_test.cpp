@@ -34,6 +34,15 @@ TEST(PublishedChiba, TheGridDecidesWhichSpheresARayMeets) {
   }
 }
 
+TEST(PublishedChiba, AGridMayHaveMoreThanTwoHundredVoxelsASide) {
+  const std::vector<core::Vec3> pair{{0, 0, 0}, {0, 3, 0}};
+  const std::string up = R"("sources":[[0,1,0,1]],)";
+  EXPECT_EQ(lightOf(pair, 1, up + R"("gridSize":[1,1000,1])"), lightOf(pair, 1, up + R"("gridSize":[1,1,1])"));
+  EXPECT_NE(errorsOf(makeProcess("chiba", R"({"compatible":true,"gridSize":[1000,1000,1000]})"))
+                .find("the limit is 100000000"),
+            std::string::npos);
+}
+
 TEST(PublishedChiba, ASlantedRowIsMetOrMissedByTheGrid) {
   const std::vector<core::Vec3> four{{10, 10, 0}, {13, 14, 0}, {16, 18, 0}, {12, 22, 0}};
   const std::map<int, std::vector<double>> expected{

@@ -1,0 +1,3 @@
+line style: cylinder
+initial line width: 0.06 s
+initial color: 96
