@@ -4,6 +4,7 @@ import type { Studio } from "../studio/studio.js";
 import { guessedRange } from "../studio/document.js";
 import type { Define } from "../studio/document.js";
 import { IconButton } from "./icons.js";
+import { Panels } from "./panel.js";
 
 const TABS = ["Parameters", "Module", "Set-up", "Server"] as const;
 export type Tab = (typeof TABS)[number];
@@ -17,6 +18,7 @@ export function Side({ studio, tab, onTab }: { studio: Studio; tab: Tab; onTab: 
         ))}
       </div>
       <div class="content" role="tabpanel" id="side-panel" aria-labelledby={`tab-${tab}`}>
+        {tab === "Parameters" && <Panels studio={studio} />}
         {tab === "Parameters" && <Parameters studio={studio} />}
         {tab === "Module" && <Module studio={studio} />}
         {tab === "Set-up" && <SetUp studio={studio} />}

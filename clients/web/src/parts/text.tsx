@@ -2,7 +2,9 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { Studio } from "../studio/studio.js";
 import { fileOf } from "../studio/document.js";
+import { parseCurve } from "../studio/curve.js";
 import { Editor } from "./editor.js";
+import { Graph } from "./graph.js";
 import { IconButton } from "./icons.js";
 
 /** Files in the order in which a person needs them: the model, its view, the rest. */
@@ -27,6 +29,7 @@ export function TextPane({ studio }: { studio: Studio }) {
   }, []);
   useEffect(() => editor.current?.show(document.title, openFile, document.files[openFile] ?? ""), [document, openFile]);
   useEffect(() => editor.current?.mark(diagnostics), [diagnostics, openFile]);
+  const curve = parseCurve(openFile, document.files[openFile] ?? "");
   const count = (severity: string) => diagnostics.filter((one) => one.severity === severity).length;
   return (
     <section class="text" aria-label="Text of the model">
@@ -42,7 +45,10 @@ export function TextPane({ studio }: { studio: Studio }) {
           <IconButton icon="plus" label="New file" onClick={() => setNaming(true)} />
         )}
       </div>
-      <div class="editor" ref={place} />
+      <div class="editor">
+        {curve && <Graph studio={studio} file={openFile} curve={curve} />}
+        <div class="code" ref={place} />
+      </div>
       <div class="problems" aria-label="Problems">
         <h2>
           Problems

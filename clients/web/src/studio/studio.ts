@@ -63,6 +63,8 @@ export class Studio {
   private held: Promise<void> | null = null; // frames wait for it
   private checking = 0;
   private shownTitle = "";
+  private isFollowing = false; // builds after each of many changes
+  private isNewer = false;
 
   // ---- listeners
 
@@ -220,6 +222,29 @@ export class Studio {
     this.isChanged = true;
     this.changed();
     void this.check();
+  }
+
+  /** Many changes in a row, as by a drag: the plant of the newest text is grown, never two at a time. */
+  async editContinuously(file: string, text: string): Promise<void> {
+    this.document = { ...this.document, files: { ...this.document.files, [file]: text }, gallery: null };
+    this.isChanged = true;
+    this.isNewer = true;
+    this.changed();
+    if (this.isFollowing) {
+      return;
+    }
+    this.isFollowing = true;
+    try {
+      while (this.isNewer) {
+        this.isNewer = false;
+        await this.build(this.isFinished ? undefined : this.step);
+      }
+    } catch (error) {
+      this.fail(error);
+    } finally {
+      this.isFollowing = false;
+      this.changed();
+    }
   }
 
   addFile(name: string): void {
