@@ -6,6 +6,7 @@ import type { Picked } from "../view/measures.js";
 import { definesOfDocument, fileOf, modelOf, newDocument, numberText } from "./document.js";
 import type { Define, Document } from "./document.js";
 import { History } from "./history.js";
+import { folderPalette } from "./palette.js";
 import { unpacked } from "./share.js";
 
 const CHECK_MILLISECONDS = 250;
@@ -354,7 +355,7 @@ export class Studio {
     this.length = simulation.created?.derivationLength ?? information?.derivationLength ?? 0;
     this.isFinished = simulation.created?.finished ?? information?.finished ?? false;
     const { colours, isOfModel } = await simulation.get("palette");
-    this.view?.setPalette({ colours: colours!, isOfModel: isOfModel! });
+    this.view?.setPalette((isOwn && folderPalette(this.document)) || { colours: colours!, isOfModel: isOfModel! });
     this.view?.highlight(null);
     if (isAnother) {
       this.view?.forgetFit();
