@@ -114,7 +114,9 @@ test("a slider that moves two hundred times has one derivation under way and end
     for (let i = 0; i < 200; ++i) {
       slider.value = String(20 + (i % 31));
       slider.dispatchEvent(new Event("input", { bubbles: true }));
-      await new Promise((done) => setTimeout(done, 1));
+      if (i % 20 === 0) {
+        await new Promise((done) => setTimeout(done, 1));
+      }
     }
     slider.value = "47";
     slider.dispatchEvent(new Event("input", { bubbles: true }));

@@ -28,7 +28,17 @@ export function App({ studio }: { studio: Studio }) {
   const [tab, setTab] = useState<Tab>("Parameters");
   const [isTextShown, setTextShown] = useState(true);
   useEffect(() => {
-    const end = studio.subscribe(() => redraw(undefined));
+    // many changes make one picture
+    let isWaiting = false;
+    const end = studio.subscribe(() => {
+      if (!isWaiting) {
+        isWaiting = true;
+        requestAnimationFrame(() => {
+          isWaiting = false;
+          redraw(undefined);
+        });
+      }
+    });
     void studio.start();
     return end;
   }, []);

@@ -122,6 +122,8 @@ export class Editor {
     private readonly onBuild: () => void,
   ) {
     this.view = new EditorView({ parent, state: this.made("") });
+    // long lines are scrolled with the keyboard too
+    this.view.scrollDOM.tabIndex = 0;
   }
 
   private made(text: string): EditorState {
@@ -197,7 +199,10 @@ export class Editor {
     const marks = diagnostics
       .filter(({ file, range }) => range && (file ?? "").split("/").pop() === this.file)
       .map(({ range, message, hint, severity }): Mark => {
-        const from = placeOf(state, range!.begin.line, range!.begin.column);
+        const begin = placeOf(state, range!.begin.line, range!.begin.column);
+        const line = state.doc.lineAt(begin);
+        // behind the end of a line there is nothing to underline: its last character stands for it
+        const from = begin === line.to && begin > line.from ? begin - 1 : begin;
         const to = Math.max(placeOf(state, range!.end.line, range!.end.column), Math.min(from + 1, state.doc.length));
         return { from, to, severity: severity === "note" ? "info" : severity, message: hint ? `${message}\n${hint}` : message };
       });

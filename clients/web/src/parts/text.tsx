@@ -33,10 +33,12 @@ export function TextPane({ studio }: { studio: Studio }) {
   const count = (severity: string) => diagnostics.filter((one) => one.severity === severity).length;
   return (
     <section class="text" aria-label="Text of the model">
-      <div class="tabs files" role="tablist">
-        {ordered(studio).map((name) => (
+      <div class="tabs files">
+        <div role="tablist" aria-label="Files">
+          {ordered(studio).map((name) => (
           <button type="button" role="tab" key={name} aria-selected={name === openFile} onClick={() => { studio.openFile = name; studio.changed(); }}>{name}</button>
-        ))}
+          ))}
+        </div>
         {isNaming ? (
           <input class="name" aria-label="Name of the new file" placeholder="leaf.s" autofocus
             onKeyDown={(event) => { if (event.key === "Enter") { studio.addFile(event.currentTarget.value.trim()); setNaming(false); } else if (event.key === "Escape") { setNaming(false); } }}
