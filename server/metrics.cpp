@@ -24,6 +24,37 @@ void append(std::string& text, const std::string& name, const char* kind, const 
   text += name + " " + std::to_string(value) + "\n";
 }
 
+/// The value of a label.
+std::string label(const std::string& text) {
+  std::string escaped;
+  for (const char c : text) {
+    escaped += c == '\n' ? "\\n" : c == '"' || c == '\\' ? std::string{'\\', c} : std::string{c};
+  }
+  return '"' + escaped + '"';
+}
+
+void appendAccounts(std::string& text, const std::vector<AccountGauges>& accounts) {
+  const auto family = [&](const std::string& name, const char* kind, const char* help, auto value) {
+    appendFamily(text, name, kind, help);
+    for (const AccountGauges& account : accounts) {
+      text += name + "{account=" + label(account.owner) + "} " + value(account) + "\n";
+    }
+  };
+  appendFamily(text, "espalier_account_bytes", "gauge", "Memory of an account, by what it is for.");
+  for (const AccountGauges& account : accounts) {
+    for (const auto& [kind, bytes] : account.bytes) {
+      text += "espalier_account_bytes{account=" + label(account.owner) + ",kind=" + label(kind) + "} " +
+              std::to_string(bytes) + "\n";
+    }
+  }
+  family("espalier_account_simulations", "gauge", "Simulations of an account.",
+         [](const AccountGauges& account) { return std::to_string(account.simulations); });
+  family("espalier_account_streams", "gauge", "Streams of an account.",
+         [](const AccountGauges& account) { return std::to_string(account.streams); });
+  family("espalier_account_cpu_seconds_total", "counter", "Processor time of an account.",
+         [](const AccountGauges& account) { return numberText(account.cpuSeconds); });
+}
+
 }  // namespace
 
 void DurationHistogram::observe(double seconds) {
@@ -59,6 +90,8 @@ std::string prometheusText(const Metrics& metrics, const Gauges& gauges) {
          "Frames left out because a viewer, or the server, was slower than the steps.", metrics.drops);
   append(text, "espalier_sessions", "gauge", "Sessions open now.", gauges.sessions);
   append(text, "espalier_simulations", "gauge", "Simulations of the server.", gauges.simulations);
+  append(text, "espalier_passive_simulations", "gauge", "Of them on disk only, to make room in memory.",
+         gauges.passiveSimulations);
   append(text, "espalier_workers", "gauge", "Simulations that may compute at a time.", gauges.workers);
   append(text, "espalier_resident_bytes", "gauge", "Resident memory of the process.", gauges.residentBytes);
   append(text, "espalier_string_bytes", "gauge", "Strings of all simulations.", gauges.stringBytes);
@@ -66,6 +99,7 @@ std::string prometheusText(const Metrics& metrics, const Gauges& gauges) {
   append(text, "espalier_outbox_bytes", "gauge", "Waiting for peers to read them.", gauges.outboxBytes);
   append(text, "espalier_decoding_bytes", "gauge", "Received from peers, not decoded yet.", gauges.decodingBytes);
   append(text, "espalier_store_bytes", "gauge", "The data folder's database on disk.", gauges.storeBytes);
+  appendAccounts(text, gauges.accounts);
   appendFamily(text, "espalier_step_seconds", "histogram", "Wall time of a step, environment included.");
   metrics.stepSeconds.appendTo(text, "espalier_step_seconds");
   appendFamily(text, "espalier_environment_seconds", "histogram", "Calls of environments in other processes.");

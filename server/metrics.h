@@ -4,6 +4,8 @@
 #include <atomic>
 #include <cstdint>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace espalier::server {
 
@@ -39,10 +41,20 @@ struct Metrics {
   DurationHistogram environmentSeconds;  // calls of environments in other processes
 };
 
+/// Values of one account at this moment.
+struct AccountGauges {
+  std::string owner;
+  std::vector<std::pair<std::string, std::uint64_t>> bytes;  // by what they are for
+  std::uint64_t simulations = 0;
+  std::uint64_t streams = 0;
+  double cpuSeconds = 0.0;
+};
+
 /// Values of this moment.
 struct Gauges {
   std::uint64_t sessions = 0;
   std::uint64_t simulations = 0;
+  std::uint64_t passiveSimulations = 0;
   std::uint64_t workers = 0;
   std::uint64_t residentBytes = 0;
   // memory and disk
@@ -51,6 +63,7 @@ struct Gauges {
   std::uint64_t outboxBytes = 0;
   std::uint64_t decodingBytes = 0;
   std::uint64_t storeBytes = 0;
+  std::vector<AccountGauges> accounts{};
 };
 
 /// The text that Prometheus reads.

@@ -11,6 +11,7 @@
 #include "server/access/token.h"
 #include "server/remote/limits.h"
 #include "server/remote/remote_permissions.h"
+#include "server/store/durability.h"
 
 namespace espalier::server {
 
@@ -31,9 +32,10 @@ struct ServerOptions {
   std::vector<WebFile> pages;               // beside /health and /metrics
   std::vector<std::string> allowedOrigins;  // of pages that may open WebSockets, beside the server's own
   std::string dataFolder;                   // empty: simulations are not saved
-  std::string galleryFolder;                // empty: no gallery models by name
-  std::vector<Token> tokens;                // none: clients need none; any address but loopback needs one
-  /// Reads the tokens again when SIGHUP comes, on a worker. Null: SIGHUP does what the system does.
+  Durability durability = Durability::Process;
+  std::string galleryFolder;  // empty: no gallery models by name
+  std::vector<Token> tokens;  // none: clients need none; any address but loopback needs one
+  /// Reads the tokens again when SIGHUP comes, on a worker. Null: SIGHUP stops the server.
   std::function<tl::expected<std::vector<Token>, std::string>()> readTokens;
   bool isInsecureAllowed = false;  // a non-loopback address without TLS
   RemotePermissions remote;        // environments in other processes that clients may name
@@ -58,7 +60,8 @@ class Server {
   [[nodiscard]] std::uint16_t port() const;
   /// Of the HTTP side; 0: there is none.
   [[nodiscard]] std::uint16_t httpPort() const;
-  /// Serves until stopped. `handleSignals`: SIGINT and SIGTERM stop it; SIGHUP reads the tokens again.
+  /// Serves until stopped. `handleSignals`: SIGINT and SIGTERM stop it. SIGHUP reads the tokens again
+  /// where there is readTokens; else it stops the server, unless it is ignored (nohup).
   void run(bool handleSignals);
   void stop();
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <random>
+#include <utility>
 
 #include "server/session/session.h"
 
@@ -36,7 +37,8 @@ ServerCore::ServerCore(ServerOptions options)
     : options_(std::move(options)),
       log_(options_.logLevel, options_.logFormat),
       access_(options_.tokens),
-      store_(options_.dataFolder, options_.limits.storeBytes),
+      accounts_(options_.limits),
+      store_(options_.dataFolder, options_.limits.storeBytes, options_.durability),
       models_(options_.galleryFolder, store_),
       pool_({.workers = options_.workers}) {}
 
@@ -114,6 +116,7 @@ void ServerCore::loadOne(const Store::Entry& entry) {
   protocol::ErrorCode code = protocol::ErrorCode::Storage;
   auto record = toRecord(entry.id, entry.record);
   if (auto* known = std::get_if<SimulationRecord>(&record)) {
+    known->owner = entry.owner;
     information.name = known->create.name;
     information.seed = known->seed;
     const Store::State state = store_.readState(entry.id);
@@ -122,7 +125,9 @@ void ServerCore::loadOne(const Store::Entry& entry) {
       auto loaded = HostedSimulation::load(std::move(*known), state.bytes, options_.limits.simulation,
                                            environmentServices(), store_);
       if (auto* hosted = std::get_if<std::unique_ptr<HostedSimulation>>(&loaded)) {
+        Account& owner = accounts_.of(entry.owner);
         add(entry.id, std::move(*hosted));
+        keepRoom(owner);
         return;
       }
       const auto& error = std::get<protocol::Error>(loaded);
@@ -174,11 +179,15 @@ std::shared_ptr<SimulationRunner> ServerCore::find(const std::string& simulation
   return found == simulations_.end() ? nullptr : found->second;
 }
 
-std::variant<std::string, protocol::Error> ServerCore::reserve(const std::string& session) {
+std::variant<std::string, protocol::Error> ServerCore::reserve(const std::string& session, const std::string& owner) {
   const ServerLimits& limits = options_.limits;
+  const Account& account = accounts_.of(owner);
   const std::lock_guard lock(mutex_);
   if (const std::uint64_t bound = limits.simulations; simulations_.size() >= bound) {
     return protocol::limitError("simulations", bound + 1, bound, "Delete one first.");
+  }
+  if (const std::uint64_t bound = account.bounds().simulations; account.simulations() >= bound) {
+    return protocol::limitError("accountSimulations", bound + 1, bound, "Delete one of this account first.");
   }
   const auto own = std::count_if(creators_.begin(), creators_.end(),
                                  [&session](const auto& entry) { return entry.second == session; });
@@ -200,15 +209,87 @@ void ServerCore::add(const std::string& simulation, std::unique_ptr<HostedSimula
   const auto destroyOnWorker = [this](SimulationRunner* done) {
     pool_.post({.run = [this, done] { pool_.blockWhile([done] { delete done; }); }, .owner = "closing"});
   };
-  std::shared_ptr<SimulationRunner> runner(new SimulationRunner(std::move(hosted), pool_, log_, options_.limits),
+  RunnerServices services{.pool = &pool_,
+                          .log = &log_,
+                          .limits = &options_.limits,
+                          .account = &accounts_.of(hosted->record().owner),
+                          .load = [this](const std::string& id) { return loadAgain(id); },
+                          .makeRoom = [this](const SimulationRunner& needy) { return makeRoom(needy.account()); }};
+  std::shared_ptr<SimulationRunner> runner(new SimulationRunner(std::move(hosted), std::move(services)),
                                            destroyOnWorker);
   const std::lock_guard lock(mutex_);
   simulations_.insert_or_assign(simulation, std::move(runner));
 }
 
+std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> ServerCore::loadAgain(const std::string& simulation) {
+  const auto entry = store_.simulation(simulation);
+  if (!entry) {
+    return protocol::Error{protocol::ErrorCode::Storage, entry.error(), {}};
+  }
+  auto record = toRecord(entry->id, entry->record);
+  if (const auto* problem = std::get_if<std::string>(&record)) {
+    return protocol::Error{
+        protocol::ErrorCode::Storage, "The data folder's record of it cannot be read (" + *problem + ").", {}};
+  }
+  auto& known = std::get<SimulationRecord>(record);
+  known.owner = entry->owner;
+  const Store::State state = store_.readState(simulation);
+  if (!state.problem.empty()) {
+    return protocol::Error{protocol::ErrorCode::Storage, state.problem + ".", {}};
+  }
+  return HostedSimulation::load(std::move(known), state.bytes, options_.limits.simulation, environmentServices(),
+                                store_);
+}
+
+bool ServerCore::makePassive(const Account* account, const std::function<bool()>& isWanted) {
+  if (!isWanted()) {
+    return false;
+  }
+  // the times as they are now: others change them meanwhile
+  std::vector<std::pair<std::chrono::steady_clock::time_point, std::shared_ptr<SimulationRunner>>> candidates;
+  for (auto& runner : all()) {
+    if (!runner->isPassive() && (account == nullptr || &runner->account() == account)) {
+      const auto used = runner->lastUse();
+      candidates.emplace_back(used, std::move(runner));
+    }
+  }
+  std::sort(candidates.begin(), candidates.end());
+  bool isMade = false;
+  for (const auto& [used, runner] : candidates) {
+    if (runner->makePassive()) {
+      isMade = true;
+      log_.debug("is kept on disk only, to make room in memory", {.simulation = runner->id()});
+      if (!isWanted()) {
+        break;
+      }
+    }
+  }
+  return isMade;
+}
+
+void ServerCore::keepRoom(const Account& account) {
+  const auto isTight = [](const Account& one) { return one.memoryBytes() > one.bounds().memoryBytes / 4 * 3; };
+  // the owner's own first: another owner's simulations rest only for the sake of the whole server
+  makePassive(&account, [&] { return isTight(account); });
+  makePassive(nullptr, [&] { return isTight(accounts_.server()); });
+}
+
+bool ServerCore::makeRoom(const Account& account) {
+  const auto isHalfFull = [](const Account& one) { return one.memoryBytes() > one.bounds().memoryBytes / 2; };
+  bool isFirst = true;
+  const bool isOwn = makePassive(&account, [&] { return std::exchange(isFirst, false) || isHalfFull(account); });
+  return makePassive(nullptr, [&] { return isHalfFull(accounts_.server()); }) || isOwn;
+}
+
 void ServerCore::remove(const std::string& simulation) {
   const std::lock_guard lock(mutex_);
-  simulations_.erase(simulation);
+  const auto found = simulations_.find(simulation);
+  if (found != simulations_.end()) {
+    if (found->second != nullptr) {
+      found->second->leaveAccount();
+    }
+    simulations_.erase(found);
+  }
   creators_.erase(simulation);
 }
 

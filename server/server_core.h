@@ -16,6 +16,7 @@
 #include "server/log.h"
 #include "server/metrics.h"
 #include "server/remote/offered_environments.h"
+#include "server/running/account.h"
 #include "server/running/environment_builder.h"
 #include "server/running/simulation_runner.h"
 #include "server/running/worker_pool.h"
@@ -43,6 +44,8 @@ class ServerCore {
   [[nodiscard]] const WorkerPool& pool() const { return pool_; }
   [[nodiscard]] ModelStore& models() { return models_; }
   [[nodiscard]] OfferedEnvironments& offered() { return offered_; }
+  [[nodiscard]] Accounts& accounts() { return accounts_; }
+  [[nodiscard]] const Accounts& accounts() const { return accounts_; }
   [[nodiscard]] Store& store() { return store_; }
   [[nodiscard]] const Store& store() const { return store_; }
   [[nodiscard]] EnvironmentServices environmentServices();
@@ -59,13 +62,19 @@ class ServerCore {
   /// The error that answers every request for it, but simulation.delete.
   [[nodiscard]] std::optional<protocol::Error> findDamaged(const std::string& simulation) const;
   [[nodiscard]] std::optional<std::string> removeDamaged(const std::string& simulation);
-  /// Reserves a new identifier for add(). It counts for the session until it is removed. An error when the session, or
-  /// the server, has as many simulations as it may have.
-  [[nodiscard]] std::variant<std::string, protocol::Error> reserve(const std::string& session);
+  /// Reserves a new identifier for add(). It counts for the session until it is removed. An error when the session, its
+  /// account, or the server has as many simulations as it may have.
+  [[nodiscard]] std::variant<std::string, protocol::Error> reserve(const std::string& session,
+                                                                   const std::string& owner);
   void add(const std::string& simulation, std::unique_ptr<HostedSimulation> hosted);
   /// Forgets an identifier, and the simulation when there is one. It is not closed.
   void remove(const std::string& simulation);
   [[nodiscard]] std::vector<std::shared_ptr<SimulationRunner>> all() const;
+  /// Makes idle, saved simulations passive, the one that was used least recently first, while the account or the server
+  /// has more than three quarters of its memory.
+  void keepRoom(const Account& account);
+  /// The same, at least one and down to half of it, after the account was refused memory. False: none can be passive.
+  [[nodiscard]] bool makeRoom(const Account& account);
 
   /// From now on no request begins anything new.
   void beginShutdown();
@@ -87,10 +96,16 @@ class ServerCore {
 
  private:
   void loadOne(const Store::Entry& entry);
+  [[nodiscard]] std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> loadAgain(
+      const std::string& simulation);
+  /// Makes simulations passive, of the account or, when it is null, of any: the one that was used least recently first,
+  /// as long as `isWanted`. False: none could be.
+  bool makePassive(const Account* account, const std::function<bool()>& isWanted);
 
   ServerOptions options_;
   Log log_;
   Access access_;
+  Accounts accounts_;
   OfferedEnvironments offered_;
   Store store_;
   ModelStore models_;

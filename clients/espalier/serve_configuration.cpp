@@ -12,10 +12,14 @@
 namespace espalier::command {
 namespace {
 
-/// Options that a configuration file does not have: limits have their own section, a token has its hash or its own
-/// file.
+/// The option of the section [store].
+constexpr const char* kDurability = "durability";
+
+/// Options that a configuration file does not have outside of sections: limits and the store have sections of their
+/// own, a token has its hash or its own file.
 bool isLeftOut(const std::string& name) {
-  constexpr std::array<std::string_view, 5> kNames{"help", "config", "print-config", "limit", "token"};
+  constexpr std::array<std::string_view, 7> kNames{"help",  "config",           "print-config", "limit",
+                                                   "token", "until-input-ends", kDurability};
   return std::find(kNames.begin(), kNames.end(), name) != kNames.end();
 }
 
@@ -32,7 +36,8 @@ std::vector<std::string> keysOf(const CLI::App& command) {
 
 std::optional<std::string> applyOption(CLI::App& command, const CLI::ConfigItem& item) {
   const std::vector<std::string> keys = keysOf(command);
-  if (!item.parents.empty() || std::find(keys.begin(), keys.end(), item.name) == keys.end()) {
+  const bool isOfStore = item.parents == std::vector<std::string>{"store"} && item.name == kDurability;
+  if (!isOfStore && (!item.parents.empty() || std::find(keys.begin(), keys.end(), item.name) == keys.end())) {
     const std::vector<std::string_view> views(keys.begin(), keys.end());
     return "'" + item.fullname() + "' is not an option. " + core::suggestName(item.fullname(), views);
   }
@@ -164,6 +169,10 @@ std::string serveConfigurationText(const CLI::App& command, const server::Server
     }
     text += "\n";
   }
+  const CLI::Option* const durability = command.get_option(std::string("--") + kDurability);
+  text += std::string("\n[store]\n") + kDurability + " = " +
+          quoted(durability->count() > 0 ? durability->reduced_results().front() : durability->get_default_str()) +
+          "\n";
   text += "\n[limits]\n";
   for (const server::LimitEntry& entry : server::limitEntries()) {
     text += std::string(entry.name) + " = " + std::to_string(entry.get(options.limits)) + "  # " +

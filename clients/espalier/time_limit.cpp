@@ -5,6 +5,8 @@
 #include <ctime>
 #include <utility>
 
+#include "server/remote/control_group.h"
+
 namespace espalier::command {
 namespace {
 
@@ -34,7 +36,7 @@ TimeLimit::~TimeLimit() {
 void TimeLimit::watch(simulation::Simulation& simulation, double seconds) {
   constexpr double kShortestWait = 0.01;
   const double end = processorSeconds() + seconds;
-  const double threads = std::max(1U, std::thread::hardware_concurrency());
+  const double threads = server::processorCount();
   std::unique_lock lock(mutex_);
   while (!hasEnded_) {
     const double left = end - processorSeconds();

@@ -1,4 +1,4 @@
-// Bundles src/studio.tsx into studio.js and studio.css, the page of a server, and src/espalier.ts into espalier.js, the script
+// Bundles src/studio.tsx into studio.js and studio.css, the page of a server, and src/espalier.js into espalier.js, the script
 // of pages that hold a plant. The build of the program calls it, and so does the build of the Python package.
 //
 //     node build.js              bundle; fetch the packages first when they are missing
@@ -44,7 +44,7 @@ if (!process.argv.includes("--packages")) {
     logLevel: "warning",
   };
   await Promise.all([
-    build({ ...common, entryPoints: ["src/espalier.ts"], globalName: "espalier", outfile: "espalier.js" }),
+    build({ ...common, entryPoints: ["src/espalier.js"], globalName: "espalier", outfile: "espalier.js" }),
     build({ ...common, entryPoints: ["src/studio.tsx"], outfile: "studio.js" }),
   ]);
 }

@@ -27,9 +27,23 @@ HttpPage metricsPage(const ServerCore& core) {
                 .outboxBytes = core.outboxBytes(),
                 .decodingBytes = core.decodingBytes,
                 .storeBytes = core.store().bytes()};
+  gauges.stringBytes = core.accounts().server().bytes(MemoryKind::Strings);
   for (const auto& runner : runners) {
-    gauges.stringBytes += runner->stringBytes();
     gauges.streamBytes += runner->streamBytes();
+    gauges.passiveSimulations += runner->isPassive() ? 1U : 0U;
+  }
+  for (const Account* account : core.accounts().all()) {
+    AccountGauges values{.owner = account->owner(),
+                         .bytes = {},
+                         .simulations = account->simulations(),
+                         .streams = account->streams(),
+                         .cpuSeconds = account->cpuSeconds()};
+    for (std::size_t kind = 0; kind < kMemoryKindCount; ++kind) {
+      std::string name(kMemoryKindNames[kind]);
+      name.resize(name.size() - std::string_view("Bytes").size());
+      values.bytes.emplace_back(std::move(name), account->bytes(static_cast<MemoryKind>(kind)));
+    }
+    gauges.accounts.push_back(std::move(values));
   }
   return {200, "text/plain; version=0.0.4; charset=utf-8", prometheusText(core.metrics, gauges)};
 }

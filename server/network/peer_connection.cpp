@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "server/running/turn_meter.h"
+
 namespace espalier::server {
 namespace {
 
@@ -28,6 +30,10 @@ PeerConnection::PeerConnection(asio::any_io_executor executor, ServerCore& core,
 
 PeerConnection::~PeerConnection() {
   core_->decodingBytes -= heldBytes_;
+  if (account_ != nullptr) {
+    account_->add(MemoryKind::Decoding, -countedBytes_);
+    account_->add(MemoryKind::Frames, -static_cast<std::int64_t>(outboxBytes_.load()));
+  }
 }
 
 std::optional<protocol::Error> PeerConnection::admit() {
@@ -36,6 +42,8 @@ std::optional<protocol::Error> PeerConnection::admit() {
     return protocol::limitError("sessions", bound + 1, bound, "Close one, or try again later.");
   }
   isAdmitted_ = true;
+  account_ = &session_->account();
+  account_->add(MemoryKind::Frames, static_cast<std::int64_t>(outboxBytes_.load()));
   ++core_->sessionCount;
   ++core_->metrics.sessions;
   return std::nullopt;
@@ -56,7 +64,7 @@ void PeerConnection::send(std::shared_ptr<const std::string> message) {
       message = std::make_shared<const std::string>(message->substr(bytes));
     }
   }
-  outboxBytes_ += message->size();
+  changeOutbox(static_cast<std::int64_t>(message->size()));
   outbox_.push_back(std::move(message));
   if (!isWakeComing_) {
     isWakeComing_ = true;
@@ -219,6 +227,8 @@ std::shared_ptr<PeerConnection::BigMessage> PeerConnection::postToWorker(Decode 
       BigMessage{shared_from_this(), session_, std::move(decode), asio::steady_timer(executor_)});
   message->done.expires_at(std::chrono::steady_clock::time_point::max());
   auto run = [message = message]() mutable {
+    TurnMeter meter(message->session->account(), MemoryKind::Decoding);
+    const core::WorkMeter::Scope scope(&meter);
     try {
       std::optional<protocol::Error> problem;
       if (const auto read = message->decode(problem)) {
@@ -227,10 +237,12 @@ std::shared_ptr<PeerConnection::BigMessage> PeerConnection::postToWorker(Decode 
         message->session->onLost(*problem);
       }
     } catch (const std::exception& exception) {
-      message->session->onLost({protocol::ErrorCode::Internal,
-                                std::string("This message could not be handled: ") + exception.what() +
-                                    ". Send smaller messages; the connection is closed.",
-                                {}});
+      message->session->onLost(
+          meter.isRefused() ? message->session->account().memoryError()
+                            : protocol::Error{protocol::ErrorCode::Internal,
+                                              std::string("This message could not be handled: ") + exception.what() +
+                                                  ". Send smaller messages; the connection is closed.",
+                                              {}});
     }
     // the network thread drops the connection, if it is the last to hold it
     const auto executor = message->self->executor_;
@@ -256,16 +268,44 @@ asio::awaitable<void> PeerConnection::handOnWorker(Decode decode) {
   }
 }
 
+void PeerConnection::changeOutbox(std::int64_t bytes) {
+  outboxBytes_ += static_cast<std::size_t>(bytes);
+  if (account_ != nullptr) {
+    account_->add(MemoryKind::Frames, bytes);
+  }
+}
+
+std::optional<protocol::Error> PeerConnection::countHeld(std::size_t bytes) {
+  if (account_ == nullptr) {
+    return std::nullopt;
+  }
+  const std::int64_t more = static_cast<std::int64_t>(bytes) - std::exchange(countedBytes_, 0);
+  // a short line costs others nothing
+  if (more > 0 && bytes > kBigMessage && !account_->take(MemoryKind::Decoding, static_cast<std::uint64_t>(more))) {
+    account_->add(MemoryKind::Decoding, more - static_cast<std::int64_t>(bytes));
+    return account_->memoryError();
+  }
+  if (more <= 0 || bytes <= kBigMessage) {
+    account_->add(MemoryKind::Decoding, more);
+  }
+  countedBytes_ = static_cast<std::int64_t>(bytes);
+  return std::nullopt;
+}
+
 bool PeerConnection::hold(std::size_t bytes) {
   const std::uint64_t all = core_->decodingBytes += bytes - heldBytes_;
   heldBytes_ = bytes;
   const std::uint64_t bound = core_->options().limits.decodingBytes;
-  // a short line costs others nothing
-  if (bytes <= kBigMessage || all <= bound) {
+  std::optional<protocol::Error> problem = countHeld(bytes);
+  if (!problem && bytes > kBigMessage && all > bound) {
+    problem = protocol::limitError("decodingBytes", all, bound, "Try again later; the connection is closed.");
+  }
+  if (!problem) {
     return true;
   }
   core_->decodingBytes -= std::exchange(heldBytes_, 0);
-  lose(protocol::limitError("decodingBytes", all, bound, "Try again later; the connection is closed."));
+  (void)countHeld(0);
+  lose(*problem);
   return false;
 }
 
@@ -344,7 +384,7 @@ asio::awaitable<void> PeerConnection::writeAll() {
       bytes += message->size();
     }
     const bool isSent = co_await write(sending);
-    outboxBytes_ -= bytes;
+    changeOutbox(-static_cast<std::int64_t>(bytes));
     if (!isSent) {
       break;
     }

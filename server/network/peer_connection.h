@@ -107,6 +107,9 @@ class PeerConnection : public Connection, public std::enable_shared_from_this<Pe
   /// After a message: the peer may have said hello.
   void noteGreeting();
   [[nodiscard]] std::shared_ptr<BigMessage> postToWorker(Decode decode);
+  void changeOutbox(std::int64_t bytes);
+  /// Why the account cannot hold so many bytes that are not decoded, or nothing.
+  [[nodiscard]] std::optional<protocol::Error> countHeld(std::size_t bytes);
   void beat();
   void setHeld(bool isHeld);
   void wakeWriter();
@@ -127,7 +130,9 @@ class PeerConnection : public Connection, public std::enable_shared_from_this<Pe
   std::shared_ptr<Session> session_;  // null: closed
   std::atomic<std::size_t> outboxBytes_{0};
   Accepted accepted_;
-  std::size_t heldBytes_ = 0;  // hold()
+  std::size_t heldBytes_ = 0;      // hold()
+  Account* account_ = nullptr;     // of the peer, once it has said hello
+  std::int64_t countedBytes_ = 0;  // of heldBytes_, in the account
   bool isAdmitted_ = false;
   bool isBeating_ = false;  // heartbeats have begun: the peer was greeted
   bool wasHeard_ = false;   // since the last heartbeat

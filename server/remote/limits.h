@@ -31,7 +31,12 @@ struct ServerLimits {
   std::uint32_t environmentStepMilliseconds = 60'000;
   std::uint32_t heartbeatMilliseconds = 30'000;  // of silence until a peer that agreed to it is asked; 0: never
   std::uint64_t storeBytes = 0;                  // of the data folder's database; 0: as much as the disk has
-  std::uint32_t callSeconds = 600;               // of computing without a completed step; 0: no bound
+  std::uint64_t memoryBytes = 0;         // of all accounts together; 0: four fifths of what the process may have
+  std::uint64_t accountMemoryBytes = 0;  // of one account; 0: as the server
+  std::uint64_t accountSimulations = 0;  // the same
+  std::uint64_t accountStreams = 0;      // the same
+  std::uint64_t accountCpuSeconds = 0;   // since the server was started; 0: no bound
+  std::uint32_t callSeconds = 600;       // of computing without a completed step; 0: no bound
   /// Of each simulation. A server has many of them: one string may take 4 GB, where a program of its own may take 16.
   core::Limits simulation{.maximumModules = 200'000'000, .maximumStringBytes = 4'000'000'000};
 };

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <charconv>
 #include <chrono>
+#include <new>
 
 #include "engine/simulation/snapshot.h"
 #include "engine/simulation/snapshot_editing.h"
 #include "protocol/json_writer.h"
 #include "server/metrics.h"
 #include "server/remote/translation/translate.h"
+#include "server/running/turn_meter.h"
 
 namespace espalier::server {
 namespace {
@@ -79,7 +81,8 @@ HostedSimulation::HostedSimulation(SimulationRecord record, const core::Limits& 
   }
 }
 
-std::optional<protocol::Error> HostedSimulation::build(simulation::Programs programs, bool isAbsenceTolerated) {
+std::optional<protocol::Error> HostedSimulation::build(simulation::Programs programs, files::Palette palette,
+                                                       bool isAbsenceTolerated) {
   EnvironmentServices services = services_;
   services.bounds = record_.create.bounds;
   if (record_.create.isTraced) {
@@ -95,8 +98,21 @@ std::optional<protocol::Error> HostedSimulation::build(simulation::Programs prog
       trace->note(step, message);
     };
   }
-  auto built =
-      buildEnvironment(record_.create.environmentJson, programs.front()->compatibility, isAbsenceTolerated, services);
+  turtle::World world;
+  if (record_.create.world) {
+    auto read = toWorld(*record_.create.world);
+    if (!read) {
+      return protocol::memberError("params.world", read.error());
+    }
+    world = std::move(*read);
+  }
+  PartMeter environmentMemory;
+  const auto buildMetered = [&] {
+    const core::WorkMeter::Scope scope(&environmentMemory);
+    return buildEnvironment(record_.create.environmentJson, programs.front()->compatibility, isAbsenceTolerated,
+                            services);
+  };
+  auto built = buildMetered();
   if (auto* error = std::get_if<protocol::Error>(&built)) {
     return std::move(*error);
   }
@@ -107,15 +123,21 @@ std::optional<protocol::Error> HostedSimulation::build(simulation::Programs prog
   }
   simulation::SimulationOptions options;
   options.name = record_.id;
+  options.palette = std::move(palette);
   options.seed = record_.seed;
   options.hasSeed = record_.hasSeed;
   options.derivationLength = record_.create.derivationLength;
   options.limits = limits_;
   options.coupling = {record_.create.iterations, record_.create.tolerance};
   options.threads = services_.threads;
+  options.world = std::move(world);
   options.seeds = seedRules(record_.create.seeds);
   options.environmentOrigin = std::move(environment.origin);
-  auto process = trace_ == nullptr ? std::move(environment.process) : trace_->record(std::move(environment.process));
+  *environmentBytes_ = environmentMemory.net();
+  auto process = countMemory(std::move(environment.process), environmentBytes_);
+  if (trace_ != nullptr) {
+    process = trace_->record(std::move(process));
+  }
   auto made = std::make_unique<simulation::Simulation>(
       std::move(programs), std::move(plants), QueryRecorder::record(std::move(process), queries_), std::move(options));
   const std::lock_guard lock(cancelMutex_);
@@ -127,10 +149,10 @@ std::optional<protocol::Error> HostedSimulation::build(simulation::Programs prog
 }
 
 std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> HostedSimulation::create(
-    SimulationRecord record, simulation::Programs programs, const core::Limits& limits,
+    SimulationRecord record, simulation::Programs programs, files::Palette palette, const core::Limits& limits,
     const EnvironmentServices& services, Store& store, Interruption& interruption) {
   std::unique_ptr<HostedSimulation> hosted(new HostedSimulation(std::move(record), limits, services, store));
-  if (auto error = hosted->build(std::move(programs), false)) {
+  if (auto error = hosted->build(std::move(programs), std::move(palette), false)) {
     return std::move(*error);
   }
   {
@@ -151,7 +173,7 @@ std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> HostedSimulatio
     SimulationRecord record, const HostedSimulation& original, const core::Limits& limits,
     const EnvironmentServices& services, Store& store) {
   std::unique_ptr<HostedSimulation> hosted(new HostedSimulation(std::move(record), limits, services, store));
-  if (auto error = hosted->build(original.simulation_->programs(), false)) {
+  if (auto error = hosted->build(original.simulation_->programs(), original.simulation_->options().palette, false)) {
     return std::move(*error);
   }
   if (auto error = hosted->simulation_->restore(original.snapshot())) {
@@ -176,7 +198,7 @@ std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> HostedSimulatio
     return toError(diagnostics->entries());
   }
   std::unique_ptr<HostedSimulation> hosted(new HostedSimulation(std::move(record), limits, services, store));
-  if (auto error = hosted->build(std::move(std::get<simulation::Programs>(compiled)), true)) {
+  if (auto error = hosted->build(std::move(std::get<simulation::Programs>(compiled)), info.palette, true)) {
     return std::move(*error);
   }
   if (auto error = hosted->simulation_->restore(snapshot)) {
@@ -203,9 +225,16 @@ std::optional<protocol::Error> HostedSimulation::save(bool withRecord) {
     return std::nullopt;
   }
   const std::uint64_t step = simulation_->completedSteps();
-  const std::string state = snapshot();
-  const auto problem = withRecord ? store_->save({record_.id, toText(record_), step}, state)
-                                  : store_->saveState(record_.id, step, state);
+  // also when there is not enough memory for it
+  isSaveDue_ = true;
+  std::optional<std::string> problem;
+  try {
+    const std::string state = snapshot();
+    problem = withRecord ? store_->save({record_.id, toText(record_), step, record_.owner}, state)
+                         : store_->saveState(record_.id, step, state);
+  } catch (const std::bad_alloc&) {
+    problem = "there is not enough memory to save it. Delete simulations, or use smaller ones.";
+  }
   isSaveDue_ = problem.has_value();
   isSaved_ = !isSaveDue_;
   if (problem) {
@@ -221,7 +250,7 @@ std::optional<protocol::Error> HostedSimulation::saveChange() {
 }
 
 std::optional<protocol::Error> HostedSimulation::keep() {
-  return isSaved_ ? std::nullopt : save(false);
+  return isSaved_ ? std::nullopt : save(isSaveDue_);
 }
 
 std::optional<protocol::Error> HostedSimulation::step(double& milliseconds) {
@@ -271,7 +300,7 @@ std::optional<protocol::Error> HostedSimulation::reset(std::optional<std::uint64
   record.seed = *seed;
   record.hasSeed = true;
   HostedSimulation fresh(std::move(record), limits_, services_, *store_);
-  if (auto error = fresh.build(simulation_->programs(), false)) {
+  if (auto error = fresh.build(simulation_->programs(), simulation_->options().palette, false)) {
     return error;
   }
   if (const auto failure = fresh.simulation_->rewind()) {
@@ -288,6 +317,7 @@ void HostedSimulation::adopt(HostedSimulation& fresh) {
     simulation_.swap(fresh.simulation_);
     links_.swap(fresh.links_);
   }
+  environmentBytes_.swap(fresh.environmentBytes_);
   trace_ = fresh.trace_;
   beginTrace();
 }
@@ -365,7 +395,7 @@ std::optional<protocol::Error> HostedSimulation::define(
     programs.push_back(std::move(compiled.program));
   }
   HostedSimulation fresh(record_, limits_, services_, *store_);
-  if (auto error = fresh.build(programs, false)) {
+  if (auto error = fresh.build(programs, simulation_->options().palette, false)) {
     return error;
   }
   const auto edited = simulation::withPrograms(snapshot(), programs);
@@ -417,7 +447,7 @@ std::optional<protocol::Error> HostedSimulation::setTraced(bool isTraced) {
   SimulationRecord record = record_;
   record.create.isTraced = isTraced;
   HostedSimulation fresh(std::move(record), limits_, services_, *store_);
-  if (auto error = fresh.build(simulation_->programs(), false)) {
+  if (auto error = fresh.build(simulation_->programs(), simulation_->options().palette, false)) {
     return error;
   }
   if (const auto error = fresh.simulation_->restore(snapshot())) {
@@ -425,11 +455,6 @@ std::optional<protocol::Error> HostedSimulation::setTraced(bool isTraced) {
   }
   adopt(fresh);
   return save(true);
-}
-
-std::optional<protocol::Error> HostedSimulation::removeFromDisk() {
-  const auto problem = store_->remove(record_.id);
-  return problem ? std::optional(storageError(*problem)) : std::nullopt;
 }
 
 void HostedSimulation::setCancelled(bool isCancelled) {

@@ -12,6 +12,7 @@
 #include "protocol/messages.h"
 #include "server/running/environment_builder.h"
 #include "server/running/interruption.h"
+#include "server/running/metered_environment.h"
 #include "server/running/simulation_trace.h"
 #include "server/store/simulation_record.h"
 #include "server/store/store.h"
@@ -23,10 +24,10 @@ namespace espalier::server {
 /// a member says otherwise.
 class HostedSimulation {
  public:
-  /// Builds the environment, goes to step 0 and saves. `limits` are the server's; the record can lower them.
-  /// `interruption` can end this until the simulation is saved.
+  /// Builds the environment, goes to step 0 and saves. `palette` has the colours of the model folders. `limits` are the
+  /// server's; the record can lower them. `interruption` can end this until the simulation is saved.
   [[nodiscard]] static std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> create(
-      SimulationRecord record, simulation::Programs programs, const core::Limits& limits,
+      SimulationRecord record, simulation::Programs programs, files::Palette palette, const core::Limits& limits,
       const EnvironmentServices& services, Store& store, Interruption& interruption);
   /// Another simulation, by `record`, in the state of `original`, and saves it.
   [[nodiscard]] static std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> fork(
@@ -43,6 +44,17 @@ class HostedSimulation {
   /// The names by which queries address the environments.
   [[nodiscard]] const std::vector<std::string>& processNames() const { return processNames_; }
   [[nodiscard]] bool isSaved() const { return isSaved_; }
+  /// The strings, which are kept twice: a step reads one copy and writes the other.
+  [[nodiscard]] std::uint64_t stringBytes() const { return 2 * simulation_->statistics().bytes; }
+  [[nodiscard]] std::uint64_t environmentBytes() const {
+    const std::int64_t bytes = *environmentBytes_;
+    return bytes > 0 ? static_cast<std::uint64_t>(bytes) : 0;
+  }
+  /// The copy on disk is all that it needs to go on later: it is saved, its environment is in this process, and it has
+  /// no trace.
+  [[nodiscard]] bool canBePassive() const {
+    return isSaved_ && store_->isKept() && links_.empty() && trace_ == nullptr;
+  }
   /// From now on the queries of steps are kept, or not.
   void recordQueries(bool isRecorded) { queries_->want(isRecorded); }
   /// The queries of the last step that was recorded. Null: none.
@@ -80,7 +92,6 @@ class HostedSimulation {
   [[nodiscard]] std::optional<std::string> readTrace(std::uint64_t number, std::uint64_t bound) const {
     return SimulationTrace::read(services_.traceFolder, record_.id, number, bound);
   }
-  [[nodiscard]] std::optional<protocol::Error> removeFromDisk();
 
   /// From any thread. True: the running step is given up, also while it waits for an environment. False: steps are
   /// possible again.
@@ -89,7 +100,8 @@ class HostedSimulation {
  private:
   HostedSimulation(SimulationRecord record, const core::Limits& limits, const EnvironmentServices& services,
                    Store& store);
-  [[nodiscard]] std::optional<protocol::Error> build(simulation::Programs programs, bool isAbsenceTolerated);
+  [[nodiscard]] std::optional<protocol::Error> build(simulation::Programs programs, files::Palette palette,
+                                                     bool isAbsenceTolerated);
   void beginTrace();
   /// Saves after a change that a client asked for, unless the simulation is saved on request only.
   [[nodiscard]] std::optional<protocol::Error> saveChange();
@@ -111,6 +123,7 @@ class HostedSimulation {
   std::vector<std::string> environmentNames_;
   std::vector<std::string> processNames_;
   std::shared_ptr<SimulationTrace> trace_;  // null: none
+  std::shared_ptr<EnvironmentBytes> environmentBytes_ = std::make_shared<EnvironmentBytes>(0);
   std::shared_ptr<QueryRecorder> queries_ = std::make_shared<QueryRecorder>();
   bool isSaved_ = false;    // the copy on disk is of the present step
   bool isSaveDue_ = false;  // it could not be written: the next step saves it first

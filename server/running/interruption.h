@@ -31,25 +31,27 @@ class Interruption {
     return reason_;
   }
 
-  /// While it lives the work can be stopped by `stop`, which must be quick and may come from any thread.
+  /// While it lives the work can be stopped by `stop`, which must be quick and may come from any thread. Scopes nest;
+  /// the inner one counts.
   class Scope {
    public:
     Scope(Interruption& interruption, std::function<void()> stop) : interruption_(&interruption) {
       const std::lock_guard lock(interruption_->mutex_);
-      interruption_->stop_ = std::move(stop);
+      outer_ = std::exchange(interruption_->stop_, std::move(stop));
       if (interruption_->reason_ != Reason::None) {
         interruption_->stop_();
       }
     }
     ~Scope() {
       const std::lock_guard lock(interruption_->mutex_);
-      interruption_->stop_ = nullptr;
+      interruption_->stop_ = std::move(outer_);
     }
     Scope(const Scope&) = delete;
     Scope& operator=(const Scope&) = delete;
 
    private:
     Interruption* interruption_;
+    std::function<void()> outer_;
   };
 
  private:

@@ -7,21 +7,37 @@
 #include "engine/core/check.h"
 #include "server/log.h"
 #include "server/remote/limits.h"
+#include "server/running/limit_errors.h"
+#include "server/running/turn_meter.h"
 
 namespace espalier::server {
 
-SimulationRunner::SimulationRunner(std::unique_ptr<HostedSimulation> hosted, WorkerPool& pool, const Log& log,
-                                   const ServerLimits& limits)
+SimulationRunner::SimulationRunner(std::unique_ptr<HostedSimulation> hosted, RunnerServices services)
     : id_(hosted->record().id),
+      services_(std::move(services)),
       hosted_(std::move(hosted)),
-      pool_(&pool),
-      log_(&log),
-      callSeconds_(limits.callSeconds),
-      streamBytesBound_(limits.streamBytes) {
+      callSeconds_(services_.limits->callSeconds),
+      streamBytesBound_(services_.limits->streamBytes),
+      strings_(*services_.account, MemoryKind::Strings),
+      environments_(*services_.account, MemoryKind::Environments) {
+  services_.account->addSimulations(1);
   publishInformation();
 }
 
+SimulationRunner::~SimulationRunner() {
+  leaveAccount();
+}
+
+void SimulationRunner::leaveAccount() {
+  if (isCounted_.exchange(false)) {
+    services_.account->addSimulations(-1);
+  }
+}
+
 void SimulationRunner::publishInformation() {
+  if (hosted_ == nullptr) {
+    return;
+  }
   const simulation::Simulation& simulation = hosted_->simulation();
   const SimulationRecord& record = hosted_->record();
   protocol::SimulationInformation information;
@@ -35,7 +51,12 @@ void SimulationRunner::publishInformation() {
   information.isSaved = hosted_->isSaved();
   information.environment = hosted_->environmentNames();
   information.lastError = lastError_;
-  stringBytes_ = simulation.statistics().bytes;
+  // what the turn has reserved is now counted where it is
+  if (meter_ != nullptr) {
+    meter_->giveBack();
+  }
+  strings_.set(hosted_->stringBytes());
+  environments_.set(hosted_->environmentBytes());
   const std::lock_guard lock(mutex_);
   information_ = std::move(information);
 }
@@ -43,8 +64,10 @@ void SimulationRunner::publishInformation() {
 protocol::SimulationInformation SimulationRunner::information() const {
   const std::lock_guard lock(mutex_);
   auto information = information_;
-  const bool isOnlyEnding = queue_.empty() && current_ != nullptr && current_->isAnswered;
-  information.isRunning = isScheduled_ && !isOnlyEnding;
+  // a request for this information is a command too, and no step
+  const auto isStepping = [](const auto& command) { return command->lane == Lane::Step && !command->isAnswered; };
+  information.isRunning =
+      (current_ != nullptr && isStepping(current_)) || std::any_of(queue_.begin(), queue_.end(), isStepping);
   return information;
 }
 
@@ -63,6 +86,9 @@ std::optional<std::string> SimulationRunner::saveAtEnd() {
     const std::lock_guard lock(mutex_);
     if (isScheduled_) {
       return "the simulation still computes: after the restart it is at its last saved step";
+    }
+    if (hosted_ == nullptr) {
+      return std::nullopt;  // it is on disk
     }
   }
   if (hosted_->record().create.save.every == 0) {
@@ -101,9 +127,9 @@ void SimulationRunner::schedule(bool isAtEndOfTurn) {
                         .limit = std::chrono::seconds(callSeconds_),
                         .onLimit = [self, turn = turnCount_ + 1] { self->giveUpTurn(turn); }};
   if (isAtEndOfTurn) {
-    pool_->postAtEnd(std::move(task));
+    services_.pool->postAtEnd(std::move(task));
   } else {
-    pool_->post(std::move(task));
+    services_.pool->post(std::move(task));
   }
 }
 
@@ -120,10 +146,13 @@ void SimulationRunner::takeTurn() {
     queue_.pop_front();
     current_ = command;
     command->isOverLimit = false;
-    hosted_->setCancelled(false);
+    if (hosted_ != nullptr) {
+      hosted_->setCancelled(false);
+    }
   }
   bool wantsMore = false;
   runGuarded(*command, wantsMore);
+  lastUse_ = std::chrono::steady_clock::now();
   const std::lock_guard lock(mutex_);
   current_.reset();
   if (wantsMore) {
@@ -137,28 +166,126 @@ void SimulationRunner::giveUpTurn(std::uint64_t turn) {
   const std::lock_guard lock(mutex_);
   if (current_ != nullptr && turnCount_ == turn) {
     current_->isOverLimit = true;
+    interrupt();
+  }
+}
+
+void SimulationRunner::interrupt() {
+  if (hosted_ != nullptr) {
     hosted_->setCancelled(true);
+  }
+  if (meter_ != nullptr) {
+    meter_->stop();
+  }
+}
+
+std::optional<protocol::Error> SimulationRunner::activate() {
+  if (!isPassive_) {
+    return std::nullopt;
+  }
+  const protocol::Error failure{
+      protocol::ErrorCode::Limit, "The server has not enough memory to read the simulation from the data folder.", {}};
+  try {
+    auto loaded = services_.load(id_);
+    if (auto* error = std::get_if<protocol::Error>(&loaded)) {
+      return std::move(*error);
+    }
+    const std::lock_guard lock(mutex_);
+    hosted_ = std::move(std::get<std::unique_ptr<HostedSimulation>>(loaded));
+    isPassive_ = false;
+    return std::nullopt;
+  } catch (const std::bad_alloc&) {
+    return failure;
+  } catch (const core::WorkStopped&) {
+    return failure;
+  }
+}
+
+bool SimulationRunner::makePassive() {
+  // its memory is not of the turn that needs room
+  const core::WorkMeter::Scope scope(nullptr);
+  std::unique_ptr<HostedSimulation> resting;
+  std::shared_ptr<Viewers> viewers;
+  {
+    const std::lock_guard lock(mutex_);
+    const bool isIdle = !isScheduled_ && queue_.empty() && !closed_ && hosted_ != nullptr;
+    const bool isWatched = viewers_ != nullptr && viewers_->exist();
+    if (!isIdle || isWatched || !hosted_->canBePassive()) {
+      return false;
+    }
+    resting = std::move(hosted_);
+    viewers = std::move(viewers_);
+    isPassive_ = true;
+    strings_.set(0);
+    environments_.set(0);
+  }
+  return true;
+}
+
+protocol::Error SimulationRunner::reasonOf(protocol::Error error) const {
+  if (meter_ == nullptr || !meter_->isRefused()) {
+    return error;
+  }
+  protocol::Error refusal = services_.account->memoryError();
+  if (hosted_ != nullptr) {
+    refusal.message += " The simulation stays at step " + std::to_string(hosted_->simulation().completedSteps()) + ".";
+  }
+  return refusal;
+}
+
+bool SimulationRunner::hasRoomNow() {
+  return meter_ != nullptr && meter_->isRefused() && services_.makeRoom(*this) && meter_->tryAgain();
+}
+
+void SimulationRunner::advance(Command& command, bool& wantsMore) {
+  std::optional<protocol::Error> error;
+  while (command.needsSimulation && (error = activate())) {
+    if (!hasRoomNow()) {
+      command.fail(reasonOf(std::move(*error)));
+      return;
+    }
+  }
+  wantsMore = command.advance(*this, command);
+  if (!command.isAnswered) {
+    publishInformation();
   }
 }
 
 void SimulationRunner::runGuarded(Command& command, bool& wantsMore) {
+  TurnMeter meter(*services_.account, MemoryKind::Strings);
+  // cancelling reaches it while this turn runs
+  const auto setMeter = [this](TurnMeter* present) {
+    const std::lock_guard lock(mutex_);
+    meter_ = present;
+  };
+  setMeter(&meter);
+  const core::WorkMeter::Scope scope(&meter);
+  std::optional<protocol::Error> failure;
   std::string bug;
   try {
-    wantsMore = command.advance(*this, command);
-    if (!command.isAnswered) {
-      publishInformation();
-    }
-    return;
+    advance(command, wantsMore);
   } catch (const std::bad_alloc&) {
-    command.fail({protocol::ErrorCode::Limit,
-                  "The server has not enough memory for this. Use a smaller model or fewer steps.",
-                  {}});
-    return;
+    failure = {protocol::ErrorCode::Limit,
+               "The server has not enough memory for this. Use a smaller model or fewer steps.",
+               {}};
+  } catch (const core::WorkStopped&) {
+    const std::uint64_t step = information().step;
+    const std::string stays = "The simulation stays at step " + std::to_string(step) + ".";
+    failure = command.isOverLimit
+                  ? callSecondsError(callSeconds_, stays, step)
+                  : protocol::Error{protocol::ErrorCode::Cancelled, "Cancelled; the simulation is as it was.", {}};
   } catch (const std::exception& exception) {
     bug = exception.what();
   }
+  if (failure && !command.isAnswered) {
+    command.fail(reasonOf(std::move(*failure)));
+  }
+  setMeter(nullptr);
+  if (bug.empty()) {
+    return;
+  }
   // a bug of ours closes this simulation and nothing else
-  log_->error("closed after an internal error: " + bug, {.simulation = id_});
+  services_.log->error("closed after an internal error: " + bug, {.simulation = id_});
   const protocol::Error error{protocol::ErrorCode::Internal,
                               "Espalier has a bug: " + bug + ". This simulation is closed; please report it.",
                               {}};
@@ -171,7 +298,7 @@ void SimulationRunner::cancel(const std::shared_ptr<Command>& command) {
   const std::lock_guard lock(mutex_);
   command->isCancelled = true;
   if (current_ == command) {
-    hosted_->setCancelled(true);
+    interrupt();
   }
 }
 
@@ -183,7 +310,7 @@ void SimulationRunner::close(const protocol::Error& reason, bool isInterrupting)
     dropped.swap(queue_);
     if (isInterrupting && current_ != nullptr) {
       current_->isCancelled = true;
-      hosted_->setCancelled(true);
+      interrupt();
     }
   }
   for (const auto& command : dropped) {
@@ -211,13 +338,14 @@ std::size_t SimulationRunner::pauseWaiting() {
 Viewers& SimulationRunner::viewers() {
   const std::lock_guard lock(mutex_);
   if (viewers_ == nullptr) {
-    Viewers::Options options{.simulation = id_, .streamBytes = streamBytesBound_, .askLatest = {}};
+    Viewers::Options options{
+        .simulation = id_, .account = services_.account, .streamBytes = streamBytesBound_, .askLatest = {}};
     options.askLatest = [weak = weak_from_this()] {
       if (const auto self = weak.lock()) {
         self->catchUp();
       }
     };
-    viewers_ = std::make_shared<Viewers>(std::move(options), *pool_, *log_);
+    viewers_ = std::make_shared<Viewers>(std::move(options), *services_.pool, *services_.log);
   }
   return *viewers_;
 }

@@ -1,15 +1,18 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <deque>
 #include <functional>
 #include <memory>
 #include <mutex>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "protocol/errors.h"
 #include "protocol/messages.h"
+#include "server/running/account.h"
 #include "server/running/hosted_simulation.h"
 #include "server/running/worker_pool.h"
 #include "server/stream/viewers.h"
@@ -19,6 +22,7 @@ namespace espalier::server {
 class Log;
 struct ServerLimits;
 class SimulationRunner;
+class TurnMeter;
 
 /// A piece of work on a simulation. `advance` runs on a worker and returns whether it wants another turn: a long
 /// command makes one step a turn, so that other commands get in between. When the simulation goes away, `fail` is
@@ -26,21 +30,36 @@ class SimulationRunner;
 struct Command {
   std::function<bool(SimulationRunner&, Command&)> advance;
   std::function<void(const protocol::Error&)> fail;
-  Lane lane = Lane::Short;  // of its turns
-  std::string owner;        // the session whose share of the workers they take
+  Lane lane = Lane::Short;      // of its turns
+  bool needsSimulation = true;  // false: a passive simulation is not read again for it
+  std::string owner;            // the session whose share of the workers they take
   std::atomic<bool> isCancelled{false};
   bool isPaused = false;                 // it ends between two steps; for the worker that owns the simulation
   std::atomic<bool> isAnswered{false};   // the caller has the answer; the last turn may not be over
   std::atomic<bool> isOverLimit{false};  // this turn took longer than a call may
 };
 
+/// The server as a runner sees it.
+struct RunnerServices {
+  WorkerPool* pool = nullptr;
+  const Log* log = nullptr;
+  const ServerLimits* limits = nullptr;
+  Account* account = nullptr;  // that the simulation counts for
+  /// Reads a passive simulation from the data folder again.
+  std::function<std::variant<std::unique_ptr<HostedSimulation>, protocol::Error>(const std::string& id)> load;
+  /// Makes other simulations passive, so that the account gets memory. False: none can be.
+  std::function<bool(const SimulationRunner& needy)> makeRoom;
+};
+
 /// Gives a simulation its turns on the pool. One worker owns it at a time. Commands run in the order in which they
 /// came. Other threads see the published information.
+///
+/// A simulation that is saved and idle can be passive: it is on disk only. The next command reads it again.
 class SimulationRunner final : public std::enable_shared_from_this<SimulationRunner> {
  public:
   /// A turn that computes longer than the limit callSeconds is given up.
-  SimulationRunner(std::unique_ptr<HostedSimulation> hosted, WorkerPool& pool, const Log& log,
-                   const ServerLimits& limits);
+  SimulationRunner(std::unique_ptr<HostedSimulation> hosted, RunnerServices services);
+  ~SimulationRunner();
 
   // thread-safe
   void submit(std::shared_ptr<Command> command);
@@ -54,8 +73,14 @@ class SimulationRunner final : public std::enable_shared_from_this<SimulationRun
   [[nodiscard]] const std::string& id() const { return id_; }
   /// Bytes that its streams keep to find differences.
   [[nodiscard]] std::uint64_t streamBytes() const;
-  /// Bytes of its strings after its last turn.
-  [[nodiscard]] std::uint64_t stringBytes() const { return stringBytes_; }
+  /// Makes it passive when it can be. True: it is now, and was not before.
+  [[nodiscard]] bool makePassive();
+  [[nodiscard]] bool isPassive() const { return isPassive_; }
+  /// When its last turn ended.
+  [[nodiscard]] std::chrono::steady_clock::time_point lastUse() const { return lastUse_; }
+  [[nodiscard]] Account& account() const { return *services_.account; }
+  /// It is no simulation of the account any more. Its memory still counts until a worker has destroyed it.
+  void leaveAccount();
   /// Shows the present state to streams that missed one and are ready again.
   void catchUp();
   /// Ends all streams with a reason.
@@ -67,6 +92,10 @@ class SimulationRunner final : public std::enable_shared_from_this<SimulationRun
   // inside Command::advance only
   [[nodiscard]] HostedSimulation& hosted() { return *hosted_; }
   [[nodiscard]] std::uint32_t callSeconds() const { return callSeconds_; }
+  /// After a failure in this turn: the error of the account when the turn was refused memory, else `error`.
+  [[nodiscard]] protocol::Error reasonOf(protocol::Error error) const;
+  /// After a failure in this turn: true when it was refused memory, and there is room now. It can be tried again.
+  [[nodiscard]] bool hasRoomNow();
   /// Publishes the information as it is after this command. To be called before the answer is sent: a caller that has
   /// received an answer never sees an older state.
   void publishEndOf(Command& command);
@@ -89,18 +118,26 @@ class SimulationRunner final : public std::enable_shared_from_this<SimulationRun
   /// `first`: only for this viewer; null: for all.
   void handOver(bool isDue, std::shared_ptr<Stream> first);
   [[nodiscard]] Viewers& viewers();
+  void advance(Command& command, bool& wantsMore);
+  /// Reads a passive simulation again. An error when it cannot be read.
+  [[nodiscard]] std::optional<protocol::Error> activate();
+  void interrupt();  // with mutex_ held: gives up what the turn computes
 
   const std::string id_;
-  std::unique_ptr<HostedSimulation> hosted_;
-  WorkerPool* pool_;
-  const Log* log_;
+  const RunnerServices services_;
+  std::unique_ptr<HostedSimulation> hosted_;  // null: passive. Changes with mutex_ held
   const std::uint32_t callSeconds_;
   const std::uint64_t streamBytesBound_;
   double milliseconds_ = 0.0;  // of the last step; for the worker that owns the simulation
   std::string lastError_;      // the same
-  std::atomic<std::uint64_t> stringBytes_{0};
+  Holding strings_;            // the same, as the next one
+  Holding environments_;
+  std::atomic<bool> isPassive_{false};
+  std::atomic<bool> isCounted_{true};  // among the simulations of the account
+  std::atomic<std::chrono::steady_clock::time_point> lastUse_{std::chrono::steady_clock::now()};
 
   mutable std::mutex mutex_;
+  TurnMeter* meter_ = nullptr;  // of the turn that runs
   std::deque<std::shared_ptr<Command>> queue_;
   std::shared_ptr<Command> current_;
   bool isScheduled_ = false;

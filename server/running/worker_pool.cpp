@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "server/remote/control_group.h"
+
 namespace espalier::server {
 namespace {
 
@@ -14,8 +16,7 @@ constexpr std::chrono::milliseconds kLongestLook{50};
 thread_local WorkerPool::Running* WorkerPool::current_ = nullptr;
 
 WorkerPool::WorkerPool(const WorkerPoolOptions& options)
-    : workers_(options.workers > 0 ? options.workers : std::max(1U, std::thread::hardware_concurrency())),
-      overtime_(options.overtime) {
+    : workers_(options.workers > 0 ? options.workers : processorCount()), overtime_(options.overtime) {
   lanes_[static_cast<std::size_t>(Lane::Short)].workers = std::max(2U, workers_);
   lanes_[static_cast<std::size_t>(Lane::Step)].workers = workers_;
   lanes_[static_cast<std::size_t>(Lane::Decode)].workers = workers_;

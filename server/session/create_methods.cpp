@@ -3,6 +3,7 @@
 #include "engine/language/checks/model_queries.h"
 #include "protocol/codec.h"
 #include "server/remote/translation/translate.h"
+#include "server/running/limit_errors.h"
 #include "server/server_core.h"
 #include "server/session/gallery_forest.h"
 #include "server/session/request_work.h"
@@ -30,6 +31,8 @@ std::uint64_t effectiveSeed(const protocol::CreateParams& params, const simulati
 /// The models of a simulation, compiled.
 struct CompiledModels {
   simulation::Programs programs;
+  files::Palette palette;                 // of all their folders
+  std::optional<std::uint64_t> lastStep;  // that the folder of a single model asks for
   std::vector<core::Diagnostic> diagnostics;
   std::string environmentJson;  // that a gallery model brings; empty: none
 };
@@ -43,6 +46,7 @@ protocol::Expected<CompiledModels> compileModels(ServerCore& core, const protoco
     models.push_back(params.model);
   }
   CompiledModels result;
+  std::vector<files::Palette> palettes;
   for (const protocol::ModelParams& model : models) {
     auto compiled = core.models().compile(model, core.options().limits.simulation);
     if (auto* error = std::get_if<protocol::Error>(&compiled)) {
@@ -57,11 +61,15 @@ protocol::Expected<CompiledModels> compileModels(ServerCore& core, const protoco
       return tl::unexpected(protocol::memberError("params.models", "all models must have the same \"compatibility\""));
     }
     result.programs.push_back(made.result.program);
+    palettes.push_back(std::move(made.palette));
+    result.lastStep = models.size() == 1 ? made.lastStep : std::nullopt;
     result.diagnostics.insert(result.diagnostics.end(), entries.begin(), entries.end());
     if (result.environmentJson.empty()) {
       result.environmentJson = std::move(made.environmentJson);
     }
   }
+  result.palette =
+      palettes.size() == 1 ? std::move(palettes.front()) : simulation::joinedPalettes(result.programs, palettes);
   return result;
 }
 
@@ -78,14 +86,15 @@ protocol::CreateResult createResultOf(HostedSimulation& hosted) {
 }
 
 protocol::Expected<std::string> forkSimulation(ServerCore& core, HostedSimulation& original, const std::string& session,
-                                               const std::string& title) {
-  auto reserved = core.reserve(session);
+                                               const std::string& owner, const std::string& title) {
+  auto reserved = core.reserve(session, owner);
   if (auto* error = std::get_if<protocol::Error>(&reserved)) {
     return tl::unexpected(std::move(*error));
   }
   const std::string& name = std::get<std::string>(reserved);
   SimulationRecord record = original.record();
   record.id = name;
+  record.owner = owner;
   if (!title.empty()) {
     record.create.name = title;
   }
@@ -129,13 +138,14 @@ void createSimulation(const Request& request, protocol::CreateParams params, Int
     session.respondError(id, *problem);
     return;
   }
+  core.keepRoom(session.account());
   auto compiled = compileModels(core, params);
   if (!compiled) {
     session.respondError(id, compiled.error());
     return;
   }
   const CompiledModels& models = *compiled;
-  const auto reserved = core.reserve(session.id());
+  const auto reserved = core.reserve(session.id(), session.account().owner());
   if (const auto* error = std::get_if<protocol::Error>(&reserved)) {
     session.respondError(id, *error);
     return;
@@ -145,9 +155,13 @@ void createSimulation(const Request& request, protocol::CreateParams params, Int
   // a restarted server makes the simulation again from the record
   SimulationRecord record;
   record.id = name;
+  record.owner = session.account().owner();
   record.seed = effectiveSeed(params, models.programs);
   record.hasSeed = params.seed.has_value();
   record.create = std::move(params);
+  if (!record.create.derivationLength) {
+    record.create.derivationLength = models.lastStep;
+  }
   if (record.create.name.empty()) {
     record.create.name = record.create.model.model.gallery.value_or(models.programs.front()->modelFile);
   }
@@ -160,8 +174,9 @@ void createSimulation(const Request& request, protocol::CreateParams params, Int
   }
   std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> made = protocol::Error{};
   try {
-    made = HostedSimulation::create(std::move(record), models.programs, core.options().limits.simulation,
-                                    core.environmentServices(), core.store(), interruption);
+    made =
+        HostedSimulation::create(std::move(record), models.programs, models.palette, core.options().limits.simulation,
+                                 core.environmentServices(), core.store(), interruption);
   } catch (...) {
     core.remove(name);
     throw;
@@ -210,8 +225,10 @@ void simulationCreate(const Request& request, protocol::CreateParams params) {
 
 void simulationFork(const Request& request, std::shared_ptr<SimulationRunner> runner, protocol::ForkParams params) {
   doInTurn(request, std::move(runner),
-           [core = &request.session.core(), creator = request.session.id(), name = std::move(params.name)](
-               SimulationRunner& self) { return forkSimulation(*core, self.hosted(), creator, name); });
+           [core = &request.session.core(), creator = request.session.id(), owner = request.session.account().owner(),
+            name = std::move(params.name)](SimulationRunner& self) {
+             return forkSimulation(*core, self.hosted(), creator, owner, name);
+           });
 }
 
 }  // namespace methods

@@ -3,8 +3,9 @@
 #include "protocol/base64.h"
 #include "protocol/codec.h"
 #include "protocol/json_text.h"
-#include "server/remote/gallery.h"
+#include "server/remote/models/gallery.h"
 #include "server/remote/translation/translate.h"
+#include "server/running/turn_meter.h"
 #include "server/server_core.h"
 #include "server/session/request_work.h"
 #include "server/session/session.h"
@@ -30,7 +31,12 @@ protocol::ModelResult resultOf(const CompiledModel& model) {
 void compileModel(const Request& request, const protocol::ModelParams& params, bool isKept) {
   Session& session = request.session;
   ModelStore& models = session.core().models();
-  auto compiled = models.compile(params, session.core().options().limits.simulation);
+  PartMeter memory;
+  const auto compileMetered = [&] {
+    const core::WorkMeter::Scope scope(&memory);
+    return models.compile(params, session.core().options().limits.simulation);
+  };
+  auto compiled = compileMetered();
   if (const auto* error = std::get_if<protocol::Error>(&compiled)) {
     session.respondError(request.id, *error);
     return;
@@ -48,6 +54,8 @@ void compileModel(const Request& request, const protocol::ModelParams& params, b
       return;
     }
     result.model = std::get<std::string>(kept);
+    // it is kept as long as the server runs
+    session.account().add(MemoryKind::Compiling, std::max<std::int64_t>(memory.net(), 0));
   }
   session.respond(request.id, protocol::encode(result));
 }
@@ -89,7 +97,7 @@ void writeFiles(const Request& request, const GalleryModel& model, const std::st
   protocol::JsonWriter result;
   result.beginObject().key("main").text(model.main).key("files");
   writeTexts(result, texts);
-  result.key("binary");
+  result.key("binaryFiles");
   writeTexts(result, binary);
   if (!environmentJson.empty()) {
     // a message is one line

@@ -4,6 +4,8 @@
 #include <new>
 
 #include "protocol/json_writer.h"
+#include "server/running/limit_errors.h"
+#include "server/running/turn_meter.h"
 #include "server/server_core.h"
 #include "server/session/session.h"
 
@@ -25,34 +27,80 @@ std::shared_ptr<SimulationRunner> findRunner(const Request& request, const std::
   return runner;
 }
 
+namespace {
+
+/// Runs `work` for an account; a failure is answered.
+void runMetered(Session& session, const protocol::MessageId& id, const std::function<void(const Request&)>& work,
+                Interruption& interruption) {
+  TurnMeter meter(session.account(), MemoryKind::Compiling);
+  const Interruption::Scope stopping(interruption, [&meter] { meter.stop(); });
+  protocol::Error failure;
+  try {
+    const core::WorkMeter::Scope scope(&meter);
+    work({session, id});
+    return;
+  } catch (const std::bad_alloc&) {
+    failure = {ErrorCode::Limit, "The server has not enough memory for this. Use a smaller model.", {}};
+  } catch (const core::WorkStopped&) {
+    const std::uint32_t bound = session.core().options().limits.callSeconds;
+    failure = interruption.reason() == Interruption::Reason::CallSeconds
+                  ? callSecondsError(bound, "Nothing was made.", {})
+                  : protocol::Error{ErrorCode::Cancelled, "Cancelled; nothing was made.", {}};
+  } catch (const std::exception& exception) {
+    session.core().log().error(std::string("internal error: ") + exception.what(), {.session = session.id()});
+    failure = {ErrorCode::Internal, std::string("Espalier has a bug: ") + exception.what() + ". Please report it.", {}};
+  }
+  if (meter.isRefused()) {
+    failure = session.account().memoryError();
+  }
+  meter.giveBack();
+  session.respondError(id, failure);
+}
+
+}  // namespace
+
 void runOnWorker(const Request& request, std::function<void(const Request&)> work,
                  std::shared_ptr<Interruption> interruption) {
   Session& session = request.session;
+  if (const auto problem = session.account().cpuProblem()) {
+    session.respondError(request.id, *problem);
+    return;
+  }
+  if (interruption == nullptr) {
+    interruption = std::make_shared<Interruption>();
+  }
+  session.onCancel(request.id, [interruption] { interruption->interrupt(Interruption::Reason::Cancelled); });
   WorkerPool::Task task;
   task.owner = session.id();
-  if (interruption != nullptr) {
-    session.onCancel(request.id, [interruption] { interruption->interrupt(Interruption::Reason::Cancelled); });
-    task.limit = std::chrono::seconds(session.core().options().limits.callSeconds);
-    task.onLimit = [interruption] { interruption->interrupt(Interruption::Reason::CallSeconds); };
-  }
-  task.run = [weak = session.weak_from_this(), id = request.id, work = std::move(work)] {
-    const auto self = weak.lock();
-    if (self == nullptr) {
-      return;
-    }
-    try {
-      work({*self, id});
-    } catch (const std::bad_alloc&) {
-      self->respondError(id, {ErrorCode::Limit, "The server has not enough memory for this. Use a smaller model.", {}});
-    } catch (const std::exception& exception) {
-      self->core().log().error(std::string("internal error: ") + exception.what(), {.session = self->id()});
-      self->respondError(
-          id,
-          {ErrorCode::Internal, std::string("Espalier has a bug: ") + exception.what() + ". Please report it.", {}});
+  task.limit = std::chrono::seconds(session.core().options().limits.callSeconds);
+  task.onLimit = [interruption] { interruption->interrupt(Interruption::Reason::CallSeconds); };
+  task.run = [weak = session.weak_from_this(), id = request.id, work = std::move(work), interruption] {
+    if (const auto self = weak.lock()) {
+      runMetered(*self, id, work, *interruption);
     }
   };
   session.core().pool().post(std::move(task));
 }
+
+namespace {
+
+/// The outcome of work that changes nothing when it fails. When it was refused memory, other simulations make room.
+protocol::Expected<std::string> withRoom(SimulationRunner& runner, const TurnWork& work) {
+  while (true) {
+    try {
+      auto outcome = work(runner);
+      if (outcome || !runner.hasRoomNow()) {
+        return outcome;
+      }
+    } catch (const std::bad_alloc&) {
+      if (!runner.hasRoomNow()) {
+        throw;
+      }
+    }
+  }
+}
+
+}  // namespace
 
 std::shared_ptr<Command> makeCommand(const Request& request, TurnWork work) {
   auto command = std::make_shared<Command>();
@@ -63,12 +111,12 @@ std::shared_ptr<Command> makeCommand(const Request& request, TurnWork work) {
     if (owner == nullptr) {
       return false;
     }
-    const auto outcome = work(runner);
+    const auto outcome = withRoom(runner, work);
     runner.publishEndOf(self);
     if (outcome) {
       owner->respond(id, *outcome);
     } else {
-      owner->respondError(id, outcome.error());
+      owner->respondError(id, runner.reasonOf(outcome.error()));
     }
     return false;
   };
@@ -83,18 +131,6 @@ std::shared_ptr<Command> makeCommand(const Request& request, TurnWork work) {
 void doInTurn(const Request& request, std::shared_ptr<SimulationRunner> runner, TurnWork work) {
   auto command = makeCommand(request, std::move(work));
   request.session.submit(request.id, std::move(runner), std::move(command));
-}
-
-protocol::Error callSecondsError(std::uint64_t bound, const std::string& outcome, std::optional<std::uint64_t> step) {
-  protocol::JsonWriter data;
-  data.beginObject().key("limit").text("callSeconds").key("value").integer(bound + 1).key("bound").integer(bound);
-  if (step) {
-    data.key("step").integer(*step);
-  }
-  return {ErrorCode::Limit,
-          "callSeconds is limited to " + std::to_string(bound) + ", and this has computed longer. " + outcome +
-              " Use a smaller model, or start the server with a higher --limit callSeconds=N.",
-          data.endObject().take()};
 }
 
 }  // namespace espalier::server

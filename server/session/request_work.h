@@ -15,8 +15,9 @@ class Interruption;
 /// The simulation's runner. Null after an error was answered: there is no such simulation, or it is damaged.
 [[nodiscard]] std::shared_ptr<SimulationRunner> findRunner(const Request& request, const std::string& simulation);
 
-/// Runs `work` on a worker. An exception becomes the answer. `interruption`, when given, ends the work when the request
-/// is cancelled, the connection is lost, or the call takes longer than callSeconds.
+/// Runs `work` on a worker, within the memory of the session's account. An exception becomes the answer. The work ends
+/// when the request is cancelled, the connection is lost, or the call takes longer than callSeconds: pollWork() throws
+/// then, and `interruption`, when given, says so too.
 void runOnWorker(const Request& request, std::function<void(const Request&)> work,
                  std::shared_ptr<Interruption> interruption = nullptr);
 
@@ -26,9 +27,5 @@ using TurnWork = std::function<protocol::Expected<std::string>(SimulationRunner&
 
 /// Has the work done in the simulation's next turn, and answers the request.
 void doInTurn(const Request& request, std::shared_ptr<SimulationRunner> runner, TurnWork work);
-
-/// The error of a call that computed too long. `outcome` says how things are now. `step` is the last completed step.
-[[nodiscard]] protocol::Error callSecondsError(std::uint64_t bound, const std::string& outcome,
-                                               std::optional<std::uint64_t> step);
 
 }  // namespace espalier::server

@@ -8,6 +8,20 @@
 
 namespace espalier::server {
 
+namespace {
+
+void writeMemory(protocol::JsonWriter& result, const Account& account) {
+  for (std::size_t kind = 0; kind < kMemoryKindCount; ++kind) {
+    result.key(kMemoryKindNames[kind]).integer(account.bytes(static_cast<MemoryKind>(kind)));
+  }
+  result.key("usedBytes").integer(account.memoryBytes());
+  if (account.bounds().memoryBytes != UINT64_MAX) {
+    result.key("boundBytes").integer(account.bounds().memoryBytes);
+  }
+}
+
+}  // namespace
+
 namespace methods {
 
 void ping(const Request& request, protocol::NoParams) {
@@ -30,14 +44,26 @@ void serverStatus(const Request& request, protocol::NoParams) {
       std::chrono::duration_cast<std::chrono::seconds>(std::chrono::steady_clock::now() - core.started());
   result.key("uptimeSeconds").integer(static_cast<std::uint64_t>(seconds.count()));
   result.key("damaged").integer(std::uint64_t{core.damaged().size()});
-  std::uint64_t stringBytes = 0;
+  result.key("durability").text(nameOf(core.store().durability()));
   std::uint64_t streamBytes = 0;
+  std::uint64_t passive = 0;
   for (const auto& runner : runners) {
-    stringBytes += runner->stringBytes();
     streamBytes += runner->streamBytes();
+    passive += runner->isPassive() ? 1U : 0U;
   }
-  result.key("memory").beginObject().key("stringBytes").integer(stringBytes).key("streamBytes").integer(streamBytes);
+  result.key("passive").integer(passive);
+  const Account& all = core.accounts().server();
+  result.key("memory").beginObject();
+  writeMemory(result, all);
+  result.key("streamBytes").integer(streamBytes);
   result.key("outboxBytes").integer(core.outboxBytes()).key("storeBytes").integer(core.store().bytes()).endObject();
+  // only its own: what others do is not the peer's business
+  const Account& own = request.session.account();
+  result.key("account").beginObject().key("name").text(own.owner());
+  result.key("simulations").integer(own.simulations()).key("streams").integer(own.streams());
+  result.key("cpuSeconds").number(own.cpuSeconds());
+  writeMemory(result, own);
+  result.endObject();
   request.session.respond(request.id, result.endObject().view());
 }
 

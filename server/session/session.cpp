@@ -6,6 +6,7 @@
 #include "protocol/codec.h"
 #include "protocol/version.h"
 #include "server/server_core.h"
+#include "server/session/editor_conversation.h"
 #include "server/session/methods.h"
 
 namespace espalier::server {
@@ -18,11 +19,18 @@ Session::~Session() {
   core_->leave(*this);
 }
 
+Account& Session::account() const {
+  // a token is one owner, and the programs of this machine together are one
+  return core_->accounts().of(std::string(tokenName()));
+}
+
 void Session::send(std::string line) {
   connection_->send(std::make_shared<const std::string>(std::move(line)));
 }
 
 void Session::respond(const protocol::MessageId& id, std::string_view resultJson) {
+  const std::string warned = withWarnings(id, resultJson);
+  resultJson = warned.empty() ? resultJson : std::string_view(warned);
   {
     const std::lock_guard lock(mutex_);
     inProgress_.erase(protocol::toText(id));
@@ -37,11 +45,39 @@ void Session::respond(const protocol::MessageId& id, std::string_view resultJson
   send(protocol::encodeResult(id, std::string(resultJson)));
 }
 
+void Session::warn(const protocol::MessageId& id, std::vector<std::string> warnings) {
+  const std::lock_guard lock(mutex_);
+  warnings_[protocol::toText(id)] = std::move(warnings);
+}
+
+std::string Session::withWarnings(const protocol::MessageId& id, std::string_view resultJson) {
+  std::vector<std::string> warnings;
+  {
+    const std::lock_guard lock(mutex_);
+    auto found = warnings_.extract(protocol::toText(id));
+    if (found.empty() || !resultJson.starts_with('{')) {
+      return {};
+    }
+    warnings = std::move(found.mapped());
+  }
+  protocol::JsonWriter member;
+  member.beginObject().key("warnings").texts(warnings);
+  std::string text(member.view());
+  resultJson.remove_prefix(1);
+  return text + (resultJson == "}" ? "" : ",") + std::string(resultJson);
+}
+
+bool Session::isStrict() const {
+  const std::lock_guard lock(mutex_);
+  return isStrict_;
+}
+
 void Session::respondError(const protocol::MessageId& id, const protocol::Error& error) {
   {
     const std::lock_guard lock(mutex_);
     inProgress_.erase(protocol::toText(id));
   }
+  static_cast<void>(withWarnings(id, {}));
   core_->log().debug("request " + protocol::toText(id) + ": " + error.message, {.session = id_});
   send(protocol::encodeError(id, error));
 }
@@ -170,15 +206,17 @@ void Session::onHello(const protocol::Message& message) {
     refuse(message.id, {protocol::ErrorCode::Unauthorised, std::move(grant.error()), {}});
     return;
   }
+  // the connection counts for the account of the token from then on
+  grant_ = std::move(*grant);
   if (const auto refusal = connection_->admit()) {
     refuse(message.id, *refusal);
     return;
   }
-  grant_ = std::move(*grant);
   isGreeted_ = true;
   {
     const std::lock_guard lock(mutex_);
     terms_ = termsOf(hello.capabilities, hello.limits);
+    isStrict_ = std::find(hello.capabilities.begin(), hello.capabilities.end(), "strict") != hello.capabilities.end();
     takesHeartbeats_ =
         std::find(hello.capabilities.begin(), hello.capabilities.end(), "heartbeat") != hello.capabilities.end();
   }
@@ -194,7 +232,7 @@ void Session::onHello(const protocol::Message& message) {
                                      .server = "espalier " + std::string(protocol::kProgramVersion),
                                      .roles = grant_.roles.names(),
                                      .capabilities = {"bin", "checkpoint", "cancel", "streams", "credits", "delta",
-                                                      "offer", "geometry", "iterate", "heartbeat"},
+                                                      "offer", "geometry", "iterate", "heartbeat", "strict"},
                                      .limits = std::move(limits)};
   respond(message.id, protocol::encode(result));
 }
@@ -251,8 +289,8 @@ void Session::onDrained() {
   {
     const std::lock_guard lock(mutex_);
     for (const auto& [name, entry] : streams_) {
-      auto runner = entry.second.lock();
-      if (runner != nullptr && entry.first->wantsToCatchUp()) {
+      auto runner = entry.runner.lock();
+      if (runner != nullptr && entry.stream->wantsToCatchUp()) {
         runners.push_back(std::move(runner));
       }
     }
@@ -295,7 +333,7 @@ void Session::onClosed() {
     isClosed_ = true;
     requests.swap(inProgress_);
     for (const auto& [name, entry] : streams_) {
-      entry.first->close();
+      entry.stream->close();
     }
     streams_.clear();
   }
@@ -363,6 +401,14 @@ void Session::onCancel(const protocol::MessageId& id, std::function<void()> canc
   inProgress_[protocol::toText(id)] = std::move(cancel);
 }
 
+std::shared_ptr<EditorConversation> Session::editor() {
+  const std::lock_guard lock(mutex_);
+  if (editor_ == nullptr) {
+    editor_ = std::make_shared<EditorConversation>();
+  }
+  return editor_;
+}
+
 void Session::cancelRequest(const protocol::MessageId& id) {
   std::function<void()> cancel;
   {
@@ -378,27 +424,35 @@ void Session::cancelRequest(const protocol::MessageId& id) {
   }
 }
 
-std::shared_ptr<Stream> Session::openStream(protocol::StreamOpenParams params, SimulationRunner& runner) {
+protocol::Expected<std::shared_ptr<Stream>> Session::openStream(protocol::StreamOpenParams params,
+                                                                SimulationRunner& runner) {
   const ServerLimits& limits = core_->options().limits;
+  Account& owner = account();
   const std::lock_guard lock(mutex_);
   // streams that ended by themselves do not count
-  if (streams_.size() >= limits.streamsPerSession) {
-    std::erase_if(streams_, [](const auto& entry) { return entry.second.first->isClosed(); });
+  if (streams_.size() >= limits.streamsPerSession || owner.streams() >= owner.bounds().streams) {
+    std::erase_if(streams_, [](const auto& entry) { return entry.second.stream->isClosed(); });
   }
   if (isClosed_ || streams_.size() >= limits.streamsPerSession) {
-    return nullptr;
+    const std::uint64_t bound = limits.streamsPerSession;
+    return tl::unexpected(protocol::limitError("streamsPerSession", bound + 1, bound, "Close one first."));
+  }
+  if (const std::uint64_t bound = owner.bounds().streams; owner.streams() >= bound) {
+    return tl::unexpected(protocol::limitError("accountStreams", bound + 1, bound, "Close one first."));
   }
   std::string name = "stream-" + id_ + "-" + std::to_string(++streamCount_);
   auto stream =
       std::make_shared<Stream>(name, std::move(params), weak_from_this(), static_cast<std::size_t>(limits.outboxBytes));
-  streams_.emplace(std::move(name), std::pair(stream, runner.weak_from_this()));
+  owner.addStreams(1);
+  std::shared_ptr<void> place(nullptr, [&owner](void*) { owner.addStreams(-1); });
+  streams_.emplace(std::move(name), OpenStream{stream, runner.weak_from_this(), std::move(place)});
   return stream;
 }
 
 std::shared_ptr<Stream> Session::findStream(const std::string& id) {
   const std::lock_guard lock(mutex_);
   const auto found = streams_.find(id);
-  return found == streams_.end() ? nullptr : found->second.first;
+  return found == streams_.end() ? nullptr : found->second.stream;
 }
 
 bool Session::closeStream(const std::string& id) {
@@ -407,7 +461,7 @@ bool Session::closeStream(const std::string& id) {
   if (found == streams_.end()) {
     return false;
   }
-  found->second.first->close();
+  found->second.stream->close();
   streams_.erase(found);
   return true;
 }

@@ -108,13 +108,14 @@ void simulationDelete(const Request& request, protocol::SimulationParams params)
   }
   core.remove(params.simulation);
   // after the last turn: no later turn writes the files again or adds a stream
-  const auto command = makeCommand(request, [](SimulationRunner& self) -> protocol::Expected<std::string> {
+  const auto command = makeCommand(request, [&core](SimulationRunner& self) -> protocol::Expected<std::string> {
     self.endStreams("the simulation was deleted");
-    if (auto error = self.hosted().removeFromDisk()) {
-      return tl::unexpected(std::move(*error));
+    if (auto problem = core.store().remove(self.id())) {
+      return tl::unexpected(protocol::Error{protocol::ErrorCode::Storage, std::move(*problem), {}});
     }
     return std::string("{}");
   });
+  command->needsSimulation = false;
   runner->closeWith(command, {protocol::ErrorCode::NotFound, "The simulation was deleted.", {}});
 }
 

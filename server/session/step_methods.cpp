@@ -2,6 +2,7 @@
 
 #include "protocol/codec.h"
 #include "server/remote/translation/translate.h"
+#include "server/running/limit_errors.h"
 #include "server/server_core.h"
 #include "server/session/request_work.h"
 #include "server/session/session.h"
@@ -81,9 +82,18 @@ bool advanceSteps(SimulationRunner& runner, Command& command, Session& session, 
     session.respond(id, protocol::encode(resultOf(runner, progress, !isAtEnd)));
     return false;
   }
+  if (const auto problem = runner.account().cpuProblem()) {
+    runner.publishEndOf(command);
+    session.respondError(id, *problem);
+    return false;
+  }
   double milliseconds = 0.0;
   const std::uint64_t before = simulation.completedSteps();
-  const auto error = runner.hosted().step(milliseconds);
+  auto error = runner.hosted().step(milliseconds);
+  while (error && runner.hasRoomNow()) {
+    // a step that is complete only waits to be saved
+    error = simulation.completedSteps() > before ? runner.hosted().keep() : runner.hosted().step(milliseconds);
+  }
   const bool isMade = simulation.completedSteps() > before;
   if (isMade) {
     const simulation::StepStatistics& statistics = simulation.statistics();
@@ -104,7 +114,8 @@ bool advanceSteps(SimulationRunner& runner, Command& command, Session& session, 
     const protocol::Error reason =
         command.isOverLimit ? callSecondsError(runner.callSeconds(),
                                                "The simulation stays at step " + std::to_string(stays) + ".", stays)
-                            : *error;
+        : isMade            ? *error
+                            : runner.reasonOf(*error);
     runner.setLastError(reason.message);
     runner.publishEndOf(command);
     session.respondError(id, reason);

@@ -64,12 +64,11 @@ void streamOpen(const Request& request, protocol::StreamOpenParams params) {
     return;
   }
   auto stream = session.openStream(std::move(params), *runner);
-  if (stream == nullptr) {
-    const std::uint64_t bound = session.core().options().limits.streamsPerSession;
-    session.respondError(request.id, protocol::limitError("streamsPerSession", bound + 1, bound, "Close one first."));
+  if (!stream) {
+    session.respondError(request.id, stream.error());
     return;
   }
-  session.submit(request.id, runner, makeOpenCommand(request, std::move(stream)));
+  session.submit(request.id, runner, makeOpenCommand(request, std::move(*stream)));
 }
 
 void streamAck(const Request& request, protocol::StreamAckParams params) {

@@ -14,12 +14,23 @@ void Database::fail() {
   }
 }
 
-void Database::open(const std::string& file) {
-  constexpr int kFlags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX;
-  if (sqlite3_open_v2(file.c_str(), &connection_, kFlags, nullptr) != SQLITE_OK) {
+void Database::openFile(const std::string& file, int flags) {
+  if (sqlite3_open_v2(file.c_str(), &connection_, flags | SQLITE_OPEN_NOMUTEX, nullptr) != SQLITE_OK) {
     fail();
     return;
   }
+  // another process may hold the file for a moment: a backup begins while the server writes, or the other way round
+  constexpr int kPatienceMilliseconds = 10'000;
+  sqlite3_busy_timeout(connection_, kPatienceMilliseconds);
+}
+
+void Database::openToRead(const std::string& file) {
+  // reading a write-ahead log needs its index, which a reader may have to make
+  openFile(file, SQLITE_OPEN_READWRITE);
+}
+
+void Database::open(const std::string& file) {
+  openFile(file, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE);
   execute("PRAGMA journal_mode = WAL");
   // the log is forced to disk when it is moved into the database, so that a power failure costs moments, never the file
   execute("PRAGMA synchronous = NORMAL");

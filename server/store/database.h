@@ -21,6 +21,8 @@ class Database {
 
   /// Opens or makes the file with a write-ahead log.
   void open(const std::string& file);
+  /// Opens a file that is there, beside a server that may write it.
+  void openToRead(const std::string& file);
   void execute(const char* sql);
   void begin() { execute("BEGIN IMMEDIATE"); }
   /// Commits, or rolls back after a failure. True: it was committed.
@@ -56,6 +58,7 @@ class Database {
 
  private:
   void fail();
+  void openFile(const std::string& file, int flags);
 
   sqlite3* connection_ = nullptr;
   std::optional<std::string> problem_;

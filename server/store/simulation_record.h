@@ -12,6 +12,7 @@ namespace espalier::server {
 /// With a snapshot, everything that is needed to make a simulation again.
 struct SimulationRecord {
   std::string id;
+  std::string owner{};  // the account that it counts for; not in the text
   std::uint64_t seed = 0;
   bool hasSeed = false;           // given by the caller: replaces the model's
   protocol::CreateParams create;  // as asked for; its model is in the snapshot

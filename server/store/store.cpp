@@ -1,7 +1,6 @@
 #include "server/store/store.h"
 
 #include <fcntl.h>
-#include <sys/file.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -13,47 +12,21 @@
 
 #include "server/store/compression.h"
 #include "server/store/database.h"
+#include "server/store/folder_lock.h"
+#include "server/store/schema.h"
 
 namespace espalier::server {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kFile = "espalier.sqlite";
-constexpr std::int64_t kVersion = 1;
 /// Of the compressed state in one transaction.
 constexpr std::size_t kPartBytes = 1'000'000;
 /// A part's row is the number of its state times this, and its own number.
 constexpr std::int64_t kPartsPerState = 1 << 20;
 
-constexpr const char* kTables = R"(
-CREATE TABLE IF NOT EXISTS simulations(id TEXT PRIMARY KEY, record TEXT NOT NULL, step INTEGER NOT NULL,
-                                       state INTEGER NOT NULL) WITHOUT ROWID;
-CREATE TABLE IF NOT EXISTS checkpoints(simulation TEXT, name TEXT, step INTEGER NOT NULL, state INTEGER NOT NULL,
-                                       bytes INTEGER NOT NULL, PRIMARY KEY(simulation, name)) WITHOUT ROWID;
-CREATE TABLE IF NOT EXISTS models(id TEXT PRIMARY KEY, text TEXT NOT NULL) WITHOUT ROWID;
-CREATE TABLE IF NOT EXISTS parts(id INTEGER PRIMARY KEY, bytes BLOB NOT NULL);
-PRAGMA user_version = 1;
-)";
-
 std::int64_t signedOf(std::uint64_t value) {
   return static_cast<std::int64_t>(value);
-}
-
-/// The descriptor of a file that is made and locked, or the errno.
-std::variant<std::shared_ptr<const int>, int> lockFile(const std::string& name) {
-  const int descriptor = ::open(name.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-  if (descriptor < 0) {
-    return errno;
-  }
-  std::shared_ptr<const int> held(new int(descriptor), [](const int* last) {
-    ::close(*last);
-    delete last;
-  });
-  if (flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
-    return errno;
-  }
-  return held;
 }
 
 }  // namespace
@@ -61,7 +34,14 @@ std::variant<std::shared_ptr<const int>, int> lockFile(const std::string& name) 
 /// One connection for all threads, used for one transaction at a time.
 class Store::Implementation {
  public:
-  explicit Implementation(std::string folder) : folder_(std::move(folder)) {}
+  Implementation(std::string folder, Durability durability) : folder_(std::move(folder)), durability_(durability) {}
+  ~Implementation() {
+    if (log_ >= 0) {
+      ::close(log_);
+    }
+  }
+  Implementation(const Implementation&) = delete;
+  Implementation& operator=(const Implementation&) = delete;
 
   std::optional<std::string> open(std::uint64_t maximumBytes);
 
@@ -70,8 +50,10 @@ class Store::Implementation {
   std::optional<std::string> put(std::string_view state, const std::function<std::int64_t(std::int64_t)>& link);
   State get(std::int64_t state);
 
-  /// Runs `work` in a transaction.
+  /// Runs `work` in a transaction, which is safe when this returns.
   std::optional<std::string> change(const std::function<void()>& work);
+  /// After a failure, `isCommitted` says whether the database has the change all the same: only its safety is unknown.
+  std::optional<std::string> change(const std::function<void()>& work, bool& isCommitted);
   /// Runs `work`, which reads.
   std::optional<std::string> look(const std::function<void()>& work);
 
@@ -83,6 +65,7 @@ class Store::Implementation {
   }
   /// Removes the parts of discarded states, a transaction each. A failure is left for the next time.
   void sweep();
+  [[nodiscard]] std::uint64_t syncCount() const { return groupCommit_.requestCount(); }
 
   Database database_;
   const std::string folder_;
@@ -91,9 +74,17 @@ class Store::Implementation {
   void putPart(std::int64_t state, std::int64_t number, std::string_view bytes);
   /// With the mutex held; clears it.
   std::optional<std::string> problem(const char* what);
+  [[nodiscard]] std::string problemText(const char* what, const std::string& reason) const;
+  /// Runs `work` in a transaction. `number` receives the number of the commit.
+  std::optional<std::string> commit(const std::function<void()>& work, std::uint64_t& number);
+  std::optional<std::string> openLog();
 
+  const Durability durability_;
   std::mutex mutex_;
-  std::shared_ptr<const int> lock_;
+  FolderLock lock_;
+  int log_ = -1;  // the write-ahead log, open for forcing it to the disk; -1: not needed
+  // SQLite itself forces the log before it moves it into the database
+  GroupCommit groupCommit_{[this] { return ::fdatasync(log_) == 0 ? 0 : errno; }};
   std::int64_t lastState_ = 0;
   std::vector<std::int64_t> discarded_;
 };
@@ -102,40 +93,38 @@ std::optional<std::string> Store::Implementation::problem(const char* what) {
   if (!database_.problem()) {
     return std::nullopt;
   }
-  std::string text = "the data folder '" + folder_ + "' cannot be " + what + ": " + *database_.problem() +
-                     ". Check that its disk has room and can be written, then ask again.";
+  std::string text = problemText(what, *database_.problem());
   database_.clearProblem();
   return text;
+}
+
+std::string Store::Implementation::problemText(const char* what, const std::string& reason) const {
+  return "the data folder '" + folder_ + "' cannot be " + what + ": " + reason +
+         ". Check that its disk has room and can be written, then ask again.";
 }
 
 std::optional<std::string> Store::Implementation::open(std::uint64_t maximumBytes) {
   const auto failure = [this](const std::string& reason) {
     return "cannot use the data folder '" + folder_ + "': " + reason + ". Give --data a folder that can be written.";
   };
-  std::error_code error;
-  fs::create_directories(folder_, error);
-  if (error) {
-    return failure(error.message());
+  auto locked = lockFolder(folder_);
+  if (auto* problem = std::get_if<std::string>(&locked)) {
+    return std::move(*problem);
   }
-  auto locked = lockFile((fs::path(folder_) / "lock").string());
-  if (const int* reason = std::get_if<int>(&locked)) {
-    return *reason == EWOULDBLOCK
-               ? "the data folder '" + folder_ + "' is used by another server. Stop it, or give --data another folder."
-               : failure(std::generic_category().message(*reason));
-  }
-  lock_ = std::move(std::get<std::shared_ptr<const int>>(locked));
+  lock_ = std::move(std::get<FolderLock>(locked));
 
-  database_.open((fs::path(folder_) / kFile).string());
-  std::int64_t version = 0;
-  {
-    Database::Statement statement(database_, "PRAGMA user_version");
-    version = statement.next() ? statement.integer(0) : 0;
+  const std::string file = (fs::path(folder_) / kStoreFile).string();
+  // SQLite gives the log and its index the rights of the database
+  for (const char* suffix : {"", "-wal", "-shm"}) {
+    if (const int reason = makePrivate(file + suffix, *suffix == '\0')) {
+      return failure(std::generic_category().message(reason));
+    }
   }
-  if (version > kVersion) {
+  database_.open(file);
+  if (!migrate(database_)) {
     return "the data folder '" + folder_ + "' was made by a newer Espalier. Use that, or give --data another folder.";
   }
   database_.begin();
-  database_.execute(kTables);
   // parts of states that were being written when the server was killed
   database_.execute(
       "DELETE FROM parts WHERE id / 1048576 NOT IN (SELECT state FROM simulations UNION SELECT state FROM "
@@ -150,17 +139,56 @@ std::optional<std::string> Store::Implementation::open(std::uint64_t maximumByte
     database_.execute(("PRAGMA max_page_count = " + std::to_string(maximumBytes / kPageBytes + 1)).c_str());
   }
   if (database_.problem()) {
-    return failure(*database_.problem() + " (" + kFile + ")");
+    return failure(*database_.problem() + " (" + kStoreFile + ")");
   }
-  return std::nullopt;
+  return openLog();
 }
 
-std::optional<std::string> Store::Implementation::change(const std::function<void()>& work) {
+std::optional<std::string> Store::Implementation::openLog() {
+  if (durability_ == Durability::Process) {
+    return std::nullopt;
+  }
+  // the log is there: opening the database has written to it, and it stays while the connection lives
+  log_ = ::open((fs::path(folder_) / (std::string(kStoreFile) + "-wal")).c_str(), O_RDWR | O_CLOEXEC);
+  const int folder = ::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  // the names of new files are data of the folder
+  const bool isSafe = log_ >= 0 && folder >= 0 && ::fdatasync(log_) == 0 && ::fsync(folder) == 0;
+  const int reason = errno;
+  if (folder >= 0) {
+    ::close(folder);
+  }
+  return isSafe
+             ? std::nullopt
+             : std::optional("the disk of the data folder '" + folder_ +
+                             "' cannot be asked to keep what is written: " + std::generic_category().message(reason) +
+                             ". Use another disk, or durability = \"process\".");
+}
+
+std::optional<std::string> Store::Implementation::commit(const std::function<void()>& work, std::uint64_t& number) {
   const std::lock_guard lock(mutex_);
   database_.begin();
   work();
   (void)database_.commit();
+  number = groupCommit_.committed();
   return problem("written");
+}
+
+std::optional<std::string> Store::Implementation::change(const std::function<void()>& work) {
+  bool isCommitted = false;
+  return change(work, isCommitted);
+}
+
+std::optional<std::string> Store::Implementation::change(const std::function<void()>& work, bool& isCommitted) {
+  std::uint64_t number = 0;
+  auto failure = commit(work, number);
+  isCommitted = !failure;
+  if (isCommitted && durability_ == Durability::Power) {
+    // without the mutex: others commit meanwhile and share the next request
+    if (const int reason = groupCommit_.waitFor(number)) {
+      failure = problemText("written safely", std::generic_category().message(reason));
+    }
+  }
+  return failure;
 }
 
 std::optional<std::string> Store::Implementation::look(const std::function<void()>& work) {
@@ -187,23 +215,26 @@ std::optional<std::string> Store::Implementation::put(std::string_view state,
   std::optional<std::string> failure;
   // all parts but the last: nothing refers to them yet
   while (rest.size() > kPartBytes && !failure) {
-    failure = change([&] { putPart(made, number, rest.substr(0, kPartBytes)); });
+    std::uint64_t commitNumber = 0;
+    failure = commit([&] { putPart(made, number, rest.substr(0, kPartBytes)); }, commitNumber);
     rest.remove_prefix(kPartBytes);
     ++number;
   }
   std::int64_t replaced = 0;
+  bool isCommitted = false;
   if (!failure) {
-    failure = change([&] {
+    const auto replace = [&] {
       putPart(made, number, rest);
       replaced = link(made);
       // most states have one part: it goes in the same transaction
       Database::Statement remove(database_, "DELETE FROM parts WHERE id = ?");
       remove.bind(1, replaced * kPartsPerState).run();
-    });
+    };
+    failure = change(replace, isCommitted);
   }
   {
     const std::lock_guard lock(mutex_);
-    discard(failure ? made : replaced);
+    discard(isCommitted ? replaced : made);
   }
   sweep();
   return failure;
@@ -262,8 +293,8 @@ Store::State Store::Implementation::get(std::int64_t state) {
   return {std::move(*bytes), {}};
 }
 
-Store::Store(std::string folder, std::uint64_t maximumBytes)
-    : folder_(std::move(folder)), maximumBytes_(maximumBytes) {}
+Store::Store(std::string folder, std::uint64_t maximumBytes, Durability durability)
+    : folder_(std::move(folder)), maximumBytes_(maximumBytes), durability_(durability) {}
 
 Store::~Store() = default;
 
@@ -271,7 +302,7 @@ std::optional<std::string> Store::open() {
   if (!isKept()) {
     return std::nullopt;
   }
-  implementation_ = std::make_unique<Implementation>(folder_);
+  implementation_ = std::make_unique<Implementation>(folder_, durability_);
   auto problem = implementation_->open(maximumBytes_);
   if (problem) {
     implementation_.reset();
@@ -279,22 +310,49 @@ std::optional<std::string> Store::open() {
   return problem;
 }
 
+namespace {
+
+/// The row (id, record, step, owner) that a statement is at.
+Store::Entry entryOf(const Database::Statement& row) {
+  return {std::string(row.text(0)), std::string(row.text(1)), static_cast<std::uint64_t>(row.integer(2)),
+          std::string(row.text(3))};
+}
+
+}  // namespace
+
 std::variant<std::vector<Store::Entry>, std::string> Store::simulations() const {
   std::vector<Entry> entries;
   if (implementation_ == nullptr) {
     return entries;
   }
   const auto failure = implementation_->look([&] {
-    Database::Statement read(implementation_->database_, "SELECT id, record, step FROM simulations ORDER BY id");
+    Database::Statement read(implementation_->database_, "SELECT id, record, step, owner FROM simulations ORDER BY id");
     while (read.next()) {
-      entries.push_back(
-          {std::string(read.text(0)), std::string(read.text(1)), static_cast<std::uint64_t>(read.integer(2))});
+      entries.push_back(entryOf(read));
     }
   });
   if (failure) {
     return *failure;
   }
   return entries;
+}
+
+tl::expected<Store::Entry, std::string> Store::simulation(const std::string& id) const {
+  tl::expected<Entry, std::string> entry = tl::unexpected("there is no simulation '" + id + "' in the data folder.");
+  if (implementation_ == nullptr) {
+    return entry;
+  }
+  const auto failure = implementation_->look([&] {
+    Database::Statement read(implementation_->database_,
+                             "SELECT id, record, step, owner FROM simulations WHERE id = ?");
+    if (read.bind(1, id).next()) {
+      entry = entryOf(read);
+    }
+  });
+  if (failure) {
+    return tl::unexpected(*failure);
+  }
+  return entry;
 }
 
 std::optional<std::string> Store::save(const Entry& entry, std::string_view state) {
@@ -306,8 +364,10 @@ std::optional<std::string> Store::save(const Entry& entry, std::string_view stat
     Database::Statement old(database, "SELECT state FROM simulations WHERE id = ?");
     const std::int64_t replaced = old.bind(1, entry.id).next() ? old.integer(0) : 0;
     Database::Statement write(database,
-                              "INSERT OR REPLACE INTO simulations(id, record, step, state) VALUES(?, ?, ?, ?)");
-    write.bind(1, entry.id).bind(2, entry.record).bind(3, signedOf(entry.step)).bind(4, made).run();
+                              "INSERT OR REPLACE INTO simulations(id, record, step, state, owner) "
+                              "VALUES(?, ?, ?, ?, ?)");
+    write.bind(1, entry.id).bind(2, entry.record).bind(3, signedOf(entry.step)).bind(4, made);
+    write.bind(5, entry.owner).run();
     return replaced;
   });
 }
@@ -443,10 +503,14 @@ std::uint64_t Store::bytes() const {
   std::uint64_t sum = 0;
   for (const char* suffix : {"", "-wal"}) {
     std::error_code error;
-    const std::uintmax_t size = fs::file_size(fs::path(folder_) / (std::string(kFile) + suffix), error);
+    const std::uintmax_t size = fs::file_size(fs::path(folder_) / (std::string(kStoreFile) + suffix), error);
     sum += error || folder_.empty() ? 0 : size;
   }
   return sum;
+}
+
+std::uint64_t Store::syncCount() const {
+  return implementation_ == nullptr ? 0 : implementation_->syncCount();
 }
 
 }  // namespace espalier::server

@@ -9,11 +9,16 @@
 #include <variant>
 #include <vector>
 
+#include <tl/expected.hpp>
+
+#include "server/store/durability.h"
+
 namespace espalier::server {
 
 /// The folder given by --data: one SQLite database (`espalier.sqlite` with its write-ahead log) that holds simulations,
 /// their checkpoints and loaded models. Every change is a transaction. A killed server loses nothing that was answered.
-/// A power failure loses at most the last moments. Neither damages the rest.
+/// A power failure loses nothing either with Durability::Power, else at most the last moments. Neither damages the
+/// rest.
 ///
 /// A state is compressed and written in parts, each in a transaction of its own. The last part makes it the state of
 /// the simulation. So other simulations wait for a part at most. Errors are sentences that say what to do. Thread-safe;
@@ -21,7 +26,7 @@ namespace espalier::server {
 class Store {
  public:
   /// Empty name: nothing is kept. `maximumBytes`: of the database. 0: no bound but the disk.
-  explicit Store(std::string folder, std::uint64_t maximumBytes = 0);
+  explicit Store(std::string folder, std::uint64_t maximumBytes = 0, Durability durability = Durability::Process);
   ~Store();
   Store(const Store&) = delete;
   Store& operator=(const Store&) = delete;
@@ -36,9 +41,12 @@ class Store {
     std::string id;
     std::string record;  // toText() of its SimulationRecord
     std::uint64_t step = 0;
+    std::string owner{};  // the account that it counts for
   };
   /// By identifier, or why they cannot be read.
   [[nodiscard]] std::variant<std::vector<Entry>, std::string> simulations() const;
+  /// One of them, or why it cannot be read.
+  [[nodiscard]] tl::expected<Entry, std::string> simulation(const std::string& id) const;
   /// Saves a new simulation, or another record and state of an old one.
   [[nodiscard]] std::optional<std::string> save(const Entry& entry, std::string_view state);
   [[nodiscard]] std::optional<std::string> saveState(const std::string& simulation, std::uint64_t step,
@@ -69,12 +77,16 @@ class Store {
 
   /// Of the database and its log on disk; 0: nothing is kept.
   [[nodiscard]] std::uint64_t bytes() const;
+  [[nodiscard]] Durability durability() const { return durability_; }
+  /// How often the disk was asked to keep what was written; 0 with Durability::Process.
+  [[nodiscard]] std::uint64_t syncCount() const;
 
  private:
   class Implementation;
 
   std::string folder_;
   std::uint64_t maximumBytes_;
+  Durability durability_;
   std::unique_ptr<Implementation> implementation_;  // null: nothing is kept, or not opened
 };
 

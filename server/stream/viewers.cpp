@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "server/log.h"
+#include "server/running/turn_meter.h"
 
 namespace espalier::server {
 namespace {
@@ -20,7 +21,7 @@ std::uint64_t bytesOf(const simulation::PlantsView& view) {
 }  // namespace
 
 Viewers::Viewers(Options options, WorkerPool& pool, const Log& log)
-    : options_(std::move(options)), pool_(&pool), log_(&log) {}
+    : options_(std::move(options)), pool_(&pool), log_(&log), kept_(*options_.account, MemoryKind::Frames) {}
 
 void Viewers::noteWishes() {
   count_ = viewers_.size();
@@ -86,10 +87,12 @@ void Viewers::work() {
     queuedBytes_ -= bytesOf(*waiting.state.plants);
   }
   std::string problem;
+  TurnMeter meter(*options_.account, MemoryKind::Frames);
+  const core::WorkMeter::Scope scope(&meter);
   try {
-    show(waiting);
+    show(waiting, meter);
   } catch (const std::bad_alloc&) {
-    problem = "The server has not enough memory for a frame. Select fewer symbols, or use a smaller model.";
+    problem = memoryProblem(meter);
   } catch (const std::exception& exception) {
     problem = std::string("Espalier has a bug: ") + exception.what() + ". Please report it.";
     log_->error("streams ended after an internal error: " + problem, {.simulation = options_.simulation});
@@ -112,7 +115,13 @@ void Viewers::work() {
   }
 }
 
-void Viewers::show(const Waiting& waiting) {
+std::string Viewers::memoryProblem(const TurnMeter& meter) const {
+  return meter.isRefused()
+             ? options_.account->memoryError().message
+             : "The server has not enough memory for a frame. Select fewer symbols, or use a smaller model.";
+}
+
+void Viewers::show(const Waiting& waiting, TurnMeter& meter) {
   std::vector<Viewer> viewers;
   {
     const std::lock_guard lock(mutex_);
@@ -130,22 +139,30 @@ void Viewers::show(const Waiting& waiting) {
     Stream& stream = *viewer.stream;
     if (state.first != nullptr) {
       if (state.first == viewer.stream) {
-        showTo(stream, maker);
+        showTo(stream, maker, meter);
       }
       continue;
     }
     stream.skip(waiting.skipped);
     const Stream::Moment moment{state.plants->completedSteps, waiting.number};
     if (state.isDue ? stream.wantsFrame(moment) : stream.wantsToCatchUp()) {
-      showTo(stream, maker);
+      showTo(stream, maker, meter);
     }
   }
   boundBases(viewers);
 }
 
-void Viewers::showTo(Stream& stream, FrameMaker& maker) {
+void Viewers::showTo(Stream& stream, FrameMaker& maker, TurnMeter& meter) {
   const simulation::PlantsView& view = drawing_.view();
-  auto frame = maker.make(stream.params(), stream.base());
+  std::variant<StreamFrame, core::SimulationError> frame = core::SimulationError{};
+  try {
+    frame = maker.make(stream.params(), stream.base());
+  } catch (const std::bad_alloc&) {
+    // other viewers may want less
+    stream.end(memoryProblem(meter));
+    (void)meter.tryAgain();
+    return;
+  }
   if (const auto* error = std::get_if<core::SimulationError>(&frame)) {
     stream.end(error->message);
   } else {
@@ -173,6 +190,7 @@ void Viewers::boundBases(const std::vector<Viewer>& viewers) {
     drawing_.forgetChain();
   }
   bytes_ = bytes;
+  kept_.set(bytes);
 }
 
 void Viewers::end(const std::string& reason) {

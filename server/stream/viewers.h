@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "engine/simulation/view_drawing.h"
+#include "server/running/account.h"
 #include "server/running/worker_pool.h"
 #include "server/stream/query_recorder.h"
 #include "server/stream/stream.h"
@@ -19,6 +20,7 @@
 namespace espalier::server {
 
 class Log;
+class TurnMeter;
 
 /// A state of a simulation on its way to the viewers.
 struct ShownState {
@@ -39,6 +41,7 @@ class Viewers final : public std::enable_shared_from_this<Viewers> {
  public:
   struct Options {
     std::string simulation;           // the name
+    Account* account = nullptr;       // that has the memory
     std::uint64_t streamBytes = 0;    // limit: bytes kept to tell differences
     std::function<void()> askLatest;  // calls for the latest state, with isDue false; from any thread
   };
@@ -74,8 +77,9 @@ class Viewers final : public std::enable_shared_from_this<Viewers> {
 
   void schedule();  // with mutex_ held
   void work();
-  void show(const Waiting& waiting);
-  void showTo(Stream& stream, FrameMaker& maker);
+  void show(const Waiting& waiting, TurnMeter& meter);
+  void showTo(Stream& stream, FrameMaker& maker, TurnMeter& meter);
+  [[nodiscard]] std::string memoryProblem(const TurnMeter& meter) const;
   void boundBases(const std::vector<Viewer>& viewers);
   void noteWishes();  // with mutex_ held
 
@@ -97,6 +101,7 @@ class Viewers final : public std::enable_shared_from_this<Viewers> {
   bool isWorking_ = false;          // a task is posted or runs
 
   // for the worker that makes frames
+  Holding kept_;  // bytes_, in the account
   simulation::ViewDrawing drawing_;
 };
 

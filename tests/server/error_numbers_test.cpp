@@ -67,14 +67,14 @@ TEST(ErrorNumbers, ABugInACommandIsInternalAndClosesThatSimulationOnly) {
   ServerCore core(quietOptions());
   const auto make = [&core]() {
     SimulationRecord record;
-    record.id = std::get<std::string>(core.reserve("1"));
+    record.id = std::get<std::string>(core.reserve("1", "local"));
     core::MemoryFileProvider files({{"model.l", std::string(kGrowth)}});
     language::CompileInput input;
     input.modelFile = "model.l";
     Interruption interruption;
-    auto made =
-        HostedSimulation::create(record, {language::compile(input, files).program}, core.options().limits.simulation,
-                                 core.environmentServices(), core.store(), interruption);
+    auto made = HostedSimulation::create(record, {language::compile(input, files).program}, {},
+                                         core.options().limits.simulation, core.environmentServices(), core.store(),
+                                         interruption);
     core.add(record.id, std::move(std::get<std::unique_ptr<HostedSimulation>>(made)));
     return core.find(record.id);
   };

@@ -33,5 +33,7 @@ void addConnect(CLI::App& program, int& status);
 void addLoad(CLI::App& program, int& status);
 void addStatus(CLI::App& program, int& status);
 void addToken(CLI::App& program, int& status);
+void addBackup(CLI::App& program, int& status);
+void addRestore(CLI::App& program, int& status);
 
 }  // namespace espalier::command

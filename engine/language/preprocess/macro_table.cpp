@@ -6,6 +6,13 @@
 #include "engine/core/work_meter.h"
 
 namespace espalier::language {
+namespace {
+
+// what macros may expand to: so many bytes, and so many for each byte of the model's text
+constexpr std::uint64_t kLeastExpansion = 1'000'000;
+constexpr std::uint64_t kMostExpansion = 100;
+
+}  // namespace
 
 std::size_t stringLiteralEnd(std::string_view line, std::size_t begin) {
   for (std::size_t i = begin + 1; i < line.size(); ++i) {
@@ -323,10 +330,14 @@ class MacroTable::Expansion {
   bool charge(std::size_t scanned, std::size_t pending) {
     core::pollWork();
     table_.expandedBytes_ += scanned;
-    if (table_.expandedBytes_ + pending > table_.limits_.maximumSourceBytes) {
-      report("macros expand to more than the limit maximumSourceBytes (" +
-                 std::to_string(table_.limits_.maximumSourceBytes) + " bytes)",
-             "", true);
+    const std::uint64_t limit = table_.limits_.maximumSourceBytes;
+    const std::uint64_t bound = kLeastExpansion + kMostExpansion * table_.textBytes_;
+    const std::uint64_t bytes = table_.expandedBytes_ + pending;
+    if (bytes > limit) {
+      report("macros expand to more than the limit maximumSourceBytes (" + std::to_string(limit) + " bytes)", "", true);
+    } else if (bytes > bound) {
+      report("macros expand to more than " + std::to_string(bound) + " bytes, a hundred times the text of the model",
+             "use smaller macros, or a loop or an array in their place", true);
     }
     return !hasFailed_;
   }

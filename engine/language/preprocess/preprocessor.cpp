@@ -142,6 +142,7 @@ class Preprocessor {
   void processFile(std::uint32_t file, std::uint32_t depth) {
     const std::string& text = files_[file].text;
     readBytes_ += text.size();
+    macros_.addText(text.size());
     if (readBytes_ > input_.limits.maximumSourceBytes) {
       fatal(file, 0, 1,
             "the files of the model are longer than the limit maximumSourceBytes (" +
@@ -274,7 +275,7 @@ class Preprocessor {
     const std::uint32_t begin = line.offsetOf(found.begin);
     const std::size_t length = found.end - found.begin;
     if (found.isFatal) {
-      fatal(file, begin, length, found.message);
+      fatal(file, begin, length, found.message, found.hint);
     } else {
       error(file, begin, length, found.message, found.hint);
     }

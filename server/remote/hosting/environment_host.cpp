@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "protocol/framing.h"
+#include "server/remote/control_group.h"
 #include "server/remote/hosting/environment_dialogue.h"
 
 namespace espalier::server {
@@ -73,7 +74,7 @@ asio::awaitable<void> acceptConnections(tcp::acceptor& acceptor, const ProcessFa
 std::optional<std::string> hostEnvironment(const HostAddress& address, const ProcessFactory& factory,
                                            const std::function<void(std::uint16_t)>& onListening) {
   const auto& [host, port, isInsecureAllowed] = address;
-  const unsigned threadCount = std::max(2U, std::thread::hardware_concurrency());
+  const unsigned threadCount = std::max(2U, processorCount());
   asio::io_context context(static_cast<int>(threadCount));
   tcp::acceptor acceptor(context);
   boost::system::error_code error;

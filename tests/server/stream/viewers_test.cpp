@@ -47,9 +47,11 @@ class ViewersTest : public testing::Test {
                     {{}}, nullptr, {}) {
     // one module to begin with, long enough that some states fill the queue
     simulation::expectSuccess(simulation_.rewind());
-    viewers_ = std::make_shared<Viewers>(
-        Viewers::Options{.simulation = "s", .streamBytes = 1'000'000'000, .askLatest = [this] { ++asked_; }},
-        core_.pool(), core_.log());
+    viewers_ = std::make_shared<Viewers>(Viewers::Options{.simulation = "s",
+                                                          .account = &core_.accounts().server(),
+                                                          .streamBytes = 1'000'000'000,
+                                                          .askLatest = [this] { ++asked_; }},
+                                         core_.pool(), core_.log());
   }
   ~ViewersTest() override {
     viewers_->end("over");

@@ -318,6 +318,23 @@ TEST(Preprocessor, AnExpansionBombEndsAtALimit) {
   EXPECT_FALSE(result.isComplete);
 }
 
+TEST(Preprocessor, AFewBytesDoNotExpandToMegabytes) {
+  std::string text = "#define A0 xxxxxxxxxx\n";
+  for (int i = 1; i < 40; ++i) {
+    const std::string below = "A" + std::to_string(i - 1);
+    text += "#define A" + std::to_string(i) + " " + below + " " + below + "\n";
+  }
+  const std::string model = text + "A39\n";
+  EXPECT_EQ(briefs(run(model).diagnostics),
+            Messages{"41:1: error: macros expand to more than " + std::to_string(1'000'000 + 100 * model.size()) +
+                     " bytes, a hundred times the text of the model | use smaller macros, or a loop or an array in "
+                     "their place"});
+  // a longer text may use them more often
+  const std::string comment = "/*" + std::string(100'000, ' ') + "*/\n";
+  EXPECT_FALSE(run(text + "A17\n").isComplete);
+  EXPECT_TRUE(run(comment + text + "A17\n").isComplete);
+}
+
 TEST(Preprocessor, DeepMacrosEndAtALimit) {
   std::string text = "#define A0 x\n";
   for (int i = 1; i < 10; ++i) {

@@ -1,42 +1,46 @@
 // A page with the geometry of a plant: one frame, or several frames with a slider and a button that plays the growth.
 import { Box3 } from "three";
-import type { Object3D } from "three";
 import { PlantScene, boxOf } from "./plant_scene.js";
 
-function bytesOf(base64: string): ArrayBuffer {
+async function bytesOf(base64) {
   const text = atob(base64);
   const bytes = new Uint8Array(text.length);
   for (let i = 0; i < text.length; ++i) {
     bytes[i] = text.charCodeAt(i);
   }
+  // gzip begins with these two
+  if (bytes[0] === 0x1f && bytes[1] === 0x8b) {
+    const unpacked = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
+    return new Response(unpacked).arrayBuffer();
+  }
   return bytes.buffer;
 }
 
-/** Shows frames (base64 texts of .glb files) in an element. Several frames get a slider and a button that plays them. */
-export async function showPlant(element: HTMLElement, frames: string[], background = "#f7f7f2"): Promise<void> {
-  const fail = (text: string) => {
+/** Shows frames (base64 texts of .glb files, which gzip may have packed) in an element. Several frames get a slider and a button that plays them. */
+export async function showPlant(element, frames, background = "#f7f7f2") {
+  const fail = (text) => {
     element.textContent = text;
     element.dataset.state = "failed";
   };
-  let view: PlantScene;
+  let view;
   try {
     view = new PlantScene(element, background);
   } catch (error) {
-    fail(`This page cannot draw: WebGL is not available (${(error as Error).message}).`);
+    fail(`This page cannot draw: WebGL is not available (${error.message}).`);
     return;
   }
-  const plants: Object3D[] = [];
+  const plants = [];
   const whole = new Box3();
   for (const frame of frames) {
     try {
-      plants.push(await view.read(bytesOf(frame)));
+      plants.push(await view.read(await bytesOf(frame)));
     } catch (error) {
-      fail(`The plant cannot be read: ${(error as Error).message}`);
+      fail(`The plant cannot be read: ${error.message}`);
       return;
     }
     whole.union(boxOf(plants[plants.length - 1]));
   }
-  const show = (index: number) => view.show(plants[index], true);
+  const show = (index) => view.show(plants[index], true);
   if (plants.length > 1) {
     addPlayer(element, plants.length, show);
   }
@@ -45,7 +49,7 @@ export async function showPlant(element: HTMLElement, frames: string[], backgrou
   element.dataset.state = "shown";
 }
 
-function addPlayer(element: HTMLElement, count: number, show: (index: number) => void): void {
+function addPlayer(element, count, show) {
   const bar = document.createElement("div");
   bar.style.cssText = "position:absolute;left:12px;right:12px;bottom:10px;display:flex;gap:10px;font:13px sans-serif";
   const button = document.createElement("button");
@@ -56,14 +60,14 @@ function addPlayer(element: HTMLElement, count: number, show: (index: number) =>
   slider.value = slider.max;
   slider.style.flex = "1";
   const label = document.createElement("span");
-  const go = (index: number) => {
+  const go = (index) => {
     slider.value = String(index);
     label.textContent = `${index + 1} of ${count}`;
     show(index);
   };
   label.textContent = `${count} of ${count}`;
   slider.addEventListener("input", () => go(Number(slider.value)));
-  let timer: ReturnType<typeof setInterval> | undefined;
+  let timer = 0;
   button.addEventListener("click", () => {
     clearInterval(timer);
     let index = 0;

@@ -2,12 +2,14 @@
 import {
   AmbientLight,
   Box3,
+  CanvasTexture,
+  CircleGeometry,
   Color,
   DirectionalLight,
   DoubleSide,
-  Mesh,
-  Object3D,
   HemisphereLight,
+  Mesh,
+  MeshBasicMaterial,
   PerspectiveCamera,
   Scene,
   Vector3,
@@ -16,16 +18,34 @@ import {
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 
-function addLights(scene: Scene): void {
+function addLights(scene) {
   scene.add(new HemisphereLight(0xffffff, 0x8a7f6a, 1.6), new AmbientLight(0xffffff, 0.4));
   const sun = new DirectionalLight(0xffffff, 2.2);
   sun.position.set(-0.6, 1, 0.8);
   scene.add(sun);
 }
 
-function freeMemory(object: Object3D): void {
-  object.traverse((found) => {
-    const part = found as Mesh;
+// a dark middle that fades to nothing, for every spot on the ground
+let shadeTexture = null;
+function shade() {
+  if (!shadeTexture) {
+    const size = 128;
+    const canvas = Object.assign(document.createElement("canvas"), { width: size, height: size });
+    const context = canvas.getContext("2d");
+    const gradient = context.createRadialGradient(size / 2, size / 2, 0, size / 2, size / 2, size / 2);
+    gradient.addColorStop(0, "rgba(0,0,0,0.45)");
+    gradient.addColorStop(0.2, "rgba(0,0,0,0.24)");
+    gradient.addColorStop(0.6, "rgba(0,0,0,0.08)");
+    gradient.addColorStop(1, "rgba(0,0,0,0)");
+    context.fillStyle = gradient;
+    context.fillRect(0, 0, size, size);
+    shadeTexture = new CanvasTexture(canvas);
+  }
+  return shadeTexture;
+}
+
+function freeMemory(object) {
+  object.traverse((part) => {
     part.geometry?.dispose();
     for (const material of part.material ? [part.material].flat() : []) {
       material.dispose();
@@ -35,18 +55,10 @@ function freeMemory(object: Object3D): void {
 
 /** A canvas in an element. Throws when the browser has no WebGL. */
 export class PlantScene {
-  private readonly renderer = new WebGLRenderer({ antialias: true });
-  private readonly scene = new Scene();
-  private readonly camera: PerspectiveCamera;
-  private readonly controls: OrbitControls;
-  private readonly loader = new GLTFLoader();
-  private plant: Object3D | null = null;
-  private hasCamera = false;
-
-  constructor(
-    private readonly element: HTMLElement,
-    background = "#f7f7f2",
-  ) {
+  constructor(element, background = "#f7f7f2") {
+    this.element = element;
+    this.renderer = new WebGLRenderer({ antialias: true });
+    this.scene = new Scene();
     this.scene.background = new Color(background);
     addLights(this.scene);
     this.camera = new PerspectiveCamera(35, element.clientWidth / element.clientHeight, 0.01, 1000);
@@ -56,13 +68,15 @@ export class PlantScene {
     element.append(this.renderer.domElement);
     this.controls.addEventListener("change", () => this.draw());
     new ResizeObserver(() => this.resize()).observe(element);
+    this.loader = new GLTFLoader();
+    this.plant = null;
   }
 
-  draw(): void {
+  draw() {
     this.renderer.render(this.scene, this.camera);
   }
 
-  resize(): void {
+  resize() {
     const { clientWidth, clientHeight } = this.element;
     if (clientWidth > 0 && clientHeight > 0) {
       this.camera.aspect = clientWidth / clientHeight;
@@ -73,18 +87,31 @@ export class PlantScene {
   }
 
   /** The object of a binary glTF file (an ArrayBuffer). */
-  async read(bytes: ArrayBuffer): Promise<Object3D> {
-    const { scene } = await this.loader.parseAsync(bytes, "");
+  async read(bytes) {
+    const { scene, parser } = await this.loader.parseAsync(bytes, "");
     scene.traverse((object) => {
-      for (const material of object instanceof Mesh ? [object.material].flat() : []) {
+      for (const material of object.isMesh ? [object.material].flat() : []) {
         material.side = DoubleSide; // leaves have two sides
       }
     });
+    this.addGround(scene, parser.json.scenes[0].extras?.ground ?? []);
     return scene;
   }
 
+  /** Shades the ground where the plants stand, so that they do not float. */
+  addGround(plant, contacts) {
+    for (const [x, y, z, radius] of contacts) {
+      const spot = new Mesh(new CircleGeometry(radius, 48), new MeshBasicMaterial({
+        map: shade(), transparent: true, depthWrite: false, polygonOffset: true, polygonOffsetFactor: 1 }));
+      spot.rotation.x = -Math.PI / 2;
+      spot.position.set(x, y, z);
+      spot.renderOrder = -1;
+      plant.add(spot);
+    }
+  }
+
   /** Shows a plant. Frees the plant before it, unless that plant is kept to be shown again. */
-  show(plant: Object3D | null, isKept = false): void {
+  show(plant, isKept = false) {
     if (this.plant) {
       this.scene.remove(this.plant);
       if (!isKept) {
@@ -99,7 +126,7 @@ export class PlantScene {
   }
 
   /** Places the camera a little above the plant, so far away that the whole box is visible. */
-  fit(box: Box3): void {
+  fit(box) {
     if (box.isEmpty()) {
       return;
     }
@@ -122,8 +149,16 @@ export class PlantScene {
     controls.update();
     this.draw();
   }
+
+  /** Zooms out when the plant has grown beyond the fitted box. */
+  fitGrown(box) {
+    if (!this.fitted || !this.fitted.containsBox(box)) {
+      this.fitted = box.clone().expandByScalar(0.15 * box.getSize(new Vector3()).length());
+      this.fit(box);
+    }
+  }
 }
 
-export function boxOf(object: Object3D): Box3 {
+export function boxOf(object) {
   return new Box3().setFromObject(object);
 }

@@ -1,0 +1,120 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "protocol/errors.h"
+
+namespace espalier::server {
+
+struct ServerLimits;
+
+/// What memory is taken for.
+enum class MemoryKind : std::uint8_t { Strings, Environments, Frames, Decoding, Compiling };
+
+inline constexpr std::size_t kMemoryKindCount = 5;
+/// As the wire and the metrics name them: stringBytes, environmentBytes, ...
+inline constexpr std::array<std::string_view, kMemoryKindCount> kMemoryKindNames{
+    "stringBytes", "environmentBytes", "frameBytes", "decodingBytes", "compilingBytes"};
+
+/// What one owner takes from the server, and at most may take. The account of the server is the parent of all others:
+/// what an owner takes counts there too. Thread-safe.
+class Account {
+ public:
+  struct Bounds {
+    std::uint64_t memoryBytes = UINT64_MAX;
+    std::uint64_t simulations = UINT64_MAX;
+    std::uint64_t streams = UINT64_MAX;
+    std::uint64_t cpuSeconds = UINT64_MAX;
+  };
+
+  Account(std::string owner, const Bounds& bounds, Account* parent)
+      : owner_(std::move(owner)), bounds_(bounds), parent_(parent) {}
+  Account(const Account&) = delete;
+  Account& operator=(const Account&) = delete;
+
+  [[nodiscard]] const std::string& owner() const { return owner_; }
+  [[nodiscard]] const Bounds& bounds() const { return bounds_; }
+
+  /// Takes memory when the owner and the server may have it. False: nothing was taken.
+  [[nodiscard]] bool take(MemoryKind kind, std::uint64_t bytes);
+  /// Takes or gives back memory that is there, without asking.
+  void add(MemoryKind kind, std::int64_t bytes);
+  [[nodiscard]] std::uint64_t bytes(MemoryKind kind) const;
+  [[nodiscard]] std::uint64_t memoryBytes() const { return memoryBytes_; }
+  /// The error of memory that the owner, or the server, may not have.
+  [[nodiscard]] protocol::Error memoryError() const;
+
+  void addSimulations(std::int64_t count);
+  void addStreams(std::int64_t count);
+  void spend(std::uint64_t nanoseconds);
+  [[nodiscard]] std::uint64_t simulations() const { return simulations_; }
+  [[nodiscard]] std::uint64_t streams() const { return streams_; }
+  [[nodiscard]] double cpuSeconds() const { return static_cast<double>(nanoseconds_.load()) * 1e-9; }
+  /// Why the owner may not compute any more, or nothing.
+  [[nodiscard]] std::optional<protocol::Error> cpuProblem() const;
+
+ private:
+  [[nodiscard]] bool isFull(std::uint64_t bytes) const { return bytes > bounds_.memoryBytes; }
+
+  const std::string owner_;
+  const Bounds bounds_;
+  Account* const parent_;  // null: this is the server's
+  std::atomic<std::uint64_t> memoryBytes_{0};
+  std::array<std::atomic<std::int64_t>, kMemoryKindCount> bytes_{};
+  std::atomic<std::uint64_t> simulations_{0};
+  std::atomic<std::uint64_t> streams_{0};
+  std::atomic<std::uint64_t> nanoseconds_{0};
+};
+
+/// The account of the server and those of all owners. An owner's account lives as long as the server. Thread-safe.
+class Accounts {
+ public:
+  explicit Accounts(const ServerLimits& limits);
+
+  [[nodiscard]] Account& server() { return server_; }
+  [[nodiscard]] const Account& server() const { return server_; }
+  /// Of the token with that name. Empty: of all peers of a server without tokens, which is called `local`.
+  [[nodiscard]] Account& of(const std::string& token);
+  [[nodiscard]] std::vector<const Account*> all() const;
+
+ private:
+  const Account::Bounds ownerBounds_;
+  Account server_;
+  mutable std::mutex mutex_;
+  std::map<std::string, std::unique_ptr<Account>> owners_;
+};
+
+/// Memory of an account that something holds for long. The destructor gives it back. For one thread at a time.
+class Holding {
+ public:
+  Holding(Account& account, MemoryKind kind) : account_(&account), kind_(kind) {}
+  ~Holding() { set(0); }
+  Holding(const Holding&) = delete;
+  Holding& operator=(const Holding&) = delete;
+
+  /// It holds so many bytes now.
+  void set(std::uint64_t bytes) {
+    account_->add(kind_, static_cast<std::int64_t>(bytes) - static_cast<std::int64_t>(bytes_));
+    bytes_ = bytes;
+  }
+  [[nodiscard]] std::uint64_t bytes() const { return bytes_; }
+
+ private:
+  Account* account_;
+  MemoryKind kind_;
+  std::uint64_t bytes_ = 0;
+};
+
+/// The memory that this process may have: four fifths of the machine's, or of its control group's when that has less.
+[[nodiscard]] std::uint64_t usableMemoryBytes();
+
+}  // namespace espalier::server

@@ -1,0 +1,55 @@
+#include "server/store/schema.h"
+
+#include <array>
+
+namespace espalier::server {
+namespace {
+
+constexpr std::array kChanges{
+    // version 1
+    R"(
+CREATE TABLE IF NOT EXISTS simulations(id TEXT PRIMARY KEY, record TEXT NOT NULL, step INTEGER NOT NULL,
+                                       state INTEGER NOT NULL) WITHOUT ROWID;
+CREATE TABLE IF NOT EXISTS checkpoints(simulation TEXT, name TEXT, step INTEGER NOT NULL, state INTEGER NOT NULL,
+                                       bytes INTEGER NOT NULL, PRIMARY KEY(simulation, name)) WITHOUT ROWID;
+CREATE TABLE IF NOT EXISTS models(id TEXT PRIMARY KEY, text TEXT NOT NULL) WITHOUT ROWID;
+CREATE TABLE IF NOT EXISTS parts(id INTEGER PRIMARY KEY, bytes BLOB NOT NULL);
+)",
+    // version 2: the account that a simulation counts for
+    R"(
+ALTER TABLE simulations ADD COLUMN owner TEXT NOT NULL DEFAULT '';
+)",
+};
+
+}  // namespace
+
+std::span<const char* const> storeChanges() {
+  return kChanges;
+}
+
+std::int64_t storeVersion() {
+  return static_cast<std::int64_t>(kChanges.size());
+}
+
+std::int64_t versionOf(Database& database) {
+  Database::Statement statement(database, "PRAGMA user_version");
+  return statement.next() ? statement.integer(0) : 0;
+}
+
+bool migrate(Database& database) {
+  const std::int64_t version = versionOf(database);
+  if (version > storeVersion()) {
+    return false;
+  }
+  if (version < storeVersion()) {
+    database.begin();
+    for (const char* change : storeChanges().subspan(static_cast<std::size_t>(version))) {
+      database.execute(change);
+    }
+    database.execute(("PRAGMA user_version = " + std::to_string(storeVersion())).c_str());
+    (void)database.commit();
+  }
+  return true;
+}
+
+}  // namespace espalier::server

@@ -1,0 +1,24 @@
+"""Hostile peers of every kind at once, for half a minute; `./dev soak` does it for longer."""
+
+import os
+import tempfile
+import unittest
+
+from hostility import attack
+
+
+class HostilePeersAtOnce(unittest.TestCase):
+    def attacked(self, seconds: float) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            self.assertEqual(attack(seconds, folder), [])
+
+    def test_the_server_lives_and_a_client_that_means_well_gets_its_answers(self) -> None:
+        self.attacked(15)
+
+    @unittest.skipUnless(os.environ.get("ESPALIER_LONG_TESTS") == "yes", "takes minutes: ./dev test --all soak")
+    def test_long_the_same_for_minutes(self) -> None:
+        self.attacked(float(os.environ.get("ESPALIER_HOSTILE_SECONDS", "300")))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,67 @@
+#include "server/remote/control_group.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include "tests/server/server_fixture.h"
+
+namespace espalier::server {
+namespace {
+
+void write(const std::string& file, const std::string& text) {
+  std::filesystem::create_directories(std::filesystem::path(file).parent_path());
+  std::ofstream(file) << text;
+}
+
+unsigned allProcessors() {
+  const TemporaryFolder empty;
+  return processorCount(empty.path());
+}
+
+TEST(ControlGroup, WithoutOneTheMachineCounts) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(controlGroupMemoryBytes(folder.path()), std::nullopt);
+  EXPECT_GE(allProcessors(), 1U);
+  EXPECT_LE(allProcessors(), std::max(std::thread::hardware_concurrency(), 1U));
+}
+
+TEST(ControlGroup, OfVersionTwoGivesItsQuotaRoundedUp) {
+  const TemporaryFolder folder;
+  write(folder.path() + "/cpu.max", "max 100000\n");
+  write(folder.path() + "/memory.max", "max\n");
+  EXPECT_EQ(processorCount(folder.path()), allProcessors());
+  EXPECT_EQ(controlGroupMemoryBytes(folder.path()), std::nullopt);
+  write(folder.path() + "/cpu.max", "20000 100000\n");
+  write(folder.path() + "/memory.max", "268435456\n");
+  EXPECT_EQ(processorCount(folder.path()), 1U);
+  EXPECT_EQ(controlGroupMemoryBytes(folder.path()), 268'435'456U);
+  write(folder.path() + "/cpu.max", "110000 100000\n");
+  EXPECT_EQ(processorCount(folder.path()), std::min(2U, allProcessors()));
+  write(folder.path() + "/cpu.max", "9900000 100000\n");
+  EXPECT_EQ(processorCount(folder.path()), std::min(99U, allProcessors()));
+}
+
+TEST(ControlGroup, OfVersionOneIsReadToo) {
+  const TemporaryFolder folder;
+  write(folder.path() + "/cpu/cpu.cfs_quota_us", "-1\n");
+  write(folder.path() + "/cpu/cpu.cfs_period_us", "100000\n");
+  write(folder.path() + "/memory/memory.limit_in_bytes", "1000000\n");
+  EXPECT_EQ(processorCount(folder.path()), allProcessors());
+  EXPECT_EQ(controlGroupMemoryBytes(folder.path()), 1'000'000U);
+  write(folder.path() + "/cpu/cpu.cfs_quota_us", "50000\n");
+  EXPECT_EQ(processorCount(folder.path()), 1U);
+}
+
+TEST(ControlGroup, NonsenseIsNoBound) {
+  const TemporaryFolder folder;
+  write(folder.path() + "/cpu.max", "0 0\n");
+  write(folder.path() + "/memory.max", "-5 lots\n");
+  EXPECT_EQ(processorCount(folder.path()), allProcessors());
+  EXPECT_EQ(controlGroupMemoryBytes(folder.path()), std::nullopt);
+}
+
+}  // namespace
+}  // namespace espalier::server
