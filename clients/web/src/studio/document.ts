@@ -72,8 +72,8 @@ export function guessedRange(value: number): { low: number; high: number; step: 
 }
 
 /** The model as the protocol takes it. */
-export function modelOf(document: Document): { files: Record<string, string>; binary: Record<string, string>; main: string } {
-  return { files: document.files, binary: document.binary, main: document.main };
+export function modelOf(document: Document): { files: Record<string, string>; binaryFiles: Record<string, string>; main: string } {
+  return { files: document.files, binaryFiles: document.binary, main: document.main };
 }
 
 export const EMPTY_MODEL = `/* A tree that forks. Change a number and look at the plant. */

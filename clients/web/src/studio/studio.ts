@@ -195,7 +195,7 @@ export class Studio {
   async openGallery(name: string, step?: number): Promise<void> {
     const read = await this.client.call("model.read", { gallery: name });
     await this.openDocument(
-      { title: name, main: read.main, files: read.files, binary: read.binary, environment: read.environment ?? null, gallery: name },
+      { title: name, main: read.main, files: read.files, binary: read.binaryFiles, environment: read.environment ?? null, gallery: name },
       step,
     );
   }
