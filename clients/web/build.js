@@ -1,5 +1,5 @@
-// Bundles src/espalier.js with three.js into espalier.js, the one script of all pages. The build of the program calls it,
-// and so does the build of the Python package.
+// Bundles src/studio.tsx into studio.js and studio.css, the page of a server, and src/espalier.js into espalier.js, the script
+// of pages that hold a plant. The build of the program calls it, and so does the build of the Python package.
 //
 //     node build.js              bundle; fetch the packages first when they are missing
 //     node build.js --packages   only fetch the packages
@@ -28,19 +28,23 @@ if (Number.parseInt(process.versions.node, 10) < OLDEST_NODE) {
 if (!arePackagesThere()) {
   const done = spawnSync("npm", ["ci", "--loglevel=error"], { stdio: ["ignore", "ignore", "inherit"] });
   if (done.status !== 0) {
-    fail("npm could not fetch three.js and esbuild: look whether the npm registry can be reached, then try again.");
+    fail("npm could not fetch the packages of the pages: look whether the npm registry can be reached, then try again.");
   }
 }
 if (!process.argv.includes("--packages")) {
+  await import("../typescript/generate.js");
   const { build } = await import("esbuild");
-  await build({
-    entryPoints: ["src/espalier.js"],
+  const common = {
     bundle: true,
     minify: true,
     format: "iife",
-    globalName: "espalier",
     legalComments: "eof",
-    target: "es2020",
-    outfile: "espalier.js",
-  });
+    target: "es2022",
+    tsconfig: "tsconfig.json",
+    logLevel: "warning",
+  };
+  await Promise.all([
+    build({ ...common, entryPoints: ["src/espalier.js"], globalName: "espalier", outfile: "espalier.js" }),
+    build({ ...common, entryPoints: ["src/studio.tsx"], outfile: "studio.js" }),
+  ]);
 }

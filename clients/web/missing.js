@@ -1,5 +1,4 @@
-// Stands for espalier.js in a program that was built without it: the page says what is missing.
-document.getElementById("server").textContent = "";
+// Stands for studio.js in a program that was built without it: the page says what is missing.
 const message = document.getElementById("message");
 message.className = "error";
 message.textContent =

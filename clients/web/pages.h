@@ -4,10 +4,11 @@
 
 namespace espalier::web {
 
-/// The page of a server (HTML). It loads /espalier.js and nothing else.
+/// The page of a server (HTML). It loads /studio.js and /studio.css and nothing else.
 [[nodiscard]] std::string_view serverPage();
-/// The script of all pages, bundled with three.js. In a program that was built without Node.js the script writes into
-/// the page what is missing.
+/// The studio, bundled with its packages. In a program that was built without Node.js the script writes into the page
+/// what is missing.
 [[nodiscard]] std::string_view script();
+[[nodiscard]] std::string_view style();
 
 }  // namespace espalier::web

@@ -100,7 +100,11 @@ void writeFiles(const Request& request, const GalleryModel& model, const std::st
   result.key("binaryFiles");
   writeTexts(result, binary);
   if (!environmentJson.empty()) {
-    result.key("environment").raw(environmentJson);
+    // a message is one line
+    std::string line = environmentJson;
+    std::replace_if(
+        line.begin(), line.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
+    result.key("environment").raw(line);
   }
   request.session.respond(request.id, result.endObject().view());
 }

@@ -34,7 +34,7 @@ class GalleryModels(unittest.TestCase):
     def test_the_files_of_a_model_make_the_same_plant(self) -> None:
         client = self.serve()
         # textures are no text; one of several models of a folder; an environment of published files
-        for name in ("textured-tree", "chapter-open-l-systems/bush.txt", "shadow-trees"):
+        for name in ("textured-tree", "chapter-open-l-systems/bush.txt", "shadow-trees", "insect-on-a-plant"):
             read = client.call("model.read", {"gallery": name})
             made = {"files": read["files"], "binaryFiles": read["binaryFiles"], "main": read["main"]}
             environment = {"environment": read["environment"]} if "environment" in read else {}

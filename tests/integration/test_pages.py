@@ -15,6 +15,9 @@ from support import GALLERY, REPOSITORY, SECONDS, program
 import espalier
 from espalier import Server
 
+WEB = REPOSITORY / "clients" / "web"
+PLAYWRIGHT = WEB / "node_modules" / "playwright-core"
+
 
 def keep(picture: bytes, name: str) -> None:
     """Writes a picture for people when ESPALIER_PICTURES names a folder."""
@@ -36,12 +39,13 @@ class Pages(unittest.TestCase):
         self.addCleanup(server.stop)
         with urllib.request.urlopen(f"{address}/", timeout=60) as answer:
             page, policy = answer.read().decode("utf-8"), answer.headers["Content-Security-Policy"]
-        self.assertIn('<script src="/espalier.js" data-page="server">', page)
+        self.assertIn('<script src="/studio.js">', page)
         self.assertNotIn("https://", page)
         self.assertIn("default-src 'none'", policy)
-        with urllib.request.urlopen(f"{address}/espalier.js", timeout=60) as answer:
-            self.assertEqual(answer.headers["Content-Type"], "text/javascript; charset=utf-8")
-            self.assertIn(b"Three.js Authors", answer.read())
+        for path, kind, content in (("studio.js", "text/javascript", b"Three.js Authors"), ("studio.css", "text/css", b"#plant")):
+            with urllib.request.urlopen(f"{address}/{path}", timeout=60) as answer:
+                self.assertEqual(answer.headers["Content-Type"], f"{kind}; charset=utf-8")
+                self.assertIn(content, answer.read())
 
     @unittest.skipUnless(shutil.which("cmake"), "there is no cmake")
     def test_the_pages_are_built_without_node_and_say_what_is_missing(self) -> None:
@@ -57,88 +61,29 @@ class Pages(unittest.TestCase):
 
 @unittest.skipUnless(PROGRAM, "Chromium is not installed (Debian: chromium)")
 class InABrowser(unittest.TestCase):
-    def test_a_plant_grows_on_the_page(self) -> None:
-        server, address = start()
-        self.addCleanup(server.stop)
-        with Browser(address) as page:
-            page.wait_for('document.body.dataset.state === "connected"')
-            self.assertIn("light-tree", page.evaluate('[...document.getElementById("gallery").options].map((o) => o.value)'))
-            page.evaluate('document.getElementById("gallery").value = "branch-tiers"')
-            page.evaluate('document.getElementById("seed").value = "7"')
-            page.evaluate('document.getElementById("create").click()')
-            page.wait_for('document.getElementById("plant").dataset.step === "0"')
-            page.evaluate('document.getElementById("step").click()')
-            page.wait_for('document.getElementById("plant").dataset.step === "1"')
-            first = page.picture()
-            page.wait_for('!document.getElementById("run").disabled')
-            page.evaluate('document.getElementById("run").click()')
-            page.wait_for('document.getElementById("state").textContent.includes("finished")')
-            with server.connect() as client:
-                made = client.simulation(client.simulations()[0]["simulation"])
-                last = made.get("information")["information"]["step"]
-                modules = made.get("statistics")["statistics"]["modules"]
-            page.wait_for(f'document.getElementById("plant").dataset.step === "{last}"')
-            # the newest step is on top of the table
-            newest = page.evaluate('[...document.querySelector("#steps tr").children].map((cell) => cell.textContent)')
-            self.assertEqual([newest[0], newest[1].replace(",", "")], [str(last), str(modules)])
-            grown = page.picture()
-            keep(first, "page-first")
-            keep(grown, "page-grown")
-            self.assertGreater(len(grown), len(first))
-            page.drag(800, 350, 950, 300)
-            turned = page.picture()
-            keep(turned, "page-turned")
-            self.assertNotEqual(turned, grown)
+    @unittest.skipUnless(PLAYWRIGHT.is_dir(), "the packages of clients/web are not there (./dev build fetches them)")
+    def test_the_studio(self) -> None:
+        variables = {**os.environ, "ESPALIER_PROGRAM": program(), "ESPALIER_CHROMIUM": str(PROGRAM)}
+        tested = subprocess.run(["node", "--test", "test/"], cwd=WEB, text=True, capture_output=True, check=False,
+                                stdin=subprocess.DEVNULL, timeout=30 * SECONDS, env=variables)
+        self.assertEqual(tested.returncode, 0, tested.stdout[-8000:] + tested.stderr[-2000:])
+        self.assertRegex(tested.stdout, r"(?m)^# pass [1-9]")
+
+    @unittest.skipUnless(PLAYWRIGHT.is_dir(), "the packages of clients/web are not there (./dev build fetches them)")
+    def test_the_types_of_the_studio_fit(self) -> None:
+        for command in (["node", "../typescript/generate.js"], ["node", "node_modules/typescript/bin/tsc"]):
+            done = subprocess.run(command, cwd=WEB, text=True, capture_output=True, check=False, timeout=30 * SECONDS)
+            self.assertEqual((done.returncode, done.stdout), (0, ""), done.stdout)
 
     def test_a_page_without_its_script_says_what_is_missing(self) -> None:
-        web = REPOSITORY / "clients" / "web"
         with tempfile.TemporaryDirectory() as folder:
-            page = (web / "page.html").read_text(encoding="utf-8")
-            self.assertEqual(page.count('src="/espalier.js"'), 1)
-            (Path(folder) / "page.html").write_text(page.replace('src="/espalier.js"', 'src="missing.js"'), encoding="utf-8")
-            shutil.copy(web / "missing.js", folder)
+            page = (WEB / "page.html").read_text(encoding="utf-8")
+            self.assertEqual(page.count('src="/studio.js"'), 1)
+            (Path(folder) / "page.html").write_text(page.replace('src="/studio.js"', 'src="missing.js"'), encoding="utf-8")
+            shutil.copy(WEB / "missing.js", folder)
             with Browser(f"file://{folder}/page.html") as shown:
                 said = shown.wait_for('document.getElementById("message").textContent')
         self.assertIn("Install Node.js 18 or newer with npm", said)
-
-    def test_shows_what_another_program_steps(self) -> None:
-        server, address = start()
-        self.addCleanup(server.stop)
-        with server.connect() as client:
-            weed = client.create(gallery="classic-weed")
-            with Browser(f"{address}/#simulation={weed.identifier}") as page:
-                page.wait_for('document.getElementById("plant").dataset.step === "0"')
-                weed.step(2)
-                page.wait_for('document.getElementById("plant").dataset.step === "2"')
-                weed.reset()
-                weed.step()
-                page.wait_for('document.getElementById("plant").dataset.step === "1"')
-
-    def test_says_what_is_wrong_with_a_model(self) -> None:
-        server, address = start()
-        self.addCleanup(server.stop)
-        with Browser(address) as page:
-            page.wait_for('document.body.dataset.state === "connected"')
-            page.evaluate('const g = document.getElementById("gallery"); g.value = ""; g.dispatchEvent(new Event("change"))')
-            self.assertFalse(page.evaluate('document.getElementById("source").hidden'))
-            page.evaluate('document.getElementById("source").value = "Lsystem: 1\\nAxiom: A(\\nendlsystem\\n"')
-            page.evaluate('document.getElementById("create").click()')
-            said = page.wait_for('document.getElementById("message").textContent')
-            self.assertRegex(said, r":2:\d+: error")
-            keep(page.picture(), "page-error")
-
-    def test_asks_for_the_token_of_a_server_that_wants_one(self) -> None:
-        server, address = start("--token", "secret words")
-        self.addCleanup(server.stop)
-        with Browser(address) as page:
-            page.wait_for('!document.getElementById("token-form").hidden')
-            self.assertEqual(page.evaluate('document.getElementById("message").textContent'), "This server needs a token.")
-            page.evaluate('document.getElementById("token").value = "wrong"')
-            page.evaluate('document.querySelector("#token-form button").click()')
-            page.wait_for('document.getElementById("message").textContent.includes("token")')
-            page.evaluate('document.getElementById("token").value = "secret words"')
-            page.evaluate('document.querySelector("#token-form button").click()')
-            page.wait_for('document.body.dataset.state === "connected"')
 
     def test_a_page_of_the_package_shows_its_plant_without_any_network(self) -> None:
         with espalier.local(program(), arguments=["--gallery", str(GALLERY), "--log-level", "off"]) as client:

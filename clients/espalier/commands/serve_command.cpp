@@ -140,7 +140,8 @@ int runServe(CLI::App& command, ServeOptions& options) {
   (void)std::signal(SIGXFSZ, SIG_IGN);
   const auto hostOf = [](const std::string& address) { return address.substr(0, address.rfind(':')); };
   options.server.pages = {{"/", "text/html; charset=utf-8", web::serverPage()},
-                          {"/espalier.js", "text/javascript; charset=utf-8", web::script()}};
+                          {"/studio.js", "text/javascript; charset=utf-8", web::script()},
+                          {"/studio.css", "text/css; charset=utf-8", web::style()}};
   server::Server server(std::move(options.server));
   if (const auto problem = server.listen()) {
     printError(*problem);

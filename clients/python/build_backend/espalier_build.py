@@ -103,7 +103,7 @@ def viewer() -> List[Tuple[str, bytes]]:
     """The script of the pages that show plants, of clients/web. A source archive has it in the package already."""
     web = ROOT.parent / "web"
     script = web / "espalier.js"
-    sources = [web / "build.js", *(web / "src").glob("*.js")]
+    sources = [web / "build.js", *(web / "src").rglob("*.[jt]s")]
     if not script.is_file() or any(script.stat().st_mtime < path.stat().st_mtime for path in sources if path.is_file()):
         bundle(web)
     if script.is_file():

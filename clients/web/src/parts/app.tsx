@@ -1,0 +1,153 @@
+// The whole page.
+import { useEffect, useReducer, useState } from "preact/hooks";
+import type { Studio } from "../studio/studio.js";
+import { ExportDialog, GalleryDialog, HelpDialog, ShareDialog } from "./dialogs.js";
+import { IconButton } from "./icons.js";
+import { Side } from "./side.js";
+import type { Tab } from "./side.js";
+import { MODES, Stage, setMode } from "./stage.js";
+import { TextPane } from "./text.js";
+import { Timeline } from "./timeline.js";
+
+type Window = "gallery" | "share" | "export" | "help" | null;
+
+export function setTheme(studio: Studio, isDark: boolean): void {
+  document.documentElement.dataset.theme = isDark ? "dark" : "light";
+  try {
+    localStorage.setItem("theme", isDark ? "dark" : "light");
+  } catch {
+    // a page without storage forgets the choice
+  }
+  studio.view?.apply({ ...studio.view.settings, isDark });
+  studio.changed();
+}
+
+export function App({ studio }: { studio: Studio }) {
+  const [, redraw] = useReducer((count: number) => count + 1, 0);
+  const [open, setOpen] = useState<Window>(null);
+  const [tab, setTab] = useState<Tab>("Parameters");
+  const [isTextShown, setTextShown] = useState(true);
+  useEffect(() => {
+    // many changes make one picture
+    let isWaiting = false;
+    const end = studio.subscribe(() => {
+      if (!isWaiting) {
+        isWaiting = true;
+        requestAnimationFrame(() => {
+          isWaiting = false;
+          redraw(undefined);
+        });
+      }
+    });
+    void studio.start();
+    return end;
+  }, []);
+  useEffect(() => {
+    const pressed = (event: KeyboardEvent) => keyPressed(event, studio, setOpen);
+    addEventListener("keydown", pressed);
+    return () => removeEventListener("keydown", pressed);
+  }, []);
+  useEffect(() => {
+    document.body.dataset.state = studio.connection;
+    document.title = `${studio.isChanged ? "• " : ""}${studio.document.title} – Espalier`;
+  });
+  const isDark = document.documentElement.dataset.theme === "dark";
+  return (
+    <div class={`app ${isTextShown ? "" : "wide"}`}>
+      <header class="bar">
+        <h1><Leaf /> Espalier</h1>
+        <IconButton icon="gallery" label="Gallery (G)" text="Gallery" id="open-gallery" onClick={() => setOpen("gallery")} />
+        <div class="title">{studio.isChanged && <span title="changed">●</span>} {studio.document.title}</div>
+        <p id="message" role="status" class={studio.message?.isError ? "error" : ""}>{studio.message?.text ?? (studio.connection === "lost" ? "The connection to the server is lost. Trying again …" : "")}</p>
+        <IconButton icon="share" label="Link to this model (L)" text="Share" onClick={() => setOpen("share")} />
+        <IconButton icon="save" label="Save (S)" text="Save" id="open-export" onClick={() => setOpen("export")} />
+        <IconButton icon={isDark ? "sun" : "moon"} label="Dark, light (D)" onClick={() => setTheme(studio, !isDark)} />
+        <IconButton icon="help" label="Keyboard (?)" onClick={() => setOpen("help")} />
+        <span class={`lamp ${studio.connection}`} title={studio.connection} />
+      </header>
+      <main>
+        <TextPane studio={studio} />
+        <button type="button" class="fold" aria-label={isTextShown ? "Hide the text" : "Show the text"} title={isTextShown ? "Hide the text" : "Show the text"} onClick={() => setTextShown(!isTextShown)}>{isTextShown ? "‹" : "›"}</button>
+        <section class="middle" aria-label="Plant">
+          <Stage studio={studio} onPick={() => setTab("Module")} />
+          <Timeline studio={studio} />
+        </section>
+        <Side studio={studio} tab={tab} onTab={setTab} />
+      </main>
+      {(studio.connection === "token" || studio.connection === "failed") && <Door studio={studio} />}
+      {open === "gallery" && <GalleryDialog studio={studio} onClose={() => setOpen(null)} />}
+      {open === "share" && <ShareDialog studio={studio} onClose={() => setOpen(null)} />}
+      {open === "export" && <ExportDialog studio={studio} onClose={() => setOpen(null)} />}
+      {open === "help" && <HelpDialog onClose={() => setOpen(null)} />}
+    </div>
+  );
+}
+
+function Leaf() {
+  return (
+    <svg class="icon leaf" viewBox="0 0 24 24" aria-hidden="true">
+      <path d="M4 20C4 9 11 3.500 20.500 3.500 20.500 13 15 19.500 6 18.500" fill="currentColor" opacity=".35" />
+      <path d="M4 21C6 15 10 11 15 8M9.500 12.700V8.500M8 14.800h5" fill="none" stroke="currentColor" stroke-width="1.800" stroke-linecap="round" />
+    </svg>
+  );
+}
+
+/** Asks for the token of a server that wants one. */
+function Door({ studio }: { studio: Studio }) {
+  const [token, setToken] = useState("");
+  return (
+    <form id="token-form" class="door" onSubmit={(event) => { event.preventDefault(); void studio.start(token); }}>
+      <h2>{studio.connection === "token" ? "Token of this server" : "The server cannot be reached"}</h2>
+      {studio.connection === "token" && <input id="token" type="password" aria-label="Token" autocomplete="off" value={token} onInput={(event) => setToken(event.currentTarget.value)} autofocus />}
+      <p class="error">{studio.message?.text}</p>
+      <button class="primary">Connect</button>
+    </form>
+  );
+}
+
+function keyPressed(event: KeyboardEvent, studio: Studio, setOpen: (open: Window) => void): void {
+  const target = event.target as HTMLElement;
+  if (event.key === "Escape" && target.closest(".cm-editor")) {
+    target.blur();
+    return;
+  }
+  if (event.ctrlKey || event.metaKey || event.altKey || document.querySelector("dialog[open]")) {
+    return;
+  }
+  if (target.closest(".cm-editor, textarea, select, input:not([type=range]):not([type=checkbox])")) {
+    return;
+  }
+  const isSlider = target.matches("input[type=range]");
+  const act = (action: () => unknown) => {
+    event.preventDefault();
+    void studio.act(action);
+  };
+  const modes = MODES.map(([mode]) => mode);
+  const actions: Record<string, () => unknown> = {
+    " ": () => (studio.isRunning ? studio.pause() : studio.run()),
+    ArrowRight: () => studio.stepOnce(),
+    ArrowLeft: () => studio.goTo(Math.max(studio.step - 1, 0)),
+    Home: () => studio.goTo(0),
+    End: () => studio.goTo(Math.max(studio.length, studio.step)),
+    f: () => studio.view?.fit(),
+    1: () => studio.view?.look("front"),
+    2: () => studio.view?.look("right"),
+    3: () => studio.view?.look("top"),
+    c: () => setMode(studio, modes[(modes.indexOf(studio.view!.settings.mode) + 1) % modes.length]),
+    g: () => setOpen("gallery"),
+    s: () => setOpen("export"),
+    l: () => setOpen("share"),
+    r: () => studio.setSeed(Math.floor(Math.random() * 1e6)),
+    d: () => setTheme(studio, document.documentElement.dataset.theme !== "dark"),
+    e: () => document.querySelector<HTMLElement>(".cm-content")?.focus(),
+    "?": () => setOpen("help"),
+    Escape: () => studio.pick(null),
+  };
+  const action = actions[event.key] ?? actions[event.key.toLowerCase()];
+  const isOfSlider = isSlider && /^(Arrow|Home|End)/.test(event.key);
+  const isOfButton = event.key === " " && target.closest("button, input");
+  const needsPlant = /^( |Arrow|Home|End|r$)/.test(event.key);
+  if (action && !isOfSlider && !isOfButton && !(needsPlant && !studio.simulation)) {
+    act(action);
+  }
+}

@@ -1,0 +1,228 @@
+// Windows above the page: gallery, share, export, keyboard.
+import { useEffect, useRef, useState } from "preact/hooks";
+import type { ComponentChildren } from "preact";
+import type { Studio } from "../studio/studio.js";
+import { download, packed } from "../studio/share.js";
+import { newDocument } from "../studio/document.js";
+import { IconButton } from "./icons.js";
+
+export function Dialog(props: { title: string; onClose: () => void; class?: string; children: ComponentChildren }) {
+  const place = useRef<HTMLDialogElement>(null);
+  useEffect(() => {
+    place.current?.showModal();
+  }, []);
+  return (
+    <dialog ref={place} class={props.class} onClose={props.onClose} aria-label={props.title}
+      onClick={(event) => event.target === place.current && place.current?.close()}>
+      <header>
+        <h2>{props.title}</h2>
+        <IconButton icon="close" label="Close" onClick={() => place.current?.close()} />
+      </header>
+      {props.children}
+    </dialog>
+  );
+}
+
+const NAMES: Record<string, string> = {
+  classic: "Classics",
+  "chapter-graphical-models": "Graphical modeling chapter",
+  "chapter-open-l-systems": "Open L-systems chapter",
+  "chapter-lsystem-viewer": "Viewer chapter",
+  "chapter-fractint": "Fractint",
+  "chapter-turtle-painter": "Turtle painter",
+  "chapter-forest": "Forest chapter",
+};
+
+function groupOf(name: string): string {
+  const folder = name.split("/")[0];
+  return NAMES[folder] ?? (folder.startsWith("classic") ? NAMES.classic : name.includes("/") ? folder : "Models with their environments");
+}
+
+const titleOf = (name: string): string => name.split("/").pop()!.replace(/\.(l|txt|lsv|ls|lpy)(:|$)/, "$2").replace(/^classic-/, "").replace(/[-_]/g, " ").replace(":", ": ");
+
+/** A picture of the server; a token goes in the request's header, so it cannot be a plain image. */
+function Picture({ studio, path }: { studio: Studio; path: string }) {
+  const place = useRef<HTMLImageElement>(null);
+  useEffect(() => {
+    let isThere = true;
+    const seen = new IntersectionObserver(([entry]) => {
+      if (entry.isIntersecting) {
+        seen.disconnect();
+        void studio.fetchFile(path).then((blob) => isThere && place.current && (place.current.src = URL.createObjectURL(blob)), () => {});
+      }
+    });
+    seen.observe(place.current!);
+    return () => {
+      isThere = false;
+      seen.disconnect();
+    };
+  }, [path]);
+  return <img ref={place} alt="" />;
+}
+
+export function GalleryDialog({ studio, onClose }: { studio: Studio; onClose: () => void }) {
+  const [sought, setSought] = useState("");
+  const found = studio.gallery.filter(({ name }) => name.toLowerCase().includes(sought.toLowerCase().replace(/ /g, "-")));
+  const groups = new Map<string, typeof found>();
+  found.forEach((entry) => groups.set(groupOf(entry.name), [...(groups.get(groupOf(entry.name)) ?? []), entry]));
+  const order = [...groups.keys()].sort((a, b) => Number(b.startsWith("Models")) - Number(a.startsWith("Models")) || a.localeCompare(b));
+  const open = (action: () => Promise<void>) => {
+    onClose();
+    history.replaceState(null, "", location.pathname);
+    void studio.act(action);
+  };
+  return (
+    <Dialog title="Gallery" class="gallery" onClose={onClose}>
+      <div class="row">
+        <input type="search" placeholder="Find a model" aria-label="Find a model" value={sought} onInput={(event) => setSought(event.currentTarget.value)} autofocus />
+        <button type="button" onClick={() => open(() => studio.openDocument(newDocument()))}>New model</button>
+        <label class="button">
+          Open files …
+          <input type="file" multiple class="hidden" onChange={(event) => open(() => openFiles(studio, event.currentTarget.files!))} />
+        </label>
+      </div>
+      <div class="scroll">
+        {order.map((group) => (
+          <section key={group}>
+            <h3>{group}</h3>
+            <div class="grid">
+              {groups.get(group)!.map(({ name, picture }) => (
+                <button type="button" class="card" key={name} data-model={name} onClick={() => open(() => studio.openGallery(name))}>
+                  <div class="picture">{picture && <Picture studio={studio} path={picture} />}</div>
+                  <span>{titleOf(name)}</span>
+                </button>
+              ))}
+            </div>
+          </section>
+        ))}
+        {found.length === 0 && <p class="quiet">No model has this name.</p>}
+      </div>
+    </Dialog>
+  );
+}
+
+const MODEL_SUFFIX = /\.(l|lpy|ls|lsv|lpfg)$/i;
+
+/** Opens files of this machine as a model. */
+export async function openFiles(studio: Studio, list: FileList): Promise<void> {
+  const files: Record<string, string> = {};
+  const binary: Record<string, string> = {};
+  for (const file of list) {
+    const bytes = new Uint8Array(await file.arrayBuffer());
+    try {
+      if (bytes.includes(0)) {
+        throw new Error("not a text");
+      }
+      files[file.name] = new TextDecoder("utf-8", { fatal: true }).decode(bytes);
+    } catch {
+      let text = "";
+      bytes.forEach((byte) => (text += String.fromCharCode(byte)));
+      binary[file.name] = btoa(text);
+    }
+  }
+  const names = Object.keys(files);
+  const main = names.find((name) => MODEL_SUFFIX.test(name) && !/^panel/.test(name)) ?? names.find((name) => /\.txt$/.test(name));
+  if (!main) {
+    throw new Error("No model is among these files. Choose also the file that ends in .l.");
+  }
+  await studio.openDocument({ title: main.replace(MODEL_SUFFIX, ""), main, files, binary, environment: null, gallery: null });
+}
+
+export function ShareDialog({ studio, onClose }: { studio: Studio; onClose: () => void }) {
+  const [link, setLink] = useState("");
+  const [isCopied, setCopied] = useState(false);
+  useEffect(() => {
+    void packed({ document: studio.document, seed: studio.seed, step: studio.step }).then((text) => setLink(`${location.origin}${location.pathname}#model=${text}`));
+  }, []);
+  const copy = async (text: string) => {
+    await navigator.clipboard?.writeText(text).catch(() => {});
+    setCopied(true);
+  };
+  const running = `${location.origin}${location.pathname}#simulation=${studio.simulation?.id ?? ""}`;
+  return (
+    <Dialog title="Share" onClose={onClose}>
+      <p>This link holds the model with its files, the seed and the step. It grows the same plant at every Espalier server.</p>
+      <textarea id="share-link" readOnly rows={4} aria-label="Link to the model" value={link} onFocus={(event) => event.currentTarget.select()} />
+      <div class="row">
+        <button type="button" class="primary" onClick={() => void copy(link)}>{isCopied ? "Copied" : "Copy the link"}</button>
+        <span class="quiet">{link.length.toLocaleString("en")} characters</span>
+      </div>
+      <p>This link shows the simulation that runs here now, with everything that happens to it:</p>
+      <input readOnly aria-label="Link to the simulation" value={running} onFocus={(event) => event.currentTarget.select()} />
+    </Dialog>
+  );
+}
+
+const EXPORTS = [
+  ["svg", "SVG: a drawing of lines"],
+  ["png", "PNG: a picture by the server"],
+  ["glb", "GLB: a mesh for 3-D programs"],
+  ["obj", "OBJ: a mesh"],
+  ["usda", "USD: a mesh"],
+  ["ply", "PLY: points and triangles"],
+  ["stl", "STL: for printing"],
+  ["mtg", "MTG: the architecture of the plant"],
+  ["csv", "CSV: the turtle's records"],
+  ["snapshot", "Snapshot: the complete state"],
+];
+
+export function ExportDialog({ studio, onClose }: { studio: Studio; onClose: () => void }) {
+  const name = studio.document.title.replace(/[^\w.-]+/g, "-").replace(/\.\w+$/, "");
+  const save = (suffix: string) =>
+    studio.act(async () => download(`${name}.${suffix}`, await studio.fetchFile(`/simulations/${studio.simulation!.id}/${name}.${suffix}`)));
+  return (
+    <Dialog title="Save" onClose={onClose}>
+      <h3>The model</h3>
+      <div class="list">
+        {Object.entries(studio.document.files).map(([file, text]) => (
+          <button type="button" key={file} onClick={() => download(file, text)}>{file}</button>
+        ))}
+      </div>
+      <h3>The plant at step {studio.step}</h3>
+      <div class="list">
+        <button type="button" onClick={() => void (async () => download(`${name}.png`, await (await fetch(studio.view!.picture())).blob()))()}>The view as a picture</button>
+        {EXPORTS.map(([suffix, label]) => (
+          <button type="button" key={suffix} disabled={!studio.simulation} data-format={suffix} onClick={() => void save(suffix)}>{label}</button>
+        ))}
+        <button type="button" disabled={!studio.simulation} onClick={() => void studio.act(async () => download(`${name}.txt`, await studio.simulation!.string()))}>The string</button>
+      </div>
+    </Dialog>
+  );
+}
+
+export const KEYS: Array<[string, string]> = [
+  ["Space", "run, pause"],
+  ["→", "one step"],
+  ["←", "one step back"],
+  ["Home, End", "first, last step"],
+  ["F", "show the whole plant"],
+  ["1, 2, 3", "look from the front, the right, the top"],
+  ["C", "next way to colour"],
+  ["G", "gallery"],
+  ["S", "save"],
+  ["L", "link to this model"],
+  ["R", "another seed"],
+  ["D", "dark, light"],
+  ["E", "edit the text"],
+  ["Esc", "leave the text; forget the chosen module"],
+  ["Ctrl Enter", "grow the text"],
+  ["Ctrl Z, Ctrl Y", "undo, redo in the text"],
+  ["Ctrl F", "find in the text"],
+  ["?", "this list"],
+];
+
+export function HelpDialog({ onClose }: { onClose: () => void }) {
+  return (
+    <Dialog title="Keyboard and mouse" onClose={onClose}>
+      <dl class="keys">
+        {KEYS.map(([key, does]) => (
+          <div key={key}>
+            <dt><kbd>{key}</kbd></dt>
+            <dd>{does}</dd>
+          </div>
+        ))}
+      </dl>
+      <p class="quiet">Drag turns the plant, scroll zooms, right drag moves. A click on a part of the plant explains its module.</p>
+    </Dialog>
+  );
+}

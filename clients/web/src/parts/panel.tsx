@@ -1,0 +1,56 @@
+// A control panel of a published folder, as its folder lays it out.
+import { useState } from "preact/hooks";
+import type { Studio } from "../studio/studio.js";
+import { fileOf } from "../studio/document.js";
+import { applyMessage, isPanel, parsePanel, targetOf, valueInText } from "../studio/panel.js";
+import type { PanelItem } from "../studio/panel.js";
+
+export const panelsOf = (studio: Studio): string[] => Object.keys(studio.document.files).filter((name) => isPanel(studio.document.files[name]));
+
+export function Panels({ studio }: { studio: Studio }) {
+  return <>{panelsOf(studio).map((name) => <OnePanel key={`${studio.document.title} ${name}`} studio={studio} name={name} />)}</>;
+}
+
+function OnePanel({ studio, name }: { studio: Studio; name: string }) {
+  const { files, main } = studio.document;
+  const panel = parsePanel(files[name]);
+  const target = targetOf(files, name, fileOf(main));
+  const [values, setValues] = useState<Record<number, number>>({});
+  const send = (item: PanelItem, index: number, value: number) => {
+    const others = item.group === null ? {} : Object.fromEntries(panel.items.map((other, i) => [i, other.group === item.group ? 0 : (values[i] ?? other.value)]));
+    setValues({ ...values, ...others, [index]: value });
+    if (item.message) {
+      void studio.act(() => studio.editContinuously(target, applyMessage(studio.document.files[target], item.message, value)));
+    }
+  };
+  return (
+    <section class="published" aria-label={panel.title}>
+      <h3>{panel.title} <span class="quiet">changes {target}</span></h3>
+      <div class="board" style={{ width: `${panel.width}px`, height: `${panel.height}px`, background: panel.background }}>
+        {panel.items.map((item, i) => {
+          const place = { left: `${item.x}px`, top: `${item.y}px`, color: item.colours[0] || "#fff" };
+          // the panel may show another value than the file has: the file's counts
+          const inText = item.type === "slider" ? valueInText(files[target] ?? "", item) : null;
+          const value = inText ?? values[i] ?? item.value;
+          if (item.type === "label") {
+            return <span key={i} class="item" style={place}>{item.name}</span>;
+          }
+          const shown = item.name.split("%Copy")[0];
+          if (item.type === "button") {
+            const isOn = (values[i] ?? item.value) === 1;
+            const press = () => send(item, i, item.group !== null || !isOn ? 1 : 0);
+            return <button key={i} type="button" class="item press" style={{ ...place, background: (isOn ? item.colours[1] : item.colours[2]) || "#222" }} aria-pressed={isOn} onClick={press}>{shown}</button>;
+          }
+          return (
+            <label key={i} class="item slide" style={{ ...place, accentColor: item.colours[1] || "#c22" }}>
+              <output>{value}{value < item.low || value > item.high || !Number.isInteger(value) ? " *" : ""}</output>
+              <input type="range" min={item.low} max={item.high} step={1} value={value} onInput={(event) => send(item, i, Number(event.currentTarget.value))} />
+              {shown}
+            </label>
+          );
+        })}
+      </div>
+      {panel.problems.map((problem) => <p key={problem} class="error">{name}, {problem}</p>)}
+    </section>
+  );
+}

@@ -1,0 +1,110 @@
+// The middle: the view of the plants with its legend and scale.
+import { useEffect, useRef, useState } from "preact/hooks";
+import type { Studio } from "../studio/studio.js";
+import { View } from "../view/scene.js";
+import type { ColourMode } from "../view/colours.js";
+import { IconButton } from "./icons.js";
+
+export const MODES: Array<[ColourMode, string]> = [
+  ["model", "colours of the model"],
+  ["order", "branch order"],
+  ["age", "age"],
+  ["plant", "plant"],
+  ["symbol", "module"],
+  ["parameter 1", "parameter 1"],
+  ["parameter 2", "parameter 2"],
+  ["parameter 3", "parameter 3"],
+];
+
+export function setMode(studio: Studio, mode: ColourMode): void {
+  studio.view?.apply({ ...studio.view.settings, mode });
+  void studio.setTableWanted(mode.startsWith("parameter"));
+  studio.changed();
+}
+
+const shortNumber = (value: number): string => String(Number(value.toPrecision(3)));
+
+function ScaleBar({ studio }: { studio: Studio }) {
+  const perPixel = studio.view?.unitsPerPixel() ?? 0;
+  if (!perPixel || !studio.simulation) {
+    return null;
+  }
+  // the largest of 1, 2, 5 · 10^k that is at most 120 pixels long
+  const most = 120 * perPixel;
+  const power = 10 ** Math.floor(Math.log10(most));
+  const length = [5, 2, 1].find((factor) => factor * power <= most)! * power;
+  return (
+    <div class="scale" aria-label={`Scale: ${shortNumber(length)} units`}>
+      <span style={{ width: `${length / perPixel}px` }} />
+      {shortNumber(length)}
+    </div>
+  );
+}
+
+function LegendBox({ studio }: { studio: Studio }) {
+  const legend = studio.view?.legend;
+  if (!legend) {
+    return null;
+  }
+  return (
+    <div class="legend" id="legend">
+      <b>{legend.title}</b>
+      {legend.swatches?.map(({ colour, name }) => <div key={name}><i style={{ background: colour }} /> {name}</div>)}
+      {legend.scale && (
+        <div class="gradient">
+          <i style={{ background: `linear-gradient(90deg, ${legend.scale.colours.join(", ")})` }} />
+          <span>{shortNumber(legend.scale.low)}</span>
+          <span>{shortNumber(legend.scale.high)}</span>
+        </div>
+      )}
+    </div>
+  );
+}
+
+export function Stage({ studio, onPick }: { studio: Studio; onPick: () => void }) {
+  const place = useRef<HTMLDivElement>(null);
+  const [, turned] = useState(0);
+  const [problem, setProblem] = useState("");
+  useEffect(() => {
+    try {
+      const isDark = document.documentElement.dataset.theme === "dark";
+      const view = new View(place.current!, { mode: "model", hasGround: true, hasShadows: true, isDark });
+      studio.view = view;
+      let down = [0, 0];
+      const canvas = view.renderer.domElement;
+      canvas.addEventListener("pointerdown", (event) => (down = [event.clientX, event.clientY]));
+      canvas.addEventListener("pointerup", (event) => {
+        if (event.button === 0 && Math.hypot(event.clientX - down[0], event.clientY - down[1]) < 4) {
+          const found = view.pickAt(event.clientX, event.clientY);
+          void studio.act(() => studio.pick(found));
+          if (found) {
+            onPick();
+          }
+        }
+      });
+      view.controls.addEventListener("end", () => turned((count) => count + 1));
+      canvas.addEventListener("wheel", () => turned((count) => count + 1), { passive: true });
+    } catch (error) {
+      setProblem(`This page cannot draw: WebGL is not available (${(error as Error).message}).`);
+    }
+  }, []);
+  const settings = studio.view?.settings;
+  return (
+    <div class="stage">
+      <div id="plant" ref={place} role="img" aria-label={`The plant at step ${studio.step}`} />
+      {problem && <p class="cover">{problem}</p>}
+      {settings && (
+        <div class="look">
+          <select id="mode" aria-label="Colours" value={settings.mode} onChange={(event) => setMode(studio, event.currentTarget.value as ColourMode)}>
+            {MODES.map(([mode, name]) => <option key={mode} value={mode}>{name}</option>)}
+          </select>
+          <label class="chip"><input type="checkbox" checked={settings.hasShadows} onChange={(event) => { studio.view!.apply({ ...settings, hasShadows: event.currentTarget.checked }); studio.changed(); }} />shadows</label>
+          <label class="chip"><input type="checkbox" checked={settings.hasGround} onChange={(event) => { studio.view!.apply({ ...settings, hasGround: event.currentTarget.checked }); studio.changed(); }} />ground</label>
+          <IconButton icon="fit" label="Show the whole plant (F)" onClick={() => studio.view!.fit()} />
+        </div>
+      )}
+      <LegendBox studio={studio} />
+      <ScaleBar studio={studio} />
+    </div>
+  );
+}

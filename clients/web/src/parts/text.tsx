@@ -1,0 +1,81 @@
+// The left side: the files of the model, the text, the problems.
+import { useEffect, useRef, useState } from "preact/hooks";
+import type { Studio } from "../studio/studio.js";
+import { fileOf } from "../studio/document.js";
+import { parseCurve } from "../studio/curve.js";
+import { Editor } from "./editor.js";
+import { Graph } from "./graph.js";
+import { IconButton } from "./icons.js";
+
+/** Files in the order in which a person needs them: the model, its view, the rest. */
+function ordered(studio: Studio): string[] {
+  const main = fileOf(studio.document.main);
+  const rank = (name: string) => (name === main ? 0 : name.endsWith(".v") ? 1 : name === "README.md" ? 3 : 2);
+  return Object.keys(studio.document.files).sort((a, b) => rank(a) - rank(b) || a.localeCompare(b));
+}
+
+export function TextPane({ studio }: { studio: Studio }) {
+  const place = useRef<HTMLDivElement>(null);
+  const editor = useRef<Editor | null>(null);
+  const [isNaming, setNaming] = useState(false);
+  const { document, openFile, diagnostics } = studio;
+  useEffect(() => {
+    editor.current = new Editor(
+      place.current!,
+      (file, text) => studio.edit(file, text),
+      () => void studio.act(() => studio.build(studio.isFinished ? undefined : studio.step)),
+    );
+    (place.current as unknown as { editor: Editor }).editor = editor.current;
+  }, []);
+  useEffect(() => editor.current?.show(document.title, openFile, document.files[openFile] ?? ""), [document, openFile]);
+  useEffect(() => editor.current?.mark(diagnostics), [diagnostics, openFile]);
+  const curve = parseCurve(openFile, document.files[openFile] ?? "");
+  const count = (severity: string) => diagnostics.filter((one) => one.severity === severity).length;
+  return (
+    <section class="text" aria-label="Text of the model">
+      <div class="tabs files">
+        <div role="tablist" aria-label="Files">
+          {ordered(studio).map((name) => (
+          <button type="button" role="tab" key={name} aria-selected={name === openFile} onClick={() => { studio.openFile = name; studio.changed(); }}>{name}</button>
+          ))}
+        </div>
+        {isNaming ? (
+          <input class="name" aria-label="Name of the new file" placeholder="leaf.s" autofocus
+            onKeyDown={(event) => { if (event.key === "Enter") { studio.addFile(event.currentTarget.value.trim()); setNaming(false); } else if (event.key === "Escape") { setNaming(false); } }}
+            onBlur={() => setNaming(false)} />
+        ) : (
+          <IconButton icon="plus" label="New file" onClick={() => setNaming(true)} />
+        )}
+      </div>
+      <div class="editor">
+        {curve && <Graph studio={studio} file={openFile} curve={curve} />}
+        <div class="code" ref={place} />
+      </div>
+      <div class="problems" aria-label="Problems">
+        <h2>
+          Problems
+          {count("error") > 0 && <span class="badge error">{count("error")}</span>}
+          {count("warning") > 0 && <span class="badge warning">{count("warning")}</span>}
+        </h2>
+        <ul id="problems">
+          {diagnostics.map((one, i) => (
+            <li key={i} class={one.severity}>
+              <button type="button" class="link" onClick={() => {
+                const name = (one.file ?? "").split("/").pop()!;
+                if (name in document.files) {
+                  studio.openFile = name;
+                  studio.changed();
+                }
+                requestAnimationFrame(() => one.range && editor.current?.goTo(one.range.begin.line, one.range.begin.column));
+              }}>
+                <b>{one.range ? `${(one.file ?? "").split("/").pop()}:${one.range.begin.line}:${one.range.begin.column}` : one.severity}</b> {one.message}
+                {one.hint && <small>{one.hint}</small>}
+              </button>
+            </li>
+          ))}
+          {diagnostics.length === 0 && <li class="quiet">none</li>}
+        </ul>
+      </div>
+    </section>
+  );
+}

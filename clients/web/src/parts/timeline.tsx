@@ -1,0 +1,96 @@
+// Time: run, pause, a slider through the steps, and figures of every step.
+import { useEffect, useRef } from "preact/hooks";
+import UPlot from "uplot";
+import "uplot/dist/uPlot.min.css";
+import type { Studio } from "../studio/studio.js";
+import { IconButton } from "./icons.js";
+
+export function Timeline({ studio }: { studio: Studio }) {
+  const { simulation, step, length, isRunning, isOwn, isFinished } = studio;
+  const has = simulation !== null;
+  const last = studio.statistics[studio.statistics.length - 1];
+  return (
+    <footer class="timeline">
+      <div class="row">
+        <IconButton id="first" icon="first" label="First step (Home)" disabled={!has || isRunning || step === 0} onClick={() => void studio.act(() => studio.goTo(0))} />
+        <IconButton id="back" icon="back" label="One step back (←)" disabled={!has || isRunning || step === 0 || !isOwn} onClick={() => void studio.act(() => studio.goTo(step - 1))} />
+        <IconButton id="run" class="primary" icon={isRunning ? "pause" : "play"} label={isRunning ? "Pause (Space)" : "Run (Space)"} disabled={!has}
+          onClick={() => void studio.act(() => (isRunning ? studio.pause() : studio.run()))} />
+        <IconButton id="step" icon="step" label="One step (→)" disabled={!has || isRunning} onClick={() => void studio.act(() => studio.stepOnce())} />
+        <input id="scrub" type="range" min={0} max={Math.max(length, step, 1)} step={1} value={step} disabled={!has || isRunning || !isOwn}
+          aria-label="Step" onInput={(event) => void studio.act(() => studio.goTo(Number(event.currentTarget.value)))} />
+        <output id="state" aria-live="polite">
+          step {step} of {Math.max(length, step)}{isFinished ? ", finished" : ""}
+        </output>
+        <label class="inline">
+          pace
+          <select value={studio.pace} onChange={(event) => { studio.pace = Number(event.currentTarget.value); studio.changed(); }}>
+            <option value={0}>fast</option>
+            <option value={80}>12 a second</option>
+            <option value={250}>4 a second</option>
+            <option value={1000}>1 a second</option>
+          </select>
+        </label>
+      </div>
+      <div class="figures">
+        <dl id="figures">
+          <div><dt>modules</dt><dd data-figure="modules">{last?.modules.toLocaleString("en") ?? "–"}</dd></div>
+          <div><dt>queries</dt><dd data-figure="queries">{last?.queries.toLocaleString("en") ?? "–"}</dd></div>
+          <div><dt>ms a step</dt><dd>{last ? last.milliseconds.toFixed(1) : "–"}</dd></div>
+          {last?.plants !== undefined && <div><dt>plants</dt><dd>{last.plants.toLocaleString("en")}</dd></div>}
+        </dl>
+        <Plot studio={studio} />
+      </div>
+    </footer>
+  );
+}
+
+const style = (name: string) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+
+function Plot({ studio }: { studio: Studio }) {
+  const place = useRef<HTMLDivElement>(null);
+  const plot = useRef<UPlot | null>(null);
+  const isDark = studio.view?.settings.isDark ?? false;
+  useEffect(() => {
+    const element = place.current!;
+    const axis = { stroke: style("--quiet"), grid: { stroke: style("--line"), width: 1 }, ticks: { show: false }, font: "11px system-ui" };
+    plot.current = new UPlot(
+      {
+        width: element.clientWidth,
+        height: element.clientHeight,
+        legend: { show: false },
+        cursor: { y: false, points: { show: true } },
+        scales: { x: { time: false } },
+        axes: [
+          { ...axis, size: 22, space: 60 },
+          { ...axis, size: 46, values: (_, values) => values.map((value) => (value >= 1e6 ? `${value / 1e6}M` : value >= 1000 ? `${value / 1000}k` : String(value))) },
+          { ...axis, side: 1, scale: "ms", size: 40, grid: { show: false } },
+        ],
+        series: [
+          {},
+          { label: "modules", stroke: style("--accent"), width: 2, fill: style("--accent-soft") },
+          { label: "queries", stroke: style("--code-query"), width: 1.5 },
+          { label: "ms", scale: "ms", stroke: style("--quiet"), width: 1, dash: [3, 3] },
+        ],
+      },
+      [[], [], [], []],
+      element,
+    );
+    const follow = new ResizeObserver(() => plot.current?.setSize({ width: element.clientWidth, height: element.clientHeight }));
+    follow.observe(element);
+    return () => {
+      follow.disconnect();
+      plot.current?.destroy();
+    };
+  }, [isDark]);
+  useEffect(() => {
+    const rows = studio.statistics;
+    plot.current?.setData([rows.map(({ step }) => step), rows.map(({ modules }) => modules), rows.map(({ queries }) => queries), rows.map(({ milliseconds }) => milliseconds)]);
+  }, [studio.statistics, isDark]);
+  return (
+    <figure class="plot">
+      <div ref={place} role="img" aria-label="Modules, queries and milliseconds of each step" />
+      <figcaption><i class="modules" /> modules <i class="queries" /> queries <i class="ms" /> ms</figcaption>
+    </figure>
+  );
+}

@@ -1,0 +1,99 @@
+// The files of a model, and the numbers in them that sliders move.
+
+/** A model that is being edited. Contents are texts; bytes of other files stay in base64. */
+export interface Document {
+  title: string;
+  main: string; // FILE or FILE:ENTRY
+  files: Record<string, string>;
+  binary: Record<string, string>;
+  environment: unknown[] | null; // of simulation.create; null: none
+  /** The gallery entry it came from, as long as nothing is changed: it may bring more than files. */
+  gallery: string | null;
+}
+
+/** A `#define NAME NUMBER` of a file. */
+export interface Define {
+  file: string;
+  name: string;
+  value: number;
+  comment: string;
+  line: number; // from 1
+  from: number; // of the number's text, in the file
+  to: number;
+}
+
+export const fileOf = (main: string): string => main.split(":")[0];
+
+const NUMBER = /^([ \t]*#[ \t]*define[ \t]+)([A-Za-z_]\w*)([ \t]+)([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)[ \t]*(?:\/\*([^*]*)\*\/|\/\/(.*))?[ \t]*\r?$/gm;
+
+/** The numeric macros of a text, in its order. */
+export function definesOf(file: string, text: string): Define[] {
+  return [...text.matchAll(NUMBER)].map((match) => {
+    const from = match.index + match[1].length + match[2].length + match[3].length;
+    return {
+      file,
+      name: match[2],
+      value: Number(match[4]),
+      comment: (match[5] ?? match[6] ?? "").trim(),
+      line: text.slice(0, match.index).split("\n").length,
+      from,
+      to: from + match[4].length,
+    };
+  });
+}
+
+/** The macros of the main file and of the files beside it that a C preprocessor reads. */
+export function definesOfDocument(document: Document): Define[] {
+  const main = fileOf(document.main);
+  return [main, ...Object.keys(document.files).filter((name) => name !== main && /\.(v|h|inc)$/.test(name))].flatMap((name) =>
+    definesOf(name, document.files[name] ?? ""),
+  );
+}
+
+/** A number as a person writes it: no more digits than the step of a slider has. */
+export function numberText(value: number, step: number): string {
+  const digits = Math.max(0, Math.ceil(-Math.log10(step) - 1e-9));
+  return String(Number(value.toFixed(Math.min(digits, 12))));
+}
+
+/** A range for a slider around the value in the file. */
+export function guessedRange(value: number): { low: number; high: number; step: number } {
+  if (value === 0) {
+    return { low: -1, high: 1, step: 0.01 };
+  }
+  const size = Math.abs(value);
+  if (Number.isInteger(value) && size < 20) {
+    return { low: value < 0 ? 2 * value : 0, high: value < 0 ? 0 : Math.max(2 * value, 5), step: 1 };
+  }
+  // numbers between 0 and 1 are often fractions
+  const high = size < 1 && size >= 0.1 ? 1 : 2 * size;
+  const step = 10 ** (Math.floor(Math.log10(high)) - 2);
+  return { low: value < 0 ? -high : 0, high: value < 0 ? 0 : high, step };
+}
+
+/** The model as the protocol takes it. */
+export function modelOf(document: Document): { files: Record<string, string>; binaryFiles: Record<string, string>; main: string } {
+  return { files: document.files, binaryFiles: document.binary, main: document.main };
+}
+
+export const EMPTY_MODEL = `/* A tree that forks. Change a number and look at the plant. */
+#define ANGLE 32     /* degrees between the forks */
+#define RATIO 0.78   /* length of a shoot, as a part of its mother's */
+#define THINNER 0.7  /* width, likewise */
+Lsystem: 1
+derivation length: 9
+Axiom: A(1,0.14)
+A(s,w) : w > 0.004 --> !(w)F(s)[+(ANGLE)/(95)A(s*RATIO,w*THINNER)][-(ANGLE)/(95)A(s*RATIO,w*THINNER)]
+endlsystem
+`;
+
+export function newDocument(): Document {
+  return {
+    title: "untitled",
+    main: "model.l",
+    files: { "model.l": EMPTY_MODEL, "model.v": "line style: cylinder\ninitial line width: 0.14\ninitial color: 60\n" },
+    binary: {},
+    environment: null,
+    gallery: null,
+  };
+}

@@ -1,0 +1,634 @@
+// The state of the studio: a connection, a document, its simulation, and what the page shows of them.
+import { Code, ServerError, connect } from "espalier";
+import type { Client, Diagnostic, Information, Simulation, Statistics, Stream } from "espalier";
+import type { View } from "../view/scene.js";
+import type { Picked } from "../view/measures.js";
+import { definesOfDocument, fileOf, modelOf, newDocument, numberText } from "./document.js";
+import type { Define, Document } from "./document.js";
+import { History } from "./history.js";
+import { folderPalette } from "./palette.js";
+import { unpacked } from "./share.js";
+
+const CHECK_MILLISECONDS = 250;
+const LIST_MILLISECONDS = 2500;
+// of stepping between two kept states, and between two pictures of a run
+const STATE_MILLISECONDS = 80;
+const MOST_RUN = 1_000_000;
+// of frames that are not shown
+const PATIENCE_MILLISECONDS = 800;
+
+export type Connection = "connecting" | "connected" | "lost" | "token" | "failed";
+
+export interface GalleryEntry {
+  name: string;
+  picture: string | null;
+}
+
+export class Studio {
+  connection: Connection = "connecting";
+  server = "";
+  gallery: GalleryEntry[] = [];
+  environments: Array<{ name: string; description?: string }> = [];
+  simulations: Information[] = [];
+
+  document: Document = newDocument();
+  isChanged = false;
+  openFile = "model.l";
+  diagnostics: Diagnostic[] = [];
+  isLive = true; // a change of the text grows the plant again
+  message: { text: string; isError: boolean } | null = null;
+
+  simulation: Simulation | null = null;
+  isOwn = false; // this page made it, so this page may replace it
+  seed = 7;
+  step = 0;
+  length = 0;
+  isFinished = false;
+  isRunning = false;
+  pace = 0; // least milliseconds of a step in a run
+  statistics: Statistics[] = [];
+  picked: (Picked & { explanation: string | null }) | null = null;
+  view: View | null = null;
+
+  /** For tests: how many derivations were started, and how many were under way at most. */
+  readonly counts = { derivations: 0, inFlight: 0, mostInFlight: 0 };
+
+  private client!: Client;
+  private token = "";
+  private readonly history = new History();
+  private readonly listeners = new Set<() => void>();
+  private streams: Array<Stream<"columns"> | Stream<"statistics"> | Stream<"turtle">> = [];
+  private work: Promise<void> = Promise.resolve(); // requests that change the simulation, one after the other
+  private wanted: { values: Record<string, number>; isFinal: boolean } | null = null;
+  private wantedStep: number | null = null;
+  private held: Promise<void> | null = null; // frames wait for it
+  private checking = 0;
+  private shownTitle = "";
+  private isFollowing = false; // builds after each of many changes
+  private isNewer = false;
+
+  // ---- listeners
+
+  subscribe(listener: () => void): () => void {
+    this.listeners.add(listener);
+    return () => this.listeners.delete(listener);
+  }
+
+  changed(): void {
+    this.listeners.forEach((listener) => listener());
+  }
+
+  say(text: string, isError = false): void {
+    this.message = text ? { text, isError } : null;
+    this.changed();
+  }
+
+  /** Runs an action of the user; an error is shown on the page. */
+  async act(action: () => Promise<unknown> | unknown): Promise<void> {
+    this.message = null;
+    try {
+      await action();
+    } catch (error) {
+      this.fail(error);
+    }
+    this.changed();
+  }
+
+  private fail(error: unknown): void {
+    const { message } = error as Error;
+    if (error instanceof ServerError && error.data.diagnostics) {
+      this.diagnostics = error.data.diagnostics as Diagnostic[];
+      this.message = { text: "The model has errors. The problems are listed below the text.", isError: true };
+    } else {
+      this.message = { text: message, isError: true };
+    }
+  }
+
+  // ---- the server
+
+  async start(token?: string): Promise<void> {
+    const named = new URLSearchParams(location.hash.slice(1));
+    await this.connect(token ?? named.get("token") ?? "");
+    if (this.connection !== "connected") {
+      return;
+    }
+    setInterval(() => void this.list().catch(() => {}), LIST_MILLISECONDS);
+    await this.act(() => this.openHash(named));
+  }
+
+  private async openHash(named: URLSearchParams): Promise<void> {
+    const seed = named.get("seed");
+    this.seed = seed ? Number(seed) : this.seed;
+    if (named.get("simulation")) {
+      await this.watch(named.get("simulation")!);
+    } else if (named.get("model")) {
+      const shared = await unpacked(named.get("model")!);
+      this.seed = shared.seed;
+      await this.openDocument(shared.document, shared.step);
+    } else {
+      const entries = this.gallery.map(({ name }) => name);
+      const first = named.get("gallery") ?? (entries.includes("light-tree") ? "light-tree" : null);
+      await (first ? this.openGallery(first, named.get("step") ? Number(named.get("step")) : undefined) : this.openDocument(newDocument()));
+    }
+  }
+
+  async connect(token: string): Promise<void> {
+    try {
+      this.client = await connect(location.origin, {
+        name: "studio",
+        roles: ["controller", "viewer"],
+        ...(token ? { token } : {}),
+        onConnection: (is) => this.connectionChanged(is),
+      });
+    } catch (error) {
+      const needsToken = error instanceof ServerError && error.code === Code.unauthorised;
+      this.connection = needsToken ? "token" : "failed";
+      this.message = { text: needsToken && !token ? "This server needs a token." : (error as Error).message, isError: true };
+      this.changed();
+      return;
+    }
+    this.token = token;
+    this.message = null;
+    this.connection = "connected";
+    this.server = this.client.hello.server;
+    const [{ entries, pictures }, { environments }] = await Promise.all([this.client.gallery(), this.client.call("environment.list", {})]);
+    this.gallery = entries.map((name) => ({ name, picture: pictures[name] ?? null }));
+    this.environments = environments as unknown as Studio["environments"];
+    await this.list();
+  }
+
+  private connectionChanged(isConnected: boolean): void {
+    this.connection = isConnected ? "connected" : "lost";
+    if (!isConnected) {
+      this.isRunning = false;
+    } else if (this.simulation && this.isOwn) {
+      // a server that was started anew may not have the simulation any more
+      void this.act(async () => {
+        await this.list();
+        if (!this.simulations.some(({ simulation }) => simulation === this.simulation?.id)) {
+          this.simulation = null;
+          await this.build(this.step);
+        }
+      });
+    }
+    this.changed();
+  }
+
+  async list(): Promise<void> {
+    if (this.connection === "connected") {
+      this.simulations = await this.client.simulations();
+      this.changed();
+    }
+  }
+
+  /** A file of the server's HTTP side. */
+  async fetchFile(path: string): Promise<Blob> {
+    const response = await fetch(path, this.token ? { headers: { Authorization: `Bearer ${this.token}` } } : {});
+    if (!response.ok) {
+      throw new Error((await response.text()).trim());
+    }
+    return response.blob();
+  }
+
+  // ---- the document
+
+  async openGallery(name: string, step?: number): Promise<void> {
+    const read = await this.client.call("model.read", { gallery: name });
+    await this.openDocument(
+      { title: name, main: read.main, files: read.files, binary: read.binaryFiles, environment: read.environment ?? null, gallery: name },
+      step,
+    );
+  }
+
+  async openDocument(document: Document, step?: number): Promise<void> {
+    this.document = document;
+    this.isChanged = false;
+    this.openFile = fileOf(document.main);
+    this.diagnostics = [];
+    this.message = null;
+    this.changed();
+    await this.build(step);
+  }
+
+  get defines(): Define[] {
+    return definesOfDocument(this.document);
+  }
+
+  /** The text of a file has changed. */
+  edit(file: string, text: string): void {
+    if (this.document.files[file] === text) {
+      return;
+    }
+    this.document = { ...this.document, files: { ...this.document.files, [file]: text }, gallery: null };
+    this.isChanged = true;
+    this.changed();
+    void this.check();
+  }
+
+  /** Many changes in a row, as by a drag: the plant of the newest text is grown, never two at a time. */
+  async editContinuously(file: string, text: string): Promise<void> {
+    this.document = { ...this.document, files: { ...this.document.files, [file]: text }, gallery: null };
+    this.isChanged = true;
+    this.isNewer = true;
+    this.changed();
+    if (this.isFollowing) {
+      return;
+    }
+    this.isFollowing = true;
+    try {
+      while (this.isNewer) {
+        this.isNewer = false;
+        await this.build(this.isFinished ? undefined : this.step);
+      }
+    } catch (error) {
+      this.fail(error);
+    } finally {
+      this.isFollowing = false;
+      this.changed();
+    }
+  }
+
+  addFile(name: string): void {
+    if (name && !(name in this.document.files)) {
+      this.document = { ...this.document, files: { ...this.document.files, [name]: "" }, gallery: null };
+    }
+    this.openFile = name || this.openFile;
+    this.changed();
+  }
+
+  setEnvironment(text: string): void {
+    const trimmed = text.trim();
+    const environment = trimmed === "" ? null : /^[[{]/.test(trimmed) ? [JSON.parse(trimmed)].flat() : [{ type: trimmed }];
+    this.document = { ...this.document, environment, gallery: null };
+    void this.act(() => this.build(this.step));
+  }
+
+  /** Compiles the text a moment after the last change, and grows the plant when it is right. */
+  private async check(): Promise<void> {
+    const mine = ++this.checking;
+    await new Promise((done) => setTimeout(done, CHECK_MILLISECONDS));
+    if (mine !== this.checking || this.connection !== "connected") {
+      return;
+    }
+    try {
+      const result = await this.client.check(modelOf(this.document));
+      if (mine === this.checking) {
+        this.diagnostics = result.diagnostics;
+        this.changed();
+        if (result.valid && this.isLive) {
+          await this.act(() => this.build(this.isFinished && this.step >= this.length ? undefined : this.step));
+        }
+      }
+    } catch (error) {
+      this.fail(error);
+      this.changed();
+    }
+  }
+
+  // ---- the simulation
+
+  /** Work that changes the simulation waits for the work before it. */
+  private inTurn(work: () => Promise<void>): Promise<void> {
+    const mine = this.work.then(work);
+    this.work = mine.catch(() => {});
+    return mine;
+  }
+
+  /** Makes the simulation of the document and derives it to a step (default: to its end). */
+  build(step?: number): Promise<void> {
+    this.isRunning = false;
+    return this.inTurn(async () => {
+      const old = this.isOwn ? this.simulation : null;
+      const { document } = this;
+      const simulation = await this.client.create({
+        model: document.gallery ? { gallery: document.gallery } : modelOf(document),
+        seed: this.seed,
+        name: document.title,
+        save: "request",
+        ...(document.environment && !document.gallery ? { environment: document.environment as [] } : {}),
+      });
+      this.diagnostics = simulation.created!.diagnostics;
+      const isAgain = old !== null && this.shownTitle === document.title;
+      this.shownTitle = document.title;
+      const grow = async () => {
+        await this.show(simulation, true, !isAgain);
+        if (old) {
+          await old.delete().catch(() => {});
+        }
+        await this.advance(step ?? this.length);
+      };
+      await (isAgain ? this.hold(grow) : grow());
+    });
+  }
+
+  /** Shows a simulation that another program made. */
+  async watch(id: string): Promise<void> {
+    const simulation = this.client.simulation(id);
+    const { model } = await simulation.get("model");
+    const { main, files } = model as { main: string; files: Record<string, string> };
+    const short = (name: string) => name.split("/").pop()!;
+    const information = (await simulation.get("information")).information!;
+    this.seed = information.seed;
+    this.document = {
+      title: information.name,
+      main: short(main),
+      files: Object.fromEntries(Object.entries(files).map(([name, text]) => [short(name), text])),
+      binary: {},
+      environment: null,
+      gallery: null,
+    };
+    this.isChanged = false;
+    this.openFile = fileOf(short(main));
+    await this.inTurn(() => this.show(simulation, false, true, information));
+  }
+
+  private async show(simulation: Simulation, isOwn: boolean, isAnother: boolean, information?: Information): Promise<void> {
+    for (const stream of this.streams) {
+      await stream.close();
+    }
+    this.simulation = simulation;
+    this.isOwn = isOwn;
+    this.history.clear();
+    this.statistics = [];
+    this.picked = null;
+    this.step = information?.step ?? 0;
+    this.length = simulation.created?.derivationLength ?? information?.derivationLength ?? 0;
+    this.isFinished = simulation.created?.finished ?? information?.finished ?? false;
+    const { colours, isOfModel } = await simulation.get("palette");
+    this.view?.setPalette((isOwn && folderPalette(this.document)) || { colours: colours!, isOfModel: isOfModel! });
+    this.view?.highlight(null);
+    if (isAnother) {
+      this.view?.forgetFit();
+    }
+    const statistics = await simulation.stream("statistics", { credits: undefined });
+    const columns = await simulation.stream("columns", { credits: 1 });
+    this.streams = [statistics, columns];
+    void this.readStatistics(statistics);
+    void this.readColumns(columns);
+    this.changed();
+  }
+
+  private async readStatistics(stream: Stream<"statistics">): Promise<void> {
+    for await (const frame of stream) {
+      this.step = frame.step;
+      this.isFinished = frame.finished;
+      this.length = Math.max(this.length, frame.step);
+      this.statistics = [...this.statistics.filter(({ step }) => step < frame.step), frame.statistics];
+      this.changed();
+    }
+    this.ended(stream);
+  }
+
+  private async readColumns(stream: Stream<"columns">): Promise<void> {
+    let isSkipped = false;
+    for await (const frame of stream) {
+      if (this.held) {
+        // a state on the way to the wanted one
+        await this.held;
+        if (frame.step !== this.step) {
+          isSkipped = true;
+          continue;
+        }
+      }
+      this.view?.update(frame.geometry, isSkipped ? { ...frame.change, isWhole: true } : frame.change, frame.step, frame.finished);
+      isSkipped = false;
+      if (this.view) {
+        this.view.element.dataset.step = String(frame.step);
+      }
+      // one picture, then the next frame; while a slider's plant is made no frame is asked for
+      await new Promise((drawn) => requestAnimationFrame(drawn));
+    }
+    this.ended(stream);
+  }
+
+  private ended(stream: Stream<"statistics"> | Stream<"columns">): void {
+    if (stream.reason && stream.simulation === this.simulation?.id) {
+      this.simulation = null;
+      this.say(`The simulation is gone: ${stream.reason}.`, true);
+      this.view?.clear();
+    }
+  }
+
+  /** While it works, frames are not shown, but no longer than a person waits gladly. */
+  private async hold(work: () => Promise<void>): Promise<void> {
+    let release = () => {};
+    this.held = new Promise((done) => (release = done));
+    const end = () => {
+      this.held = null;
+      release();
+    };
+    const patience = setTimeout(end, PATIENCE_MILLISECONDS);
+    try {
+      await work();
+    } finally {
+      clearTimeout(patience);
+      end();
+    }
+  }
+
+  // ---- time
+
+  /** Derives to a step, and keeps states on the way. */
+  private async advance(until: number): Promise<void> {
+    const simulation = this.simulation!;
+    await this.keep(simulation);
+    let chunk = 1;
+    let sinceKept = 0;
+    while (this.step < until && !this.isFinished && this.simulation === simulation) {
+      const begin = performance.now();
+      const result = await this.derive(() => simulation.stepUntil(Math.min(until, this.step + chunk)));
+      const time = performance.now() - begin;
+      const made = result.step - this.step;
+      this.step = result.step;
+      this.isFinished = result.finished;
+      if (made === 0) {
+        break;
+      }
+      sinceKept += time;
+      chunk = Math.max(1, Math.min(1000, Math.round((chunk * STATE_MILLISECONDS) / 2 / Math.max(time, 1))));
+      if (sinceKept > STATE_MILLISECONDS) {
+        await this.keep(simulation);
+        sinceKept = 0;
+      }
+      this.changed();
+    }
+    await this.keep(simulation);
+  }
+
+  private async derive<T>(request: () => Promise<T>): Promise<T> {
+    ++this.counts.derivations;
+    this.counts.mostInFlight = Math.max(this.counts.mostInFlight, ++this.counts.inFlight);
+    try {
+      return await request();
+    } finally {
+      --this.counts.inFlight;
+    }
+  }
+
+  private async keep(simulation: Simulation): Promise<void> {
+    if (this.isOwn && !this.history.has(this.step)) {
+      const { step } = this;
+      this.history.add(step, await simulation.save());
+    }
+  }
+
+  stepOnce(): Promise<void> {
+    return this.inTurn(async () => {
+      const simulation = this.simulation!;
+      const result = await this.derive(() => simulation.step());
+      this.step = result.step;
+      this.isFinished = result.finished;
+      await this.keep(simulation);
+    });
+  }
+
+  /** Derives until the end or a pause. */
+  async run(): Promise<void> {
+    this.isRunning = true;
+    this.changed();
+    try {
+      if (this.isFinished && this.isOwn) {
+        await this.goTo(0);
+      }
+      for (let made = 0; this.isRunning && !this.isFinished && made < MOST_RUN; ++made) {
+        const begin = performance.now();
+        await this.inTurn(async () => {
+          await this.advance(this.step + 1);
+        });
+        const rest = Math.max(this.pace - (performance.now() - begin), 0);
+        await new Promise((done) => (rest > 4 ? setTimeout(done, rest) : requestAnimationFrame(done)));
+      }
+    } finally {
+      this.isRunning = false;
+      this.changed();
+    }
+  }
+
+  async pause(): Promise<void> {
+    this.isRunning = false;
+    this.changed();
+    await this.simulation?.pause();
+  }
+
+  /** Goes to a step: the newest wish counts. */
+  goTo(step: number): Promise<void> {
+    this.wantedStep = step;
+    return this.inTurn(async () => {
+      if (this.wantedStep === null || !this.simulation) {
+        return;
+      }
+      const target = this.wantedStep;
+      this.wantedStep = null;
+      if (target < this.step) {
+        const state = this.history.before(target);
+        const figures = this.statistics;
+        const result = state ? await this.simulation.restore(state.snapshot) : await this.simulation.reset(this.seed);
+        this.step = result.step;
+        this.isFinished = result.finished;
+        this.statistics = figures;
+      }
+      await this.advance(target);
+    });
+  }
+
+  setSeed(seed: number): Promise<void> {
+    this.seed = seed;
+    return this.inTurn(async () => {
+      const until = this.isFinished ? this.length : this.step;
+      const result = await this.simulation!.reset(seed);
+      this.step = result.step;
+      this.isFinished = result.finished;
+      this.history.clear();
+      this.statistics = [];
+      await this.advance(until);
+    });
+  }
+
+  /** A slider moves: only the newest value is derived. The text follows; it is built anew only for other changes. */
+  slide(define: Define, value: number, sliderStep: number, isFinal: boolean): void {
+    const text = this.document.files[define.file];
+    const written = numberText(value, sliderStep);
+    const files = { ...this.document.files, [define.file]: text.slice(0, define.from) + written + text.slice(define.to) };
+    this.document = { ...this.document, files, gallery: null };
+    this.isChanged = true;
+    const isUnderWay = this.wanted !== null;
+    this.wanted = { values: { ...this.wanted?.values, [define.name]: Number(written) }, isFinal };
+    this.changed();
+    if (!isUnderWay) {
+      void this.act(() => this.inTurn(() => this.deriveWanted()));
+    }
+  }
+
+  private async deriveWanted(): Promise<void> {
+    const simulation = this.simulation;
+    const wish = this.wanted;
+    this.wanted = null;
+    if (!simulation || !wish) {
+      return;
+    }
+    const until = this.isFinished ? MOST_RUN : this.step;
+    await this.hold(() =>
+      this.derive(async () => {
+        // one round trip: the server does them in order
+        const requests = [simulation.set(wish.values), simulation.reset(this.seed), until === MOST_RUN ? simulation.run() : simulation.stepUntil(until)] as const;
+        const [, , result] = await Promise.all(requests);
+        this.step = result.step;
+        this.isFinished = result.finished;
+        this.length = Math.max(this.length, result.step);
+      }),
+    );
+    this.history.clear();
+    this.diagnostics = this.diagnostics.filter(({ severity }) => severity !== "error");
+  }
+
+  // ---- one module
+
+  async pick(found: Picked | null): Promise<void> {
+    this.picked = found ? { ...found, explanation: null } : null;
+    this.view?.highlight(found);
+    this.changed();
+    if (found && this.simulation) {
+      const { explanation } = await this.simulation.get("explanation", { plant: found.plant, module: found.module });
+      if (this.picked?.module === found.module) {
+        this.picked = { ...this.picked, explanation: explanation ?? null };
+        this.changed();
+      }
+    }
+  }
+
+  /** Prunes, bends or inserts at the chosen module. */
+  change(action: "prune" | "insert", modules: Array<{ symbol: string; parameters: number[] }> = []): Promise<void> {
+    const { plant, module } = this.picked!;
+    return this.inTurn(async () => {
+      await this.simulation!.edit({ plant, module, action, ...(modules.length ? { modules } : {}) });
+      this.picked = null;
+      this.view?.highlight(null);
+      // states before the change remain reachable; those after it are of another plant
+      this.history.clear();
+      await this.keep(this.simulation!);
+    });
+  }
+
+  async deleteSimulation(id: string): Promise<void> {
+    await this.client.call("simulation.delete", { simulation: id });
+    await this.list();
+  }
+
+  /** Colours by parameter need the parameters of the modules: a second stream, only as long as they are shown. */
+  async setTableWanted(isWanted: boolean): Promise<void> {
+    const open = this.streams.find((stream) => stream.kind === "turtle");
+    if (isWanted && !open && this.simulation) {
+      const stream = await this.simulation.stream("turtle", { credits: 1 });
+      this.streams.push(stream);
+      void (async () => {
+        for await (const { turtle } of stream) {
+          this.view?.setTable(turtle);
+          this.changed();
+        }
+      })();
+    } else if (!isWanted && open) {
+      await open.close();
+      this.streams = this.streams.filter((stream) => stream !== open);
+    }
+  }
+}

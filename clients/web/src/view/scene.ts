@@ -1,0 +1,351 @@
+// The view: camera, light, ground, and the plants of a simulation from its columns.
+import {
+  Box3,
+  CanvasTexture,
+  CircleGeometry,
+  Color,
+  DirectionalLight,
+  HemisphereLight,
+  Mesh,
+  MeshStandardMaterial,
+  Object3D,
+  PCFShadowMap,
+  PerspectiveCamera,
+  Raycaster,
+  Scene,
+  SRGBColorSpace,
+  Vector2,
+  Vector3,
+  WebGLRenderer,
+} from "three";
+import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+import type { Geometry, GeometryChange, TurtleTable } from "espalier";
+import { painting } from "./colours.js";
+import type { Births, ColourMode, Legend, ModelPalette } from "./colours.js";
+import { boundsOf, pick } from "./measures.js";
+import type { Picked } from "./measures.js";
+import { Organs } from "./organs.js";
+import { Tubes } from "./tubes.js";
+
+const FIELD_OF_VIEW = 32;
+const HIGHLIGHT = 0xff7a1a;
+
+export interface ViewSettings {
+  mode: ColourMode;
+  hasGround: boolean;
+  hasShadows: boolean;
+  isDark: boolean;
+}
+
+export class View {
+  readonly renderer: WebGLRenderer;
+  readonly camera = new PerspectiveCamera(FIELD_OF_VIEW, 1, 0.01, 1000);
+  readonly controls: OrbitControls;
+  legend: Legend | null = null;
+  /** Called after the camera moved or the plant changed. */
+  onDrawn: () => void = () => {};
+
+  private readonly scene = new Scene();
+  private readonly sun = new DirectionalLight(0xfff4e2, 2.4);
+  private readonly sky = new HemisphereLight(0xf4f8ff, 0xb7ab92, 1.6);
+  private readonly ground: Mesh<CircleGeometry, MeshStandardMaterial>;
+  private readonly tubes = new Tubes();
+  private readonly organs = new Organs();
+  private geometry: Geometry | null = null;
+  private births: Births = { segments: new Uint32Array(0), organs: new Uint32Array(0), step: 0 };
+  private palette: ModelPalette | null = null;
+  private table: TurtleTable | null = null;
+  private bounds = new Box3();
+  private fitted: Box3 | null = null;
+  private picked: { plant: number; module: number } | null = null;
+  private isDrawing = false;
+  private isTurned = false; // by a person, who does not want it turned back
+  private other: Object3D | null = null; // an object of a file instead of the columns
+
+  constructor(
+    readonly element: HTMLElement,
+    public settings: ViewSettings,
+  ) {
+    this.renderer = new WebGLRenderer({ antialias: true, preserveDrawingBuffer: true });
+    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    this.renderer.shadowMap.type = PCFShadowMap;
+    element.append(this.renderer.domElement);
+    this.controls = new OrbitControls(this.camera, this.renderer.domElement);
+    this.controls.addEventListener("change", () => this.draw());
+    this.controls.addEventListener("start", () => (this.isTurned = true));
+    this.sun.shadow.mapSize.set(2048, 2048);
+    this.sun.shadow.radius = 5;
+    this.sun.shadow.intensity = 0.75;
+    this.ground = new Mesh(
+      new CircleGeometry(1, 96).rotateX(-Math.PI / 2),
+      new MeshStandardMaterial({ roughness: 1, transparent: true, alphaMap: fadeTexture(), depthWrite: false }),
+    );
+    this.ground.receiveShadow = true;
+    this.scene.add(this.sun, this.sun.target, this.sky, this.ground, this.tubes.mesh, this.organs.mesh);
+    this.camera.position.set(0, 2, 10);
+    this.apply(settings);
+    new ResizeObserver(() => this.resize()).observe(element);
+    this.resize();
+  }
+
+  /** Takes new settings over. */
+  apply(settings: ViewSettings): void {
+    this.settings = settings;
+    this.renderer.shadowMap.enabled = settings.hasShadows;
+    this.sun.castShadow = settings.hasShadows;
+    this.scene.background = backgroundTexture(settings.isDark);
+    this.ground.material.color = new Color(settings.isDark ? 0x39413a : 0xe9e7da);
+    this.sky.intensity = settings.isDark ? 1.3 : 1.6;
+    this.repaint();
+  }
+
+  setPalette(palette: ModelPalette | null): void {
+    this.palette = palette;
+    this.repaint();
+  }
+
+  /** Parameters of the modules, for colours by parameter. */
+  setTable(table: TurtleTable | null): void {
+    this.table = table;
+    this.repaint();
+  }
+
+  /** Shows a frame. Rows that did not change are not written again. */
+  update(geometry: Geometry, change: GeometryChange, step: number, isLast: boolean): void {
+    const isSame = this.geometry === geometry && !change.isWhole;
+    this.geometry = geometry;
+    this.bear(change, step);
+    const everything = [{ begin: 0, end: geometry.segments.count }];
+    this.tubes.update(geometry, isSame ? change.segments : everything);
+    if (!isSame || change.organs.length > 0 || change.organRuns.length > 0) {
+      this.organs.update(geometry);
+    }
+    this.bounds = boundsOf(geometry);
+    this.repaint();
+    this.fitGrown(isLast);
+  }
+
+  /** Remembers in which step rows changed. */
+  private bear(change: GeometryChange, step: number): void {
+    const aged = (before: Uint32Array, count: number, runs: GeometryChange["segmentRuns"]): Uint32Array => {
+      const births = new Uint32Array(count).fill(step);
+      let to = 0;
+      for (const run of change.isWhole ? [] : runs) {
+        if (run.first !== 0xffffffff) {
+          births.set(before.subarray(run.first, run.first + run.count), to);
+        }
+        to += run.count;
+      }
+      return births;
+    };
+    const { segments, organs } = this.geometry!;
+    this.births = {
+      segments: aged(this.births.segments, segments.count, change.segmentRuns),
+      organs: aged(this.births.organs, organs.count, change.organRuns),
+      step,
+    };
+  }
+
+  repaint(): void {
+    if (this.geometry) {
+      const { segments, organs } = this.geometry;
+      const paint = painting(this.settings.mode, this.geometry, this.palette, this.births, this.table);
+      this.legend = paint.legend;
+      const chosen = this.picked;
+      const highlighted = (plants: ArrayLike<number>, modules: ArrayLike<number>, plain: (i: number) => number) =>
+        chosen ? (i: number) => (modules[i] === chosen.module && plants[i] === chosen.plant ? HIGHLIGHT : plain(i)) : plain;
+      this.tubes.paint([{ begin: 0, end: segments.count }], highlighted(segments.column("Plant"), segments.column("Module"), paint.segment));
+      this.organs.paint(highlighted(organs.column("Plant"), organs.column("Module"), paint.organ));
+    }
+    this.draw();
+  }
+
+  /** Shows an object of a file (with its textures) instead of the columns; null: the columns. */
+  showObject(object: Object3D | null): void {
+    if (this.other) {
+      this.scene.remove(this.other);
+    }
+    this.other = object;
+    if (object) {
+      object.traverse((part) => {
+        part.castShadow = part.receiveShadow = true;
+      });
+      this.scene.add(object);
+    }
+    this.tubes.mesh.visible = !object && this.tubes.count > 0;
+    this.organs.mesh.visible = !object;
+    this.draw();
+  }
+
+  clear(): void {
+    this.geometry = null;
+    this.fitted = null;
+    this.picked = null;
+    this.tubes.mesh.visible = false;
+    this.organs.mesh.visible = false;
+    this.showObject(null);
+  }
+
+  draw(): void {
+    if (!this.isDrawing) {
+      this.isDrawing = true;
+      requestAnimationFrame(() => {
+        this.isDrawing = false;
+        this.drawNow();
+      });
+    }
+  }
+
+  drawNow(): void {
+    const height = this.renderer.domElement.height || 1;
+    this.tubes.setPixelScale(((2 * Math.tan((FIELD_OF_VIEW * Math.PI) / 360)) / height) * this.renderer.getPixelRatio());
+    this.light();
+    this.renderer.render(this.scene, this.camera);
+    this.onDrawn();
+  }
+
+  /** Sun, shadows and ground follow the size of the plants. */
+  private light(): void {
+    const box = this.bounds;
+    const hasPlant = !box.isEmpty();
+    const radius = hasPlant ? Math.max(box.getSize(new Vector3()).length() / 2, 1e-3) : 1;
+    const centre = hasPlant ? box.getCenter(new Vector3()) : new Vector3();
+    this.sun.target.position.copy(centre);
+    this.sun.position.copy(centre).add(new Vector3(-0.55, 1.1, 0.75).normalize().multiplyScalar(4 * radius));
+    const { camera } = this.sun.shadow;
+    Object.assign(camera, { left: -1.5 * radius, right: 1.5 * radius, top: 1.5 * radius, bottom: -1.5 * radius, near: radius, far: 8 * radius });
+    camera.updateProjectionMatrix();
+    this.sun.shadow.bias = -0.0004;
+    this.sun.shadow.normalBias = radius * 0.002;
+    const size = box.getSize(new Vector3());
+    // flat drawings, and plants below the ground, stand in the air
+    const isStanding = hasPlant && size.z > 0.02 * radius && box.min.y > -0.05 * size.y && this.geometry?.widths === "world";
+    this.ground.visible = this.settings.hasGround && isStanding;
+    this.ground.position.set(centre.x, Math.min(box.min.y, 0), centre.z);
+    this.ground.scale.setScalar(4.5 * radius);
+  }
+
+  private resize(): void {
+    const { clientWidth, clientHeight } = this.element;
+    if (clientWidth > 0 && clientHeight > 0) {
+      this.camera.aspect = clientWidth / clientHeight;
+      this.camera.updateProjectionMatrix();
+      this.renderer.setSize(clientWidth, clientHeight);
+      this.drawNow();
+    }
+  }
+
+  /** Places the camera so that the whole box is visible; it keeps its direction. */
+  fit(box = this.bounds): void {
+    if (box.isEmpty()) {
+      return;
+    }
+    const centre = box.getCenter(new Vector3());
+    const size = box.getSize(new Vector3());
+    const slope = Math.tan((FIELD_OF_VIEW * Math.PI) / 360);
+    const radius = Math.max(size.length() / 2, 1e-6);
+    // the camera may turn about the vertical, so the diagonal is the width of the box
+    const width = Math.hypot(size.x, size.z);
+    const distance = 1.15 * Math.max(size.y / 2 / slope, width / 2 / slope / this.camera.aspect) + width / 2;
+    const isFlat = size.z < 0.02 * radius;
+    const direction = this.fitted ? this.camera.position.clone().sub(this.controls.target) : new Vector3(0, isFlat ? 0 : 0.2, 1);
+    this.camera.position.copy(centre).add(direction.normalize().multiplyScalar(distance));
+    this.camera.near = distance / 200;
+    this.camera.far = distance + 40 * radius;
+    this.camera.updateProjectionMatrix();
+    this.controls.target.copy(centre);
+    this.controls.update();
+    this.draw();
+  }
+
+  /** Moves back when the plant has grown beyond what was fitted. */
+  private fitGrown(isLast: boolean): void {
+    const isLoose = isLast && !this.isTurned;
+    if (!this.bounds.isEmpty() && (isLoose || !this.fitted || !this.fitted.containsBox(this.bounds))) {
+      // a margin for the next steps
+      const box = this.fitted && !isLast ? this.bounds.clone().expandByVector(this.bounds.getSize(new Vector3()).multiplyScalar(0.1)) : this.bounds.clone();
+      this.fit(box);
+      this.fitted = box;
+    }
+  }
+
+  /** The next plant is looked at from the front, as a whole. */
+  forgetFit(): void {
+    this.fitted = null;
+    this.isTurned = false;
+  }
+
+  /** Looks from a side: front, right or top. */
+  look(side: "front" | "right" | "top"): void {
+    const distance = this.camera.position.distanceTo(this.controls.target);
+    const direction = { front: new Vector3(0, 0.02, 1), right: new Vector3(1, 0.02, 0), top: new Vector3(0, 1, 0.001) }[side];
+    this.camera.position.copy(this.controls.target).add(direction.normalize().multiplyScalar(distance));
+    this.controls.update();
+    this.draw();
+  }
+
+  /** The module that drew the thing under a point of the page. */
+  pickAt(clientX: number, clientY: number): Picked | null {
+    const place = this.renderer.domElement.getBoundingClientRect();
+    const point = new Vector2(((clientX - place.left) / place.width) * 2 - 1, 1 - ((clientY - place.top) / place.height) * 2);
+    const caster = new Raycaster();
+    caster.setFromCamera(point, this.camera);
+    const onePixel = (2 * Math.tan((FIELD_OF_VIEW * Math.PI) / 360)) / place.height;
+    return this.geometry ? pick(this.geometry, caster.ray.origin, caster.ray.direction, onePixel) : null;
+  }
+
+  highlight(module: { plant: number; module: number } | null): void {
+    this.picked = module;
+    this.repaint();
+  }
+
+  /** World units that a pixel shows at the centre of the plant. */
+  unitsPerPixel(): number {
+    const distance = this.camera.position.distanceTo(this.controls.target);
+    return (2 * distance * Math.tan((FIELD_OF_VIEW * Math.PI) / 360)) / (this.element.clientHeight || 1);
+  }
+
+  /** Figures for tests: draw calls of the last picture, bytes of a segment, what is shown. */
+  figures(): { calls: number; segmentBytes: number; segments: number; organs: number } {
+    return {
+      calls: this.renderer.info.render.calls,
+      segmentBytes: this.tubes.bytesEach,
+      segments: this.geometry?.segments.count ?? 0,
+      organs: this.geometry?.organs.count ?? 0,
+    };
+  }
+
+  picture(): string {
+    this.drawNow();
+    return this.renderer.domElement.toDataURL("image/png");
+  }
+}
+
+function backgroundTexture(isDark: boolean): CanvasTexture {
+  const canvas = document.createElement("canvas");
+  canvas.width = 2;
+  canvas.height = 256;
+  const context = canvas.getContext("2d")!;
+  const gradient = context.createLinearGradient(0, 0, 0, 256);
+  const stops = isDark ? ["#1d2422", "#2a322f", "#333a35"] : ["#dfe8ea", "#f1f3ee", "#f7f5ee"];
+  stops.forEach((stop, i) => gradient.addColorStop(i / 2, stop));
+  context.fillStyle = gradient;
+  context.fillRect(0, 0, 2, 256);
+  const texture = new CanvasTexture(canvas);
+  texture.colorSpace = SRGBColorSpace;
+  return texture;
+}
+
+/** White in the middle, black at the rim: the ground ends softly. */
+function fadeTexture(): CanvasTexture {
+  const canvas = document.createElement("canvas");
+  canvas.width = canvas.height = 256;
+  const context = canvas.getContext("2d")!;
+  const gradient = context.createRadialGradient(128, 128, 20, 128, 128, 128);
+  gradient.addColorStop(0, "#fff");
+  gradient.addColorStop(0.45, "#999");
+  gradient.addColorStop(1, "#000");
+  context.fillStyle = gradient;
+  context.fillRect(0, 0, 256, 256);
+  return new CanvasTexture(canvas);
+}

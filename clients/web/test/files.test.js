@@ -1,0 +1,123 @@
+// Panels and curves of published folders: what they read, and that an edit changes only its own bytes.
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { dirname, join } from "node:path";
+import { test } from "node:test";
+import { fileURLToPath } from "node:url";
+import { build } from "esbuild";
+
+const here = dirname(fileURLToPath(import.meta.url));
+
+async function load(name) {
+  const { outputFiles } = await build({ entryPoints: [join(here, "../src/studio", name)], bundle: true, format: "esm", write: false });
+  return import(`data:text/javascript;base64,${Buffer.from(outputFiles[0].contents).toString("base64")}`);
+}
+
+const panel = await load("panel.ts");
+const curve = await load("curve.ts");
+const model = await load("document.ts");
+
+const NEW_PANEL = `target: Lsystem
+panel name: Growth
+background: 0,0,0
+size: 210 320
+font: Arial,14,-1,5,50,0,0,0,0,0
+
+type: SLIDER
+name: Leaves
+colors: 255,255,255 0,160,0
+origin: 24 40
+min/max: 1 24
+value: 8
+message: d LEAVES %d 1
+
+type: GROUP
+
+Show
+Hide
+ENDGROUP
+
+type: BUTTON
+name: Show
+origin: 10 90
+value: 1
+message: d SHOW 1 1
+
+type: BUTTON
+name: Hide
+origin: 10 120
+value: 0
+message: d SHOW 0 1
+
+type: KNOB
+name: none
+
+type: LABEL
+name: shape
+origin: 5 5
+`;
+
+test("a panel is read in both formats, and its mistakes are named", () => {
+  assert.ok(panel.isPanel(NEW_PANEL));
+  assert.ok(!panel.isPanel("Lsystem: 1\nAxiom: F\nendlsystem\n"));
+  const read = panel.parsePanel(NEW_PANEL);
+  assert.deepEqual([read.title, read.width, read.height], ["Growth", 210, 320]);
+  assert.deepEqual(read.items.map(({ type, name, x, y, group }) => [type, name, x, y, group]), [
+    ["slider", "Leaves", 24, 40, null],
+    ["button", "Show", 10, 90, 1],
+    ["button", "Hide", 10, 120, 1],
+    ["label", "shape", 5, 5, null],
+  ]);
+  assert.equal(read.problems.length, 1);
+  assert.match(read.problems[0], /KNOB/);
+  const old = panel.parsePanel("panel name: Light\r\nbackground: 0\r\nsize: 160 84\r\n\r\ntype: SLIDER\r\nname: Shade\r\ncolors: 7 1\r\norigin: 12 30\r\nmin/max: 0 100\r\nvalue: 35\r\nmessage: d SHADE %d 100\r\n");
+  // it counts from the bottom: 84 - 30 - 39
+  assert.deepEqual([old.items[0].name, old.items[0].y, old.items[0].message], ["Shade", 15, "d SHADE %d 100"]);
+});
+
+test("a message changes the bytes of its word and nothing else", () => {
+  const text = "#define  LEAVES\t8   /* of  a shoot */\r\n#define LEAVES2 8\n# define LEAVES 8\n  #define LEAVES 8\nswap interval: 2\nflag: off\n";
+  assert.equal(panel.applyMessage(text, "d LEAVES %d 1", 9), text.replace("LEAVES\t8", "LEAVES\t9").replace("  #define LEAVES 8", "  #define LEAVES 9"));
+  assert.equal(panel.applyMessage(text, "d LEAVES %d 100", 45), text.replace("LEAVES\t8", "LEAVES\t0.45").replace("  #define LEAVES 8", "  #define LEAVES 0.45"));
+  assert.equal(panel.applyMessage(text, "n 5 3 -1 %d", 25), text.replace("interval: 2", "interval: 2.5"));
+  assert.equal(panel.applyMessage(text, "o 6 on", 1), text.replace("flag: off", "flag: on"));
+  assert.equal(panel.applyMessage(text, "d NONE %d 1", 9), text);
+  assert.equal(panel.applyMessage("#define A 1\n", "d A %d 1000000", 1), "#define A 0.000001\n");
+  assert.throws(() => panel.applyMessage(text, "d LEAVES %d 0", 9), /divides by zero/);
+  assert.throws(() => panel.applyMessage(text, "d LEAVES %s 1", 9), /format other than %d/);
+  assert.throws(() => panel.applyMessage(text, "n 5 9 0 %d", 9), /does not have/);
+  assert.equal(panel.valueInText("#define S 0.45\n", { message: "d S %d 100" }), 45);
+});
+
+test("the menu of the folder says which file a panel edits", () => {
+  const files = { specifications: "a.l\n*\nL-system:\n\tpanel panel.l | awkped plant.v\n", "plant.l": "", "plant.v": "", "panel.l": "", "panel.v": "" };
+  assert.equal(panel.targetOf(files, "panel.l", "plant.l"), "plant.v");
+  assert.equal(panel.targetOf({ ...files, specifications: "" }, "panel.v", "plant.l"), "plant.v");
+});
+
+test("a control point of a function moves, and the other lines keep their bytes", () => {
+  const text = readFileSync(join(here, "../../gallery/lilac/height.func"), "utf8");
+  const read = curve.parseCurve("height.func", text);
+  assert.deepEqual(read.points.map(({ x, y }) => [x, y]), [[0, 0.75], [0.1, 1.05], [0.4, 0.9], [0.8, 0.35], [1, 0.12]]);
+  const moved = curve.withPoint(text, read, 1, 0.25, 1.2);
+  assert.equal(moved, text.replace("0.1 1.05 1", "0.25 1.2 1"));
+  // x stays between the neighbours, and the ends stay at 0 and 1
+  assert.equal(curve.withPoint(text, read, 1, 0.9, 1.05), text.replace("0.1 1.05 1", "0.4 1.05 1"));
+  assert.equal(curve.withPoint(text, read, 4, 0.5, 0.2), text.replace("1.0 0.12 1", "1.0 0.2 1"));
+  // an open spline begins and ends in its end points
+  const line = curve.spline(read);
+  assert.deepEqual([line[0], line.at(-1)], [[0, 0.75], [1, 0.12]]);
+  assert.equal(curve.parseCurve("a.l", text), null);
+});
+
+test("sliders are made for numeric macros only, and write a number as it was meant", () => {
+  const text = "#define A 0.5  /* half */\n#define B (A + 1)\n#define C(x) 2\n  #  define D -3 // three\n#define E 1e-2\n#define F x1\n";
+  const found = model.definesOf("a.l", text);
+  assert.deepEqual(found.map(({ name, value, comment, line }) => [name, value, comment, line]), [["A", 0.5, "half", 1], ["D", -3, "three", 4], ["E", 0.01, "", 5]]);
+  found.forEach(({ from, to, value }) => assert.equal(Number(text.slice(from, to)), value));
+  for (const value of [0.86, 34, -3, 0, 1, 250, 0.004]) {
+    const { low, high, step } = model.guessedRange(value);
+    assert.ok(low <= value && value <= high && step > 0, String(value));
+  }
+  assert.equal(model.numberText(0.30000000000000004, 0.01), "0.3");
+});

@@ -1,0 +1,276 @@
+// The studio in Chromium, at a real server. ESPALIER_PROGRAM and ESPALIER_CHROMIUM name the programs; ESPALIER_PICTURES a folder
+// for pictures of the pages.
+import assert from "node:assert/strict";
+import { spawn, spawnSync } from "node:child_process";
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { dirname, join } from "node:path";
+import { after, before, test } from "node:test";
+import { fileURLToPath } from "node:url";
+import { chromium } from "playwright-core";
+
+const here = dirname(fileURLToPath(import.meta.url));
+const program = process.env.ESPALIER_PROGRAM;
+const folder = mkdtempSync(join(tmpdir(), "espalier-"));
+const PATIENCE = { timeout: 60_000 };
+// the browser draws without a graphics card
+const SIZE = process.env.ESPALIER_PICTURES ? { width: 1280, height: 720 } : { width: 800, height: 500 };
+
+function serve(http = "127.0.0.1:0", ...more) {
+  const gallery = join(here, "../../gallery");
+  const server = spawn(program, ["serve", "--listen", "127.0.0.1:0", "--http", http, "--gallery", gallery, "--log-level", "off", ...more]);
+  return new Promise((ready) => {
+    let text = "";
+    server.stdout.on("data", (chunk) => {
+      text += chunk;
+      const found = /http on (\S+)\n/.exec(text);
+      if (found) {
+        ready({ server, address: `http://${found[1]}` });
+      }
+    });
+  });
+}
+
+const stopped = (child) => new Promise((done) => (child.exitCode === null ? (child.once("exit", done), child.kill()) : done()));
+
+let running;
+let browser;
+const problems = [];
+
+async function open(address, ready = "shown") {
+  const page = await browser.newPage({ viewport: SIZE });
+  page.setDefaultTimeout(PATIENCE.timeout);
+  page.on("pageerror", (error) => problems.push(error.message));
+  page.on("console", (message) => message.type() === "error" && problems.push(message.text()));
+  await page.goto(address);
+  if (ready === "shown") {
+    await shown(page);
+  }
+  return page;
+}
+
+/** Waits until the plant is derived and drawn. */
+const shown = (page) =>
+  page.waitForFunction(() => studio.simulation && studio.isFinished && document.getElementById("plant").dataset.step === String(studio.step), null, PATIENCE);
+
+async function keep(page, name) {
+  if (process.env.ESPALIER_PICTURES) {
+    await page.screenshot({ path: join(process.env.ESPALIER_PICTURES, `${name}.png`) });
+  }
+}
+
+const stringOf = (page) => page.evaluate(() => studio.simulation.string());
+
+/** The string that the command line derives from the files of the page. */
+async function derived(page) {
+  const { files, main, seed } = await page.evaluate(() => ({ files: studio.document.files, main: studio.document.main, seed: studio.seed }));
+  for (const [name, text] of Object.entries(files)) {
+    writeFileSync(join(folder, name), text);
+  }
+  const made = spawnSync(program, ["derive", join(folder, main), "--seed", String(seed)], { encoding: "utf8", maxBuffer: 1e9 });
+  return made.stdout.trim();
+}
+
+before(async () => {
+  running = await serve();
+  browser = await chromium.launch({
+    executablePath: process.env.ESPALIER_CHROMIUM,
+    args: ["--no-sandbox", "--disable-dev-shm-usage", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
+  });
+});
+after(async () => {
+  await browser.close();
+  await stopped(running.server);
+  rmSync(folder, { recursive: true });
+});
+
+test("a gallery model grows, with few draw calls and 32 bytes a segment", async () => {
+  const page = await open(`${running.address}/#gallery=parametric-tree`);
+  assert.equal(await page.title(), "parametric-tree – Espalier");
+  const figures = await page.evaluate(() => studio.view.figures());
+  assert.equal(figures.segmentBytes, 32);
+  assert.ok(figures.segments > 100, `${figures.segments} segments`);
+  assert.ok(figures.calls <= 20, `${figures.calls} draw calls`);
+  await keep(page, "studio-tree");
+
+  await page.click("#open-gallery");
+  await page.waitForFunction(() => document.querySelector(".card img")?.naturalWidth > 0);
+  await page.fill("input[type=search]", "growth to");
+  await keep(page, "studio-gallery");
+  await page.click('[data-model="growth-to-a-height"]');
+  await page.waitForFunction(() => studio.document.title === "growth-to-a-height");
+  await shown(page);
+  // the environment of the gallery model answers
+  assert.ok(await page.evaluate(() => studio.statistics.some(({ queries }) => queries > 0)));
+  assert.equal(await page.textContent('[data-figure="modules"]'), (await page.evaluate(() => studio.statistics.at(-1).modules)).toLocaleString("en"));
+  await page.close();
+});
+
+test("a slider that moves two hundred times has one derivation under way and ends with its newest value", async () => {
+  const page = await open(`${running.address}/#gallery=parametric-tree`);
+  const before = await page.evaluate(() => studio.counts.derivations);
+  await page.evaluate(async () => {
+    const slider = document.getElementById("define-A0");
+    for (let i = 0; i < 200; ++i) {
+      slider.value = String(20 + (i % 31));
+      slider.dispatchEvent(new Event("input", { bubbles: true }));
+      if (i % 20 === 0) {
+        await new Promise((done) => setTimeout(done, 1));
+      }
+    }
+    slider.value = "47";
+    slider.dispatchEvent(new Event("input", { bubbles: true }));
+  });
+  await page.waitForFunction(() => studio.counts.inFlight === 0 && studio.isFinished);
+  const { derivations, mostInFlight } = await page.evaluate(() => studio.counts);
+  assert.equal(mostInFlight, 1);
+  assert.ok(derivations - before < 200, `${derivations - before} derivations`);
+  await page.waitForFunction(() => document.querySelector(".cm-content").textContent.includes("#define A0 47     /*"));
+  // only the number changed in the text, and the plant is what the text says
+  const original = readFileSync(join(here, "../../gallery/parametric-tree/parametric-tree.l"), "utf8");
+  assert.equal(await page.evaluate(() => studio.document.files["parametric-tree.l"]), original.replace("A0 45", "A0 47"));
+  const grown = await stringOf(page);
+  assert.equal(grown, await derived(page));
+
+  // back to a step, and to the end again
+  await page.evaluate(() => studio.goTo(3));
+  assert.equal(await page.evaluate(() => studio.step), 3);
+  await page.evaluate(() => studio.goTo(studio.length));
+  assert.equal(await stringOf(page), grown);
+
+  // the link makes the same plant in another page
+  await page.keyboard.press("l");
+  await page.waitForFunction(() => document.getElementById("share-link").value.includes("#model="));
+  const other = await open(await page.inputValue("#share-link"));
+  assert.equal(await stringOf(other), grown);
+  await other.close();
+  await page.close();
+});
+
+test("a model is written, broken, and mended by its hint", async () => {
+  const page = await open(`${running.address}/#gallery=classic-weed`);
+  await page.click("#open-gallery");
+  await page.click("text=New model");
+  await page.waitForFunction(() => studio.document.title === "untitled");
+  await shown(page);
+  const write = async (text) => {
+    await page.click(".cm-content");
+    await page.keyboard.press("Control+a");
+    await page.keyboard.insertText(text);
+  };
+  const LINES = ["Lsystem: 1", "derivation length: 4", "Axiom: F(1)A(1)", "A(size) --> F(sise)[+(30)A(size*0.8)][-(30)A(size*0.8)]", "endlsystem", ""];
+  await write(LINES.join("\n"));
+  await page.waitForFunction(() => studio.diagnostics.some(({ message }) => message.includes("'sise'")));
+  const mark = page.locator(".cm-lintRange-warning", { hasText: "sise" });
+  assert.equal(await mark.textContent(), "sise");
+  assert.match(await page.textContent("#problems"), /model\.l:4:15.*did you mean 'size'\?/s);
+  await keep(page, "studio-problem");
+  await write(LINES.join("\n").replace("sise", "size"));
+  await page.waitForFunction(() => studio.document.files["model.l"].includes("F(size)"));
+  const wanted = await derived(page);
+  await page.waitForFunction(async (text) => studio.diagnostics.length === 0 && (await studio.simulation.string()) === text, wanted);
+  // an error leaves the plant as it was, and is marked
+  await write(LINES.join("\n").replace("sise", "size").replace("A(1)", "A("));
+  await page.waitForFunction(() => studio.diagnostics.some(({ severity, range }) => severity === "error" && range.begin.line === 3));
+  await page.waitForSelector(".cm-lintRange-error");
+  await page.close();
+});
+
+test("a click explains a module as the command line does, and prunes there", async () => {
+  const page = await open(`${running.address}/#gallery=classic-weed`);
+  await page.evaluate(() => studio.goTo(studio.length - 1));
+  await page.waitForFunction(() => document.getElementById("plant").dataset.step === String(studio.step));
+  await page.waitForFunction(() => {
+    // a place where a line is
+    const { left, top, width, height } = document.querySelector("#plant canvas").getBoundingClientRect();
+    for (let y = top + height * 0.3; y < top + height * 0.8; y += 4) {
+      if (studio.view.pickAt(left + width / 2, y)) {
+        window.place = { x: left + width / 2, y };
+        return true;
+      }
+    }
+    return false;
+  });
+  const place = await page.evaluate(() => window.place);
+  await page.mouse.click(place.x, place.y);
+  await page.waitForFunction(() => document.getElementById("explanation")?.textContent.startsWith("Step "));
+  const { module, step, seed } = await page.evaluate(() => ({ module: studio.picked.module, step: studio.step, seed: studio.seed }));
+  const explained = spawnSync(program, ["explain", join(here, "../../gallery/classic-weed"), "--step", String(step + 1), "--module", String(module), "--seed", String(seed)], { encoding: "utf8" });
+  const withoutFolders = (text) => text.replace(/[^\s(]*\/(?=classic-weed)/g, "").trim();
+  assert.equal(withoutFolders(await page.textContent("#explanation")), withoutFolders(explained.stdout));
+  await keep(page, "studio-module");
+  const segments = await page.evaluate(() => studio.view.figures().segments);
+  await page.click("#prune");
+  await page.waitForFunction((before) => studio.view.figures().segments < before, segments);
+  await page.close();
+});
+
+test("the page watches what another program does, and lives through a new start of its server", async () => {
+  const data = join(folder, "data");
+  const first = await serve("127.0.0.1:0", "--data", data);
+  const { host } = new URL(first.address);
+  const page = await open(first.address);
+  const made = await page.evaluate(async () => {
+    const watched = await studio.simulation.client.create({ model: { gallery: "classic-weed" }, seed: 1 });
+    await watched.step(2);
+    return watched.id;
+  });
+  const viewer = await open(`${first.address}/#simulation=${made}`, "");
+  await viewer.waitForFunction(() => document.getElementById("plant")?.dataset.step === "2");
+  await page.evaluate((id) => studio.simulation.client.simulation(id).step(), made);
+  await viewer.waitForFunction(() => document.getElementById("plant").dataset.step === "3");
+  await viewer.close();
+
+  first.server.kill("SIGKILL");
+  await page.waitForFunction(() => document.body.dataset.state === "lost");
+  assert.match(await page.textContent("#message"), /connection to the server is lost/);
+  problems.length = 0; // the browser tells of each attempt
+  const second = await serve(host, "--data", data);
+  await page.waitForFunction(() => document.body.dataset.state === "connected" && studio.simulation);
+  await shown(page);
+  problems.length = 0;
+  await page.evaluate(() => studio.act(() => studio.goTo(2)));
+  assert.equal(await page.evaluate(() => studio.step), 2);
+  await page.close();
+  await stopped(second.server);
+});
+
+test("a server with a token asks for it", async () => {
+  const closed = await serve("127.0.0.1:0", "--token", "secret words");
+  const page = await open(closed.address, "");
+  await page.waitForSelector("#token-form");
+  assert.match(await page.textContent("#token-form"), /needs a token/);
+  await page.fill("#token", "wrong");
+  await page.click("#token-form button");
+  await page.waitForFunction(() => !document.querySelector("#token-form .error").textContent.includes("needs a token"));
+  await page.fill("#token", "secret words");
+  await page.click("#token-form button");
+  await shown(page);
+  await page.close();
+  await stopped(closed.server);
+});
+
+test("axe finds nothing serious, in light and dark, and the keyboard reaches everything", async () => {
+  const page = await open(`${running.address}/#gallery=classic-weed`);
+  for (const theme of ["light", "dark"]) {
+    // the policy of the page allows no other script; the browser's own channel runs it
+    await page.evaluate(readFileSync(join(here, "../node_modules/axe-core/axe.min.js"), "utf8"));
+    const serious = await page.evaluate(async () => {
+      const { violations } = await axe.run(document, { resultTypes: ["violations"] });
+      return violations.filter(({ impact }) => impact === "serious" || impact === "critical").map(({ id, nodes }) => `${id}: ${nodes.map(({ html }) => html.slice(0, 120)).join("; ")}`);
+    });
+    assert.deepEqual(serious, [], theme);
+    await page.keyboard.press("d");
+  }
+  await page.keyboard.press("Home");
+  await page.waitForFunction(() => studio.step === 0);
+  await page.keyboard.press("ArrowRight");
+  await page.waitForFunction(() => studio.step === 1);
+  await page.keyboard.press("?");
+  await page.waitForSelector("dialog[open] .keys");
+  await page.close();
+});
+
+test("no page had an error, or asked for anything that its policy forbids", () => {
+  assert.deepEqual(problems.filter((text) => !/401|ERR_CONNECTION_REFUSED|WebSocket/.test(text)), []);
+});
