@@ -108,6 +108,26 @@ TEST(AccountsInUse, IdleSavedSimulationsMakeRoomOnDisk) {
   }
 }
 
+TEST(AccountsInUse, ASimulationWithAViewerStaysInMemory) {
+  const TemporaryFolder folder;
+  ServerOptions options = withMemory(40'000'000);
+  options.dataFolder = folder.path();
+  const RunningServer server(options);
+  const auto client = connectTo(server);
+  const auto viewer = connectTo(server);
+  const std::string watched = create(*client, kDoubling);
+  resultOf(viewer->request("stream.open", named(watched, R"("what":"statistics")")));
+  ASSERT_TRUE(viewer->nextNotification(std::chrono::seconds(30)).has_value());
+  for (int i = 0; i < 30; ++i) {
+    resultOf(client->request("simulation.step", named(create(*client, kDoubling), R"("steps":17)")));
+  }
+  EXPECT_GT(numberOf(statusOf(*client), "passive"), 10U);
+  resultOf(client->request("simulation.step", named(watched)));
+  const auto frame = viewer->nextNotification(std::chrono::seconds(30));
+  ASSERT_TRUE(frame.has_value());
+  EXPECT_EQ(member(frame->paramsJson, "step"), "1");
+}
+
 TEST(AccountsInUse, AfterARestartAsManyAreInMemoryAsThereIsRoomFor) {
   const TemporaryFolder folder;
   ServerOptions options;
