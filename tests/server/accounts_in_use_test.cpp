@@ -290,6 +290,26 @@ TEST(AccountsInUse, CompilingEndsAfterCallSecondsAndWhenItIsCancelled) {
   EXPECT_NE(outcome.error().message.find("Nothing was made."), std::string::npos);
 }
 
+TEST(AccountsInUse, DrawingEndsAfterCallSecondsForAnswersAndForViewers) {
+  ServerOptions options;
+  options.limits.callSeconds = 1;
+  const RunningServer server(options);
+  const auto client = connectTo(server);
+  const std::string simulation = create(
+      *client,
+      "Lsystem: 1\nderivation length: 9\nAxiom: A\nA --> A\nhomomorphism\nmaximum depth: 40\nA --> AA\nendlsystem\n");
+  const protocol::Error error = errorOf(client->request("simulation.get", named(simulation, R"("what":"turtle")")));
+  EXPECT_EQ(member(error.data, "limit"), "callSeconds") << error.message;
+  EXPECT_NE(error.message.find("The simulation stays at step 0."), std::string::npos) << error.message;
+  resultOf(client->request("stream.open", named(simulation, R"("what":"turtle")")));
+  const auto end = client->nextNotification(std::chrono::seconds(30));
+  ASSERT_TRUE(end.has_value());
+  EXPECT_EQ(end->method, "stream.end");
+  EXPECT_NE(member(end->paramsJson, "reason").find("the limit callSeconds (1) allows"), std::string::npos)
+      << end->paramsJson;
+  EXPECT_EQ(member(resultOf(client->request("simulation.step", named(simulation))), "step"), "1");
+}
+
 TEST(AccountsInUse, AnEnvironmentCountsAndMayNotTakeMoreThanThereIs) {
   const RunningServer server(withMemory(200'000'000));
   const auto client = connectTo(server);
