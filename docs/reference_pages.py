@@ -82,7 +82,7 @@ def processes(program: str) -> dict[str, str]:
              "| process | |", "|---|---|"]
     pages = {}
     for name in process_names(program):
-        description = json.loads(said(program, "environment", name, "--describe"))
+        description = json.loads(said(program, "environment", name, "--describe", "--json"))
         pages[f"processes/{name}.md"] = process_page(description)
         index.append(f"| [{name}](processes/{name}.md) | {cell(description['summary'])} |")
     return {"processes.md": "\n".join(index) + "\n", **pages}

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "protocol/envelope.h"
@@ -21,6 +23,10 @@ namespace espalier::protocol {
 #include "protocol/methods.def"
 /// Of a forest file, which people write: a member that is not known is an error.
 [[nodiscard]] Expected<ForestParams> decodeForestParams(const Payload& payload);
+/// A world that a person wrote: an unknown member is an error.
+[[nodiscard]] Expected<WorldRecord> decodeWorld(const Payload& payload);
+/// The days of a duration such as "1 h", "0.25 d" or "30 min"; nothing when the text is no such.
+[[nodiscard]] std::optional<double> daysOfDuration(std::string_view text);
 
 // Reading results.
 [[nodiscard]] Expected<HelloResult> decodeHelloResult(const Payload& payload);
@@ -58,6 +64,8 @@ void writeQueries(JsonWriter& writer, const QueryColumns& queries);
 void writeReplies(JsonWriter& writer, const ReplyColumns& replies);
 /// The blocks of environment.step. They refer to the columns.
 void addBlocks(BlockWriter& blocks, const QueryColumns& queries);
+/// The member `world`.
+void write(JsonWriter& writer, const WorldRecord& world);
 /// The member `bounds`.
 void write(JsonWriter& writer, const BoundsRecord& bounds);
 void write(JsonWriter& writer, const SavePolicy& policy);

@@ -51,23 +51,6 @@ void writeNeeds(JsonWriter& writer, const NeedsRecord& needs) {
   writer.endArray();
 }
 
-void writeWorld(JsonWriter& writer, const WorldRecord& world) {
-  writer.key("world").beginObject().key("lengthUnit").text(world.lengthUnit);
-  writeVector(writer, "up", world.up);
-  writeVector(writer, "north", world.north);
-  writer.key("stepDuration").number(world.stepDurationDays);
-  if (world.latitudeDegrees) {
-    writer.key("latitude").number(*world.latitudeDegrees);
-  }
-  if (world.longitudeDegrees) {
-    writer.key("longitude").number(*world.longitudeDegrees);
-  }
-  if (!world.start.empty()) {
-    writer.key("start").text(world.start);
-  }
-  writer.endObject();
-}
-
 }  // namespace
 
 void write(JsonWriter& writer, const std::vector<DiagnosticRecord>& diagnostics) {
@@ -102,6 +85,29 @@ void write(JsonWriter& writer, const Statistics& statistics) {
     writer.key("deaths").integer(statistics.deaths);
   }
   writer.key("milliseconds").number(statistics.milliseconds).endObject();
+}
+
+void write(JsonWriter& writer, const WorldRecord& world) {
+  writer.key("world").beginObject().key("lengthUnit").text(world.lengthUnit);
+  writeVector(writer, "up", world.up);
+  writeVector(writer, "north", world.north);
+  writer.key("stepDuration").number(world.stepDurationDays);
+  if (world.latitudeDegrees) {
+    writer.key("latitude").number(*world.latitudeDegrees);
+  }
+  if (world.longitudeDegrees) {
+    writer.key("longitude").number(*world.longitudeDegrees);
+  }
+  if (!world.start.empty()) {
+    writer.key("start").text(world.start);
+  }
+  if (world.baseTemperature != 0.0) {
+    writer.key("baseTemperature").number(world.baseTemperature);
+  }
+  if (!world.weather.empty()) {
+    writer.key("weather").text(world.weather);
+  }
+  writer.endObject();
 }
 
 void write(JsonWriter& writer, const BoundsRecord& bounds) {
@@ -236,7 +242,7 @@ std::string encode(const OpenParams& params) {
   if (params.resumeStep) {
     writer.key("resume").integer(*params.resumeStep);
   }
-  writeWorld(writer, params.world);
+  write(writer, params.world);
   if (params.bounds) {
     write(writer, *params.bounds);
   }

@@ -49,8 +49,8 @@ struct HelloResult {
 struct ModelReference {
   std::optional<std::string> source;         // the text of the `.l` file
   std::optional<std::string> gallery;        // name of a folder of the server's gallery
-  std::map<std::string, std::string> files;  // contents by name, of `files` and `binary`; with `main`
-  std::string main;                          // name of the `.l` file among `files`, perhaps with `:ENTRY`
+  std::map<std::string, std::string> files;  // contents by name, texts and bytes
+  std::string main;                          // of `files`: FILE or FILE:ENTRY; empty: they are a model folder
   std::optional<std::string> loaded;         // identifier that model.load gave
 };
 
@@ -58,6 +58,11 @@ struct ModelParams {
   ModelReference model;
   std::string compatibility;                                 // empty, cpfg or cpfg-batch
   std::vector<std::pair<std::string, std::string>> defines;  // NAME, VALUE: they win over #define
+};
+
+/// Of editor.message: a message of the Language Server Protocol.
+struct EditorParams {
+  std::string message;  // JSON
 };
 
 /// Of model.read.
@@ -115,6 +120,19 @@ struct SeedParams {
   std::optional<std::array<std::array<double, 3>, 2>> area;  // two corners
 };
 
+/// The world of a simulation: units, directions, place, time and weather.
+struct WorldRecord {
+  std::string lengthUnit = "m";
+  std::array<double, 3> up{0.0, 1.0, 0.0};
+  std::array<double, 3> north{0.0, 0.0, -1.0};
+  double stepDurationDays = 1.0;
+  std::optional<double> latitudeDegrees;
+  std::optional<double> longitudeDegrees;
+  std::string start;
+  double baseTemperature = 0.0;
+  std::string weather;  // text of a table; empty: not known
+};
+
 /// A forest file (clients/espalier/README.md): the models and plants of a simulation with their environment.
 struct ForestParams {
   std::vector<NamedModel> models;
@@ -124,6 +142,7 @@ struct ForestParams {
   std::string environmentFile;  // a published .e file or a configuration; empty: none, or in `environmentJson`
   std::optional<std::uint64_t> derivationLength;
   std::optional<std::uint64_t> seed;
+  std::optional<WorldRecord> world;  // its weather is the name of a file
 };
 
 /// A box: its least and its greatest corner, in the world's unit.
@@ -152,6 +171,7 @@ struct CreateParams {
   std::uint32_t iterations = 1;        // of the coupling with its environments, at most, in each step
   double tolerance = 0.0;              // of the answers of two iterations
   std::optional<BoundsRecord> bounds;  // of the space that the plants may fill: passed on to environments
+  std::optional<WorldRecord> world;    // nothing: the default
 };
 
 struct Statistics {
@@ -365,16 +385,6 @@ struct DescribeResult {
   bool isStateful = false;
   bool canCheckpoint = false;     // answers environment.save and environment.restore
   bool takesDifferences = false;  // of a geometry, instead of all of it in each step
-};
-
-struct WorldRecord {
-  std::string lengthUnit = "m";
-  std::array<double, 3> up{0.0, 1.0, 0.0};
-  std::array<double, 3> north{0.0, 0.0, -1.0};
-  double stepDurationDays = 1.0;
-  std::optional<double> latitudeDegrees;
-  std::optional<double> longitudeDegrees;
-  std::string start;
 };
 
 struct OpenParams {

@@ -3,6 +3,7 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "protocol/blocks.h"
 
@@ -31,11 +32,15 @@ class Payload {
   /// The binary blocks that came with the message; null: none.
   [[nodiscard]] const Blocks* blocks() const { return blocks_.get(); }
   void attach(std::shared_ptr<const Blocks> blocks) { blocks_ = std::move(blocks); }
+  /// A decoder of this payload appends a sentence for each member that it does not know. `list` outlives the decoding.
+  void listUnknownMembers(std::vector<std::string>& list) { unknown_ = &list; }
+  [[nodiscard]] std::vector<std::string>* unknownMembers() const { return unknown_; }
 
  private:
   std::shared_ptr<const JsonTree> root_;
   std::shared_ptr<const BulkText> bulk_;
   std::shared_ptr<const Blocks> blocks_;
+  std::vector<std::string>* unknown_ = nullptr;  // null: nobody asks
   const void* value_ = nullptr;
   std::string name_ = "params";
 };

@@ -35,7 +35,7 @@ struct ServerOptions {
   Durability durability = Durability::Process;
   std::string galleryFolder;  // empty: no gallery models by name
   std::vector<Token> tokens;  // none: clients need none; any address but loopback needs one
-  /// Reads the tokens again when SIGHUP comes, on a worker. Null: SIGHUP does what the system does.
+  /// Reads the tokens again when SIGHUP comes, on a worker. Null: SIGHUP stops the server.
   std::function<tl::expected<std::vector<Token>, std::string>()> readTokens;
   bool isInsecureAllowed = false;  // a non-loopback address without TLS
   RemotePermissions remote;        // environments in other processes that clients may name
@@ -60,7 +60,8 @@ class Server {
   [[nodiscard]] std::uint16_t port() const;
   /// Of the HTTP side; 0: there is none.
   [[nodiscard]] std::uint16_t httpPort() const;
-  /// Serves until stopped. `handleSignals`: SIGINT and SIGTERM stop it; SIGHUP reads the tokens again.
+  /// Serves until stopped. `handleSignals`: SIGINT and SIGTERM stop it. SIGHUP reads the tokens again
+  /// where there is readTokens; else it stops the server, unless it is ignored (nohup).
   void run(bool handleSignals);
   void stop();
 

@@ -22,7 +22,7 @@ struct ClientOptions {
   std::chrono::milliseconds connectTimeout{5'000};
   std::chrono::milliseconds requestTimeout{600'000};
   protocol::FrameLimits limits;
-  std::vector<std::string> capabilities{"bin"};  // bin: binary blocks
+  std::vector<std::string> capabilities{"bin", "strict"};  // binary blocks; unknown members are errors
 };
 
 /// A notification of the server: stream.data, stream.end, server.shutdown.

@@ -8,10 +8,10 @@
 #include <utility>
 #include <variant>
 
+#include "clients/espalier/json_file.h"
 #include "clients/espalier/messages.h"
+#include "clients/espalier/world_file.h"
 #include "engine/turtle/export/palette.h"
-#include "protocol/codec.h"
-#include "protocol/json_text.h"
 #include "server/remote/translation/translate.h"
 
 namespace espalier::command {
@@ -40,76 +40,6 @@ std::string besideForest(const std::string& forest, const std::string& file) {
   return (fs::path(forest).parent_path() / file).string();
 }
 
-std::optional<protocol::ForestParams> readForest(const std::string& file, core::FileProvider& files) {
-  const std::optional<std::string> text = files.read(file);
-  if (!text) {
-    printError("there is no forest file '" + file + "': check the name and the working folder");
-    return std::nullopt;
-  }
-  if (const auto problem = protocol::jsonProblem(*text)) {
-    printError(file + ": " + *problem);
-    return std::nullopt;
-  }
-  const auto complain = [&file](std::string message) {
-    constexpr std::string_view kRoot = "params";
-    if (message.starts_with(kRoot)) {
-      message.erase(0, kRoot.size() + (message.substr(kRoot.size(), 1) == "." ? 1 : 2));
-    }
-    printError(file + ": " + message);
-    return std::nullopt;
-  };
-  const auto message = protocol::decodeMessage("{\"jsonrpc\":\"2.0\",\"method\":\"forest\",\"params\":" + *text + "}");
-  if (!message) {
-    return complain(message.error().error.message);
-  }
-  auto decoded = protocol::decodeForestParams(message->payload);
-  if (!decoded) {
-    return complain(decoded.error().message);
-  }
-  return std::move(*decoded);
-}
-
-// every model has its own blocks; a model without colours gets the default colours when another model has colours
-files::Palette joined(const std::vector<files::Palette>& palettes) {
-  files::Palette whole;
-  if (std::all_of(palettes.begin(), palettes.end(), [](const auto& palette) { return palette.empty(); })) {
-    return whole;
-  }
-  whole.usesMaterials =
-      std::any_of(palettes.begin(), palettes.end(), [](const auto& palette) { return palette.usesMaterials; });
-  const auto diffuse = [](double red, double green, double blue) {
-    files::Material material;
-    material.diffuse = {red / 255.0, green / 255.0, blue / 255.0};
-    return material;
-  };
-  for (std::size_t model = 0; model < palettes.size(); ++model) {
-    const files::Palette& own = palettes[model];
-    const int shift = simulation::kBlocksPerModel * static_cast<int>(model) + whole.base - own.base;
-    for (const auto& [block, map] : own.maps) {
-      whole.maps[block + shift] = map;
-      if (whole.usesMaterials && !own.usesMaterials) {
-        for (std::size_t i = 0; i < map.size(); ++i) {
-          whole.materials[block + shift][i] = diffuse(map[i].red, map[i].green, map[i].blue);
-        }
-      }
-    }
-    if (own.usesMaterials) {
-      for (const auto& [block, materials] : own.materials) {
-        whole.materials[block + shift] = materials;
-      }
-    }
-    if (own.empty()) {
-      for (int i = 0; i < files::Palette::kBlockSize; ++i) {
-        const turtle::Colour colour = turtle::defaultColour(i);
-        const auto entry = static_cast<std::size_t>(i);
-        whole.maps[own.base + shift][entry] = {colour.red, colour.green, colour.blue};
-        whole.materials[own.base + shift][entry] = diffuse(colour.red, colour.green, colour.blue);
-      }
-    }
-  }
-  return whole;
-}
-
 bool loadModels(const protocol::ForestParams& forest, const std::string& file, const ModelOptions& options,
                 core::FileProvider& files, LoadedModel& loaded) {
   std::vector<files::Palette> palettes;
@@ -119,7 +49,7 @@ bool loadModels(const protocol::ForestParams& forest, const std::string& file, c
     own.object.clear();
     own.view.clear();
     own.environment.clear();
-    FolderSettings folder;
+    server::FolderSettings folder;
     auto program = loadProgram(own, files, &folder);
     if (!program) {
       return false;
@@ -127,7 +57,7 @@ bool loadModels(const protocol::ForestParams& forest, const std::string& file, c
     loaded.programs.push_back(std::move(program));
     palettes.push_back(std::move(folder.palette));
   }
-  loaded.folder.palette = joined(palettes);
+  loaded.folder.palette = simulation::joinedPalettes(loaded.programs, palettes);
   return true;
 }
 
@@ -156,6 +86,16 @@ bool loadEnvironmentOf(const protocol::ForestParams& forest, const std::string& 
   return true;
 }
 
+std::optional<turtle::World> worldOfForest(const protocol::ForestParams& forest, const std::string& file,
+                                           const ModelOptions& options, core::FileProvider& files) {
+  const std::string own = besideForest(file, kWorldFile);
+  std::error_code error;
+  if (options.world.empty() && forest.world) {
+    return completeWorld(*forest.world, file, options, files);
+  }
+  return loadWorld(options, fs::is_regular_file(own, error) ? own : std::string(), files);
+}
+
 }  // namespace
 
 std::optional<std::string> forestFileOf(const std::string& model) {
@@ -179,7 +119,8 @@ std::optional<LoadedModel> loadForest(const std::string& file, ModelOptions& opt
       return std::nullopt;
     }
   }
-  const std::optional<protocol::ForestParams> forest = readForest(file, files);
+  const std::optional<protocol::ForestParams> forest =
+      decodeJsonFile(file, "forest file", files, protocol::decodeForestParams);
   LoadedModel loaded;
   if (!forest || !loadModels(*forest, file, options, files, loaded)) {
     return std::nullopt;
@@ -203,7 +144,12 @@ std::optional<LoadedModel> loadForest(const std::string& file, ModelOptions& opt
       }
     }
   }
+  auto world = worldOfForest(*forest, file, options, files);
+  if (!world) {
+    return std::nullopt;
+  }
   loaded.simulationOptions = simulationOptionsFor(options, *loaded.program);
+  loaded.simulationOptions.world = std::move(*world);
   const fs::path path(file);
   loaded.simulationOptions.name =
       path.filename() == kForestFile ? path.parent_path().filename().string() : path.stem().string();

@@ -12,6 +12,35 @@
 #include "engine/core/check.h"
 #include "engine/core/diagnostic.h"
 
+namespace {
+
+// names the option that was probably meant, of the command that was given
+void suggestOption(const CLI::App& program, int argumentCount, char** arguments) {
+  const CLI::App* command = &program;
+  while (!command->get_subcommands().empty()) {
+    command = command->get_subcommands().front();
+  }
+  std::vector<std::string> names;
+  for (const CLI::Option* option : command->get_options()) {
+    for (const std::string& name : option->get_lnames()) {
+      names.push_back("--" + name);
+    }
+  }
+  for (int i = 1; i < argumentCount; ++i) {
+    const std::string given = std::string(arguments[i]).substr(0, std::string(arguments[i]).find('='));
+    if (!given.starts_with("--") || std::find(names.begin(), names.end(), given) != names.end()) {
+      continue;
+    }
+    const std::string_view nearest = espalier::core::nearestName(given, {names.begin(), names.end()});
+    if (!nearest.empty()) {
+      std::fprintf(stderr, "Did you mean %s?\n", std::string(nearest).c_str());
+    }
+    return;
+  }
+}
+
+}  // namespace
+
 int main(int argumentCount, char** arguments) {
   using namespace espalier::command;
   CLI::App program{
@@ -69,6 +98,10 @@ int main(int argumentCount, char** arguments) {
     program.parse(argumentCount, arguments);
   } catch (const CLI::Success& helpOrVersion) {
     return program.exit(helpOrVersion);
+  } catch (const CLI::ExtrasError& error) {
+    program.exit(error);
+    suggestOption(program, argumentCount, arguments);
+    return kUsage;
   } catch (const CLI::ParseError& error) {
     program.exit(error);
     return kUsage;

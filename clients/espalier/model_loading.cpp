@@ -10,15 +10,17 @@
 
 #include "clients/espalier/forest_file.h"
 #include "clients/espalier/messages.h"
-#include "clients/espalier/model_files.h"
 #include "clients/espalier/number_option.h"
 #include "clients/espalier/output/folder_writer.h"
+#include "clients/espalier/world_file.h"
 #include "engine/files/file_name.h"
 #include "engine/language/compiler.h"
 #include "engine/language/dialects/dialect.h"
 #include "engine/turtle/export/text/mtg.h"
+#include "protocol/codec.h"
 #include "server/remote/control_group.h"
 #include "server/remote/limits.h"
+#include "server/remote/models/model_files.h"
 #include "server/remote/remote_settings.h"
 
 namespace espalier::command {
@@ -229,6 +231,20 @@ void addRunningOptions(CLI::App& command, ModelOptions& options) {
                   "A string that replaces the axiom: a file of `run -o NAME.string` or an MTG (.mtg)")
       ->type_name("FILE");
   command
+      .add_option("--world", options.world,
+                  "The world: units, up and north, duration of a step, place, start and weather (.json; default:\n"
+                  "world.json of the model folder, or of the forest)")
+      ->type_name("FILE");
+  command
+      .add_option("--step-duration", options.stepDuration,
+                  "Time of a step, such as \"1 h\", \"0.25 d\" or \"30 min\" (default: the world's, or one day)")
+      ->type_name("TIME")
+      ->check([](const std::string& text) {
+        const auto days = protocol::daysOfDuration(text);
+        return days && *days > 0.0 ? std::string{}
+                                   : std::string("expected a time above 0 such as \"1 h\" or \"0.25 d\"");
+      });
+  command
       .add_option("--threads", options.threads,
                   "Threads for strings of more than 65536 modules; 0: as many as the machine has. The result\n"
                   "does not depend on their number")
@@ -270,19 +286,19 @@ std::vector<std::string> modelEntries(const ModelOptions& options, core::FilePro
 }
 
 std::shared_ptr<const language::Program> loadProgram(ModelOptions& options, core::FileProvider& files,
-                                                     FolderSettings* folder) {
-  const Result<ModelFiles> found = findModelFiles(options.model, options.object);
+                                                     server::FolderSettings* folder) {
+  const server::FoundModel found = server::findModelFiles(options.model, options.object);
   if (!found) {
     printError(found.error());
     return nullptr;
   }
-  const ModelFiles& modelFiles = *found;
+  const server::ModelFiles& modelFiles = *found;
   core::DiagnosticList remarks;
   for (const core::Diagnostic& remark : modelFiles.remarks) {
     remarks.add(remark);
   }
   if (folder != nullptr) {
-    *folder = readFolderSettings(modelFiles, options.isAnimated, files, remarks);
+    *folder = server::readFolderSettings(modelFiles, options.isAnimated, files, remarks);
   }
   if (!printDiagnostics(remarks.entries(), options.isQuiet, options.remote.isStrict)) {
     return nullptr;
@@ -365,10 +381,14 @@ std::optional<LoadedModel> loadModel(ModelOptions& options, core::FileProvider& 
                                   options.isQuiet, options.remote.isStrict)) {
     return std::nullopt;
   }
+  auto world = loadWorld(options, worldFileOf(options), files);
+  if (!world) {
+    return std::nullopt;
+  }
   loaded.simulationOptions = simulationOptionsFor(options, *loaded.program);
+  loaded.simulationOptions.world = std::move(*world);
   loaded.simulationOptions.environmentOrigin = loaded.environment.origin;
-  loaded.simulationOptions.palette =
-      loaded.folder.palette.empty() ? loaded.program->view.palette : loaded.folder.palette;
+  loaded.simulationOptions.palette = loaded.folder.palette;
   if (!options.startFile.empty()) {
     std::optional<std::string> start = readStartString(options.startFile, files, options.isQuiet);
     if (!start) {

@@ -8,12 +8,12 @@
 #include <vector>
 
 #include "clients/espalier/environment_loading.h"
-#include "clients/espalier/folder_settings.h"
 #include "engine/core/identifiers.h"
 #include "engine/core/limits.h"
 #include "engine/core/streams.h"
 #include "engine/language/program.h"
 #include "engine/simulation/simulation.h"
+#include "server/remote/models/folder_settings.h"
 
 namespace CLI {
 class App;
@@ -38,6 +38,8 @@ struct ModelOptions {
   std::string startFile;             // string that takes the axiom's place; empty: none
   RemoteOptions remote;
   simulation::Coupling coupling;
+  std::string world;         // a file; empty: that of the folder or of the forest, or the default
+  std::string stepDuration;  // such as 1 h; empty: that of the world
   bool isQuiet = false;
 
   [[nodiscard]] core::Compatibility mode() const;
@@ -55,7 +57,7 @@ struct ModelOptions {
 /// --allow-folder-programs, --strict, --limit, --quiet.
 void addReadingOptions(CLI::App& command, ModelOptions& options, bool isModelRequired);
 /// Adds the options for running it: --steps, --animate, --environment-policy, --environment-timeout, --iterations,
-/// --tolerance, --seed, --from, --threads.
+/// --tolerance, --seed, --from, --world, --step-duration, --threads.
 void addRunningOptions(CLI::App& command, ModelOptions& options);
 
 /// `NAME=VALUE` as in the option -D of a preprocessor: without `=` the value is 1.
@@ -71,7 +73,7 @@ void addRunningOptions(CLI::App& command, ModelOptions& options);
 /// it. `folder`, when not null, receives its colours and animation. Prints diagnostics and errors on standard error.
 /// Returns null after an error.
 [[nodiscard]] std::shared_ptr<const language::Program> loadProgram(ModelOptions& options, core::FileProvider& files,
-                                                                   FolderSettings* folder = nullptr);
+                                                                   server::FolderSettings* folder = nullptr);
 
 /// A model ready to run. The environment's process is null when there is none.
 struct LoadedModel {
@@ -79,7 +81,7 @@ struct LoadedModel {
   simulation::Programs programs;                     // of a forest several
   std::vector<simulation::PlantOrigin> plants;
   bool isForest = false;  // from a forest file
-  FolderSettings folder;
+  server::FolderSettings folder;
   LoadedEnvironment environment;
   simulation::SimulationOptions simulationOptions;
 };

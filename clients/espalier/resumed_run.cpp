@@ -12,11 +12,11 @@ namespace espalier::command {
 namespace {
 
 // the model of the command line, or the model in the snapshot
-simulation::Programs resumedPrograms(ModelOptions& options, simulation::SnapshotInfo& info, FolderSettings& folder,
-                                     core::FileProvider& files) {
+simulation::Programs resumedPrograms(ModelOptions& options, simulation::SnapshotInfo& info,
+                                     server::FolderSettings& folder, core::FileProvider& files) {
   if (const auto forest = forestFileOf(options.model)) {
     std::optional<LoadedModel> loaded = loadForest(*forest, options, files);
-    folder = loaded ? std::move(loaded->folder) : FolderSettings{};
+    folder = loaded ? std::move(loaded->folder) : server::FolderSettings{};
     return loaded ? std::move(loaded->programs) : simulation::Programs{};
   }
   if (!options.model.empty()) {
@@ -74,6 +74,10 @@ std::optional<ResumedRun> readResumedRun(const std::string& file, const std::str
 
 std::optional<LoadedModel> loadResumed(ModelOptions& options, simulation::SnapshotInfo& info,
                                        core::FileProvider& files) {
+  if (!options.world.empty() || !options.stepDuration.empty()) {
+    printError("--world and --step-duration are for a new run: the snapshot holds the world of its run");
+    return std::nullopt;
+  }
   // keep the seed of the run
   if (!options.seed) {
     options.seed = info.seed;

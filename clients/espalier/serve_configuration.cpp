@@ -18,7 +18,8 @@ constexpr const char* kDurability = "durability";
 /// Options that a configuration file does not have outside of sections: limits and the store have sections of their
 /// own, a token has its hash or its own file.
 bool isLeftOut(const std::string& name) {
-  constexpr std::array<std::string_view, 6> kNames{"help", "config", "print-config", "limit", "token", kDurability};
+  constexpr std::array<std::string_view, 7> kNames{"help",  "config",           "print-config", "limit",
+                                                   "token", "until-input-ends", kDurability};
   return std::find(kNames.begin(), kNames.end(), name) != kNames.end();
 }
 

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -189,6 +190,8 @@ struct ViewSettings {
   int colourIncrement = 1;
   int backColourIncrement = 1;
   LineStyle lineStyle = LineStyle::Pixel;
+  bool isLineStyleGiven =
+      false;  // by a line style or an initial line width; else pictures choose (docs/model-files.md)
   bool hasTaperedLines = true;
   int contourSides = 8;
   bool hasTwistOfCylinders = false;
@@ -207,10 +210,10 @@ struct ViewSettings {
   std::vector<BlobField> blobFields;  // id - 1
 
   // where the turtle starts, in the plant's coordinates
-  core::Vec3 initialPosition{0.0, 0.0, 0.0};  // length units
-  core::Vec3 initialHeading{0.0, 1.0, 0.0};   // unit; left and up follow by the least rotation from +y
-  core::Vec3 displacement{0.0, 0.0, 0.0};     // of every drawn step and mesh, length units: gravity or wind
-  Palette palette;                            // of `color map entry:`; empty: the folder's colours, or Espalier's own
+  core::Vec3 initialPosition{0.0, 0.0, 0.0};   // length units
+  core::Vec3 initialHeading{0.0, 1.0, 0.0};    // unit; left and up follow by the least rotation from +y
+  core::Vec3 displacement{0.0, 0.0, 0.0};      // of every drawn step and mesh, length units: gravity or wind
+  std::map<int, PaletteColour> colourEntries;  // of `color map entry:`, by index; the other colours are Espalier's own
 
   // camera and colour: pictures and the functions vvXmin ... only
   bool isPerspective = false;

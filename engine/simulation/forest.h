@@ -5,10 +5,12 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "engine/core/vec3.h"
+#include "engine/files/colour_files.h"
 #include "engine/language/program.h"
 #include "engine/turtle/interpretation/interpreter.h"
 
@@ -28,6 +30,10 @@ struct PlantOrigin {
 /// Colour blocks (files::Palette) that each Program of a simulation has for itself when there is a palette: the
 /// colours of Program m are drawn kBlocksPerModel * m blocks further on.
 inline constexpr int kBlocksPerModel = 16;
+
+/// The colours of all Programs in one palette, each in its own blocks. `palettes` are those of the model folders, one a
+/// Program. A model without colours gets the default colours when another model has colours; empty: none has.
+[[nodiscard]] files::Palette joinedPalettes(const Programs& programs, std::span<const files::Palette> palettes);
 
 inline constexpr std::uint64_t kStillAlive = std::numeric_limits<std::uint64_t>::max();
 

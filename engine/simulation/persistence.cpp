@@ -62,6 +62,7 @@ void Simulation::Implementation::save(core::ByteSink& sink) const {
   content.seeds = options_.seeds;
   content.palette = options_.palette;
   content.coupling = options_.coupling;
+  content.world = options_.world;
   // a snapshot holds the state before the answers; replies go with it and are written again when it is restored
   const std::vector<derivation::PlantState>& states = population_.states();
   for (std::size_t plant = 0; plant < states.size(); ++plant) {
@@ -140,6 +141,7 @@ Simulation::Implementation::Outcome Simulation::Implementation::resume(SnapshotC
   next.options.seed = content.seed;
   next.options.hasSeed = content.hasSeed;
   next.options.coupling = content.coupling;
+  next.options.world = content.world;
   next.options.seeds = content.seeds;
   if (next.options.palette.empty()) {
     next.options.palette = std::move(content.palette);
@@ -195,7 +197,7 @@ std::optional<turtle::EnvironmentError> Simulation::Implementation::resumeEnviro
     return std::nullopt;
   }
   std::optional<turtle::EnvironmentError> error;
-  if (!before.isStarted || population_.size() != before.population.size()) {
+  if (!before.isStarted || population_.size() != before.population.size() || options_.world != before.options.world) {
     error = environment_.open(environmentContext());
   }
   if (!error) {

@@ -276,6 +276,10 @@ class Replay {
                                              : diagnostics->entries().front().message) +
              ".";
     }
+    // older traces hold the world only beside the snapshot
+    if (info.world != turtle::World{}) {
+      event.context.world = info.world;
+    }
     SimulationOptions options;
     options.name = info.name;
     options.seed = info.seed;

@@ -58,8 +58,8 @@ struct SimulationOptions {
   std::optional<std::uint64_t> derivationLength;  // replaces the model's
   unsigned threads = 1;
   core::Limits limits;
-  turtle::World world;
-  Coupling coupling;  // of a new run; a restored snapshot brings its own
+  turtle::World world;  // of a new run; a restored snapshot brings its own
+  Coupling coupling;    // of a new run; a restored snapshot brings its own
   EnvironmentPolicy environmentPolicy = EnvironmentPolicy::Fail;
   EnvironmentOrigin environmentOrigin;
   SeedRules seeds;          // where the seeds that plants drop take root

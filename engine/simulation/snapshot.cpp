@@ -35,6 +35,7 @@ std::variant<SnapshotInfo, core::SimulationError> readSnapshotInfo(std::string_v
   info.seeds = content.seeds;
   info.environmentOrigin = std::move(content.environmentOrigin);
   info.palette = std::move(content.palette);
+  info.world = std::move(content.world);
   info.environmentName = std::move(content.environmentName);
   return info;
 }

@@ -18,7 +18,7 @@ namespace espalier::simulation {
 /// First bytes of a snapshot file, then the version as a little-endian 32-bit number. The layout is in
 /// engine/simulation/FORMATS.md.
 inline constexpr std::string_view kSnapshotMagic = "ESPALIER";
-inline constexpr std::uint32_t kSnapshotVersion = 2;
+inline constexpr std::uint32_t kSnapshotVersion = 3;
 
 /// The sources and options of one of a snapshot's models.
 struct SnapshotSource {
@@ -46,6 +46,7 @@ struct SnapshotInfo {
   EnvironmentOrigin environmentOrigin;  // the saving caller's description of it
   std::string environmentName;          // empty: none
   files::Palette palette;               // of pictures
+  turtle::World world;                  // SimulationOptions::world
 };
 
 /// The Programs of a snapshot, compiled within `limits`, or the diagnostics of the first that does not compile.

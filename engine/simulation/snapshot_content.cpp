@@ -8,6 +8,7 @@
 #include "engine/simulation/byte_writer.h"
 #include "engine/simulation/snapshot.h"
 #include "engine/simulation/snapshot_check.h"
+#include "engine/turtle/weather.h"
 
 namespace espalier::simulation {
 
@@ -27,9 +28,10 @@ enum class Section : std::uint32_t {
   Files = 8,
   Colours = 9,
   Coupling = 10,
-  Forest = 11
+  Forest = 11,
+  World = 12
 };
-constexpr std::size_t kSectionCount = 12;  // tags below it
+constexpr std::size_t kSectionCount = 13;  // tags below it
 
 void writeVector(ByteWriter& writer, const Vec3& v) {
   writer.real(v.x);
@@ -398,6 +400,49 @@ void readPending(ByteReader& reader, SnapshotContent& content) {
   content.replies.surplusCount = reader.number64();
 }
 
+ByteWriter worldSection(const turtle::World& world) {
+  ByteWriter writer;
+  writer.text(world.lengthUnit);
+  writeVector(writer, world.up);
+  writeVector(writer, world.north);
+  writer.real(world.stepDurationDays);
+  for (const auto& angle : {world.latitudeDegrees, world.longitudeDegrees}) {
+    writer.flag(angle.has_value());
+    writer.real(angle.value_or(0.0));
+  }
+  writer.text(world.start);
+  writer.real(world.baseTemperature);
+  writer.text(world.weather ? world.weather->table() : std::string_view());
+  return writer;
+}
+
+/// False: there can be no such world.
+bool readWorld(ByteReader& reader, turtle::World& world) {
+  world.lengthUnit = reader.text();
+  world.up = readVector(reader);
+  world.north = readVector(reader);
+  world.stepDurationDays = reader.real();
+  for (auto* angle : {&world.latitudeDegrees, &world.longitudeDegrees}) {
+    const bool isKnown = reader.flag();
+    const double degrees = reader.real();
+    *angle = isKnown ? std::optional(degrees) : std::nullopt;
+  }
+  world.start = reader.text();
+  world.baseTemperature = reader.real();
+  std::string table(reader.text());
+  if (reader.hasFailed() || turtle::problemOfWorld(world)) {
+    return false;
+  }
+  if (table.empty()) {
+    return true;
+  }
+  auto weather = turtle::Weather::read(std::move(table), world.start);
+  if (weather) {
+    world.weather = std::make_shared<const turtle::Weather>(std::move(*weather));
+  }
+  return weather.has_value();
+}
+
 // a sink that hashes the bytes that it passes on
 class HashingSink {
  public:
@@ -452,8 +497,9 @@ void writeSnapshot(const SnapshotContent& content, core::ByteSink& sink) {
   HashingSink hashing(sink);
   ByteWriter head;
   head.raw(kSnapshotMagic);
-  // without a forest an older program can read it
-  head.number32(isForest(content) ? kSnapshotVersion : 1);
+  // an older program can read what has no newer section
+  const bool hasWorld = content.world != turtle::World{};
+  head.number32(hasWorld ? kSnapshotVersion : isForest(content) ? 2 : 1);
   hashing.write(head.bytes());
   ByteWriter model;
   writeModel(model, content.models.front(), content.compatibility);
@@ -483,6 +529,9 @@ void writeSnapshot(const SnapshotContent& content, core::ByteSink& sink) {
     coupling.number32(content.coupling.iterations);
     coupling.real(content.coupling.tolerance);
     hashing.writeSection(Section::Coupling, coupling);
+  }
+  if (hasWorld) {
+    hashing.writeSection(Section::World, worldSection(content.world));
   }
   hashing.writeSection(Section::End, ByteWriter());
   ByteWriter checksum;
@@ -543,6 +592,11 @@ bool SectionReader::read(std::uint32_t tag, ByteReader& section) {
     case Section::Coupling:
       content.coupling.iterations = section.number32();
       content.coupling.tolerance = section.real();
+      break;
+    case Section::World:
+      if (!readWorld(section, content.world)) {
+        return false;
+      }
       break;
     case Section::Forest:
       // further models and what the plants of the run are beside their places

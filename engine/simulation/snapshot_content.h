@@ -43,6 +43,7 @@ struct SnapshotContent {
   SeedRules seeds;
   files::Palette palette;  // of pictures
   Coupling coupling;
+  turtle::World world;
   // the state after the last completed step
   std::vector<derivation::PlantState> plants;
   // the environment

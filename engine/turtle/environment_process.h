@@ -11,6 +11,7 @@
 #include "engine/core/identifiers.h"
 #include "engine/core/simulation_error.h"
 #include "engine/core/vec3.h"
+#include "engine/turtle/world.h"
 
 namespace espalier::turtle {
 
@@ -46,17 +47,6 @@ struct EnvironmentDescription {
   std::vector<EnvironmentVariable> inputs;   // parameters sent, in order
   std::vector<EnvironmentVariable> outputs;  // parameters set, in order
   bool isStateful = false;                   // has state that a snapshot must hold
-};
-
-/// The world of a simulation: units, directions, place and time.
-struct World {
-  std::string lengthUnit = "m";
-  core::Vec3 up{0.0, 1.0, 0.0};
-  core::Vec3 north{0.0, 0.0, -1.0};
-  double stepDurationDays = 1.0;
-  std::optional<double> latitudeDegrees;
-  std::optional<double> longitudeDegrees;
-  std::string start;  // ISO 8601 date or empty
 };
 
 /// The facts about a simulation that a process receives in open().

@@ -1,6 +1,5 @@
 #include "environment/light/sun_position.h"
 
-#include <charconv>
 #include <cmath>
 #include <numbers>
 
@@ -12,39 +11,6 @@ namespace {
 
 using core::Vec3;
 constexpr double kDegree = std::numbers::pi / 180.0;
-
-/// A whole number of a fixed number of digits at the front of a text, which is removed.
-std::optional<int> takeNumber(std::string_view& text, std::size_t digits) {
-  int value = 0;
-  if (text.size() < digits) {
-    return std::nullopt;
-  }
-  const auto [end, error] = std::from_chars(text.data(), text.data() + digits, value);
-  if (error != std::errc() || end != text.data() + digits || text.front() == '-') {
-    return std::nullopt;
-  }
-  text.remove_prefix(digits);
-  return value;
-}
-
-bool takeCharacter(std::string_view& text, char character) {
-  if (text.empty() || text.front() != character) {
-    return false;
-  }
-  text.remove_prefix(1);
-  return true;
-}
-
-/// Meeus, chapter 7.
-double julianDay(int year, int month, double day) {
-  if (month <= 2) {
-    year -= 1;
-    month += 12;
-  }
-  const double century = std::floor(year / 100.0);
-  return std::floor(365.25 * (year + 4716)) + std::floor(30.6001 * (month + 1)) + day + 2.0 - century +
-         std::floor(century / 4.0) - 1524.5;
-}
 
 /// Centuries since 2000, the sun's true longitude and anomaly in radians, and the eccentricity of the orbit.
 struct Orbit {
@@ -68,36 +34,6 @@ double distanceOf(const Orbit& orbit) {
 }
 
 }  // namespace
-
-std::optional<double> julianDayOf(std::string_view text) {
-  const auto year = takeNumber(text, 4);
-  const auto month = year && takeCharacter(text, '-') ? takeNumber(text, 2) : std::nullopt;
-  const auto day = month && takeCharacter(text, '-') ? takeNumber(text, 2) : std::nullopt;
-  if (!day || *year < 1 || *month < 1 || *month > 12 || *day < 1 || *day > 31) {
-    return std::nullopt;
-  }
-  double hours = 0.0;
-  if (takeCharacter(text, 'T')) {
-    const auto hour = takeNumber(text, 2);
-    const auto minute = hour && takeCharacter(text, ':') ? takeNumber(text, 2) : std::nullopt;
-    if (!minute || *hour > 24 || *minute > 59) {
-      return std::nullopt;
-    }
-    hours = *hour + *minute / 60.0;
-    if (takeCharacter(text, ':')) {
-      const auto second = takeNumber(text, 2);
-      if (!second || *second > 60) {
-        return std::nullopt;
-      }
-      hours += *second / 3600.0;
-    }
-    takeCharacter(text, 'Z');
-  }
-  if (!text.empty()) {
-    return std::nullopt;
-  }
-  return julianDay(*year, *month, *day + hours / 24.0);
-}
 
 SunPosition sunPosition(double day, double latitudeDegrees, double longitudeDegrees) {
   const Orbit orbit = orbitAt(day);

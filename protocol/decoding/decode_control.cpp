@@ -34,6 +34,32 @@ void readOptionalCount(const Member& member, std::optional<T>& value) {
   }
 }
 
+// files of a model: texts, and bytes in base64
+void readModelFolder(const Member& member, ModelReference& model) {
+  const Member files = member["files"];
+  files.requireObject();
+  for (const auto& [name, value] : files.json().items()) {
+    model.files.emplace(name, files[name].text());
+  }
+  if (const Member bytes = member["binaryFiles"]; !bytes.isAbsent()) {
+    bytes.requireObject();
+    for (const auto& [name, value] : bytes.json().items()) {
+      auto content = fromBase64(bytes[name].text());
+      if (!content) {
+        bytes[name].failExpected("base64");
+      }
+      model.files.insert_or_assign(name, std::move(*content));
+    }
+  }
+  if (const Member main = member["main"]; !main.isAbsent()) {
+    model.main = readName(main);
+    // FILE, or FILE:ENTRY
+    if (!model.files.contains(model.main) && !model.files.contains(model.main.substr(0, model.main.find(':')))) {
+      main.fail("'" + model.main + "' is not one of the files");
+    }
+  }
+}
+
 void readModelReference(const Member& member, ModelReference& model) {
   // a text is short for {"loaded": TEXT}
   if (member.isText()) {
@@ -54,30 +80,12 @@ void readModelReference(const Member& member, ModelReference& model) {
     model.loaded = readName(loaded);
     ++count;
   }
-  if (const Member files = member["files"]; !files.isAbsent()) {
-    files.requireObject();
-    for (const auto& [name, value] : files.json().items()) {
-      model.files.emplace(name, files[name].text());
-    }
-    if (const Member binary = member["binary"]; !binary.isAbsent()) {
-      binary.requireObject();
-      for (const auto& [name, value] : binary.json().items()) {
-        auto bytes = fromBase64(binary[name].text());
-        if (!bytes) {
-          binary[name].failExpected("base64");
-        }
-        model.files.emplace(name, std::move(*bytes));
-      }
-    }
-    const Member main = member["main"];
-    model.main = readName(main);
-    if (!model.files.contains(model.main) && !model.files.contains(model.main.substr(0, model.main.find(':')))) {
-      main.fail("'" + model.main + "' is not one of the files");
-    }
+  if (!member["files"].isAbsent()) {
+    readModelFolder(member, model);
     ++count;
   }
   if (count != 1) {
-    member.fail("expected exactly one of \"source\", \"gallery\", \"files\" (with \"main\") and \"loaded\"");
+    member.fail("expected exactly one of \"source\", \"gallery\", \"files\" and \"loaded\"");
   }
 }
 
@@ -236,6 +244,9 @@ Expected<CreateParams> decodeCreateParams(const Payload& payload) {
       }
     }
     create.bounds = readBounds(params);
+    if (const Member world = params["world"]; !world.isAbsent()) {
+      create.world = readOwnWorld(world);
+    }
     create.isTraced = !params["trace"].isAbsent() && params["trace"].boolean();
     if (const Member save = params["save"]; !save.isAbsent()) {
       create.save = readSavePolicy(save);
@@ -307,6 +318,13 @@ Expected<ForkParams> decodeForkParams(const Payload& payload) {
     params.requireObject();
     fork.simulation = readName(params["simulation"]);
     fork.name = params["name"].textOrEmpty();
+  });
+}
+
+Expected<EditorParams> decodeEditorParams(const Payload& payload) {
+  return decodePayload<EditorParams>(payload, [](const Member& params, EditorParams& editor) {
+    params.requireObject();
+    editor.message = params["message"].text();
   });
 }
 

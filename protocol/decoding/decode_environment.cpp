@@ -8,12 +8,6 @@
 namespace espalier::protocol {
 namespace {
 
-void readOptionalNumber(const Member& member, std::optional<double>& number) {
-  if (!member.isAbsent()) {
-    number = member.number();
-  }
-}
-
 template <typename Add>
 void readNumbers(const Member& member, Add&& add) {
   if (!member.isAbsent()) {
@@ -148,28 +142,6 @@ std::vector<VariableRecord> readVariables(const Member& member) {
   return variables;
 }
 
-void readWorld(const Member& member, WorldRecord& world) {
-  if (member.isAbsent()) {
-    return;
-  }
-  member.requireObject();
-  if (const Member unit = member["lengthUnit"]; !unit.isAbsent()) {
-    world.lengthUnit = unit.text();
-  }
-  if (const Member up = member["up"]; !up.isAbsent()) {
-    world.up = readVector(up);
-  }
-  if (const Member north = member["north"]; !north.isAbsent()) {
-    world.north = readVector(north);
-  }
-  if (const Member duration = member["stepDuration"]; !duration.isAbsent()) {
-    world.stepDurationDays = duration.number();
-  }
-  readOptionalNumber(member["latitude"], world.latitudeDegrees);
-  readOptionalNumber(member["longitude"], world.longitudeDegrees);
-  world.start = member["start"].textOrEmpty();
-}
-
 std::string readBytes(const Member& member) {
   auto bytes = fromBase64(member.text());
   if (!bytes) {
@@ -203,7 +175,9 @@ Expected<OpenParams> decodeOpenParams(const Payload& payload) {
     if (const Member resume = params["resume"]; !resume.isAbsent()) {
       open.resumeStep = resume.count();
     }
-    readWorld(params["world"], open.world);
+    if (const Member world = params["world"]; !world.isAbsent()) {
+      open.world = readWorld(world);
+    }
     open.bounds = readBounds(params);
   });
 }

@@ -16,7 +16,12 @@ template <typename T, typename Decoder>
     const nlohmann::json again = isBulk ? nlohmann::json::parse(payload.toText(), nullptr, false) : nlohmann::json();
     const auto* tree = isBulk ? &again : static_cast<const nlohmann::json*>(payload.value());
     T value{};
-    decoder(Member(tree, payload.name()), value);
+    std::vector<std::string>* const unknown = payload.unknownMembers();
+    AskedMembers asked;
+    decoder(Member(tree, payload.name(), unknown == nullptr ? nullptr : &asked), value);
+    if (unknown != nullptr && tree != nullptr) {
+      asked.listUnknown(*tree, payload.name(), *unknown);
+    }
     return value;
   } catch (const MemberFailure& failure) {
     return tl::unexpected(failure.error);

@@ -29,7 +29,18 @@ std::string namesOf(const std::vector<NamedModel>& models) {
   return names;
 }
 
-/// For files that people write: an unknown key is a mistake.
+template <std::size_t Count>
+void requireAllKnown(const Member& list, const std::array<std::string_view, Count>& known) {
+  if (!list.isAbsent()) {
+    const std::size_t count = list.arraySize();
+    for (std::size_t i = 0; i < count; ++i) {
+      requireKnown(list.element(i), known);
+    }
+  }
+}
+
+}  // namespace
+
 void requireKnown(const Member& object, std::span<const std::string_view> known) {
   object.requireObject();
   for (const auto& [name, value] : object.json().items()) {
@@ -42,18 +53,6 @@ void requireKnown(const Member& object, std::span<const std::string_view> known)
     }
   }
 }
-
-template <std::size_t Count>
-void requireAllKnown(const Member& list, const std::array<std::string_view, Count>& known) {
-  if (!list.isAbsent()) {
-    const std::size_t count = list.arraySize();
-    for (std::size_t i = 0; i < count; ++i) {
-      requireKnown(list.element(i), known);
-    }
-  }
-}
-
-}  // namespace
 
 std::string readName(const Member& member) {
   const std::string& name = member.text();
@@ -161,8 +160,8 @@ void readSeeds(const Member& member, SeedParams& seeds) {
 
 Expected<ForestParams> decodeForestParams(const Payload& payload) {
   return decodePayload<ForestParams>(payload, [](const Member& params, ForestParams& forest) {
-    static constexpr std::array<std::string_view, 6> kForest{"models",      "plants",           "seeds",
-                                                             "environment", "derivationLength", "seed"};
+    static constexpr std::array<std::string_view, 7> kForest{"models",           "plants", "seeds", "environment",
+                                                             "derivationLength", "seed",   "world"};
     static constexpr std::array<std::string_view, 3> kModel{"name", "file", "colour"};
     static constexpr std::array<std::string_view, 6> kPlant{"model", "position", "heading", "turn", "name", "colour"};
     static constexpr std::array<std::string_view, 4> kSeeds{"maximumPlants", "spacing", "ground", "area"};
@@ -191,6 +190,9 @@ Expected<ForestParams> decodeForestParams(const Payload& payload) {
     }
     if (const Member seed = params["seed"]; !seed.isAbsent()) {
       forest.seed = seed.wide();
+    }
+    if (const Member world = params["world"]; !world.isAbsent()) {
+      forest.world = readOwnWorld(world);
     }
   });
 }

@@ -2,7 +2,9 @@
 
 #include <array>
 #include <functional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "protocol/decoding/member.h"
@@ -20,6 +22,14 @@ void readModels(const Member& params, const std::function<void(const Member& ent
                 std::vector<NamedModel>& models);
 /// `plants`, which choose from `models` by name. Absent: none.
 void readPlants(const Member& plants, const std::vector<NamedModel>& models, std::vector<PlantParams>& result);
+/// A member that a person writes has only these members.
+void requireKnown(const Member& object, std::span<const std::string_view> known);
+
+/// A world, which is there.
+[[nodiscard]] WorldRecord readWorld(const Member& member);
+/// The same of a simulation, a forest or a file: members and units that are not known are errors.
+[[nodiscard]] WorldRecord readOwnWorld(const Member& member);
+
 /// `seeds`. Absent: the defaults.
 void readSeeds(const Member& member, SeedParams& seeds);
 

@@ -1,5 +1,6 @@
 #include "protocol/decoding/member.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace espalier::protocol {
@@ -25,7 +26,56 @@ std::string shown(const nlohmann::json* value) {
   return text;
 }
 
+// at most two letters are changed, added, missing or exchanged; protocol/ does not see the engine's distance
+bool areNear(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) {
+    row[j] = j;
+  }
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t above = row[j];
+      row[j] = std::min({above + 1, row[j - 1] + 1, diagonal + (a[i - 1] == b[j - 1] ? 0 : 1)});
+      diagonal = above;
+    }
+  }
+  return row[b.size()] <= (std::min(a.size(), b.size()) > 3 ? 2U : 1U);
+}
+
 }  // namespace
+
+void AskedMembers::listUnknown(const nlohmann::json& value, const std::string& path,
+                               std::vector<std::string>& unknown) const {
+  if (wholes.contains(&value)) {
+    return;
+  }
+  if (value.is_array()) {
+    for (std::size_t i = 0; i < value.size(); ++i) {
+      listUnknown(value[i], path + "[" + std::to_string(i) + "]", unknown);
+    }
+    return;
+  }
+  const auto known = names.find(&value);
+  if (!value.is_object() || known == names.end()) {
+    return;
+  }
+  for (const auto& [name, member] : value.items()) {
+    if (known->second.contains(name)) {
+      listUnknown(member, path + "." + name, unknown);
+      continue;
+    }
+    std::string list;
+    const std::string* nearest = nullptr;
+    for (const std::string& other : known->second) {
+      list += (list.empty() ? "" : ", ") + other;
+      nearest = areNear(name, other) ? &other : nearest;
+    }
+    unknown.push_back(path + "." + name + ": there is no such member. " +
+                      (nearest != nullptr ? "Did you mean '" + *nearest + "'?" : "Known: " + list + "."));
+  }
+}
 
 std::string Member::path() const {
   std::string text = parent_ == nullptr ? std::string() : parent_->path();
@@ -50,6 +100,9 @@ void Member::requireObject() const {
 }
 
 Member Member::operator[](std::string_view name) const {
+  if (asked_ != nullptr) {
+    asked_->names[value_].emplace(name);
+  }
   const auto found = value_->find(name);
   return {found == value_->end() ? nullptr : &*found, *this, name};
 }
@@ -118,6 +171,7 @@ std::uint64_t Member::wide() const {
 }
 
 std::string Member::dump() const {
+  takeWhole();
   return value_->dump();
 }
 

@@ -2,10 +2,13 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "protocol/errors.h"
 #include "protocol/version.h"
@@ -17,15 +20,25 @@ struct MemberFailure {
   Error error;
 };
 
+/// The names that a decoder asked of each object of a message, to find members that it does not know.
+struct AskedMembers {
+  std::map<const nlohmann::json*, std::set<std::string, std::less<>>> names;
+  std::set<const nlohmann::json*> wholes;  // values that were taken as they are, with any members
+
+  /// A sentence about each member of `value` that was not asked for, with the nearest name that was.
+  void listUnknown(const nlohmann::json& value, const std::string& path, std::vector<std::string>& unknown) const;
+};
+
 /// A value of a message with its place, while the message is decoded. It lives on the decoder's stack, and a child
 /// refers to its parent. The path is made only for errors, because bulk messages have millions of members.
 class Member {
  public:
-  Member(const nlohmann::json* value, std::string_view name) : value_(value), name_(name) {}
+  Member(const nlohmann::json* value, std::string_view name, AskedMembers* asked = nullptr)
+      : value_(value), asked_(asked), name_(name) {}
   Member(const nlohmann::json* value, const Member& parent, std::string_view name)
-      : value_(value), parent_(&parent), name_(name) {}
+      : value_(value), parent_(&parent), asked_(parent.asked_), name_(name) {}
   Member(const nlohmann::json* value, const Member& parent, std::size_t index)
-      : value_(value), parent_(&parent), index_(index), isElement_(true) {}
+      : value_(value), parent_(&parent), asked_(parent.asked_), index_(index), isElement_(true) {}
 
   /// `params.environment[0].radius`
   [[nodiscard]] std::string path() const;
@@ -35,7 +48,17 @@ class Member {
   [[nodiscard]] bool isObject() const { return value_ != nullptr && value_->is_object(); }
   [[nodiscard]] bool isArray() const { return value_ != nullptr && value_->is_array(); }
   [[nodiscard]] bool isText() const { return value_ != nullptr && value_->is_string(); }
-  [[nodiscard]] const nlohmann::json& json() const { return *value_; }
+  /// The value, for a reader that takes any members.
+  [[nodiscard]] const nlohmann::json& json() const {
+    takeWhole();
+    return *value_;
+  }
+  /// All members of this value are known to somebody else.
+  void takeWhole() const {
+    if (asked_ != nullptr && value_ != nullptr) {
+      asked_->wholes.insert(value_);
+    }
+  }
 
   /// The member of that name, or an absent one. This must be an object (`requireObject`).
   [[nodiscard]] Member operator[](std::string_view name) const;
@@ -64,6 +87,7 @@ class Member {
  private:
   const nlohmann::json* value_;
   const Member* parent_ = nullptr;
+  AskedMembers* asked_ = nullptr;
   std::string_view name_;
   std::size_t index_ = 0;
   bool isElement_ = false;

@@ -21,8 +21,8 @@ struct OpenDocument {
 /// The texts that an editor has open. For the engine they stand in for the files with their names.
 class OpenDocuments final : public core::FileProvider {
  public:
-  static constexpr std::size_t kMostDocuments = 500;
-  static constexpr std::size_t kMostBytes = std::size_t{64} << 20U;
+  static constexpr std::size_t kMostDocuments = 200;
+  static constexpr std::size_t kMostBytes = std::size_t{16} << 20U;
 
   /// `files` gives what is not open; it must outlive the object.
   explicit OpenDocuments(core::FileProvider& files) : files_(files) {}

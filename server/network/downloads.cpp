@@ -7,7 +7,7 @@
 
 #include "engine/turtle/export/exporters.h"
 #include "protocol/codec.h"
-#include "server/remote/gallery.h"
+#include "server/remote/models/gallery.h"
 #include "server/running/simulation_trace.h"
 #include "server/server_core.h"
 

@@ -75,7 +75,10 @@ class Network::Implementation {
     if (handleSignals) {
       signals_.add(SIGINT);
       signals_.add(SIGTERM);
-      if (core_->options().readTokens) {
+      // with tokens from files it reads them again; else a terminal that closes ends the server in order, unless nohup
+      // wants it to go on
+      struct sigaction hangUp {};
+      if (core_->options().readTokens || (::sigaction(SIGHUP, nullptr, &hangUp) == 0 && hangUp.sa_handler != SIG_IGN)) {
         signals_.add(SIGHUP);
       }
       waitForSignal();
@@ -181,11 +184,14 @@ class Network::Implementation {
   }
 
   void waitForSignal() {
-    signals_.async_wait([this](const error_code& error, int signal) {
+    signals_.async_wait([this](const error_code& error, int number) {
       if (error) {
         return;
       }
-      if (signal == SIGHUP) {
+      core_->log().info(std::string("received ") + (number == SIGHUP   ? "SIGHUP"
+                                                    : number == SIGINT ? "SIGINT"
+                                                                       : "SIGTERM"));
+      if (number == SIGHUP && core_->options().readTokens) {
         core_->readTokensAgain();
       } else {
         onStop_();

@@ -13,7 +13,7 @@
 #include "protocol/json_writer.h"
 #include "server/remote/channel_link.h"
 #include "server/remote/disk_files.h"
-#include "server/remote/gallery.h"
+#include "server/remote/models/gallery.h"
 #include "server/remote/offered_environments.h"
 #include "server/remote/remote_process.h"
 #include "server/remote/remote_settings.h"

@@ -81,7 +81,8 @@ HostedSimulation::HostedSimulation(SimulationRecord record, const core::Limits& 
   }
 }
 
-std::optional<protocol::Error> HostedSimulation::build(simulation::Programs programs, bool isAbsenceTolerated) {
+std::optional<protocol::Error> HostedSimulation::build(simulation::Programs programs, files::Palette palette,
+                                                       bool isAbsenceTolerated) {
   EnvironmentServices services = services_;
   services.bounds = record_.create.bounds;
   if (record_.create.isTraced) {
@@ -96,6 +97,14 @@ std::optional<protocol::Error> HostedSimulation::build(simulation::Programs prog
     services.onFailure = [trace = trace_](std::uint64_t step, const std::string& message) {
       trace->note(step, message);
     };
+  }
+  turtle::World world;
+  if (record_.create.world) {
+    auto read = toWorld(*record_.create.world);
+    if (!read) {
+      return protocol::memberError("params.world", read.error());
+    }
+    world = std::move(*read);
   }
   PartMeter environmentMemory;
   const auto buildMetered = [&] {
@@ -114,12 +123,14 @@ std::optional<protocol::Error> HostedSimulation::build(simulation::Programs prog
   }
   simulation::SimulationOptions options;
   options.name = record_.id;
+  options.palette = std::move(palette);
   options.seed = record_.seed;
   options.hasSeed = record_.hasSeed;
   options.derivationLength = record_.create.derivationLength;
   options.limits = limits_;
   options.coupling = {record_.create.iterations, record_.create.tolerance};
   options.threads = services_.threads;
+  options.world = std::move(world);
   options.seeds = seedRules(record_.create.seeds);
   options.environmentOrigin = std::move(environment.origin);
   *environmentBytes_ = environmentMemory.net();
@@ -138,10 +149,10 @@ std::optional<protocol::Error> HostedSimulation::build(simulation::Programs prog
 }
 
 std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> HostedSimulation::create(
-    SimulationRecord record, simulation::Programs programs, const core::Limits& limits,
+    SimulationRecord record, simulation::Programs programs, files::Palette palette, const core::Limits& limits,
     const EnvironmentServices& services, Store& store, Interruption& interruption) {
   std::unique_ptr<HostedSimulation> hosted(new HostedSimulation(std::move(record), limits, services, store));
-  if (auto error = hosted->build(std::move(programs), false)) {
+  if (auto error = hosted->build(std::move(programs), std::move(palette), false)) {
     return std::move(*error);
   }
   {
@@ -162,7 +173,7 @@ std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> HostedSimulatio
     SimulationRecord record, const HostedSimulation& original, const core::Limits& limits,
     const EnvironmentServices& services, Store& store) {
   std::unique_ptr<HostedSimulation> hosted(new HostedSimulation(std::move(record), limits, services, store));
-  if (auto error = hosted->build(original.simulation_->programs(), false)) {
+  if (auto error = hosted->build(original.simulation_->programs(), original.simulation_->options().palette, false)) {
     return std::move(*error);
   }
   if (auto error = hosted->simulation_->restore(original.snapshot())) {
@@ -187,7 +198,7 @@ std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> HostedSimulatio
     return toError(diagnostics->entries());
   }
   std::unique_ptr<HostedSimulation> hosted(new HostedSimulation(std::move(record), limits, services, store));
-  if (auto error = hosted->build(std::move(std::get<simulation::Programs>(compiled)), true)) {
+  if (auto error = hosted->build(std::move(std::get<simulation::Programs>(compiled)), info.palette, true)) {
     return std::move(*error);
   }
   if (auto error = hosted->simulation_->restore(snapshot)) {
@@ -289,7 +300,7 @@ std::optional<protocol::Error> HostedSimulation::reset(std::optional<std::uint64
   record.seed = *seed;
   record.hasSeed = true;
   HostedSimulation fresh(std::move(record), limits_, services_, *store_);
-  if (auto error = fresh.build(simulation_->programs(), false)) {
+  if (auto error = fresh.build(simulation_->programs(), simulation_->options().palette, false)) {
     return error;
   }
   if (const auto failure = fresh.simulation_->rewind()) {
@@ -384,7 +395,7 @@ std::optional<protocol::Error> HostedSimulation::define(
     programs.push_back(std::move(compiled.program));
   }
   HostedSimulation fresh(record_, limits_, services_, *store_);
-  if (auto error = fresh.build(programs, false)) {
+  if (auto error = fresh.build(programs, simulation_->options().palette, false)) {
     return error;
   }
   const auto edited = simulation::withPrograms(snapshot(), programs);
@@ -436,7 +447,7 @@ std::optional<protocol::Error> HostedSimulation::setTraced(bool isTraced) {
   SimulationRecord record = record_;
   record.create.isTraced = isTraced;
   HostedSimulation fresh(std::move(record), limits_, services_, *store_);
-  if (auto error = fresh.build(simulation_->programs(), false)) {
+  if (auto error = fresh.build(simulation_->programs(), simulation_->options().palette, false)) {
     return error;
   }
   if (const auto error = fresh.simulation_->restore(snapshot())) {

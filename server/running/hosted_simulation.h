@@ -24,10 +24,10 @@ namespace espalier::server {
 /// a member says otherwise.
 class HostedSimulation {
  public:
-  /// Builds the environment, goes to step 0 and saves. `limits` are the server's; the record can lower them.
-  /// `interruption` can end this until the simulation is saved.
+  /// Builds the environment, goes to step 0 and saves. `palette` has the colours of the model folders. `limits` are the
+  /// server's; the record can lower them. `interruption` can end this until the simulation is saved.
   [[nodiscard]] static std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> create(
-      SimulationRecord record, simulation::Programs programs, const core::Limits& limits,
+      SimulationRecord record, simulation::Programs programs, files::Palette palette, const core::Limits& limits,
       const EnvironmentServices& services, Store& store, Interruption& interruption);
   /// Another simulation, by `record`, in the state of `original`, and saves it.
   [[nodiscard]] static std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> fork(
@@ -100,7 +100,8 @@ class HostedSimulation {
  private:
   HostedSimulation(SimulationRecord record, const core::Limits& limits, const EnvironmentServices& services,
                    Store& store);
-  [[nodiscard]] std::optional<protocol::Error> build(simulation::Programs programs, bool isAbsenceTolerated);
+  [[nodiscard]] std::optional<protocol::Error> build(simulation::Programs programs, files::Palette palette,
+                                                     bool isAbsenceTolerated);
   void beginTrace();
   /// Saves after a change that a client asked for, unless the simulation is saved on request only.
   [[nodiscard]] std::optional<protocol::Error> saveChange();

@@ -64,8 +64,10 @@ void SimulationRunner::publishInformation() {
 protocol::SimulationInformation SimulationRunner::information() const {
   const std::lock_guard lock(mutex_);
   auto information = information_;
-  const bool isOnlyEnding = queue_.empty() && current_ != nullptr && current_->isAnswered;
-  information.isRunning = isScheduled_ && !isOnlyEnding;
+  // a request for this information is a command too, and no step
+  const auto isStepping = [](const auto& command) { return command->lane == Lane::Step && !command->isAnswered; };
+  information.isRunning =
+      (current_ != nullptr && isStepping(current_)) || std::any_of(queue_.begin(), queue_.end(), isStepping);
   return information;
 }
 

@@ -31,6 +31,8 @@ std::uint64_t effectiveSeed(const protocol::CreateParams& params, const simulati
 /// The models of a simulation, compiled.
 struct CompiledModels {
   simulation::Programs programs;
+  files::Palette palette;                 // of all their folders
+  std::optional<std::uint64_t> lastStep;  // that the folder of a single model asks for
   std::vector<core::Diagnostic> diagnostics;
   std::string environmentJson;  // that a gallery model brings; empty: none
 };
@@ -44,6 +46,7 @@ protocol::Expected<CompiledModels> compileModels(ServerCore& core, const protoco
     models.push_back(params.model);
   }
   CompiledModels result;
+  std::vector<files::Palette> palettes;
   for (const protocol::ModelParams& model : models) {
     auto compiled = core.models().compile(model, core.options().limits.simulation);
     if (auto* error = std::get_if<protocol::Error>(&compiled)) {
@@ -58,11 +61,15 @@ protocol::Expected<CompiledModels> compileModels(ServerCore& core, const protoco
       return tl::unexpected(protocol::memberError("params.models", "all models must have the same \"compatibility\""));
     }
     result.programs.push_back(made.result.program);
+    palettes.push_back(std::move(made.palette));
+    result.lastStep = models.size() == 1 ? made.lastStep : std::nullopt;
     result.diagnostics.insert(result.diagnostics.end(), entries.begin(), entries.end());
     if (result.environmentJson.empty()) {
       result.environmentJson = std::move(made.environmentJson);
     }
   }
+  result.palette =
+      palettes.size() == 1 ? std::move(palettes.front()) : simulation::joinedPalettes(result.programs, palettes);
   return result;
 }
 
@@ -152,6 +159,9 @@ void createSimulation(const Request& request, protocol::CreateParams params, Int
   record.seed = effectiveSeed(params, models.programs);
   record.hasSeed = params.seed.has_value();
   record.create = std::move(params);
+  if (!record.create.derivationLength) {
+    record.create.derivationLength = models.lastStep;
+  }
   if (record.create.name.empty()) {
     record.create.name = record.create.model.model.gallery.value_or(models.programs.front()->modelFile);
   }
@@ -164,8 +174,9 @@ void createSimulation(const Request& request, protocol::CreateParams params, Int
   }
   std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> made = protocol::Error{};
   try {
-    made = HostedSimulation::create(std::move(record), models.programs, core.options().limits.simulation,
-                                    core.environmentServices(), core.store(), interruption);
+    made =
+        HostedSimulation::create(std::move(record), models.programs, models.palette, core.options().limits.simulation,
+                                 core.environmentServices(), core.store(), interruption);
   } catch (...) {
     core.remove(name);
     throw;

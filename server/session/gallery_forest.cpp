@@ -6,7 +6,7 @@
 #include "protocol/codec.h"
 #include "protocol/json_text.h"
 #include "server/remote/disk_files.h"
-#include "server/remote/gallery.h"
+#include "server/remote/models/gallery.h"
 
 namespace espalier::server {
 

@@ -109,10 +109,10 @@ Problem writeTurtle(SimulationRunner& runner, const protocol::GetParams& params,
 
 Problem writePalette(SimulationRunner& runner, const protocol::GetParams&, protocol::JsonWriter& result) {
   const simulation::Simulation& simulation = runner.hosted().simulation();
-  const files::Palette& ofView = simulation.view().palette;
-  const files::Palette& ofModel = ofView.empty() ? simulation.options().palette : ofView;
+  const files::Palette& ofFolder = simulation.options().palette;
+  const files::Palette ofModel = turtle::paletteOf(simulation.view(), ofFolder);
   const turtle::Scene nothing;
-  const turtle::Palette palette(nothing, &ofModel);
+  const turtle::Palette palette(nothing, simulation.view(), &ofFolder);
   const auto write = [&result](turtle::Colour colour) {
     result.beginArray().integer(std::uint32_t{colour.red}).integer(std::uint32_t{colour.green});
     result.integer(std::uint32_t{colour.blue}).endArray();

@@ -33,10 +33,22 @@ void noteDeed(Session& session, const std::string& method, std::string_view simu
 template <auto decode, auto handle, Needs needs, protocol::Role role>
 void handleMessage(Session& session, const protocol::Message& message) {
   const Request request{session, message.id, message.kind == protocol::Message::Kind::Notification};
-  auto params = decode(message.payload);
+  protocol::Payload payload = message.payload;
+  std::vector<std::string> unknown;
+  payload.listUnknownMembers(unknown);
+  auto params = decode(payload);
   if (!params) {
     session.respondError(message.id, params.error());
     return;
+  }
+  if (!unknown.empty() && !request.isNotification) {
+    if (session.isStrict()) {
+      const std::size_t colon = unknown.front().find(": ");
+      session.respondError(message.id,
+                           protocol::memberError(unknown.front().substr(0, colon), unknown.front().substr(colon + 2)));
+      return;
+    }
+    session.warn(message.id, std::move(unknown));
   }
   if constexpr (requires { params->simulation; }) {
     noteDeed(session, message.method, params->simulation, role);

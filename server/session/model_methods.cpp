@@ -3,7 +3,7 @@
 #include "protocol/base64.h"
 #include "protocol/codec.h"
 #include "protocol/json_text.h"
-#include "server/remote/gallery.h"
+#include "server/remote/models/gallery.h"
 #include "server/remote/translation/translate.h"
 #include "server/running/turn_meter.h"
 #include "server/server_core.h"
@@ -97,7 +97,7 @@ void writeFiles(const Request& request, const GalleryModel& model, const std::st
   protocol::JsonWriter result;
   result.beginObject().key("main").text(model.main).key("files");
   writeTexts(result, texts);
-  result.key("binary");
+  result.key("binaryFiles");
   writeTexts(result, binary);
   if (!environmentJson.empty()) {
     result.key("environment").raw(environmentJson);

@@ -6,6 +6,7 @@
 #include "protocol/codec.h"
 #include "protocol/version.h"
 #include "server/server_core.h"
+#include "server/session/editor_conversation.h"
 #include "server/session/methods.h"
 
 namespace espalier::server {
@@ -35,6 +36,8 @@ void Session::send(std::string line) {
 }
 
 void Session::respond(const protocol::MessageId& id, std::string_view resultJson) {
+  const std::string warned = withWarnings(id, resultJson);
+  resultJson = warned.empty() ? resultJson : std::string_view(warned);
   {
     const std::lock_guard lock(mutex_);
     inProgress_.erase(protocol::toText(id));
@@ -49,11 +52,39 @@ void Session::respond(const protocol::MessageId& id, std::string_view resultJson
   send(protocol::encodeResult(id, std::string(resultJson)));
 }
 
+void Session::warn(const protocol::MessageId& id, std::vector<std::string> warnings) {
+  const std::lock_guard lock(mutex_);
+  warnings_[protocol::toText(id)] = std::move(warnings);
+}
+
+std::string Session::withWarnings(const protocol::MessageId& id, std::string_view resultJson) {
+  std::vector<std::string> warnings;
+  {
+    const std::lock_guard lock(mutex_);
+    auto found = warnings_.extract(protocol::toText(id));
+    if (found.empty() || !resultJson.starts_with('{')) {
+      return {};
+    }
+    warnings = std::move(found.mapped());
+  }
+  protocol::JsonWriter member;
+  member.beginObject().key("warnings").texts(warnings);
+  std::string text(member.view());
+  resultJson.remove_prefix(1);
+  return text + (resultJson == "}" ? "" : ",") + std::string(resultJson);
+}
+
+bool Session::isStrict() const {
+  const std::lock_guard lock(mutex_);
+  return isStrict_;
+}
+
 void Session::respondError(const protocol::MessageId& id, const protocol::Error& error) {
   {
     const std::lock_guard lock(mutex_);
     inProgress_.erase(protocol::toText(id));
   }
+  static_cast<void>(withWarnings(id, {}));
   core_->log().debug("request " + protocol::toText(id) + ": " + error.message, {.session = id_});
   send(protocol::encodeError(id, error));
 }
@@ -202,6 +233,7 @@ void Session::onHello(const protocol::Message& message) {
   {
     const std::lock_guard lock(mutex_);
     terms_ = termsOf(hello.capabilities, hello.limits);
+    isStrict_ = std::find(hello.capabilities.begin(), hello.capabilities.end(), "strict") != hello.capabilities.end();
     takesHeartbeats_ =
         std::find(hello.capabilities.begin(), hello.capabilities.end(), "heartbeat") != hello.capabilities.end();
   }
@@ -217,7 +249,7 @@ void Session::onHello(const protocol::Message& message) {
                                      .server = "espalier " + std::string(protocol::kProgramVersion),
                                      .roles = grant_.roles.names(),
                                      .capabilities = {"bin", "checkpoint", "cancel", "streams", "credits", "delta",
-                                                      "offer", "geometry", "iterate", "heartbeat"},
+                                                      "offer", "geometry", "iterate", "heartbeat", "strict"},
                                      .limits = std::move(limits)};
   respond(message.id, protocol::encode(result));
 }
@@ -384,6 +416,14 @@ void Session::submit(const protocol::MessageId& id, std::shared_ptr<SimulationRu
 void Session::onCancel(const protocol::MessageId& id, std::function<void()> cancel) {
   const std::lock_guard lock(mutex_);
   inProgress_[protocol::toText(id)] = std::move(cancel);
+}
+
+std::shared_ptr<EditorConversation> Session::editor() {
+  const std::lock_guard lock(mutex_);
+  if (editor_ == nullptr) {
+    editor_ = std::make_shared<EditorConversation>();
+  }
+  return editor_;
 }
 
 void Session::cancelRequest(const protocol::MessageId& id) {

@@ -19,6 +19,7 @@
 namespace espalier::server {
 
 class Account;
+class EditorConversation;
 class ServerCore;
 
 /// One peer: handshake, its requests in progress, its streams, and the questions put to it when it offers environments.
@@ -54,6 +55,10 @@ class Session final : public AskedPeer, public std::enable_shared_from_this<Sess
   // any thread
   void respond(const protocol::MessageId& id, std::string_view resultJson);
   void respondError(const protocol::MessageId& id, const protocol::Error& error);
+  /// Unknown members of a request are errors: the peer named the capability `strict`.
+  [[nodiscard]] bool isStrict() const;
+  /// Sentences that the answer to a request will have as `warnings`.
+  void warn(const protocol::MessageId& id, std::vector<std::string> warnings);
   void notify(std::string_view method, const protocol::Body& params);
   /// Calls onDrained() when that time has passed.
   void remind(std::chrono::milliseconds delay) { connection_->remind(delay); }
@@ -82,6 +87,8 @@ class Session final : public AskedPeer, public std::enable_shared_from_this<Sess
   /// How a request in progress is given up when it is cancelled or its connection is lost.
   void onCancel(const protocol::MessageId& id, std::function<void()> cancel);
   void cancelRequest(const protocol::MessageId& id);
+  /// The peer's conversation of the Language Server Protocol; it begins with the first call.
+  [[nodiscard]] std::shared_ptr<EditorConversation> editor();
   /// An error when the session, or its account, has as many streams as it may have.
   [[nodiscard]] protocol::Expected<std::shared_ptr<Stream>> openStream(protocol::StreamOpenParams params,
                                                                        SimulationRunner& runner);
@@ -94,6 +101,8 @@ class Session final : public AskedPeer, public std::enable_shared_from_this<Sess
   void onHello(const protocol::Message& message);
   /// Refuses and closes.
   void refuse(const protocol::MessageId& id, const protocol::Error& error);
+  /// The answer with the warnings of its request; empty: there are none.
+  [[nodiscard]] std::string withWarnings(const protocol::MessageId& id, std::string_view resultJson);
   void failPendingCalls(const LinkFailure& failure);
   void send(std::string line);
 
@@ -106,6 +115,7 @@ class Session final : public AskedPeer, public std::enable_shared_from_this<Sess
   mutable std::mutex mutex_;            // guards the members below
   bool isClosed_ = false;
   bool isEnded_ = false;          // the peer answers nothing more
+  bool isStrict_ = false;         // it named the capability
   bool takesHeartbeats_ = false;  // it named the capability
   bool isHeartbeatOwed_ = false;  // it was asked and has been silent since
   std::uint64_t heartbeatCount_ = 0;
@@ -113,7 +123,9 @@ class Session final : public AskedPeer, public std::enable_shared_from_this<Sess
   std::uint64_t askedCount_ = 0;
   std::uint64_t streamCount_ = 0;
   std::map<std::string, std::shared_ptr<PendingCall>> pending_;  // questions to the peer, by id
-  std::map<std::string, std::function<void()>> inProgress_;      // how to cancel its requests, by the text of their id
+  std::shared_ptr<EditorConversation> editor_;
+  std::map<std::string, std::function<void()>> inProgress_;   // how to cancel its requests, by the text of their id
+  std::map<std::string, std::vector<std::string>> warnings_;  // for answers to come, by the text of the request's id
   /// A stream counts for the account as long as it is in the map.
   struct OpenStream {
     std::shared_ptr<Stream> stream;

@@ -5,11 +5,15 @@
 #include <filesystem>
 
 #include "engine/core/diagnostic.h"
+#include "engine/files/utf8.h"
+#include "protocol/base64.h"
 #include "protocol/envelope.h"
 #include "protocol/json_text.h"
 #include "protocol/json_writer.h"
 #include "server/remote/disk_files.h"
-#include "server/remote/gallery.h"
+#include "server/remote/models/folder_settings.h"
+#include "server/remote/models/gallery.h"
+#include "server/remote/models/model_files.h"
 #include "server/remote/translation/translate.h"
 
 namespace espalier::server {
@@ -26,11 +30,77 @@ std::uint64_t numberIn(std::string_view name) {
   return number;
 }
 
-/// The view file beside a model among files on the wire.
-std::string viewBeside(const std::map<std::string, std::string>& files, const std::string& model) {
-  // without its entry
-  const std::string view = fs::path(model.substr(0, model.find(':'))).replace_extension(".v").string();
-  return files.contains(view) ? view : std::string();
+// a colour file as the name under which its bytes are kept: place in the command, block, kind
+std::string colourName(std::size_t place, const files::ColourFile& colours) {
+  return std::to_string(place) + ":" + std::to_string(colours.block) + (colours.isMaterial ? ":mat" : ":map");
+}
+
+files::ColourFile colourFileOf(const std::string& name) {
+  files::ColourFile result{.file = name, .isMaterial = name.ends_with(":mat")};
+  const std::size_t colon = name.find(':');
+  std::from_chars(name.data() + colon + 1, name.data() + name.size(), result.block);
+  return result;
+}
+
+files::Palette paletteOf(const CompiledModel& model) {
+  files::FolderCommand command;
+  command.colourBase = model.colourBase;
+  for (const auto& [name, bytes] : model.colourFiles) {
+    command.colours.push_back(colourFileOf(name));
+  }
+  core::MemoryFileProvider files(model.colourFiles);
+  core::DiagnosticList diagnostics;
+  return files::readPalette(command, files, diagnostics);
+}
+
+/// Compiles the model of a folder with all that the folder says about it.
+CompiledModel compileFolder(const ModelFiles& found, language::CompileInput input, core::FileProvider& files) {
+  input.modelFile = found.model;
+  input.viewFile = found.view;
+  CompiledModel compiled{.result = language::compile(input, files)};
+  core::DiagnosticList remarks;
+  for (const core::Diagnostic& remark : found.remarks) {
+    remarks.add(remark);
+  }
+  const FolderSettings settings = readFolderSettings(found, false, files, remarks);
+  for (const core::Diagnostic& remark : remarks.entries()) {
+    // notes are for people at the folder
+    if (remark.severity == core::Severity::Warning) {
+      compiled.result.diagnostics.add(remark);
+    }
+  }
+  compiled.palette = settings.palette;
+  compiled.colourBase = found.colourBase;
+  for (std::size_t i = 0; i < found.colours.size(); ++i) {
+    if (auto bytes = files.read(found.colours[i].file)) {
+      compiled.colourFiles.emplace(colourName(i, found.colours[i]), std::move(*bytes));
+    }
+  }
+  if (compiled.result.program != nullptr) {
+    compiled.lastStep = lastFrameOf(settings, compiled.result.program->derivationLength);
+  }
+  return compiled;
+}
+
+// clients see the names of files within the gallery, never where the server keeps it
+std::string withinGallery(const std::string& gallery, std::string text) {
+  const std::string prefix = (fs::path(gallery) / "").string();
+  for (std::size_t at = text.find(prefix); at != std::string::npos; at = text.find(prefix, at)) {
+    text.erase(at, prefix.size());
+  }
+  return text;
+}
+
+core::DiagnosticList withinGallery(const std::string& gallery, const core::DiagnosticList& diagnostics) {
+  core::DiagnosticList renamed;
+  for (core::Diagnostic diagnostic : diagnostics.entries()) {
+    diagnostic.message = withinGallery(gallery, std::move(diagnostic.message));
+    diagnostic.hint = withinGallery(gallery, std::move(diagnostic.hint));
+    diagnostic.location.file = withinGallery(gallery, std::move(diagnostic.location.file));
+    diagnostic.location.expansion = withinGallery(gallery, std::move(diagnostic.location.expansion));
+    renamed.add(std::move(diagnostic));
+  }
+  return renamed;
 }
 
 std::string_view compatibilityName(core::Compatibility compatibility) {
@@ -59,7 +129,15 @@ std::string toText(const CompiledModel& model) {
   for (const auto& [name, value] : program.defines) {
     text.key(name).text(value);
   }
-  text.endObject().key("environment").text(model.environmentJson);
+  text.endObject().key("colours").beginObject();
+  for (const auto& [name, bytes] : model.colourFiles) {
+    text.key(name).text(protocol::toBase64(bytes));
+  }
+  text.endObject().key("colourBase").integer(static_cast<std::uint64_t>(model.colourBase));
+  if (model.lastStep) {
+    text.key("lastStep").integer(*model.lastStep);
+  }
+  text.key("environment").text(model.environmentJson);
   return text.endObject().take();
 }
 
@@ -75,7 +153,42 @@ CompiledModel compileText(const std::string& text, const core::Limits& limits) {
   input.defines.assign(defines.begin(), defines.end());
   input.limits = limits;
   core::MemoryFileProvider files(texts("files"));
-  return {language::compile(input, files), protocol::memberOf(text, "environment").value_or("")};
+  CompiledModel compiled{.result = language::compile(input, files)};
+  compiled.environmentJson = protocol::memberOf(text, "environment").value_or("");
+  for (const auto& [name, bytes] : texts("colours")) {
+    compiled.colourFiles.emplace(name, protocol::fromBase64(bytes).value_or(""));
+  }
+  const auto number = [&text](std::string_view name) -> std::optional<std::uint64_t> {
+    std::uint64_t value = 0;
+    const auto found = protocol::memberOf(text, name);
+    return found && std::from_chars(found->data(), found->data() + found->size(), value).ec == std::errc()
+               ? std::optional(value)
+               : std::nullopt;
+  };
+  compiled.colourBase = static_cast<int>(number("colourBase").value_or(1));
+  compiled.lastStep = number("lastStep");
+  compiled.palette = paletteOf(compiled);
+  return compiled;
+}
+
+/// The environment that a folder from the wire brings, as the text of a list; empty: none.
+std::string environmentOf(const ModelFiles& found, const std::map<std::string, std::string>& files) {
+  const auto file = files.find(found.environment);
+  if (file == files.end()) {
+    return {};
+  }
+  if (found.environment.ends_with(".json")) {
+    return asEnvironmentList(file->second);
+  }
+  protocol::JsonWriter list;
+  list.beginArray().beginObject().key("type").text("field").key("main").text(found.environment).key("files");
+  list.beginObject();
+  for (const auto& [name, content] : files) {
+    if (files::asUtf8(content) == content) {
+      list.key(name).text(content);
+    }
+  }
+  return list.endObject().endObject().endArray().take();
 }
 
 }  // namespace
@@ -107,26 +220,21 @@ std::variant<CompiledModel, protocol::Error> ModelStore::compileGallery(const st
   }
   // no path leads out of the folder; an entry may hold slashes
   const std::size_t colon = std::min(file.find(':'), file.size());
-  input.modelFile = file.empty() ? fileWithSuffix(*folder, name, ".l")
-                                 : (*folder / fs::path(file.substr(0, colon)).filename()).string() + file.substr(colon);
-  if (input.modelFile.empty()) {
+  const std::string inFolder = (*folder / fs::path(file.substr(0, colon)).filename()).string() + file.substr(colon);
+  const auto found = findModelFiles(file.empty() ? folder->string() : inFolder);
+  if (!found) {
     return protocol::Error{protocol::ErrorCode::NotFound,
-                           "The gallery folder '" + name + "' holds no model, or several without one called " + name +
-                               ".l. model.list names its models: NAME/FILE:ENTRY. Or send the source.",
+                           "The gallery model '" + whole +
+                               "' cannot be used: " + withinGallery(galleryFolder_, found.error()) +
+                               ". model.list names the models of the gallery: NAME/FILE:ENTRY.",
                            {}};
   }
-  const bool isOneOfMany = slash != std::string::npos;
-  const std::string stem = fs::path(isOneOfMany ? file.substr(0, colon) : input.modelFile).stem().string();
-  std::error_code error;
-  const auto beside = [&](const char* suffix) {
-    const fs::path companion = *folder / (stem + suffix);
-    return fs::is_regular_file(companion, error) ? companion.string() : std::string{};
-  };
-  input.viewFile = isOneOfMany ? beside(".v") : fileWithSuffix(*folder, stem, ".v");
   DiskFileProvider files;
-  CompiledModel compiled{language::compile(input, files), {}};
+  CompiledModel compiled = compileFolder(*found, std::move(input), files);
+  compiled.result.diagnostics = withinGallery(galleryFolder_, compiled.result.diagnostics);
   // its own environment, for simulations that name none
-  if (isOneOfMany && beside(".e").empty()) {
+  const bool isOneOfMany = slash != std::string::npos;
+  if (isOneOfMany && !found->environment.ends_with(".e")) {
     return compiled;
   }
   if (!fileWithSuffix(*folder, name, ".e").empty()) {
@@ -173,16 +281,19 @@ std::variant<CompiledModel, protocol::Error> ModelStore::compile(const protocol:
   if (model.gallery) {
     return compileGallery(*model.gallery, model.main, std::move(input));
   }
-  core::MemoryFileProvider files;
   if (model.source) {
     input.modelFile = "model.l";
-    files.add("model.l", *model.source);
-  } else {
-    input.modelFile = model.main;
-    input.viewFile = viewBeside(model.files, model.main);
-    files = core::MemoryFileProvider(model.files);
+    core::MemoryFileProvider files({{"model.l", *model.source}});
+    return CompiledModel{.result = language::compile(input, files)};
   }
-  return CompiledModel{language::compile(input, files), {}};
+  const auto found = findModelFiles(model.files, model.main);
+  if (!found) {
+    return protocol::memberError("params.model.files", found.error());
+  }
+  core::MemoryFileProvider files(model.files);
+  CompiledModel compiled = compileFolder(*found, std::move(input), files);
+  compiled.environmentJson = environmentOf(*found, model.files);
+  return compiled;
 }
 
 std::variant<std::string, protocol::Error> ModelStore::keep(const CompiledModel& model) {

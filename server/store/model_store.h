@@ -3,9 +3,11 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <variant>
 
+#include "engine/files/colour_files.h"
 #include "engine/language/compiler.h"
 #include "protocol/errors.h"
 #include "protocol/messages.h"
@@ -16,7 +18,11 @@ namespace espalier::server {
 /// A compiled model. `program` is null when the model has errors.
 struct CompiledModel {
   language::CompileResult result;
-  std::string environmentJson;  // of a gallery model that brings one; empty otherwise
+  files::Palette palette{};                          // of its folder; empty: none
+  std::optional<std::uint64_t> lastStep{};           // that its folder asks for; nothing: the derivation length
+  std::map<std::string, std::string> colourFiles{};  // behind the palette, by ColourFile as text (for the disk)
+  int colourBase = 1;
+  std::string environmentJson{};  // of a model that brings one; empty otherwise
 };
 
 /// Compiles models from the wire or the gallery, and keeps those of model.load. Thread-safe.

@@ -43,6 +43,9 @@ std::string toText(const SimulationRecord& record) {
   if (create.bounds) {
     write(params, *create.bounds);
   }
+  if (create.world) {
+    write(params, *create.world);
+  }
   params.key("save");
   write(params, create.save);
   params.key("trace").boolean(create.isTraced).endObject();

@@ -147,6 +147,7 @@ std::variant<protocol::Body, core::SimulationError> geometryBody(simulation::Vie
   const turtle::ExportInput input{.scene = std::get<turtle::Scene>(drawn),
                                   .view = drawing.settings(),
                                   .palette = &drawing.view().options->palette,
+                                  .usesInstancing = true,
                                   .program = &firstProgram(drawing.view())};
   core::StringSink file;
   const turtle::ExportTarget target{.fileName = "plant.glb", .sink = file, .openCompanion = {}, .progress = {}};

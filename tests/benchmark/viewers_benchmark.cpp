@@ -74,7 +74,7 @@ class Watched {
     record.create.plants.emplace_back();
     record.create.environmentJson = hasQueries ? R"([{"type":"constant","values":[1]}])" : "";
     server::Interruption interruption;
-    auto hosted = server::HostedSimulation::create(record, {compiled.program}, core.options().limits.simulation,
+    auto hosted = server::HostedSimulation::create(record, {compiled.program}, {}, core.options().limits.simulation,
                                                    core.environmentServices(), core.store(), interruption);
     core.add(record.id, std::move(std::get<std::unique_ptr<server::HostedSimulation>>(hosted)));
     runner_ = core.find(record.id);

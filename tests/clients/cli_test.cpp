@@ -307,7 +307,7 @@ TEST_F(Cli, QuietLeavesResultsAndErrorsOnly) {
 
 TEST_F(Cli, EnvironmentTakesTheConfigurationFileThatDeriveTakes) {
   folder_.write("tiers.json", R"({"type":"honda81","name":"Tiers","radius":0.5})");
-  const ProgramRun described = run("environment honda --describe --configuration tiers.json");
+  const ProgramRun described = run("environment honda --describe --json --configuration tiers.json");
   EXPECT_EQ(described.status, 0) << described.errors;
   EXPECT_TRUE(contains(described.output, R"("name":"honda")")) << described.output;
   // the contract: other names, the paper, the keys
@@ -319,6 +319,47 @@ TEST_F(Cli, EnvironmentTakesTheConfigurationFileThatDeriveTakes) {
                        "the configuration file 'tiers.json' is for 'honda81', not for 'shadow': name that environment, "
                        "or another file"))
       << other.errors;
+}
+
+TEST_F(Cli, DescribesAnEnvironmentInWords) {
+  const ProgramRun described = run("environment shadow --describe");
+  EXPECT_EQ(described.status, 0);
+  EXPECT_TRUE(described.output.starts_with("shadow: Light by shadow propagation")) << described.output;
+  EXPECT_TRUE(contains(described.output, "A module sends   castsShadow\n"));
+  EXPECT_TRUE(contains(described.output, "and gets back    light, gradientX (1/m)"));
+  EXPECT_TRUE(contains(described.output, "voxels along each side of the grid. (default 201)")) << described.output;
+  EXPECT_FALSE(contains(described.output, "{\"name\"")) << "words, not JSON";
+  EXPECT_TRUE(run("environment shadow --describe --json").output.starts_with("{\"name\":\"shadow\""));
+}
+
+TEST_F(Cli, AMistypedOptionGetsTheNearestName) {
+  folder_.write("m.l", kStochastic);
+  const ProgramRun wrong = run("derive m.l --step 3");
+  EXPECT_EQ(wrong.status, 2);
+  EXPECT_TRUE(contains(wrong.errors, "Did you mean --steps?")) << wrong.errors;
+}
+
+TEST_F(Cli, HelpOfForestListsOnlyFormatsThatItWrites) {
+  const std::string help = run("forest --help").output;
+  EXPECT_TRUE(contains(help, ".glb"));
+  EXPECT_FALSE(contains(help, ".mtg"));
+  EXPECT_FALSE(contains(help, ".snapshot"));
+}
+
+TEST_F(Cli, ServeRefusesATokenFileThatOthersRead) {
+  folder_.write("token", "secret\n");
+  const ProgramRun refused = run("serve --listen 127.0.0.1:0 --token-file token");
+  EXPECT_EQ(refused.status, 1);
+  EXPECT_TRUE(contains(refused.errors, "other users of the machine may read or change the token file 'token'"))
+      << refused.errors;
+}
+
+TEST_F(Cli, StatusAndLoadTakeTheAddressesOfConnect) {
+  for (const char* command : {"status", "load --sessions 1 --seconds 0.1"}) {
+    const ProgramRun failed = run(std::string(command) + " unix:nowhere");
+    EXPECT_EQ(failed.status, 1);
+    EXPECT_TRUE(contains(failed.errors, "Cannot connect to unix:nowhere: No such file or directory")) << failed.errors;
+  }
 }
 
 }  // namespace

@@ -114,6 +114,22 @@ TEST_F(LanguageTools, DisassembleShowsEachProductionWithItsLine) {
             "     0  LoadSlot 0\n     1  Constant 2\n     2  Multiply\n");
 }
 
+TEST_F(LanguageTools, DisassembleSaysWhichWayAProductionTakesAndWhy) {
+  folder_.write("tree.l",
+                "Lsystem: 1\nStart: {n=0;}\nAxiom: A(1)B(1)CD\nA(l) : {u=l*n;} u<3 --> A(u)\nB(l) < C > D --> DC\n"
+                "B(l) : {n=n+1;} 1 --> B(l)\nD --> DD\nendlsystem\n");
+  const ProgramRun result = run("disassemble tree.l --plan");
+  EXPECT_EQ(result.status, 0) << result.errors;
+  EXPECT_TRUE(contains(result.output, "production 0: A(l) : {u=l*n;} u<3 --> A(u)\n  in batches\n")) << result.output;
+  EXPECT_TRUE(
+      contains(result.output, "production 1: B(l) < C > D --> DC\n  in batches; the nearest neighbours are found"))
+      << result.output;
+  EXPECT_TRUE(contains(result.output, "  one module at a time: a block assigns a variable of the L-system\n"))
+      << result.output;
+  EXPECT_TRUE(contains(result.output, "production 3: D --> DD\n  a fixed block of modules is copied\n"))
+      << result.output;
+}
+
 TEST_F(LanguageTools, HelpTeachesByExample) {
   EXPECT_TRUE(contains(run("explain --help").output, "espalier explain tree.l --step 3 --module 12"));
   EXPECT_TRUE(contains(run("format --help").output, "espalier format tree.l --in-place"));

@@ -110,7 +110,7 @@ TEST_F(Folder, PicturesHaveTheColoursOfTheMap) {
   const ProgramRun result = run("run plant -o p.svg -o p.obj");
   EXPECT_EQ(result.status, 0) << result.errors;
   EXPECT_TRUE(contains(folder_.read("p.svg"), "fill=\"#010203\""));
-  EXPECT_TRUE(contains(folder_.read("p.mtl"), "newmtl colour_7\nKd 1 0.502 0.0627\n")) << folder_.read("p.mtl");
+  EXPECT_TRUE(contains(folder_.read("p.mtl"), "newmtl bark\nKd 1 0.502 0.0627\n")) << folder_.read("p.mtl");
 }
 
 TEST_F(Folder, PicturesHaveTheFoldersMaterials) {
@@ -122,7 +122,7 @@ TEST_F(Folder, PicturesHaveTheFoldersMaterials) {
                      "\x00\x00\x00\x00\x00\x00\x00\x00\x0A\x0B\x0C\x00\x00\x00\x00"s);
   writeCommand("cpfg -M p.mat p.l p.v");
   EXPECT_EQ(run("run plant -o p.svg -o p.obj").status, 0);
-  EXPECT_EQ(folder_.read("p.mtl"), "newmtl colour_7\nKd 0 1 0\nKa 0 0 1\nKs 1 1 1\nKe 0 0 0\nNs 32\nd 0.8\nillum 2\n");
+  EXPECT_EQ(folder_.read("p.mtl"), "newmtl bark\nKd 0 1 0\nKa 0 0 1\nKs 1 1 1\nKe 0 0 0\nNs 32\nd 0.8\nillum 2\n");
   EXPECT_TRUE(contains(folder_.read("p.svg"), "fill=\"#0a0b0c\""));
   EXPECT_TRUE(contains(folder_.read("p.svg"), " opacity=\"0.8\""));
 }
@@ -157,7 +157,7 @@ TEST_F(Folder, WithoutSpecificationsTheOnlyFilesOfTheirKindAreUsed) {
   write("view.v", "initial color: 7\n");
   write("colours.map", colourMap("\x01\x02\x03", "\xFF\x80\x10"));
   EXPECT_EQ(run("run plant -o p.obj").status, 0);
-  EXPECT_TRUE(contains(folder_.read("p.mtl"), "newmtl colour_7\nKd 1 0.502 0.0627\n")) << folder_.read("p.mtl");
+  EXPECT_TRUE(contains(folder_.read("p.mtl"), "newmtl bark\nKd 1 0.502 0.0627\n")) << folder_.read("p.mtl");
   write("more.map", "");
   EXPECT_EQ(run("derive plant").errors,
             "plant/colours.map: note: the file is not used: its colours are not used\n"

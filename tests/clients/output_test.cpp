@@ -178,6 +178,7 @@ TEST_F(Output, VariantsInRowsAreOneFileAndEqualOnesShareTheirMesh) {
 }
 
 TEST_F(Output, FramesOfAnAnimationShareOneScaleUnlessEachIsToFill) {
+  folder_.write("line.v", "line style: pixel\n");
   folder_.write("line.l", "Lsystem: 1\nderivation length: 3\nAxiom: F\nF --> FF\nendlsystem\n");
   // the height of each drawing
   const auto heights = [&](const std::string& options) {

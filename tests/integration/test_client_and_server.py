@@ -127,7 +127,7 @@ class ClientAndServer(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             snapshot, exported = Path(folder) / "weed.snapshot", Path(folder) / "weed.glb"
             weed.save_to(snapshot)
-            espalier("export", str(snapshot), "-o", str(exported), "--quiet")
+            espalier("export", str(snapshot), "-o", str(exported), "--instancing", "--quiet")
             self.assertEqual(bytes(frame.columns["glb"]), exported.read_bytes())
         self.assertEqual(weed.geometry(), bytes(frame.columns["glb"]))
         with self.assertRaisesRegex(ServerError, r'params.bin: geometry as a file comes in binary blocks; say "bin": true, '

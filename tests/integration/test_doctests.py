@@ -28,6 +28,16 @@ def load_tests(loader: unittest.TestLoader, tests: unittest.TestSuite, pattern: 
 
 
 class Documentation(unittest.TestCase):
+    def test_every_public_name_has_an_example(self) -> None:
+        for name in espalier.__all__:
+            item = getattr(espalier, name)
+            # Answer is a type, __version__ a text
+            if name in ("Answer", "__version__"):
+                continue
+            texts = [item.__doc__ or ""]
+            texts += [member.__doc__ or "" for member in vars(item).values() if callable(member)] if isinstance(item, type) else []
+            self.assertTrue(any(">>>" in text for text in texts), name)
+
     def test_every_public_class_and_method_is_described(self) -> None:
         for name in espalier.__all__:
             item = getattr(espalier, name)

@@ -132,7 +132,7 @@ class Gallery(unittest.TestCase):
 
             espalier("run", str(GALLERY / "shaded-maple"), "--quiet", "--steps", "4", "-o", f"{folder}/maple.obj")
             materials = Path(folder, "maple.mtl").read_text(encoding="utf-8")
-            self.assertIn("newmtl colour_1\nKd 0.4392 0.3608 0.3059\n", materials)
+            self.assertIn("newmtl bark\nKd 0.4392 0.3608 0.3059\n", materials)
             # the environment of its specifications puts buds in the shade
             self.assertIn("S(", espalier("derive", str(GALLERY / "shaded-maple"), "--quiet").stdout)
             self.assertIn("V(5)", espalier("derive", str(GALLERY / "shaded-maple"), "--object", "leaf").stdout)

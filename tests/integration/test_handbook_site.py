@@ -120,7 +120,7 @@ class Parts(unittest.TestCase):
         self.assertEqual(reference_pages.subcommands(espalier("derive", "--help").stdout), [])
 
     def test_a_process_page_has_units_keys_and_a_citation(self) -> None:
-        description = json.loads(espalier("environment", "honda", "--describe").stdout)
+        description = json.loads(espalier("environment", "honda", "--describe", "--json").stdout)
         page = reference_pages.process_page(description)
         for wanted in ("# honda", "`radius`", "| length |", "Cite the source of the model", "`honda81`"):
             self.assertIn(wanted, page)

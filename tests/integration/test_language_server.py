@@ -10,6 +10,8 @@ from pathlib import Path
 
 from support import GALLERY, REPOSITORY, SECONDS, program
 
+from espalier import Server
+
 MODEL = """#define RATIO 0.7
 Lsystem: 1
 derivation length: 3
@@ -107,6 +109,26 @@ class LanguageServer(unittest.TestCase):
         done = subprocess.run([program(), "language-server"], input="hello\r\n\r\n", capture_output=True, text=True, timeout=SECONDS)
         self.assertEqual(done.returncode, 1)
         self.assertIn("docs/editors.md", done.stderr)
+
+    def test_a_page_has_the_same_help_over_the_protocol_of_a_server(self) -> None:
+        server = Server(program(), arguments=["--log-level", "off"])
+        self.addCleanup(server.stop)
+        with server.connect() as client:
+            def say(**message: object) -> list:
+                asked = json.dumps({"jsonrpc": "2.0", **message})
+                return [json.loads(text) for text in client.call("editor.message", {"message": asked})["messages"]]
+
+            say(id=1, method="initialize", params={"capabilities": {}})
+            document = {"uri": "page:/tree.l", "languageId": "espalier", "version": 1,
+                        "text": "#include \"/etc/passwd\"\n" + MODEL}
+            (published,) = say(method="textDocument/didOpen", params={"textDocument": document})
+            messages = [one["message"] for one in published["params"]["diagnostics"]]
+            # only what the page opens is read
+            self.assertTrue(any("cannot read" in text or "no file" in text for text in messages), messages)
+            self.assertNotIn("root:", json.dumps(messages))
+            (hover,) = say(id=2, method="textDocument/hover", params={
+                "textDocument": {"uri": "page:/tree.l"}, "position": {"line": 5, "character": 9}})
+            self.assertIn("advances", hover["result"]["contents"]["value"])
 
     @unittest.skipUnless(shutil.which("nvim"), "Neovim is not installed (Debian: neovim)")
     def test_long_neovim_shows_the_mistake(self) -> None:

@@ -36,7 +36,7 @@ class GalleryModels(unittest.TestCase):
         # textures are no text; one of several models of a folder; an environment of published files
         for name in ("textured-tree", "chapter-open-l-systems/bush.txt", "shadow-trees"):
             read = client.call("model.read", {"gallery": name})
-            made = {"files": read["files"], "binary": read["binary"], "main": read["main"]}
+            made = {"files": read["files"], "binaryFiles": read["binaryFiles"], "main": read["main"]}
             environment = {"environment": read["environment"]} if "environment" in read else {}
             grown = []
             for model, more in (({"gallery": name}, {}), (made, environment)):
@@ -45,8 +45,8 @@ class GalleryModels(unittest.TestCase):
                 grown.append(client.call("simulation.get", {"simulation": created["simulation"], "what": "string"})["string"])
             self.assertEqual(grown[0], grown[1], name)
         read = client.call("model.read", {"gallery": "textured-tree"})
-        self.assertEqual(base64.b64decode(read["binary"]["bark.png"]), (GALLERY / "textured-tree" / "bark.png").read_bytes())
-        self.assertNotIn("textured-tree.png", read["binary"])
+        self.assertEqual(base64.b64decode(read["binaryFiles"]["bark.png"]), (GALLERY / "textured-tree" / "bark.png").read_bytes())
+        self.assertNotIn("textured-tree.png", read["binaryFiles"])
         self.assertIn("README.md", read["files"])
         with self.assertRaisesRegex(ServerError, "no gallery model '\.\.'"):
             client.call("model.read", {"gallery": "../light-tree"})

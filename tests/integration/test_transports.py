@@ -359,10 +359,11 @@ class ErrorNumbers(unittest.TestCase):
         self.assertEqual(self.code(server.address, self.HELLO), 1003)
         with Client(server.address, token="secret") as client:
             endless = client.create("Lsystem: 1\nderivation length: 100000000\nAxiom: A\nA --> A\nendlsystem\n", save=False)
-            client._channel.send(wire.request(77, "simulation.run", {"simulation": endless.identifier}))
-            client.notify("$/cancel", {"id": 77})
-            answer = client._receive(60, "simulation.run")
-            self.assertEqual((answer["id"], answer["error"]["code"]), (77, 1010))
+            run = client._start("simulation.run", {"simulation": endless.identifier})
+            client.notify("$/cancel", {"id": run})
+            with self.assertRaises(ServerError) as caught:
+                client._wait_for(run, "simulation.run")
+            self.assertEqual(caught.exception.code, 1010)
 
     def test_of_an_environment_that_is_asked_for_a_step_it_left_behind(self) -> None:
         built_in = Process([program(), "environment", "density3d", "--listen", "127.0.0.1:0"])

@@ -177,6 +177,7 @@ class NothingBlocks(unittest.TestCase):
             "model.load": [{"source": source}],
             "model.list": [{}],
             "model.read": [{"gallery": "light-tree"}],
+            "editor.message": [{"message": "{}"}],
             "simulation.create": [{"model": {"source": source}}],
             "simulation.step": [big],
             "simulation.run": [{**big, "until": 14}],

@@ -1,11 +1,13 @@
 """Plants in a page: self-contained, with the geometry that the program exports."""
 
 import base64
+import gzip
 import json
 import re
 import tempfile
 import unittest
 from pathlib import Path
+from typing import List
 from unittest import mock
 
 from support import program
@@ -16,6 +18,13 @@ from espalier import viewing
 
 
 class Viewing(unittest.TestCase):
+    def frames_in(self, page: str) -> List[bytes]:
+        """The frames that a page shows, in order."""
+        found = re.search(r"const frames = (\[.*?\]);\n.*, (\[.*?\])\.map", page)
+        assert found is not None
+        frames = [gzip.decompress(base64.b64decode(frame)) for frame in json.loads(found.group(1))]
+        return [frames[index] for index in json.loads(found.group(2))]
+
     def test_shows_a_simulation_with_every_frame_of_its_growth(self) -> None:
         with mock.patch.dict("os.environ", {"ESPALIER_PROGRAM": program()}), espalier.local() as client:
             plant = client.create(gallery="branch-tiers", environment=[{"type": "honda", "radius": 0.5}], seed=7)
@@ -30,11 +39,23 @@ class Viewing(unittest.TestCase):
         self.assertTrue(all(frame[:4] == b"glTF" for frame in growth.frames))
         self.assertLess(len(growth.frames[0]), len(growth.frames[2]))
         page = growth.html()
-        found = re.search(r'getElementById\("plant"\), (\[.*?\])\)', page)
-        assert found is not None
-        self.assertEqual([base64.b64decode(frame) for frame in json.loads(found.group(1))], growth.frames)
+        self.assertEqual(self.frames_in(page), growth.frames)
         # nothing is loaded from elsewhere
         self.assertEqual(re.findall(r'<(?:script|link|img)[^>]+(?:src|href)=', page), [])
+
+    def test_a_page_with_eight_steps_is_small(self) -> None:
+        with mock.patch.dict("os.environ", {"ESPALIER_PROGRAM": program()}), espalier.local() as client:
+            tree = client.create(gallery="light-tree", seed=7)
+            growth = []
+            for _ in range(8):
+                tree.step()
+                growth.append(tree.save())
+            small = len(tree.view(growth).html())
+            self.assertLess(small, 8_000_000)
+            # a state that is shown again costs nothing
+            again = tree.view(growth + growth[-1:]).html()
+        self.assertLess(len(again), small + 100)
+        self.assertEqual(len(self.frames_in(again)), 9)
 
     def test_writes_a_page_and_fits_a_notebook(self) -> None:
         view = View([b"glTF"], title="a <b> & c", height=123)

@@ -72,9 +72,9 @@ TEST(ErrorNumbers, ABugInACommandIsInternalAndClosesThatSimulationOnly) {
     language::CompileInput input;
     input.modelFile = "model.l";
     Interruption interruption;
-    auto made =
-        HostedSimulation::create(record, {language::compile(input, files).program}, core.options().limits.simulation,
-                                 core.environmentServices(), core.store(), interruption);
+    auto made = HostedSimulation::create(record, {language::compile(input, files).program}, {},
+                                         core.options().limits.simulation, core.environmentServices(), core.store(),
+                                         interruption);
     core.add(record.id, std::move(std::get<std::unique_ptr<HostedSimulation>>(made)));
     return core.find(record.id);
   };

@@ -1,7 +1,10 @@
 #include "tests/support/plain_derivation.h"
 
+#include <algorithm>
+#include <cmath>
 #include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include "engine/core/random.h"
 #include "engine/language/arithmetic.h"
@@ -12,24 +15,57 @@ using language::ContextElement;
 using language::Operation;
 
 PlainDerivation::PlainDerivation(const language::Program& program, std::uint64_t seed)
-    : program_(&program), seed_(seed) {}
+    : program_(&program),
+      seed_(seed),
+      statics_(program.staticCount, 0.0),
+      variables_(program.systems[0].variables.size(), 0.0),
+      elements_(program.systems[0].arrayElementCount, 0.0) {
+  for (const language::ArrayVariable& array : program.systems[0].arrays) {
+    for (std::size_t i = 0; i < array.initial.size(); ++i) {
+      elements_.at(array.firstElement + i) = array.initial[i];
+    }
+  }
+}
 
-double PlainDerivation::value(const language::Expression& expression, const Frame& frame, double step,
-                              Draws& draws) const {
+double PlainDerivation::value(const language::Expression& expression, const Frame& frame, double step, Draws& draws) {
   if (expression.kind == language::Expression::Kind::Constant) {
     return expression.constant;
   }
   if (expression.kind == language::Expression::Kind::Slot) {
     return frame.at(expression.slot);
   }
+  return run(expression.code, frame, step, draws);
+}
+
+double& PlainDerivation::element(const language::Instruction& instruction, const std::vector<double>& subscripts) {
+  const language::ArrayVariable& array = program_->systems[0].arrays.at(instruction.operand);
+  std::size_t index = 0;
+  for (std::size_t i = 0; i < array.dimensions.size(); ++i) {
+    const double last = array.dimensions[i] - 1.0;
+    const double subscript = std::isnan(subscripts.at(i)) ? 0.0 : std::trunc(subscripts[i]);
+    index = index * array.dimensions[i] + static_cast<std::size_t>(subscript < 0.0    ? 0.0
+                                                                   : subscript > last ? last
+                                                                                      : subscript);
+  }
+  return elements_.at(array.firstElement + index);
+}
+
+double PlainDerivation::run(language::CodeRange code, const Frame& frame, double step, Draws& draws) {
   std::vector<double> stack;
   const auto pop = [&stack] {
     const double top = stack.back();
     stack.pop_back();
     return top;
   };
+  const auto popAll = [&](std::size_t count) {
+    std::vector<double> arguments(count);
+    for (std::size_t i = count; i-- > 0;) {
+      arguments[i] = pop();
+    }
+    return arguments;
+  };
   bool dividedByZero = false;
-  for (std::size_t at = expression.code.begin; at < expression.code.end;) {
+  for (std::size_t at = code.begin; at < code.end;) {
     const language::Instruction& instruction = program_->code.at(at++);
     switch (instruction.operation) {
       case Operation::Constant:
@@ -37,6 +73,29 @@ double PlainDerivation::value(const language::Expression& expression, const Fram
         break;
       case Operation::LoadSlot:
         stack.push_back(frame.at(instruction.operand));
+        break;
+      case Operation::LoadStatic:
+        stack.push_back(statics_.at(instruction.operand));
+        break;
+      case Operation::LoadVariable:
+        stack.push_back(variables_.at(instruction.operand));
+        break;
+      case Operation::LoadElement:
+        stack.push_back(element(instruction, popAll(instruction.count)));
+        break;
+      case Operation::StoreStatic:
+        statics_.at(instruction.operand) = pop();
+        break;
+      case Operation::StoreVariable:
+        variables_.at(instruction.operand) = pop();
+        break;
+      case Operation::StoreElement: {
+        const double stored = pop();
+        element(instruction, popAll(instruction.count)) = stored;
+        break;
+      }
+      case Operation::Pop:
+        static_cast<void>(pop());
         break;
       case Operation::LoadStep:
         stack.push_back(step);
@@ -56,10 +115,7 @@ double PlainDerivation::value(const language::Expression& expression, const Fram
         break;
       }
       case Operation::Call: {
-        std::vector<double> arguments(instruction.count);
-        for (std::size_t i = arguments.size(); i-- > 0;) {
-          arguments[i] = pop();
-        }
+        const std::vector<double> arguments = popAll(instruction.count);
         if (static_cast<language::Function>(instruction.operand) == language::Function::Ran) {
           stack.push_back(arguments[0] * core::CounterRandom(seed_, 0).uniform(core::DrawDomain::Production,
                                                                                static_cast<std::uint32_t>(step),
@@ -89,7 +145,7 @@ double PlainDerivation::value(const language::Expression& expression, const Fram
       }
     }
   }
-  return stack.back();
+  return stack.empty() ? 0.0 : stack.back();
 }
 
 bool PlainDerivation::isIgnored(core::ModuleTypeId type) const {
@@ -204,9 +260,10 @@ bool PlainDerivation::matchesRight(const PlainString& old, std::size_t behind, c
   return true;
 }
 
-PlainString PlainDerivation::axiom() const {
+PlainString PlainDerivation::axiom() {
   PlainString string;
   Draws draws;
+  run(program_->systems[0].start, Frame{}, 0.0, draws);
   for (const language::SuccessorModule& module : program_->systems[0].axiom) {
     PlainModule made{module.type, {}};
     for (std::size_t i = 0; i < program_->arity[module.type]; ++i) {
@@ -218,31 +275,80 @@ PlainString PlainDerivation::axiom() const {
   return string;
 }
 
-PlainString PlainDerivation::derive(const PlainString& old, std::uint64_t step) const {
-  struct Match {
-    const language::Production* production;
-    Frame frame;
-    double weight;
-  };
+std::vector<PlainDerivation::Match> PlainDerivation::matches(const PlainString& old, std::size_t at, double step,
+                                                             Draws& draws) {
+  const language::LSystem& system = program_->systems[0];
+  std::vector<Match> found;
+  for (const language::Production& production : system.productions.productions) {
+    Frame frame(production.slotCount, 0.0);
+    if (!matchesPredecessor(old, at, production, frame) ||
+        !matchesRight(old, at + production.predecessor.size(), production, frame) ||
+        !matchesLeft(old, at, production, frame)) {
+      continue;
+    }
+    run(production.preBlock, frame, step, draws);
+    if (production.condition && value(*production.condition, frame, step, draws) == 0.0) {
+      continue;
+    }
+    found.push_back({&production, std::move(frame), 1.0});
+    if (!system.isStochastic) {
+      break;
+    }
+    found.back().weight =
+        production.probability ? value(*production.probability, found.back().frame, step, draws) : 1.0;
+  }
+  return found;
+}
+
+PlainString PlainDerivation::successor(const Match& match, double step, Draws& draws) {
+  PlainString made;
+  run(match.production->postBlock, match.frame, step, draws);
+  for (const language::SuccessorModule& module : match.production->successor) {
+    PlainModule next{module.type, {}};
+    for (std::size_t i = 0; i < program_->arity[module.type]; ++i) {
+      next.parameters.push_back(
+          value(match.production->expressions.at(module.firstExpression + i), match.frame, step, draws));
+    }
+    made.push_back(std::move(next));
+  }
+  return made;
+}
+
+void PlainDerivation::decompose(const PlainModule& module, std::uint32_t depth, double step, Draws& draws,
+                                PlainString& made) {
+  const language::ProductionList& list = program_->systems[0].decomposition;
+  for (const language::Production& production : list.productions) {
+    Match match{&production, Frame(production.slotCount, 0.0), 1.0};
+    if (depth >= list.maximumDepth || !matchesPredecessor({module}, 0, production, match.frame)) {
+      continue;
+    }
+    run(production.preBlock, match.frame, step, draws);
+    if (production.condition && value(*production.condition, match.frame, step, draws) == 0.0) {
+      continue;
+    }
+    for (const PlainModule& part : successor(match, step, draws)) {
+      decompose(part, depth + 1, step, draws, made);
+    }
+    return;
+  }
+  made.push_back(module);
+}
+
+PlainString PlainDerivation::derive(const PlainString& old, std::uint64_t step) {
   const language::LSystem& system = program_->systems[0];
   const core::CounterRandom random(seed_, 0);
   const auto q = static_cast<double>(step);
+  Draws ofBlocks;
+  run(system.startEach, Frame{}, q, ofBlocks);
   PlainString made;
   for (std::size_t at = 0; at < old.size();) {
     // all productions that apply here, in the order of the file
-    std::vector<Match> matches;
     Draws draws{at, 0};
-    for (const language::Production& production : system.productions.productions) {
-      Frame frame(production.slotCount, 0.0);
-      if (matchesPredecessor(old, at, production, frame) &&
-          matchesRight(old, at + production.predecessor.size(), production, frame) &&
-          matchesLeft(old, at, production, frame) &&
-          (!production.condition || value(*production.condition, frame, q, draws) != 0.0)) {
-        const double weight = production.probability ? value(*production.probability, frame, q, draws) : 1.0;
-        matches.push_back({&production, std::move(frame), weight});
-      }
-    }
-    if (matches.empty() && old[at].type == program_->cut) {
+    const std::vector<Match> found = matches(old, at, q, draws);
+    const bool isDecomposed = std::any_of(
+        system.decomposition.productions.begin(), system.decomposition.productions.end(),
+        [&](const language::Production& production) { return production.predecessor[0].type == old[at].type; });
+    if (found.empty() && old[at].type == program_->cut && !isDecomposed) {
       // the rest of the branch goes
       int depth = 0;
       while (at < old.size() && (depth > 0 || old[at].type != program_->closeBranch)) {
@@ -252,34 +358,28 @@ PlainString PlainDerivation::derive(const PlainString& old, std::uint64_t step) 
       }
       continue;
     }
-    if (matches.empty()) {
-      made.push_back(old[at++]);
+    if (found.empty()) {
+      decompose(old[at++], 0, q, draws, made);
       continue;
     }
     std::size_t chosen = 0;
     if (system.isStochastic) {
       double remainder = 0.0;
-      for (const Match& match : matches) {
+      for (const Match& match : found) {
         remainder += match.weight;
       }
       remainder *= 1.0 - random.selection(static_cast<std::uint32_t>(step), at);
-      for (chosen = 0; chosen + 1 < matches.size(); ++chosen) {
-        remainder -= matches[chosen].weight;
+      for (chosen = 0; chosen + 1 < found.size(); ++chosen) {
+        remainder -= found[chosen].weight;
         if (remainder <= 0.0) {
           break;
         }
       }
     }
-    const Match& match = matches[chosen];
-    for (const language::SuccessorModule& module : match.production->successor) {
-      PlainModule next{module.type, {}};
-      for (std::size_t i = 0; i < program_->arity[module.type]; ++i) {
-        next.parameters.push_back(
-            value(match.production->expressions.at(module.firstExpression + i), match.frame, q, draws));
-      }
-      made.push_back(std::move(next));
+    for (const PlainModule& module : successor(found[chosen], q, draws)) {
+      decompose(module, 0, q, draws, made);
     }
-    at += match.production->predecessor.size();
+    at += found[chosen].production->predecessor.size();
   }
   return made;
 }

@@ -20,7 +20,7 @@ struct ModelCheckOptions {
 
 // the model without an error, or null
 std::shared_ptr<const language::Program> checkOne(ModelOptions& options, core::FileProvider& files) {
-  FolderSettings folder;
+  server::FolderSettings folder;
   std::shared_ptr<const language::Program> program = loadProgram(options, files, &folder);
   // a check connects to no other process
   const bool isRemote = options.environment.rfind("tcp://", 0) == 0 || options.environment.rfind("stdio:", 0) == 0;

@@ -12,7 +12,7 @@
 #include "clients/espalier/conformance/program_run.h"
 #include "clients/espalier/messages.h"
 #include "server/remote/disk_files.h"
-#include "server/remote/gallery.h"
+#include "server/remote/models/gallery.h"
 
 namespace espalier::command {
 namespace {

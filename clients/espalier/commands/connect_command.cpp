@@ -14,14 +14,15 @@
 #include "clients/espalier/commands/commands.h"
 #include "clients/espalier/environment_loading.h"
 #include "clients/espalier/messages.h"
-#include "clients/espalier/model_files.h"
 #include "clients/espalier/result.h"
+#include "clients/espalier/server_connection.h"
+#include "engine/files/utf8.h"
 #include "engine/language/compiler.h"
 #include "protocol/base64.h"
 #include "protocol/json_text.h"
 #include "protocol/json_writer.h"
 #include "server/remote/disk_files.h"
-#include "server/remote/hosting/dial_bridge.h"
+#include "server/remote/models/model_files.h"
 #include "server/remote/translation/translate.h"
 
 namespace espalier::command {
@@ -31,8 +32,7 @@ using client::Client;
 using client::Outcome;
 
 struct ConnectOptions {
-  std::string address;
-  std::string trustedFile;
+  ServerAddress server;
   std::string token;
   std::string model;
   std::string gallery;
@@ -79,42 +79,70 @@ std::string simulationParams(const ConnectOptions& options) {
   return params.beginObject().key("simulation").text(options.simulation).endObject().take();
 }
 
-/// The model with its files: the text files of its folder with a known suffix, and every other file that it reads.
-void writeModelFiles(protocol::JsonWriter& params, const ModelFiles& model) {
+// a file as the model folder on the server names it
+std::string nameInFolder(const std::string& file, const std::filesystem::path& folder) {
+  const std::filesystem::path inside = std::filesystem::path(file).lexically_relative(folder);
+  return inside.empty() || *inside.begin() == ".." ? file : inside.string();
+}
+
+void writeObject(protocol::JsonWriter& params, const char* key, const std::map<std::string, std::string>& texts) {
+  params.key(key).beginObject();
+  for (const auto& [name, text] : texts) {
+    params.key(name).text(text);
+  }
+  params.endObject();
+}
+
+/// The model with its files: the text files of its folder with a known suffix, its colours, and every other file that
+/// it reads.
+void writeModelFiles(protocol::JsonWriter& params, const server::ModelFiles& model) {
   namespace fs = std::filesystem;
-  constexpr std::array<std::string_view, 12> kSuffixes{".l",    ".v",   ".h",    ".s", ".func", ".funcs",
-                                                       ".fset", ".con", ".cset", ".a", ".t",    ".crv"};
+  constexpr std::array<std::string_view, 14> kSuffixes{".l",   ".v",    ".h", ".s", ".func", ".funcs", ".fset",
+                                                       ".con", ".cset", ".a", ".t", ".crv",  ".map",   ".mat"};
   server::DiskFileProvider files(16'000'000);
   const fs::path main(model.model);
   const fs::path folder = main.has_parent_path() ? main.parent_path() : fs::path(".");
-  std::map<std::string, std::string> texts;  // by name in the folder
+  std::map<std::string, std::string> contents;  // by name in the folder
   std::error_code error;
+  bool hasSpecifications = false;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
     const fs::path& name = entry.path();
-    if (std::find(kSuffixes.begin(), kSuffixes.end(), name.extension().string()) != kSuffixes.end()) {
+    const bool isSpecifications = model.isFolder && name.filename() == "specifications";
+    if (isSpecifications ||
+        std::find(kSuffixes.begin(), kSuffixes.end(), name.extension().string()) != kSuffixes.end()) {
       if (auto text = files.read(name.string())) {
-        texts.emplace(name.filename().string(), std::move(*text));
+        contents.emplace(name.filename().string(), std::move(*text));
+        hasSpecifications = hasSpecifications || isSpecifications;
       }
     }
   }
-  // files that the model opens may have any suffix; the server reports the errors of a model that does not compile
+  // files that the model reads may have any suffix; the server reports the errors of a model that does not compile
   language::CompileInput input;
   input.modelFile = model.model;
   input.viewFile = model.view;
   if (const auto program = language::compile(input, files).program) {
+    for (const auto& source : program->sources) {
+      contents.emplace(nameInFolder(source.name, folder), source.text);
+    }
     for (const language::ModelFile& file : program->files) {
       if (file.source != language::ModelFile::kNoSource) {
-        texts.emplace(file.name, program->sources[file.source].text);
+        contents.emplace(file.name, program->sources[file.source].text);
       }
     }
   }
-  std::string members;
-  for (const auto& [name, text] : texts) {
-    protocol::JsonWriter key;
-    protocol::JsonWriter value;
-    members += (members.empty() ? "" : ",") + key.text(name).take() + ":" + value.text(text).take();
+  std::map<std::string, std::string> texts;
+  std::map<std::string, std::string> bytes;
+  for (auto& [name, content] : contents) {
+    const bool isText = files::asUtf8(content) == content && content.find('\0') == std::string::npos;
+    (isText ? texts : bytes).emplace(name, isText ? content : protocol::toBase64(content));
   }
-  params.key("files").raw("{" + members + "}").key("main").text(main.filename().string());
+  writeObject(params, "files", texts);
+  if (!bytes.empty()) {
+    writeObject(params, "binaryFiles", bytes);
+  }
+  if (!hasSpecifications) {
+    params.key("main").text(main.filename().string());
+  }
 }
 
 /// `NAME`, `tcp://HOST:PORT`, `offered:NAME`, `stdio:COMMAND`, a JSON text or a .json file, as the environment array.
@@ -192,7 +220,7 @@ int create(Client& client, const ConnectOptions& options) {
   if (!options.gallery.empty()) {
     params.key("gallery").text(options.gallery);
   } else {
-    const Result<ModelFiles> found = findModelFiles(options.model);
+    const server::FoundModel found = server::findModelFiles(options.model);
     if (!found) {
       printError(found.error());
       return kFailure;
@@ -332,22 +360,12 @@ int runConnect(const ConnectOptions& options) {
   clientOptions.name = "espalier connect";
   clientOptions.token = options.token;
   clientOptions.requestTimeout = std::chrono::hours(24);
-  std::string address = options.address;
-  std::unique_ptr<server::DialBridge> bridge;
-  if (server::DialBridge::isFor(address)) {
-    auto opened = server::DialBridge::open(address, {.trustedFile = options.trustedFile});
-    if (!opened) {
-      printError(opened.error());
-      return kFailure;
-    }
-    bridge = std::move(*opened);
-    address = bridge->address();
+  const auto connection = connectTo(options.server, clientOptions);
+  if (!connection) {
+    printError(connection.error());
+    return kFailure;
   }
-  auto connected = Client::connect(address, clientOptions);
-  if (!connected) {
-    return fail(connected.error());
-  }
-  return options.run(**connected, options);
+  return options.run(*connection->client, options);
 }
 
 using Run = std::function<int(Client&, const ConnectOptions&)>;
@@ -380,15 +398,7 @@ void addConnect(CLI::App& program, int& status) {
       "  espalier connect 127.0.0.1:4321 step $plant 3\n"
       "  espalier connect 127.0.0.1:4321 get $plant string\n"
       "`espalier connect HOST:PORT ACTION --help` explains an action.");
-  command
-      ->add_option("HOST:PORT", options->address,
-                   "Address of the server: HOST:PORT, tls://HOST:PORT, ws://HOST:PORT,\n"
-                   "wss://HOST:PORT or unix:PATH")
-      ->required();
-  command
-      ->add_option("--trust", options->trustedFile,
-                   "PEM file of a certificate to trust besides those of the system, for tls:// and wss://")
-      ->type_name("FILE");
+  addServerAddress(*command, options->server, true);
   addClientToken(*command, options->token);
   command->require_subcommand(1);
 

@@ -64,7 +64,7 @@ void printStep(const simulation::Simulation& simulation, const DeriveOptions& op
 
 // makes all steps, or the steps up to `last`, and prints the strings that the options ask for; a string with answers
 // belongs to the step before
-Failure runAllSteps(simulation::Simulation& simulation, DeriveOptions& options, const FolderSettings& folder,
+Failure runAllSteps(simulation::Simulation& simulation, DeriveOptions& options, const server::FolderSettings& folder,
                     RunFigures& figures) {
   if (Failure failure = simulation.rewind()) {
     return failure;
@@ -72,12 +72,12 @@ Failure runAllSteps(simulation::Simulation& simulation, DeriveOptions& options, 
   options.trace.begin(simulation);
   // --steps is the derivation length itself
   const std::optional<std::uint64_t> last =
-      options.model.steps ? std::nullopt : lastStepOf(folder, std::nullopt, simulation);
+      options.model.steps ? std::nullopt : server::lastStepOf(folder, std::nullopt, simulation);
   const bool printsDerived = options.printsEveryStep && !options.printsAnswered;
   if (printsDerived) {
     printStep(simulation, options);
   }
-  while (!isOver(simulation, last)) {
+  while (!server::isOver(simulation, last)) {
     if (Failure failure = timed(figures.environmentMilliseconds, [&] { return simulation.answer(); })) {
       return failure;
     }

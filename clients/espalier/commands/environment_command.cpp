@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "clients/espalier/commands/commands.h"
+#include "clients/espalier/environment_words.h"
 #include "clients/espalier/messages.h"
 #include "clients/espalier/output/field_writing_process.h"
 #include "environment/environment_entries.h"
@@ -42,6 +43,7 @@ struct EnvironmentOptions {
   bool isOnStdio = false;
   bool isInsecureAllowed = false;
   bool describes = false;
+  bool isJson = false;
   bool printsSchema = false;
   bool lists = false;
   bool writesEveryStep = false;
@@ -200,7 +202,8 @@ int runEnvironment(EnvironmentOptions& options) {
     return kSuccess;
   }
   if (options.describes) {
-    std::printf("%s\n", contractOf(options.name, **made).c_str());
+    const std::string contract = contractOf(options.name, **made);
+    std::printf("%s", options.isJson ? (contract + "\n").c_str() : environmentInWords(contract).c_str());
     return kSuccess;
   }
   const server::ProcessFactory factory = [&options, &configuration] {
@@ -304,9 +307,11 @@ void addEnvironment(CLI::App& program, int& status) {
   command->add_option("--time-limit", options->timeLimitSeconds, "For NAME legacy: longest time for a step, in seconds")
       ->capture_default_str()
       ->check(CLI::PositiveNumber);
-  command->add_flag("--describe", options->describes,
-                    "Print as JSON: needs, inputs and outputs with units, aliases, publication, and the schema of the\n"
-                    "configuration");
+  CLI::Option* describe = command->add_flag(
+      "--describe", options->describes,
+      "Print in words: what it computes, what a module sends and gets, its source, and the keys of its configuration");
+  command->add_flag("--json", options->isJson, "With --describe: print the same as JSON, for programs")
+      ->needs(describe);
   command->add_flag("--schema", options->printsSchema, "Print the JSON Schema of the configuration");
   command->add_flag("--list", options->lists, "Print the name of every built-in environment with a summary");
   options->fields.addTo(*command);

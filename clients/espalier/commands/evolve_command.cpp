@@ -208,8 +208,8 @@ class Evolution {
     if (const auto failure = simulation->rewind()) {
       return problem(formatSimulationError(*failure));
     }
-    const std::optional<std::uint64_t> last = lastStepOf(folder_, model.steps, *simulation);
-    while (!isOver(*simulation, last)) {
+    const std::optional<std::uint64_t> last = server::lastStepOf(folder_, model.steps, *simulation);
+    while (!server::isOver(*simulation, last)) {
       if (const auto failure = simulation->step()) {
         return problem(formatSimulationError(*failure));
       }
@@ -411,7 +411,7 @@ class Evolution {
 
   EvolveOptions& options_;
   EvolutionSettings settings_;
-  FolderSettings folder_;
+  server::FolderSettings folder_;
   FitnessFormula formula_;
   std::optional<ModelVariants> variants_;
   std::unique_ptr<FitnessProcess> process_;

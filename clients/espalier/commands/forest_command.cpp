@@ -29,7 +29,7 @@
 #include "engine/core/elementary.h"
 #include "engine/core/number_text.h"
 #include "server/remote/disk_files.h"
-#include "server/remote/gallery.h"
+#include "server/remote/models/gallery.h"
 
 namespace espalier::command {
 namespace {
@@ -40,8 +40,9 @@ constexpr std::uint32_t kMixDraws = 4;
 constexpr std::uint32_t kShowDraws = 5;
 constexpr int kPaintedSides = 5;  // of a painted tree's branches in a mesh
 // where the viewer stands and where the ground that is drawn begins, in radii of the forest
-constexpr core::Vec3 kViewer{0.0, 0.26, 1.45};
-constexpr double kNearGround = 1.36;
+constexpr core::Vec3 kViewer{0.0, 0.17, 1.3};
+constexpr double kNearGround = 1.22;
+constexpr double kLeastPart = 0.66;  // of the width of the forest that a picture shows
 
 struct ForestOptions {
   std::vector<std::string> models;  // FILE, FILE:ENTRY or a folder, with =WEIGHT
@@ -65,7 +66,7 @@ struct Species {
   std::string model;
   double weight = 1.0;
   std::shared_ptr<const language::Program> program;
-  FolderSettings folder;
+  server::FolderSettings folder;
 };
 
 /// A grown tree, ready to be placed.
@@ -176,8 +177,8 @@ class Forest {
     if (const auto failure = simulation.rewind()) {
       return formatSimulationError(*failure);
     }
-    const std::optional<std::uint64_t> last = lastStepOf(species.folder, std::nullopt, simulation);
-    while (!isOver(simulation, last)) {
+    const std::optional<std::uint64_t> last = server::lastStepOf(species.folder, std::nullopt, simulation);
+    while (!server::isOver(simulation, last)) {
       if (const auto failure = simulation.step()) {
         return formatSimulationError(*failure);
       }
@@ -294,7 +295,7 @@ class Forest {
       for (const GrownTree& tree : trees_) {
         distance += std::max(tree.points.radius(), tree.points.height() / 5.0);
       }
-      distance *= 1.1 / static_cast<double>(trees_.size());
+      distance *= 0.8 / static_cast<double>(trees_.size());
     }
     const std::vector<TreePlace> places =
         layoutForest(options_.spacing, count_, distance > 0.0 ? distance : 1.0, options_.seed);
@@ -383,6 +384,13 @@ class Forest {
     for (std::uint64_t frame = 0; frame < frames; ++frame) {
       shown.include(turtle::pictureFrame({inputs, turned(angleOf(frame))}, outputs.picture));
     }
+    // as high as the page allows: the forest goes on beyond its sides
+    const double aspect = static_cast<double>(outputs.picture.widthPixels) / outputs.picture.heightPixels;
+    const double width = shown.bounds.right - shown.bounds.left;
+    const double height = shown.bounds.top - shown.bounds.bottom;
+    const double cut = 0.5 * (width - std::clamp(aspect * height, kLeastPart * width, width));
+    shown.bounds.left += cut;
+    shown.bounds.right -= cut;
     outputs.picture.frame = shown;
     const turtle::Scene ground = groundOf(true);
     addGround(inputs, ground);
@@ -446,8 +454,9 @@ void addForest(CLI::App& program, int& status) {
   CLI::App* command =
       program.add_subcommand("forest", "Grow many trees of several species and write them as one scene");
   command->footer(
-      "Without --model the forest has the seven species of Rodrigues, Coelho & Alencar (2018), drawn as in their\n"
-      "report. The command grows one tree for each of --distinct seeds, and places copies of them up to --number.\n"
+      "Without --model the forest has the seven species of Rodrigues, Coelho & Alencar (2018), drawn with\n"
+      "leaves and flowers. The command grows one tree for each of --distinct seeds, and places copies of them up to "
+      "--number.\n"
       "A text file of a tree (--trees, --from) has one point per line: x y z, number of lines on the longest path to "
       "a\n"
       "leaf, number of branches on the path from the root. Two successive points are the ends of a line.\n"
@@ -502,7 +511,7 @@ void addForest(CLI::App& program, int& status) {
   command->add_option("--threads", options->model.threads, "Threads for growing trees; 0: as many as the machine has")
       ->check(CLI::Range(0, 1024));
   command->add_flag("--quiet", options->model.isQuiet, "Print only errors");
-  addOutputOptions(*command, options->outputs, false);
+  addOutputOptions(*command, options->outputs, false, true);
   command->callback([options, &status] {
     if (options->outputs.files.empty() && options->trees.empty()) {
       throw CLI::RequiredError("-o FILE or --trees FOLDER");

@@ -5,11 +5,11 @@
 
 #include "clients/espalier/commands/commands.h"
 #include "clients/espalier/messages.h"
-#include "clients/espalier/model_files.h"
 #include "clients/espalier/model_loading.h"
 #include "engine/language/dialects/dialect.h"
 #include "engine/language/format/formatter.h"
 #include "server/remote/disk_files.h"
+#include "server/remote/models/model_files.h"
 
 namespace espalier::command {
 namespace {
@@ -21,12 +21,12 @@ struct FormatOptions {
 };
 
 int format(FormatOptions& options) {
-  const Result<ModelFiles> found = findModelFiles(options.model.model);
+  const server::FoundModel found = server::findModelFiles(options.model.model);
   if (!found) {
     printError(found.error());
     return kFailure;
   }
-  const ModelFiles& modelFiles = *found;
+  const server::ModelFiles& modelFiles = *found;
   language::CompileInput input;
   input.modelFile = modelFiles.model;
   input.viewFile = options.model.view.empty() ? modelFiles.view : options.model.view;

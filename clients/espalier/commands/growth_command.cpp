@@ -37,7 +37,7 @@ std::optional<GrowthCurve> curveOf(const GrowthOptions& options, const std::stri
   std::optional<core::SimulationError> failure = simulation.rewind();
   while (!failure) {
     curve.lengths.push_back(simulation.string().size());
-    if (isOver(simulation, model.steps)) {
+    if (server::isOver(simulation, model.steps)) {
       return curve;
     }
     failure = simulation.step();

@@ -13,6 +13,7 @@
 #include "clients/espalier/client_token.h"
 #include "clients/espalier/commands/commands.h"
 #include "clients/espalier/messages.h"
+#include "clients/espalier/server_connection.h"
 #include "protocol/envelope.h"
 #include "protocol/json_text.h"
 #include "protocol/json_writer.h"
@@ -21,10 +22,10 @@ namespace espalier::command {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-using ClientPointer = std::unique_ptr<client::Client>;
+using ConnectionPointer = std::unique_ptr<ServerConnection>;
 
 struct LoadOptions {
-  std::string address = "127.0.0.1:4321";
+  ServerAddress server;
   std::string token;
   unsigned sessions = 4;
   unsigned viewers = 0;
@@ -65,16 +66,16 @@ class Figures {
   std::string problem_;               // the first
 };
 
-ClientPointer connect(const LoadOptions& options, Figures& figures) {
+ConnectionPointer connect(const LoadOptions& options, Figures& figures) {
   client::ClientOptions clientOptions;
   clientOptions.name = "espalier load";
   clientOptions.token = options.token;
-  auto connected = client::Client::connect(options.address, clientOptions);
+  auto connected = connectTo(options.server, clientOptions);
   if (!connected) {
-    figures.fail(connected.error().message);
+    figures.fail(connected.error());
     return nullptr;
   }
-  return std::move(*connected);
+  return std::make_unique<ServerConnection>(std::move(*connected));
 }
 
 /// The result, or nothing when the figures have the problem.
@@ -122,13 +123,13 @@ void step(client::Client& client, const std::string& simulation, Figures& figure
 }
 
 void watch(const LoadOptions& options, const std::string& simulation, Figures& figures) {
-  const ClientPointer client = connect(options, figures);
-  if (client == nullptr ||
-      !ask(*client, "stream.open", named(simulation, R"("what":"turtle","delta":true,"bin":true)"), figures)) {
+  const ConnectionPointer connection = connect(options, figures);
+  if (connection == nullptr || !ask(*connection->client, "stream.open",
+                                    named(simulation, R"("what":"turtle","delta":true,"bin":true)"), figures)) {
     return;
   }
-  while (!figures.isOver && client->isOpen()) {
-    const auto frame = client->nextNotification(std::chrono::milliseconds(100));
+  while (!figures.isOver && connection->client->isOpen()) {
+    const auto frame = connection->client->nextNotification(std::chrono::milliseconds(100));
     if (!frame || frame->method != "stream.data") {
       continue;
     }
@@ -146,8 +147,8 @@ void watch(const LoadOptions& options, const std::string& simulation, Figures& f
 
 int runLoad(const LoadOptions& options) {
   Figures figures;
-  std::vector<ClientPointer> controllers;
-  std::vector<ClientPointer> idle;
+  std::vector<ConnectionPointer> controllers;
+  std::vector<ConnectionPointer> idle;
   std::vector<std::string> simulations;
   for (unsigned i = 0; i < options.idle && figures.problem().empty(); ++i) {
     idle.push_back(connect(options, figures));
@@ -155,7 +156,8 @@ int runLoad(const LoadOptions& options) {
   for (unsigned i = 0; i < options.sessions && figures.problem().empty(); ++i) {
     controllers.push_back(connect(options, figures));
     if (controllers.back() != nullptr) {
-      const auto created = ask(*controllers.back(), "simulation.create", createParams(options.queries), figures);
+      const auto created =
+          ask(*controllers.back()->client, "simulation.create", createParams(options.queries), figures);
       simulations.push_back(created ? protocol::memberOf(*created, "simulation").value_or("") : std::string());
     }
   }
@@ -163,7 +165,7 @@ int runLoad(const LoadOptions& options) {
   if (figures.problem().empty()) {
     std::vector<std::jthread> threads;
     for (std::size_t i = 0; i < controllers.size(); ++i) {
-      threads.emplace_back([&, i] { step(*controllers[i], simulations[i], figures); });
+      threads.emplace_back([&, i] { step(*controllers[i]->client, simulations[i], figures); });
     }
     for (unsigned i = 0; i < options.viewers; ++i) {
       threads.emplace_back([&, i] { watch(options, simulations[i % simulations.size()], figures); });
@@ -174,7 +176,7 @@ int runLoad(const LoadOptions& options) {
   const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
   for (std::size_t i = 0; i < simulations.size(); ++i) {
     if (!simulations[i].empty()) {
-      (void)ask(*controllers[i], "simulation.delete", named(simulations[i]), figures);
+      (void)ask(*controllers[i]->client, "simulation.delete", named(simulations[i]), figures);
     }
   }
   if (!figures.problem().empty()) {
@@ -201,7 +203,7 @@ int runLoad(const LoadOptions& options) {
 void addLoad(CLI::App& program, int& status) {
   const auto options = std::make_shared<LoadOptions>();
   CLI::App* command = program.add_subcommand("load", "Put a running server under load and measure its answers");
-  command->add_option("address", options->address, "HOST:PORT of the server")->capture_default_str();
+  addServerAddress(*command, options->server, false);
   addClientToken(*command, options->token);
   command->add_option("--sessions", options->sessions, "Sessions; each steps its own simulation")
       ->check(CLI::Range(1, 10'000))

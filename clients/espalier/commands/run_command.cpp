@@ -105,7 +105,7 @@ bool runToEnd(simulation::Simulation& simulation, std::optional<std::uint64_t> l
   if (!writeStep()) {
     return false;
   }
-  while (!isOver(simulation, last)) {
+  while (!server::isOver(simulation, last)) {
     if (const auto failure = simulation.step()) {
       bar.clear();
       printError(formatSimulationError(time.explained(*failure)));
@@ -146,10 +146,11 @@ std::optional<turtle::PictureFrame> frameOfAll(const RunOptions& options, ModelO
   }
   loaded->simulationOptions.messages = {};
   loaded->simulationOptions.fileWriter = std::make_shared<ForgetfulWriter>();
-  const FolderSettings folder = loaded->folder;
+  const server::FolderSettings folder = loaded->folder;
   const std::unique_ptr<simulation::Simulation> simulation = begin(*loaded);
   std::optional<core::SimulationError> failure = resumed ? simulation->restore(resumed->bytes) : simulation->rewind();
-  const std::optional<std::uint64_t> last = failure ? std::nullopt : lastStepOf(folder, model.steps, *simulation);
+  const std::optional<std::uint64_t> last =
+      failure ? std::nullopt : server::lastStepOf(folder, model.steps, *simulation);
   ProgressBar bar(!options.model.isQuiet);
   turtle::PictureFrame frame;
   while (!failure) {
@@ -161,7 +162,7 @@ std::optional<turtle::PictureFrame> frameOfAll(const RunOptions& options, ModelO
     const turtle::ExportInput input{.scene = std::get<turtle::Scene>(scene), .view = simulation->view()};
     const turtle::ScenePlacement here;
     frame.include(turtle::pictureFrame({{&input, 1}, {&here, 1}}, options.outputs.picture));
-    if (isOver(*simulation, last)) {
+    if (server::isOver(*simulation, last)) {
       break;
     }
     failure = simulation->step();
@@ -233,8 +234,8 @@ int runOnce(RunOptions& options, ModelOptions model, std::optional<std::uint64_t
     printError(formatSimulationError(time.explained(*failure)));
     return kFailure;
   }
-  const std::optional<std::uint64_t> last = lastStepOf(loaded->folder, model.steps, simulation);
-  if (resumed && isOver(simulation, last) && !model.isQuiet) {
+  const std::optional<std::uint64_t> last = server::lastStepOf(loaded->folder, model.steps, simulation);
+  if (resumed && server::isOver(simulation, last) && !model.isQuiet) {
     explainNothingToDo(simulation, last);
   }
   const OutputWriter writer(separate, model.isQuiet);

@@ -1,15 +1,21 @@
+#include <signal.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <fstream>
 #include <memory>
 #include <optional>
+#include <thread>
 
 #include "clients/espalier/commands/commands.h"
 #include "clients/espalier/messages.h"
 #include "clients/espalier/serve_configuration.h"
 #include "clients/web/pages.h"
-#include "server/remote/gallery.h"
+#include "server/remote/models/gallery.h"
 #include "server/remote/processes/line_channel.h"
 #include "server/server.h"
 
@@ -23,6 +29,7 @@ struct ServeOptions {
   std::string tokenFile;
   std::string configuration;  // file
   bool isConfigurationPrinted = false;
+  bool endsWithInput = false;
   std::string durability = "process";
   std::vector<std::string> limits;  // NAME=NUMBER
   server::ServerOptions server;
@@ -39,10 +46,23 @@ std::string limitHelp() {
   return text;
 }
 
-/// Adds the token of --token or of the first line of --token-file. An error sentence when there is none in the file.
+// a sentence about a file with a token that other users may read; nothing when it is private or missing
+std::optional<std::string> whyOpenToOthers(const std::string& file) {
+  struct stat permissions {};
+  if (::stat(file.c_str(), &permissions) != 0 || (permissions.st_mode & (S_IRWXG | S_IRWXO)) == 0) {
+    return std::nullopt;
+  }
+  return "other users of the machine may read or change the token file '" + file + "': chmod 600 " + file;
+}
+
+/// Adds the token of --token or of the first line of --token-file. An error sentence when there is none in the file,
+/// or when other users may read it.
 std::optional<std::string> addOwnToken(const ServeOptions& options, std::vector<server::Token>& tokens) {
   std::string text = options.token;
   if (!options.tokenFile.empty()) {
+    if (auto problem = whyOpenToOthers(options.tokenFile)) {
+      return problem;
+    }
     std::ifstream file(options.tokenFile);
     if (!std::getline(file, text) || text.empty()) {
       return "the token file '" + options.tokenFile + "' cannot be read, or its first line is empty";
@@ -63,6 +83,16 @@ tl::expected<std::vector<server::Token>, std::string> readTokens(const ServeOpti
     return tl::unexpected(std::move(*problem));
   }
   return tokens;
+}
+
+// the system closes the input when the program at its other end ends, in whatever way
+void endWithInput() {
+  char bytes[256];
+  ssize_t count = 0;
+  do {
+    count = ::read(STDIN_FILENO, bytes, sizeof bytes);
+  } while (count > 0 || (count < 0 && errno == EINTR));
+  (void)::kill(::getpid(), SIGTERM);
 }
 
 int runServe(CLI::App& command, ServeOptions& options) {
@@ -125,6 +155,9 @@ int runServe(CLI::App& command, ServeOptions& options) {
     std::printf("http on %s:%u\n", hostOf(options.http).c_str(), static_cast<unsigned>(server.httpPort()));
   }
   std::fflush(stdout);
+  if (options.endsWithInput) {
+    std::thread(endWithInput).detach();
+  }
   server.run(true);
   return kSuccess;
 }
@@ -197,6 +230,9 @@ void addServe(CLI::App& program, int& status) {
   command->add_option("--log-format", options->server.logFormat, "text, or json (one object per line)")
       ->check(CLI::IsMember({"text", "json"}))
       ->capture_default_str();
+  command->add_flag(
+      "--until-input-ends", options->endsWithInput,
+      "End the server when its standard input ends, so that it never outlives the program that started it");
   command->add_option(
       "--config", options->configuration,
       "TOML file with these options without dashes and the sections [limits], [spawn] and [tokens]; the command "

@@ -4,10 +4,10 @@
 #include <memory>
 #include <string>
 
-#include "clients/cpp/client.h"
 #include "clients/espalier/client_token.h"
 #include "clients/espalier/commands/commands.h"
 #include "clients/espalier/messages.h"
+#include "clients/espalier/server_connection.h"
 #include "protocol/envelope.h"
 #include "protocol/json_text.h"
 
@@ -15,7 +15,7 @@ namespace espalier::command {
 namespace {
 
 struct StatusOptions {
-  std::string address = "127.0.0.1:4321";
+  ServerAddress server;
   std::string token;
   bool isJson = false;
 };
@@ -23,12 +23,12 @@ struct StatusOptions {
 int runStatus(const StatusOptions& options) {
   client::ClientOptions clientOptions;
   clientOptions.token = options.token;
-  auto connected = client::Client::connect(options.address, clientOptions);
-  if (!connected) {
-    printError(connected.error().message);
+  const auto connection = connectTo(options.server, clientOptions);
+  if (!connection) {
+    printError(connection.error());
     return kFailure;
   }
-  const auto answer = (*connected)->request("server.status", "{}");
+  const auto answer = connection->client->request("server.status", "{}");
   if (!answer) {
     printError(answer.error().message);
     return kFailure;
@@ -76,7 +76,7 @@ int runStatus(const StatusOptions& options) {
 void addStatus(CLI::App& program, int& status) {
   const auto options = std::make_shared<StatusOptions>();
   CLI::App* command = program.add_subcommand("status", "Print the load and the contents of a running server");
-  command->add_option("address", options->address, "HOST:PORT of the server")->capture_default_str();
+  addServerAddress(*command, options->server, false);
   addClientToken(*command, options->token);
   command->add_flag("--json", options->isJson, "Print the answer of server.status as JSON");
   command->footer("Exit status: 0 the server answered, 1 no server answers. Example: espalier status 127.0.0.1:4321");

@@ -83,8 +83,8 @@ void draw(const WatchOptions& options, WatchedFiles& files) {
                                     std::move(loaded->simulationOptions));
   std::optional<core::SimulationError> failure = simulation.rewind();
   const std::optional<std::uint64_t> last =
-      failure ? std::nullopt : lastStepOf(loaded->folder, model.steps, simulation);
-  while (!failure && interruptions == 0 && !isOver(simulation, last)) {
+      failure ? std::nullopt : server::lastStepOf(loaded->folder, model.steps, simulation);
+  while (!failure && interruptions == 0 && !server::isOver(simulation, last)) {
     failure = simulation.step();
   }
   if (failure) {

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <numbers>
+#include <optional>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -24,14 +26,14 @@ struct ColourRange {
   Range red, green, blue;
 };
 
-// the report's ranges
-constexpr ColourRange kTrunk{{51, 153}, {25, 76}, {0, 0}};
-constexpr ColourRange kBranch{{204, 255}, {102, 204}, {0, 51}};
-constexpr ColourRange kLeaf{{0, 178}, {51, 255}, {0, 178}};
-constexpr ColourRange kRed{{102, 255}, {0, 204}, {0, 153}};
-constexpr ColourRange kBlue{{0, 153}, {0, 255}, {102, 255}};
-constexpr ColourRange kPink{{51, 255}, {0, 153}, {51, 255}};
-constexpr ColourRange kYellow{{102, 255}, {102, 255}, {0, 153}};
+// brown wood, green leaves, pale flowers; the report's ranges reach from orange wood to blue leaves
+constexpr ColourRange kTrunk{{86, 122}, {66, 92}, {48, 66}};
+constexpr ColourRange kBranch{{104, 138}, {80, 106}, {56, 76}};
+constexpr ColourRange kLeaf{{54, 100}, {106, 158}, {38, 70}};
+constexpr ColourRange kRed{{176, 214}, {64, 96}, {54, 84}};
+constexpr ColourRange kBlue{{214, 236}, {214, 236}, {222, 246}};
+constexpr ColourRange kPink{{214, 240}, {150, 186}, {170, 206}};
+constexpr ColourRange kYellow{{214, 238}, {186, 212}, {70, 120}};
 // groups 3 and 4 are the same in the report
 constexpr std::array<std::array<ColourRange, 2>, ForestColours::kFlowerGroups> kFlowers{
     {{kRed, kBlue}, {kRed, kPink}, {kYellow, kBlue}, {kYellow, kBlue}}};
@@ -44,8 +46,9 @@ constexpr double kBranchThickness = 0.5;
 constexpr double kLeastThickness = 1.0 / 400.0;
 constexpr double kTipThickness = 0.25;
 // leaves over the height; where along it a leaf is widest
-constexpr double kLeafThickness = 1.0 / 70.0;
-constexpr double kLeafLength = 1.0 / 28.0;
+constexpr double kLeafThickness = 1.0 / 42.0;
+constexpr double kLeafLength = 1.0 / 19.0;
+constexpr int kFlowerShare = 8;  // percent of the leaves that are flowers
 constexpr double kLeafWidest = 0.55;
 // cosine of the bend from which two lines are one
 constexpr double kStraight = 1.0 - 1e-9;
@@ -127,7 +130,8 @@ TreeLines linesOf(const TreePoints& tree) {
   result.lines.resize(count);
   result.axisLength.assign(count, 0.0);
   std::vector<bool> isContinued(count, false);
-  std::map<std::tuple<double, double, double>, std::uint32_t> ends;
+  // by place and number of branches to the root: several lines may end at one place
+  std::map<std::tuple<double, double, double, std::uint32_t>, std::uint32_t> ends;
   for (std::uint32_t i = 0; i < count; ++i) {
     const TreePoint& start = tree.points[2 * i];
     const TreePoint& end = tree.points[2 * i + 1];
@@ -136,9 +140,11 @@ TreeLines linesOf(const TreePoints& tree) {
     line.length = core::length(along);
     line.direction = line.length > 0.0 ? along * (1.0 / line.length) : core::Vec3{0, 1, 0};
     line.axis = i;
-    const auto parent = ends.find({start.position.x, start.position.y, start.position.z});
-    if (parent != ends.end()) {
-      line.parent = parent->second;
+    // the line of most branches that has not more than this one
+    const auto [x, y, z] = start.position;
+    const auto after = ends.upper_bound({x, y, z, end.branches});
+    if (after != ends.begin() && std::prev(after)->first >= std::tuple(x, y, z, 0U)) {
+      line.parent = std::prev(after)->second;
       const TreeLine& before = result.lines[line.parent];
       if (tree.points[2 * line.parent + 1].branches == end.branches && !isContinued[line.parent]) {
         isContinued[line.parent] = true;
@@ -147,10 +153,38 @@ TreeLines linesOf(const TreePoints& tree) {
       }
     }
     result.axisLength[line.axis] = std::max(result.axisLength[line.axis], line.along + line.length);
-    ends[{end.position.x, end.position.y, end.position.z}] = i;
+    ends[{end.position.x, end.position.y, end.position.z, end.branches}] = i;
   }
   return result;
 }
+
+/// The lines that are drawn already, by where they start.
+class DrawnLines {
+ public:
+  void add(const core::Vec3& start, const core::Vec3& direction, double length, std::uint32_t segment) {
+    lines_[{start.x, start.y, start.z}].push_back({direction, length, segment});
+  }
+  /// The segment of a drawn line that a line from there lies in.
+  [[nodiscard]] std::optional<std::uint32_t> lineAround(const core::Vec3& start, const core::Vec3& direction,
+                                                        double length) const {
+    const auto found = lines_.find({start.x, start.y, start.z});
+    if (found == lines_.end()) {
+      return std::nullopt;
+    }
+    const auto around = std::ranges::find_if(found->second, [&](const Line& line) {
+      return line.length >= length * kStraight && core::dot(line.direction, direction) > kStraight;
+    });
+    return around == found->second.end() ? std::nullopt : std::optional(around->segment);
+  }
+
+ private:
+  struct Line {
+    core::Vec3 direction;
+    double length;
+    std::uint32_t segment;
+  };
+  std::map<std::tuple<double, double, double>, std::vector<Line>> lines_;
+};
 
 // a blade along the line that ends the axis: a kite, widest past its middle
 turtle::Polygon leafAlong(const core::Vec3& start, const core::Vec3& direction, double length, double width,
@@ -187,13 +221,14 @@ turtle::Scene paintTree(const TreePoints& tree, std::uint64_t seed, std::uint32_
   scene.lineStyle = files::LineStyle::Cylinder;
   // the drawn line that each line became part of
   std::vector<std::uint32_t> drawnAs(axes.lines.size(), turtle::kNoParent);
+  DrawnLines known;
   for (std::size_t i = 0; i < axes.lines.size(); ++i) {
     const TreeLine& line = axes.lines[i];
     const TreePoint& start = tree.points[2 * i];
     const TreePoint& end = tree.points[2 * i + 1];
     const std::uint32_t parent = line.parent == turtle::kNoParent ? turtle::kNoParent : drawnAs[line.parent];
     if (end.hopsToLeaf == 0) {
-      const int kind = draws.below(10);
+      const int kind = draws.below(200 / kFlowerShare);
       const double length = std::max(line.length, height * kLeafLength);
       turtle::Polygon leaf = leafAlong(start.position, line.direction, length, height * kLeafThickness,
                                        2.0 * std::numbers::pi * draws.uniform());
@@ -203,6 +238,11 @@ turtle::Scene paintTree(const TreePoints& tree, std::uint64_t seed, std::uint32_
       leaf.module = i;
       leaf.parent = parent;
       scene.polygons.push_back(std::move(leaf));
+      continue;
+    }
+    // a branch without a turn lies in the line that it grows beside
+    if (const auto inside = known.lineAround(start.position, line.direction, line.length)) {
+      drawnAs[i] = *inside;
       continue;
     }
     // thinner from the base of the axis to its tip
@@ -220,6 +260,7 @@ turtle::Scene paintTree(const TreePoints& tree, std::uint64_t seed, std::uint32_
         before.end = end.position;
         before.endWidth = endWidth;
         drawnAs[i] = parent;
+        known.add(start.position, line.direction, line.length, parent);
         continue;
       }
     }
@@ -234,6 +275,7 @@ turtle::Scene paintTree(const TreePoints& tree, std::uint64_t seed, std::uint32_
     segment.parent = parent;
     setFrame(segment, line.direction);
     drawnAs[i] = static_cast<std::uint32_t>(scene.segments.size());
+    known.add(start.position, line.direction, line.length, drawnAs[i]);
     scene.segments.push_back(segment);
   }
   return scene;

@@ -29,16 +29,20 @@ std::string snapshotSuffix() {
 }
 
 // all formats with their suffixes, one line each, for --help and for messages
-std::string formatList() {
+std::string formatList(bool arePlaced = false) {
   std::string list;
   const auto add = [&list](std::string_view name, std::string_view suffix, std::string_view summary) {
     list += "\n  " + std::string(name) + std::string(name.size() < 9 ? 9 - name.size() : 1, ' ') + std::string(suffix) +
             std::string(suffix.size() < 10 ? 10 - suffix.size() : 1, ' ') + std::string(summary);
   };
   for (const turtle::ExportFormat& format : turtle::exportFormats()) {
-    add(format.name, format.suffix, format.summary);
+    if (!arePlaced || format.writePlaced != nullptr) {
+      add(format.name, format.suffix, format.summary);
+    }
   }
-  add(kSnapshot, snapshotSuffix(), "the complete state; --resume continues from it");
+  if (!arePlaced) {
+    add(kSnapshot, snapshotSuffix(), "the complete state; --resume continues from it");
+  }
   return list;
 }
 
@@ -118,13 +122,14 @@ const turtle::ExportFormat* formatOf(const OutputOptions& options, const std::st
   return options.format.empty() ? turtle::findExportFormatOfFile(file) : turtle::findExportFormat(options.format);
 }
 
-void addOutputOptions(CLI::App& command, OutputOptions& options, bool isOutputRequired) {
+void addOutputOptions(CLI::App& command, OutputOptions& options, bool isOutputRequired, bool arePlaced) {
   command.add_option("-o,--output", options.files, "Output file; its suffix chooses the format. May be repeated")
       ->type_name("FILE")
       ->required(isOutputRequired)
       ->allow_extra_args(false);
   command
-      .add_option("--format", options.format, "Format of all output files, instead of their suffixes:" + formatList())
+      .add_option("--format", options.format,
+                  "Format of all output files, instead of their suffixes:" + formatList(arePlaced))
       ->type_name("NAME")
       ->check([](const std::string& name) { return whyNotAFormat(name); });
   command
@@ -162,8 +167,10 @@ void addOutputOptions(CLI::App& command, OutputOptions& options, bool isOutputRe
   addWholeNumber(command, "--colours", "Largest number of colours in a PNG, for a small file", 2, 256,
                  [&options](std::uint64_t count) { options.picture.maximumColours = static_cast<int>(count); })
       ->type_name("N");
-  command.add_flag("--instancing", options.usesInstancing,
-                   "In a .glb of many plants, write equal plants as one node (EXT_mesh_gpu_instancing)");
+  command.add_flag(
+      "--instancing", options.usesInstancing,
+      "In a .glb write equal organs, and equal plants of a forest, as one node (EXT_mesh_gpu_instancing). The\n"
+      "file is small; not every program reads it");
   command
       .add_option("--detail", options.detail,
                   "Level of detail: factor for the sides of tubes and the subdivisions of surfaces (1)")
@@ -289,6 +296,7 @@ bool OutputWriter::writeOne(const simulation::Simulation& simulation, const Draw
                                     .palette = &drawn.palette,
                                     .detail = options_.detail,
                                     .threads = options_.picture.threads,
+                                    .usesInstancing = options_.usesInstancing,
                                     .picture = &options_.picture,
                                     .step = simulation.completedSteps(),
                                     .program = &simulation.program(),

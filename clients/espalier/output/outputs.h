@@ -28,7 +28,8 @@ struct OutputOptions {
 };
 
 /// Adds -o, --format and the options for pictures and meshes: --size, --background, --framing, --colours, --detail.
-void addOutputOptions(CLI::App& command, OutputOptions& options, bool isOutputRequired);
+/// `arePlaced`: the files hold several plants, so only formats that can are listed.
+void addOutputOptions(CLI::App& command, OutputOptions& options, bool isOutputRequired, bool arePlaced = false);
 
 /// Checks before a long run that every file can be written: known format, existing folder. Returns the exit status;
 /// prints an error when it is not success.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 #include <variant>
 
@@ -58,15 +59,15 @@ bool PlantRows::add(const simulation::Simulation& simulation) {
   return true;
 }
 
-double PlantRows::ownSpacing() const {
-  double largest = 0.0;
+PlantRows::Room PlantRows::room() const {
+  Room largest;
   for (const auto& plant : grown_) {
-    const std::optional<files::Box> box = turtle::boundsOf(plant->scene, plant->view);
-    if (box) {
-      largest = std::max({largest, box->maximum.x - box->minimum.x, box->maximum.z - box->minimum.z});
+    if (const std::optional<files::Box> box = turtle::boundsOf(plant->scene, plant->view)) {
+      largest.width = std::max({largest.width, box->maximum.x - box->minimum.x, box->maximum.z - box->minimum.z});
+      largest.height = std::max(largest.height, box->maximum.y - box->minimum.y);
     }
   }
-  return largest > 0.0 ? kRoom * largest : 1.0;
+  return largest;
 }
 
 bool PlantRows::write(const OutputOptions& options, double spacing, bool isQuiet) const {
@@ -75,17 +76,27 @@ bool PlantRows::write(const OutputOptions& options, double spacing, bool isQuiet
     scenes.push_back(
         {.scene = plant->scene, .view = plant->view, .palette = &plant->palette, .program = plant->program.get()});
   }
-  const double apart = spacing > 0.0 ? spacing : ownSpacing();
+  const Room largest = room();
+  const double own = largest.width > 0.0 ? kRoom * largest.width : 1.0;
+  const double apart = spacing > 0.0 ? spacing : own;
+  const double above = std::max(kRoom * largest.height, std::numeric_limits<double>::min());
   const auto columns = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(kinds_.size()))));
-  std::vector<turtle::ScenePlacement> placements;
+  std::vector<turtle::ScenePlacement> behind;
+  std::vector<turtle::ScenePlacement> below;
   for (std::size_t i = 0; i < kinds_.size(); ++i) {
-    const auto column = static_cast<double>(i % columns);
+    const double x = static_cast<double>(i % columns) * apart;
     const auto row = static_cast<double>(i / columns);
-    placements.push_back({.scene = kinds_[i], .position = {column * apart, 0.0, -row * apart}});
+    behind.push_back({.scene = kinds_[i], .position = {x, 0.0, -row * apart}});
+    below.push_back({.scene = kinds_[i], .position = {x, -row * above, 0.0}});
   }
-  return writePlacedFiles(options, scenes, placements,
-                          std::to_string(plantCount()) + " plants, " + std::to_string(kindCount()) + " different",
-                          isQuiet);
+  OutputOptions pictures = options;
+  OutputOptions meshes = options;
+  const auto isPicture = [&](const std::string& file) { return formatOf(options, file)->name == "png"; };
+  std::erase_if(pictures.files, [&](const std::string& file) { return !isPicture(file); });
+  std::erase_if(meshes.files, isPicture);
+  const std::string what = std::to_string(plantCount()) + " plants, " + std::to_string(kindCount()) + " different";
+  return writePlacedFiles(meshes, scenes, behind, what, isQuiet) &&
+         writePlacedFiles(pictures, scenes, below, what, isQuiet);
 }
 
 }  // namespace espalier::command

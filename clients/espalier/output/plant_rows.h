@@ -20,7 +20,8 @@ class PlantRows {
   /// error and returns false when the plant cannot be drawn.
   [[nodiscard]] bool add(const simulation::Simulation& simulation);
 
-  /// Writes all plants in a square of rows along x and z with the distance `spacing`; 0: they just do not touch.
+  /// Writes all plants in a square of rows with the distance `spacing`; 0: they just do not touch. In a mesh the rows
+  /// stand behind each other; in a picture below each other, so that every plant is seen.
   [[nodiscard]] bool write(const OutputOptions& options, double spacing, bool isQuiet) const;
 
   [[nodiscard]] std::size_t plantCount() const { return kinds_.size(); }
@@ -35,7 +36,12 @@ class PlantRows {
     turtle::Scene scene;
     std::uint64_t hash = 0;  // of its strings
   };
-  [[nodiscard]] double ownSpacing() const;
+  /// The size of the largest plant.
+  struct Room {
+    double width = 0.0;
+    double height = 0.0;
+  };
+  [[nodiscard]] Room room() const;
 
   std::vector<std::unique_ptr<Grown>> grown_;  // unique_ptr: their addresses stay
   std::vector<std::uint32_t> kinds_;           // of each plant

@@ -16,9 +16,11 @@ from types import TracebackType
 from typing import Any, AsyncIterator, Callable, Dict, List, Mapping, Optional, Sequence, Type, TypeVar, Union
 
 from . import async_channel, client as blocking, requests, wire
+from .environment_entries import Environments, entries
 from .errors import ConnectionLost, EspalierError
 from .hosting import CLIENT_ROLES, hello_parameters
-from .requests import Inbox, NewModule, Process, Request, Result, result_of
+from .model_folder import ModelSource
+from .requests import Inbox, NewModule, Request, Result, result_of
 from .shapes import Frame, Model, StepResult, TurtleRecord, Vector, step_of
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -39,6 +41,14 @@ class AsyncClient:
 
     A task that is cancelled while it waits for an answer cancels the request on the server: a simulation then stays at its
     last completed step.
+
+    >>> async def grow(address, **more):
+    ...     async with espalier.AsyncClient(address, **more) as client:
+    ...         algae = await client.create(gallery="classic-algae")
+    ...         return (await algae.step(4)).step
+    >>> import asyncio
+    >>> asyncio.run(grow(client.address, token=getattr(client, "token", None)))
+    4
     """
 
     def __init__(self, address: str, *, name: str = "python", token: Optional[str] = None,
@@ -78,6 +88,9 @@ class AsyncClient:
             await self.close()
             raise
         return self
+
+    def __repr__(self) -> str:
+        return f"<AsyncClient: {self._address}>"
 
     async def __aenter__(self) -> "AsyncClient":
         return await self.connect()
@@ -196,29 +209,32 @@ class AsyncClient:
         return await self._do(requests.check(source))
 
     @_as(blocking.Client.load)
-    async def load(self, source: Optional[str] = None, *, gallery: Optional[str] = None,
+    async def load(self, source: Optional[ModelSource] = None, *, gallery: Optional[str] = None,
                    files: Optional[Mapping[str, str]] = None, main: Optional[str] = None) -> Model:
         return await self._do(requests.load(source, gallery, files, main))
 
     @_as(blocking.Client.create)
-    async def create(self, source: Optional[str] = None, *, gallery: Optional[str] = None, loaded: Optional[str] = None,
+    async def create(self, source: Optional[ModelSource] = None, *, gallery: Optional[str] = None, loaded: Optional[str] = None,
                      files: Optional[Mapping[str, str]] = None, main: Optional[str] = None, seed: Optional[int] = None,
-                     environment: Optional[Sequence[Process]] = None, name: Optional[str] = None,
+                     environment: Optional[Environments] = None, name: Optional[str] = None,
                      derivation_length: Optional[int] = None, plants: Optional[Sequence[Vector]] = None,
                      parameters: Optional[Mapping[str, Any]] = None, limits: Optional[Mapping[str, int]] = None,
-                     save: bool = True) -> "AsyncSimulation":
+                     save: bool = True, world: Optional[Mapping[str, Any]] = None) -> "AsyncSimulation":
         created = await self._do(requests.create(
-            source, gallery=gallery, loaded=loaded, files=files, main=main, environment=environment, plants=plants, save=save,
-            seed=seed, name=name, derivationLength=derivation_length, parameters=parameters, limits=limits))
+            source, gallery=gallery, loaded=loaded, files=files, main=main, environment=entries(environment), plants=plants,
+            save=save,
+            seed=seed, name=name, derivationLength=derivation_length, parameters=parameters, limits=limits,
+            world=world))
         return AsyncSimulation(self, str(created["simulation"]), created)
 
     @_as(blocking.Client.create_forest)
     async def create_forest(self, models: Sequence[Mapping[str, Any]], plants: Sequence[Mapping[str, Any]], *,
-                            seeds: Optional[Mapping[str, Any]] = None, environment: Optional[Sequence[Process]] = None,
+                            seeds: Optional[Mapping[str, Any]] = None, environment: Optional[Environments] = None,
                             seed: Optional[int] = None, name: Optional[str] = None,
-                            derivation_length: Optional[int] = None) -> "AsyncSimulation":
-        created = await self._do(requests.create_forest(models, plants, seeds=seeds, environment=environment, seed=seed,
-                                                        name=name, derivationLength=derivation_length))
+                            derivation_length: Optional[int] = None,
+                            world: Optional[Mapping[str, Any]] = None) -> "AsyncSimulation":
+        created = await self._do(requests.create_forest(models, plants, seeds=seeds, environment=entries(environment), seed=seed,
+                                                        name=name, derivationLength=derivation_length, world=world))
         return AsyncSimulation(self, str(created["simulation"]), created)
 
     @_as(blocking.Client.simulation)
@@ -243,7 +259,20 @@ class AsyncClient:
 
 
 class AsyncSimulation:
-    """One simulation on the server, with the methods of Simulation as coroutines."""
+    """One simulation on the server, with the methods of Simulation as coroutines.
+
+    >>> async def string_of(address, **more):
+    ...     async with espalier.AsyncClient(address, **more) as client:
+    ...         algae = await client.create(gallery="classic-algae")
+    ...         await algae.step(2)
+    ...         return await algae.string()
+    >>> import asyncio
+    >>> asyncio.run(string_of(client.address, token=getattr(client, "token", None)))
+    'aba'
+    """
+
+    def __repr__(self) -> str:
+        return f"<AsyncSimulation {self.identifier}>"
 
     def __init__(self, client: AsyncClient, identifier: str, created: Mapping[str, Any]) -> None:
         self._client = client
@@ -375,7 +404,20 @@ class AsyncSimulation:
 
 
 class AsyncStream:
-    """Frames of a simulation, one for every step: `async for frame in stream`, or read one at a time."""
+    """Frames of a simulation, one for every step: `async for frame in stream`, or read one at a time.
+
+    >>> async def first(address, **more):
+    ...     async with espalier.AsyncClient(address, **more) as client:
+    ...         algae = await client.create(gallery="classic-algae")
+    ...         async with await algae.stream("string") as stream:
+    ...             return (await stream.read()).string
+    >>> import asyncio
+    >>> asyncio.run(first(client.address, token=getattr(client, "token", None)))
+    'a'
+    """
+
+    def __repr__(self) -> str:
+        return f"<AsyncStream {self.identifier}>"
 
     def __init__(self, client: AsyncClient, identifier: str) -> None:
         self._client = client

@@ -16,6 +16,10 @@ class BredPlant:
 
     `segments` holds for each drawn line x, y, z of its start, x, y, z of its end, both diameters and the index of the
     line that it grows from (-1: none): nine numbers. `measures` has the measures of the command line by name.
+
+    >>> espalier.BredPlant(generation=0, individual=1, modules=3, parameters={}, productions={}, segments=[], string="F",
+    ...                    measures={"height": 2.0}).height
+    2.0
     """
 
     generation: int

@@ -11,21 +11,30 @@ The tests run the examples below. There `client` is the result of `espalier.loca
 
 from __future__ import annotations
 
+import itertools
+import threading
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Callable, Dict, Iterator, List, Mapping, Optional, Sequence, Type, Union
+from typing import Any, Callable, Dict, Iterator, List, Mapping, Optional, Sequence, Set, Type, Union
 
-from . import requests, wire
+from . import requests, tables, wire
+from .environment_entries import Environments, entries
+from .model_folder import ModelSource
 from .connecting import connect
 from .errors import ConnectionLost, EspalierError
 from .hosting import CLIENT_ROLES, hello_parameters
-from .requests import Inbox, NewModule, Process, Request, Result, result_of
+from .plotting import plotted
+from .requests import Inbox, NewModule, Request, Result, result_of
 from .shapes import Frame, Model, StepResult, TurtleRecord, Vector, step_of
 from .viewing import View, geometry_of
 
 
 class Client:
-    """A connection to a server. Use it as a context manager, from one thread.
+    """A connection to a server. Use it as a context manager. Several threads may use one client: calls of different threads
+    run at the same time, so that one thread can pause what another one runs.
+
+    >>> client                                             # doctest: +ELLIPSIS
+    <Local: ...>
 
     A refused request raises ServerError with `code`, `message` and `data`. A lost connection, or no answer in time, raises
     ConnectionLost. An interrupt (Ctrl-C, or the stop button of a notebook) during a call cancels the call on the server:
@@ -49,14 +58,23 @@ class Client:
     def _attach(self, channel: wire.Channel, name: str, token: Optional[str], timeout: Optional[float]) -> None:
         self._channel = channel
         self._timeout = timeout
-        self._next_id = 1
+        self._ids = itertools.count(1)
         self._inbox = Inbox()
+        self._sending = threading.Lock()
+        # one waiting thread receives for all of them
+        self._arrived = threading.Condition()
+        self._is_receiving = False
+        self._answers: Dict[int, wire.Message] = {}  # that other threads wait for
+        self._waiting: Set[int] = set()
         try:
             self.server: Mapping[str, Any] = self.call("hello", hello_parameters(name, CLIENT_ROLES, token))
             channel.agree(self.server)
         except BaseException:
             channel.close()
             raise
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__}: {self._channel.peer}>"
 
     def __enter__(self) -> "Client":
         return self
@@ -81,43 +99,65 @@ class Client:
 
     def notify(self, method: str, parameters: Mapping[str, Any]) -> None:
         """Sends a notification: nothing is answered."""
-        self._channel.send(wire.notification(method, dict(parameters)))
+        with self._sending:
+            self._channel.send(wire.notification(method, dict(parameters)))
 
     def _do(self, request: Request[Result]) -> Result:
         return request.read(self.call(request.method, request.parameters))
 
     def _start(self, method: str, parameters: Mapping[str, Any]) -> int:
         """Sends a request; the number by which its answer is known."""
-        identifier = self._next_id
-        self._next_id += 1
-        self._channel.send(wire.request(identifier, method, dict(parameters)))
+        identifier = next(self._ids)
+        self._waiting.add(identifier)
+        with self._sending:
+            self._channel.send(wire.request(identifier, method, dict(parameters)))
         return identifier
 
     def _wait_for(self, identifier: int, method: str, meanwhile: Callable[[], None] = lambda: None) -> Any:
         """The result of a request that was sent; `meanwhile` is called before each message."""
-        message: wire.Message = {}
         try:
-            while "method" in message or message.get("id") != identifier:
+            while identifier not in self._answers:
                 meanwhile()
-                message = self._receive(self._timeout, method)
+                self._receive(self._timeout, method, lambda: identifier in self._answers)
         except EspalierError:
             raise
         except BaseException:
             # an interrupt or an exception of `meanwhile`: the client no longer waits
             self.notify("$/cancel", {"id": identifier})
             raise
-        return result_of(message)
+        finally:
+            self._waiting.discard(identifier)
+        return result_of(self._answers.pop(identifier))
 
-    def _receive(self, timeout: Optional[float], what: str) -> wire.Received:
-        """The next message. Keeps a frame for its stream."""
+    def _receive(self, timeout: Optional[float], what: str, is_there: Callable[[], bool] = lambda: False) -> None:
+        """Waits until a message has arrived, here or in another thread, or `is_there`. Keeps answers and frames for those
+        that wait for them."""
+        with self._arrived:
+            if is_there():
+                return
+            if self._is_receiving:
+                if not self._arrived.wait(timeout):
+                    raise self._too_late(timeout, what)
+                return
+            self._is_receiving = True
         try:
             message = self._channel.receive(timeout)
+            if message is None:
+                raise ConnectionLost(f"{self._channel.peer} closed the connection before it answered {what}.")
+            identifier = message.get("id")
+            if "method" not in message and identifier in self._waiting:
+                self._answers[identifier] = message
+            else:
+                self._inbox.take(message)
         except TimeoutError:
-            raise ConnectionLost(f"{self._channel.peer} did not answer {what} within {timeout:g} seconds.") from None
-        if message is None:
-            raise ConnectionLost(f"{self._channel.peer} closed the connection before it answered {what}.")
-        self._inbox.take(message)
-        return message
+            raise self._too_late(timeout, what) from None
+        finally:
+            with self._arrived:
+                self._is_receiving = False
+                self._arrived.notify_all()
+
+    def _too_late(self, timeout: Optional[float], what: str) -> ConnectionLost:
+        return ConnectionLost(f"{self._channel.peer} did not answer {what} within {timeout or 0:g} seconds.")
 
     # ---- models ------------------------------------------------------------------------------------------------
 
@@ -130,7 +170,7 @@ class Client:
         """
         return self._do(requests.check(source))
 
-    def load(self, source: Optional[str] = None, *, gallery: Optional[str] = None,
+    def load(self, source: Optional[ModelSource] = None, *, gallery: Optional[str] = None,
              files: Optional[Mapping[str, str]] = None, main: Optional[str] = None) -> Model:
         """Compiles a model and keeps it on the server, for many simulations: `create(loaded=model.model)`.
 
@@ -141,31 +181,39 @@ class Client:
 
     # ---- simulations -------------------------------------------------------------------------------------------
 
-    def create(self, source: Optional[str] = None, *, gallery: Optional[str] = None, loaded: Optional[str] = None,
+    def create(self, source: Optional[ModelSource] = None, *, gallery: Optional[str] = None, loaded: Optional[str] = None,
                files: Optional[Mapping[str, str]] = None, main: Optional[str] = None, seed: Optional[int] = None,
-               environment: Optional[Sequence[Process]] = None, name: Optional[str] = None,
+               environment: Optional[Environments] = None, name: Optional[str] = None,
                derivation_length: Optional[int] = None, plants: Optional[Sequence[Vector]] = None,
                parameters: Optional[Mapping[str, Any]] = None, limits: Optional[Mapping[str, int]] = None,
-               save: bool = True) -> "Simulation":
-        """Creates a simulation of a model. The model is a source text, a folder of the gallery, `files` by name with `main`,
-        or a result of load().
+               save: bool = True, world: Optional[Mapping[str, Any]] = None) -> "Simulation":
+        """Creates a simulation of a model. The model is a file ("tree.l"), a folder, a source text, a model of the gallery,
+        `files` by name with `main`, or a result of load(). Files go to the server with the files that they name.
 
-        `environment` lists processes, such as [{"type": "honda", "radius": 0.5}]. {"type": "offered", "name": …} is an
-        offered environment. `parameters` override #define. `plants` are positions (x, y, z) in the unit of the model, with a
-        plant at each. A model with errors raises ServerError with all `diagnostics`.
+        `environment` is a name ("honda"), a configuration ({"type": "honda", "radius": 0.5}), a class or an object of
+        Environment (of a client that local() made), a file (.json, .e), or a list of them. `parameters` override #define.
+        `plants` are positions (x, y, z) in the unit of the model, with a plant at each. A model with errors raises ServerError with all `diagnostics`.
 
-        >>> client.create(gallery="branch-tiers", environment=[{"type": "honda", "radius": 0.5}], seed=7).step().step
+        `world` has `lengthUnit`, `up`, `north`, `stepDuration` (days, or a text such as "1 h"), `latitude`, `longitude`,
+        `start`, `baseTemperature` and `weather` (the text of a table).
+
+        >>> client.create(gallery="branch-tiers", environment={"type": "honda", "radius": 0.5}, seed=7).step().step
         1
+        >>> client.create("Lsystem: 1\\nderivation length: 3\\nAxiom: A\\nA --> AB\\nendlsystem\\n").step(3).statistics["modules"]
+        4
         """
         created = self._do(requests.create(
-            source, gallery=gallery, loaded=loaded, files=files, main=main, environment=environment, plants=plants, save=save,
-            seed=seed, name=name, derivationLength=derivation_length, parameters=parameters, limits=limits))
+            source, gallery=gallery, loaded=loaded, files=files, main=main,
+            environment=entries(environment, getattr(self, "_offer", None)), plants=plants, save=save, seed=seed, name=name,
+            derivationLength=derivation_length, parameters=parameters, limits=limits,
+            world=world))
         return Simulation(self, str(created["simulation"]), created)
 
     def create_forest(self, models: Sequence[Mapping[str, Any]], plants: Sequence[Mapping[str, Any]], *,
-                      seeds: Optional[Mapping[str, Any]] = None, environment: Optional[Sequence[Process]] = None,
+                      seeds: Optional[Mapping[str, Any]] = None, environment: Optional[Environments] = None,
                       seed: Optional[int] = None, name: Optional[str] = None,
-                      derivation_length: Optional[int] = None) -> "Simulation":
+                      derivation_length: Optional[int] = None,
+                      world: Optional[Mapping[str, Any]] = None) -> "Simulation":
         """Creates a simulation of plants of several models in one environment. A model has a `name` and a `source`,
         `gallery` or `files` with `main`; a plant a `position`, and a `model` by name (the first), `heading`, `turn`.
         `seeds` says where the seeds that plants drop take root: `maximumPlants`, `spacing`, `ground`, `area`.
@@ -175,8 +223,9 @@ class Client:
         >>> stand.step(3).statistics["plants"]
         2
         """
-        created = self._do(requests.create_forest(models, plants, seeds=seeds, environment=environment, seed=seed, name=name,
-                                                  derivationLength=derivation_length))
+        created = self._do(requests.create_forest(models, plants, seeds=seeds,
+                                                  environment=entries(environment, getattr(self, "_offer", None)),
+                                                  seed=seed, name=name, derivationLength=derivation_length, world=world))
         return Simulation(self, str(created["simulation"]), created)
 
     def simulation(self, identifier: str) -> "Simulation":
@@ -222,6 +271,11 @@ class Simulation:
         self.identifier = identifier
         self.created = created  # the answer of the server when the simulation was created or found
         self.history: List[StepResult] = []  # results of step() and run(), in order
+
+    def __repr__(self) -> str:
+        step = self.history[-1].step if self.history else self.created.get("step", 0)
+        name = self.created.get("name")
+        return f"<{type(self).__name__} {self.identifier}{f' {name!r}' if name else ''}: step {step} when last seen>"
 
     def _do(self, request: Request[Result]) -> Result:
         return self._client._do(request)
@@ -400,18 +454,12 @@ class Simulation:
         with self.stream("geometry", arrays=True, credits=1) as stream:
             return bytes(stream.read().columns["glb"])
 
-    def plot(self, *names: str) -> Any:
-        """Plots statistics over the steps in `history` (`modules` by default) and returns the axes. Needs matplotlib."""
-        try:
-            from matplotlib import pyplot  # type: ignore[import]
-        except ImportError:
-            raise EspalierError("plot() needs matplotlib (Debian: python3-matplotlib). The figures are in `history`.") from None
-        axes = pyplot.figure().add_subplot()
-        for name in names or ("modules",):
-            axes.plot([made.step for made in self.history], [made.statistics[name] for made in self.history], label=name)
-        axes.set_xlabel("step")
-        axes.legend()
-        return axes
+    def plot(self, *names: str, by: Optional[str] = None) -> Any:
+        """Plots columns and returns the axes (needs matplotlib). A statistic (`modules` by default, `queries`, `bytes`, …)
+        is plotted over the steps in `history`, or over the statistic `by`. A column of the turtle records (`x`, `y`, `z`,
+        `width`, `branch_order`, `parameter_1`, …) is plotted for the plant as it is now, over `module` or the column `by`.
+        """
+        return plotted(self.history, lambda: tables.to_columns(self.turtle()), names or ("modules",), by)
 
     def stream(self, what: str = "turtle", *, every: int = 1, symbols: Optional[Sequence[str]] = None,
                credits: Optional[int] = 8, arrays: bool = False, single: bool = False, delta: bool = True,
@@ -440,7 +488,12 @@ class Simulation:
 
 
 class Stream:
-    """Frames of a simulation, one for every step. Iterate over it, or read one at a time."""
+    """Frames of a simulation, one for every step. Iterate over it, or read one at a time.
+
+    >>> with client.create(gallery="classic-algae").stream("string") as stream:
+    ...     stream.read().string
+    'a'
+    """
 
     def __init__(self, client: Client, identifier: str) -> None:
         self._client = client
@@ -448,12 +501,15 @@ class Stream:
         client._inbox.open(identifier)
         self._is_open = True
 
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} {self.identifier}: {'open' if self._is_open else 'closed'}>"
+
     def read(self, timeout: Optional[float] = None) -> Frame:
         """The next frame; waits at most `timeout` seconds (None: no limit). Acknowledges the frame, so that the server sends
         another."""
         frame = self.poll()
         while frame is None:
-            self._client._receive(timeout, "stream.data")
+            self._client._receive(timeout, "stream.data", lambda: self._client._inbox.has(self.identifier))
             frame = self.poll()
         return frame
 

@@ -24,6 +24,12 @@ class Environment(EnvironmentProcess):
     A subclass defines `answer` (one query at a time), `step` (all queries of all plants together) or `step_columns` (the
     same as arrays, for many queries). It may define `opened` (to read its configuration), and `save` and `restore` (when
     it changes from step to step). Every simulation gets an object of its own, so attributes belong to one simulation.
+
+    >>> class Ceiling(espalier.Environment):
+    ...     def answer(self, query):
+    ...         return [1 if query.position[1] < 3 else 0]
+    >>> client.create(gallery="light-tree", environment=Ceiling, seed=7).step(2).statistics["answers"]
+    4
     """
 
     @classmethod

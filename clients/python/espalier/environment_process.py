@@ -32,6 +32,9 @@ class EnvironmentProcess:
     # the shape of all plants at their queries; None unless `needs` has geometry
     geometry: Optional[Geometry] = None
 
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__}: environment '{self.name()}' after step {self.completed_steps}>"
+
     @classmethod
     def name(cls) -> str:
         """The name of the environment on a server: by default the class name in lower case."""

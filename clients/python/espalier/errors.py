@@ -6,25 +6,59 @@ from typing import Any, Dict, List, Optional
 
 
 class EspalierError(Exception):
-    """Base of all errors of this package. The message is a whole sentence."""
+    """Base of all errors of this package. The message is a whole sentence.
+
+    >>> try:
+    ...     client.create("no-such-model.l")
+    ... except espalier.EspalierError as error:
+    ...     print(str(error)[:50])
+    There is no model file or folder 'no-such-model.l'
+    """
 
 
 class ConnectionLost(EspalierError):
-    """The other side cannot be reached, ended the connection, or did not answer in time."""
+    """The other side cannot be reached, ended the connection, or did not answer in time.
+
+    >>> try:
+    ...     espalier.Client("127.0.0.1:1")
+    ... except espalier.ConnectionLost as error:
+    ...     print(str(error)[:30])
+    Nothing answers at 127.0.0.1:1
+    """
 
 
 class ProtocolError(EspalierError):
-    """The other side sent something that is not a message of the protocol."""
+    """The other side sent something that is not a message of the protocol.
+
+    >>> try:
+    ...     espalier.Client("nowhere")
+    ... except espalier.ProtocolError as error:
+    ...     print(error)
+    'nowhere' is not an address. Expected HOST:PORT, as in 127.0.0.1:4321.
+    """
 
 
 class ServerFailed(EspalierError):
-    """The program `espalier` could not be started or ended early."""
+    """The program `espalier` could not be started or ended early.
+
+    >>> try:
+    ...     espalier.local("no-such-program")
+    ... except espalier.ServerFailed as error:
+    ...     print(str(error)[:38])
+    There is no program 'no-such-program'.
+    """
 
 
 class ServerError(EspalierError):
     """The server refused a request.
 
     `code` is the error code of the protocol, `data` its further information (or None).
+
+    >>> try:
+    ...     client.simulation("sim-unknown")
+    ... except espalier.ServerError as error:
+    ...     print(error.code)
+    1011
     """
 
     def __init__(self, code: int, message: str, data: Any = None) -> None:

@@ -14,7 +14,7 @@ import threading
 import time
 import traceback
 from types import TracebackType
-from typing import Any, Dict, List, Optional, Sequence, Tuple, Type
+from typing import Any, Dict, List, Optional, Sequence, Tuple, Type, Union
 
 from . import wire
 from .blocks import Blocks, numpy
@@ -68,10 +68,12 @@ class Reply:
 
 
 class Host:
-    """Answers the protocol's requests to an environment. Keeps one object of the class for every simulation."""
+    """Answers the protocol's requests to an environment. Keeps one object of the class for every simulation. A given
+    object serves every simulation itself."""
 
-    def __init__(self, environment: Type[EnvironmentProcess]) -> None:
-        self._class = environment
+    def __init__(self, environment: Union[Type[EnvironmentProcess], EnvironmentProcess]) -> None:
+        self._given = environment if isinstance(environment, EnvironmentProcess) else None
+        self._class: Type[EnvironmentProcess] = environment if isinstance(environment, type) else type(environment)
         self._simulations: Dict[str, _Simulation] = {}
 
     def handle(self, message: wire.Message) -> Optional[wire.Message]:
@@ -144,7 +146,7 @@ class Host:
         # opened again in the middle of a run after a lost connection: an existing object continues
         if parameters.get("resume") is not None and opening.simulation in self._simulations:
             return {}
-        simulation = _Simulation(self._run("__init__()", self._class))
+        simulation = _Simulation(self._given or self._run("__init__()", self._class))
         simulation.environment.opening = opening
         self._run("opened()", simulation.environment.opened)
         self._simulations[opening.simulation] = simulation

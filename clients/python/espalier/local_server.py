@@ -7,11 +7,11 @@ import secrets
 import shutil
 import tempfile
 import threading
-from typing import Dict, List, Optional, Sequence, Type
+from typing import Any, Dict, List, Optional, Sequence, Tuple, Type, Union
 
 from . import wire
 from .client import Client
-from .environment import Environment
+from .environment_process import EnvironmentProcess
 from .errors import EspalierError
 from .hosting import Host, answer_all, open_offer
 from .program import find_program
@@ -29,6 +29,12 @@ def private_folder() -> str:
     return tempfile.mkdtemp(prefix="espalier-", dir="/tmp")
 
 
+def _is_defined_again(before: Any, now: Any) -> bool:
+    """Both are classes with one name in one module."""
+    return (isinstance(before, type) and isinstance(now, type)
+            and (before.__module__, before.__qualname__) == (now.__module__, now.__qualname__))
+
+
 class Local(Client):
     """A client together with the server that it started; both end with close() or the `with` block."""
 
@@ -41,6 +47,7 @@ class Local(Client):
         found = find_program() if program is None else program
         self._folder = private_folder()
         self._offers: List[wire.Channel] = []
+        self._attached: List[Tuple[Any, str, wire.Channel]] = []  # what answers now, its name and its connection
         try:
             self.token = secrets.token_hex(32)
             token_file = os.path.join(self._folder, "token")
@@ -67,12 +74,23 @@ class Local(Client):
         """Where the server listens, for other programs of this user. They need `token`."""
         return self._server.address
 
-    def attach(self, environment: Type[Environment], name: Optional[str] = None) -> Dict[str, str]:
-        """Runs an environment of this program in a thread and returns its entry for `environment=[…]` of create. The thread
-        answers while the caller waits for a step. An exception in it is printed and fails the step."""
+    def attach(self, environment: Union[Type[EnvironmentProcess], EnvironmentProcess],
+               name: Optional[str] = None) -> Dict[str, str]:
+        """Runs an environment of this program in a thread and returns its entry for `environment` of create(), which also
+        takes the class itself. A class makes an object for every simulation; an object serves them all. The thread answers
+        while the caller waits for a step. An exception in it is printed and fails the step.
+
+        >>> class Ceiling(espalier.Environment):
+        ...     def answer(self, query):
+        ...         return [1 if query.position[1] < 3 else 0]
+        >>> client.attach(Ceiling)
+        {'type': 'offered', 'name': 'ceiling'}
+        """
         chosen = environment.name() if name is None else name
         channel = open_offer(chosen, self.address, self.token)
         self._offers.append(channel)
+        # the latest of a name is asked, as when a notebook's cell runs again
+        self._attached = [known for known in self._attached if known[1] != chosen] + [(environment, chosen, channel)]
 
         def answer() -> None:
             try:
@@ -80,11 +98,26 @@ class Local(Client):
             except (EspalierError, OSError):
                 pass  # the connection ends when this object is closed
             finally:
+                self._attached = [known for known in self._attached if known[2] is not channel]
                 # the server never waits for a thread that has ended
                 channel.close()
 
         threading.Thread(target=answer, name=f"environment {chosen}", daemon=True).start()
         return {"type": "offered", "name": chosen}
+
+    def _offer(self, environment: Union[Type[EnvironmentProcess], EnvironmentProcess]) -> Dict[str, str]:
+        """The entry of an environment that create() was given. What answers already goes on. Two objects, or two classes
+        from different places, get two names; a class that was defined again replaces the earlier one."""
+        for known, name, _ in self._attached:
+            if known is environment:
+                return {"type": "offered", "name": name}
+        taken = {name: known for known, name, _ in self._attached}
+        chosen = environment.name()
+        number = 2
+        while chosen in taken and not _is_defined_again(taken[chosen], environment):
+            chosen = f"{environment.name()}-{number}"
+            number += 1
+        return self.attach(environment, chosen)
 
     def close(self) -> None:
         """Ends the connection, the attached environments and the server."""
@@ -105,7 +138,13 @@ def local(program: Optional[str] = None, *, arguments: Sequence[str] = (), timeo
         import espalier
 
         with espalier.local() as client:
-            simulation = client.create(gallery="branch-tiers", seed=7)
+            simulation = client.create(gallery="branch-tiers", environment="honda", seed=7)
             simulation.step(8)
+
+    The server ends with the block, with close(), and with this program, however it ends.
+
+    >>> with espalier.local() as other:
+    ...     other.create(gallery="classic-algae").step(3).step
+    3
     """
     return Local(program, arguments=arguments, timeout=timeout)

@@ -16,7 +16,11 @@ Answer = Optional[Sequence[Optional[float]]]
 
 @dataclass(frozen=True)
 class Following:
-    """The module after a communication module in the string."""
+    """The module after a communication module in the string.
+
+    >>> espalier.Following("F", (1.5,)).parameters
+    (1.5,)
+    """
 
     symbol: str
     parameters: Tuple[float, ...] = ()
@@ -27,6 +31,9 @@ class Query:
     """One communication module `?E(…)` and the state of the turtle there. Only the needs of the environment are filled.
 
     Lengths are in the world's unit (`opening.world["lengthUnit"]`, as "m"), directions are unit vectors.
+
+    >>> espalier.Query(id=0, position=(0.0, 2.0, 0.0)).position[1]     # in a test of answer()
+    2.0
     """
 
     id: int
@@ -44,10 +51,17 @@ class Query:
     following: Optional[Following] = None  # the module after it in the string, if any
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Columns:
     """All queries of one step as arrays, row after row: NumPy arrays when NumPy is installed, else memoryviews. They are
-    views of the received bytes. Arrays outside the needs of the environment are None."""
+    views of the received bytes. Arrays outside the needs of the environment are None.
+
+    >>> class Heights(espalier.Environment):
+    ...     def step_columns(self, queries):
+    ...         return [row[1] for row in queries.position.tolist()]
+    >>> client.create(gallery="growth-to-a-height", environment=Heights).step().statistics["answers"]
+    1
+    """
 
     count: int  # queries
     plant: Any  # (count)
@@ -66,6 +80,11 @@ class Columns:
     following: Any = None  # index in `symbols` of the next module (count), 2^32 - 1: none
     following_parameters: Any = None  # as parameters
     following_offset: Any = None
+
+    def __repr__(self) -> str:
+        given = [name for name in ("position", "heading", "left", "up", "width", "scale", "following")
+                 if getattr(self, name) is not None]
+        return f"<Columns: {self.count} queries, with {', '.join(['parameters', *given])}>"
 
     def queries(self) -> "List[Query]":
         """The same as one object for each query."""
@@ -98,7 +117,16 @@ NO_SYMBOL = 0xFFFFFFFF
 
 @dataclass(frozen=True)
 class Opening:
-    """The information that an environment gets when a simulation opens it."""
+    """The information that an environment gets when a simulation opens it.
+
+    >>> class Ceiling(espalier.Environment):
+    ...     def opened(self):
+    ...         self.height = self.opening.configuration.get("height", 3)
+    ...     def answer(self, query):
+    ...         return [1 if query.position[1] < self.height else 0]
+    >>> espalier.Opening("sim-1", configuration={"height": 2}).configuration["height"]
+    2
+    """
 
     simulation: str  # its identifier on the server
     plants: int = 1
@@ -112,7 +140,13 @@ class Opening:
 
 @dataclass(frozen=True)
 class Variable:
-    """A value of a query or an answer with its unit ("1": no unit)."""
+    """A value of a query or an answer with its unit ("1": no unit).
+
+    >>> class Light(espalier.Environment):
+    ...     outputs = (espalier.Variable("light", "umol m-2 s-1"),)
+    >>> Light.description()["outputs"]
+    [{'name': 'light', 'unit': 'umol m-2 s-1'}]
+    """
 
     name: str
     unit: str = "1"

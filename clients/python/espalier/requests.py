@@ -11,13 +11,13 @@ from dataclasses import dataclass
 from typing import Any, Callable, Deque, Dict, Generic, List, Mapping, Optional, Sequence, Tuple, TypeVar, Union
 
 from . import geometry, wire
+from .environment_entries import Process
 from .errors import EspalierError, ProtocolError, ServerError
 from .frames import read_next
+from .model_folder import ModelSource, reference
 from .shapes import Frame, Model, StepResult, TurtleRecord, Vector, read_model, read_record, read_step
 
 Result = TypeVar("Result")
-# one process with its configuration, as in {"type": "honda", "radius": 0.5}
-Process = Mapping[str, Any]
 # a module to be put into a string: its symbol and parameters, as in ("F", 1.5)
 NewModule = Union[str, Sequence[Any]]
 
@@ -75,6 +75,10 @@ class Inbox:
         elif message.get("id") is None and "error" in message:
             result_of(message)
 
+    def has(self, stream: str) -> bool:
+        """Whether next() returns or raises at once."""
+        return bool(self.frames.get(stream, True)) or stream in self.ended
+
     def next(self, stream: str) -> Optional[Frame]:
         """The oldest unread frame, or None. A stream that has ended raises EspalierError."""
         frames = self.frames.get(stream)
@@ -94,12 +98,12 @@ def check(source: str) -> Request[Model]:
     return Request("model.check", {"source": source}, read_model)
 
 
-def load(source: Optional[str], gallery: Optional[str], files: Optional[Mapping[str, str]],
+def load(source: Optional[ModelSource], gallery: Optional[str], files: Optional[Mapping[str, str]],
          main: Optional[str]) -> Request[Model]:
     return Request("model.load", {"model": _reference(source, gallery, files, main, None)}, read_model)
 
 
-def create(source: Optional[str], *, gallery: Optional[str], loaded: Optional[str], files: Optional[Mapping[str, str]],
+def create(source: Optional[ModelSource], *, gallery: Optional[str], loaded: Optional[str], files: Optional[Mapping[str, str]],
            main: Optional[str], environment: Optional[Sequence[Process]], plants: Optional[Sequence[Vector]], save: bool,
            **optional: Any) -> Request[Mapping[str, Any]]:
     parameters: Dict[str, Any] = {"model": _reference(source, gallery, files, main, loaded)}
@@ -274,13 +278,14 @@ def _module(given: NewModule) -> Dict[str, Any]:
     return {"symbol": given[0], "parameters": [float(value) for value in given[1:]]}
 
 
-def _reference(source: Optional[str], gallery: Optional[str], files: Optional[Mapping[str, str]], main: Optional[str],
+def _reference(source: Optional[ModelSource], gallery: Optional[str], files: Optional[Mapping[str, str]], main: Optional[str],
                loaded: Optional[str]) -> Dict[str, Any]:
-    given: Dict[str, Any] = {"source": source, "gallery": gallery, "loaded": loaded}
+    given: Dict[str, Any] = {"gallery": gallery, "loaded": loaded}
     if files is not None:
         given["files"] = dict(files)
         given["main"] = main
     chosen = {key: value for key, value in given.items() if value is not None}
-    if len(chosen) - (1 if "main" in chosen else 0) != 1:
-        raise EspalierError("Give a model in exactly one way: its source text, gallery=…, files=… with main=…, or loaded=….")
-    return chosen
+    if len(chosen) - (1 if "main" in chosen else 0) + (0 if source is None else 1) != 1:
+        raise EspalierError("Give a model in exactly one way: a file, folder or source text, gallery=…, files=… with main=…, or "
+                            "loaded=….")
+    return chosen if source is None else reference(source)

@@ -15,10 +15,16 @@ STOP_SECONDS = 10.0
 
 
 class Server:
-    """The program `espalier serve` on a free port of this machine, ended with the `with` block.
+    """The program `espalier serve` on a free port of this machine. It ends with the `with` block, and with this program.
 
         with Server() as server, server.connect() as client:
             …
+
+    >>> import os
+    >>> with espalier.Server(os.environ.get("ESPALIER_PROGRAM", "espalier"), arguments=["--log-level", "off"]) as server:
+    ...     with server.connect() as other:
+    ...         other.status()["protocol"]
+    1
     """
 
     def __init__(self, program: Union[str, "os.PathLike[str]"] = "espalier", *, arguments: Sequence[str] = (),
@@ -29,9 +35,10 @@ class Server:
         if found is None:
             raise ServerFailed(f"There is no program '{os.fspath(program)}'. Build it with './dev build' and give its path, "
                                "build/release/bin/espalier.")
-        command: List[str] = [found, "serve", "--listen", listen, *arguments]
+        # a server whose standard input ends, because this program ended in whatever way, ends too
+        command: List[str] = [found, "serve", "--listen", listen, "--until-input-ends", *arguments]
         try:
-            self._process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=errors)
+            self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=errors)
         except OSError as error:
             raise ServerFailed(f"'{found}' cannot be started ({error.strerror or error}).") from None
         self.address = self._wait_until_listening(found)
@@ -69,9 +76,14 @@ class Server:
             except subprocess.TimeoutExpired:
                 self._process.kill()
                 self._process.wait()
-        if self._process.stdout is not None:
-            self._process.stdout.close()
+        for stream in (self._process.stdin, self._process.stdout):
+            if stream is not None:
+                stream.close()
         return self._process.returncode
+
+    def __repr__(self) -> str:
+        state = "running" if self.is_running else f"ended with status {self._process.returncode}"
+        return f"<Server: {self.address}, {state}>"
 
     def __enter__(self) -> "Server":
         return self

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Any, Mapping, Optional, Sequence, Tuple
+from typing import Any, Iterator, List, Mapping, Optional, Sequence, Tuple
 
+from . import tables
 from .blocks import Blocks
 from .errors import ProtocolError
 from .geometry import Geometry
@@ -15,7 +16,11 @@ Vector = Tuple[float, float, float]
 
 @dataclass(frozen=True)
 class StepResult:
-    """What a call of step made."""
+    """What a call of step made.
+
+    >>> client.create(gallery="classic-algae").step(2).statistics["modules"]
+    3
+    """
 
     step: int  # completed steps
     finished: bool  # the derivation length is reached or the model stopped itself
@@ -26,7 +31,12 @@ class StepResult:
 
 @dataclass(frozen=True)
 class Model:
-    """A model that the server has compiled, or its errors."""
+    """A model that the server has compiled, or its errors.
+
+    >>> wrong = client.check("Lsystem: 1\\nAxiom: A(\\nendlsystem\\n")
+    >>> wrong.valid, str(wrong).startswith("model.l:")
+    (False, True)
+    """
 
     model: str  # identifier; empty when the model was only checked
     valid: bool
@@ -39,7 +49,11 @@ class Model:
 
 @dataclass(frozen=True)
 class TurtleRecord:
-    """One module of a string and the turtle's state after it."""
+    """One module of a string and the turtle's state after it.
+
+    >>> [(record.symbol, record.position) for record in client.create(gallery="classic-weed").turtle()]
+    [('F', (0.0, 1.0, 0.0))]
+    """
 
     index: int  # among all records of the frame; `parent` is such an index
     plant: int
@@ -56,9 +70,17 @@ class TurtleRecord:
     parent: Optional[int]  # None: a root
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Frame:
-    """What a stream says about one step."""
+    """What a stream says about one step. A frame with turtle records is a table: iterate over its rows, or convert it.
+
+    >>> with client.create(gallery="classic-weed").stream() as stream:
+    ...     frame = stream.read()
+    >>> frame
+    <Frame: step 0, 1 records>
+    >>> [(row["symbol"], row["x"], row["y"]) for row in frame]
+    [('F', 0.0, 1.0)]
+    """
 
     step: int
     sequence: int
@@ -78,6 +100,66 @@ class Frame:
     # of a stream of geometry with columns=True: the plants as environments see them
     geometry: Optional[Geometry] = None
     key: bool = True  # it came whole; else as a difference, and was put together
+
+    def to_numpy(self) -> Any:
+        """The turtle records as a structured array with the columns plant, module, symbol, x, y, z, heading_x, …, width,
+        colour, branch_order, parent (-1: a root), parameter_1, …. Needs NumPy.
+
+        >>> weed = client.create(gallery="classic-weed")
+        >>> with weed.stream() as stream:
+        ...     table = stream.read().to_numpy()
+        >>> table["symbol"].tolist(), table["y"].tolist()
+        (['F'], [1.0])
+        """
+        return tables.to_numpy(_records_of(self))
+
+    def to_pandas(self) -> Any:
+        """The same columns as a DataFrame. `pandas.DataFrame(frame)` is the same. Needs pandas."""
+        return tables.to_pandas(_records_of(self))
+
+    def __iter__(self) -> Iterator[Mapping[str, Any]]:
+        """The rows of the table, one mapping from column to value for each turtle record."""
+        return tables.rows(_records_of(self))
+
+    def __len__(self) -> int:
+        return self.count
+
+    def __bool__(self) -> bool:
+        return True
+
+    def __repr__(self) -> str:
+        parts = [f"step {self.step}"]
+        parts += [f"{self.count} records"] if self.count else []
+        parts += [f"a string of {len(self.string)} characters"] if self.string else []
+        parts += [f"{name} {value}" for name, value in list(self.statistics.items())[:3]]
+        parts += [repr(self.geometry)] if self.geometry is not None else []
+        parts += [f"{len(self.queries)} queries"] if self.queries else []
+        parts += [f"{self.missed} missed"] if self.missed else []
+        return f"<Frame: {', '.join(parts)}{', finished' if self.finished else ''}>"
+
+
+def _listed(column: Any) -> List[Any]:
+    listed: List[Any] = column.tolist()
+    return listed
+
+
+def _records_of(frame: Frame) -> Sequence[TurtleRecord]:
+    """The records of a frame, also of one that came as arrays."""
+    if not frame.columns or "position" not in frame.columns:
+        return frame.records
+    columns: Mapping[str, Any] = {name: _listed(block) for name, block in frame.columns.items()}
+    offsets = columns["parameterOffset"]
+
+    def vector(name: str, index: int) -> Tuple[float, float, float]:
+        x, y, z = columns[name][index]
+        return (x, y, z)
+
+    return [TurtleRecord(
+        index=i, plant=columns["plant"][i], module=columns["module"][i], symbol=frame.symbols[columns["symbol"][i]],
+        parameters=tuple(columns["parameters"][offsets[i]:offsets[i + 1]]), position=vector("position", i),
+        heading=vector("heading", i), left=vector("left", i), up=vector("up", i), width=columns["width"][i],
+        colour=columns["colour"][i], branch_order=columns["branchOrder"][i],
+        parent=None if columns["parent"][i] == 0xFFFFFFFF else columns["parent"][i]) for i in range(frame.count)]
 
 
 def _vector(value: Any) -> Vector:

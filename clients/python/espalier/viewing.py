@@ -10,6 +10,7 @@
 from __future__ import annotations
 
 import base64
+import gzip
 import html
 import json
 import subprocess
@@ -22,18 +23,27 @@ from .program import find_program
 
 # in an installed package, and in the source tree
 SCRIPTS = (Path(__file__).parent / "viewer" / "espalier.js", Path(__file__).parents[2] / "web" / "espalier.js")
+# of packed frames, so that a page stays below 8 MB; and the levels of detail that are tried
+MOST_BYTES = 5_000_000
+DETAILS = ("1", "0.6", "0.4")
 PAGE = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width"><title>{title}</title>
 <style>html,body,#plant{{margin:0;width:100%;height:100%;overflow:hidden;position:relative}}</style></head>
 <body><div id="plant"></div>
 <script>{script}</script>
-<script>espalier.showPlant(document.getElementById("plant"), {frames});</script>
+<script>const frames = {frames};
+espalier.showPlant(document.getElementById("plant"), {order}.map((index) => frames[index]));</script>
 </body></html>
 """
 
 
 class View:
-    """A page with one plant, or with the frames of its growth. A notebook shows it; save() writes it to a file."""
+    """A page with one plant, or with the frames of its growth. A notebook shows it; save() writes it to a file.
+
+    >>> view = client.create(gallery="classic-weed").view()
+    >>> len(view.frames), view.frames[0][:4]
+    (1, b'glTF')
+    """
 
     def __init__(self, frames: Sequence[bytes], title: str = "Espalier", height: int = 480) -> None:
         """`frames`: binary glTF files (.glb); `height`: of the notebook's cell, in pixels."""
@@ -47,12 +57,20 @@ class View:
         """The page as a text. It loads nothing from other places."""
         script = next((path.read_text(encoding="utf-8") for path in SCRIPTS if path.is_file()), None)
         if script is None:
-            raise EspalierError("The viewer's script espalier.js is missing, so no page can show the plant. The build makes it "
+            raise EspalierError("The viewer's script espalier.js is missing, so no page can show the plant. A copy of the folder "
+                                "clients/python alone does not have it: install the package from the whole source tree. The build makes it "
                                 "with Node.js: install Node.js 18 or newer with npm (Debian: apt-get install nodejs npm), run "
                                 "./dev build in the source tree, then install the package again.")
-        frames = json.dumps([base64.b64encode(frame).decode("ascii") for frame in self.frames])
+        # the page unpacks them; equal ones, as after the end of growth, are there once
+        different = list(dict.fromkeys(self.frames))
+        frames = json.dumps([base64.b64encode(gzip.compress(frame, 6, mtime=0)).decode("ascii") for frame in different])
         # a script must not contain the end of its element
-        return PAGE.format(title=html.escape(self.title), script=script.replace("</script", "<\\\\/script"), frames=frames)
+        return PAGE.format(title=html.escape(self.title), script=script.replace("</script", "<\\/script"), frames=frames,
+                           order=[different.index(frame) for frame in self.frames])
+
+    def __repr__(self) -> str:
+        size = sum(len(frame) for frame in self.frames)
+        return f"<View of {self.title!r}: {len(self.frames)} frame{'s' * (len(self.frames) != 1)}, {size / 1e6:.1f} MB>"
 
     def save(self, path: Union[str, "Path"]) -> None:
         """Writes the page."""
@@ -64,15 +82,25 @@ class View:
 
 
 def geometry_of(snapshots: Sequence[bytes]) -> List[bytes]:
-    """The binary glTF of each snapshot, drawn by the program `espalier` of this machine."""
+    """The binary glTF of each snapshot, drawn by the program `espalier` of this machine. When the frames are too large for
+    a page, they are drawn with fewer sides."""
+    drawn: List[bytes] = []
+    for detail in DETAILS:
+        drawn = _draw(snapshots, detail)
+        if sum(len(gzip.compress(frame, 1)) for frame in set(drawn)) < MOST_BYTES:
+            break
+    return drawn
+
+
+def _draw(snapshots: Sequence[bytes], detail: str) -> List[bytes]:
     program = find_program()
     drawn: List[bytes] = []
     with tempfile.TemporaryDirectory() as folder:
         snapshot, picture = Path(folder) / "plant.snapshot", Path(folder) / "plant.glb"
         for state in snapshots:
             snapshot.write_bytes(state)
-            done = subprocess.run([program, "export", str(snapshot), "-o", str(picture), "--quiet"], capture_output=True,
-                                  text=True, check=False, stdin=subprocess.DEVNULL)
+            done = subprocess.run([program, "export", str(snapshot), "-o", str(picture), "--instancing", "--detail", detail,
+                                   "--quiet"], capture_output=True, text=True, check=False, stdin=subprocess.DEVNULL)
             if done.returncode != 0:
                 raise EspalierError(f"The plant cannot be drawn: {done.stderr.strip() or 'espalier export failed'}")
             drawn.append(picture.read_bytes())

@@ -34,7 +34,7 @@ MAXIMUM_LINE_BYTES = 256_000_000
 MAXIMUM_BLOCK_BYTES = 1_000_000_000
 
 # sent in the hello of this side
-CAPABILITIES = ("bin",)
+CAPABILITIES = ("bin", "strict")
 LIMITS = {"lineBytes": MAXIMUM_LINE_BYTES, "blockBytes": MAXIMUM_BLOCK_BYTES}
 
 

@@ -47,7 +47,7 @@ export class Connection {
         onClosed();
       }
     };
-    const hello = { protocol: [1], roles: ["controller", "viewer"], name: "page", version: "1", capabilities: ["bin"] };
+    const hello = { protocol: [1], roles: ["controller", "viewer"], name: "page", version: "1", capabilities: ["bin", "strict"] };
     connection.server = await connection.call("hello", token ? { ...hello, token } : hello);
     return connection;
   }

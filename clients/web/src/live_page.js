@@ -141,7 +141,8 @@ class LivePage {
         const { stream } = await this.connection.call("stream.open", { simulation, what, ...more });
         this.streams[what] = stream;
       };
-      await open("statistics", {});
+      // a fast model makes more steps than a page can list
+      await open("statistics", { maxHz: 20 });
       await open("geometry", { bin: true, credits: 1 });
     }
     await this.list();

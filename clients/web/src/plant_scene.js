@@ -2,10 +2,14 @@
 import {
   AmbientLight,
   Box3,
+  CanvasTexture,
+  CircleGeometry,
   Color,
   DirectionalLight,
   DoubleSide,
   HemisphereLight,
+  Mesh,
+  MeshBasicMaterial,
   PerspectiveCamera,
   Scene,
   Vector3,
@@ -19,6 +23,25 @@ function addLights(scene) {
   const sun = new DirectionalLight(0xffffff, 2.2);
   sun.position.set(-0.6, 1, 0.8);
   scene.add(sun);
+}
+
+// a dark middle that fades to nothing, for every spot on the ground
+let shadeTexture = null;
+function shade() {
+  if (!shadeTexture) {
+    const size = 128;
+    const canvas = Object.assign(document.createElement("canvas"), { width: size, height: size });
+    const context = canvas.getContext("2d");
+    const gradient = context.createRadialGradient(size / 2, size / 2, 0, size / 2, size / 2, size / 2);
+    gradient.addColorStop(0, "rgba(0,0,0,0.45)");
+    gradient.addColorStop(0.2, "rgba(0,0,0,0.24)");
+    gradient.addColorStop(0.6, "rgba(0,0,0,0.08)");
+    gradient.addColorStop(1, "rgba(0,0,0,0)");
+    context.fillStyle = gradient;
+    context.fillRect(0, 0, size, size);
+    shadeTexture = new CanvasTexture(canvas);
+  }
+  return shadeTexture;
 }
 
 function freeMemory(object) {
@@ -65,13 +88,26 @@ export class PlantScene {
 
   /** The object of a binary glTF file (an ArrayBuffer). */
   async read(bytes) {
-    const { scene } = await this.loader.parseAsync(bytes, "");
+    const { scene, parser } = await this.loader.parseAsync(bytes, "");
     scene.traverse((object) => {
       for (const material of object.isMesh ? [object.material].flat() : []) {
         material.side = DoubleSide; // leaves have two sides
       }
     });
+    this.addGround(scene, parser.json.scenes[0].extras?.ground ?? []);
     return scene;
+  }
+
+  /** Shades the ground where the plants stand, so that they do not float. */
+  addGround(plant, contacts) {
+    for (const [x, y, z, radius] of contacts) {
+      const spot = new Mesh(new CircleGeometry(radius, 48), new MeshBasicMaterial({
+        map: shade(), transparent: true, depthWrite: false, polygonOffset: true, polygonOffsetFactor: 1 }));
+      spot.rotation.x = -Math.PI / 2;
+      spot.position.set(x, y, z);
+      spot.renderOrder = -1;
+      plant.add(spot);
+    }
   }
 
   /** Shows a plant. Frees the plant before it, unless that plant is kept to be shown again. */

@@ -2,16 +2,21 @@
 import { Box3 } from "three";
 import { PlantScene, boxOf } from "./plant_scene.js";
 
-function bytesOf(base64) {
+async function bytesOf(base64) {
   const text = atob(base64);
   const bytes = new Uint8Array(text.length);
   for (let i = 0; i < text.length; ++i) {
     bytes[i] = text.charCodeAt(i);
   }
+  // gzip begins with these two
+  if (bytes[0] === 0x1f && bytes[1] === 0x8b) {
+    const unpacked = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
+    return new Response(unpacked).arrayBuffer();
+  }
   return bytes.buffer;
 }
 
-/** Shows frames (base64 texts of .glb files) in an element. Several frames get a slider and a button that plays them. */
+/** Shows frames (base64 texts of .glb files, which gzip may have packed) in an element. Several frames get a slider and a button that plays them. */
 export async function showPlant(element, frames, background = "#f7f7f2") {
   const fail = (text) => {
     element.textContent = text;
@@ -28,7 +33,7 @@ export async function showPlant(element, frames, background = "#f7f7f2") {
   const whole = new Box3();
   for (const frame of frames) {
     try {
-      plants.push(await view.read(bytesOf(frame)));
+      plants.push(await view.read(await bytesOf(frame)));
     } catch (error) {
       fail(`The plant cannot be read: ${error.message}`);
       return;

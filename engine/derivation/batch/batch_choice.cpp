@@ -89,13 +89,12 @@ void BatchRewriter::chooseByWeights(const BatchGroup& group, std::span<const std
     std::fill_n(isMatched_.begin(), group.ruleCount * kLanes, std::uint8_t{0});
     for (std::uint32_t k = 0; k < group.ruleCount; ++k) {
       std::size_t count = match(rules[k], static_cast<std::uint8_t>(1U << std::min(k, 7U)), part);
-      if (rules[k].condition) {
-        count = keepWhereTrue(rules[k], count);
-      }
+      count = keepWhereTrue(rules[k], count);
       if (count == 0) {
         continue;
       }
       setLanes(rules[k], laneCount_, count);
+      loadKept(rules[k], laneCount_, count);
       const ColumnValue weight = evaluator_.value(rules[k].weight);
       for (std::size_t i = 0; i < count; ++i) {
         const std::size_t entry = k * kLanes + positions_[laneSite_[laneCount_ + i]];
@@ -132,7 +131,9 @@ void BatchRewriter::chooseByWeights(const BatchGroup& group, std::span<const std
         count += chosenRule_[i] == k ? 1 : 0;
       }
       if (count > 0) {
-        accept(rules[k], match(rules[k], 0xFF, {remaining_.data(), count}));
+        const std::size_t matched = match(rules[k], 0xFF, {remaining_.data(), count});
+        // all of them hold
+        accept(rules[k], rules[k].hasBefore ? keepWhereTrue(rules[k], matched) : matched);
       }
     }
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace espalier::derivation {
 namespace {
@@ -27,24 +28,26 @@ bool canBeNext(const std::vector<ContextElement>& context, core::ModuleTypeId ne
          context[0].module.type == neighbour;
 }
 
-bool isBatchProduction(const language::Program& program, const language::LSystem& system,
-                       const Production& production) {
-  if (production.predecessor.size() != 1 || !production.newLeftContext.empty() || !production.newRightContext.empty() ||
-      !production.preBlock.empty() || !production.postBlock.empty()) {
-    return false;
-  }
-  const auto isColumn = [&](const language::Expression& expression) { return isColumnExpression(program, expression); };
-  const auto isValue = [&](const language::Expression& expression) {
-    return isDrawingColumnExpression(program, expression);
+/// Whether the production may apply before the neighbour. A predecessor of several modules has its second there.
+bool canStandBefore(const Production& production, core::ModuleTypeId neighbour, bool isPassed) {
+  return production.predecessor.size() > 1 ? production.predecessor[1].type == neighbour
+                                           : canBeNext(production.rightContext, neighbour, isPassed);
+}
+
+/// The local variables below `count` that the code reads.
+void addReads(const ColumnCode& code, std::size_t count, std::vector<bool>& isRead) {
+  const auto add = [&](const ColumnOperand& operand) {
+    if (operand.kind == ColumnOperand::Kind::Column && operand.index < count) {
+      isRead[operand.index] = true;
+    }
   };
-  if ((production.condition && !isColumn(*production.condition)) ||
-      (system.isStochastic && production.probability && !isColumn(*production.probability)) ||
-      !std::all_of(production.expressions.begin(), production.expressions.end(), isValue)) {
-    return false;
+  for (const ColumnInstruction& instruction : code.instructions) {
+    std::for_each_n(instruction.operands.begin(), instruction.count, add);
   }
-  return std::none_of(
-      production.successor.begin(), production.successor.end(),
-      [&](const language::SuccessorModule& module) { return system.decomposition.mayApplyTo(module.type); });
+  for (const ColumnStretch& stretch : code.stretches) {
+    add(stretch.test);
+  }
+  add(code.result);
 }
 
 bool hasContexts(const Production& production) {
@@ -63,10 +66,17 @@ BatchPlan::BatchPlan(const language::Program& program, const language::LSystem& 
                      const ProductionPlan& plan)
     : classes_(program.moduleTypeCount(), Class::Kept),
       indices_(program.moduleTypeCount(), 0),
-      candidateBits_(program.moduleTypeCount() + 1, 0) {
+      candidateBits_(program.moduleTypeCount() + 1, 0),
+      isInside_(program.moduleTypeCount(), 0),
+      problems_(program.moduleTypeCount(), "") {
   // block 0, of modules that stay: nothing moves
   blocks_.emplace_back();
   blockTypes_.emplace_back();
+  for (const Production& production : system.productions.productions) {
+    for (std::size_t i = 1; i < production.predecessor.size(); ++i) {
+      isInside_[production.predecessor[i].type] = 1;
+    }
+  }
   bool hasFixed = false;
   for (std::size_t i = 0; i < program.moduleTypeCount(); ++i) {
     const auto type = static_cast<core::ModuleTypeId>(i);
@@ -99,32 +109,33 @@ void BatchPlan::planType(const language::Program& program, const language::LSyst
     classes_[type] = Class::Fixed;
     indices_[type] = static_cast<std::uint32_t>(blocks_.size());
     candidateBits_[type] = kAllBits;
-    addBlock({types, types + typePlan.length}, typePlan.copied, arity);
+    addBlock({types, types + typePlan.length}, typePlan.copied, 1, arity);
     // a fixed block is always written, even when it has the size of the old module
     blocks_.back().isResizing = true;
     return;
   }
-  classes_[type] = Class::General;
-  candidateBits_[type] = kAllBits;
-  if (system.productions.index.empty()) {
-    return;
+  if (!planGroup(program, system, rules, plan, type)) {
+    classes_[type] = Class::General;
+    candidateBits_[type] = kAllBits;
+    problems_[type] = problem_;
   }
-  const auto candidates = system.productions.index.candidates(type);
-  if (candidates.empty()) {
-    return;
+}
+
+bool BatchPlan::planGroup(const language::Program& program, const language::LSystem& system, const ContextRules& rules,
+                          const ProductionPlan& plan, core::ModuleTypeId type) {
+  problem_ = "decomposition or the cut symbol decides about the module";
+  if (system.productions.index.empty() || system.productions.index.candidates(type).empty()) {
+    return false;
   }
-  BatchGroup group;
-  group.isWeighted = system.isStochastic;
-  group.firstRule = static_cast<std::uint32_t>(rules_.size());
+  std::vector<BatchRule> made;
   bool isUnmatchedPossible = true;
-  std::size_t used = 0;
-  for (const std::uint32_t index : candidates) {
+  for (const std::uint32_t index : system.productions.index.candidates(type)) {
     const Production& production = system.productions.productions[index];
-    if (!isBatchProduction(program, system, production)) {
-      return;
+    if (!compile(program, system, production, made.emplace_back())) {
+      return false;
     }
-    ++used;
-    const bool isAlways = !production.condition && !hasContexts(production);
+    bindSlots(program, rules, made.back());
+    const bool isAlways = !production.condition && !hasContexts(production) && production.predecessor.size() == 1;
     isUnmatchedPossible = isUnmatchedPossible && !isAlways;
     // a production without a condition always matches: later productions have no effect
     if (isAlways && !system.isStochastic) {
@@ -133,21 +144,87 @@ void BatchPlan::planType(const language::Program& program, const language::LSyst
   }
   // the general way decides about an unmatched module
   if (isUnmatchedPossible && (system.decomposition.mayApplyTo(type) || program.nameOf(type) == "%")) {
-    return;
+    problem_ = "decomposition or the cut symbol decides about a module to which no production applies";
+    return false;
   }
-  for (std::size_t i = 0; i < used; ++i) {
-    addRule(program, system.productions.productions[candidates[i]], rules, system.isStochastic);
+  BatchGroup group;
+  group.isWeighted = system.isStochastic;
+  group.firstRule = static_cast<std::uint32_t>(rules_.size());
+  group.ruleCount = static_cast<std::uint32_t>(made.size());
+  for (std::size_t i = 0; i < made.size(); ++i) {
+    addRule(program, std::move(made[i]));
     group.looksLeft = group.looksLeft || rules_.back().left != core::kNoModuleType;
     group.looksRight = group.looksRight || rules_.back().right != core::kNoModuleType;
     candidateBits_[type] = static_cast<std::uint8_t>(i == 0 ? bitOf(i) : candidateBits_[type] | bitOf(i));
   }
-  group.ruleCount = static_cast<std::uint32_t>(used);
-  group.isLight = isLight(plan, typePlan);
+  group.isLight = isLight(plan, plan[type]);
   findThresholds(group);
-  largestRuleCount_ = std::max<std::size_t>(largestRuleCount_, used);
+  largestRuleCount_ = std::max<std::size_t>(largestRuleCount_, made.size());
   classes_[type] = Class::Group;
   indices_[type] = static_cast<std::uint32_t>(groups_.size());
   groups_.push_back(std::move(group));
+  return true;
+}
+
+bool BatchPlan::compile(const language::Program& program, const language::LSystem& system, const Production& production,
+                        BatchRule& rule) {
+  rule.production = &production;
+  if (!production.newLeftContext.empty() || !production.newRightContext.empty()) {
+    problem_ = "it looks at the string that is being produced";
+    return false;
+  }
+  if (std::any_of(
+          production.successor.begin(), production.successor.end(),
+          [&](const language::SuccessorModule& module) { return system.decomposition.mayApplyTo(module.type); })) {
+    problem_ = "decomposition applies to its successor";
+    return false;
+  }
+  ColumnCompiler columns(program, production);
+  rule.statics = columns.locals();
+  // sites of predecessors of several modules may overlap: blocks would run where another predecessor wins
+  if (!rule.statics.empty() && (isInside_[production.predecessor[0].type] != 0 || production.predecessor.size() > 1)) {
+    problem_ = "it has blocks and a predecessor of several modules may begin before it";
+    return false;
+  }
+  // the pieces in the order in which they run
+  const auto take = [&](std::optional<ColumnCode> code, ColumnCode& target) {
+    problem_ = code ? problem_ : columns.problem();
+    target = code ? std::move(*code) : ColumnCode{};
+    return code.has_value();
+  };
+  if (!take(columns.block(production.preBlock), rule.before)) {
+    return false;
+  }
+  const std::vector<bool> assignedBefore = columns.assigned();
+  if (production.condition && !take(columns.expression(*production.condition), rule.condition.emplace())) {
+    return false;
+  }
+  rule.weight.result.constant = 1.0;
+  if (system.isStochastic && production.probability &&
+      !take(columns.expression(*production.probability), rule.weight)) {
+    return false;
+  }
+  if (!take(columns.block(production.postBlock), rule.behind)) {
+    return false;
+  }
+  std::vector<bool> isRead(rule.statics.size(), false);
+  addReads(rule.weight, rule.statics.size(), isRead);
+  addReads(rule.behind, rule.statics.size(), isRead);
+  for (const language::Expression& expression : production.expressions) {
+    if (!take(columns.value(expression), rule.values.emplace_back())) {
+      return false;
+    }
+    rule.drawsRandom = rule.drawsRandom || rule.values.back().drawCount > 0;
+    addReads(rule.values.back(), rule.statics.size(), isRead);
+  }
+  for (std::uint32_t local = 0; local < rule.statics.size(); ++local) {
+    if (isRead[local] && assignedBefore[local]) {
+      rule.kept.push_back(local);
+    }
+  }
+  rule.hasBefore = !production.preBlock.empty();
+  rule.hasBehind = !production.postBlock.empty();
+  return true;
 }
 
 bool BatchPlan::isLight(const ProductionPlan& plan, const TypePlan& typePlan) const {
@@ -161,84 +238,83 @@ bool BatchPlan::isLight(const ProductionPlan& plan, const TypePlan& typePlan) co
                      [](const QuickValue& value) { return value.form == QuickValue::Form::Constant; });
 }
 
-void BatchPlan::addBlock(const std::vector<core::ModuleTypeId>& types, std::uint32_t valueCount, std::uint16_t arity) {
+void BatchPlan::addBlock(const std::vector<core::ModuleTypeId>& types, std::uint32_t valueCount,
+                         std::uint32_t readModules, std::uint32_t readParameters) {
   BatchBlock block;
   block.length = static_cast<std::uint32_t>(types.size());
   block.valueCount = valueCount;
-  block.moduleGrowth = static_cast<std::int32_t>(types.size()) - 1;
-  block.parameterGrowth = static_cast<std::int32_t>(valueCount) - arity;
-  block.isResizing = block.moduleGrowth != 0 || block.parameterGrowth != 0;
+  block.readModules = readModules;
+  block.readParameters = readParameters;
+  block.moduleGrowth = static_cast<std::int32_t>(types.size()) - static_cast<std::int32_t>(readModules);
+  block.parameterGrowth = static_cast<std::int32_t>(valueCount) - static_cast<std::int32_t>(readParameters);
+  block.isResizing = block.moduleGrowth != 0 || block.parameterGrowth != 0 || readModules > 1;
   std::copy_n(types.begin(), std::min(types.size(), block.types.size()), block.types.begin());
   blocks_.push_back(block);
   blockTypes_.push_back(types);
 }
 
-void BatchPlan::addRule(const language::Program& program, const Production& production, const ContextRules& rules,
-                        bool usesWeights) {
-  BatchRule rule;
-  rule.production = &production;
-  const core::ModuleTypeId type = production.predecessor[0].type;
-  const std::uint16_t arity = program.arity[type];
-  if (hasContexts(production)) {
-    rule.context = !rules.isRing() && isNear(production.leftContext) && isNear(production.rightContext)
+void BatchPlan::bindSlots(const language::Program& program, const ContextRules& rules, BatchRule& rule) const {
+  const Production& production = *rule.production;
+  if (hasContexts(production) || production.predecessor.size() > 1) {
+    rule.context = !rules.isRing() && production.predecessor.size() == 1 && isNear(production.leftContext) &&
+                           isNear(production.rightContext)
                        ? BatchRule::Context::Near
                        : BatchRule::Context::Searched;
   }
-
-  // the sources of the formal parameters
   for (std::uint32_t i = 0; i < production.slotCount; ++i) {
     rule.slots.push_back({SlotSource::Kind::Searched, i});
   }
-  const auto bind = [&](const language::FormalModule& module, SlotSource::Kind kind) {
+  const auto bind = [&](const language::FormalModule& module, SlotSource::Kind kind, std::uint32_t first) {
     for (std::uint32_t i = 0; i < program.arity[module.type]; ++i) {
-      rule.slots[module.firstSlot + i] = {kind, i};
+      rule.slots[module.firstSlot + i] = {kind, first + i};
     }
   };
-  bind(production.predecessor[0], SlotSource::Kind::Own);
+  std::uint32_t first = 0;
+  for (const language::FormalModule& module : production.predecessor) {
+    bind(module, SlotSource::Kind::Own, first);
+    first += program.arity[module.type];
+  }
   if (rule.context == BatchRule::Context::Near) {
     if (!production.leftContext.empty()) {
       rule.left = production.leftContext[0].module.type;
-      bind(production.leftContext[0].module, SlotSource::Kind::Left);
+      bind(production.leftContext[0].module, SlotSource::Kind::Left, 0);
     }
     if (!production.rightContext.empty()) {
       rule.right = production.rightContext[0].module.type;
-      bind(production.rightContext[0].module, SlotSource::Kind::Right);
+      bind(production.rightContext[0].module, SlotSource::Kind::Right, 0);
     }
   }
-  largestSlotCount_ = std::max<std::size_t>(largestSlotCount_, production.slotCount);
-
-  if (production.condition) {
-    rule.condition = makeColumnExpression(program, *production.condition);
-    addColumns(*rule.condition);
-  }
-  rule.weight.result.constant = 1.0;
-  if (usesWeights && production.probability) {
-    rule.weight = makeColumnExpression(program, *production.probability);
-    addColumns(rule.weight);
-  }
-  std::vector<core::ModuleTypeId> types;
-  std::uint32_t drawCount = 0;
-  for (const language::SuccessorModule& module : production.successor) {
-    types.push_back(module.type);
-    for (std::uint32_t i = 0; i < program.arity[module.type]; ++i) {
-      rule.values.push_back(
-          makeColumnExpression(program, production.expressions[module.firstExpression + i], drawCount));
-      drawCount += rule.values.back().drawCount;
-      addColumns(rule.values.back());
-    }
-  }
-  rule.block = static_cast<std::uint32_t>(blocks_.size());
-  addBlock(types, static_cast<std::uint32_t>(rule.values.size()), arity);
-  rule.changesParts = !blocks_.back().isResizing && types[0] != type;
-  rule.drawsRandom = drawCount > 0;
-  rule.needsLanes = !rule.values.empty() || rule.changesParts;
-  rules_.push_back(std::move(rule));
 }
 
-void BatchPlan::addColumns(const ColumnExpression& expression) {
-  for (const ColumnInstruction& instruction : expression.instructions) {
-    largestColumnCount_ = std::max<std::size_t>(largestColumnCount_, instruction.target + std::size_t{1});
+void BatchPlan::addRule(const language::Program& program, BatchRule rule) {
+  const Production& production = *rule.production;
+  std::vector<core::ModuleTypeId> types;
+  for (const language::SuccessorModule& module : production.successor) {
+    types.push_back(module.type);
   }
+  std::uint32_t readParameters = 0;
+  for (const language::FormalModule& module : production.predecessor) {
+    readParameters += program.arity[module.type];
+  }
+  rule.block = static_cast<std::uint32_t>(blocks_.size());
+  addBlock(types, static_cast<std::uint32_t>(rule.values.size()),
+           static_cast<std::uint32_t>(production.predecessor.size()), readParameters);
+  rule.changesParts = !blocks_.back().isResizing && types[0] != production.predecessor[0].type;
+  rule.needsLanes = !rule.values.empty() || rule.changesParts || rule.hasBehind;
+
+  largestSlotCount_ = std::max<std::size_t>(largestSlotCount_, production.slotCount);
+  largestKeptCount_ = std::max(largestKeptCount_, rule.kept.size());
+  hasLongPredecessors_ = hasLongPredecessors_ || production.predecessor.size() > 1;
+  hasBlocks_ = hasBlocks_ || rule.hasBefore || rule.hasBehind;
+  const auto addColumns = [this](const ColumnCode& code) {
+    largestColumnCount_ = std::max<std::size_t>(largestColumnCount_, code.columnCount);
+  };
+  addColumns(rule.before);
+  addColumns(rule.condition.value_or(ColumnCode{}));
+  addColumns(rule.weight);
+  addColumns(rule.behind);
+  std::for_each(rule.values.begin(), rule.values.end(), addColumns);
+  rules_.push_back(std::move(rule));
 }
 
 void BatchPlan::findThresholds(BatchGroup& group) const {
@@ -250,7 +326,7 @@ void BatchPlan::findThresholds(BatchGroup& group) const {
   for (std::uint32_t i = 0; i < group.ruleCount; ++i) {
     const BatchRule& rule = rules_[group.firstRule + i];
     const ColumnOperand& weight = rule.weight.result;
-    if (rule.context != BatchRule::Context::None || rule.condition || rule.weight.isPerLane ||
+    if (rule.context != BatchRule::Context::None || rule.condition || rule.hasBefore ||
         weight.kind != ColumnOperand::Kind::Constant || !(weight.constant >= 0.0)) {
       return;
     }
@@ -307,7 +383,7 @@ void BatchPlan::makePairs(const language::Program& program, const ContextRules& 
           if (canBeNext(production.leftContext, other, isOpen || other == program.closeBranch)) {
             left |= bitOf(k);
           }
-          if (canBeNext(production.rightContext, other, isOpen)) {
+          if (canStandBefore(production, other, isOpen)) {
             right |= bitOf(k);
           }
         }
@@ -347,7 +423,7 @@ void BatchPlan::makeSiteMarks(const language::Program& program, const ContextRul
       if (rules.isIgnored(type) || canBeNext(production.leftContext, type, isOpen || type == program.closeBranch)) {
         siteMarks_.before[i] |= markOf(rule);
       }
-      if (rules.isIgnored(type) || canBeNext(production.rightContext, type, isOpen)) {
+      if (rules.isIgnored(type) || canStandBefore(production, type, isOpen)) {
         siteMarks_.behind[i] |= markOf(rule);
       }
     }

@@ -22,31 +22,39 @@ struct BatchBlock {
   std::array<core::ModuleTypeId, TypePlan::kInlineTypes> types{};  // the modules, when they fit in here
   std::uint32_t length = 0;                                        // modules
   std::uint32_t valueCount = 0;                                    // parameters
+  std::uint32_t readModules = 1;                                   // of the old string whose place it takes
+  std::uint32_t readParameters = 0;                                // of these modules
   std::int32_t moduleGrowth = 0;                                   // new modules minus old modules
   std::int32_t parameterGrowth = 0;                                // the same for parameters
   const core::ModuleTypeId* allTypes = nullptr;                    // (length), in the BatchPlan
   bool isResizing = false;  // the size changes, so the modules behind the block move
 };
 
-/// A pure production whose predecessor is one module, compiled for batches.
+/// A production without effects on other modules, compiled for batches.
 struct BatchRule {
   enum class Context : std::uint8_t {
     None,
     Near,      // at most one module on each side, found in a few moves
-    Searched,  // all others: by the context matcher
+    Searched,  // all others, and predecessors of several modules: by the context matcher
   };
   const language::Production* production = nullptr;  // in the Program
   Context context = Context::None;
   core::ModuleTypeId left = core::kNoModuleType;   // Near: type of the left neighbour, or kNoModuleType: any or none
   core::ModuleTypeId right = core::kNoModuleType;  // Near: the same on the right
   std::vector<SlotSource> slots;                   // by formal parameter (Production::slotCount)
-  std::optional<ColumnExpression> condition;
-  ColumnExpression weight;  // 1 when there is none
-  std::vector<ColumnExpression> values;
-  std::uint32_t block = 0;    // in BatchPlan::blocks
-  bool changesParts = false;  // the block is one module of the same size, but of another type
-  bool needsLanes = false;    // it has values, or changes parts
-  bool drawsRandom = false;   // a value calls ran
+  std::vector<std::uint32_t> statics;              // by local variable: in PlantState::statics
+  ColumnCode before;                               // the block before the condition
+  std::optional<ColumnCode> condition;
+  ColumnCode weight;  // 1 when there is none
+  ColumnCode behind;  // the block behind the condition
+  std::vector<ColumnCode> values;
+  std::vector<std::uint32_t> kept;  // local variables that `before` assigns and the weight, `behind` or the values read
+  std::uint32_t block = 0;          // in BatchPlan::blocks
+  bool changesParts = false;        // the block is one module of the same size, but of another type
+  bool needsLanes = false;          // it has values or a block behind the condition, or changes parts
+  bool drawsRandom = false;         // a value calls ran
+  bool hasBefore = false;           // `before` does something
+  bool hasBehind = false;           // `behind` does something
 };
 
 /// The productions of one module type.
@@ -83,6 +91,8 @@ class BatchPlan {
   [[nodiscard]] bool isUseful() const { return !groups_.empty(); }
   /// Whether batches can do every module.
   [[nodiscard]] bool isComplete() const { return isComplete_; }
+  /// Whether batches can also do the parts of a string on their own: no predecessor reaches from one into the next.
+  [[nodiscard]] bool isChunkable() const { return isComplete_ && !hasLongPredecessors_; }
   /// Whether every module becomes a fixed block or stays.
   [[nodiscard]] bool isFixedOnly() const { return isComplete_ && groups_.empty(); }
   /// Whether the PlainScan can do everything that batches can do without calling the Rewriter.
@@ -98,6 +108,12 @@ class BatchPlan {
   /// [0] is for modules that stand for themselves.
   [[nodiscard]] const std::vector<BatchBlock>& blocks() const { return blocks_; }
   [[nodiscard]] bool hasOneKindOnly() const { return hasOneKindOnly_; }
+  /// Whether a predecessor has several modules, so that sites may overlap.
+  [[nodiscard]] bool hasLongPredecessors() const { return hasLongPredecessors_; }
+  /// Whether a rule has blocks.
+  [[nodiscard]] bool hasBlocks() const { return hasBlocks_; }
+  /// Why the type is General, as the end of a sentence; empty for others.
+  [[nodiscard]] const char* problemOf(core::ModuleTypeId type) const { return problems_[type]; }
 
   /// The candidates that may apply to a module of this type, as bits; the eighth bit stands for all further candidates.
   /// 0: the module stays as it is.
@@ -117,19 +133,24 @@ class BatchPlan {
 
   [[nodiscard]] std::size_t largestSlotCount() const { return largestSlotCount_; }
   [[nodiscard]] std::size_t largestColumnCount() const { return largestColumnCount_; }
+  [[nodiscard]] std::size_t largestKeptCount() const { return largestKeptCount_; }
   [[nodiscard]] std::size_t largestRuleCount() const { return largestRuleCount_; }
 
  private:
   void planType(const language::Program& program, const language::LSystem& system, const ContextRules& rules,
                 const ProductionPlan& plan, core::ModuleTypeId type);
-  void addRule(const language::Program& program, const language::Production& production, const ContextRules& rules,
-               bool usesWeights);
-  void addBlock(const std::vector<core::ModuleTypeId>& types, std::uint32_t valueCount, std::uint16_t arity);
+  bool planGroup(const language::Program& program, const language::LSystem& system, const ContextRules& rules,
+                 const ProductionPlan& plan, core::ModuleTypeId type);
+  bool compile(const language::Program& program, const language::LSystem& system,
+               const language::Production& production, BatchRule& rule);
+  void bindSlots(const language::Program& program, const ContextRules& rules, BatchRule& rule) const;
+  void addRule(const language::Program& program, BatchRule rule);
+  void addBlock(const std::vector<core::ModuleTypeId>& types, std::uint32_t valueCount, std::uint32_t readModules,
+                std::uint32_t readParameters);
   void findThresholds(BatchGroup& group) const;
   [[nodiscard]] bool isLight(const ProductionPlan& plan, const TypePlan& typePlan) const;
   void makePairs(const language::Program& program, const ContextRules& rules);
   void makeSiteMarks(const language::Program& program, const ContextRules& rules);
-  void addColumns(const ColumnExpression& expression);
 
   std::vector<Class> classes_;          // by module type
   std::vector<std::uint32_t> indices_;  // by module type
@@ -151,6 +172,12 @@ class BatchPlan {
   std::size_t largestSlotCount_ = 0;
   std::size_t largestColumnCount_ = 0;
   std::size_t largestRuleCount_ = 0;
+  std::size_t largestKeptCount_ = 0;
+  bool hasLongPredecessors_ = false;
+  bool hasBlocks_ = false;
+  std::vector<std::uint8_t> isInside_;  // by module type: a predecessor has it behind its first module
+  std::vector<const char*> problems_;   // by module type
+  const char* problem_ = "";            // of the last production that compile refused
 };
 
 }  // namespace espalier::derivation

@@ -66,6 +66,7 @@ BatchRewriter::BatchRewriter(const language::Program& program, const ContextRule
       rightType_(kChunkModules),
       leftOffset_(kChunkModules),
       rightOffset_(kChunkModules),
+      keptLocals_(2 * kChunkModules * plan.largestKeptCount()),
       own_(ColumnEvaluator::kLanes),
       modules_(ColumnEvaluator::kLanes),
       words_(kChunkModules + 8),
@@ -102,7 +103,7 @@ void BatchRewriter::begin(const Step& step) {
     shortcuts_.clear();
     step_.old.shortcuts = &shortcuts_;
   }
-  evaluator_.begin(static_cast<double>(step.number), step.length, step.hasWarned, step.draws);
+  evaluator_.begin(step.inputs);
 }
 
 BatchRewriter::Outcome BatchRewriter::choose(std::uint64_t first, std::uint64_t end, std::uint64_t offset) {
@@ -117,6 +118,7 @@ BatchRewriter::Outcome BatchRewriter::choose(std::uint64_t first, std::uint64_t 
   resizingCount_ = 0;
   rows_.clear();
   ruleLanes_.clear();
+  stores_.clear();
   evaluator_.clearUnusual();
   if (plan_->isFixedOnly()) {
     return countFixed();
@@ -139,6 +141,9 @@ BatchRewriter::Outcome BatchRewriter::choose(std::uint64_t first, std::uint64_t 
     }
   }
 
+  if (plan_->hasLongPredecessors()) {
+    dropOverlapped();
+  }
   Outcome outcome{end_,       endOffset_, end_ - first_, endOffset_ - offset_, isUnusual_ || evaluator_.isUnusual(),
                   lightSites_};
   if (isResized_) {
@@ -301,9 +306,7 @@ void BatchRewriter::chooseFirst(const BatchGroup& group, std::span<const std::ui
   for (std::uint32_t i = 0; i < group.ruleCount && !sites.empty(); ++i) {
     const BatchRule& rule = plan_->rules()[group.firstRule + i];
     std::size_t count = match(rule, static_cast<std::uint8_t>(1U << std::min(i, 7U)), sites);
-    if (rule.condition) {
-      count = keepWhereTrue(rule, count);
-    }
+    count = keepWhereTrue(rule, count);
     accept(rule, count);
     // the others try the next rule
     if (count > 0 && i + 1 < group.ruleCount) {
@@ -459,11 +462,28 @@ bool BatchRewriter::matchSearched(const BatchRule& rule, std::uint32_t site, std
   const language::Production& production = *rule.production;
   const std::uint64_t module = first_ + siteModule_[site];
   const std::uint64_t offset = offset_ + siteOffset_[site];
+  // the modules of the predecessor behind the first
+  const std::size_t length = production.predecessor.size();
+  std::uint64_t behind = offset + program_->arity[step_.old.types[module]];
+  if (length > 1) {
+    if (step_.old.size - module < length) {
+      return false;
+    }
+    for (std::size_t i = 1; i < length; ++i) {
+      const ModuleTypeId type = step_.old.types[module + i];
+      if (type != production.predecessor[i].type) {
+        return false;
+      }
+      behind += program_->arity[type];
+    }
+    if (production.rightContext.empty() && production.leftContext.empty()) {
+      return true;
+    }
+  }
   const std::size_t row = rows_.size();
   rows_.resize(row + production.slotCount);
-  if ((!production.rightContext.empty() &&
-       !matchesRight(*program_, *rules_, step_.old, production.rightContext, module + 1,
-                     offset + program_->arity[step_.old.types[module]], rows_.data() + row)) ||
+  if ((!production.rightContext.empty() && !matchesRight(*program_, *rules_, step_.old, production.rightContext,
+                                                         module + length, behind, rows_.data() + row)) ||
       (!production.leftContext.empty() &&
        !matchesLeft(*program_, *rules_, step_.old, production.leftContext, module, offset, rows_.data() + row))) {
     rows_.resize(row);
@@ -490,18 +510,36 @@ void BatchRewriter::setLanes(const BatchRule& rule, std::size_t begin, std::size
 }
 
 std::size_t BatchRewriter::keepWhereTrue(const BatchRule& rule, std::size_t count) {
+  if (!rule.condition && !rule.hasBefore) {
+    return count;
+  }
+  constexpr std::size_t kStride = 2 * kChunkModules;
   std::uint32_t* const laneSite = laneSite_.data();
   std::uint64_t* const laneLeft = laneLeft_.data();
   std::uint64_t* const laneRight = laneRight_.data();
+  double* const keptLocals = keptLocals_.data();
   const bool hasNeighbours = rule.context != BatchRule::Context::None;
   std::size_t kept = laneCount_;
   for (std::size_t begin = laneCount_; begin < laneCount_ + count; begin += ColumnEvaluator::kLanes) {
     const std::size_t size = std::min(ColumnEvaluator::kLanes, laneCount_ + count - begin);
     setLanes(rule, begin, size);
-    const ColumnValue truth = evaluator_.value(*rule.condition);
+    if (rule.hasBefore) {
+      evaluator_.run(rule.before);
+      noteStores(rule, rule.before, begin, size, false);
+    }
+    const ColumnValue truth = rule.condition ? evaluator_.value(*rule.condition) : ColumnValue{nullptr, 1.0};
     const auto isTrue = [&truth](std::size_t i) {
       return (truth.values == nullptr ? truth.constant : truth.values[i]) != 0.0;
     };
+    for (std::size_t k = 0; k < rule.kept.size(); ++k) {
+      const double* const values = evaluator_.local(rule.kept[k]);
+      double* const target = keptLocals + k * kStride;
+      std::size_t next = kept;
+      for (std::size_t i = 0; i < size; ++i) {
+        target[next] = values[i];
+        next += isTrue(i) ? 1 : 0;
+      }
+    }
     if (hasNeighbours) {
       for (std::size_t i = 0; i < size; ++i) {
         laneSite[kept] = laneSite[begin + i];
@@ -519,6 +557,25 @@ std::size_t BatchRewriter::keepWhereTrue(const BatchRule& rule, std::size_t coun
   return kept - laneCount_;
 }
 
+void BatchRewriter::noteStores(const BatchRule& rule, const ColumnCode& code, std::size_t begin, std::size_t count,
+                               bool isBehind) {
+  const std::uint32_t* const site = laneSite_.data() + begin;
+  for (const std::uint32_t local : code.stores) {
+    const std::uint64_t* const isStored = evaluator_.storing(code, local);
+    // the last module of the string
+    std::size_t last = count;
+    for (std::size_t i = 0; i < count; ++i) {
+      if ((isStored == nullptr || isStored[i] != 0) && (last == count || site[i] > site[last])) {
+        last = i;
+      }
+    }
+    if (last < count) {
+      stores_.note(rule.statics[local], 2 * (first_ + siteModule_[site[last]]) + (isBehind ? 1 : 0),
+                   evaluator_.local(local)[last]);
+    }
+  }
+}
+
 void BatchRewriter::accept(const BatchRule& rule, std::size_t count) {
   if (count == 0) {
     return;
@@ -533,6 +590,54 @@ void BatchRewriter::accept(const BatchRule& rule, std::size_t count) {
   if (rule.needsLanes) {
     ruleLanes_.push_back({&rule, laneCount_, count});
     laneCount_ += count;
+  }
+}
+
+void BatchRewriter::loadKept(const BatchRule& rule, std::size_t begin, std::size_t count) {
+  for (std::size_t k = 0; k < rule.kept.size(); ++k) {
+    std::copy_n(keptLocals_.data() + k * 2 * kChunkModules + begin, count, evaluator_.local(rule.kept[k]));
+  }
+}
+
+void BatchRewriter::moveLane(const BatchRule& rule, std::size_t from, std::size_t to) {
+  laneSite_[to] = laneSite_[from];
+  laneLeft_[to] = laneLeft_[from];
+  laneRight_[to] = laneRight_[from];
+  for (std::size_t k = 0; k < rule.kept.size(); ++k) {
+    keptLocals_[k * 2 * kChunkModules + to] = keptLocals_[k * 2 * kChunkModules + from];
+  }
+}
+
+void BatchRewriter::dropOverlapped() {
+  // from left to right: where a predecessor has begun, none begins before its end
+  std::uint64_t next = 0;
+  bool areDropped = false;
+  for (std::size_t site = 0; site < siteCount_; ++site) {
+    if (siteBlock_[site] == 0) {
+      continue;
+    }
+    if (siteModule_[site] < next) {
+      siteBlock_[site] = 0;
+      areDropped = true;
+      continue;
+    }
+    next = std::uint64_t{siteModule_[site]} + plan_->blocks()[siteBlock_[site]].readModules;
+  }
+  for (; end_ - first_ < next; ++end_) {
+    endOffset_ += program_->arity[step_.old.types[end_]];
+  }
+  if (!areDropped) {
+    return;
+  }
+  for (RuleLanes& lanes : ruleLanes_) {
+    std::size_t kept = lanes.begin;
+    for (std::size_t lane = lanes.begin; lane < lanes.begin + lanes.count; ++lane) {
+      if (siteBlock_[laneSite_[lane]] == lanes.rule->block) {
+        moveLane(*lanes.rule, lane, kept);
+        ++kept;
+      }
+    }
+    lanes.count = kept - lanes.begin;
   }
 }
 

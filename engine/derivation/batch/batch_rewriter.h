@@ -8,6 +8,7 @@
 #include "engine/core/random.h"
 #include "engine/derivation/batch/batch_plan.h"
 #include "engine/derivation/batch/column_evaluator.h"
+#include "engine/derivation/batch/last_stores.h"
 #include "engine/derivation/batch/scratch.h"
 #include "engine/derivation/batch/type_sum.h"
 #include "engine/derivation/matching/context_matcher.h"
@@ -32,15 +33,15 @@ class BatchRewriter {
   struct Step {
     ContextString old;  // the string that is read; until the next begin, no other object uses its shortcuts
     std::uint32_t number = 0;
-    double length = 0.0;                      // Z
-    core::CounterRandom selection;            // Espalier's own mode
-    core::CounterRandom draws;                // of ran in Espalier's own mode
-    bool storesFloats = false;                // parameters are rounded to 32-bit floats and may be anything
-    const std::uint8_t* hasWarned = nullptr;  // by instruction, as in the Evaluator; unchanged during the step
+    ColumnInputs inputs;            // that code reads; unchanged until the next begin
+    core::CounterRandom selection;  // Espalier's own mode
+    bool storesFloats = false;      // parameters are rounded to 32-bit floats and may be anything
   };
 
   struct Outcome {
-    std::uint64_t endModule = 0;     // the end of the chunk: a General module, or the end that the caller gave
+    // the end of the chunk: a General module, the end that the caller gave, or the end of a predecessor that reaches
+    // over it
+    std::uint64_t endModule = 0;
     std::uint64_t endParameter = 0;  // of the old string
     std::uint64_t moduleCount = 0;   // that write() will make
     std::uint64_t parameterCount = 0;
@@ -58,6 +59,8 @@ class BatchRewriter {
   /// Writes the last choice: exactly the modules and parameters of its Outcome. False: a value is unusual. The result
   /// is then right if the step only warns, and of no use if it fails.
   [[nodiscard]] bool write(core::ModuleTypeId* types, double* parameters);
+  /// What blocks have left in local variables since the last choice, as far as write() has run.
+  [[nodiscard]] const LastStores& stores() const { return stores_; }
   /// Notes the modules that the last choice leaves as they are; `target` is the module of the new string where its
   /// result begins. Some may be missing.
   void noteKept(std::uint64_t target, StepChanges& changes) const;
@@ -88,7 +91,11 @@ class BatchRewriter {
   void findRight(std::span<const std::uint32_t> sites);
   [[nodiscard]] bool matchSearched(const BatchRule& rule, std::uint32_t site, std::size_t lane);
   std::size_t keepWhereTrue(const BatchRule& rule, std::size_t count);
+  void noteStores(const BatchRule& rule, const ColumnCode& code, std::size_t begin, std::size_t count, bool isBehind);
+  void loadKept(const BatchRule& rule, std::size_t begin, std::size_t count);
+  void moveLane(const BatchRule& rule, std::size_t from, std::size_t to);
   void accept(const BatchRule& rule, std::size_t count);
+  void dropOverlapped();
   void setLanes(const BatchRule& rule, std::size_t begin, std::size_t count);
   void place();
   [[nodiscard]] bool staysAsItIs(std::size_t site) const;
@@ -151,7 +158,9 @@ class BatchRewriter {
   Scratch<core::ModuleTypeId> rightType_;
   Scratch<std::uint64_t> leftOffset_;  // by site: its parameters
   Scratch<std::uint64_t> rightOffset_;
-  std::vector<double> rows_;  // frames that context searches filled
+  std::vector<double> rows_;    // frames that context searches filled
+  Scratch<double> keptLocals_;  // BatchRule::kept of each lane, 2 * kChunkModules for each local variable
+  LastStores stores_;
   std::vector<RuleLanes> ruleLanes_;
   Scratch<std::uint32_t> own_;      // offsets of the lanes that are evaluated
   Scratch<std::uint64_t> modules_;  // their places in the string, for expressions that draw

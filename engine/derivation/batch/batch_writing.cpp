@@ -76,7 +76,6 @@ bool BatchRewriter::write(ModuleTypeId* types, double* parameters) {
 
 void BatchRewriter::writeBlocks(ModuleTypeId* types, double* parameters) const {
   const BatchBlock* blocks = plan_->blocks().data();
-  const std::uint16_t* arity = program_->arity.data();
   const ModuleTypeId* oldTypes = step_.old.types + first_;
   const double* oldParameters = step_.old.parameters + offset_;
   // modules and parameters that can be read and written from the beginning of the chunk
@@ -133,8 +132,8 @@ void BatchRewriter::writeBlocks(ModuleTypeId* types, double* parameters) const {
     }
     target += block.length;
     targetOffset += block.valueCount;
-    module = endModule + 1;
-    offset = endOffset + std::uint64_t{arity[oldTypes[endModule]]};
+    module = endModule + block.readModules;
+    offset = endOffset + block.readParameters;
   }
   copyUpTo(end_ - first_, endOffset_ - offset_);
   ESPALIER_CHECK(target == made && targetOffset == madeParameters);
@@ -167,8 +166,9 @@ void BatchRewriter::noteKept(std::uint64_t target, StepChanges& changes) const {
     if (count >= StepChanges::kShortestRun || from == 0) {
       changes.keep(first_ + from, target + to, count);
     }
-    from = siteModule_[site] + std::uint64_t{1};
-    to = madeModule[site] + std::uint64_t{plan_->blocks()[siteBlock_[site]].length};
+    const BatchBlock& block = plan_->blocks()[siteBlock_[site]];
+    from = siteModule_[site] + std::uint64_t{block.readModules};
+    to = madeModule[site] + std::uint64_t{block.length};
     if (siteCount_ > kManySites) {
       break;
     }
@@ -178,8 +178,9 @@ void BatchRewriter::noteKept(std::uint64_t target, StepChanges& changes) const {
     while (last > site && staysAsItIs(last)) {
       --last;
     }
-    from = siteModule_[last] + std::uint64_t{1};
-    to = madeModule[last] + std::uint64_t{plan_->blocks()[siteBlock_[last]].length};
+    const BatchBlock& block = plan_->blocks()[siteBlock_[last]];
+    from = siteModule_[last] + std::uint64_t{block.readModules};
+    to = madeModule[last] + std::uint64_t{block.length};
   }
   changes.keep(first_ + from, target + to, made - to);
 }
@@ -207,6 +208,11 @@ bool BatchRewriter::writeValues(const RuleLanes& lanes, double* parameters) {
   for (std::size_t begin = lanes.begin; begin < lanes.begin + lanes.count; begin += ColumnEvaluator::kLanes) {
     const std::size_t count = std::min(ColumnEvaluator::kLanes, lanes.begin + lanes.count - begin);
     setLanes(rule, begin, count);
+    loadKept(rule, begin, count);
+    if (rule.hasBehind) {
+      evaluator_.run(rule.behind);
+      noteStores(rule, rule.behind, begin, count, true);
+    }
     const std::uint32_t* const site = laneSite_.data() + begin;
     for (std::size_t i = 0; i < count; ++i) {
       offsets[i] = madeOffset[site[i]];

@@ -1,15 +1,22 @@
 #include "engine/derivation/batch/column_evaluator.h"
 
+#include <algorithm>
 #include <array>
+#include <bit>
+#include <optional>
 
+#include "engine/derivation/expressions/array_element.h"
+#include "engine/derivation/expressions/view_functions.h"
 #include "engine/language/arithmetic.h"
 
 namespace espalier::derivation {
 namespace {
 
 using language::Function;
-using language::Instruction;
 using language::Operation;
+
+// turns of loops of one run of a block that a batch makes
+constexpr std::uint32_t kMostTurns = 4096;
 
 /// target[i] = f(a[i], b[i]). There is a loop without branches for each side that may be the same for all lanes.
 template <typename F>
@@ -42,18 +49,15 @@ double at(const ColumnValue& value, std::size_t i) {
 
 ColumnEvaluator::ColumnEvaluator(const language::Program& program, std::size_t slotCount, std::size_t columnCount)
     : program_(&program),
+      elementary_(program.compatibility),
       slots_(slotCount * kLanes),
       gathered_(slotCount, 0),
       columns_((columnCount + 1) * kLanes),
-      frame_(slotCount + 1),
-      stack_(program.maximumStack + std::size_t{8}) {}
+      active_(kLanes),
+      taken_(kLanes) {}
 
-void ColumnEvaluator::begin(double step, double length, const std::uint8_t* hasWarned,
-                            const core::CounterRandom& draws) {
-  draws_ = draws;
-  step_ = step;
-  length_ = length;
-  hasWarned_ = hasWarned;
+void ColumnEvaluator::begin(const ColumnInputs& inputs) {
+  inputs_ = inputs;
   isUnusual_ = false;
 }
 
@@ -100,24 +104,108 @@ ColumnValue ColumnEvaluator::operand(const ColumnOperand& operand) {
       return {slot(operand.index), 0.0};
     case ColumnOperand::Kind::Column:
       return {columns_.data() + operand.index * kLanes, 0.0};
+    case ColumnOperand::Kind::Variable:
+      return {nullptr, inputs_.variables[operand.index]};
     case ColumnOperand::Kind::Step:
-      return {nullptr, step_};
+      return {nullptr, inputs_.step};
     case ColumnOperand::Kind::Length:
-      return {nullptr, length_};
+      return {nullptr, inputs_.length};
   }
   return {nullptr, operand.constant};
 }
 
-ColumnValue ColumnEvaluator::value(const ColumnExpression& expression) {
-  if (expression.isPerLane) {
-    double* target = columns_.data();
-    runPerLane(expression, target);
-    return {target, 0.0};
+ColumnValue ColumnEvaluator::value(const ColumnCode& expression) {
+  run(expression);
+  return operand(expression.result);
+}
+
+void ColumnEvaluator::run(const ColumnCode& code) {
+  if (!code.stretches.empty()) {
+    runStretches(code);
+    return;
   }
-  for (const ColumnInstruction& instruction : expression.instructions) {
+  for (const ColumnInstruction& instruction : code.instructions) {
     run(instruction);
   }
-  return operand(expression.result);
+}
+
+const std::uint64_t* ColumnEvaluator::storing(const ColumnCode& code, std::uint32_t local) const {
+  return code.stretches.empty() ? nullptr : stored_.data() + local * kLanes;
+}
+
+void ColumnEvaluator::runStretches(const ColumnCode& code) {
+  const std::size_t count = code.stretches.size();
+  if (waitCounts_.size() <= count) {
+    waiting_.resize((count + 1) * kLanes, 0);
+    waitCounts_.resize(count + 1, 0);
+  }
+  for (const std::uint32_t local : code.stores) {
+    stored_.resize(std::max(stored_.size(), (local + std::size_t{1}) * kLanes));
+    std::fill_n(stored_.begin() + static_cast<std::ptrdiff_t>(local * kLanes), lanes_.count, Mask{0});
+  }
+  turns_ = 0;
+  std::fill_n(active_.begin(), lanes_.count, ~Mask{0});
+  wait(0, active_.data());
+  // the first stretch with waiting lanes: all lanes of a branch or a loop come together again behind it
+  for (std::size_t stretch = 0; stretch < count;) {
+    if (waitCounts_[stretch] == 0) {
+      ++stretch;
+      continue;
+    }
+    Mask* const waiting = waiting_.data() + stretch * kLanes;
+    std::copy_n(waiting, lanes_.count, active_.begin());
+    std::fill_n(waiting, lanes_.count, Mask{0});
+    mask_ = waitCounts_[stretch] == lanes_.count ? nullptr : active_.data();
+    waitCounts_[stretch] = 0;
+    for (std::uint32_t i = stretch == 0 ? 0 : code.stretches[stretch - 1].end; i < code.stretches[stretch].end; ++i) {
+      run(code.instructions[i]);
+    }
+    leaveStretch(code, stretch);
+    const ColumnStretch& left = code.stretches[stretch];
+    stretch = left.jump != Operation::Pop && left.target <= stretch ? left.target : stretch + 1;
+  }
+  // the end
+  std::fill_n(waiting_.begin() + static_cast<std::ptrdiff_t>(count * kLanes), lanes_.count, Mask{0});
+  waitCounts_[count] = 0;
+  mask_ = nullptr;
+}
+
+void ColumnEvaluator::leaveStretch(const ColumnCode& code, std::size_t number) {
+  const ColumnStretch& stretch = code.stretches[number];
+  if (stretch.jump == Operation::Pop) {
+    wait(number + 1, active_.data());
+    return;
+  }
+  // a loop that turns so often that the Evaluator looks at its limit and at `cancelled`
+  if (stretch.target <= number && ++turns_ > kMostTurns) {
+    isUnusual_ = true;
+    return;
+  }
+  if (stretch.jump == Operation::Jump) {
+    wait(stretch.target, active_.data());
+    return;
+  }
+  const ColumnValue test = operand(stretch.test);
+  for (std::size_t i = 0; i < lanes_.count; ++i) {
+    const double value = at(test, i);
+    const bool jumps = stretch.jump == Operation::JumpIfZero      ? !language::isTrue(value)
+                       : stretch.jump == Operation::JumpIfNonZero ? language::isTrue(value)
+                                                                  : language::orSkips(value);
+    taken_[i] = jumps ? active_[i] : 0;
+    active_[i] &= ~taken_[i];
+  }
+  wait(stretch.target, taken_.data());
+  wait(number + 1, active_.data());
+}
+
+void ColumnEvaluator::wait(std::size_t stretch, const Mask* lanes) {
+  Mask* const waiting = waiting_.data() + stretch * kLanes;
+  Mask count = 0;
+  for (std::size_t i = 0; i < lanes_.count; ++i) {
+    waiting[i] |= lanes[i];
+    count += lanes[i] & 1U;
+  }
+  waitCounts_[stretch] += count;
 }
 
 void ColumnEvaluator::run(const ColumnInstruction& instruction) {
@@ -135,19 +223,15 @@ void ColumnEvaluator::run(const ColumnInstruction& instruction) {
     case Operation::Multiply:
       forEach(target, a, b, count, [](double x, double y) { return x * y; });
       return;
-    case Operation::Divide: {
-      bool dividesByZero = false;
-      for (std::size_t i = 0; i < (b.values == nullptr ? 1 : count); ++i) {
-        dividesByZero |= at(b, i) == 0.0;
-      }
-      if (dividesByZero) {
-        noteDivision(instruction.instruction);
-        forEach(target, a, b, count, [](double x, double y) { return x / (y == 0.0 ? 1.0 : y); });
-      } else {
-        forEach(target, a, b, count, [](double x, double y) { return x / y; });
-      }
+    case Operation::Divide:
+      divide(instruction, target, a, b);
       return;
-    }
+    case Operation::Power:
+      raise(target, a, b);
+      return;
+    case Operation::StoreStatic:
+      move(instruction, target, a);
+      return;
     case Operation::Equal:
       forEach(target, a, b, count, [](double x, double y) { return language::toNumber(x == y); });
       return;
@@ -187,104 +271,109 @@ void ColumnEvaluator::run(const ColumnInstruction& instruction) {
       return;
     }
     default:
-      break;
+      runOneByOne(instruction, target, a, b);
+      return;
   }
-  // everything else lane by lane, by the function that the Evaluator uses too
+}
+
+void ColumnEvaluator::divide(const ColumnInstruction& instruction, double* target, const ColumnValue& a,
+                             const ColumnValue& b) {
   bool dividesByZero = false;
-  if (instruction.operation == Operation::Call && static_cast<Function>(instruction.function) == Function::Ran) {
-    const auto step = static_cast<std::uint32_t>(step_);
-    for (std::size_t i = 0; i < count; ++i) {
-      target[i] = at(a, i) * draws_.uniform(core::DrawDomain::Production, step, lanes_.modules[i], instruction.draw);
-    }
-  } else if (instruction.operation == Operation::Call) {
-    const ColumnValue c = instruction.count > 2 ? operand(instruction.operands[2]) : ColumnValue{};
-    std::array<double, 3> arguments{};
-    for (std::size_t i = 0; i < count; ++i) {
-      arguments = {at(a, i), at(b, i), at(c, i)};
-      target[i] = language::callPure(static_cast<Function>(instruction.function), {arguments.data(), instruction.count},
-                                     dividesByZero);
+  if (b.values == nullptr) {
+    dividesByZero = b.constant == 0.0;
+  } else if (mask_ == nullptr) {
+    for (std::size_t i = 0; i < lanes_.count; ++i) {
+      dividesByZero |= b.values[i] == 0.0;
     }
   } else {
-    for (std::size_t i = 0; i < count; ++i) {
-      target[i] = language::applyBinary(instruction.operation, at(a, i), at(b, i), dividesByZero);
+    for (std::size_t i = 0; i < lanes_.count; ++i) {
+      dividesByZero |= (b.values[i] == 0.0) & (mask_[i] != 0);
     }
   }
   if (dividesByZero) {
-    noteDivision(instruction.instruction);
+    noteWarning(instruction.instruction);
+    forEach(target, a, b, lanes_.count, [](double x, double y) { return x / (y == 0.0 ? 1.0 : y); });
+  } else {
+    forEach(target, a, b, lanes_.count, [](double x, double y) { return x / y; });
   }
 }
 
-void ColumnEvaluator::runPerLane(const ColumnExpression& expression, double* target) {
-  for (const std::uint32_t index : expression.slots) {
-    static_cast<void>(slot(index));
+void ColumnEvaluator::move(const ColumnInstruction& instruction, double* target, const ColumnValue& from) {
+  if (mask_ == nullptr) {
+    for (std::size_t i = 0; i < lanes_.count; ++i) {
+      target[i] = at(from, i);
+    }
+  } else {
+    for (std::size_t i = 0; i < lanes_.count; ++i) {
+      target[i] = mask_[i] != 0 ? at(from, i) : target[i];
+    }
   }
+  if (instruction.isStore) {
+    Mask* const stored = stored_.data() + instruction.target * kLanes;
+    for (std::size_t i = 0; i < lanes_.count; ++i) {
+      stored[i] |= mask_ == nullptr ? ~Mask{0} : mask_[i];
+    }
+  }
+}
+
+void ColumnEvaluator::raise(double* target, const ColumnValue& a, const ColumnValue& b) {
+  // neighbours of one kind often have equal values
+  double x = 0.0;
+  double y = 0.0;
+  double power = elementary_.pow(x, y);
   for (std::size_t i = 0; i < lanes_.count; ++i) {
-    for (const std::uint32_t index : expression.slots) {
-      frame_[index] = slots_[index * kLanes + i];
+    if (isActive(i)) {
+      if (std::bit_cast<std::uint64_t>(at(a, i)) != std::bit_cast<std::uint64_t>(x) ||
+          std::bit_cast<std::uint64_t>(at(b, i)) != std::bit_cast<std::uint64_t>(y)) {
+        x = at(a, i);
+        y = at(b, i);
+        power = elementary_.pow(x, y);
+      }
+      target[i] = power;
     }
-    target[i] = runLane(expression.expression->code);
   }
 }
 
-double ColumnEvaluator::runLane(language::CodeRange code) {
-  double* top = stack_.data();
-  for (std::uint32_t place = code.begin; place < code.end;) {
-    const Instruction& instruction = program_->code[place];
-    std::uint32_t next = place + 1;
-    bool dividedByZero = false;
-    switch (instruction.operation) {
-      case Operation::Constant:
-        *top++ = program_->constants[instruction.operand];
-        break;
-      case Operation::LoadSlot:
-        *top++ = frame_[instruction.operand];
-        break;
-      case Operation::LoadStep:
-        *top++ = step_;
-        break;
-      case Operation::LoadLength:
-        *top++ = length_;
-        break;
-      case Operation::Pop:
-        --top;
-        break;
-      case Operation::Negate:
-      case Operation::Not:
-      case Operation::ToBoolean:
-        top[-1] = language::applyUnary(instruction.operation, top[-1]);
-        break;
-      case Operation::Select:
-        top -= 2;
-        top[-1] = language::isTrue(top[-1]) ? top[0] : top[1];
-        break;
-      case Operation::Jump:
-        next = instruction.operand;
-        break;
-      case Operation::JumpIfZero:
-        next = language::isTrue(*--top) ? next : instruction.operand;
-        break;
-      case Operation::JumpIfNonZero:
-        next = language::isTrue(*--top) ? instruction.operand : next;
-        break;
-      case Operation::JumpIfOrSkips:
-        next = language::orSkips(top[-1]) ? instruction.operand : next;
-        break;
-      case Operation::Call:
-        top -= instruction.count;
-        *top = language::callPure(static_cast<Function>(instruction.operand), {top, instruction.count}, dividedByZero);
-        ++top;
-        break;
-      default:
-        --top;
-        top[-1] = language::applyBinary(instruction.operation, top[-1], top[0], dividedByZero);
-        break;
+double ColumnEvaluator::element(const ColumnInstruction& instruction, std::span<const double> subscripts) {
+  const language::ArrayVariable& variable = program_->systems.front().arrays[instruction.function];
+  return inputs_
+      .elements[arrayElement(variable, subscripts, [&](std::size_t) { noteWarning(instruction.instruction); })];
+}
+
+void ColumnEvaluator::runOneByOne(const ColumnInstruction& instruction, double* target, const ColumnValue& a,
+                                  const ColumnValue& b) {
+  const auto function = static_cast<Function>(instruction.function);
+  const ColumnValue c = instruction.count > 2 ? operand(instruction.operands[2]) : ColumnValue{};
+  const ColumnValue d = instruction.count > 3 ? operand(instruction.operands[3]) : ColumnValue{};
+  std::array<double, 4> numbers{};
+  const std::span<const double> arguments(numbers.data(), instruction.count);
+  bool dividesByZero = false;
+  for (std::size_t i = 0; i < lanes_.count; ++i) {
+    if (!isActive(i)) {
+      continue;
     }
-    if (dividedByZero) {
-      noteDivision(place);
+    numbers = {at(a, i), at(b, i), at(c, i), at(d, i)};
+    if (instruction.operation == Operation::LoadElement) {
+      target[i] = element(instruction, arguments);
+    } else if (instruction.operation != Operation::Call) {
+      target[i] = language::applyBinary(instruction.operation, numbers[0], numbers[1], dividesByZero, elementary_);
+    } else if (function == Function::Ran) {
+      target[i] =
+          numbers[0] * inputs_.draws.uniform(core::DrawDomain::Production, static_cast<std::uint32_t>(inputs_.step),
+                                             lanes_.modules[i], instruction.draw);
+    } else if (isViewFunction(function)) {
+      const std::optional<double> value = viewValue(program_->view, function, arguments);
+      if (!value) {
+        noteWarning(instruction.instruction);
+      }
+      target[i] = value.value_or(0.0);
+    } else {
+      target[i] = language::callPure(function, arguments, dividesByZero, elementary_);
     }
-    place = next;
   }
-  return stack_[0];
+  if (dividesByZero) {
+    noteWarning(instruction.instruction);
+  }
 }
 
 }  // namespace espalier::derivation

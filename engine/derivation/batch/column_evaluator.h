@@ -2,8 +2,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
+#include "engine/core/elementary.h"
 #include "engine/core/random.h"
 #include "engine/derivation/batch/column_plan.h"
 #include "engine/language/program.h"
@@ -41,47 +43,78 @@ struct ColumnValue {
   double constant = 0.0;
 };
 
-/// Evaluates pure expressions for many modules at once, operation by operation, with the same bits as the Evaluator. It
-/// gives no warnings: it notes that the Evaluator would warn, and the caller repeats the work there. Each thread has
-/// its own object.
+/// What code reads beside the lanes. Views; the caller keeps all of it until the next begin.
+struct ColumnInputs {
+  double step = 0.0;                        // Q
+  double length = 0.0;                      // Z
+  const std::uint8_t* hasWarned = nullptr;  // by instruction: not 0 where the place has warned already
+  const double* variables = nullptr;        // of the main L-system (LSystem::variables)
+  const double* elements = nullptr;         // its array elements
+  core::CounterRandom draws;                // of ran
+};
+
+/// Runs expressions and blocks for many modules at once, operation by operation, with the same bits as the Evaluator.
+/// Where lanes jump to different places, it runs the first stretch that some lane waits for, with a mask. It gives no
+/// warnings: it notes that the Evaluator would warn, and the caller repeats the work there. Each thread has its own
+/// object.
 class ColumnEvaluator {
  public:
   static constexpr std::size_t kLanes = 256;
 
-  /// `program` must outlive the object. `slotCount` and `columnCount` bound the expressions of later calls.
+  /// `program` must outlive the object. `slotCount` and `columnCount` bound the code of later calls.
   ColumnEvaluator(const language::Program& program, std::size_t slotCount, std::size_t columnCount);
 
-  /// Gives Q and Z, and the places that have warned already (by instruction; the caller keeps them until the next
-  /// begin). ran draws from `draws`.
-  void begin(double step, double length, const std::uint8_t* hasWarned, const core::CounterRandom& draws = {});
-  /// The lanes of the following expressions.
+  void begin(const ColumnInputs& inputs);
+  /// The lanes of the following code. Local variables have no values yet.
   void setLanes(const Lanes& lanes);
-  [[nodiscard]] ColumnValue value(const ColumnExpression& expression);
-  /// Whether the Evaluator would have warned since begin or clearUnusual.
+  /// Runs a block, which assigns local variables.
+  void run(const ColumnCode& code);
+  [[nodiscard]] ColumnValue value(const ColumnCode& expression);
+
+  /// The values of a local variable (Lanes::count). They can be set, too.
+  [[nodiscard]] double* local(std::uint32_t index) { return columns_.data() + index * kLanes; }
+  /// Whether each lane has assigned the local variable in the last run, as a mask: 0 or all bits. Null: all lanes have.
+  [[nodiscard]] const std::uint64_t* storing(const ColumnCode& code, std::uint32_t local) const;
+
+  /// Whether the Evaluator would have warned or failed since begin or clearUnusual.
   [[nodiscard]] bool isUnusual() const { return isUnusual_; }
   void clearUnusual() { isUnusual_ = false; }
 
  private:
+  using Mask = std::uint64_t;  // of a lane: 0 or all bits
+
   [[nodiscard]] const double* slot(std::uint32_t index);
   [[nodiscard]] ColumnValue operand(const ColumnOperand& operand);
+  void runStretches(const ColumnCode& code);
+  void leaveStretch(const ColumnCode& code, std::size_t stretch);
+  void wait(std::size_t stretch, const Mask* lanes);
   void run(const ColumnInstruction& instruction);
-  void runPerLane(const ColumnExpression& expression, double* target);
-  [[nodiscard]] double runLane(language::CodeRange code);
-  void noteDivision(std::uint32_t instruction) { isUnusual_ = isUnusual_ || hasWarned_[instruction] == 0; }
+  void runOneByOne(const ColumnInstruction& instruction, double* target, const ColumnValue& a, const ColumnValue& b);
+  void divide(const ColumnInstruction& instruction, double* target, const ColumnValue& a, const ColumnValue& b);
+  void move(const ColumnInstruction& instruction, double* target, const ColumnValue& from);
+  void raise(double* target, const ColumnValue& a, const ColumnValue& b);
+  [[nodiscard]] double element(const ColumnInstruction& instruction, std::span<const double> subscripts);
+  void noteWarning(std::uint32_t instruction) { isUnusual_ = isUnusual_ || inputs_.hasWarned[instruction] == 0; }
+  [[nodiscard]] bool isActive(std::size_t lane) const { return mask_ == nullptr || mask_[lane] != 0; }
 
   const language::Program* program_;
+  core::Elementary elementary_;
   Lanes lanes_;
-  double step_ = 0.0;
-  double length_ = 0.0;
-  const std::uint8_t* hasWarned_ = nullptr;
-  core::CounterRandom draws_;
+  ColumnInputs inputs_;
   bool isUnusual_ = false;
   std::vector<double> slots_;            // gathered parameters, kLanes for each slot
   std::vector<std::uint64_t> gathered_;  // by slot: the call of setLanes for which it was gathered
   std::uint64_t generation_ = 0;
-  std::vector<double> columns_;  // intermediate results, kLanes each
-  std::vector<double> frame_;    // formal parameters of one lane
-  std::vector<double> stack_;    // of one lane
+  std::vector<double> columns_;  // local variables and intermediate results, kLanes each
+
+  // of code with jumps
+  const Mask* mask_ = nullptr;           // lanes that run the present stretch; null: all
+  std::vector<Mask> active_;             // (kLanes) the same
+  std::vector<Mask> waiting_;            // by stretch: lanes that wait for it, kLanes each
+  std::vector<std::size_t> waitCounts_;  // by stretch: their number
+  std::vector<Mask> taken_;              // (kLanes) lanes that jump
+  std::vector<Mask> stored_;             // by local variable: lanes that have assigned it, kLanes each
+  std::uint32_t turns_ = 0;              // of loops
 };
 
 }  // namespace espalier::derivation

@@ -1,23 +1,39 @@
 #include "engine/derivation/batch/column_plan.h"
 
 #include <algorithm>
+#include <utility>
 
+#include "engine/derivation/expressions/view_functions.h"
 #include "engine/language/arithmetic.h"
 
 namespace espalier::derivation {
 namespace {
 
+using language::CodeRange;
 using language::Expression;
 using language::Function;
 using language::Instruction;
 using language::Operation;
+
+// code with more jumps than this is left to the Evaluator
+constexpr std::size_t kMostStretches = 128;
 
 bool isJump(Operation operation) {
   return operation == Operation::Jump || operation == Operation::JumpIfZero || operation == Operation::JumpIfNonZero ||
          operation == Operation::JumpIfOrSkips;
 }
 
-/// The number of operands that an instruction takes from the stack. Every instruction but Pop leaves one value.
+bool isRan(const Instruction& instruction) {
+  return instruction.operation == Operation::Call && static_cast<Function>(instruction.operand) == Function::Ran;
+}
+
+/// Whether every call gives the same for the same arguments, and a column can hold the result.
+bool isPureCall(const Instruction& instruction) {
+  const auto function = static_cast<Function>(instruction.operand);
+  return language::isArithmetic(function) || isViewFunction(function);
+}
+
+/// The number of operands that an operation takes from the stack.
 std::uint16_t operandCount(const Instruction& instruction) {
   switch (instruction.operation) {
     case Operation::Negate:
@@ -27,143 +43,363 @@ std::uint16_t operandCount(const Instruction& instruction) {
     case Operation::Select:
       return 3;
     case Operation::Call:
+    case Operation::LoadElement:
       return instruction.count;
     default:
       return 2;
   }
 }
 
-bool isRan(const Instruction& instruction) {
-  return instruction.operation == Operation::Call && static_cast<Function>(instruction.operand) == Function::Ran;
-}
-
-bool isColumnInstruction(const Instruction& instruction) {
-  switch (instruction.operation) {
-    case Operation::Constant:
-    case Operation::LoadSlot:
-    case Operation::LoadStep:
-    case Operation::LoadLength:
-    case Operation::Pop:
-    case Operation::Negate:
-    case Operation::Not:
-    case Operation::ToBoolean:
-    case Operation::Select:
-      return true;
-    case Operation::Call:
-      return language::isArithmetic(static_cast<Function>(instruction.operand)) && instruction.count >= 1 &&
-             instruction.count <= 3;
-    default:
-      return isJump(instruction.operation) ||
-             (instruction.operation >= Operation::Add && instruction.operation <= Operation::LogicalOr);
-  }
-}
-
 }  // namespace
 
-bool isColumnExpression(const language::Program& program, const Expression& expression) {
-  if (expression.kind != Expression::Kind::Code) {
-    return true;
-  }
-  if (!expression.isPure) {
-    return false;
-  }
-  for (std::uint32_t at = expression.code.begin; at < expression.code.end; ++at) {
-    const Instruction& instruction = program.code[at];
-    // a jump back is a loop, and the Evaluator counts its turns
-    if (!isColumnInstruction(instruction) || (isJump(instruction.operation) && instruction.operand <= at)) {
-      return false;
-    }
-  }
-  return true;
-}
+/// One pass over the code. It follows the stack and the assigned local variables. Values that are on the stack where
+/// stretches meet are carried in columns of their own, numbered by their height.
+class ColumnCompiler::Translation {
+ public:
+  Translation(ColumnCompiler& compiler, CodeRange code, bool mayDraw)
+      : compiler_(compiler),
+        program_(*compiler.program_),
+        code_(code),
+        mayDraw_(mayDraw),
+        localCount_(static_cast<std::uint32_t>(compiler.locals_.size())),
+        isStart_(code.end - code.begin + std::size_t{1}, false) {}
 
-bool isDrawingColumnExpression(const language::Program& program, const Expression& expression) {
-  if (isColumnExpression(program, expression)) {
-    return true;
-  }
-  if (program.compatibility != core::Compatibility::Espalier) {
-    return false;
-  }
-  for (std::uint32_t at = expression.code.begin; at < expression.code.end; ++at) {
-    const Instruction& instruction = program.code[at];
-    // behind a jump the number of draws depends on the parameters
-    if (isJump(instruction.operation) || !(isColumnInstruction(instruction) || isRan(instruction))) {
-      return false;
-    }
-  }
-  return true;
-}
+  [[nodiscard]] bool run();
+  [[nodiscard]] ColumnCode take() { return std::move(made_); }
 
-ColumnExpression makeColumnExpression(const language::Program& program, const Expression& expression,
-                                      std::uint32_t firstDraw) {
-  ColumnExpression result;
-  result.expression = &expression;
-  const auto reads = [&result](std::uint32_t slot) {
-    if (std::find(result.slots.begin(), result.slots.end(), slot) == result.slots.end()) {
-      result.slots.push_back(slot);
-    }
+ private:
+  /// What is known where a stretch begins.
+  struct Entry {
+    bool isReached = false;
+    std::size_t height = 0;
+    std::vector<bool> assigned;
   };
-  if (expression.kind == Expression::Kind::Constant) {
-    result.result.constant = expression.constant;
-    return result;
-  }
-  if (expression.kind == Expression::Kind::Slot) {
-    result.result = {ColumnOperand::Kind::Slot, expression.slot, 0.0};
-    reads(expression.slot);
-    return result;
-  }
 
-  // the stack before each instruction; the height of an intermediate result is its number
-  std::vector<ColumnOperand> stack;
-  for (std::uint32_t at = expression.code.begin; at < expression.code.end; ++at) {
-    const Instruction& instruction = program.code[at];
-    result.isPerLane = result.isPerLane || isJump(instruction.operation);
-    switch (instruction.operation) {
-      case Operation::Constant:
-        stack.push_back({ColumnOperand::Kind::Constant, 0, program.constants[instruction.operand]});
-        break;
-      case Operation::LoadSlot:
-        stack.push_back({ColumnOperand::Kind::Slot, instruction.operand, 0.0});
-        reads(instruction.operand);
-        break;
-      case Operation::LoadStep:
-        stack.push_back({ColumnOperand::Kind::Step, 0, 0.0});
-        break;
-      case Operation::LoadLength:
-        stack.push_back({ColumnOperand::Kind::Length, 0, 0.0});
-        break;
-      default: {
-        // with jumps the order of the code does not give the heights; only the slots are needed
-        if (result.isPerLane) {
-          break;
-        }
-        if (instruction.operation == Operation::Pop) {
-          stack.pop_back();
-          break;
-        }
-        ColumnInstruction made;
-        made.operation = instruction.operation;
-        made.function = instruction.operand;
-        made.count = operandCount(instruction);
-        made.instruction = at;
-        if (isRan(instruction)) {
-          made.draw = firstDraw + result.drawCount;
-          ++result.drawCount;
-        }
-        std::copy(stack.end() - made.count, stack.end(), made.operands.begin());
-        stack.resize(stack.size() - made.count);
-        made.target = static_cast<std::uint32_t>(stack.size());
-        stack.push_back({ColumnOperand::Kind::Column, made.target, 0.0});
-        result.instructions.push_back(made);
+  bool fail(const char* problem) {
+    compiler_.problem_ = problem;
+    return false;
+  }
+  [[nodiscard]] bool hasJumps() const { return entries_.size() > 2; }
+  [[nodiscard]] std::uint32_t carrier(std::size_t height) const {
+    return localCount_ + static_cast<std::uint32_t>(height);
+  }
+  /// One of two columns for each height: an operation does not write to the column of its first operand, because loops
+  /// over columns that may overlap use no vector instructions.
+  [[nodiscard]] std::uint32_t temporary(std::size_t height, const ColumnOperand& first) const {
+    const std::uint32_t column =
+        localCount_ + (hasJumps() ? program_.maximumStack : 0U) + 2 * static_cast<std::uint32_t>(height);
+    return first.kind == ColumnOperand::Kind::Column && first.index == column ? column + 1 : column;
+  }
+  void findStarts();
+  void openStretch();
+  bool closeStretch(const Instruction* jump);
+  bool enter(std::size_t stretch);
+  bool translate(std::uint32_t at);
+  bool load(const Instruction& instruction);
+  bool store(const Instruction& instruction);
+  bool operate(const Instruction& instruction, std::uint32_t at);
+  void emit(const ColumnInstruction& instruction);
+  void emitMove(const ColumnOperand& from, std::uint32_t target);
+
+  ColumnCompiler& compiler_;
+  const language::Program& program_;
+  CodeRange code_;
+  bool mayDraw_;
+  std::uint32_t localCount_;
+  std::vector<bool> isStart_;             // by place in the code: a stretch begins here
+  std::vector<std::uint32_t> stretchAt_;  // the same: the stretch that begins here, or the next
+  std::vector<Entry> entries_;            // by stretch, and of the end
+  bool isClosed_ = true;                  // no stretch is open
+  bool isReachable_ = true;               // the open stretch
+  std::vector<ColumnOperand> stack_;
+  std::vector<bool> assigned_;
+  ColumnCode made_;
+};
+
+void ColumnCompiler::Translation::findStarts() {
+  isStart_.front() = true;
+  isStart_.back() = true;
+  for (std::uint32_t at = code_.begin; at < code_.end; ++at) {
+    if (isJump(program_.code[at].operation)) {
+      isStart_[at + 1 - code_.begin] = true;
+      isStart_[program_.code[at].operand - code_.begin] = true;
+    }
+  }
+  for (const bool isStart : isStart_) {
+    stretchAt_.push_back(static_cast<std::uint32_t>(entries_.size()));
+    if (isStart) {
+      entries_.emplace_back();
+    }
+  }
+}
+
+bool ColumnCompiler::Translation::run() {
+  findStarts();
+  if (entries_.size() > kMostStretches) {
+    return fail("its code has too many jumps");
+  }
+  entries_.front() = {true, 0, compiler_.assigned_};
+  for (std::uint32_t at = code_.begin; at < code_.end; ++at) {
+    if (isStart_[at - code_.begin]) {
+      if (!isClosed_ && !closeStretch(nullptr)) {
+        return false;
+      }
+      openStretch();
+    }
+    const Instruction& instruction = program_.code[at];
+    if (!(isJump(instruction.operation) ? closeStretch(&instruction) : !isReachable_ || translate(at))) {
+      return false;
+    }
+  }
+  if (!isClosed_ && !closeStretch(nullptr)) {
+    return false;
+  }
+  const Entry& end = entries_.back();
+  if (!end.isReached) {
+    return fail("a loop does not end");
+  }
+  compiler_.assigned_ = end.assigned;
+  if (end.height > 0) {
+    made_.result = hasJumps() ? ColumnOperand{ColumnOperand::Kind::Column, carrier(0), 0.0} : stack_.front();
+  }
+  made_.columnCount = std::max(made_.columnCount, localCount_);
+  if (!hasJumps()) {
+    made_.stretches.clear();
+  }
+  return true;
+}
+
+void ColumnCompiler::Translation::openStretch() {
+  isClosed_ = false;
+  const Entry& entry = entries_[made_.stretches.size()];
+  isReachable_ = entry.isReached;
+  assigned_ = entry.assigned;
+  stack_.clear();
+  for (std::size_t height = 0; height < entry.height; ++height) {
+    stack_.push_back({ColumnOperand::Kind::Column, carrier(height), 0.0});
+  }
+}
+
+bool ColumnCompiler::Translation::closeStretch(const Instruction* jump) {
+  isClosed_ = true;
+  const std::size_t number = made_.stretches.size();
+  ColumnStretch stretch;
+  if (isReachable_ && jump != nullptr) {
+    stretch.jump = jump->operation;
+    stretch.target = stretchAt_[jump->operand - code_.begin];
+    if (jump->operation != Operation::Jump) {
+      stretch.test = stack_.back();
+      if (jump->operation != Operation::JumpIfOrSkips) {
+        stack_.pop_back();
       }
     }
   }
-  if (result.isPerLane) {
-    result.instructions.clear();
-  } else {
-    result.result = stack.back();
+  // what stays on the stack moves to the columns in which the next stretches expect it
+  for (std::size_t height = 0; hasJumps() && isReachable_ && height < stack_.size(); ++height) {
+    const ColumnOperand operand = stack_[height];
+    if (operand.kind != ColumnOperand::Kind::Column || operand.index != carrier(height)) {
+      emitMove(operand, carrier(height));
+    }
   }
-  return result;
+  stretch.end = static_cast<std::uint32_t>(made_.instructions.size());
+  made_.stretches.push_back(stretch);
+  if (!isReachable_) {
+    return true;
+  }
+  // at the beginning of a loop, what is known there holds behind the jump back too
+  const bool jumpsForward = stretch.jump != Operation::Pop && stretch.target > number;
+  return (!jumpsForward || enter(stretch.target)) && (stretch.jump == Operation::Jump || enter(number + 1));
+}
+
+bool ColumnCompiler::Translation::enter(std::size_t stretch) {
+  Entry& entry = entries_[stretch];
+  if (!entry.isReached) {
+    entry = {true, stack_.size(), assigned_};
+    return true;
+  }
+  if (entry.height != stack_.size()) {
+    return fail("its code is not understood");
+  }
+  for (std::size_t i = 0; i < assigned_.size(); ++i) {
+    entry.assigned[i] = entry.assigned[i] && assigned_[i];
+  }
+  return true;
+}
+
+bool ColumnCompiler::Translation::translate(std::uint32_t at) {
+  const Instruction& instruction = program_.code[at];
+  switch (instruction.operation) {
+    case Operation::Constant:
+    case Operation::LoadSlot:
+    case Operation::LoadStatic:
+    case Operation::LoadVariable:
+    case Operation::LoadStep:
+    case Operation::LoadLength:
+      return load(instruction);
+    case Operation::StoreStatic:
+      return store(instruction);
+    case Operation::StoreSlot:
+      return fail("a block assigns a formal parameter");
+    case Operation::StoreVariable:
+    case Operation::StoreElement:
+      return fail("a block assigns a variable of the L-system");
+    case Operation::Pop:
+      stack_.pop_back();
+      return true;
+    case Operation::Call:
+      if (isRan(instruction) && mayDraw_) {
+        return hasJumps() ? fail("the number of its draws depends on its parameters") : operate(instruction, at);
+      }
+      return isPureCall(instruction) ? operate(instruction, at)
+                                     : fail("it calls a function that draws or has an effect");
+    case Operation::LoadElement:
+      return instruction.count <= 4 ? operate(instruction, at) : fail("an array has more than four subscripts");
+    case Operation::Print:
+    case Operation::FileOpen:
+    case Operation::FileClose:
+    case Operation::FileFlush:
+    case Operation::FilePrint:
+    case Operation::FileScan:
+      return fail("it prints, or uses files");
+    default:
+      return operate(instruction, at);
+  }
+}
+
+bool ColumnCompiler::Translation::load(const Instruction& instruction) {
+  const std::uint32_t index = instruction.operand;
+  switch (instruction.operation) {
+    case Operation::Constant:
+      stack_.push_back({ColumnOperand::Kind::Constant, 0, program_.constants[index]});
+      return true;
+    case Operation::LoadSlot:
+      stack_.push_back({ColumnOperand::Kind::Slot, index, 0.0});
+      return true;
+    case Operation::LoadVariable:
+      stack_.push_back({ColumnOperand::Kind::Variable, index, 0.0});
+      return true;
+    case Operation::LoadStep:
+      stack_.push_back({ColumnOperand::Kind::Step, 0, 0.0});
+      return true;
+    case Operation::LoadLength:
+      stack_.push_back({ColumnOperand::Kind::Length, 0, 0.0});
+      return true;
+    default:
+      break;
+  }
+  const auto found = std::find(compiler_.locals_.begin(), compiler_.locals_.end(), index);
+  const auto local = static_cast<std::uint32_t>(found - compiler_.locals_.begin());
+  if (found == compiler_.locals_.end() || !assigned_[local]) {
+    return fail("it reads a local variable that the module before may have left");
+  }
+  stack_.push_back({ColumnOperand::Kind::Column, local, 0.0});
+  return true;
+}
+
+bool ColumnCompiler::Translation::store(const Instruction& instruction) {
+  const auto found = std::find(compiler_.locals_.begin(), compiler_.locals_.end(), instruction.operand);
+  if (found == compiler_.locals_.end() || stack_.size() != 1) {
+    return fail("its code is not understood");
+  }
+  const auto local = static_cast<std::uint32_t>(found - compiler_.locals_.begin());
+  const ColumnOperand value = stack_.back();
+  stack_.pop_back();
+  assigned_[local] = true;
+  if (std::find(made_.stores.begin(), made_.stores.end(), local) == made_.stores.end()) {
+    made_.stores.push_back(local);
+  }
+  // the last operation writes to the variable itself
+  if (!hasJumps() && value.kind == ColumnOperand::Kind::Column && value.index >= localCount_) {
+    made_.instructions.back().target = local;
+    return true;
+  }
+  emitMove(value, local);
+  made_.instructions.back().isStore = hasJumps();
+  return true;
+}
+
+bool ColumnCompiler::Translation::operate(const Instruction& instruction, std::uint32_t at) {
+  ColumnInstruction made;
+  made.operation = instruction.operation;
+  made.function = instruction.operand;
+  made.count = operandCount(instruction);
+  made.instruction = at;
+  if (made.count > made.operands.size() || made.count > stack_.size()) {
+    return fail("a function has too many arguments");
+  }
+  if (isRan(instruction)) {
+    made.draw = compiler_.drawCount_ + made_.drawCount;
+    ++made_.drawCount;
+  }
+  std::copy(stack_.end() - made.count, stack_.end(), made.operands.begin());
+  stack_.resize(stack_.size() - made.count);
+  made.target = temporary(stack_.size(), made.operands[0]);
+  stack_.push_back({ColumnOperand::Kind::Column, made.target, 0.0});
+  emit(made);
+  return true;
+}
+
+void ColumnCompiler::Translation::emitMove(const ColumnOperand& from, std::uint32_t target) {
+  ColumnInstruction move;
+  move.operation = Operation::StoreStatic;
+  move.count = 1;
+  move.target = target;
+  move.operands[0] = from;
+  emit(move);
+}
+
+void ColumnCompiler::Translation::emit(const ColumnInstruction& instruction) {
+  made_.columnCount = std::max(made_.columnCount, instruction.target + 1);
+  made_.instructions.push_back(instruction);
+}
+
+ColumnCompiler::ColumnCompiler(const language::Program& program, const language::Production& production)
+    : program_(&program) {
+  for (const CodeRange code : {production.preBlock, production.postBlock}) {
+    for (std::uint32_t at = code.begin; at < code.end; ++at) {
+      const Instruction& instruction = program.code[at];
+      if (instruction.operation == Operation::StoreStatic &&
+          std::find(locals_.begin(), locals_.end(), instruction.operand) == locals_.end()) {
+        locals_.push_back(instruction.operand);
+      }
+    }
+  }
+  assigned_.resize(locals_.size(), false);
+}
+
+std::optional<ColumnCode> ColumnCompiler::translate(CodeRange code, bool mayDraw) {
+  Translation translation(*this, code, mayDraw);
+  if (!translation.run()) {
+    return std::nullopt;
+  }
+  ColumnCode made = translation.take();
+  drawCount_ += made.drawCount;
+  return made;
+}
+
+std::optional<ColumnCode> ColumnCompiler::block(CodeRange code) {
+  return code.empty() ? ColumnCode{} : translate(code, false);
+}
+
+std::optional<ColumnCode> ColumnCompiler::expression(const Expression& expression) {
+  ColumnCode made;
+  switch (expression.kind) {
+    case Expression::Kind::Constant:
+      made.result.constant = expression.constant;
+      return made;
+    case Expression::Kind::Slot:
+      made.result = {ColumnOperand::Kind::Slot, expression.slot, 0.0};
+      return made;
+    case Expression::Kind::Code:
+      break;
+  }
+  return translate(expression.code, false);
+}
+
+std::optional<ColumnCode> ColumnCompiler::value(const Expression& expression) {
+  return expression.kind == Expression::Kind::Code
+             ? translate(expression.code, program_->compatibility == core::Compatibility::Espalier)
+             : this->expression(expression);
 }
 
 }  // namespace espalier::derivation

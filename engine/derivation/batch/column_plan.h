@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "engine/language/program.h"
@@ -12,49 +13,84 @@ namespace espalier::derivation {
 struct ColumnOperand {
   enum class Kind : std::uint8_t {
     Constant,
-    Slot,    // formal parameter `index` of each lane
-    Column,  // intermediate result `index`
-    Step,    // Q
-    Length,  // Z
+    Slot,      // formal parameter `index` of each lane
+    Column,    // local variable or intermediate result `index`
+    Variable,  // variable `index` of the L-system: the same for all lanes, because no batch assigns it
+    Step,      // Q
+    Length,    // Z
   };
   Kind kind = Kind::Constant;
   std::uint32_t index = 0;
   double constant = 0.0;
 };
 
-/// One operation of an expression. A batch does it for all lanes before the next operation.
+/// One operation of an expression or a block. A batch does it for all lanes before the next operation.
 struct ColumnInstruction {
+  /// As in the Program. StoreStatic copies operand 0 to the target, in the lanes that reach it.
   language::Operation operation = language::Operation::Add;
-  std::uint32_t function = 0;     // Call: a language::Function
+  std::uint32_t function = 0;     // Call: a language::Function; LoadElement: the array
   std::uint16_t count = 0;        // operands
-  std::uint32_t target = 0;       // intermediate result that is made
+  bool isStore = false;           // StoreStatic behind or before a jump, to a local variable
+  std::uint32_t target = 0;       // column that is made
   std::uint32_t instruction = 0;  // in Program::code, for warnings
   std::uint32_t draw = 0;         // ran: number of the draw in its module
-  std::array<ColumnOperand, 3> operands;
+  std::array<ColumnOperand, 4> operands;
 };
 
-/// An expression in the form that a batch evaluates. Numbered columns take the place of the stack.
-struct ColumnExpression {
-  const language::Expression* expression = nullptr;  // in the Program
-  bool isPerLane = false;                            // it jumps: each lane runs the code on its own
+/// Instructions without a jump, and the jump behind them.
+struct ColumnStretch {
+  std::uint32_t end = 0;  // in ColumnCode::instructions; the stretch begins where the one before ends
+  /// Jump, JumpIfZero, JumpIfNonZero or JumpIfOrSkips to the stretch `target`; Pop: no jump.
+  language::Operation jump = language::Operation::Pop;
+  ColumnOperand test;
+  std::uint32_t target = 0;  // the number of stretches: the end of the code
+};
+
+/// The code of an expression or a block in the form that a batch runs. Numbered columns take the place of the stack and
+/// of local variables. Columns below the number of local variables hold these.
+struct ColumnCode {
   std::vector<ColumnInstruction> instructions;
-  ColumnOperand result;
-  std::vector<std::uint32_t> slots;  // formal parameters that are read, each once
-  std::uint32_t drawCount = 0;       // calls of ran
+  std::vector<ColumnStretch> stretches;  // empty: the code has no jump
+  ColumnOperand result;                  // of an expression
+  std::uint32_t columnCount = 0;         // columns that the code uses, with all local variables
+  std::uint32_t drawCount = 0;           // calls of ran
+  std::vector<std::uint32_t> stores;     // local variables that a run may assign, each once
 };
 
-/// Whether a batch can evaluate the expression: it depends only on formal parameters, constants, Q and Z, and calls
-/// only arithmetic functions.
-[[nodiscard]] bool isColumnExpression(const language::Program& program, const language::Expression& expression);
+/// Translates the code of one production, piece by piece in the order in which the pieces run: pre-block, condition,
+/// weight, post-block, successor. The pieces share the local variables of the production (Program::staticNames). They
+/// must assign a local variable before they read it; otherwise its value would come from the module before.
+class ColumnCompiler {
+ public:
+  /// `program` must outlive the object. Pre-block and post-block of `production` name the local variables.
+  ColumnCompiler(const language::Program& program, const language::Production& production);
 
-/// The same for the parameters of a successor. They may also call ran where every evaluation reaches the call.
-/// Espalier's own mode names a draw by its module and its number, so the order of rewriting does not matter.
-[[nodiscard]] bool isDrawingColumnExpression(const language::Program& program, const language::Expression& expression);
+  /// The static of each local variable.
+  [[nodiscard]] const std::vector<std::uint32_t>& locals() const { return locals_; }
+  /// The local variables that the pieces so far have assigned for certain.
+  [[nodiscard]] const std::vector<bool>& assigned() const { return assigned_; }
 
-/// The form for a batch of an expression for which one of the two functions above is true. Its first call of ran makes
-/// draw number `firstDraw` of the module.
-[[nodiscard]] ColumnExpression makeColumnExpression(const language::Program& program,
-                                                    const language::Expression& expression,
-                                                    std::uint32_t firstDraw = 0);
+  /// The form for a batch; nothing when a batch cannot run the code, for the reason in problem(). Code may read formal
+  /// parameters, constants, Q, Z, variables, arrays and functions of the view file. It may assign local variables.
+  [[nodiscard]] std::optional<ColumnCode> block(language::CodeRange code);
+  [[nodiscard]] std::optional<ColumnCode> expression(const language::Expression& expression);
+  /// The same for a parameter of the successor. It may also call ran where every evaluation reaches the call.
+  /// Espalier's own mode names a draw by its module and its number, so the order of rewriting does not matter.
+  [[nodiscard]] std::optional<ColumnCode> value(const language::Expression& expression);
+
+  /// The reason of the last failure, as the end of a sentence.
+  [[nodiscard]] const char* problem() const { return problem_; }
+
+ private:
+  class Translation;
+
+  [[nodiscard]] std::optional<ColumnCode> translate(language::CodeRange code, bool mayDraw);
+
+  const language::Program* program_;
+  std::vector<std::uint32_t> locals_;
+  std::vector<bool> assigned_;   // by local variable
+  std::uint32_t drawCount_ = 0;  // of the pieces so far
+  const char* problem_ = "";
+};
 
 }  // namespace espalier::derivation

@@ -7,7 +7,9 @@
 #include "engine/core/check.h"
 #include "engine/core/diagnostic.h"
 #include "engine/core/work_meter.h"
+#include "engine/derivation/expressions/array_element.h"
 #include "engine/derivation/expressions/number_format.h"
+#include "engine/derivation/expressions/view_functions.h"
 #include "engine/language/arithmetic.h"
 
 namespace espalier::derivation {
@@ -19,11 +21,6 @@ using language::Operation;
 
 // a loop polls for cancellation where these bits of its iteration count are 0
 constexpr std::uint64_t kCancelMask = 0xFFFF;
-
-/// A 1-based index into a list of the view file as an offset, or nothing (size) when it is outside.
-std::size_t listIndex(double id, std::size_t size) {
-  return id >= 1.0 && id < static_cast<double>(size) + 1.0 ? static_cast<std::size_t>(id) - 1 : size;
-}
 
 }  // namespace
 
@@ -250,18 +247,12 @@ void Evaluator::run(language::CodeRange code, double* frame) {
 
 double* Evaluator::element(std::uint32_t array, std::span<const double> subscripts, std::uint32_t at) {
   const language::ArrayVariable& variable = system_->arrays[array];
-  std::size_t index = 0;
-  for (std::size_t i = 0; i < variable.dimensions.size(); ++i) {
-    const double last = static_cast<double>(variable.dimensions[i]) - 1.0;
-    const double subscript = i < subscripts.size() ? std::trunc(subscripts[i]) : 0.0;
-    const double clamped = std::isnan(subscript) ? 0.0 : std::clamp(subscript, 0.0, last);
-    if (!(clamped == subscript)) {
+  return &instance_->elements[arrayElement(variable, subscripts, [&](std::size_t i) {
+    if (hasWarned_[at] == 0) {
       warnOnce(at, "subscript " + std::to_string(i + 1) + " of '" + variable.name +
                        "' is outside the array and is clamped to its ends");
     }
-    index = index * variable.dimensions[i] + static_cast<std::size_t>(clamped);
-  }
-  return &instance_->elements[variable.firstElement + index];
+  })];
 }
 
 double Evaluator::call(Function function, std::span<const double> arguments, std::uint32_t at) {
@@ -274,38 +265,14 @@ double Evaluator::call(Function function, std::span<const double> arguments, std
     return result;
   }
   const files::ViewSettings& view = program_->view;
+  if (isViewFunction(function)) {
+    const std::optional<double> value = viewValue(view, function, arguments);
+    if (!value && hasWarned_[at] == 0) {
+      warnOnce(at, missingViewFunction(function));
+    }
+    return value.value_or(0.0);
+  }
   switch (function) {
-    case Function::Func: {
-      const std::size_t id = listIndex(arguments[0], view.functions.size());
-      if (id == view.functions.size()) {
-        warnOnce(at, "func: the view file defines no such function; its value is 0");
-        return 0.0;
-      }
-      return view.functions[id].value(arguments[1]);
-    }
-    case Function::CurveX:
-    case Function::CurveY:
-    case Function::CurveZ:
-    case Function::CurveGal: {
-      const std::size_t id = listIndex(arguments[0], view.curves.size());
-      if (id == view.curves.size()) {
-        warnOnce(at, "curve functions: the view file defines no such curve; the value is 0");
-        return 0.0;
-      }
-      if (function == Function::CurveGal) {
-        return view.curves[id].arcLength();
-      }
-      const core::Vec3 point = view.curves[id].point(arguments[1]);
-      return function == Function::CurveX ? point.x : function == Function::CurveY ? point.y : point.z;
-    }
-    case Function::InBlob: {
-      const std::size_t id = listIndex(arguments[0], view.blobFields.size());
-      if (id == view.blobFields.size()) {
-        warnOnce(at, "inblob: the view file defines no such field; its value is 0");
-        return 0.0;
-      }
-      return view.blobFields[id].value({arguments[1], arguments[2], arguments[3]});
-    }
     case Function::Ran:
       return arguments[0] * random_->uniform();
     case Function::Nran:

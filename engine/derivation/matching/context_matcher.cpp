@@ -13,10 +13,11 @@ void bind(const language::Program& program, const language::FormalModule& formal
   }
 }
 
-/// Adds an entry to `looks`, unless it is null, and returns whether the element matched.
+/// Adds an entry to `looks`, when searches are recorded, and returns whether the element matched.
+template <bool kIsRecorded>
 bool look(std::vector<ContextLook>* looks, ContextLook::Result result, const language::Program& program,
           const ContextString& string, std::uint64_t module, std::uint64_t offset) {
-  if (looks != nullptr) {
+  if constexpr (kIsRecorded) {
     ContextLook& entry = looks->emplace_back();
     entry.result = result;
     if (result == ContextLook::Result::Matched || result == ContextLook::Result::OtherModule) {
@@ -28,19 +29,14 @@ bool look(std::vector<ContextLook>* looks, ContextLook::Result result, const lan
   return result == ContextLook::Result::Matched;
 }
 
-}  // namespace
-
-ContextRules::ContextRules(const language::Program& program, const language::LSystem& system)
-    : isIgnored_(program.moduleTypeCount(), 0), isRing_(system.isRing) {
-  for (std::size_t type = 0; type < program.moduleTypeCount(); ++type) {
-    const core::SymbolId symbol = program.symbolOf[type];
-    isIgnored_[type] = symbol < system.isIgnored.size() && system.isIgnored[symbol] ? 1 : 0;
-  }
-}
-
-bool matchesLeft(const language::Program& program, const ContextRules& rules, const ContextString& string,
-                 std::span<const ContextElement> context, std::uint64_t module, std::uint64_t offset, double* frame,
-                 std::vector<ContextLook>* looks) {
+template <bool kIsRecorded>
+bool searchLeft(const language::Program& program, const ContextRules& rules, const ContextString& string,
+                std::span<const ContextElement> context, std::uint64_t module, std::uint64_t offset, double* frame,
+                std::vector<ContextLook>* looks) {
+  using Result = ContextLook::Result;
+  const core::ModuleTypeId* const types = string.types;
+  const std::uint16_t* const arity = program.arity.data();
+  const std::uint8_t* const traits = rules.traits();
   for (const ContextElement& element : context) {
     if (element.kind != ContextElement::Kind::Module) {
       return false;
@@ -49,100 +45,131 @@ bool matchesLeft(const language::Program& program, const ContextRules& rules, co
     std::uint64_t remaining = string.size + 1;
     std::uint32_t passed = 0;
     while (true) {
-      if (++passed > LeftShortcuts::kNearModules && string.shortcuts != nullptr && module < string.size &&
-          string.types[module] == program.openBranch) {
-        const LeftShortcuts::Place end = string.shortcuts->follow(program, rules, string, {module, offset});
-        module = end.module;
-        offset = end.offset;
-        passed = 0;
-      }
       if (module == 0) {
         if (!rules.isRing() || !string.canWrap) {
-          return look(looks, ContextLook::Result::StringEnd, program, string, 0, 0);
+          return look<kIsRecorded>(looks, Result::StringEnd, program, string, 0, 0);
         }
         module = string.size;
         offset = string.parameterCount;
       }
       if (--remaining == 0) {
-        return look(looks, ContextLook::Result::StringEnd, program, string, 0, 0);
+        return look<kIsRecorded>(looks, Result::StringEnd, program, string, 0, 0);
       }
       --module;
-      const core::ModuleTypeId type = string.types[module];
-      offset -= program.arity[type];
-      if (type == program.closeBranch) {
+      const core::ModuleTypeId type = types[module];
+      const std::uint8_t trait = traits[type];
+      offset -= arity[type];
+      if (trait == 0) [[likely]] {
+        if (type != element.module.type) {
+          return look<kIsRecorded>(looks, Result::OtherModule, program, string, module, offset);
+        }
+        look<kIsRecorded>(looks, Result::Matched, program, string, module, offset);
+        bind(program, element.module, string.parameters + offset, frame);
+        break;
+      }
+      if ((trait & ContextRules::kCloseBranch) != 0) {
         const StringIndex::Link link = string.index->link(module);
         if (link.partner == StringIndex::kNone) {
-          return look(looks, ContextLook::Result::LoneBracket, program, string, 0, 0);
+          return look<kIsRecorded>(looks, Result::LoneBracket, program, string, 0, 0);
         }
         module = link.partner;
         offset -= link.parameterCount;
-        continue;
       }
-      if (type == program.openBranch || rules.isIgnored(type)) {
-        continue;
+      // a search that has passed many modules goes on where an earlier search has ended
+      if (++passed > LeftShortcuts::kNearModules && string.shortcuts != nullptr &&
+          types[module] == program.openBranch) {
+        const LeftShortcuts::Place end = string.shortcuts->follow(program, rules, string, {module, offset});
+        module = end.module;
+        offset = end.offset;
+        passed = 0;
       }
-      if (type != element.module.type) {
-        return look(looks, ContextLook::Result::OtherModule, program, string, module, offset);
-      }
-      look(looks, ContextLook::Result::Matched, program, string, module, offset);
-      bind(program, element.module, string.parameters + offset, frame);
-      break;
     }
   }
   return true;
 }
 
-bool matchesRight(const language::Program& program, const ContextRules& rules, const ContextString& string,
-                  std::span<const ContextElement> context, std::uint64_t module, std::uint64_t offset, double* frame,
-                  std::vector<ContextLook>* looks) {
+template <bool kIsRecorded>
+bool searchRight(const language::Program& program, const ContextRules& rules, const ContextString& string,
+                 std::span<const ContextElement> context, std::uint64_t module, std::uint64_t offset, double* frame,
+                 std::vector<ContextLook>* looks) {
+  using Result = ContextLook::Result;
+  const core::ModuleTypeId* const types = string.types;
+  const std::uint16_t* const arity = program.arity.data();
+  const std::uint8_t* const traits = rules.traits();
   for (const ContextElement& element : context) {
     const bool isBranchEnd = element.kind == ContextElement::Kind::SkipToBranchEnd;
+    const bool entersBranch = element.kind == ContextElement::Kind::OpenBranch;
     std::uint64_t remaining = string.size + 1;
     while (true) {
       if (module >= string.size) {
         if (!rules.isRing() || string.size == 0) {
-          return look(looks, ContextLook::Result::StringEnd, program, string, 0, 0);
+          return look<kIsRecorded>(looks, Result::StringEnd, program, string, 0, 0);
         }
         module = 0;
         offset = 0;
       }
       if (--remaining == 0) {
-        return look(looks, ContextLook::Result::StringEnd, program, string, 0, 0);
+        return look<kIsRecorded>(looks, Result::StringEnd, program, string, 0, 0);
       }
-      const core::ModuleTypeId type = string.types[module];
-      // brackets alone decide where the branch ends
-      if (isBranchEnd && type == program.closeBranch) {
-        look(looks, ContextLook::Result::Matched, program, string, module, offset);
+      const core::ModuleTypeId type = types[module];
+      const std::uint8_t trait = traits[type];
+      if (isBranchEnd) {
+        // brackets alone decide where the branch ends
+        if ((trait & ContextRules::kCloseBranch) != 0) {
+          look<kIsRecorded>(looks, Result::Matched, program, string, module, offset);
+          break;
+        }
+      } else if ((trait & ContextRules::kIgnored) == 0 && ((trait & ContextRules::kOpenBranch) == 0 || entersBranch)) {
+        if (type != element.module.type) {
+          return look<kIsRecorded>(looks, Result::OtherModule, program, string, module, offset);
+        }
+        look<kIsRecorded>(looks, Result::Matched, program, string, module, offset);
+        bind(program, element.module, string.parameters + offset, frame);
+        offset += arity[type];
+        ++module;
         break;
       }
-      const bool isSkippedBranch =
-          type == program.openBranch &&
-          (isBranchEnd || (!rules.isIgnored(type) && element.kind != ContextElement::Kind::OpenBranch));
-      if (isSkippedBranch) {
+      // a branch is passed as a whole, unless its bracket is ignored
+      if ((trait & ContextRules::kOpenBranch) != 0 && (isBranchEnd || (trait & ContextRules::kIgnored) == 0)) {
         const StringIndex::Link link = string.index->link(module);
         if (link.partner == StringIndex::kNone) {
-          return look(looks, ContextLook::Result::LoneBracket, program, string, 0, 0);
+          return look<kIsRecorded>(looks, Result::LoneBracket, program, string, 0, 0);
         }
         module = link.partner + 1;
         offset += link.parameterCount;
         continue;
       }
-      if (isBranchEnd || rules.isIgnored(type)) {
-        offset += program.arity[type];
-        ++module;
-        continue;
-      }
-      if (type != element.module.type) {
-        return look(looks, ContextLook::Result::OtherModule, program, string, module, offset);
-      }
-      look(looks, ContextLook::Result::Matched, program, string, module, offset);
-      bind(program, element.module, string.parameters + offset, frame);
-      offset += program.arity[type];
+      offset += arity[type];
       ++module;
-      break;
     }
   }
   return true;
+}
+
+}  // namespace
+
+ContextRules::ContextRules(const language::Program& program, const language::LSystem& system)
+    : traits_(program.moduleTypeCount(), 0), isRing_(system.isRing) {
+  for (std::size_t type = 0; type < program.moduleTypeCount(); ++type) {
+    const core::SymbolId symbol = program.symbolOf[type];
+    traits_[type] = symbol < system.isIgnored.size() && system.isIgnored[symbol] ? kIgnored : 0;
+  }
+  traits_[program.openBranch] |= kOpenBranch;
+  traits_[program.closeBranch] |= kCloseBranch;
+}
+
+bool matchesLeft(const language::Program& program, const ContextRules& rules, const ContextString& string,
+                 std::span<const ContextElement> context, std::uint64_t module, std::uint64_t offset, double* frame,
+                 std::vector<ContextLook>* looks) {
+  return looks == nullptr ? searchLeft<false>(program, rules, string, context, module, offset, frame, nullptr)
+                          : searchLeft<true>(program, rules, string, context, module, offset, frame, looks);
+}
+
+bool matchesRight(const language::Program& program, const ContextRules& rules, const ContextString& string,
+                  std::span<const ContextElement> context, std::uint64_t module, std::uint64_t offset, double* frame,
+                  std::vector<ContextLook>* looks) {
+  return looks == nullptr ? searchRight<false>(program, rules, string, context, module, offset, frame, nullptr)
+                          : searchRight<true>(program, rules, string, context, module, offset, frame, looks);
 }
 
 }  // namespace espalier::derivation

@@ -15,11 +15,17 @@ namespace espalier::derivation {
 class ContextRules {
  public:
   ContextRules(const language::Program& program, const language::LSystem& system);
-  [[nodiscard]] bool isIgnored(core::ModuleTypeId type) const { return isIgnored_[type] != 0; }
+  [[nodiscard]] bool isIgnored(core::ModuleTypeId type) const { return (traits_[type] & kIgnored) != 0; }
   [[nodiscard]] bool isRing() const { return isRing_; }
 
+  /// What searches ask about a module type, as bits. 0: every search stops at such a module.
+  static constexpr std::uint8_t kIgnored = 1;
+  static constexpr std::uint8_t kOpenBranch = 2;
+  static constexpr std::uint8_t kCloseBranch = 4;
+  [[nodiscard]] const std::uint8_t* traits() const { return traits_.data(); }
+
  private:
-  std::vector<std::uint8_t> isIgnored_;  // by module type (moduleTypeCount)
+  std::vector<std::uint8_t> traits_;  // by module type (moduleTypeCount)
   bool isRing_ = false;
 };
 

@@ -43,6 +43,7 @@ void ParallelBatchScan::run(StringIndex* links) {
       context.output.parameterBuffer().resize(parameters);
     }
     context.changes = changes;
+    stores_.apply(context.plant->statics);
     // the chunk that stopped the round
     if (chunk < chunks_.count()) {
       context.evaluator.clearModule();
@@ -68,6 +69,8 @@ std::uint64_t ParallelBatchScan::runRound(const BatchRewriter::Step& step, std::
   round.modules = context.output.size();
   round.parameters = context.output.parameterCount();
   SharedOutput output(context.output);
+  const bool hasBlocks = context.tables.front().batches.hasBlocks();
+  stores_.clear();
 
   team_->onEveryWorker([&](unsigned worker) {
     std::uint64_t chunk = 0;
@@ -98,9 +101,13 @@ std::uint64_t ParallelBatchScan::runRound(const BatchRewriter::Step& step, std::
         }
         round.passTurn(chunk);
         output.prepare(modules, endModules, parameters, endParameters);
-        if (!batch.write(output.types() + modules, output.parameters() + parameters)) {
+        const bool isUsual = batch.write(output.types() + modules, output.parameters() + parameters);
+        if (!isUsual || hasBlocks) {
           const std::lock_guard lock(mutex);
-          unusual.push_back(chunk);
+          stores_.noteAll(batch.stores());
+          if (!isUsual) {
+            unusual.push_back(chunk);
+          }
         }
       }
     } catch (...) {

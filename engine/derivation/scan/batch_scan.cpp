@@ -21,13 +21,14 @@ constexpr std::uint64_t kLightShare = 3;
 }  // namespace
 
 BatchRewriter::Step batchStep(const ScanContext& context) {
+  const InstanceState& variables = context.plant->instances.front();
   return {context.rewriter.around(),
           static_cast<std::uint32_t>(context.step),
-          static_cast<double>(context.plant->derivationLength),
+          {static_cast<double>(context.step), static_cast<double>(context.plant->derivationLength),
+           context.evaluator.hasWarned(), variables.variables.data(), variables.elements.data(),
+           context.random.mainSource()},
           context.random.selectionSource(),
-          context.random.mainSource(),
-          context.rewriter.storesFloats(),
-          context.evaluator.hasWarned()};
+          context.rewriter.storesFloats()};
 }
 
 bool BatchScan::isWorthwhile(const ModuleString& old) const {
@@ -71,7 +72,7 @@ void BatchScan::run(std::uint64_t end, ScanPlace& place) {
     }
     context.evaluator.clearModule();
     context.evaluator.pollCancelled();
-    // blocks of the general way may have changed Z
+    // blocks of the general way may have changed variables and Z
     batch_->begin(batchStep(context));
     const std::uint64_t chunkEnd = std::min(end, place.module + chunk);
     const BatchRewriter::Outcome outcome = batch_->choose(place.module, chunkEnd, place.offset);
@@ -81,6 +82,7 @@ void BatchScan::run(std::uint64_t end, ScanPlace& place) {
       if (context.changes != nullptr) {
         batch_->noteKept(target, *context.changes);
       }
+      batch_->stores().apply(context.plant->statics);
       place = {outcome.endModule, outcome.endParameter};
     } else {
       // a failure or a warning, in the order of the string
@@ -90,7 +92,7 @@ void BatchScan::run(std::uint64_t end, ScanPlace& place) {
     if (tables.batches.isQuick() && outcome.lightSites * kLightShare > batched) {
       plainModules_ = kLightModules;
     }
-    if (outcome.endModule == chunkEnd) {
+    if (outcome.endModule >= chunkEnd) {
       chunk = std::min(2 * chunk, BatchRewriter::kChunkModules);
       continue;
     }

@@ -47,7 +47,7 @@ StepScan::Kind StepScan::chooseKind(const ModuleString& old) const {
   if (threadCount_ > 1 && old.size() >= options.threadedModules) {
     // the draws of the compatible modes are one sequence
     const bool drawsSelections = context_->drawsEachPosition(*tables.system);
-    if (tables.batches.isComplete() && !drawsSelections) {
+    if (tables.batches.isChunkable() && !drawsSelections) {
       return Kind::ParallelBatch;
     }
     const bool drawsInSequence = drawsSelections || (context_->random.isSequential() && tables.drawsRandom);

@@ -63,10 +63,9 @@ bool colourMapEntry(Context& c) {
     c.warn("a color map has entries 0 to 255 with red, green and blue from 0 to 255; this one is ignored");
     return true;
   }
-  files::Palette& palette = c.settings().palette;
-  palette.maps[palette.base][static_cast<std::size_t>(*index)] = {static_cast<std::uint8_t>(std::lround(colour->x)),
-                                                                  static_cast<std::uint8_t>(std::lround(colour->y)),
-                                                                  static_cast<std::uint8_t>(std::lround(colour->z))};
+  c.settings().colourEntries[*index] = {static_cast<std::uint8_t>(std::lround(colour->x)),
+                                        static_cast<std::uint8_t>(std::lround(colour->y)),
+                                        static_cast<std::uint8_t>(std::lround(colour->z))};
   return true;
 }
 
@@ -121,6 +120,7 @@ bool initialLineWidth(Context& c) {
     return false;
   }
   c.settings().initialLineWidth = *value;
+  c.settings().isLineStyleGiven = true;
   // the unit also chooses the line style
   const std::string_view unit = c.lexer.optionalUnit();
   c.settings().lineStyle = unit.starts_with('p')   ? files::LineStyle::Pixel
@@ -157,6 +157,7 @@ bool lineStyle(Context& c) {
   if (!word) {
     return false;
   }
+  c.settings().isLineStyleGiven = true;
   if (*word == "pixel" || *word == "1") {
     c.settings().lineStyle = files::LineStyle::Pixel;
   } else if (*word == "polygon" || *word == "2") {

@@ -29,10 +29,11 @@ struct ExportInput {
   const files::ViewSettings& view;             // surfaces, contours, camera: of the model that drew the scene
   const files::Palette* palette = nullptr;     // a model folder's colours; null or empty: Espalier's own
   std::span<const TurtleRecord> records = {};  // of the same interpretation
-  double detail = 1.0;          // factor of the sides and subdivisions of meshes: a half is a coarser level of detail
-  unsigned threads = 1;         // that make meshes: nothing in a file depends on them
-  bool usesInstancing = false;  // glb: a scene that is placed several times is one node (EXT_mesh_gpu_instancing)
-  bool isBackground = false;    // of a fitted picture: it takes no part in the extent
+  double detail = 1.0;   // factor of the sides and subdivisions of meshes: a half is a coarser level of detail
+  unsigned threads = 1;  // that make meshes: nothing in a file depends on them
+  // glb: equal organs of a plant, and copies of a scene, are one node (EXT_mesh_gpu_instancing)
+  bool usesInstancing = false;
+  bool isBackground = false;                   // of a fitted picture: it takes no part in the extent
   const PictureOptions* picture = nullptr;     // for pictures; null: the defaults. Its palette is not looked at
   std::optional<std::uint64_t> step = {};      // of the strings, for messages
   const language::Program* program = nullptr;  // of the strings

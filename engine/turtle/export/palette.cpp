@@ -9,7 +9,8 @@ namespace espalier::turtle {
 namespace {
 
 constexpr std::int32_t kDefaultIndex = 128;
-constexpr std::int32_t kFirstOrderMaterial = 256;
+// beyond all colours of a forest, whose models have blocks of their own; a multiple of 256
+constexpr std::int32_t kFirstOrderMaterial = 1 << 24;
 
 struct Anchor {
   std::int32_t index;
@@ -24,13 +25,14 @@ constexpr std::array kRamp = {
 
 constexpr Colour kBackground{250, 248, 242};
 constexpr Colour kTrunk{104, 76, 54};
-constexpr Colour kTwig{106, 148, 74};
+constexpr Colour kTwig{106, 148, 74};  // of a plant without organs
+constexpr Colour kWood{138, 108, 78};  // twigs of a plant with organs
 
 unsigned char channel(double value) {
   return static_cast<unsigned char>(std::lround(std::clamp(value, 0.0, 255.0)));
 }
 
-int indexOf(std::int32_t index) {
+std::int32_t wrapped(std::int32_t index) {
   return ((index % 256) + 256) % 256;
 }
 
@@ -42,34 +44,76 @@ Colour mixed(const Colour& a, const Colour& b, double t) {
 }
 
 Colour defaultColour(std::int32_t index) {
-  const std::int32_t wrapped = indexOf(index);
+  const std::int32_t place = wrapped(index);
   for (std::size_t i = 1; i < kRamp.size(); ++i) {
-    if (wrapped <= kRamp[i].index) {
-      const double t = static_cast<double>(wrapped - kRamp[i - 1].index) / (kRamp[i].index - kRamp[i - 1].index);
+    if (place <= kRamp[i].index) {
+      const double t = static_cast<double>(place - kRamp[i - 1].index) / (kRamp[i].index - kRamp[i - 1].index);
       return mixed(kRamp[i - 1].colour, kRamp[i].colour, t);
     }
   }
   return kRamp.back().colour;
 }
 
-Palette::Palette(const Scene& scene, const files::Palette* colours)
-    : colours_(colours != nullptr && !colours->empty() ? colours : nullptr) {
-  isPlain_ = colours_ == nullptr && std::all_of(scene.segments.begin(), scene.segments.end(),
-                                                [](const Segment& segment) { return segment.colour == kDefaultIndex; });
+files::Palette defaultPalette() {
+  files::Palette palette;
+  auto& map = palette.maps[palette.base];
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    const Colour colour = i == 0 ? kBackground : defaultColour(static_cast<std::int32_t>(i));
+    map[i] = {colour.red, colour.green, colour.blue};
+  }
+  return palette;
+}
+
+files::Palette paletteOf(const files::ViewSettings& view, const files::Palette& folder) {
+  if (!folder.empty() || view.colourEntries.empty()) {
+    return folder;
+  }
+  files::Palette palette = defaultPalette();
+  for (const auto& [index, colour] : view.colourEntries) {
+    palette.maps[palette.base][static_cast<std::size_t>(index)] = colour;
+  }
+  return palette;
+}
+
+Palette::Palette(const Scene& scene, const files::ViewSettings& view, const files::Palette* folder)
+    : colours_(folder != nullptr && !folder->empty() ? folder : nullptr),
+      hasOrgans_(!scene.polygons.empty() || !scene.surfaces.empty() || !scene.patches.empty()) {
+  if (colours_ == nullptr && !view.colourEntries.empty()) {
+    entries_ = std::make_shared<const files::Palette>(paletteOf(view, {}));
+    colours_ = entries_.get();
+  }
+  // a view file that sets other entries, as the background, leaves the plant as it is
+  isPlain_ =
+      (colours_ == nullptr || (entries_ != nullptr && !view.colourEntries.contains(kDefaultIndex))) &&
+      std::ranges::all_of(scene.segments, [](const Segment& segment) { return segment.colour == kDefaultIndex; });
   for (const Segment& segment : scene.segments) {
     maximumOrder_ = std::max(maximumOrder_, segment.branchOrder);
   }
 }
 
+std::int32_t Palette::numberOf(std::int32_t index) const {
+  if (colours_ != nullptr) {
+    const int block = colours_->base + (index - wrapped(index)) / files::Palette::kBlockSize;
+    if (colours_->usesMaterials ? colours_->materials.contains(block) : colours_->maps.contains(block)) {
+      return index;
+    }
+  }
+  return wrapped(index);
+}
+
 std::int32_t Palette::materialOf(const Segment& segment) const {
   return isPlain_
              ? kFirstOrderMaterial + static_cast<std::int32_t>(std::min<std::uint32_t>(segment.branchOrder, 100'000))
-             : indexOf(segment.colour);
+             : numberOf(segment.colour);
 }
 
 Colour Palette::ofMaterial(std::int32_t material) const {
   if (material < kFirstOrderMaterial) {
     return ofIndex(material);
+  }
+  if (hasOrgans_) {
+    const double order = material - kFirstOrderMaterial;
+    return mixed(kTrunk, kWood, order / (order + 1.0));
   }
   if (maximumOrder_ == 0) {
     return mixed(kTrunk, kTwig, 0.75);
@@ -81,7 +125,7 @@ Colour Palette::ofIndex(std::int32_t index) const {
   if (colours_ == nullptr) {
     return defaultColour(index);
   }
-  const files::PaletteColour colour = colours_->colour(indexOf(index));
+  const files::PaletteColour colour = colours_->colour(numberOf(index));
   return {colour.red, colour.green, colour.blue};
 }
 
@@ -102,7 +146,7 @@ std::optional<files::Material> Palette::folderMaterial(std::int32_t index) const
   if (colours_ == nullptr || !colours_->usesMaterials) {
     return std::nullopt;
   }
-  return colours_->material(indexOf(index));
+  return colours_->material(numberOf(index));
 }
 
 Colour Palette::ofSegment(const Segment& segment) const {

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 
 #include "engine/files/colour_files.h"
+#include "engine/files/view_settings.h"
 #include "engine/turtle/scene/scene.h"
 
 namespace espalier::turtle {
@@ -16,13 +18,20 @@ struct Colour {
 /// The colour of an index without a palette: Espalier's own readable botanical ramp.
 [[nodiscard]] Colour defaultColour(std::int32_t index);
 
-/// The colours of one picture: those of a model folder's maps or materials, else Espalier's own. There a scene whose
-/// lines all have the turtle's default colour 128 says nothing about colour: its branches then go from brown to green
-/// with their order, its surfaces and polygons are leaf green.
+/// All default colours, as a palette.
+[[nodiscard]] files::Palette defaultPalette();
+
+/// The colours of a model: those of its folder; else the default colours with the entries of its view file; empty:
+/// neither has any.
+[[nodiscard]] files::Palette paletteOf(const files::ViewSettings& view, const files::Palette& folder);
+
+/// The colours of one picture: paletteOf, else Espalier's own. There a scene whose lines all have the turtle's default
+/// colour 128 says nothing about colour: wood is brown, paler with its order, and surfaces and polygons are leaf green.
+/// Branches of a plant without organs go from brown to green.
 class Palette {
  public:
-  /// `colours` is a model folder's and must outlive the object; null or empty: there is none.
-  explicit Palette(const Scene& scene, const files::Palette* colours = nullptr);
+  /// `folder` has the colours of a model folder and must outlive the object; null or empty: there are none.
+  Palette(const Scene& scene, const files::ViewSettings& view, const files::Palette* folder = nullptr);
 
   [[nodiscard]] Colour ofSegment(const Segment& segment) const;
   [[nodiscard]] Colour ofIndex(std::int32_t index) const;
@@ -32,13 +41,18 @@ class Palette {
   [[nodiscard]] Colour background() const;
   /// The folder's material of a colour index; nothing when the folder has none.
   [[nodiscard]] std::optional<files::Material> folderMaterial(std::int32_t index) const;
-  /// A number that is equal for segments of equal colour, for naming materials: the colour index, or 256 + order.
+  /// The number of a colour index: itself where the model has a block of colours for it, else its place among 0 to 255.
+  [[nodiscard]] std::int32_t numberOf(std::int32_t index) const;
+  /// A number that is equal for segments of equal colour, for naming materials: numberOf its colour, or beyond all
+  /// colours one for each order.
   [[nodiscard]] std::int32_t materialOf(const Segment& segment) const;
   [[nodiscard]] Colour ofMaterial(std::int32_t material) const;
 
  private:
+  std::shared_ptr<const files::Palette> entries_;  // with the colours of the view file; null: none
   const files::Palette* colours_ = nullptr;
   bool isPlain_ = false;
+  bool hasOrgans_ = false;
   std::uint32_t maximumOrder_ = 0;
 };
 

@@ -80,7 +80,7 @@ void appendGeometry(Scene&& scene, const files::ViewSettings& view, const Symbol
   // without its lines the scene's meshes are its organs
   const ExportInput input{.scene = scene, .view = view};
   MaterialTable materials;
-  const SceneMeshes meshes(input, materials);
+  const SceneMeshes meshes(input, materials, true);
   Mesh mesh;
   for (const MeshPart& part : meshes.parts()) {
     meshes.make(part, mesh);

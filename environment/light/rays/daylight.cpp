@@ -1,10 +1,13 @@
 #include "environment/light/rays/daylight.h"
 
 #include <algorithm>
+#include <array>
 #include <numbers>
 #include <utility>
 
 #include "engine/core/elementary.h"
+#include "engine/turtle/weather.h"
+#include "environment/light/rays/light_bands.h"
 #include "environment/light/sun_position.h"
 
 namespace espalier::environment {
@@ -12,26 +15,40 @@ namespace espalier::environment {
 using core::Vec3;
 using std::numbers::pi;
 
+namespace {
+
+/// Of a sun lower than this, 2.9°, measured light counts as the sky's: the quotient would be large and uncertain.
+constexpr double kLowestSine = 0.05;
+
+}  // namespace
+
 Daylight::Daylight(const Configuration& configuration)
     : configuration_(configuration),
       sun_(configuration.text("sun")),
       skyKind_(static_cast<SkyKind>(std::find(kSkyNames.begin(), kSkyNames.end(), configuration.text("sky")) -
-                                    kSkyNames.begin())) {}
+                                    kSkyNames.begin())) {
+  for (const LightBand& band : bandsOf(configuration)) {
+    parts_.push_back(band.part);
+  }
+}
 
 std::optional<std::string> Daylight::open(const turtle::World& world) {
   up_ = core::normalised(world.up);
+  stepDays_ = world.stepDurationDays;
+  world_ = world;
+  hasMeasured_ =
+      world.weather && (world.weather->has("global") || world.weather->has("direct") || world.weather->has("diffuse"));
   if (sun_ == "position") {
     const std::string& own = configuration_.text("start");
     const auto start = julianDayOf(own.empty() ? world.start : own);
     if (!start || (own.empty() && !world.latitudeDegrees)) {
       return "needs to know where and when it is for the position of the sun: set 'latitude', 'longitude' and "
-             "'start', here or in the world (\"2026-06-21\" or \"2026-06-21T12:00\", universal time).";
+             "'start', here or in the world (\"2026-06-21T12:00\" in universal time, or with an offset: +02:00).";
     }
     startDay_ = *start;
     latitude_ = own.empty() ? *world.latitudeDegrees : configuration_.number("latitude");
     longitude_ = own.empty() ? world.longitudeDegrees.value_or(0.0) : configuration_.number("longitude");
     north_ = core::normalised(world.north - up_ * core::dot(world.north, up_));
-    stepDays_ = world.stepDurationDays;
   } else if (sun_ == "direction") {
     const auto& direction = configuration_.numbers("sunDirection");
     sunDirection_ = core::normalised({direction[0], direction[1], direction[2]});
@@ -42,16 +59,23 @@ std::optional<std::string> Daylight::open(const turtle::World& world) {
   return std::nullopt;
 }
 
-Daylight::Incoming Daylight::at(double timeDays, const RayDirections& directions) const {
+tl::expected<Daylight::Incoming, std::string> Daylight::at(double timeDays, const RayDirections& directions) const {
   Incoming incoming;
   incoming.sky.assign(directions.all().size(), 0.0);
-  if (sun_ == "none") {
-    addSky(directions, up_, configuration_.number("diffuseIrradiance"), incoming.sky);
-    return incoming;
-  }
-  if (sun_ == "direction") {
-    addSun(sunDirection_, configuration_.number("directIrradiance"), incoming);
-    addSky(directions, sunDirection_, configuration_.number("diffuseIrradiance"), incoming.sky);
+  if (sun_ != "position") {
+    Radiation radiation{configuration_.number("directIrradiance"), configuration_.number("diffuseIrradiance")};
+    const double sine = sun_ == "none" ? 0.0 : core::dot(sunDirection_, up_);
+    if (hasMeasured_) {
+      const auto read = measured(timeDays, timeDays + stepDays_, sine);
+      if (!read) {
+        return tl::unexpected(read.error());
+      }
+      radiation = *read;
+    }
+    if (sun_ == "direction") {
+      addSun(sunDirection_, radiation.direct, incoming);
+    }
+    addSky(directions, sun_ == "none" ? up_ : sunDirection_, radiation.diffuse, incoming);
     return incoming;
   }
   const auto samples = static_cast<int>(configuration_.integer("sunSamples"));
@@ -59,28 +83,72 @@ Daylight::Incoming Daylight::at(double timeDays, const RayDirections& directions
     const double day = startDay_ + timeDays + stepDays_ * (i + 0.5) / samples;
     const SunPosition position = sunPosition(day, latitude_, longitude_);
     const double sine = core::sin(position.elevationRadians);
-    if (sine > 1e-3) {
-      const Vec3 direction = sunDirection(position, up_, north_);
+    const Vec3 direction = sunDirection(position, up_, north_);
+    if (hasMeasured_) {
+      const auto radiation =
+          measured(timeDays + stepDays_ * i / samples, timeDays + stepDays_ * (i + 1) / samples, sine);
+      if (!radiation) {
+        return tl::unexpected(radiation.error());
+      }
+      if (radiation->direct > 0.0) {
+        addSun(direction, radiation->direct / samples, incoming);
+      }
+      addSky(directions, sine > kLowestSine ? direction : up_, radiation->diffuse / samples, incoming);
+    } else if (sine > 1e-3) {
       const double passed = core::pow(configuration_.number("atmosphere"), 1.0 / sine);
       const double outside = solarIrradiance(day) / samples;
       addSun(direction, outside * passed, incoming);
-      addSky(directions, direction, 0.3 * (1.0 - passed) * outside * sine, incoming.sky);
+      addSky(directions, direction, 0.3 * (1.0 - passed) * outside * sine, incoming);
     }
   }
   return incoming;
 }
 
+tl::expected<Daylight::Radiation, std::string> Daylight::measured(double from, double to, double sine) const {
+  const turtle::Weather& weather = *world_.weather;
+  std::array<double, 3> values{};
+  constexpr std::array<std::string_view, 3> kNames{"global", "direct", "diffuse"};
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (weather.has(kNames[k])) {
+      const auto mean = weather.mean(kNames[k], from, to);
+      if (!mean) {
+        return tl::unexpected(turtle::missingWeather(world_, kNames[k], from, to));
+      }
+      values[k] = *mean;
+    }
+  }
+  const auto& [global, direct, diffuse] = values;
+  const bool isUp = sine > kLowestSine;
+  if (weather.has("global") && !weather.has("direct") && !weather.has("diffuse") && sun_ == "none") {
+    return Radiation{0.0, global};
+  }
+  if (weather.has("direct") && weather.has("diffuse")) {
+    return Radiation{isUp ? direct : 0.0, diffuse};
+  }
+  if (!weather.has("global") || !(weather.has("direct") || weather.has("diffuse"))) {
+    return tl::unexpected(std::string(
+        "needs two of the weather's global, direct and diffuse radiation: one alone does not say how much comes from "
+        "the sun. Add a column."));
+  }
+  // global = direct · sine + diffuse; of a sun at the horizon or below everything is the sky's
+  if (!isUp) {
+    return Radiation{0.0, global};
+  }
+  return weather.has("diffuse") ? Radiation{std::max(global - diffuse, 0.0) / sine, std::min(diffuse, global)}
+                                : Radiation{direct, std::max(global - direct * sine, 0.0)};
+}
+
 void Daylight::addSun(const Vec3& direction, double irradiance, Incoming& incoming) const {
   LeafLight::Sun sun{direction, {}};
-  for (const double part : configuration_.numbers("bands")) {
+  for (const double part : parts_) {
     sun.irradiance.push_back(irradiance * part);
   }
   incoming.suns.push_back(std::move(sun));
 }
 
 /// Adds a sky that gives a horizontal plane this irradiance, as the directions of each lattice sum it up.
-void Daylight::addSky(const RayDirections& directions, const Vec3& sun, double irradiance,
-                      std::vector<double>& sky) const {
+void Daylight::addSky(const RayDirections& directions, const Vec3& sun, double irradiance, Incoming& incoming) const {
+  incoming.diffuse += irradiance;
   std::vector<double> radiance(directions.all().size(), 0.0);
   for (const RayDirections::Lattice& lattice : directions.lattices()) {
     double weights = 0.0;
@@ -96,7 +164,7 @@ void Daylight::addSky(const RayDirections& directions, const Vec3& sun, double i
       }
     }
     for (std::size_t i = lattice.begin; i < end; ++i) {
-      sky[i] += radiance[i] * irradiance / (pi * sum / weights);
+      incoming.sky[i] += radiance[i] * irradiance / (pi * sum / weights);
     }
   }
 }

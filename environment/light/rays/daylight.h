@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <tl/expected.hpp>
 #include <vector>
 
 #include "engine/core/vec3.h"
@@ -20,6 +21,7 @@ class Daylight {
   struct Incoming {
     std::vector<LeafLight::Sun> suns;  // irradiance by band, W/m²
     std::vector<double> sky;           // radiance of the whole spectrum by direction, W m⁻² sr⁻¹
+    double diffuse = 0.0;              // irradiance of a horizontal plane by the sky, whole spectrum
   };
 
   explicit Daylight(const Configuration& configuration);
@@ -27,17 +29,26 @@ class Daylight {
   /// Sets place and time from the world. The error is a sentence without its subject, the name of the environment.
   [[nodiscard]] std::optional<std::string> open(const turtle::World& world);
 
-  /// The light of the step that begins so many days after the start, its mean over the step. O(suns · directions).
-  [[nodiscard]] Incoming at(double timeDays, const RayDirections& directions) const;
+  /// The light of the step that begins so many days after the start, its mean over the step. Radiation of the world's
+  /// weather takes the place of the configuration's. The error is a sentence as in open(). O(suns · directions).
+  [[nodiscard]] tl::expected<Incoming, std::string> at(double timeDays, const RayDirections& directions) const;
 
  private:
+  /// Radiation between two times, days after the start: of the sun on a plane that faces it, of the sky on a horizontal
+  /// one.
+  struct Radiation {
+    double direct = 0.0;
+    double diffuse = 0.0;
+  };
+  /// From two of the weather's global, direct and diffuse radiation; `sine` is that of the sun's elevation.
+  [[nodiscard]] tl::expected<Radiation, std::string> measured(double from, double to, double sine) const;
   void addSun(const core::Vec3& direction, double irradiance, Incoming& incoming) const;
-  void addSky(const RayDirections& directions, const core::Vec3& sun, double irradiance,
-              std::vector<double>& sky) const;
+  void addSky(const RayDirections& directions, const core::Vec3& sun, double irradiance, Incoming& incoming) const;
 
   Configuration configuration_;
   std::string sun_;  // none, direction, position
   SkyKind skyKind_;
+  std::vector<double> parts_;  // of the irradiance in each band
   core::Vec3 up_{0, 1, 0};
   core::Vec3 north_{0, 0, -1};
   core::Vec3 sunDirection_{0, 1, 0};
@@ -45,6 +56,8 @@ class Daylight {
   double latitude_ = 0.0;
   double longitude_ = 0.0;
   double stepDays_ = 1.0;
+  turtle::World world_;
+  bool hasMeasured_ = false;  // the weather has radiation
 };
 
 }  // namespace espalier::environment

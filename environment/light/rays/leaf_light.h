@@ -41,6 +41,19 @@ class LeafLight {
     std::vector<double> irradiance;
   };
 
+  /// The triangles of a ground under a plot that repeats itself: the last ones. All light that comes in meets a plant
+  /// or the ground.
+  struct Ground {
+    std::size_t begin = 0;  // first of its triangles
+    double incoming = 0.0;  // power of one band that comes in over the plot
+  };
+  /// The light of one band when almost nothing is left of it.
+  struct Balance {
+    std::vector<double> irradiances;  // as irradiances() gives them
+    double leavingUp = 0.0;           // scattered power that goes to the sky
+    double leavingDown = 0.0;         // and past everything downwards
+  };
+
   /// Without triangles.
   explicit LeafLight(const Options& options);
   /// With a first scene.
@@ -61,6 +74,14 @@ class LeafLight {
                                                 const std::vector<LightMaterial>& materials,
                                                 const std::vector<double>& emitted, int bounces) const;
 
+  /// Irradiances with as many bounces as it takes until a part `remainder` (above 0) of the light that came in is left.
+  /// Scattered light is sent along the rays of the side that scatters it, so that none is lost or made: what comes in,
+  /// what is absorbed and what leaves balance up to the remainder. Needs keepsHits and the rays of all triangles. One
+  /// thread adds the sums in a fixed order. O(bounces · rays).
+  [[nodiscard]] Balance settle(std::size_t band, const std::vector<double>& sky,
+                               const std::vector<LightMaterial>& materials, double remainder, const core::Vec3& up,
+                               const std::optional<Ground>& ground) const;
+
   /// Irradiance of a plane facing `normal` at a point, from the sky and the suns only. Its rays are not kept.
   [[nodiscard]] double irradianceAt(const core::Vec3& point, const core::Vec3& normal, std::size_t band,
                                     const std::vector<double>& sky) const;
@@ -75,6 +96,9 @@ class LeafLight {
   struct Earlier;
 
   void measure();
+  void giveTheGroundTheRest(const Ground& ground, const core::Vec3& up, std::vector<double>& irradiances) const;
+  void shoot(std::size_t row, const std::vector<double>& power, const core::Vec3& up, std::vector<double>& arrived,
+             Balance& balance) const;
   void listRows(std::vector<std::uint32_t> wanted);
   [[nodiscard]] std::vector<std::uint32_t> rowsInSpace() const;
   /// Traces a row; how many of its rays were kept.

@@ -9,7 +9,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <optional>
+#include <tl/expected.hpp>
 #include <utility>
 #include <vector>
 
@@ -20,6 +22,7 @@
 #include "environment/geometry/grid_axes.h"
 #include "environment/light/rays/daylight.h"
 #include "environment/light/rays/leaf_light.h"
+#include "environment/light/rays/light_bands.h"
 #include "environment/light/rays/light_keys.h"
 #include "environment/light/rays/plant_surfaces.h"
 
@@ -30,6 +33,7 @@ namespace {
 using core::Vec3;
 
 constexpr int kGroundCells = 16;
+constexpr std::size_t kMostDirections = 65536;
 constexpr double kMostPlots = 50.0;    // that one triangle reaches
 constexpr double kFurthestPlot = 1e6;  // beyond it places have too few digits
 constexpr std::uint32_t kGroundMaterial = 2 * PlantSurfaces::kSegment;
@@ -38,8 +42,10 @@ class Light final : public turtle::EnvironmentProcess {
  public:
   explicit Light(const Configuration& configuration)
       : configuration_(configuration),
-        bands_(configuration.numbers("bands")),
-        isPhotons_(configuration.text("unit") == "umol"),
+        bands_(bandsOf(configuration)),
+        unit_(configuration.text("unit")),
+        remainder_(configuration.number("remainder")),
+        error_(configuration.number("error")),
         daylight_(configuration) {}
 
   [[nodiscard]] turtle::EnvironmentDescription describe() const override {
@@ -50,8 +56,8 @@ class Light final : public turtle::EnvironmentProcess {
         .inputs = {},
         .outputs = {},
         .isStateful = false};
-    const std::string total = isPhotons_ ? "umol/s" : "W";
-    const std::string density = isPhotons_ ? "umol/(m^2 s)" : "W/m^2";
+    const std::string total = unit_ == "W" ? "W" : unit_ == "umol" ? "umol/s" : "mol/day";
+    const std::string density = densityUnit();
     for (std::size_t band = 1; band <= bands_.size(); ++band) {
       const std::string number = bands_.size() == 1 ? "" : std::to_string(band);
       description.outputs.push_back({"absorbed" + number, density, ""});
@@ -81,15 +87,7 @@ class Light final : public turtle::EnvironmentProcess {
     if (const auto missing = daylight_.open(world)) {
       return fail(*missing);
     }
-    LeafLight::Options options{.directions = static_cast<int>(configuration_.integer("directions")),
-                               .keepsHits = configuration_.integer("bounces") > 0,
-                               .threads = static_cast<unsigned>(configuration_.integer("threads"))};
-    const auto& plot = configuration_.numbers("plot");
-    if (!plot.empty()) {
-      options.repetition = RayCaster::Repetition{
-          {axes_->up == 0 ? 1 : 0, axes_->up == 2 ? 1 : 2}, {plot[0], plot[2]}, {plot[1], plot[3]}};
-    }
-    light_.emplace(options);
+    levels_.clear();
     groundLight_.clear();
     return std::nullopt;
   }
@@ -102,46 +100,42 @@ class Light final : public turtle::EnvironmentProcess {
     if (auto problem = beyondThePlot(plants.surfaces)) {
       return turtle::EnvironmentError{"Environment 'light' " + *problem, false};
     }
+    const std::size_t groundBegin = plants.surfaces.triangles.size();
     addGround(plants.surfaces);
-    const int bounces = static_cast<int>(configuration_.integer("bounces"));
-    // without bounces only organs with a query need light
-    std::vector<std::uint32_t> wanted;
-    if (bounces == 0) {
-      for (std::size_t query = 0; query < queries.size(); ++query) {
-        const auto [begin, end] = plants.rangeOf(queries.plant[query], queries.module[query] + 1);
-        wanted.insert(wanted.end(), plants.bySource.begin() + static_cast<std::ptrdiff_t>(begin),
-                      plants.bySource.begin() + static_cast<std::ptrdiff_t>(end));
+    auto lit = shine(0, queries, plants, groundBegin);
+    // twice as many rays until that changes little
+    for (std::size_t level = 1; lit && error_ > 0.0 && (directionCount() << level) <= kMostDirections; ++level) {
+      auto finer = shine(level, queries, plants, groundBegin);
+      const bool isEnough = !finer || differenceOf(*lit, *finer, plants) <= error_;
+      lit = std::move(finer);
+      if (isEnough) {
+        break;
       }
-      for (std::uint32_t triangle = 0; triangle < plants.surfaces.triangles.size(); ++triangle) {
-        if (plants.surfaces.material[triangle] == kGroundMaterial) {
-          wanted.push_back(triangle);
-        }
-      }
-      std::sort(wanted.begin(), wanted.end());
-      wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
     }
-    if (bounces == 0 && wanted.empty() && !plants.surfaces.triangles.empty()) {
-      // only sensors ask: one triangle is enough to have a scene
-      wanted.push_back(0);
+    if (!lit) {
+      return turtle::EnvironmentError{"Environment 'light' " + lit.error(), false};
     }
-    const Daylight::Incoming incoming = daylight_.at(queries.timeDays, light_->directions());
-    light_->setScene(plants.surfaces, std::move(wanted), incoming.suns);
     groundLight_.clear();
+    fluxes_ = std::move(lit->fluxes);
     for (std::size_t band = 0; band < bands_.size(); ++band) {
-      answerBand(queries, band, bounces, plants, incoming.sky, replies);
+      keepGroundLight(plants.surfaces, lit->irradiances[band], band);
+      answerBand(queries, band, plants, *lit, replies);
     }
     countAnswers(queries, replies);
     return std::nullopt;
   }
 
-  /// The irradiance of the ground, when there is one.
+  /// The irradiance of the ground, when there is one, and the fluxes of the stand with a remainder.
   [[nodiscard]] std::vector<turtle::Field> fields() const override {
     std::vector<turtle::Field> fields;
     const auto& plot = configuration_.numbers("plot");
+    for (std::size_t band = 0; band < fluxes_.size(); ++band) {
+      addFluxFields(band, fields);
+    }
     for (std::size_t band = 0; band < groundLight_.size(); ++band) {
       turtle::Field field;
-      field.name = bands_.size() == 1 ? "groundLight" : "groundLight" + std::to_string(band + 1);
-      field.unit = isPhotons_ ? "umol/(m^2 s)" : "W/m^2";
+      field.name = "groundLight" + numberOf(band);
+      field.unit = densityUnit();
       const double height = configuration_.number("groundHeight");
       const double wide = (plot[1] - plot[0]) / kGroundCells;
       const double deep = (plot[3] - plot[2]) / kGroundCells;
@@ -166,6 +160,215 @@ class Light final : public turtle::EnvironmentProcess {
   }
 
  private:
+  /// What becomes of the light that comes in over the plot, W/m² of it.
+  struct Fluxes {
+    double incoming = 0.0;
+    double up = 0.0;        // scattered, to the sky
+    double down = 0.0;      // on the ground
+    double byPlants = 0.0;  // absorbed
+    double byGround = 0.0;
+  };
+  /// The light of all bands, with one number of rays.
+  struct Lit {
+    const LeafLight* light = nullptr;
+    std::vector<std::vector<double>> irradiances;  // of the sides of all triangles, by band
+    std::vector<std::vector<double>> skies;        // radiance by direction, by band
+    std::vector<Fluxes> fluxes;                    // by band; empty: not known
+  };
+
+  [[nodiscard]] std::string densityUnit() const {
+    return unit_ == "W" ? "W/m^2" : unit_ == "umol" ? "umol/(m^2 s)" : "mol/(m^2 day)";
+  }
+  /// Of a band in names: nothing when there is only one.
+  [[nodiscard]] std::string numberOf(std::size_t band) const {
+    return bands_.size() == 1 ? std::string() : std::to_string(band + 1);
+  }
+  /// The unit of replies in W.
+  [[nodiscard]] double unitOf(std::size_t band) const {
+    constexpr double kMolesPerDay = 0.0864;  // in a µmol/s
+    return unit_ == "W"      ? 1.0
+           : unit_ == "umol" ? bands_[band].photonsPerJoule
+                             : bands_[band].photonsPerJoule * kMolesPerDay;
+  }
+  [[nodiscard]] std::size_t directionCount() const {
+    return static_cast<std::size_t>(configuration_.integer("directions"));
+  }
+
+  /// The rays of a level, each of which has twice as many as the one before.
+  LeafLight& lightOf(std::size_t level) {
+    while (levels_.size() <= level) {
+      LeafLight::Options options{.directions = static_cast<int>(directionCount() << levels_.size()),
+                                 .keepsHits = scatters(),
+                                 .threads = static_cast<unsigned>(configuration_.integer("threads"))};
+      const auto& plot = configuration_.numbers("plot");
+      if (!plot.empty()) {
+        options.repetition = RayCaster::Repetition{
+            {axes_->up == 0 ? 1 : 0, axes_->up == 2 ? 1 : 2}, {plot[0], plot[2]}, {plot[1], plot[3]}};
+      }
+      levels_.push_back(std::make_unique<LeafLight>(options));
+    }
+    return *levels_[level];
+  }
+  [[nodiscard]] bool scatters() const { return configuration_.integer("bounces") > 0 || remainder_ > 0.0; }
+
+  [[nodiscard]] tl::expected<Lit, std::string> shine(std::size_t level, const turtle::QueryBatch& queries,
+                                                     const PlantSurfaces& plants, std::size_t groundBegin) {
+    LeafLight& light = lightOf(level);
+    auto incoming = daylight_.at(queries.timeDays, light.directions());
+    if (!incoming) {
+      return tl::unexpected(std::move(incoming.error()));
+    }
+    const std::size_t sunRays = static_cast<std::size_t>(configuration_.integer("sunRays")) << level;
+    if (sunRays > 1) {
+      repeat(incoming->suns, sunRays);
+    }
+    light.setScene(plants.surfaces, scatters() ? std::vector<std::uint32_t>{} : wantedBy(queries, plants),
+                   incoming->suns);
+    Lit lit;
+    lit.light = &light;
+    const bool hasGround = plants.surfaces.triangles.size() > groundBegin;
+    for (std::size_t band = 0; band < bands_.size(); ++band) {
+      std::vector<double> sky = incoming->sky;
+      for (double& radiance : sky) {
+        radiance *= bands_[band].part;
+      }
+      const std::vector<LightMaterial> materials = materialsOf(band);
+      if (remainder_ > 0.0) {
+        Fluxes fluxes;
+        fluxes.incoming = incoming->diffuse * bands_[band].part;
+        for (const LeafLight::Sun& sun : incoming->suns) {
+          fluxes.incoming += core::dot(sun.direction, up_) * sun.irradiance[band];
+        }
+        std::optional<LeafLight::Ground> ground;
+        if (hasGround) {
+          ground = LeafLight::Ground{groundBegin, fluxes.incoming * plotArea()};
+        }
+        LeafLight::Balance balance = light.settle(band, sky, materials, remainder_, up_, ground);
+        if (hasGround) {
+          complete(fluxes, balance, light, plants.surfaces, materials, groundBegin);
+          lit.fluxes.push_back(fluxes);
+        }
+        lit.irradiances.push_back(std::move(balance.irradiances));
+      } else {
+        lit.irradiances.push_back(
+            light.irradiances(band, sky, materials, {}, static_cast<int>(configuration_.integer("bounces"))));
+      }
+      lit.skies.push_back(std::move(sky));
+    }
+    return lit;
+  }
+
+  /// Each sun as so many, which shine on other points of a triangle.
+  static void repeat(std::vector<LeafLight::Sun>& suns, std::size_t times) {
+    std::vector<LeafLight::Sun> all;
+    for (LeafLight::Sun& sun : suns) {
+      for (double& irradiance : sun.irradiance) {
+        irradiance /= static_cast<double>(times);
+      }
+      all.insert(all.end(), times, sun);
+    }
+    suns = std::move(all);
+  }
+
+  [[nodiscard]] double plotArea() const {
+    const auto& plot = configuration_.numbers("plot");
+    return (plot[1] - plot[0]) * (plot[3] - plot[2]);
+  }
+
+  void complete(Fluxes& fluxes, const LeafLight::Balance& balance, const LeafLight& light,
+                const LightSurfaces& surfaces, const std::vector<LightMaterial>& materials,
+                std::size_t groundBegin) const {
+    for (std::size_t triangle = 0; triangle < surfaces.triangles.size(); ++triangle) {
+      const LightMaterial& material = materials[surfaces.material[triangle]];
+      const double power =
+          (balance.irradiances[2 * triangle] + balance.irradiances[2 * triangle + 1]) * light.areaOf(triangle);
+      const double absorbed = power * (1.0 - material.reflectance - material.transmittance);
+      if (triangle < groundBegin) {
+        fluxes.byPlants += absorbed / plotArea();
+      } else {
+        fluxes.down += power / plotArea();
+        fluxes.byGround += absorbed / plotArea();
+      }
+    }
+    fluxes.up = balance.leavingUp / plotArea();
+    // organs may reach below the ground: there nothing comes back
+    fluxes.byGround += balance.leavingDown / plotArea();
+  }
+
+  /// The root mean square of the differences of what the organs absorb, over the mean: each weighted with its area.
+  [[nodiscard]] double differenceOf(const Lit& coarse, const Lit& fine, const PlantSurfaces& plants) const {
+    double squares = 0.0;
+    double sum = 0.0;
+    double area = 0.0;
+    for (std::size_t band = 0; band < bands_.size(); ++band) {
+      for (std::size_t begin = 0; begin < plants.bySource.size();) {
+        const auto [first, end] =
+            plants.rangeOf(plants.sources[plants.bySource[begin]].first, plants.sources[plants.bySource[begin]].second);
+        double own = 0.0;
+        double difference = 0.0;
+        double light = 0.0;
+        for (std::size_t i = first; i < end; ++i) {
+          const std::size_t side = 2 * std::size_t{plants.bySource[i]};
+          const double size = fine.light->areaOf(plants.bySource[i]);
+          const double now = fine.irradiances[band][side] + fine.irradiances[band][side + 1];
+          own += size;
+          light += size * now;
+          difference += size * (now - coarse.irradiances[band][side] - coarse.irradiances[band][side + 1]);
+        }
+        squares += own > 0.0 ? difference * difference / own : 0.0;
+        sum += light;
+        area += own;
+        begin = end;
+      }
+    }
+    return sum > 0.0 ? std::sqrt(squares * area) / sum : 0.0;
+  }
+
+  /// Without bounces only the ground and organs with a query need light.
+  [[nodiscard]] std::vector<std::uint32_t> wantedBy(const turtle::QueryBatch& queries,
+                                                    const PlantSurfaces& plants) const {
+    std::vector<std::uint32_t> wanted;
+    for (std::size_t query = 0; query < queries.size(); ++query) {
+      const auto [begin, end] = plants.rangeOf(queries.plant[query], queries.module[query] + 1);
+      wanted.insert(wanted.end(), plants.bySource.begin() + static_cast<std::ptrdiff_t>(begin),
+                    plants.bySource.begin() + static_cast<std::ptrdiff_t>(end));
+    }
+    for (std::uint32_t triangle = 0; triangle < plants.surfaces.triangles.size(); ++triangle) {
+      if (plants.surfaces.material[triangle] == kGroundMaterial) {
+        wanted.push_back(triangle);
+      }
+    }
+    std::sort(wanted.begin(), wanted.end());
+    wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
+    if (wanted.empty() && !plants.surfaces.triangles.empty()) {
+      // only sensors ask: one triangle is enough to have a scene
+      wanted.push_back(0);
+    }
+    return wanted;
+  }
+
+  /// The fluxes of a band as fields of one cell over the plot.
+  void addFluxFields(std::size_t band, std::vector<turtle::Field>& fields) const {
+    const auto& plot = configuration_.numbers("plot");
+    const Fluxes& fluxes = fluxes_[band];
+    turtle::Field field;
+    field.unit = densityUnit();
+    field.position = axes_->toWorld({plot[0], configuration_.number("groundHeight"), plot[2]});
+    const double wide = plot[1] - plot[0];
+    const double deep = plot[3] - plot[2];
+    field.cellSize = axes_->toWorld({wide, std::min(wide, deep), deep});
+    field.cellSize = {std::abs(field.cellSize.x), std::abs(field.cellSize.y), std::abs(field.cellSize.z)};
+    for (const auto& [name, value] : {std::pair{"incoming", fluxes.incoming},
+                                      {"leavingUp", fluxes.up},
+                                      {"downOnGround", fluxes.down},
+                                      {"absorbedByPlants", fluxes.byPlants},
+                                      {"absorbedByGround", fluxes.byGround}}) {
+      field.name = name + numberOf(band);
+      field.values = {value * unitOf(band)};
+      fields.push_back(field);
+    }
+  }
+
   /// The error of organs that are too large for a repeated plot: a triangle counts once in each plot that it reaches.
   [[nodiscard]] std::optional<std::string> beyondThePlot(const LightSurfaces& surfaces) const {
     const auto& plot = configuration_.numbers("plot");
@@ -220,18 +423,17 @@ class Light final : public turtle::EnvironmentProcess {
     }
   }
 
-  [[nodiscard]] std::vector<LightMaterial> materialsOf(std::size_t band) const {
+  [[nodiscard]] std::vector<LightMaterial> materialsOf(std::size_t number) const {
+    const LightBand& band = bands_[number];
     std::vector<LightMaterial> materials(kGroundMaterial + 1);
     for (std::size_t colour = 0; colour < PlantSurfaces::kSegment; ++colour) {
-      materials[colour] = {numberOfBand(configuration_.numbers("reflectance"), band),
-                           numberOfBand(configuration_.numbers("transmittance"), band)};
-      materials[PlantSurfaces::kSegment + colour] = {numberOfBand(configuration_.numbers("stemReflectance"), band),
-                                                     0.0};
+      materials[colour] = {band.reflectance, band.transmittance};
+      materials[PlantSurfaces::kSegment + colour] = {band.stemReflectance, 0.0};
     }
     for (const auto& row : configuration_.rows("materials")) {
-      materials[static_cast<std::size_t>(row[0])] = {row[1 + 2 * band], row[2 + 2 * band]};
+      materials[static_cast<std::size_t>(row[0])] = {row[1 + 2 * number], row[2 + 2 * number]};
     }
-    materials[kGroundMaterial] = {numberOfBand(configuration_.numbers("groundReflectance"), band), 0.0};
+    materials[kGroundMaterial] = {band.groundReflectance, 0.0};
     return materials;
   }
 
@@ -242,7 +444,7 @@ class Light final : public turtle::EnvironmentProcess {
     if (count < kTriangles || surfaces.material[count - kTriangles] != kGroundMaterial) {
       return;
     }
-    const double unit = isPhotons_ ? numberOfBand(configuration_.numbers("photonsPerJoule"), band) : 1.0;
+    const double unit = unitOf(band);
     std::vector<double> light;
     for (std::size_t triangle = count - kTriangles; triangle < count; triangle += 2) {
       // either side may be the front, and the other one sees nothing
@@ -255,15 +457,11 @@ class Light final : public turtle::EnvironmentProcess {
     groundLight_.push_back(std::move(light));
   }
 
-  void answerBand(const turtle::QueryBatch& queries, std::size_t band, int bounces, const PlantSurfaces& plants,
-                  std::vector<double> sky, turtle::ReplyBatch& replies) {
-    for (double& radiance : sky) {
-      radiance *= bands_[band];
-    }
+  void answerBand(const turtle::QueryBatch& queries, std::size_t band, const PlantSurfaces& plants, const Lit& lit,
+                  turtle::ReplyBatch& replies) const {
     const std::vector<LightMaterial> materials = materialsOf(band);
-    const std::vector<double> irradiances = light_->irradiances(band, sky, materials, {}, bounces);
-    keepGroundLight(plants.surfaces, irradiances, band);
-    const double unit = isPhotons_ ? numberOfBand(configuration_.numbers("photonsPerJoule"), band) : 1.0;
+    const std::vector<double>& irradiances = lit.irradiances[band];
+    const double unit = unitOf(band);
     for (std::size_t query = 0; query < queries.size(); ++query) {
       const std::size_t count = queries.parametersOf(query).size();
       if (count <= 4 * band) {
@@ -280,15 +478,18 @@ class Light final : public turtle::EnvironmentProcess {
         // of a segment only the outside counts
         const bool isSegment = number >= PlantSurfaces::kSegment;
         const double both = irradiances[2 * triangle] + (isSegment ? 0.0 : irradiances[2 * triangle + 1]);
-        area += light_->areaOf(triangle);
-        incident += light_->areaOf(triangle) * both;
-        absorbed += light_->areaOf(triangle) * both * (1.0 - material.reflectance - material.transmittance);
+        area += lit.light->areaOf(triangle);
+        incident += lit.light->areaOf(triangle) * both;
+        absorbed += lit.light->areaOf(triangle) * both * (1.0 - material.reflectance - material.transmittance);
       }
       std::array<double, 4> values{};
       if (area > 0.0) {
         values = {absorbed / area, absorbed * metres_ * metres_, incident / area, incident * metres_ * metres_};
+      } else if (begin == end && configuration_.text("sensor") == "fluxes") {
+        const Fluxes& fluxes = fluxes_[band];
+        values = {fluxes.up, fluxes.down, fluxes.byPlants, fluxes.byGround};
       } else if (begin == end) {
-        values[2] = light_->irradianceAt(queries.position[query], up_, band, sky);
+        values[2] = lit.light->irradianceAt(queries.position[query], up_, band, lit.skies[band]);
       }
       for (std::size_t k = 0; k < std::min<std::size_t>(count - 4 * band, 4); ++k) {
         replies.set(queries, query, 4 * band + k, values[k] * unit);
@@ -297,15 +498,18 @@ class Light final : public turtle::EnvironmentProcess {
   }
 
   std::vector<std::vector<double>> groundLight_;  // irradiance by band and square of the ground; none: no ground
+  std::vector<Fluxes> fluxes_;                    // of the last step, by band; empty: not known
   Configuration configuration_;
-  std::vector<double> bands_;  // parts of the irradiance
-  bool isPhotons_;
+  std::vector<LightBand> bands_;
+  std::string unit_;  // W, umol, mol
+  double remainder_;
+  double error_;
   Daylight daylight_;
   std::optional<GridAxes> axes_;
   Vec3 up_{0, 1, 0};
   double metres_ = 1.0;  // in a length unit
-  /// Keeps the rays of the last step; the replies do not depend on them. Set by open().
-  std::optional<LeafLight> light_;
+  /// Keep the rays of the last step; the replies do not depend on them. By level, made when needed.
+  std::vector<std::unique_ptr<LeafLight>> levels_;
 };
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "environment/light/rays/light_bands.h"
 #include "environment/light/sky.h"
 
 namespace espalier::environment {
@@ -13,7 +14,8 @@ namespace espalier::environment {
 namespace {
 
 constexpr std::array<std::string_view, 3> kSuns{"none", "direction", "position"};
-constexpr std::array<std::string_view, 2> kUnits{"W", "umol"};
+constexpr std::array<std::string_view, 3> kUnits{"W", "umol", "mol"};
+constexpr std::array<std::string_view, 2> kSensors{"horizontal", "fluxes"};
 constexpr std::array kHigh{0.0, 1.0, 0.0};
 constexpr std::array kOne{1.0};
 constexpr std::array kPhotons{4.57};
@@ -84,7 +86,7 @@ constexpr std::array kKeys{
                      .maximumCount = 16},
     ConfigurationKey{.name = "unit",
                      .kind = KeyKind::Choice,
-                     .description = "unit of the replies: W or µmol/s",
+                     .description = "unit of the replies: W, µmol/s or mol/day",
                      .defaultText = "W",
                      .choices = kUnits},
     ConfigurationKey{.name = "photonsPerJoule",
@@ -127,6 +129,53 @@ constexpr std::array kKeys{
                      .minimum = 0.0,
                      .maximum = 100.0,
                      .defaultNumber = 2.0},
+    ConfigurationKey{.name = "remainder",
+                     .description = "part of the light that may be left when scattering ends, instead of a number of "
+                                    "bounces; no light is lost or made; 0: bounces decides",
+                     .minimum = 0.0,
+                     .maximum = 0.1},
+    ConfigurationKey{.name = "error",
+                     .description = "error of the light of organs, relative to its mean: rays are doubled until it is "
+                                    "reached; 0: directions and sunRays decide",
+                     .minimum = 0.0,
+                     .maximum = 1.0},
+    ConfigurationKey{.name = "sunRays",
+                     .kind = KeyKind::Integer,
+                     .description = "number of rays from each triangle to each position of the sun",
+                     .minimum = 1.0,
+                     .maximum = 4096.0,
+                     .defaultNumber = 1.0},
+    ConfigurationKey{.name = "sensor",
+                     .kind = KeyKind::Choice,
+                     .description = "the answer to a query without an organ: the irradiance of a horizontal plane, or "
+                                    "the fluxes of the stand",
+                     .defaultText = "horizontal",
+                     .choices = kSensors},
+    ConfigurationKey{.name = "bandLimits",
+                     .kind = KeyKind::Rows,
+                     .description = "wavelengths at which each band begins and ends; bands then follow from spectra",
+                     .unit = "nm",
+                     .minimum = 1.0,
+                     .minimumCount = 2,
+                     .maximumCount = 2},
+    ConfigurationKey{.name = "lightSpectrum",
+                     .kind = KeyKind::Rows,
+                     .description = "spectrum of the light: wavelength in nm, energy per nm in any unit",
+                     .minimum = 0.0,
+                     .minimumCount = 2,
+                     .maximumCount = 2},
+    ConfigurationKey{.name = "leafSpectrum",
+                     .kind = KeyKind::Rows,
+                     .description = "spectrum of leaves: wavelength in nm, reflectance, transmittance",
+                     .minimum = 0.0,
+                     .minimumCount = 3,
+                     .maximumCount = 3},
+    ConfigurationKey{.name = "groundSpectrum",
+                     .kind = KeyKind::Rows,
+                     .description = "spectrum of the ground: wavelength in nm, reflectance",
+                     .minimum = 0.0,
+                     .minimumCount = 2,
+                     .maximumCount = 2},
     ConfigurationKey{.name = "directions",
                      .kind = KeyKind::Integer,
                      .description = "least number of rays of an organ, over the whole sphere; each of its "
@@ -184,7 +233,9 @@ std::vector<core::Diagnostic> checkLight(const Configuration& configuration) {
   const auto add = [&](const std::string& sentence, const std::string& hint) {
     errors.push_back(wrongConfiguration("light", sentence, hint));
   };
-  const std::size_t bands = configuration.numbers("bands").size();
+  errors = checkSpectra(configuration);
+  const std::size_t limits = configuration.rows("bandLimits").size();
+  const std::size_t bands = limits > 0 ? limits : configuration.numbers("bands").size();
   for (const std::string key :
        {"photonsPerJoule", "reflectance", "transmittance", "stemReflectance", "groundReflectance"}) {
     const std::size_t count = configuration.numbers(key).size();
@@ -193,7 +244,7 @@ std::vector<core::Diagnostic> checkLight(const Configuration& configuration) {
           "give one number for each band, or one for all");
     }
   }
-  for (std::size_t band = 0; band < bands && errors.empty(); ++band) {
+  for (std::size_t band = 0; band < bands && limits == 0 && errors.empty(); ++band) {
     if (numberOfBand(configuration.numbers("reflectance"), band) +
             numberOfBand(configuration.numbers("transmittance"), band) >
         1.0) {
@@ -222,6 +273,10 @@ std::vector<core::Diagnostic> checkLight(const Configuration& configuration) {
   }
   if (configuration.text("sky") == "clear" && configuration.text("sun") == "none") {
     add("a clear 'sky' is brightest around the sun, and 'sun' is none", "set sun to direction or position");
+  }
+  if (configuration.text("sensor") == "fluxes" &&
+      !(configuration.flag("ground") && configuration.number("remainder") > 0.0)) {
+    add("a sensor of fluxes needs a 'ground' and a 'remainder'", "write for example \"remainder\": 1e-4");
   }
   return errors;
 }

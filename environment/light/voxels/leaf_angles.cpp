@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "engine/core/elementary.h"
+#include "environment/light/sky.h"
 
 namespace espalier::environment {
 
@@ -23,6 +24,8 @@ double leafAngleDensity(LeafAngles angles, double alpha) {
       return 2.0 / pi * (1.0 - core::cos(4.0 * alpha));
     case LeafAngles::Extremophile:
       return 2.0 / pi * (1.0 + core::cos(4.0 * alpha));
+    case LeafAngles::Spherical:
+      return core::sin(alpha);
     default:
       return 2.0 / pi;
   }
@@ -40,6 +43,17 @@ double meanProjection(double cosZenith, double alpha) {
   return along + 2.0 / pi * (std::sqrt(across * across - along * along) - along * psi);
 }
 
+/// Λ of leafProjection().
+double halfSurface(double ratio) {
+  const double flat = ratio < 1.0 ? 1.0 - ratio * ratio : 1.0 - 1.0 / (ratio * ratio);
+  if (flat < 1e-9) {
+    return 2.0;
+  }
+  const double epsilon = std::sqrt(flat);
+  return ratio < 1.0 ? ratio + core::asin(epsilon) / epsilon
+                     : ratio + core::log((1.0 + epsilon) / (1.0 - epsilon)) / (2.0 * epsilon * ratio);
+}
+
 }  // namespace
 
 double leafProjection(LeafAngles angles, double cosZenith, double ratio) {
@@ -52,8 +66,7 @@ double leafProjection(LeafAngles angles, double cosZenith, double ratio) {
       return 2.0 / pi * std::sqrt(std::max(0.0, 1.0 - cosZenith * cosZenith));
     case LeafAngles::Ellipsoidal: {
       const double tangent = std::sqrt(std::max(0.0, 1.0 - cosZenith * cosZenith)) / cosZenith;
-      const double axes = ratio + 1.774 * core::pow(ratio + 1.182, -0.733);
-      return std::sqrt(ratio * ratio + tangent * tangent) / axes * cosZenith;
+      return std::sqrt(ratio * ratio + tangent * tangent) / halfSurface(ratio) * cosZenith;
     }
     default:
       break;
@@ -67,6 +80,31 @@ double leafProjection(LeafAngles angles, double cosZenith, double ratio) {
     sum += leafAngleDensity(angles, alpha) * meanProjection(cosZenith, alpha) * width;
   }
   return sum;
+}
+
+std::vector<LeafNormals> leafNormals(LeafAngles angles, double ratio) {
+  if (angles == LeafAngles::Horizontal) {
+    return {{1.0, 1.0}};
+  }
+  if (angles == LeafAngles::Vertical) {
+    return {{0.0, 1.0}};
+  }
+  constexpr int kRings = 6;
+  std::vector<LeafNormals> rings;
+  double sum = 0.0;
+  for (const auto& [x, width] : gaussLegendre(kRings)) {
+    const double alpha = x * pi / 2.0;
+    const double sine = core::sin(alpha);
+    const double cosine = core::cos(alpha);
+    const double axes = cosine * cosine + ratio * ratio * sine * sine;
+    const double density = angles == LeafAngles::Ellipsoidal ? sine / (axes * axes) : leafAngleDensity(angles, alpha);
+    rings.push_back({cosine, density * width});
+    sum += density * width;
+  }
+  for (LeafNormals& ring : rings) {
+    ring.part /= sum;
+  }
+  return rings;
 }
 
 }  // namespace espalier::environment

@@ -19,6 +19,7 @@
 #include "environment/geometry/world_up.h"
 #include "environment/light/sky.h"
 #include "environment/light/voxels/leaf_angles.h"
+#include "environment/light/voxels/scattered_light.h"
 #include "environment/light/voxels/turbid_memory.h"
 #include "environment/light/voxels/voxel_field.h"
 
@@ -99,6 +100,31 @@ constexpr std::array kKeys{
                      .minimum = 0.0,
                      .maximum = 1.0,
                      .defaultNumber = 1.0},
+    ConfigurationKey{.name = "scattering",
+                     .kind = KeyKind::Boolean,
+                     .description = "turbid: leaves scatter light with reflectance and transmittance, and the ground "
+                                    "below the box reflects it"},
+    ConfigurationKey{.name = "reflectance",
+                     .description = "scattering: part of the light that leaves reflect",
+                     .minimum = 0.0,
+                     .maximum = 1.0,
+                     .defaultNumber = 0.08},
+    ConfigurationKey{.name = "transmittance",
+                     .description = "scattering: part of the light that passes leaves",
+                     .minimum = 0.0,
+                     .maximum = 1.0,
+                     .defaultNumber = 0.05},
+    ConfigurationKey{.name = "groundReflectance",
+                     .description = "scattering: part of the light that the ground reflects",
+                     .minimum = 0.0,
+                     .maximum = 1.0,
+                     .defaultNumber = 0.1},
+    ConfigurationKey{.name = "remainder",
+                     .description = "scattering: part of the light that may be left when it ends",
+                     .minimum = 0.0,
+                     .maximum = 0.1,
+                     .isMinimumExclusive = true,
+                     .defaultNumber = 1e-4},
     ConfigurationKey{.name = "leafAreaDensity",
                      .kind = KeyKind::Numbers,
                      .description =
@@ -174,6 +200,8 @@ class LightVoxels final : public turtle::EnvironmentProcess {
       return axes.error();
     }
     lengthUnit_ = context.world.lengthUnit;
+    up_ = core::normalised(context.world.up);
+    scattered_.reset();
     field_ = VoxelField(shape_, *axes);
     memory_.clear();
     background_.clear();
@@ -191,6 +219,7 @@ class LightVoxels final : public turtle::EnvironmentProcess {
     fill(queries);
     if (isTurbid_) {
       memory_.begin(field_, shape_, directions_);
+      scatter();
     } else {
       field_.sumLayers();
     }
@@ -219,7 +248,11 @@ class LightVoxels final : public turtle::EnvironmentProcess {
       content.values.push_back(field_.values()[*field_.indexOf(field_.voxelOf(middle))]);
       light.values.push_back(isTurbid_ ? irradiance_ * lightAt(middle) : std::max(fullLight_ - shadowAt(middle), 0.0));
     });
-    return {std::move(light), std::move(content)};
+    std::vector<turtle::Field> fields{std::move(light), std::move(content)};
+    if (scattered_) {
+      addFluxFields(fields);
+    }
+    return fields;
   }
 
  private:
@@ -236,6 +269,58 @@ class LightVoxels final : public turtle::EnvironmentProcess {
     }
   }
 
+  /// Scatters the light of this step.
+  void scatter() {
+    scattered_.reset();
+    if (!configuration_.flag("scattering")) {
+      return;
+    }
+    std::vector<ScatteredLight::Beam> beams;
+    for (const Beam& beam : beams_) {
+      beams.push_back({beam.direction, beam.weight, beam.extinction});
+    }
+    const ScatteredLight::Options options{.leafAngles = leafAngles(),
+                                          .ellipsoidRatio = configuration_.number("ellipsoidRatio"),
+                                          .reflectance = configuration_.number("reflectance"),
+                                          .transmittance = configuration_.number("transmittance"),
+                                          .groundReflectance = configuration_.number("groundReflectance"),
+                                          .remainder = configuration_.number("remainder"),
+                                          .zenithAngles = static_cast<int>(configuration_.integer("zenithAngles")),
+                                          .azimuthAngles = static_cast<int>(configuration_.integer("azimuthAngles"))};
+    scattered_.emplace(field_, options, up_, beams);
+  }
+
+  /// The fluxes of the stand as fields of one cell over the box.
+  void addFluxFields(std::vector<turtle::Field>& fields) const {
+    const ScatteredLight::Fluxes& fluxes = scattered_->fluxes();
+    turtle::Field field{"", "1", {}, shape_.position, {}, {}};
+    const auto side = [&](std::size_t axis) { return static_cast<double>(shape_.cells[axis]) * shape_.voxelSize; };
+    field.cells = {1, 1, 1};
+    field.cellSize = {side(0), side(1), side(2)};
+    for (const auto& [name, value] : {std::pair{"incoming", fluxes.incoming},
+                                      {"leavingUp", fluxes.up},
+                                      {"leavingAside", fluxes.aside},
+                                      {"downOnGround", fluxes.down},
+                                      {"absorbedByPlants", fluxes.byPlants},
+                                      {"absorbedByGround", fluxes.byGround}}) {
+      field.name = name;
+      field.values = {value * irradiance_};
+      fields.push_back(field);
+    }
+  }
+
+  /// Scattered light from above at a place; nothing outside the box.
+  [[nodiscard]] double scatteredAt(const Vec3& place) const {
+    const auto voxel = scattered_ ? field_.indexOf(field_.voxelOf(place)) : std::nullopt;
+    return voxel ? scattered_->downAt(*voxel) : 0.0;
+  }
+
+  [[nodiscard]] LeafAngles leafAngles() const {
+    return static_cast<LeafAngles>(
+        std::find(kLeafAngleNames.begin(), kLeafAngleNames.end(), configuration_.text("leafAngles")) -
+        kLeafAngleNames.begin());
+  }
+
   [[nodiscard]] std::optional<turtle::EnvironmentError> makeBeams(const Vec3& up) {
     std::vector<LightDirection> lights;
     for (const auto& row : configuration_.rows("directions")) {
@@ -248,9 +333,7 @@ class LightVoxels final : public turtle::EnvironmentProcess {
     } else {
       normaliseLight(lights);
     }
-    const LeafAngles angles = static_cast<LeafAngles>(
-        std::find(kLeafAngleNames.begin(), kLeafAngleNames.end(), configuration_.text("leafAngles")) -
-        kLeafAngleNames.begin());
+    const LeafAngles angles = leafAngles();
     const double dimming = std::sqrt(configuration_.number("absorptance"));
     beams_.clear();
     directions_.clear();
@@ -323,6 +406,12 @@ class LightVoxels final : public turtle::EnvironmentProcess {
         light[ray] += beam.weight * part;
         absorbed += ray == 0 ? beam.perLeaf * part : 0.0;
       }
+      light[ray] += scatteredAt(from);
+    }
+    if (scattered_) {
+      absorbed *= 1.0 - configuration_.number("reflectance") - configuration_.number("transmittance");
+      const auto voxel = field_.indexOf(field_.voxelOf(place));
+      absorbed += voxel ? scattered_->absorbedAt(*voxel) : 0.0;
     }
     replies.set(queries, query, 0, irradiance_ * light[0]);
     for (std::size_t k = 0; k < axes; ++k) {
@@ -334,7 +423,7 @@ class LightVoxels final : public turtle::EnvironmentProcess {
   }
 
   [[nodiscard]] double lightAt(const Vec3& place) const {
-    double light = 0.0;
+    double light = scatteredAt(place);
     for (const Beam& beam : beams_) {
       light += beam.weight * core::exp(-beam.extinction * field_.integralAlong(place, beam.direction));
     }
@@ -371,10 +460,12 @@ class LightVoxels final : public turtle::EnvironmentProcess {
   double strength_;
   std::vector<double> shadowOf_;  // of one caster by tiers below it (shadowDepth + 1)
   std::vector<Beam> beams_;
-  std::vector<Vec3> directions_;    // of the beams
-  TurbidMemory memory_;             // the replies do not depend on it
-  std::vector<double> background_;  // leaf area density that is always there, as in field_; empty: none
-  VoxelField field_;                // leaf area density, or number of casters
+  std::vector<Vec3> directions_;  // of the beams
+  Vec3 up_{0, 1, 0};
+  std::optional<ScatteredLight> scattered_;  // of this step; nothing: light is not scattered
+  TurbidMemory memory_;                      // the replies do not depend on it
+  std::vector<double> background_;           // leaf area density that is always there, as in field_; empty: none
+  VoxelField field_;                         // leaf area density, or number of casters
   std::string lengthUnit_ = "m";
 };
 
@@ -391,6 +482,19 @@ ProcessOrErrors makeLightVoxels(const Configuration& configuration) {
         "'leafAreaDensity' has " + std::to_string(densities) + " numbers for " + std::to_string(cellCount) + " voxels",
         "give one for every voxel, or none");
   }
+  if (configuration.flag("scattering")) {
+    if (configuration.text("method") != "turbid") {
+      return refuse("light-voxels", "'scattering' needs the method turbid", "leave one of the two out");
+    }
+    if (configuration.number("absorptance") != 1.0) {
+      return refuse("light-voxels", "'absorptance' and 'scattering' both say what leaves take",
+                    "leave 'absorptance' out: leaves take 1 - reflectance - transmittance");
+    }
+    if (configuration.number("reflectance") + configuration.number("transmittance") > 1.0) {
+      return refuse("light-voxels", "'reflectance' and 'transmittance' add up to more than 1",
+                    "leaves cannot scatter more light than they get");
+    }
+  }
   const VoxelField::Shape shape{
       vectorOf(configuration, "position"),
       {static_cast<std::int64_t>(cells[0]), static_cast<std::int64_t>(cells[1]), static_cast<std::int64_t>(cells[2])},
@@ -405,7 +509,7 @@ extern constinit const ProcessEntry kLightVoxelsProcess{
     .name = "light-voxels",
     .summary = kSummary,
     .source =
-        "Monsi & Saeki 1953; Ross 1981; Goudriaan 1977; Palubicki et al. "
+        "Monsi & Saeki 1953; Ross 1981; Goudriaan 1977; Campbell 1986; Carlson & Lathrop 1968; Palubicki et al. "
         "2009, Self-organizing tree models for image synthesis",
     .keys = kKeys,
     .make = makeLightVoxels};

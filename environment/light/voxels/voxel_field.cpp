@@ -59,6 +59,12 @@ VoxelField::VoxelField(const Shape& shape, const GridAxes& axes) : shape_(shape)
   values_.assign(static_cast<std::size_t>(countA_ * countB_ * layers_), 0.0);
 }
 
+std::array<double, 3> VoxelField::toOwn(const Vec3& direction) const {
+  const auto way = componentsOf(direction);
+  const auto along = [&](std::size_t k) { return way[static_cast<std::size_t>(axis_[k])]; };
+  return {along(0), along(1), along(2) * sign_};
+}
+
 VoxelField::Voxel VoxelField::voxelOf(const Vec3& point) const {
   const auto p = componentsOf(point);
   const auto low = componentsOf(shape_.position);

@@ -33,6 +33,11 @@ class VoxelField {
   [[nodiscard]] const std::vector<double>& values() const { return values_; }
   [[nodiscard]] std::vector<double>& values() { return values_; }
   [[nodiscard]] std::int64_t layerCount() const { return layers_; }
+  [[nodiscard]] const Shape& shape() const { return shape_; }
+  /// Voxels along the two horizontal axes, and layers.
+  [[nodiscard]] std::array<std::int64_t, 3> counts() const { return {countA_, countB_, layers_}; }
+  /// A direction of the world along the two horizontal axes and up.
+  [[nodiscard]] std::array<double, 3> toOwn(const core::Vec3& direction) const;
 
   /// The voxel that a point is in; far outside, one outside (periodic: horizontally always inside).
   [[nodiscard]] Voxel voxelOf(const core::Vec3& point) const;

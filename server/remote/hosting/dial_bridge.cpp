@@ -151,8 +151,7 @@ class DialBridge::Implementation {
         asio::detached);
     context_.run_for(options_.connectTimeout);
     if (outcome) {
-      return "Cannot connect to " + address + ": " + *outcome +
-             ". Start the server (espalier serve) or correct the address.";
+      return "Cannot connect to " + address + ": " + *outcome + ". " + remedy_;
     }
     // the client comes by itself, and is the only one
     acceptor_.open(tcp::v4());
@@ -168,6 +167,7 @@ class DialBridge::Implementation {
 
  private:
   using Problem = std::optional<std::string>;
+  std::string remedy_ = "Start the server (espalier serve) or correct the address.";
 
   asio::awaitable<Problem> dialUnixSocket(std::string path) {
     auto socket = std::make_shared<asio::local::stream_protocol::socket>(context_);
@@ -212,6 +212,7 @@ class DialBridge::Implementation {
       tls_.load_verify_file(options_.trustedFile, unreadable);
     }
     if (unreadable) {
+      remedy_ = "Give a file of certificates in the form PEM.";
       co_return "the certificates in " + options_.trustedFile + " cannot be read (" + unreadable.message() + ")";
     }
     asio::ssl::stream<tcp::socket> encrypted(std::move(socket), tls_);
@@ -220,6 +221,9 @@ class DialBridge::Implementation {
     SSL_set_tlsext_host_name(encrypted.native_handle(), host.c_str());
     const auto [untrusted] = co_await encrypted.async_handshake(asio::ssl::stream_base::client, kAsTuple);
     if (untrusted) {
+      const bool isCertificate = untrusted.message().find("certificate") != std::string::npos;
+      remedy_ = isCertificate ? "Trust the certificate of the server with --trust FILE.pem, and use a name that it has."
+                              : "If the server is not encrypted, leave out tls://, or write ws:// instead of wss://.";
       co_return untrusted.message();
     }
     if (kind == "wss") {
@@ -236,6 +240,7 @@ class DialBridge::Implementation {
     far->read_message_max(0);
     const auto [refused] = co_await far->async_handshake(host, path, kAsTuple);
     if (refused) {
+      remedy_ = "Give the address of its HTTP side (espalier serve --http), with wss:// when it is encrypted.";
       co_return refused.message();
     }
     pump_ = [this, far](bool isTowardsFar) {

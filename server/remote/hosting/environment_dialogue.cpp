@@ -164,10 +164,14 @@ EnvironmentDialogue::Reply EnvironmentDialogue::open(const protocol::OpenParams&
         "params.configuration",
         "this environment was configured when it was started (--configuration FILE); leave the configuration out"));
   }
+  const auto context = toContext(params);
+  if (!context) {
+    return tl::unexpected(protocol::memberError("params.world", context.error()));
+  }
   opened_.erase(params.simulation);
   Opened& opened = openedFor(params.simulation);
   opened.symbols = params.symbols;
-  if (const auto error = opened.process->open(toContext(params))) {
+  if (const auto error = opened.process->open(*context)) {
     opened_.erase(params.simulation);
     return tl::unexpected(failed(*error));
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <unordered_map>
 
+#include "engine/turtle/weather.h"
 #include "protocol/codec.h"
 #include "protocol/errors.h"
 #include "server/remote/limits.h"
@@ -199,30 +200,52 @@ protocol::OpenParams toOpenParams(const turtle::EnvironmentContext& context, con
   params.symbols = context.symbols;
   params.configurationJson = configurationJson;
   params.seed = context.seed;
-  params.world = {.lengthUnit = context.world.lengthUnit,
-                  .up = toArray(context.world.up),
-                  .north = toArray(context.world.north),
-                  .stepDurationDays = context.world.stepDurationDays,
-                  .latitudeDegrees = context.world.latitudeDegrees,
-                  .longitudeDegrees = context.world.longitudeDegrees,
-                  .start = context.world.start};
+  const turtle::World& world = context.world;
+  params.world = {.lengthUnit = world.lengthUnit,
+                  .up = toArray(world.up),
+                  .north = toArray(world.north),
+                  .stepDurationDays = world.stepDurationDays,
+                  .latitudeDegrees = world.latitudeDegrees,
+                  .longitudeDegrees = world.longitudeDegrees,
+                  .start = world.start,
+                  .baseTemperature = world.baseTemperature,
+                  .weather = world.weather ? std::string(world.weather->table()) : std::string()};
   return params;
 }
 
-turtle::EnvironmentContext toContext(const protocol::OpenParams& params) {
-  turtle::EnvironmentContext context;
-  context.simulation = params.simulation;
-  context.plantCount = params.plants;
-  context.symbols = params.symbols;
-  context.seed = params.seed;
-  context.world = {.lengthUnit = params.world.lengthUnit,
-                   .up = toVec3(params.world.up),
-                   .north = toVec3(params.world.north),
-                   .stepDurationDays = params.world.stepDurationDays,
-                   .latitudeDegrees = params.world.latitudeDegrees,
-                   .longitudeDegrees = params.world.longitudeDegrees,
-                   .start = params.world.start};
-  return context;
+tl::expected<turtle::World, std::string> toWorld(const protocol::WorldRecord& record) {
+  turtle::World world{.lengthUnit = record.lengthUnit,
+                      .up = toVec3(record.up),
+                      .north = toVec3(record.north),
+                      .stepDurationDays = record.stepDurationDays,
+                      .latitudeDegrees = record.latitudeDegrees,
+                      .longitudeDegrees = record.longitudeDegrees,
+                      .start = record.start,
+                      .baseTemperature = record.baseTemperature,
+                      .weather = nullptr};
+  if (auto problem = turtle::problemOfWorld(world)) {
+    return tl::unexpected(std::move(*problem));
+  }
+  if (!record.weather.empty()) {
+    auto weather = turtle::Weather::read(record.weather, record.start);
+    if (!weather) {
+      return tl::unexpected("the weather's table, " + weather.error());
+    }
+    world.weather = std::make_shared<const turtle::Weather>(std::move(*weather));
+  }
+  return world;
+}
+
+tl::expected<turtle::EnvironmentContext, std::string> toContext(const protocol::OpenParams& params) {
+  auto world = toWorld(params.world);
+  if (!world) {
+    return tl::unexpected(std::move(world.error()));
+  }
+  return turtle::EnvironmentContext{.simulation = params.simulation,
+                                    .plantCount = params.plants,
+                                    .symbols = params.symbols,
+                                    .seed = params.seed,
+                                    .world = std::move(*world)};
 }
 
 core::Compatibility toCompatibility(const std::string& name) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <tl/expected.hpp>
 #include <vector>
 
 #include "engine/core/diagnostic.h"
@@ -43,7 +44,10 @@ namespace espalier::server {
 
 [[nodiscard]] protocol::OpenParams toOpenParams(const turtle::EnvironmentContext& context,
                                                 const std::string& configurationJson);
-[[nodiscard]] turtle::EnvironmentContext toContext(const protocol::OpenParams& params);
+/// The error is a sentence about the world.
+[[nodiscard]] tl::expected<turtle::EnvironmentContext, std::string> toContext(const protocol::OpenParams& params);
+/// The error names the member, or the line of the weather's table.
+[[nodiscard]] tl::expected<turtle::World, std::string> toWorld(const protocol::WorldRecord& record);
 
 /// What plants are made from; they choose among `models` by name. Without plants: none.
 [[nodiscard]] std::vector<simulation::PlantOrigin> plantOrigins(const std::vector<protocol::NamedModel>& models,

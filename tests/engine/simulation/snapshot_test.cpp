@@ -2,6 +2,7 @@
 
 #include <random>
 
+#include "engine/turtle/weather.h"
 #include "tests/engine/simulation/crafted_snapshot.h"
 #include "tests/engine/simulation/simulation_fixture.h"
 
@@ -52,6 +53,40 @@ TEST_P(SnapshotContinuation, RestoredRunsHaveEqualHashesNowAndAfterEveryFurtherS
 
 INSTANTIATE_TEST_SUITE_P(Modes, SnapshotContinuation,
                          testing::Values(core::Compatibility::Espalier, core::Compatibility::Cpfg));
+
+TEST(Snapshot, HoldsTheWorldWithItsWeather) {
+  SimulationOptions options;
+  options.world.lengthUnit = "cm";
+  options.world.up = {0, 0, 1};
+  options.world.north = {0, 1, 0};
+  options.world.stepDurationDays = 0.25;
+  options.world.latitudeDegrees = -33.5;
+  options.world.start = "2026-06-21T06:00+10:00";
+  options.world.baseTemperature = 8;
+  options.world.weather = std::make_shared<const turtle::Weather>(*turtle::Weather::read("time,wind\n0,1\n9,2\n", ""));
+  const turtle::World world = options.world;
+  const auto program = compileText(kAskingModel);
+  TestRun run(program, 1, options);
+  expectSuccess(run.simulation.rewind());
+  expectSuccess(run.simulation.step());
+  const std::string snapshot = snapshotOf(run.simulation);
+  EXPECT_EQ(snapshot[8], 3);
+  EXPECT_EQ(std::get<SnapshotInfo>(readSnapshotInfo(snapshot)).world, world);
+  // a simulation of another world goes on in that of the run, and its environment is told
+  TestRun restored(program);
+  expectSuccess(restored.simulation.rewind());
+  EXPECT_NE(restored.log->context.world, world);
+  expectSuccess(restored.simulation.restore(snapshot));
+  EXPECT_EQ(restored.simulation.options().world, world);
+  EXPECT_EQ(restored.log->context.world, world);
+  expectSuccess(restored.simulation.step());
+  EXPECT_EQ(restored.log->batches.back().timeDays, 0.25);
+  EXPECT_EQ(restored.simulation.options().world.weather->mean("wind", 8, 10), 1.5);
+  // a run in the default world keeps the bytes of an older version
+  TestRun plain(program);
+  expectSuccess(plain.simulation.rewind());
+  EXPECT_EQ(snapshotOf(plain.simulation)[8], 1);
+}
 
 TEST(Snapshot, HoldsTheRepliesOfTheStepUnderWay) {
   const auto program = compileText(kAskingModel);
@@ -142,7 +177,7 @@ TEST(Snapshot, OfANewerVersionIsRefused) {
   snapshot[kSnapshotMagic.size()] = 9;
   EXPECT_EQ(
       messageOf(readSnapshotInfo(snapshot)),
-      "The snapshot has version 9; this Espalier reads versions 1 to 2. Use the Espalier that made it, or a newer "
+      "The snapshot has version 9; this Espalier reads versions 1 to 3. Use the Espalier that made it, or a newer "
       "one.");
 }
 

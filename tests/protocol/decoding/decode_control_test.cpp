@@ -32,6 +32,8 @@ TEST(DecodeControl, NamesThePathOfWhatIsWrong) {
             "traces, trace, palette, explanation, found \"all\"");
   EXPECT_EQ(problem(decodeGetParams(params(R"({"simulation":"a","what":"explanation"})"))),
             "params.module: expected a whole number from 0 to 9007199254740992, found nothing");
+  EXPECT_EQ(problem(decodeEditorParams(params(R"({"message":{}})"))),
+            "params.message: expected a text, found an object");
   EXPECT_EQ(problem(decodeReadModelParams(params(R"({"gallery":7})"))), "params.gallery: expected a text, found 7");
   EXPECT_EQ(problem(decodeRestoreParams(params(R"({"simulation":"a","snapshot":"!"})"))),
             "params.snapshot: expected base64, as simulation.save gave it");
@@ -39,16 +41,19 @@ TEST(DecodeControl, NamesThePathOfWhatIsWrong) {
 
 TEST(DecodeControl, AModelComesFromExactlyOnePlace) {
   const std::string expected =
-      "params.model: expected exactly one of \"source\", \"gallery\", \"files\" (with \"main\") and \"loaded\"";
+      "params.model: expected exactly one of \"source\", \"gallery\", \"files\" and \"loaded\"";
   EXPECT_EQ(problem(decodeModelParams(params(R"({"model":{}})"))), expected);
   EXPECT_EQ(problem(decodeModelParams(params(R"({"model":{"source":"a","gallery":"b"}})"))), expected);
   EXPECT_EQ(problem(decodeModelParams(params(R"({"model":{"files":{"a.l":"x"},"main":"b.l"}})"))),
             "params.model.main: 'b.l' is not one of the files");
-  EXPECT_EQ(problem(decodeModelParams(params(R"({"model":{"files":{"a.l":"x"},"binary":{"b":"!"},"main":"a.l"}})"))),
-            "params.model.binary.b: expected base64, found \"!\"");
-  const auto mixed =
-      decodeModelParams(params(R"({"model":{"files":{"a.l":"x"},"binary":{"b.map":"AP8="},"main":"a.l:Second"}})"));
-  EXPECT_EQ(mixed.value().model.files.at("b.map"), std::string("\0\xff", 2));
+  // a folder without a main file; bytes come in base64
+  const auto folder = decodeModelParams(params(R"({"model":{"files":{"a.l":"x"},"binaryFiles":{"a.map":"AAEC"}}})"));
+  EXPECT_EQ(folder.value().model.files.at("a.map"), std::string("\0\1\2", 3));
+  EXPECT_EQ(folder.value().model.main, "");
+  const auto entry = decodeModelParams(params(R"({"model":{"files":{"a.l":"x"},"main":"a.l:Second"}})"));
+  EXPECT_EQ(entry.value().model.main, "a.l:Second");
+  EXPECT_EQ(problem(decodeModelParams(params(R"({"model":{"files":{},"binaryFiles":{"a":"!"}}})"))),
+            "params.model.binaryFiles.a: expected base64, found \"!\"");
   EXPECT_EQ(decodeModelParams(params(R"({"model":"model-1"})")).value().model.loaded, "model-1");
   EXPECT_EQ(decodeModelParams(params(R"({"source":"x"})")).value().model.source, "x");
 }

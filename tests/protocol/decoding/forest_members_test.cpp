@@ -57,9 +57,9 @@ TEST(ForestMembers, AForestFileHasNoKeysThatAreNotKnown) {
   const auto read = [](const std::string& json) { return problem(decodeForestParams(params(json))); };
   EXPECT_EQ(read(R"({"models":[{"name":"b","file":"x.l"}],"plants":[{"position":[0,0,0]}],"environment":"a.e"})"),
             "(accepted)");
-  EXPECT_EQ(
-      read(R"({"model":"x.l"})"),
-      "params.model: this key is not known; there are models, plants, seeds, environment, derivationLength, seed");
+  EXPECT_EQ(read(R"({"model":"x.l"})"),
+            "params.model: this key is not known; there are models, plants, seeds, environment, derivationLength, "
+            "seed, world");
   EXPECT_EQ(read(R"({"models":[{"name":"b"}],"plants":[{"position":[0,0,0]}]})"),
             "params.models[0].file: expected the name of a .l file or of a model folder");
   EXPECT_EQ(read(R"({"models":[{"name":"b","file":"x.l"}]})"),

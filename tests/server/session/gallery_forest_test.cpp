@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "server/remote/gallery.h"
+#include "server/remote/models/gallery.h"
 
 namespace espalier::server {
 namespace {

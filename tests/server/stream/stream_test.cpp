@@ -66,13 +66,18 @@ TEST(Stream, AViewerWithoutCreditIsMovedToTheLatestFrameAndToldHowManyItMissed) 
   resultOf(client->request("simulation.step", named(simulation, R"("steps":10)")));
   const std::string first = nextFrame(*client);
   EXPECT_EQ(member(first, "step"), "0");
-  // the turn of the last step has ended: its state was handed over to the viewers
-  resultOf(client->request("simulation.get", named(simulation, R"("what":"statistics")")));
-  EXPECT_FALSE(client->notify("stream.ack", "{\"stream\":\"" + stream + "\",\"sequence\":0}").has_value());
-  const std::string latest = nextFrame(*client);
-  EXPECT_EQ(member(latest, "step"), "10");
-  EXPECT_EQ(member(latest, "sequence"), "1");
-  EXPECT_EQ(member(latest, "missed"), "9");
+  // frames are made beside the steps: one of a step before the last may come first
+  int seen = 0;
+  std::string latest = first;
+  for (int sequence = 0; member(latest, "step") != "10"; ++sequence) {
+    const std::string ack = "{\"stream\":\"" + stream + "\",\"sequence\":" + std::to_string(sequence) + "}";
+    EXPECT_FALSE(client->notify("stream.ack", ack).has_value());
+    latest = nextFrame(*client);
+    EXPECT_EQ(member(latest, "sequence"), std::to_string(sequence + 1));
+    seen += 1 + std::stoi(member(latest, "missed"));
+  }
+  EXPECT_EQ(seen, 10);
+  EXPECT_LT(std::stoi(member(latest, "sequence")), 10) << "some were missed";
 }
 
 TEST(Stream, AViewerCannotGiveItselfMoreCreditThanItBeganWith) {

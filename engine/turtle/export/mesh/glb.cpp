@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -11,6 +12,7 @@
 
 #include "engine/core/elementary.h"
 #include "engine/turtle/export/binary_output.h"
+#include "engine/turtle/export/ground_contact.h"
 #include "engine/turtle/export/mesh/glb_plan.h"
 #include "engine/turtle/export/mesh/mesh_rounds.h"
 #include "engine/turtle/export/text_output.h"
@@ -42,19 +44,19 @@ class GlbWriter {
   // the text
   void writeJson(core::ByteSink& sink) const;
   void writeNodes(TextOutput& out) const;
-  void writeOrganNode(const PartOf& organ, TextOutput& out) const;
   void writeInstanceNode(std::size_t index, TextOutput& out) const;
   void writeMeshes(TextOutput& out) const;
   void writeMaterials(TextOutput& out) const;
   void writeTextures(TextOutput& out) const;
   void writeAccessors(TextOutput& out) const;
   void writeBufferViews(TextOutput& out) const;
+  void writeGround(TextOutput& out) const;
 
   // the numbers
   [[nodiscard]] std::optional<std::string> writePieces();
   void writeInstances(BinaryOutput& out) const;
   void writePictures(BinaryOutput& out) const;
-  void writeVertices(const Mesh& mesh, BinaryOutput& out) const;
+  void writeVertices(const Mesh& mesh, bool hasCoordinates, BinaryOutput& out) const;
   static void appendIndices(const Mesh& mesh, std::uint32_t first, std::vector<std::uint32_t>& indices);
 
   void report(std::size_t done) { reportProgress(target_.progress, done, 2 * plan_.own.size()); }
@@ -75,25 +77,9 @@ void writePlacement(const ScenePlacement& placement, TextOutput& out) {
   out.vector({placement.scale, placement.scale, placement.scale}, ',') << ']';
 }
 
-void GlbWriter::writeOrganNode(const PartOf& organ, TextOutput& out) const {
-  const SceneMeshes& scene = plan_.sceneOf(organ);
-  const MeshPart& part = plan_.partOf(organ);
-  const OrganPlacement placement = scene.placementOf(part);
-  const std::array<double, 4> q = *rotationOf(placement.frame);
-  out << "{\"mesh\":";
-  const GlbPlan::Shape shape{organ.scene, scene.sharedMeshOf(part)};
-  out.integer(static_cast<long long>(plan_.organMesh.at({shape, part.material})));
-  (out << ",\"translation\":[").vector(placement.position, ',') << "],\"rotation\":[";
-  for (std::size_t k = 0; k < 4; ++k) {
-    (k == 0 ? out : out << ',').single(q[k]);
-  }
-  (out << "],\"scale\":[").vector(placement.scale, ',') << "],\"extras\":{\"module\":";
-  out.integer(static_cast<long long>(scene.provenanceOf(part).module)) << "}}";
-}
-
 // accessors of instances follow those of the pieces
 void GlbWriter::writeInstanceNode(std::size_t index, TextOutput& out) const {
-  const std::size_t first = 4 * plan_.pieces.size() + 3 * index;
+  const std::size_t first = plan_.pieceAccessorCount + 3 * index;
   out << "{\"name\":\"" << plan_.files[plan_.instances[index].mesh].name << "\",\"mesh\":";
   out.integer(static_cast<long long>(plan_.instances[index].mesh))
       << ",\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{\"TRANSLATION\":";
@@ -114,13 +100,13 @@ void GlbWriter::writeNodes(TextOutput& out) const {
       continue;
     }
     out << ",\"children\":[";
-    const std::size_t children = plant.meshes.size() + plant.organCount;
+    const std::size_t children = plant.meshes.size() + plant.instances.size();
     for (std::size_t k = 0; k < children; ++k) {
       (k == 0 ? out : out << ',').integer(static_cast<long long>(plant.firstChild + k));
     }
     out << "]}";
   }
-  for (std::size_t i = 0; i < plan_.instances.size(); ++i) {
+  for (std::size_t i = 0; i < plan_.sceneInstanceCount; ++i) {
     out << (i + plan_.plants.size() == 0 ? "" : ",");
     writeInstanceNode(i, out);
   }
@@ -129,9 +115,9 @@ void GlbWriter::writeNodes(TextOutput& out) const {
       out << ",{\"name\":\"" << plan_.files[mesh].name << "\",\"mesh\":";
       out.integer(static_cast<long long>(mesh)) << '}';
     }
-    for (std::size_t i = 0; i < plant.organCount; ++i) {
+    for (const std::size_t instance : plant.instances) {
       out << ',';
-      writeOrganNode(plan_.organs[plant.firstOrgan + i], out);
+      writeInstanceNode(instance, out);
     }
   }
   out << "],\n";
@@ -143,12 +129,16 @@ void GlbWriter::writeMeshes(TextOutput& out) const {
     const FileMesh& mesh = plan_.files[i];
     out << (i == 0 ? "" : ",") << "{\"name\":\"" << mesh.name << "\",\"primitives\":[";
     for (std::size_t k = 0; k < mesh.pieceCount; ++k) {
-      const auto accessor = static_cast<long long>(4 * (mesh.firstPiece + k));
+      const Piece& piece = plan_.pieces[mesh.firstPiece + k];
+      const auto accessor = static_cast<long long>(piece.firstAccessor);
       out << (k == 0 ? "" : ",") << "{\"attributes\":{\"POSITION\":";
       out.integer(accessor) << ",\"NORMAL\":";
-      out.integer(accessor + 1) << ",\"TEXCOORD_0\":";
-      out.integer(accessor + 2) << "},\"indices\":";
-      out.integer(accessor + 3) << ",\"material\":";
+      out.integer(accessor + 1);
+      if (piece.hasCoordinates) {
+        (out << ",\"TEXCOORD_0\":").integer(accessor + 2);
+      }
+      (out << "},\"indices\":").integer(accessor + static_cast<long long>(piece.accessorCount()) - 1)
+          << ",\"material\":";
       out.integer(static_cast<long long>(plan_.materialIndex.at(plan_.materialOf(mesh, mesh.firstPiece + k)))) << '}';
     }
     out << "]}";
@@ -250,12 +240,12 @@ void GlbWriter::writeAccessors(TextOutput& out) const {
   };
   constexpr int kFloat = 5126;
   constexpr int kUnsigned = 5125;
-  // three attributes and the indices of each piece
+  // the attributes and the indices of each piece
   constexpr std::array<Attribute, 3> kAttributes{{{0, "VEC3"}, {12, "VEC3"}, {24, "VEC2"}}};
   out << "\"accessors\":[";
   for (std::size_t i = 0; i < plan_.pieces.size(); ++i) {
     const Piece& piece = plan_.pieces[i];
-    for (std::size_t k = 0; k < kAttributes.size(); ++k) {
+    for (std::size_t k = 0; k + 1 < piece.accessorCount(); ++k) {
       out << (i + k == 0 ? "" : ",");
       writeAccessor(2 * i, kAttributes[k], kFloat, piece.vertexCount);
       if (k == 0) {
@@ -270,7 +260,7 @@ void GlbWriter::writeAccessors(TextOutput& out) const {
   }
   // translation, rotation and scale of instances, one after the other
   for (std::size_t i = 0; i < plan_.instances.size(); ++i) {
-    const std::uint64_t count = plan_.instances[i].placements.size();
+    const std::uint64_t count = plan_.instances[i].places.size();
     constexpr std::array<std::pair<std::uint64_t, std::string_view>, 3> kTables{
         {{0, "VEC3"}, {12, "VEC4"}, {28, "VEC3"}}};
     for (const auto& [bytesBefore, type] : kTables) {
@@ -291,10 +281,10 @@ void GlbWriter::writeBufferViews(TextOutput& out) const {
   out << "\"bufferViews\":[";
   for (std::size_t i = 0; i < plan_.pieces.size(); ++i) {
     const Piece& piece = plan_.pieces[i];
-    const std::uint64_t vertexBytes = piece.vertexCount * kGlbVertexBytes;
+    const std::uint64_t vertexBytes = piece.vertexCount * piece.vertexBytes();
     out << (i == 0 ? "" : ",");
     writeView(piece.offset, vertexBytes);
-    out << ",\"byteStride\":32,\"target\":34962},";
+    (out << ",\"byteStride\":").integer(static_cast<long long>(piece.vertexBytes())) << ",\"target\":34962},";
     writeView(piece.offset + vertexBytes, piece.indexCount * kGlbIndexBytes);
     out << ",\"target\":34963}";
   }
@@ -308,10 +298,29 @@ void GlbWriter::writeBufferViews(TextOutput& out) const {
   out << "],\n";
 }
 
+// where plants stand, for viewers: x, y, z and radius of each
+void GlbWriter::writeGround(TextOutput& out) const {
+  bool isFirst = true;
+  std::map<std::uint32_t, std::vector<GroundContact>> contactsOf;  // by scene
+  for (const SceneCopy& copy : plan_.meshes.copies()) {
+    const auto [known, isNew] = contactsOf.try_emplace(copy.scene);
+    if (isNew) {
+      known->second = groundContactsOf(plan_.meshes.scene(copy.scene).input().scene);
+    }
+    for (const GroundContact& contact : known->second) {
+      out << (isFirst ? ",\"extras\":{\"ground\":[[" : ",[");
+      out.vector(placedPoint(copy.placement, contact.place), ',') << ',';
+      out.single(copy.placement.scale * contact.radius) << ']';
+      isFirst = false;
+    }
+  }
+  out << (isFirst ? "" : "]}");
+}
+
 void GlbWriter::writeJson(core::ByteSink& sink) const {
   TextOutput out(sink);
   out << "{\"asset\":{\"version\":\"2.0\",\"generator\":\"Espalier\"},\n\"scene\":0,\n";
-  const std::size_t rootCount = plan_.plants.size() + plan_.instances.size();
+  const std::size_t rootCount = plan_.plants.size() + plan_.sceneInstanceCount;
   if (rootCount == 0) {
     out << "\"scenes\":[{\"name\":\"empty\"}]}";
     return;
@@ -330,17 +339,21 @@ void GlbWriter::writeJson(core::ByteSink& sink) const {
   for (std::size_t p = 0; p < rootCount; ++p) {
     (p == 0 ? out : out << ',').integer(static_cast<long long>(p));
   }
-  out << "]}]}";
+  out << ']';
+  writeGround(out);
+  out << "}]}";
 }
 
 // --- the numbers -----------------------------------------------------------------------------------------------------
 
-void GlbWriter::writeVertices(const Mesh& mesh, BinaryOutput& out) const {
+void GlbWriter::writeVertices(const Mesh& mesh, bool hasCoordinates, BinaryOutput& out) const {
   for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
     out.vector(mesh.positions[i]);
     out.vector(unitNormal(mesh.normals[i]));
-    out.single(mesh.coordinates[i][0]);
-    out.single(1.0 - mesh.coordinates[i][1]);  // glTF has v downward
+    if (hasCoordinates) {
+      out.single(mesh.coordinates[i][0]);
+      out.single(1.0 - mesh.coordinates[i][1]);  // glTF has v downward
+    }
   }
 }
 
@@ -376,7 +389,7 @@ std::optional<std::string> GlbWriter::writePieces() {
     plan_.sceneOf(plan_.own[order[i]]).make(plan_.partOf(plan_.own[order[i]]), mesh);
   };
   const auto write = [&](std::size_t i, const Mesh& mesh) -> std::optional<std::string> {
-    writeVertices(mesh, out);
+    writeVertices(mesh, plan_.pieces[piece].hasCoordinates, out);
     appendIndices(mesh, first, indices);
     first += static_cast<std::uint32_t>(mesh.positions.size());
     if (order[i] + 1 == plan_.pieces[piece].firstPart + plan_.pieces[piece].partCount) {
@@ -392,7 +405,7 @@ std::optional<std::string> GlbWriter::writePieces() {
   }
   for (const auto& [scene, shape] : plan_.shapes) {
     const Mesh& mesh = plan_.meshes.scene(scene).sharedMeshes()[shape];
-    writeVertices(mesh, out);
+    writeVertices(mesh, true, out);
     appendIndices(mesh, 0, indices);
     writeIndices();
   }
@@ -403,15 +416,16 @@ std::optional<std::string> GlbWriter::writePieces() {
 
 void GlbWriter::writeInstances(BinaryOutput& out) const {
   for (const InstanceNode& node : plan_.instances) {
-    for (const ScenePlacement* placement : node.placements) {
-      out.vector(placement->position);
+    for (const InstanceNode::Place& place : node.places) {
+      out.vector(place.position);
     }
-    for (const ScenePlacement* placement : node.placements) {
-      out.vector({0.0, core::sin(0.5 * placement->turnRadians), 0.0});
-      out.single(core::cos(0.5 * placement->turnRadians));
+    for (const InstanceNode::Place& place : node.places) {
+      for (const double component : place.rotation) {
+        out.single(component);
+      }
     }
-    for (const ScenePlacement* placement : node.placements) {
-      out.vector({placement->scale, placement->scale, placement->scale});
+    for (const InstanceNode::Place& place : node.places) {
+      out.vector(place.scale);
     }
   }
 }

@@ -1,10 +1,13 @@
 #include "engine/turtle/export/mesh/glb_plan.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <span>
+#include <string_view>
 #include <tuple>
 
+#include "engine/core/elementary.h"
 #include "engine/turtle/export/mesh/mesh_rounds.h"
 
 namespace espalier::turtle {
@@ -14,7 +17,11 @@ using core::Vec3;
 namespace {
 
 constexpr std::uint64_t kPieceVertices = 1'000'000;  // about: pieces end with a part
-constexpr std::size_t kMostOrganNodes = 100'000;     // viewers take no more; beyond, organs become part of the meshes
+
+std::string_view nameOf(MaterialUse use) {
+  constexpr std::array<std::string_view, 3> kNames{"branches", "leaves", "fruits"};
+  return kNames[static_cast<std::size_t>(use)];
+}
 
 // a frame that is no rotation has no place in a node, and not all programs turn the sides of a mirrored one
 bool fitsNode(const OrganPlacement& placement) {
@@ -54,36 +61,26 @@ void GlbPlan::sortParts() {
   for (const SceneCopy& copy : meshes.copies()) {
     ++copyCount_[copy.scene];
   }
-  std::size_t sharedCount = 0;
-  const auto isShared = [](const SceneMeshes& scene, const MeshPart& part) {
-    return scene.sharedMeshOf(part) != SceneMeshes::kNotShared;
-  };
-  for (std::uint32_t s = 0; s < meshes.sceneCount(); ++s) {
-    const SceneMeshes& scene = meshes.scene(s);
-    sharedCount += copyCount_[s] == 1 ? static_cast<std::size_t>(std::ranges::count_if(
-                                            scene.parts(), [&](const MeshPart& p) { return isShared(scene, p); }))
-                                      : 0;
-  }
-  const bool hasNodes = sharedCount <= kMostOrganNodes;
   for (std::uint32_t s = 0; s < meshes.sceneCount(); ++s) {
     const SceneMeshes& scene = meshes.scene(s);
     const std::span<const MeshPart> parts = scene.parts();
     for (std::uint32_t i = 0; copyCount_[s] > 0 && i < parts.size(); ++i) {
       // of a scene that is placed several times the whole is the shared mesh
-      const bool isNode =
-          copyCount_[s] == 1 && hasNodes && isShared(scene, parts[i]) && fitsNode(scene.placementOf(parts[i]));
-      (isNode ? organs : own).push_back({s, i});
+      const bool isInstance = usesInstancing && copyCount_[s] == 1 &&
+                              scene.sharedMeshOf(parts[i]) != SceneMeshes::kNotShared &&
+                              fitsNode(scene.placementOf(parts[i]));
+      (isInstance ? organs : own).push_back({s, i});
     }
   }
   std::ranges::stable_sort(own, {}, [this](const PartOf& p) {
-    return std::tuple(p.scene, isRepeated(p.scene) ? 0 : partOf(p).plant, partOf(p).material);
+    return isRepeated(p.scene) ? std::tuple(p.scene, 0U, MaterialUse::Bark, partOf(p).material)
+                               : std::tuple(p.scene, partOf(p).plant, useOf(p), partOf(p).material);
   });
 }
 
 // whether two neighbours in the order are in one mesh of the file
 bool GlbPlan::sharesMesh(const PartOf& a, const PartOf& b) const {
-  return a.scene == b.scene &&
-         (isRepeated(a.scene) || (partOf(a).plant == partOf(b).plant && partOf(a).material == partOf(b).material));
+  return a.scene == b.scene && (isRepeated(a.scene) || (partOf(a).plant == partOf(b).plant && useOf(a) == useOf(b)));
 }
 
 std::optional<std::string> GlbPlan::measurePieces(const std::function<void(std::size_t)>& report) {
@@ -116,7 +113,7 @@ void GlbPlan::nameMeshes() {
     }
     const std::string name = isRepeated(first.scene) ? "scene_" + std::to_string(first.scene)
                                                      : "plant_" + std::to_string(partOf(first).plant) + " " +
-                                                           meshes.materials()[pieces[i].material].name;
+                                                           std::string(nameOf(useOf(first)));
     filesOf_[first.scene].add(files.size());
     files.push_back({name, i, 1});
   }
@@ -150,22 +147,34 @@ void GlbPlan::planNodes() {
   std::map<std::uint32_t, std::size_t> instanceOf;  // by scene
   for (const SceneCopy& copy : meshes.copies()) {
     const Range& ofScene = filesOf_[copy.scene];
+    if (!isRepeated(copy.scene) || ofScene.begin == ofScene.end) {
+      continue;
+    }
+    if (!usesInstancing) {
+      plants.push_back({.plant = copy.firstPlant, .placement = &copy.placement, .ownMesh = ofScene.begin});
+      continue;
+    }
+    if (instanceOf.emplace(copy.scene, instances.size()).second) {
+      instances.push_back({ofScene.begin, {}});
+    }
+    const ScenePlacement& at = copy.placement;
+    instances[instanceOf[copy.scene]].places.push_back(
+        {at.position,
+         {0.0, core::sin(0.5 * at.turnRadians), 0.0, core::cos(0.5 * at.turnRadians)},
+         {at.scale, at.scale, at.scale}});
+  }
+  sceneInstanceCount = instances.size();
+  for (const SceneCopy& copy : meshes.copies()) {
     if (!isRepeated(copy.scene)) {
       planPlants(copy);
-    } else if (ofScene.begin < ofScene.end && usesInstancing) {
-      if (instanceOf.emplace(copy.scene, instances.size()).second) {
-        instances.push_back({ofScene.begin, {}});
-      }
-      instances[instanceOf[copy.scene]].placements.push_back(&copy.placement);
-    } else if (ofScene.begin < ofScene.end) {
-      plants.push_back({.plant = copy.firstPlant, .placement = &copy.placement, .ownMesh = ofScene.begin});
     }
   }
-  // plants, then instances, then the nodes below the plants
-  std::size_t node = plants.size() + instances.size();
+  std::ranges::stable_sort(plants, {}, &PlantNode::plant);
+  // plants, then instances of scenes, then the nodes below the plants
+  std::size_t node = plants.size() + sceneInstanceCount;
   for (PlantNode& plant : plants) {
     plant.firstChild = node;
-    node += plant.meshes.size() + plant.organCount;
+    node += plant.meshes.size() + plant.instances.size();
   }
 }
 
@@ -175,14 +184,28 @@ void GlbPlan::planPlants(const SceneCopy& copy) {
   for (std::size_t i = filesOf_[copy.scene].begin; i < filesOf_[copy.scene].end; ++i) {
     content[partOf(own[pieces[files[i].firstPiece].firstPart]).plant].meshes.push_back(i);
   }
-  for (std::size_t i = organsOf_[copy.scene].begin; i < organsOf_[copy.scene].end; ++i) {
-    PlantNode& plant = content[partOf(organs[i]).plant];
-    plant.firstOrgan = plant.organCount++ == 0 ? i : plant.firstOrgan;
-  }
+  planInstances(copy, content);
   for (auto& [number, plant] : content) {
     plant.plant = copy.firstPlant + number;
     plant.placement = &copy.placement;
     plants.push_back(std::move(plant));
+  }
+}
+
+// a node for each shape and material of a plant
+void GlbPlan::planInstances(const SceneCopy& copy, std::map<std::uint32_t, PlantNode>& content) {
+  std::map<std::pair<std::uint32_t, std::size_t>, std::size_t> nodeOf;  // by plant and mesh
+  for (std::size_t i = organsOf_[copy.scene].begin; i < organsOf_[copy.scene].end; ++i) {
+    const MeshPart& part = partOf(organs[i]);
+    const SceneMeshes& scene = sceneOf(organs[i]);
+    const std::size_t mesh = organMesh.at({{copy.scene, scene.sharedMeshOf(part)}, part.material});
+    const auto [node, isNew] = nodeOf.try_emplace({part.plant, mesh}, instances.size());
+    if (isNew) {
+      content[part.plant].instances.push_back(instances.size());
+      instances.push_back({mesh, {}});
+    }
+    const OrganPlacement at = scene.placementOf(part);
+    instances[node->second].places.push_back({at.position, *rotationOf(at.frame), at.scale});
   }
 }
 
@@ -191,12 +214,18 @@ std::uint32_t GlbPlan::materialOf(const FileMesh& mesh, std::size_t piece) const
 }
 
 void GlbPlan::placeBlocks() {
-  for (Piece& piece : pieces) {
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    Piece& piece = pieces[i];
+    // a small file has none that nothing wears; shapes are few, and some of their materials may wear a texture
+    piece.hasCoordinates =
+        !usesInstancing || i >= ownPieceCount || meshes.materials()[piece.material].texture != MeshMaterial::kNoTexture;
+    piece.firstAccessor = pieceAccessorCount;
+    pieceAccessorCount += piece.accessorCount();
     piece.offset = binaryBytes;
     binaryBytes += piece.bytes();
   }
   for (const InstanceNode& node : instances) {
-    instanceBlocks.push_back({binaryBytes, node.placements.size() * kGlbInstanceBytes});
+    instanceBlocks.push_back({binaryBytes, node.places.size() * kGlbInstanceBytes});
     binaryBytes += instanceBlocks.back().byteCount;
   }
   for (const FileMesh& mesh : files) {

@@ -15,7 +15,8 @@
 
 namespace espalier::turtle {
 
-inline constexpr std::uint64_t kGlbVertexBytes = 32;  // position, normal, texture coordinates
+inline constexpr std::uint64_t kGlbPlainBytes = 24;      // of a vertex: position, normal
+inline constexpr std::uint64_t kGlbCoordinateBytes = 8;  // and texture coordinates
 inline constexpr std::uint64_t kGlbIndexBytes = 4;
 inline constexpr std::uint64_t kGlbInstanceBytes = 40;  // translation, rotation, scale
 
@@ -28,8 +29,14 @@ struct Piece {
   std::uint64_t indexCount = 0;
   Bounds bounds{};
   std::uint64_t offset = 0;  // in the binary chunk
+  std::size_t firstAccessor = 0;
+  bool hasCoordinates = true;  // of a texture
 
-  [[nodiscard]] std::uint64_t bytes() const { return vertexCount * kGlbVertexBytes + indexCount * kGlbIndexBytes; }
+  [[nodiscard]] std::uint64_t vertexBytes() const {
+    return kGlbPlainBytes + (hasCoordinates ? kGlbCoordinateBytes : 0);
+  }
+  [[nodiscard]] std::size_t accessorCount() const { return hasCoordinates ? 4 : 3; }
+  [[nodiscard]] std::uint64_t bytes() const { return vertexCount * vertexBytes() + indexCount * kGlbIndexBytes; }
   void add(const Mesh& mesh) {
     vertexCount += mesh.positions.size();
     indexCount += 3 * mesh.triangleCount();
@@ -37,8 +44,8 @@ struct Piece {
   }
 };
 
-/// A mesh of the file: the pieces of one material of a plant, a shape that organs share in one material, or all of a
-/// scene that is placed several times.
+/// A mesh of the file: all organs of one use (MaterialUse) of a plant, a piece for each of their materials; a shape
+/// that organs share in one material; or all of a scene that is placed several times.
 struct FileMesh {
   std::string name;
   std::size_t firstPiece = 0;
@@ -58,9 +65,8 @@ struct PlantNode {
   const ScenePlacement* placement = nullptr;
   std::optional<std::size_t> ownMesh = {};  // of a scene that is placed several times; nothing stands below then
   std::vector<std::size_t> meshes = {};     // into the file's meshes
-  std::size_t firstOrgan = 0;               // into the parts drawn as nodes
-  std::size_t organCount = 0;
-  std::size_t firstChild = 0;  // node
+  std::vector<std::size_t> instances = {};  // into GlbPlan::instances
+  std::size_t firstChild = 0;               // node
 };
 
 /// Consecutive items of a list that belong to one scene.
@@ -77,8 +83,13 @@ struct Range {
 
 /// Copies of one mesh that stand in one node by EXT_mesh_gpu_instancing.
 struct InstanceNode {
+  struct Place {
+    core::Vec3 position;
+    std::array<double, 4> rotation{};  // x, y, z, w
+    core::Vec3 scale{1.0, 1.0, 1.0};
+  };
   std::size_t mesh = 0;
-  std::vector<const ScenePlacement*> placements;
+  std::vector<Place> places;
 };
 
 /// The range of a table of the binary chunk behind the meshes: instances and pictures.
@@ -104,15 +115,17 @@ struct GlbPlan {
 
   PlacedMeshes meshes;
   bool usesInstancing;
-  std::vector<PartOf> own;     // parts with vertices of their own, by scene, plant and material
-  std::vector<PartOf> organs;  // parts drawn as nodes, by scene and plant
+  std::vector<PartOf> own;     // parts with vertices of their own, by scene, plant, use and material
+  std::vector<PartOf> organs;  // with instancing: parts that are instances of shapes, by scene and plant
   std::vector<Piece> pieces;   // own ones, then the shared shapes in use
   std::size_t ownPieceCount = 0;
   std::vector<FileMesh> files;
   std::map<std::pair<Shape, std::uint32_t>, std::size_t> organMesh;  // by shape and material
   std::vector<Shape> shapes;                                         // of the shared pieces, in order
   std::vector<PlantNode> plants;
-  std::vector<InstanceNode> instances;
+  std::vector<InstanceNode> instances;  // of scenes, which stand in no plant, then of organs
+  std::size_t sceneInstanceCount = 0;
+  std::size_t pieceAccessorCount = 0;
   std::vector<Block> instanceBlocks, pictureBlocks;
   std::map<std::uint32_t, std::size_t> materialIndex, textureIndex;  // in the file, of those of the table in use
   std::uint64_t binaryBytes = 0;
@@ -124,7 +137,9 @@ struct GlbPlan {
   void planOrgans();
   void planNodes();
   void planPlants(const SceneCopy& copy);
+  void planInstances(const SceneCopy& copy, std::map<std::uint32_t, PlantNode>& content);
   void placeBlocks();
+  [[nodiscard]] MaterialUse useOf(const PartOf& part) const { return materialUseOf(partOf(part).kind); }
   [[nodiscard]] bool isRepeated(std::uint32_t scene) const { return copyCount_[scene] > 1; }
   [[nodiscard]] bool sharesMesh(const PartOf& a, const PartOf& b) const;
 

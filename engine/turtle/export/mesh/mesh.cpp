@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <span>
 #include <tuple>
 
 #include "engine/core/elementary.h"
@@ -145,6 +146,64 @@ void append(Mesh& mesh, const Mesh& other) {
       vertex += vertex == Mesh::kNoVertex ? 0 : first;
     }
     mesh.faces.push_back(face);
+  }
+}
+
+namespace {
+
+// so small a part of the longest side is lost in single precision
+constexpr double kFlatTriangle = 1e-6;
+constexpr double kSamePlace = 1e-7;
+
+bool hasArea(const Mesh& mesh, std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+  const Vec3 u = mesh.positions[b] - mesh.positions[a];
+  const Vec3 v = mesh.positions[c] - mesh.positions[a];
+  const Vec3 w = v - u;
+  const double longest = std::max({core::dot(u, u), core::dot(v, v), core::dot(w, w)});
+  return core::length(core::cross(u, v)) > kFlatTriangle * longest;
+}
+
+// corners at almost one place come to lie at exactly one, so that no gap opens where a face is left out
+void joinCorners(Mesh& mesh, std::span<const std::uint32_t> corners) {
+  double longest = 0.0;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Vec3 side = mesh.positions[corners[(i + 1) % corners.size()]] - mesh.positions[corners[i]];
+    longest = std::max(longest, core::dot(side, side));
+  }
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const auto [first, second] = std::minmax(corners[i], corners[(i + 1) % corners.size()]);
+    const Vec3 side = mesh.positions[second] - mesh.positions[first];
+    if (core::dot(side, side) <= kSamePlace * kSamePlace * longest) {
+      mesh.positions[second] = mesh.positions[first];
+    }
+  }
+}
+
+}  // namespace
+
+void dropDegenerateFaces(Mesh& mesh) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
+    auto [a, b, c, d] = mesh.faces[i];
+    joinCorners(mesh, std::span(mesh.faces[i]).first(d == Mesh::kNoVertex ? 3 : 4));
+    const bool isFirst = hasArea(mesh, a, b, c);
+    const bool isSecond = d != Mesh::kNoVertex && hasArea(mesh, a, c, d);
+    if (!isFirst && !isSecond) {
+      continue;
+    }
+    if (isFirst != isSecond) {
+      mesh.faces[kept] = isFirst ? std::array{a, b, c, Mesh::kNoVertex} : std::array{a, c, d, Mesh::kNoVertex};
+    } else {
+      mesh.faces[kept] = mesh.faces[i];
+    }
+    if (!mesh.faceSegments.empty()) {
+      mesh.faceSegments[kept] = mesh.faceSegments[i];
+    }
+    ++kept;
+  }
+  mesh.faces.resize(kept);
+  if (!mesh.faceSegments.empty()) {
+    mesh.faceSegments.resize(kept);
   }
 }
 

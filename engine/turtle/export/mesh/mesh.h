@@ -38,6 +38,10 @@ struct OrganPlacement {
 /// Appends a mesh as it is, without the segments of its vertices and faces.
 void append(Mesh& mesh, const Mesh& other);
 
+/// Removes the triangles without area in single precision, as files hold it; a quad with one becomes a triangle. The
+/// vertices stay. O(faces).
+void dropDegenerateFaces(Mesh& mesh);
+
 /// Appends a mesh where an organ is. A mirrored placement turns its faces round, as glTF's nodes do.
 void appendPlaced(Mesh& mesh, const Mesh& local, const OrganPlacement& placement);
 

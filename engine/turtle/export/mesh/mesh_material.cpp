@@ -1,6 +1,7 @@
 #include "engine/turtle/export/mesh/mesh_material.h"
 
 #include <algorithm>
+#include <array>
 
 #include "engine/core/elementary.h"
 #include "engine/core/streams.h"
@@ -67,24 +68,31 @@ std::uint32_t MaterialTable::addTexture(const files::Texture& texture, std::int3
   return static_cast<std::uint32_t>(found - textures_.begin());
 }
 
-std::uint32_t MaterialTable::add(const Palette& palette, std::int32_t number, const files::ViewSettings& view,
-                                 std::int32_t texture) {
-  MeshMaterial material{"colour_" + std::to_string(number), palette.ofMaterial(number), palette.folderMaterial(number)};
+std::uint32_t MaterialTable::add(const Palette& palette, MaterialUse use, std::int32_t number,
+                                 const files::ViewSettings& view, std::int32_t texture) {
+  MeshMaterial material{.name = {},
+                        .use = use,
+                        .number = number,
+                        .colour = palette.ofMaterial(number),
+                        .folder = palette.folderMaterial(number)};
   if (texture > 0) {
     material.texture = addTexture(view.textures[static_cast<std::size_t>(texture) - 1], texture);
-    material.name += "_" + textures_[material.texture].name;
   }
   const auto found = std::ranges::find_if(materials_, [&](const MeshMaterial& other) {
-    return isEqual(other.colour, material.colour) && other.folder == material.folder &&
-           other.texture == material.texture && other.name.starts_with(material.name) &&
-           (other.name.size() == material.name.size() || other.name[material.name.size()] == '_');
+    return other.use == use && other.number == number && isEqual(other.colour, material.colour) &&
+           other.folder == material.folder && other.texture == material.texture;
   });
-  if (found == materials_.end()) {
-    material.name = uniqueName(materials_, material.name);
-    materials_.push_back(std::move(material));
-    return static_cast<std::uint32_t>(materials_.size() - 1);
+  if (found != materials_.end()) {
+    return static_cast<std::uint32_t>(found - materials_.begin());
   }
-  return static_cast<std::uint32_t>(found - materials_.begin());
+  constexpr std::array<std::string_view, 3> kNames{"bark", "leaf", "fruit"};
+  material.name = kNames[static_cast<std::size_t>(use)];
+  if (std::ranges::any_of(materials_, [&](const MeshMaterial& other) { return other.use == use; })) {
+    // branches of default colours are numbered by their order
+    material.name = uniqueName(materials_, material.name + "_" + std::to_string(number % 256));
+  }
+  materials_.push_back(std::move(material));
+  return static_cast<std::uint32_t>(materials_.size() - 1);
 }
 
 double linearComponent(double component) {

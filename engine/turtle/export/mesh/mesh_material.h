@@ -25,11 +25,17 @@ struct MeshTexture {
   [[nodiscard]] bool hasHoles() const;
 };
 
+/// The organs that a material is for: lines and generalized cylinders; polygons, surfaces and patches; spheres and
+/// discs.
+enum class MaterialUse : std::uint8_t { Bark, Leaf, Fruit };
+
 /// The paint of a mesh.
 struct MeshMaterial {
   static constexpr std::uint32_t kNoTexture = 0xFFFFFFFF;
 
-  std::string name;  // `colour_12` or `colour_12_texture_1`, unique in a file
+  std::string name;  // `bark`, `leaf` or `fruit`; of further colours `leaf_12`; unique in a file
+  MaterialUse use = MaterialUse::Bark;
+  std::int32_t number = 0;  // of its colour: Palette::materialOf
   Colour colour;
   std::optional<files::Material> folder;  // of the model folder
   std::uint32_t texture = kNoTexture;     // index into MaterialTable::textures
@@ -39,11 +45,13 @@ struct MeshMaterial {
   [[nodiscard]] double opacity() const { return folder ? folder->opacity : 1.0; }
 };
 
-/// The materials of a file: each colour with each texture that it wears, once, also when several scenes have it.
+/// The materials of a file: each use of a colour with each texture that it wears, once, also when several scenes have
+/// it.
 class MaterialTable {
  public:
   /// The material of a number of the palette (Palette::materialOf) with a texture of the view file, from 1; 0: none.
-  std::uint32_t add(const Palette& palette, std::int32_t number, const files::ViewSettings& view, std::int32_t texture);
+  std::uint32_t add(const Palette& palette, MaterialUse use, std::int32_t number, const files::ViewSettings& view,
+                    std::int32_t texture);
 
   [[nodiscard]] std::span<const MeshMaterial> materials() const { return materials_; }
   [[nodiscard]] std::span<const MeshTexture> textures() const { return textures_; }

@@ -138,6 +138,9 @@ void ObjWriter::writeMaterials(core::ByteSink& sink) const {
     }
     if (isTextured) {
       out << "map_Kd " << pictureName(*texture) << '\n';
+      if (texture->hasHoles()) {
+        out << "map_d " << pictureName(*texture) << '\n';
+      }
       textures.insert(material.texture);
     }
   }

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <tuple>
 
 #include "engine/core/check.h"
 #include "engine/turtle/export/mesh/polygon_mesh.h"
@@ -15,28 +16,8 @@ using core::Vec3;
 namespace {
 
 constexpr int kLeastSphereSides = 12;
-constexpr double kPixelsAcross = 800.0;  // a pixel's width is this part of the scene's extent
-
-std::int32_t materialOfColour(std::int32_t colour) {
-  return ((colour % 256) + 256) % 256;
-}
-
-// world units per unit of line width: pixels have no size in the world, so one is a fixed part of the plant's extent
-double widthUnitOf(const Scene& scene) {
-  if (scene.lineStyle != files::LineStyle::Pixel || scene.segments.empty()) {
-    return 1.0;
-  }
-  Vec3 low = scene.segments[0].start;
-  Vec3 high = low;
-  for (const Segment& segment : scene.segments) {
-    for (const Vec3& p : {segment.start, segment.end}) {
-      low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-      high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-    }
-  }
-  const double extent = core::length(high - low);
-  return extent > 0.0 ? extent / kPixelsAcross : 1.0;
-}
+constexpr int kFewestSphereSides = 8;           // of one among many
+constexpr double kSphereTriangles = 250'000.0;  // of all spheres of a scene, about
 
 /// The frame in which a local x, y, z is a world x, y, z.
 constexpr core::Frame kWorldFrame{.heading = {0.0, 1.0, 0.0}, .left = {1.0, 0.0, 0.0}, .up = {0.0, 0.0, 1.0}};
@@ -48,15 +29,31 @@ std::string_view organName(OrganKind kind) {
   return kNames[static_cast<std::size_t>(kind)];
 }
 
-SceneMeshes::SceneMeshes(const ExportInput& input, MaterialTable& materials)
+MaterialUse materialUseOf(OrganKind kind) {
+  switch (kind) {
+    case OrganKind::Branch:
+    case OrganKind::Cylinder:
+      return MaterialUse::Bark;
+    case OrganKind::Ball:
+      return MaterialUse::Fruit;
+    case OrganKind::Polygon:
+    case OrganKind::Surface:
+    case OrganKind::Patch:
+      break;
+  }
+  return MaterialUse::Leaf;
+}
+
+SceneMeshes::SceneMeshes(const ExportInput& input, MaterialTable& materials, bool keepsDegenerate)
     : input_(input),
       scene_(input.scene),
       view_(input.view),
-      palette_(input.scene, input.palette),
+      palette_(input.scene, input.view, input.palette),
       chains_(chainsOf(input.scene, palette_)),
-      widthUnit_(widthUnitOf(input.scene)),
+      look_(meshLineLookOf(input.scene, input.view)),
       detail_(input.detail),
-      sides_(atDetail(std::clamp(input.view.contourSides, 3, 64), input.detail, 3)) {
+      sides_(atDetail(std::clamp(input.view.contourSides, 3, 64), input.detail, 3)),
+      keepsDegenerate_(keepsDegenerate) {
   collectParts(materials);
   makeSharedMeshes();
 }
@@ -67,16 +64,18 @@ const files::Texture* SceneMeshes::textureOf(std::int32_t texture) const {
 
 void SceneMeshes::collectParts(MaterialTable& materials) {
   // numbers first: materials are listed by colour and texture, whatever was drawn first
-  using Look = std::pair<std::int32_t, std::int32_t>;
+  using Look = std::tuple<std::int32_t, std::int32_t, MaterialUse>;
   std::vector<Look> looks;
   std::map<Look, std::uint32_t> indexOf;
-  const auto add = [&](OrganKind kind, std::size_t index, const Look& look, std::uint32_t plant, std::size_t run = 0) {
+  const auto add = [&](OrganKind kind, std::size_t index, std::pair<std::int32_t, std::int32_t> worn,
+                       std::uint32_t plant, std::size_t run = 0) {
+    const Look look{worn.first, worn.second, materialUseOf(kind)};
     const auto known = indexOf.try_emplace(look, static_cast<std::uint32_t>(looks.size()));
     if (known.second) {
       looks.push_back(look);
     }
     parts_.push_back({kind, static_cast<std::uint32_t>(index), known.first->second, plant,
-                      static_cast<std::uint32_t>(run), look.first});
+                      static_cast<std::uint32_t>(run), worn.first});
   };
   parts_.reserve(chains_.heads.size() + scene_.cylinders.size() + scene_.polygons.size() + scene_.surfaces.size() +
                  scene_.patches.size() + scene_.balls.size());
@@ -88,16 +87,16 @@ void SceneMeshes::collectParts(MaterialTable& materials) {
     const GeneralizedCylinder& cylinder = scene_.cylinders[i];
     const std::vector<CylinderRun> runs = runsOf(cylinder);
     for (std::size_t run = 0; run < runs.size(); ++run) {
-      add(OrganKind::Cylinder, i, {materialOfColour(runs[run].colour), cylinder.texture}, cylinder.plant, run);
+      add(OrganKind::Cylinder, i, {palette_.numberOf(runs[run].colour), cylinder.texture}, cylinder.plant, run);
     }
   }
-  const auto addAll = [&add](OrganKind kind, const auto& organs) {
+  const auto addAll = [&](OrganKind kind, const auto& organs) {
     for (std::size_t i = 0; i < organs.size(); ++i) {
       std::int32_t texture = 0;
       if constexpr (requires { organs[i].texture; }) {
         texture = organs[i].texture;
       }
-      add(kind, i, {materialOfColour(organs[i].colour), texture}, organs[i].plant);
+      add(kind, i, {palette_.numberOf(organs[i].colour), texture}, organs[i].plant);
     }
   };
   addAll(OrganKind::Polygon, scene_.polygons);
@@ -108,7 +107,8 @@ void SceneMeshes::collectParts(MaterialTable& materials) {
 
   std::vector<std::uint32_t> inTable(looks.size());
   for (const auto& [look, index] : indexOf) {
-    inTable[index] = materials.add(palette_, look.first, view_, look.second);
+    const auto& [colour, texture, use] = look;
+    inTable[index] = materials.add(palette_, use, colour, view_, texture);
   }
   for (MeshPart& part : parts_) {
     part.material = inTable[part.material];
@@ -122,7 +122,12 @@ void SceneMeshes::makeSharedMeshes() {
   for (const files::TriangleSurface& surface : view_.triangleSurfaces) {
     appendLocalSurface(shared_.emplace_back(), surface);
   }
-  const int sides = std::max(sides_, atDetail(kLeastSphereSides, detail_, 3));
+  int sides = std::max(sides_, atDetail(kLeastSphereSides, detail_, 3));
+  if (!keepsDegenerate_ && !input_.usesInstancing && !scene_.balls.empty()) {
+    // a sphere has about 4/3 sides^2 triangles
+    const double most = std::sqrt(0.75 * kSphereTriangles * detail_ / static_cast<double>(scene_.balls.size()));
+    sides = std::min(sides, std::max(kFewestSphereSides, static_cast<int>(most)));
+  }
   appendSphere(shared_.emplace_back(), {}, 1.0, std::max(2, sides * 2 / 3), sides);
   appendDisc(shared_.emplace_back(), {.kind = Ball::Kind::Disc, .centre = {}, .frame = kWorldFrame}, sides);
   if (std::ranges::any_of(view_.textures, &files::Texture::isPerSurface)) {
@@ -130,6 +135,9 @@ void SceneMeshes::makeSharedMeshes() {
       shared_.push_back(shared_[i]);
       setWholeCoordinates(shared_.back());
     }
+  }
+  if (!keepsDegenerate_) {
+    std::ranges::for_each(shared_, dropDegenerateFaces);
   }
 }
 
@@ -180,10 +188,17 @@ OrganPlacement SceneMeshes::placementOf(const MeshPart& part) const {
 
 void SceneMeshes::make(const MeshPart& part, Mesh& mesh) const {
   mesh.clear();
+  fill(part, mesh);
+  if (!keepsDegenerate_) {
+    dropDegenerateFaces(mesh);
+  }
+}
+
+void SceneMeshes::fill(const MeshPart& part, Mesh& mesh) const {
   switch (part.kind) {
     case OrganKind::Branch: {
       const files::Texture* const texture = textureOf(scene_.segments[part.index].texture);
-      appendTube(mesh, ringsOf(scene_, palette_, chains_, part.index, widthUnit_), sides_,
+      appendTube(mesh, ringsOf(scene_, palette_, chains_, part.index, look_), sides_,
                  texture != nullptr ? texture->ratio : 0.0);
       return;
     }

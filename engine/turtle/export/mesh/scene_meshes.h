@@ -19,6 +19,9 @@ namespace espalier::turtle {
 /// The kind of a part of a scene, in the order in which a plant's parts are written.
 enum class OrganKind : std::uint8_t { Branch, Cylinder, Polygon, Surface, Patch, Ball };
 
+/// Which material organs of a kind wear.
+[[nodiscard]] MaterialUse materialUseOf(OrganKind kind);
+
 /// `branches`, `cylinders`, `polygons`, `surfaces`, `patches`, `balls`.
 [[nodiscard]] std::string_view organName(OrganKind kind);
 
@@ -47,8 +50,9 @@ class SceneMeshes {
  public:
   static constexpr std::uint32_t kNotShared = 0xFFFFFFFF;
 
-  /// `input`, what it refers to and `materials`, to which the scene's are added, must outlive the object.
-  SceneMeshes(const ExportInput& input, MaterialTable& materials);
+  /// `input`, what it refers to and `materials`, to which the scene's are added, must outlive the object. Triangles
+  /// without area, as at the tip of a patch, are left out unless `keepsDegenerate`.
+  SceneMeshes(const ExportInput& input, MaterialTable& materials, bool keepsDegenerate = false);
 
   /// All parts by plant, kind and order of drawing.
   [[nodiscard]] std::span<const MeshPart> parts() const { return parts_; }
@@ -73,6 +77,7 @@ class SceneMeshes {
  private:
   void collectParts(MaterialTable& materials);
   void makeSharedMeshes();
+  void fill(const MeshPart& part, Mesh& mesh) const;
   [[nodiscard]] const files::Texture* textureOf(std::int32_t texture) const;
 
   const ExportInput& input_;
@@ -83,9 +88,10 @@ class SceneMeshes {
   std::vector<MeshPart> parts_;
   // surfaces, triangle surfaces, sphere, disc, then surfaces again with texture coordinates over the whole of each
   std::vector<Mesh> shared_;
-  double widthUnit_ = 1.0;  // world units per unit of line width
-  double detail_ = 1.0;     // factor of the numbers of sides and subdivisions
-  int sides_ = 8;           // around tubes
+  LineLook look_;
+  double detail_ = 1.0;  // factor of the numbers of sides and subdivisions
+  int sides_ = 8;        // around tubes
+  bool keepsDegenerate_ = false;
 };
 
 }  // namespace espalier::turtle

@@ -34,7 +34,7 @@ Vec3 normalPart(const Vec3& v, const Vec3& axis) {
 /// Makes the rings of one chain from its base outward.
 class RingBuilder {
  public:
-  RingBuilder(const Scene& scene, double unit) : scene_(scene), unit_(unit) {}
+  RingBuilder(const Scene& scene, const LineLook& look) : scene_(scene), look_(look) {}
 
   void begin(std::uint32_t segment);
   void beginAfter(std::uint32_t before, std::uint32_t segment, const SegmentChains::Continuation& continuation);
@@ -54,14 +54,12 @@ class RingBuilder {
                 std::uint32_t segment);
   [[nodiscard]] double slopeOf(std::uint32_t segment) const;
   [[nodiscard]] double startRadius(std::uint32_t segment) const {
-    return 0.5 * unit_ * scene_.segments[segment].startWidth;
+    return 0.5 * look_.startWidth(scene_.segments[segment]);
   }
-  [[nodiscard]] double endRadius(std::uint32_t segment) const {
-    return 0.5 * unit_ * scene_.segments[segment].endWidth;
-  }
+  [[nodiscard]] double endRadius(std::uint32_t segment) const { return 0.5 * look_.endWidth(scene_.segments[segment]); }
 
   const Scene& scene_;
-  double unit_;
+  LineLook look_;
   std::vector<TubeRing> rings_;
   Vec3 tangent_;  // of the frame that is carried along
   Vec3 up_;
@@ -298,7 +296,7 @@ SegmentChains chainsOf(const Scene& scene, const Palette& palette) {
     if (isContinued[head]) {
       continue;
     }
-    RingBuilder builder(scene, 1.0);
+    RingBuilder builder(scene, {});
     builder.begin(head);
     for (std::uint32_t at = head, next = chains.next[at]; next != kNoParent; at = next, next = chains.next[at]) {
       if (!looksAlike(palette, segments[at], segments[next])) {
@@ -312,8 +310,8 @@ SegmentChains chainsOf(const Scene& scene, const Palette& palette) {
 }
 
 std::vector<TubeRing> ringsOf(const Scene& scene, const Palette& palette, const SegmentChains& chains,
-                              std::uint32_t head, double unit) {
-  RingBuilder builder(scene, unit);
+                              std::uint32_t head, const LineLook& look) {
+  RingBuilder builder(scene, look);
   if (const auto found = chains.continuations.find(head); found != chains.continuations.end()) {
     builder.beginAfter(scene.segments[head].parent, head, found->second);
   } else {

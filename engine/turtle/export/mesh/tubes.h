@@ -4,6 +4,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "engine/turtle/export/line_look.h"
 #include "engine/turtle/export/mesh/mesh.h"
 #include "engine/turtle/export/palette.h"
 #include "engine/turtle/scene/scene.h"
@@ -42,8 +43,8 @@ inline constexpr double kCollarRadii = 2.0;
 /// (along straight pieces the discrete rotation-minimising frame is parallel transport). At a bend of up to 60 degrees
 /// there is one oblique ring, the section of both pieces, so that neither gets thinner; sharper ones are elbows of
 /// several rings. At a fork the tube takes the limb's width over a short way. A branch that begins a tube does so in
-/// the plane between its parent and itself. `unit`: world units per unit of width.
+/// the plane between its parent and itself. Widths are those of `look`.
 [[nodiscard]] std::vector<TubeRing> ringsOf(const Scene& scene, const Palette& palette, const SegmentChains& chains,
-                                            std::uint32_t head, double unit);
+                                            std::uint32_t head, const LineLook& look);
 
 }  // namespace espalier::turtle

@@ -46,7 +46,12 @@ Worn wornBy(const Colour& below, const RasterTexture* texture, const std::array<
 
 PageDrawing::PageDrawing(const Scene& scene, const files::ViewSettings& view, const Palette& palette, double width,
                          double height, double marginFraction, const std::optional<PictureFrame>& frame)
-    : scene_(scene), view_(view), palette_(palette), projection_(view), textures_(view) {
+    : scene_(scene),
+      view_(view),
+      palette_(palette),
+      look_(lineLookOf(scene, view)),
+      projection_(view),
+      textures_(view) {
   light_ = core::normalised(-0.45 * projection_.right() + 0.75 * projection_.up() + 0.6 * projection_.towardViewer());
   if (!frame) {
     chooseProjection();
@@ -56,8 +61,8 @@ PageDrawing::PageDrawing(const Scene& scene, const files::ViewSettings& view, co
   for (const Segment& segment : scene.segments) {
     const ProjectedPoint a = projection_.project(segment.start);
     const ProjectedPoint b = projection_.project(segment.end);
-    bounds_.include(a, hasPixelLines() ? 0.0 : segment.startWidth * a.magnification / 2.0);
-    bounds_.include(b, hasPixelLines() ? 0.0 : segment.endWidth * b.magnification / 2.0);
+    bounds_.include(a, hasPixelLines() ? 0.0 : look_.startWidth(segment) * a.magnification / 2.0);
+    bounds_.include(b, hasPixelLines() ? 0.0 : look_.endWidth(segment) * b.magnification / 2.0);
   }
   addShapes();
   bounds_ = frame ? frame->bounds : bounds_;
@@ -239,7 +244,7 @@ PagePlace PageDrawing::place(const Vec3& position) const {
 }
 
 double PageDrawing::radius(const Segment& segment, bool isEnd) const {
-  const double width = isEnd ? segment.endWidth : segment.startWidth;
+  const double width = isEnd ? look_.endWidth(segment) : look_.startWidth(segment);
   const double seen =
       hasPixelLines() ? width : width * scale_ * projection_.project(isEnd ? segment.end : segment.start).magnification;
   return std::max(seen, kThinnestLine) / 2.0;

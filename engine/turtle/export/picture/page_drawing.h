@@ -8,6 +8,7 @@
 
 #include "engine/core/vec3.h"
 #include "engine/files/view_settings.h"
+#include "engine/turtle/export/line_look.h"
 #include "engine/turtle/export/mesh/mesh.h"
 #include "engine/turtle/export/palette.h"
 #include "engine/turtle/export/picture/picture_bounds.h"
@@ -74,11 +75,12 @@ class PageDrawing {
   void addShapes();
   void addLines();
   void fit(double width, double height, double marginFraction);
-  [[nodiscard]] bool hasPixelLines() const { return scene_.lineStyle == files::LineStyle::Pixel; }
+  [[nodiscard]] bool hasPixelLines() const { return look_.style == files::LineStyle::Pixel; }
 
   const Scene& scene_;
   const files::ViewSettings& view_;
   const Palette& palette_;
+  LineLook look_;
   Projection projection_;
   RasterTextures textures_;
   core::Vec3 light_;  // toward the light

@@ -9,6 +9,7 @@
 
 #include "engine/core/check.h"
 #include "engine/core/worker_team.h"
+#include "engine/turtle/export/picture/ground_shade.h"
 #include "engine/turtle/export/picture/projection.h"
 #include "engine/turtle/export/picture/raster_camera.h"
 #include "engine/turtle/export/picture/raster_geometry.h"
@@ -19,8 +20,9 @@ namespace espalier::turtle {
 
 namespace {
 
-constexpr std::size_t kTaskParts = 64;   // parts of the scene that one task turns into triangles
-constexpr std::size_t kRoundTasks = 32;  // tasks before the triangles are drawn
+constexpr std::size_t kTaskParts = 64;       // parts of the scene that one task turns into triangles
+constexpr std::size_t kRoundTasks = 32;      // tasks before the triangles are drawn
+constexpr std::size_t kMostStanding = 1000;  // copies whose contact with the ground is drawn
 
 /// The parts of all copies of the scenes of a picture.
 class PlacedGeometry {
@@ -41,7 +43,9 @@ class PlacedGeometry {
   /// The data of one scene in a picture.
   struct SceneParts {
     explicit SceneParts(const ExportInput& input)
-        : palette(input.scene, input.palette), textures(input.view), geometry(input.scene, input.view, palette) {}
+        : palette(input.scene, input.view, input.palette),
+          textures(input.view),
+          geometry(input.scene, input.view, palette) {}
     Palette palette;
     RasterTextures textures;
     RasterGeometry geometry;
@@ -161,6 +165,23 @@ void drawParts(const PlacedGeometry& geometry, const RasterCamera& camera, Raste
   }
 }
 
+// where the plants stand; only the page of the model shows it: a white or transparent one is for other pages
+GroundShade groundOf(const PlacedScenes& placed, const PictureOptions& options) {
+  GroundShade ground;
+  if (!options.hasGround || options.background != PictureBackground::Model ||
+      options.framing != PictureFraming::Fitted || placed.placements.size() > kMostStanding) {
+    return ground;
+  }
+  std::vector<std::vector<GroundContact>> contacts;
+  for (const ExportInput& input : placed.scenes) {
+    contacts.push_back(groundContactsOf(input.scene));
+  }
+  for (const ScenePlacement& placement : placed.placements) {
+    ground.add(contacts[placement.scene], placement);
+  }
+  return ground;
+}
+
 Colour backgroundOf(const Palette& palette, PictureBackground background) {
   return background == PictureBackground::Model ? palette.background() : Colour{255, 255, 255};
 }
@@ -178,7 +199,9 @@ PictureFrame pictureFrame(const PlacedScenes& placed, const PictureOptions& opti
   const PlacedGeometry geometry(placed);
   const files::ViewSettings& view = placed.scenes[0].view;
   const Projection projection = chosenProjection(geometry, view, options, team);
-  return {boundsOf(geometry, projection, team), Projection(view).isPerspective() && !projection.isPerspective()};
+  PictureBounds bounds = boundsOf(geometry, projection, team);
+  groundOf(placed, options).include(projection, bounds);
+  return {bounds, Projection(view).isPerspective() && !projection.isPerspective()};
 }
 
 PictureImage renderPlaced(const PlacedScenes& placed, const PictureOptions& options, const ExportProgress& progress) {
@@ -193,8 +216,13 @@ PictureImage renderPlaced(const PlacedScenes& placed, const PictureOptions& opti
   if (isFramed && options.frame->isParallel) {
     projection.useParallel();
   }
-  const PictureBounds bounds = isFramed ? options.frame->bounds : boundsOf(geometry, projection, team);
+  GroundShade ground = groundOf(placed, options);
+  PictureBounds bounds = isFramed ? options.frame->bounds : boundsOf(geometry, projection, team);
+  if (!isFramed) {
+    ground.include(projection, bounds);
+  }
   const RasterCamera camera(projection, view, bounds, options);
+  ground.place(camera);
   for (PlacedGeometry::SceneParts& scene : geometry.scenes()) {
     scene.shading.emplace(view, projection, scene.palette, scene.textures, bounds, background);
   }
@@ -218,8 +246,10 @@ PictureImage renderPlaced(const PlacedScenes& placed, const PictureOptions& opti
     });
     team.forEach(static_cast<std::size_t>(rows), [&](std::size_t row) {
       const std::size_t at = (static_cast<std::size_t>(first) + row) * width * 4;
+      std::vector<float> shades(ground.empty() ? 0 : width);
+      ground.row(first + static_cast<int>(row), shades);
       target.resolve(static_cast<int>(row), background, options.background == PictureBackground::Transparent,
-                     std::span(image.pixels).subspan(at, width * 4));
+                     std::span(image.pixels).subspan(at, width * 4), shades);
     });
   }
   return image;

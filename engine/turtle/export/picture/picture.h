@@ -35,6 +35,7 @@ struct PictureOptions {
   std::uint64_t sampleBytes = 320'000'000;  // memory for samples; a larger picture is made in strips, with more time
   unsigned threads = 1;                     // the picture does not depend on them
   int maximumColours = 0;                   // 2 to 256: of the file; 0: as many as there are
+  bool hasGround = true;                    // shade where plants stand, on a fitted page of the model
   const files::Palette* palette = nullptr;  // a model folder's colours; null or empty: Espalier's own
 };
 

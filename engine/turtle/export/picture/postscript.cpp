@@ -145,7 +145,7 @@ void PostScriptWriter::writeShape(const PageShape& shape) {
 void writePostScript(const Scene& scene, const files::ViewSettings& view, const PostScriptOptions& options,
                      core::ByteSink& sink) {
   constexpr double kMargin = 0.03;
-  const Palette palette(scene, options.palette);
+  const Palette palette(scene, view, options.palette);
   const PageDrawing page(scene, view, palette, options.widthPoints, options.heightPoints, kMargin, options.frame);
   TextOutput out(sink);
   PostScriptWriter writer(scene, page, out);

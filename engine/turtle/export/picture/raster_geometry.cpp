@@ -29,8 +29,12 @@ Vec3 directionOf(const Segment& segment) {
 }  // namespace
 
 RasterGeometry::RasterGeometry(const Scene& scene, const files::ViewSettings& view, const Palette& palette)
-    : scene_(scene), view_(view), palette_(palette), continuation_(continuationsOf(scene, kSharpestJoint)) {
-  hasTubes_ = scene.lineStyle == files::LineStyle::Cylinder &&
+    : scene_(scene),
+      view_(view),
+      palette_(palette),
+      look_(lineLookOf(scene, view)),
+      continuation_(continuationsOf(scene, kSharpestJoint)) {
+  hasTubes_ = look_.style == files::LineStyle::Cylinder &&
               std::ranges::any_of(scene.segments, [](const Segment& segment) { return segment.texture > 0; });
   if (hasTubes_) {
     chains_ = chainsOf(scene, palette);
@@ -114,7 +118,7 @@ void RasterGeometry::forMeshes(const Part& part, const ScenePlacement& placement
       return give({scene_.polygons[part.index].colour, 0});
     case Kind::Tube: {
       const Segment& head = scene_.segments[tubes_[part.index]];
-      appendTube(mesh, ringsOf(scene_, palette_, chains_, tubes_[part.index], 1.0),
+      appendTube(mesh, ringsOf(scene_, palette_, chains_, tubes_[part.index], look_),
                  std::clamp(view_.contourSides, kLeastTubeSides, kMostTubeSides),
                  view_.textures[static_cast<std::size_t>(head.texture) - 1].ratio);
       return give({head.colour, head.texture});
@@ -134,11 +138,11 @@ void RasterGeometry::include(std::size_t number, const ScenePlacement& placement
   const auto projected = [&](const Vec3& point) { return projection.project(placedPoint(placement, point)); };
   if (part.kind == Kind::Segment) {
     const Segment& segment = scene_.segments[part.index];
-    const double halfWidth = scene_.lineStyle != files::LineStyle::Pixel ? 0.5 * placement.scale : 0.0;
+    const double halfWidth = look_.style != files::LineStyle::Pixel ? 0.5 * placement.scale : 0.0;
     const ProjectedPoint a = projected(segment.start);
     const ProjectedPoint b = projected(segment.end);
-    bounds.include(a, halfWidth * segment.startWidth * a.magnification);
-    bounds.include(b, halfWidth * segment.endWidth * b.magnification);
+    bounds.include(a, halfWidth * look_.startWidth(segment) * a.magnification);
+    bounds.include(b, halfWidth * look_.endWidth(segment) * b.magnification);
     return;
   }
   if (part.kind == Kind::Label) {
@@ -189,12 +193,12 @@ void RasterGeometry::appendSegment(std::uint32_t index, const ScenePlacement& pl
   const Segment& segment = scene_.segments[index];
   const auto turned = [&placement](const Vec3& v) { return placedDirection(placement, v); };
   // pixels have no scale
-  const double half = scene_.lineStyle == files::LineStyle::Pixel ? 0.5 : 0.5 * placement.scale;
+  const double half = look_.style == files::LineStyle::Pixel ? 0.5 : 0.5 * placement.scale;
   const Vec3 direction = directionOf(segment);
   const Vec3 left = turned(segment.frame.left);
-  LineEnd start{placedPoint(placement, segment.start), turned(direction), left, half * segment.startWidth,
+  LineEnd start{placedPoint(placement, segment.start), turned(direction), left, half * look_.startWidth(segment),
                 LineEnd::Shape::Round};
-  LineEnd end{placedPoint(placement, segment.end), turned(direction), left, half * segment.endWidth,
+  LineEnd end{placedPoint(placement, segment.end), turned(direction), left, half * look_.endWidth(segment),
               LineEnd::Shape::Round};
   if (segment.parent == kNoParent) {
     start.shape = LineEnd::Shape::Flat;
@@ -210,7 +214,7 @@ void RasterGeometry::appendSegment(std::uint32_t index, const ScenePlacement& pl
     end.tangent = turned(core::normalised(direction + directionOf(scene_.segments[next])));
     end.shape = LineEnd::Shape::Joint;
   }
-  switch (scene_.lineStyle) {
+  switch (look_.style) {
     case files::LineStyle::Pixel:
       return pen.pixelLine(start, end);
     case files::LineStyle::Polygon:
@@ -224,7 +228,8 @@ void RasterGeometry::appendSegment(std::uint32_t index, const ScenePlacement& pl
 void RasterGeometry::appendRoundLine(std::uint32_t index, LineEnd start, const LineEnd& end, RasterPen& pen) const {
   const Segment& segment = scene_.segments[index];
   const bool isLimb = joins(index) && scene_.segments[segment.parent].branchOrder != segment.branchOrder;
-  const double radius = isLimb ? start.radius * scene_.segments[segment.parent].endWidth / segment.startWidth : 0.0;
+  const double radius =
+      isLimb ? start.radius * look_.endWidth(scene_.segments[segment.parent]) / look_.startWidth(segment) : 0.0;
   const double length = core::length(end.place - start.place);
   if (!isLimb || radius == start.radius || !(length > 0.0) || !std::isfinite(radius)) {
     return pen.roundLine(start, end);

@@ -8,6 +8,7 @@
 
 #include "engine/files/view_settings.h"
 #include "engine/turtle/export/exporters.h"
+#include "engine/turtle/export/line_look.h"
 #include "engine/turtle/export/mesh/mesh.h"
 #include "engine/turtle/export/mesh/tubes.h"
 #include "engine/turtle/export/palette.h"
@@ -64,6 +65,7 @@ class RasterGeometry {
   const Scene& scene_;
   const files::ViewSettings& view_;
   const Palette& palette_;
+  LineLook look_;
   std::vector<std::uint32_t> continuation_;  // the segment that goes on with a tube (segmentCount); kNoParent: none
   bool hasTubes_ = false;
   SegmentChains chains_;                              // when there are tubes

@@ -212,8 +212,8 @@ void RasterTarget::draw(const RasterTriangle& triangle, int tileColumn, int tile
   }
 }
 
-void RasterTarget::resolve(int row, const Colour& background, bool isTransparent,
-                           std::span<std::uint8_t> pixels) const {
+void RasterTarget::resolve(int row, const Colour& background, bool isTransparent, std::span<std::uint8_t> pixels,
+                           std::span<const float> shades) const {
   constexpr std::uint32_t kSampleCount = kAcross * kAcross;
   const std::array<std::uint32_t, 3> page{background.red, background.green, background.blue};
   for (int column = 0; column < width_; ++column) {
@@ -233,7 +233,9 @@ void RasterTarget::resolve(int row, const Colour& background, bool isTransparent
     for (std::size_t k = 0; k < 3; ++k) {
       // colours are not multiplied by the opacity in a PNG
       const std::uint32_t divisor = isTransparent ? drawn : kSampleCount;
-      const std::uint32_t total = isTransparent ? sum[k] : sum[k] + (kSampleCount - drawn) * page[k];
+      const float light = shades.empty() ? 1.0F : 1.0F - shades[static_cast<std::size_t>(column)];
+      const auto behind = static_cast<std::uint32_t>(static_cast<float>((kSampleCount - drawn) * page[k]) * light);
+      const std::uint32_t total = isTransparent ? sum[k] : sum[k] + behind;
       pixel[k] = static_cast<std::uint8_t>(divisor == 0 ? 0 : (total + divisor / 2) / divisor);
     }
     pixel[3] = isTransparent ? static_cast<std::uint8_t>(sum[3] / kSampleCount) : std::uint8_t{255};

@@ -54,8 +54,10 @@ class RasterTarget {
   void draw(const RasterTriangle& triangle, int tileColumn, int tileRow);
 
   /// The mean colour of the samples of each pixel of one row of these, over `background` where nothing was drawn: four
-  /// bytes a pixel, red, green, blue and opacity; the background is transparent when `isTransparent`.
-  void resolve(int row, const Colour& background, bool isTransparent, std::span<std::uint8_t> pixels) const;
+  /// bytes a pixel, red, green, blue and opacity; the background is transparent when `isTransparent`. `shades` is how
+  /// dark the background is at each pixel, 0 to 1; empty: nowhere.
+  void resolve(int row, const Colour& background, bool isTransparent, std::span<std::uint8_t> pixels,
+               std::span<const float> shades = {}) const;
 
  private:
   int width_;

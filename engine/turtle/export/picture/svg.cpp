@@ -217,7 +217,7 @@ void SvgWriter::writeShape(const PageShape& shape) {
 }  // namespace
 
 void writeSvg(const Scene& scene, const files::ViewSettings& view, const SvgOptions& options, core::ByteSink& sink) {
-  const Palette palette(scene, options.palette);
+  const Palette palette(scene, view, options.palette);
   const PageDrawing page(scene, view, palette, options.widthPixels, options.heightPixels, options.marginFraction,
                          options.frame);
   TextOutput out(sink);

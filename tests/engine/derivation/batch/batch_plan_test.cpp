@@ -40,6 +40,15 @@ TEST(BatchPlan, PureProductionsOfOneModuleMakeGroups) {
   EXPECT_EQ(Planned("Seed: 1\n", "A --> x : 1\nA --> y : 2\n").classOf("A", 0), BatchPlan::Class::Group);
 }
 
+TEST(BatchPlan, BlocksOfLocalVariablesAndLongPredecessorsMakeGroups) {
+  EXPECT_EQ(Planned("", "B(x) : {n=x;} * --> A\n").classOf("B", 1), BatchPlan::Class::Group);
+  EXPECT_EQ(Planned("Start: {n=0;}\n", "B(x) : x<n --> A\n").classOf("B", 1), BatchPlan::Class::Group);
+  const Planned planned("", "AB(x) --> A\n");
+  EXPECT_EQ(planned.classOf("A", 0), BatchPlan::Class::Group);
+  EXPECT_TRUE(planned.plan().hasLongPredecessors());
+  EXPECT_FALSE(planned.plan().isChunkable());
+}
+
 TEST(BatchPlan, ModulesThatStayAndFixedBlocksAreNoGroups) {
   const Planned planned("", "A --> AA\n");
   EXPECT_EQ(planned.classOf("A", 0), BatchPlan::Class::Fixed);
@@ -48,8 +57,10 @@ TEST(BatchPlan, ModulesThatStayAndFixedBlocksAreNoGroups) {
 }
 
 TEST(BatchPlan, WhatHasSideEffectsOrReachesFurtherIsGeneral) {
-  EXPECT_EQ(Planned("", "B(x) : {n=x;} * --> A\n").classOf("B", 1), BatchPlan::Class::General);
-  EXPECT_EQ(Planned("", "AB(x) --> A\n").classOf("A", 0), BatchPlan::Class::General);
+  EXPECT_EQ(Planned("", "B(x) : {n=n+x;} * --> A\n").classOf("B", 1), BatchPlan::Class::General);
+  EXPECT_EQ(Planned("Start: {n=0;}\n", "B(x) : {n=n+x;} * --> A\n").classOf("B", 1), BatchPlan::Class::General);
+  // where another predecessor wins, its block must not run
+  EXPECT_EQ(Planned("", "AB(x) --> A\nB(x) : {n=x;} * --> A\n").classOf("B", 1), BatchPlan::Class::General);
   // how many draws a module makes must not depend on its parameters
   EXPECT_EQ(Planned("", "B(x) --> B(x>1 ? ran(x) : 0)\n").classOf("B", 1), BatchPlan::Class::General);
   EXPECT_EQ(Planned("", "B(x) : ran(x)>1 --> B(2)\n").classOf("B", 1), BatchPlan::Class::General);

@@ -16,8 +16,9 @@
 namespace espalier {
 namespace {
 
+using derivation::ColumnCode;
+using derivation::ColumnCompiler;
 using derivation::ColumnEvaluator;
-using derivation::ColumnExpression;
 using derivation::ColumnValue;
 using derivation::SlotSource;
 using test::DerivedModel;
@@ -48,10 +49,15 @@ class Compared {
       own[i] = static_cast<std::uint32_t>(2 * i);
     }
     const language::Program& program = model_.program();
-    const ColumnExpression column = derivation::makeColumnExpression(program, expression_);
-    ColumnEvaluator columns(program, 2, 16);
+    const ColumnCode column =
+        ColumnCompiler(program, program.systems[0].productions.productions[0]).value(expression_).value();
+    ColumnEvaluator columns(program, 2, column.columnCount);
     const std::vector<std::uint8_t> warned(program.code.size(), hasWarned ? 1 : 0);
-    columns.begin(kStep, static_cast<double>(model_.state().derivationLength), warned.data());
+    derivation::ColumnInputs inputs;
+    inputs.step = kStep;
+    inputs.length = static_cast<double>(model_.state().derivationLength);
+    inputs.hasWarned = warned.data();
+    columns.begin(inputs);
     const std::vector<SlotSource> slots{{SlotSource::Kind::Own, 0}, {SlotSource::Kind::Own, 1}};
     columns.setLanes({own.size(), slots.data(), parameters.data(), nullptr, nullptr, own.data(), nullptr, nullptr});
     const ColumnValue made = columns.value(column);
@@ -143,15 +149,32 @@ TEST(ColumnEvaluator, WhatIsNotEvaluatedDoesNotDivide) {
   EXPECT_FALSE(compared.isUnusual());
 }
 
-TEST(ColumnPlan, OnlyPureArithmeticIsForColumns) {
-  const auto isColumn = [](const std::string& expression) {
-    const DerivedModel model(modelText("", "A(1)", "A(x) --> A(" + expression + ")\n"));
-    return derivation::isColumnExpression(model.program(),
-                                          model.program().systems[0].productions.productions[0].expressions[0]);
-  };
-  EXPECT_TRUE(isColumn("sqrt(x)+1"));
-  EXPECT_FALSE(isColumn("ran(x)"));
-  EXPECT_FALSE(isColumn("func(1,x)"));
+/// Why a batch cannot run the parameter of a production; empty when it can.
+std::string problemOf(const std::string& production) {
+  const DerivedModel model(modelText("", "A(1)", production));
+  const language::Production& first = model.program().systems[0].productions.productions[0];
+  ColumnCompiler columns(model.program(), first);
+  const bool isDone =
+      columns.block(first.preBlock) && columns.block(first.postBlock) && columns.value(first.expressions[0]);
+  return isDone ? "" : columns.problem();
+}
+
+TEST(ColumnCompiler, TakesCodeThatDependsOnTheModuleAlone) {
+  EXPECT_EQ(problemOf("A(x) --> A(sqrt(x)+1)\n"), "");
+  EXPECT_EQ(problemOf("A(x) --> A(func(1,x)+ran(x))\n"), "");
+  EXPECT_EQ(problemOf("A(x) : {u=x; if (u>1) {u=u-1;}} 1 {v=u*u;} --> A(u+v)\n"), "");
+  EXPECT_EQ(problemOf("A(x) : {u=0; while (u<x) {u=u+1;}} 1 --> A(u)\n"), "");
+  EXPECT_EQ(problemOf("A(x) : {if (x>1) {u=1;} else {u=2;}} 1 --> A(u)\n"), "");
+}
+
+TEST(ColumnCompiler, NamesWhatDependsOnOtherModules) {
+  EXPECT_EQ(problemOf("A(x) --> A(nran(x,1))\n"), "it calls a function that draws or has an effect");
+  EXPECT_EQ(problemOf("A(x) --> A(x>1 ? ran(1) : 2)\n"), "the number of its draws depends on its parameters");
+  EXPECT_EQ(problemOf("A(x) : {u=u+1;} 1 --> A(u)\n"),
+            "it reads a local variable that the module before may have left");
+  EXPECT_EQ(problemOf("A(x) : {if (x>1) {u=1;}} 1 --> A(u)\n"),
+            "it reads a local variable that the module before may have left");
+  EXPECT_EQ(problemOf("A(x) : {printf(\"%f\", x);} 1 --> A(x)\n"), "it prints, or uses files");
 }
 
 }  // namespace

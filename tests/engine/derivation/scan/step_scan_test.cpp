@@ -17,8 +17,9 @@ using test::PlainDerivation;
 using test::PlainModule;
 using test::PlainString;
 
-/// Makes models of pure productions: letters A to E with up to two parameters, G with seven, brackets, contexts,
-/// conditions, weights, functions, divisions by what may be 0.
+/// Makes models of productions: letters A to E with up to two parameters, G with seven, brackets, contexts, conditions,
+/// weights, functions, divisions by what may be 0, blocks with local and shared variables, loops, arrays,
+/// decomposition.
 class ModelMaker {
  public:
   explicit ModelMaker(unsigned seed) : random_(seed) {}
@@ -28,6 +29,9 @@ class ModelMaker {
     letters_ = chance(20) ? "AABBCDE+G" : "AABBCDE+";
     isStochastic_ = chance(40);
     hasContexts_ = chance(60);
+    hasVariables_ = chance(50);
+    hasBlocks_ = chance(50);
+    const bool hasDecomposition = chance(25);
     if (isStochastic_) {
       text += "Seed: " + std::to_string(number(1, 60000)) + "\n";
     }
@@ -36,11 +40,21 @@ class ModelMaker {
     } else if (hasContexts_ && chance(20)) {
       text += "ignore: []+\n";
     }
+    if (hasVariables_) {
+      text += "define: {array gt[3]={0.5,2,1}; array gm[2][2]={1,0.25,3,0.75};}\n";
+      text += "Start: {ga=1; gb=0.5;}\nStartEach: {ga=ga+0.5; if (ga>3) {ga=0; gm[1][0]=Q;} gb=gb*0.9;}\n";
+    }
     // batches begin at a certain length
     text += "Axiom: " + modules(chance(50) ? number(8, 16) : number(60, 400), "", 2) + "\n";
     const int count = number(2, 9);
     for (int i = 0; i < count; ++i) {
       text += production();
+    }
+    if (hasDecomposition) {
+      text += "decomposition no warnings\nmaximum depth: " + std::to_string(number(1, 4)) + "\n";
+      for (int i = number(1, 3); i > 0; --i) {
+        text += decomposition();
+      }
     }
     return text + "endlsystem\n";
   }
@@ -70,7 +84,7 @@ class ModelMaker {
   }
 
   std::string formal(std::string& names) {
-    static const std::string kLetters = "abcdefghijklmnoprstuvwxyzHIJKLMNOPRSTUVWXY";
+    static const std::string kLetters = "abcdefghijklmnoprstuvwxyzHIJKLMNOPRSTXY";
     const std::string letter = oneOf(letters_);
     const int arity = arityOf(letter[0]);
     std::string text = letter;
@@ -90,6 +104,23 @@ class ModelMaker {
     }
     // the last names are those of the right context
     const std::string x = chance(50) ? oneOf(names) : names.substr(names.size() - 1);
+    if (hasVariables_ && chance(25)) {
+      switch (number(0, 4)) {
+        case 0:
+          return x + "*gb";
+        case 1:
+          return "gt[" + x + "]";
+        case 2:
+          return "(" + x + ">0.5 ? gt[Q%3] : gm[" + x + "][1])";
+        case 3:
+          return "gm[1][" + oneOf(names) + "]*0.5+gb";
+        default:
+          return "ga";
+      }
+    }
+    if (hasBlocks_ && chance(10)) {
+      return "(" + x + "*" + x + "+1)^0.5*0.5";
+    }
     switch (number(0, 13)) {
       case 8:
         return "(" + x + ">1 ? " + constant + " : " + oneOf(names) + ")";
@@ -132,6 +163,43 @@ class ModelMaker {
       text += (chance(50) ? " && " : " || ") + oneOf(names) + (chance(70) ? "<2" : "/" + oneOf(names) + "<2");
     }
     return chance(10) ? "!(" + text + ")" : text;
+  }
+
+  /// A block that assigns the local variables U, V and W, and what a model may do beside it.
+  std::string block(std::string& names, bool isBehind) {
+    const std::string local = isBehind ? "V" : "U";
+    std::string text = "{";
+    switch (names.empty() ? 0 : number(0, 6)) {
+      case 0:
+        text += local + "=" + expression(names) + ";";
+        break;
+      case 1:
+        text += "if (" + condition(names) + ") {" + local + "=" + expression(names) + ";} else {" + local + "=" +
+                expression(names) + ";}";
+        break;
+      case 2:
+        text +=
+            local + "=" + expression(names) + "; if (" + condition(names) + ") {" + local + "=" + local + "*0.5; W=Q;}";
+        break;
+      case 3:
+        text += local + "=0; W=0; while (W<" + oneOf(names) + " && W<4) {" + local + "=" + local + "*0.5+" +
+                oneOf(names) + "; W=W+1;}";
+        break;
+      case 4:
+        // the value of the module before
+        text += chance(50) ? local + "=" + local + "*0.5+1;" : "if (" + condition(names) + ") {" + local + "=1;}";
+        break;
+      case 5:
+        text += "W=" + expression(names) + "; " + local + "=(W*W+1)^0.5*0.25;";
+        break;
+      default:
+        text += local + "=" + expression(names) + "; " + local + "=" + local + "/2+1;";
+    }
+    if (hasVariables_ && chance(6)) {
+      text += chance(70) ? " ga=ga+0.25;" : " gt[1]=gt[1]*0.5+1;";
+    }
+    names += local;
+    return text + "}";
   }
 
   /// A parameter of a successor, which may draw.
@@ -203,7 +271,11 @@ class ModelMaker {
       right = " > " + rightContext(names);
     }
     std::string text = left + predecessor + right;
-    if (chance(40)) {
+    if (hasBlocks_ && chance(50)) {
+      const bool hasBefore = chance(60);
+      text += " : " + (hasBefore ? block(names, false) + " " : std::string()) + (chance(70) ? condition(names) : "1");
+      text += chance(60) || !hasBefore ? " " + block(names, true) : std::string();
+    } else if (chance(40)) {
       text += " : " + condition(names);
     }
     // branches and what follows them are what contexts look over
@@ -219,8 +291,18 @@ class ModelMaker {
     return text + "\n";
   }
 
+  std::string decomposition() {
+    std::string names;
+    mayDraw_ = false;
+    std::string text = formal(names);
+    text += hasBlocks_ && chance(25) ? " : " + block(names, false) + " " + condition(names) : " : " + condition(names);
+    return text + " --> " + modules(number(1, 2), names, 0) + "\n";
+  }
+
   std::mt19937 random_;
   std::string letters_;
+  bool hasVariables_ = false;
+  bool hasBlocks_ = false;
   bool isStochastic_ = false;
   bool mayDraw_ = false;
   bool hasContexts_ = false;
@@ -274,7 +356,7 @@ Comparison compareModels(unsigned first, unsigned count, std::size_t maximumModu
     options.threads = threads;
     options.threadedModules = 1;
     DerivedModel model(text, options);
-    const PlainDerivation plain(model.program(), seed);
+    PlainDerivation plain(model.program(), seed);
     PlainString expected = plain.axiom();
     EXPECT_TRUE(plainOf(model.program(), model.state().string) == expected);
     derivation::StepChanges changes = derivation::StepChanges::nothing(expected.size());
@@ -295,6 +377,11 @@ Comparison compareModels(unsigned first, unsigned count, std::size_t maximumModu
       if (plainOf(model.program(), model.state().string) != expected) {
         ADD_FAILURE() << "step " << step << " from " << before.size() << " modules made "
                       << model.text().substr(0, 400);
+        return result;
+      }
+      // what blocks leave belongs to the state
+      if (model.state().statics != plain.statics() || model.state().instances.front().variables != plain.variables()) {
+        ADD_FAILURE() << "step " << step << " leaves other variables";
         return result;
       }
       result.keptModules += keptModules(changes, marked, expected);
@@ -329,7 +416,7 @@ void expectPlainSteps(const std::string& text, unsigned threads, std::uint64_t s
   options.threads = threads;
   options.threadedModules = 64;
   DerivedModel model(text, options);
-  const PlainDerivation plain(model.program(), options.seed);
+  PlainDerivation plain(model.program(), options.seed);
   test::PlainString string = plain.axiom();
   for (std::uint64_t step = 1; step <= stepCount; ++step) {
     string = plain.derive(string, step);

@@ -43,10 +43,10 @@ TEST(Fractint, ColoursAreThoseOfTheScreen) {
   EXPECT_NE(result.program->sources.front().text.find("C(x) --> ;(x)\n"), std::string::npos);
   EXPECT_NE(result.program->sources.front().text.find("G --> f\n"), std::string::npos);
   EXPECT_EQ(result.program->view.initialColour, 15);
-  EXPECT_EQ(result.program->view.palette.colour(4), (files::PaletteColour{168, 0, 0}));
+  EXPECT_EQ(result.program->view.colourEntries.at(4), (files::PaletteColour{168, 0, 0}));
   EXPECT_NE(result.program->sources.front().text.find("; --> @C(1)\n;(x) --> @C(x)\n, --> @C(-1)\n,(x) --> @C(-x)\n"),
             std::string::npos);
-  EXPECT_EQ(result.program->view.palette.background(), (files::PaletteColour{0, 0, 0}));
+  EXPECT_EQ(result.program->view.colourEntries.at(0), (files::PaletteColour{0, 0, 0}));
 }
 
 TEST(Fractint, TurnsRoundByWholePartsAndExchangesLeftAndRight) {
@@ -106,7 +106,7 @@ TEST(Fractint, ABlockWithoutANameIsARemark) {
 TEST(Fractint, ThePaletteIsTheScreensDefault) {
   const CompileResult result = compileForeign(entry("angle 6\naxiom <f\n"));
   ASSERT_NE(result.program, nullptr);
-  const auto colour = [&](int index) { return result.program->view.palette.colour(index); };
+  const auto colour = [&](int index) { return result.program->view.colourEntries.at(index); };
   EXPECT_EQ(colour(17), (files::PaletteColour{20, 20, 20}));
   EXPECT_EQ(colour(32), (files::PaletteColour{0, 0, 252}));   // aae
   EXPECT_EQ(colour(33), (files::PaletteColour{64, 0, 252}));  // bae

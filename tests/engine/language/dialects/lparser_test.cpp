@@ -29,7 +29,7 @@ TEST(Lparser, TheAngleTheWidthAndTheColoursAreSet) {
   ASSERT_NE(result.program, nullptr);
   EXPECT_EQ(result.program->view.angleIncrementDegrees, 25.5);
   EXPECT_EQ(result.program->view.initialLineWidth, 0.12);
-  EXPECT_EQ(result.program->view.palette.colour(2), (files::PaletteColour{220, 40, 40}));
+  EXPECT_EQ(result.program->view.colourEntries.at(2), (files::PaletteColour{220, 40, 40}));
 }
 
 TEST(Lparser, EachSymbolOfTheTurtleHasItsDrawing) {

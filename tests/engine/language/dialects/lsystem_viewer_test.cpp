@@ -26,7 +26,7 @@ TEST(LsystemViewer, HasTheStatedDefaults) {
   const files::ViewSettings& view = result.program->view;
   EXPECT_EQ(view.initialHeading, (core::Vec3{1.0, 0.0, 0.0}));
   EXPECT_EQ(view.initialPosition, core::Vec3{});
-  EXPECT_EQ(view.palette.colour(view.initialColour), (files::PaletteColour{255, 0, 0}));
+  EXPECT_EQ(view.colourEntries.at(view.initialColour), (files::PaletteColour{255, 0, 0}));
   EXPECT_EQ(result.program->derivationLength, 0U);
 }
 
@@ -34,7 +34,7 @@ TEST(LsystemViewer, SetsColourHeadingAndOrigin) {
   const CompileResult result = compileForeign("axiom F\nstep 2\ncolor DarkBlue\nheading 180\norigin (3, -1/2)\n");
   ASSERT_NE(result.program, nullptr);
   const files::ViewSettings& view = result.program->view;
-  EXPECT_EQ(view.palette.colour(view.initialColour), (files::PaletteColour{0, 0, 139}));
+  EXPECT_EQ(view.colourEntries.at(view.initialColour), (files::PaletteColour{0, 0, 139}));
   EXPECT_EQ(view.initialHeading, (core::Vec3{-1.0, 0.0, 0.0}));
   EXPECT_EQ(view.initialPosition, (core::Vec3{3.0, -0.5, 0.0}));
 }

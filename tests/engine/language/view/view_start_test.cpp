@@ -34,15 +34,15 @@ TEST(ViewStart, DrawingCanBeDisplaced) {
 
 TEST(ViewStart, EntriesOfTheColourMapAreColours) {
   const files::ViewSettings settings = read("color map entry: 0 255,255,255\ncolor map entry: 7 1,2,3\n").settings;
-  EXPECT_EQ(settings.palette.background(), (files::PaletteColour{255, 255, 255}));
-  EXPECT_EQ(settings.palette.colour(7), (files::PaletteColour{1, 2, 3}));
-  EXPECT_TRUE(read("").settings.palette.empty());
+  EXPECT_EQ(settings.colourEntries.at(0), (files::PaletteColour{255, 255, 255}));
+  EXPECT_EQ(settings.colourEntries.at(7), (files::PaletteColour{1, 2, 3}));
+  EXPECT_TRUE(read("").settings.colourEntries.empty());
 }
 
 TEST(ViewStart, AnEntryOutOfRangeIsIgnoredWithAWarning) {
   for (const char* const text : {"color map entry: 256 1,2,3\n", "color map entry: 3 1,2,256\n"}) {
     const ViewFileResult result = read(text);
-    EXPECT_TRUE(result.settings.palette.empty()) << text;
+    EXPECT_TRUE(result.settings.colourEntries.empty()) << text;
     ASSERT_EQ(result.diagnostics.entries().size(), 1U) << text;
     EXPECT_EQ(result.diagnostics.entries().front().message,
               "a color map has entries 0 to 255 with red, green and blue from 0 to 255; this one is ignored");

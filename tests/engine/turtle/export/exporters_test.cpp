@@ -142,6 +142,7 @@ TEST(Svg, EveryOrganIsPainted) {
 TEST(Svg, TheViewBoxIsTheDrawingWithItsMargin) {
   // a line of length 10 upward: the height of 100 less margins of a tenth of the larger side, 20 each
   files::ViewSettings view;
+  view.isLineStyleGiven = true;
   TurtleRun run("F(4)F(6)", view);
   run.draw();
   const std::string svg = svgOf(run.scene, view, {.widthPixels = 200, .heightPixels = 100, .marginFraction = 0.1});
@@ -322,26 +323,28 @@ TEST(Palette, ColourIndicesWrapAndNeighboursAreClose) {
 TEST(Palette, ASceneThatSaysNothingAboutColourGoesFromBrownToGreen) {
   TurtleRun plain("F[+F[+F]]");
   plain.draw();
-  const Palette palette(plain.scene);
+  const Palette palette(plain.scene, {});
   const Colour trunk = palette.ofSegment(plain.scene.segments[0]);
   const Colour twig = palette.ofSegment(plain.scene.segments[2]);
   EXPECT_GT(trunk.red, trunk.green);
   EXPECT_GT(twig.green, twig.red);
   TurtleRun coloured("F;(200)F");
   coloured.draw();
-  EXPECT_EQ(Palette(coloured.scene).ofSegment(coloured.scene.segments[1]).red, defaultColour(200).red);
+  EXPECT_EQ(Palette(coloured.scene, {}).ofSegment(coloured.scene.segments[1]).red, defaultColour(200).red);
 }
 
 TEST(Palette, AFoldersColoursReplaceTheRamp) {
   Scene scene;
   scene.segments.emplace_back();
   files::Palette colours;
-  EXPECT_FALSE(Palette(scene, &colours).folderMaterial(128));
-  EXPECT_EQ(Palette(scene, &colours).materialOf(scene.segments[0]), 256) << "an empty palette is none";
+  EXPECT_FALSE(Palette(scene, {}, &colours).folderMaterial(128));
+  EXPECT_EQ(Palette(scene, {}, &colours).materialOf(scene.segments[0]),
+            Palette(scene, {}).materialOf(scene.segments[0]))
+      << "an empty palette is none";
 
   colours.maps[1][128] = {10, 20, 30};
   colours.maps[1][0] = {1, 2, 3};
-  const Palette mapped(scene, &colours);
+  const Palette mapped(scene, {}, &colours);
   EXPECT_EQ(mapped.materialOf(scene.segments[0]), 128);
   const Colour colour = mapped.ofSegment(scene.segments[0]);
   EXPECT_EQ((std::array{colour.red, colour.green, colour.blue}), (std::array<unsigned char, 3>{10, 20, 30}));
@@ -350,7 +353,7 @@ TEST(Palette, AFoldersColoursReplaceTheRamp) {
 
   colours.materials[1][128].opacity = 0.25;
   colours.usesMaterials = true;
-  const Palette material(scene, &colours);
+  const Palette material(scene, {}, &colours);
   EXPECT_EQ(material.opacityOfIndex(128), 0.25);
   EXPECT_EQ(material.ofIndex(128).red, 255) << "a material's diffuse colour is white unless the file says otherwise";
 }

@@ -241,8 +241,8 @@ TEST(Light, WhatCannotBeIsAnError) {
   };
   EXPECT_EQ(openingError(R"({"sun":"position"})"),
             "Environment 'light' needs to know where and when it is for the position of the sun: set "
-            "'latitude', 'longitude' and 'start', here or in the world (\"2026-06-21\" or \"2026-06-21T12:00\", "
-            "universal time).");
+            "'latitude', 'longitude' and 'start', here or in the world (\"2026-06-21T12:00\" in universal "
+            "time, or with an offset: +02:00).");
   EXPECT_EQ(openingError(R"({"sun":"direction","sunDirection":[1,-1,0]})"),
             "Environment 'light' has its sun below the horizon. Give a 'sunDirection' that points up to the sun.");
   context.world.up = {1, 1, 0};

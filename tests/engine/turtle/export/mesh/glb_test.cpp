@@ -33,9 +33,10 @@ files::ViewSettings plantView() {
   return view;
 }
 
-std::string glbOf(const Scene& scene, const files::ViewSettings& view, const files::Palette* palette = nullptr) {
+std::string glbOf(const Scene& scene, const files::ViewSettings& view, const files::Palette* palette = nullptr,
+                  bool usesInstancing = false) {
   core::StringSink sink;
-  const ExportInput input{.scene = scene, .view = view, .palette = palette};
+  const ExportInput input{.scene = scene, .view = view, .palette = palette, .usesInstancing = usesInstancing};
   EXPECT_EQ(
       findExportFormat("glb")->write(input, {.fileName = "a.glb", .sink = sink, .openCompanion = {}, .progress = {}}),
       std::nullopt);
@@ -197,19 +198,67 @@ TEST(Glb, BoundsOfPositionsAreExact) {
   }
 }
 
-TEST(Glb, RepeatedOrgansAreNodesThatShareAMesh) {
-  TurtleRun run("~p f~p f(2)@O(1);(9)~p @O(2)", plantView());
+TEST(Glb, APlantHasOneNodeForEachKindOfOrgans) {
+  TurtleRun run("F[+F]~p f~p f(2)@O(1);(9)~p @O(2)", plantView());
   run.draw();
   const GlbContent content(glbOf(run.scene, run.program.view));
+  std::vector<std::string> names;
+  for (const json& node : content.text["nodes"]) {
+    names.push_back(node["name"]);
+  }
+  EXPECT_EQ(names, (std::vector<std::string>{"plant_0", "plant_0 branches", "plant_0 leaves", "plant_0 fruits"}));
+  // leaves in two colours are two primitives of one mesh
+  EXPECT_EQ(content.text["meshes"][1]["primitives"].size(), 2U);
+  std::vector<std::string> materials;
+  for (const json& material : content.text["materials"]) {
+    materials.push_back(material["name"]);
+  }
+  EXPECT_EQ(materials, (std::vector<std::string>{"leaf", "fruit", "leaf_128", "fruit_128", "bark", "bark_1"}));
+  EXPECT_FALSE(content.text.contains("extensionsRequired"));
+}
+
+TEST(Glb, WithInstancingEqualOrgansOfAPlantAreOneNode) {
+  TurtleRun run("~p f~p f(2)@O(1);(9)~p @O(2)", plantView());
+  run.draw();
+  const std::string bytes = glbOf(run.scene, run.program.view, nullptr, true);
+  const GlbContent content(bytes);
   // surface and sphere in two colours each, of one shape each
   EXPECT_EQ(content.text["meshes"].size(), 4U);
-  EXPECT_EQ(content.text["accessors"].size(), 2U * 4U);
-  ASSERT_EQ(content.text["nodes"].size(), 1U + 5U);
-  EXPECT_EQ(content.text["nodes"][1]["mesh"], content.text["nodes"][2]["mesh"]);
-  EXPECT_NE(content.text["nodes"][1]["mesh"], content.text["nodes"][3]["mesh"]);
-  // modules: ~ 0, p 1, f 2, ~ 3, p 4
-  EXPECT_EQ(content.text["nodes"][2]["extras"]["module"], run.scene.surfaces[1].module);
-  EXPECT_EQ(content.text["meshes"][0]["name"], "surface p colour_128");
+  ASSERT_EQ(content.text["nodes"].size(), 1U + 4U);
+  EXPECT_EQ(content.text["meshes"][0]["name"], "surface p leaf_128");
+  std::vector<std::size_t> counts;
+  for (std::size_t i = 1; i < content.text["nodes"].size(); ++i) {
+    const json& attributes = content.text["nodes"][i]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"];
+    const json& accessor = content.text["accessors"][attributes["TRANSLATION"].get<std::size_t>()];
+    counts.push_back(accessor["count"]);
+  }
+  EXPECT_EQ(counts, (std::vector<std::size_t>{2, 1, 1, 1}));
+  EXPECT_EQ(content.text["extensionsRequired"], json{"EXT_mesh_gpu_instancing"});
+}
+
+TEST(Glb, HasNoTrianglesWithoutArea) {
+  // a patch whose first row of points is one point, as at the tip of a leaf
+  files::ViewSettings view = plantView();
+  for (std::size_t i = 0; i < 4; ++i) {
+    view.surfaces[0].patches[0].points[i] = view.surfaces[0].patches[0].points[0];
+  }
+  TurtleRun run("~p", view);
+  run.draw();
+  for (const bool usesInstancing : {false, true}) {
+    const GlbContent content(glbOf(run.scene, run.program.view, nullptr, usesInstancing));
+    const json& primitive = content.text["meshes"][0]["primitives"][0];
+    const std::vector<double> p = content.numbers(primitive["attributes"]["POSITION"], 3);
+    const std::vector<double> indices = content.numbers(primitive["indices"], 1);
+    const auto at = [&](double index) {
+      const auto i = 3 * static_cast<std::size_t>(index);
+      return core::Vec3{p[i], p[i + 1], p[i + 2]};
+    };
+    EXPECT_GT(indices.size(), 0U);
+    for (std::size_t i = 0; i < indices.size(); i += 3) {
+      const core::Vec3 a = at(indices[i]);
+      EXPECT_GT(core::length(core::cross(at(indices[i + 1]) - a, at(indices[i + 2]) - a)), 0.0);
+    }
+  }
 }
 
 TEST(Glb, OrgansOfAFrameThatIsNoRotationArePartOfTheMesh) {
@@ -217,7 +266,7 @@ TEST(Glb, OrgansOfAFrameThatIsNoRotationArePartOfTheMesh) {
   run.draw();
   run.scene.surfaces[0].frame.heading = {0.5, 1.0, 0.0};
   const GlbContent content(glbOf(run.scene, run.program.view));
-  EXPECT_EQ(content.text["meshes"][0]["name"], "plant_0 colour_128");
+  EXPECT_EQ(content.text["meshes"][0]["name"], "plant_0 leaves");
   EXPECT_LT(
       core::length(test::measure(content.world()).high - test::measure(expectedMesh(run.scene, run.program.view)).high),
       1e-6);
@@ -243,7 +292,9 @@ TEST(Glb, MaterialsHaveTheLinearColoursOfThePalette) {
   files::Palette palette;
   palette.maps[1][7] = {255, 0, 188};
   const GlbContent mapped(glbOf(run.scene, {}, &palette));
-  ASSERT_EQ(mapped.text["materials"].size(), 1U);
+  // bark and fruit
+  ASSERT_EQ(mapped.text["materials"].size(), 2U);
+  EXPECT_EQ(mapped.text["materials"][1]["pbrMetallicRoughness"], mapped.text["materials"][0]["pbrMetallicRoughness"]);
   const json& colour = mapped.text["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"];
   EXPECT_EQ(colour[0], 1);
   EXPECT_EQ(colour[1], 0);

@@ -91,7 +91,7 @@ TEST_F(PlacedMeshesOfScenes, MaterialsAreColoursWithTexturesEachOnce) {
   for (const MeshMaterial& material : meshes.materials()) {
     names.push_back(material.name);
   }
-  EXPECT_EQ(names, (std::vector<std::string>{"colour_3", "colour_9_texture_1"}));
+  EXPECT_EQ(names, (std::vector<std::string>{"bark", "fruit", "bark_9", "leaf"}));
   ASSERT_EQ(meshes.textures().size(), 1U);
   EXPECT_EQ(meshes.textures()[0].suffix(), ".png");
   EXPECT_FALSE(meshes.textures()[0].hasHoles());

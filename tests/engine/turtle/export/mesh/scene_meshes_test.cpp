@@ -168,7 +168,7 @@ TEST(SceneMeshes, TheThickestLimbOfAForkGoesOnAndOfEqualOnesTheStraightest) {
   const auto headsOf = [](const std::string& string) {
     TurtleRun run(string, cylinderView(8));
     run.draw();
-    return chainsOf(run.scene, Palette(run.scene)).heads;
+    return chainsOf(run.scene, Palette(run.scene, {})).heads;
   };
   // segments: trunk 0, first limb 1, second limb 2
   EXPECT_EQ(headsOf(";(3)!(0.4)F[+(50)!(0.1)F][-(50)!(0.2)F]"), (std::vector<std::uint32_t>{0, 1}));
@@ -203,8 +203,8 @@ TEST(SceneMeshes, AGeneralizedCylinderOfSeveralColoursIsClosedAndItsPartsMeet) {
   MaterialTable table;
   const SceneMeshes meshes(input, table);
   ASSERT_EQ(meshes.parts().size(), 2U);
-  EXPECT_EQ(table.materials()[meshes.parts()[0].material].name, "colour_3");
-  EXPECT_EQ(table.materials()[meshes.parts()[1].material].name, "colour_7");
+  EXPECT_EQ(table.materials()[meshes.parts()[0].material].name, "bark");
+  EXPECT_EQ(table.materials()[meshes.parts()[1].material].name, "bark_7");
   Mesh both;
   Mesh mesh;
   for (const MeshPart& part : meshes.parts()) {
@@ -254,6 +254,7 @@ TEST(SceneMeshes, DetailScalesSidesAndSubdivisions) {
 TEST(SceneMeshes, PixelLinesAreSweptAtAFixedPartOfTheExtent) {
   files::ViewSettings view = cylinderView(4);
   view.lineStyle = files::LineStyle::Pixel;
+  view.isLineStyleGiven = true;
   const MeshMeasures measures = measure(meshesOf("!(2)F(400)", view)[0]);
   // two of 800 pixels across
   EXPECT_NEAR(measures.high.x - measures.low.x, 1.0, 1e-9);

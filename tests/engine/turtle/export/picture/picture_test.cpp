@@ -63,7 +63,8 @@ TEST(Picture, LinesHaveTheWidthThatTheirStyleSays) {
     EXPECT_NEAR(covered, 10 * 2 * scale * scale + end, 30.0);
   }
   // pixels: 160 long, 7 wide, with round ends, whatever the scale
-  const files::ViewSettings view = viewOf(files::LineStyle::Pixel, 7.0);
+  files::ViewSettings view = viewOf(files::LineStyle::Pixel, 7.0);
+  view.isLineStyleGiven = true;
   EXPECT_NEAR(coverage(renderPicture(sceneOf("-(90)F(10)", view), view, options)),
               160 * 7 + std::numbers::pi * 3.5 * 3.5, 10.0);
   EXPECT_NEAR(coverage(renderPicture(sceneOf("-(90)F(0.1)", view), view, options)),

@@ -62,7 +62,9 @@ Page interpret(const std::string& text) {
 
 TEST(PostScript, TheDrawingFillsItsBoundingBox) {
   // a line of length 10 in a box of 100 by 200: the margin is 0.03 of 200
-  const std::string text = postScriptOf("F(4)F(6)", {}, {.widthPoints = 100, .heightPoints = 200});
+  files::ViewSettings view;
+  view.isLineStyleGiven = true;
+  const std::string text = postScriptOf("F(4)F(6)", view, {.widthPoints = 100, .heightPoints = 200});
   EXPECT_TRUE(
       text.starts_with("%!PS-Adobe-3.0 EPSF-3.0\n%%Creator: Espalier\n%%BoundingBox: 0 0 12 200\n"
                        "%%HiResBoundingBox: 0 0 12 200\n"))

@@ -50,20 +50,20 @@ PictureImage pictureOf(const std::string& string, files::ViewSettings view) {
 TEST(Textures, TheTurtlesTextureIsOnLinesCylindersSurfacesAndPatches) {
   using Names = std::vector<std::string>;
   const files::ViewSettings view = texturedView();
-  EXPECT_EQ(wornBy(";(3)F@Tx(1)F@Tx(0)F", view), (Names{"colour_3", "colour_3_texture_1", "colour_3"}));
-  EXPECT_EQ(wornBy(";(3)@Tx(1)~p[@Tx(0)~p]", view), (Names{"colour_3_texture_1", "colour_3"}));
-  EXPECT_EQ(wornBy(";(3)@Tx(1){(1)f}(1)", view), Names{"colour_3_texture_1"});
+  EXPECT_EQ(wornBy(";(3)F@Tx(1)F@Tx(0)F", view), (Names{"bark", "bark_3", "bark"}));
+  EXPECT_EQ(wornBy(";(3)@Tx(1)~p[@Tx(0)~p]", view), (Names{"leaf_3", "leaf"}));
+  EXPECT_EQ(wornBy(";(3)@Tx(1){(1)f}(1)", view), Names{"bark"});
   // polygons, spheres and discs have no place for one in the language
-  EXPECT_EQ(wornBy(";(3)@Tx(1){.f.+f.}@O@c", view), (Names{"colour_3", "colour_3", "colour_3"}));
-  EXPECT_EQ(wornBy(";(3)@Tx(2)F", view), Names{"colour_3"}) << "there is one texture";
+  EXPECT_EQ(wornBy(";(3)@Tx(1){.f.+f.}@O@c", view), (Names{"leaf", "fruit", "fruit"}));
+  EXPECT_EQ(wornBy(";(3)@Tx(2)F", view), Names{"bark"}) << "there is one texture";
 }
 
 TEST(Textures, ASurfaceMayHaveItsOwnOrNone) {
   files::ViewSettings view = texturedView();
   view.surfaces[0].texture = 1;
-  EXPECT_EQ(wornBy(";(3)~p", view), std::vector<std::string>{"colour_3_texture_1"});
+  EXPECT_EQ(wornBy(";(3)~p", view), std::vector<std::string>{"leaf"});
   view.surfaces[0].texture = 0;
-  EXPECT_EQ(wornBy(";(3)@Tx(1)~p", view), std::vector<std::string>{"colour_3"});
+  EXPECT_EQ(wornBy(";(3)@Tx(1)~p", view), std::vector<std::string>{"leaf"});
 }
 
 TEST(Textures, OnATubeOnePictureIsAsHighAsTheCircumferenceTimesItsRatio) {
@@ -125,8 +125,9 @@ TEST(Textures, InGlbThePictureIsInsideAndTheMaterialNamesIt) {
   const std::size_t jsonBytes =
       static_cast<unsigned char>(bytes[12]) | static_cast<std::size_t>(static_cast<unsigned char>(bytes[13])) << 8U;
   const json text = json::parse(bytes.substr(20, jsonBytes));
-  ASSERT_EQ(text["materials"].size(), 1U);
-  EXPECT_EQ(text["materials"][0]["name"], "colour_3_texture_1");
+  ASSERT_EQ(text["materials"].size(), 2U);
+  EXPECT_EQ(text["materials"][0]["name"], "bark");
+  EXPECT_EQ(text["materials"][1]["name"], "leaf");
   EXPECT_EQ(text["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["index"], 0);
   EXPECT_EQ(text["textures"][0]["source"], 0);
   EXPECT_EQ(text["samplers"][0], (json{{"magFilter", 9729}, {"minFilter", 9987}}));
@@ -167,7 +168,7 @@ TEST(Textures, DrawingsHaveTheMeanColourOfEachFace) {
     view.surfaces[0].subdivisionT = subdivision;
     TurtleRun run(text, view);
     run.draw();
-    const Palette palette(run.scene);
+    const Palette palette(run.scene, {});
     const PageDrawing drawing(run.scene, run.program.view, palette, 100, 100, 0.0);
     std::vector<std::array<int, 3>> found;
     for (const PageShape& shape : drawing.shapes()) {
@@ -260,7 +261,7 @@ TEST(Textures, HolesOfAPictureAreSeenThrough) {
   const PictureImage image = pictureOf(";(200)@Tx(1)~p", view);
   const std::array<int, 3> page = colourAt(image, 0.25, 0.5);
   EXPECT_NE(colourAt(image, 0.75, 0.5), page);
-  const Colour background = Palette(Scene{}).background();
+  const Colour background = Palette(Scene{}, {}).background();
   EXPECT_EQ(page, (std::array<int, 3>{background.red, background.green, background.blue}));
 }
 

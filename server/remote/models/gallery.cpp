@@ -1,4 +1,4 @@
-#include "server/remote/gallery.h"
+#include "server/remote/models/gallery.h"
 
 #include <algorithm>
 #include <array>

@@ -4,16 +4,17 @@
 #include <optional>
 #include <vector>
 
-#include "clients/espalier/model_files.h"
 #include "engine/core/diagnostic.h"
 #include "engine/core/streams.h"
 #include "engine/files/animation_file.h"
 #include "engine/files/colour_files.h"
 #include "engine/simulation/simulation.h"
+#include "server/remote/models/model_files.h"
 
-namespace espalier::command {
+namespace espalier::server {
 
-/// Settings of a model folder: the colours of pictures, and the last step.
+/// What a model folder says beside its model: the colours of pictures, and the last step. The command line and the
+/// server both take it from here.
 struct FolderSettings {
   files::Palette palette;                             // empty: the folder has no colours
   std::optional<files::AnimationSettings> animation;  // nothing: the derivation length decides
@@ -24,6 +25,9 @@ struct FolderSettings {
 [[nodiscard]] FolderSettings readFolderSettings(const ModelFiles& model, bool isAnimated, core::FileProvider& files,
                                                 core::DiagnosticList& diagnostics);
 
+/// The step of the last frame of the animation, of a model with so many steps; nothing: there is no animation.
+[[nodiscard]] std::optional<std::uint64_t> lastFrameOf(const FolderSettings& folder, std::uint64_t derivationLength);
+
 /// The last step of a run: `steps` when given, else the last frame of the animation; nothing: the derivation length.
 /// The simulation is at step 0 or later.
 [[nodiscard]] std::optional<std::uint64_t> lastStepOf(const FolderSettings& folder, std::optional<std::uint64_t> steps,
@@ -33,4 +37,4 @@ struct FolderSettings {
 /// stopped.
 [[nodiscard]] bool isOver(const simulation::Simulation& simulation, std::optional<std::uint64_t> last);
 
-}  // namespace espalier::command
+}  // namespace espalier::server

@@ -1,4 +1,4 @@
-#include "clients/espalier/folder_settings.h"
+#include "server/remote/models/folder_settings.h"
 
 #include <algorithm>
 #include <limits>
@@ -7,7 +7,7 @@
 
 #include "engine/files/data_file.h"
 
-namespace espalier::command {
+namespace espalier::server {
 namespace {
 
 void remark(core::Severity severity, const std::string& file, std::string message, core::DiagnosticList& diagnostics) {
@@ -62,14 +62,18 @@ FolderSettings readFolderSettings(const ModelFiles& model, bool isAnimated, core
   return folder;
 }
 
-std::optional<std::uint64_t> lastStepOf(const FolderSettings& folder, std::optional<std::uint64_t> steps,
-                                        const simulation::Simulation& simulation) {
-  if (steps || !folder.animation) {
-    return steps;
+std::optional<std::uint64_t> lastFrameOf(const FolderSettings& folder, std::uint64_t derivationLength) {
+  if (!folder.animation) {
+    return std::nullopt;
   }
   constexpr auto kMost = static_cast<std::uint64_t>(std::numeric_limits<std::int32_t>::max());
-  const auto length = static_cast<std::int64_t>(std::min(simulation.derivationLength(), kMost));
+  const auto length = static_cast<std::int64_t>(std::min(derivationLength, kMost));
   return static_cast<std::uint64_t>(files::finalFrame(*folder.animation, length).derivedSteps);
+}
+
+std::optional<std::uint64_t> lastStepOf(const FolderSettings& folder, std::optional<std::uint64_t> steps,
+                                        const simulation::Simulation& simulation) {
+  return steps ? steps : lastFrameOf(folder, simulation.derivationLength());
 }
 
 bool isOver(const simulation::Simulation& simulation, std::optional<std::uint64_t> last) {
@@ -81,4 +85,4 @@ bool isOver(const simulation::Simulation& simulation, std::optional<std::uint64_
          (simulation.isFinished() && simulation.completedSteps() < simulation.derivationLength());
 }
 
-}  // namespace espalier::command
+}  // namespace espalier::server

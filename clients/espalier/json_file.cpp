@@ -1,0 +1,37 @@
+#include "clients/espalier/json_file.h"
+
+#include <string_view>
+#include <utility>
+
+#include "protocol/json_text.h"
+
+namespace espalier::command {
+
+void printFileError(const std::string& file, std::string message) {
+  constexpr std::string_view kRoot = "params";
+  if (message.starts_with(kRoot)) {
+    message.erase(0, kRoot.size() + (message.substr(kRoot.size(), 1) == "." ? 1 : 2));
+  }
+  printError(file + ": " + message);
+}
+
+std::optional<protocol::Payload> readJsonFile(const std::string& file, const std::string& what,
+                                              core::FileProvider& files) {
+  const std::optional<std::string> text = files.read(file);
+  if (!text) {
+    printError("there is no " + what + " '" + file + "': check the name and the working folder");
+    return std::nullopt;
+  }
+  if (const auto problem = protocol::jsonProblem(*text)) {
+    printError(file + ": " + *problem);
+    return std::nullopt;
+  }
+  auto message = protocol::decodeMessage("{\"jsonrpc\":\"2.0\",\"method\":\"file\",\"params\":" + *text + "}");
+  if (!message) {
+    printFileError(file, message.error().error.message);
+    return std::nullopt;
+  }
+  return std::move(message->payload);
+}
+
+}  // namespace espalier::command

@@ -1,0 +1,51 @@
+#include "clients/espalier/server_connection.h"
+
+#include <CLI/CLI.hpp>
+#include <utility>
+
+namespace espalier::command {
+namespace {
+
+// what a person at a shell can do about an error of the protocol
+std::string sentenceOf(const protocol::Error& error, const std::string& address, bool isPlain) {
+  if (error.code == protocol::ErrorCode::Unauthorised) {
+    return "The server at " + address + " refuses the connection. " + error.message +
+           " Here a token is given with --token-file or --token.";
+  }
+  const bool isLost = error.message.starts_with("The connection to the server is lost");
+  return isPlain && isLost ? error.message + " If the server is encrypted, write tls://" + address + "."
+                           : error.message;
+}
+
+}  // namespace
+
+void addServerAddress(CLI::App& command, ServerAddress& address, bool isRequired) {
+  CLI::Option* option = command.add_option(
+      "ADDRESS", address.address, "HOST:PORT of the server, tls://HOST:PORT, unix:PATH, ws:// or wss://HOST:PORT");
+  isRequired ? option->required() : option->capture_default_str();
+  command
+      .add_option("--trust", address.trustedFile,
+                  "PEM file of a certificate to trust besides those of the system, for tls:// and wss://")
+      ->type_name("FILE");
+}
+
+Result<ServerConnection> connectTo(const ServerAddress& address, const client::ClientOptions& options) {
+  ServerConnection connection;
+  std::string place = address.address;
+  if (server::DialBridge::isFor(place)) {
+    auto opened = server::DialBridge::open(place, {.trustedFile = address.trustedFile});
+    if (!opened) {
+      return problem(std::move(opened.error()));
+    }
+    connection.bridge = std::move(*opened);
+    place = connection.bridge->address();
+  }
+  auto connected = client::Client::connect(place, options);
+  if (!connected) {
+    return problem(sentenceOf(connected.error(), address.address, connection.bridge == nullptr));
+  }
+  connection.client = std::move(*connected);
+  return connection;
+}
+
+}  // namespace espalier::command

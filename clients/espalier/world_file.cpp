@@ -1,0 +1,53 @@
+#include "clients/espalier/world_file.h"
+
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+#include "clients/espalier/json_file.h"
+#include "clients/espalier/messages.h"
+#include "protocol/codec.h"
+#include "server/remote/translation/translate.h"
+
+namespace espalier::command {
+namespace fs = std::filesystem;
+
+std::string worldFileOf(const ModelOptions& options) {
+  std::error_code error;
+  const fs::path inside = fs::path(options.model) / kWorldFile;
+  return fs::is_directory(options.model, error) && fs::is_regular_file(inside, error) ? inside.string() : std::string();
+}
+
+std::optional<turtle::World> loadWorld(const ModelOptions& options, const std::string& file,
+                                       core::FileProvider& files) {
+  const std::string& chosen = options.world.empty() ? file : options.world;
+  if (chosen.empty()) {
+    return completeWorld({}, chosen, options, files);
+  }
+  auto record = decodeJsonFile(chosen, "world file", files, protocol::decodeWorld);
+  return record ? completeWorld(std::move(*record), chosen, options, files) : std::nullopt;
+}
+
+std::optional<turtle::World> completeWorld(protocol::WorldRecord record, const std::string& file,
+                                           const ModelOptions& options, core::FileProvider& files) {
+  if (!options.stepDuration.empty()) {
+    record.stepDurationDays = *protocol::daysOfDuration(options.stepDuration);
+  }
+  if (!record.weather.empty()) {
+    const std::string table = (fs::path(file).parent_path() / record.weather).string();
+    std::optional<std::string> text = files.read(table);
+    if (!text) {
+      printError(file + ": there is no table of weather '" + table + "': check 'weather'");
+      return std::nullopt;
+    }
+    record.weather = std::move(*text);
+  }
+  auto world = server::toWorld(record);
+  if (!world) {
+    printError(file + ": " + world.error());
+    return std::nullopt;
+  }
+  return std::move(*world);
+}
+
+}  // namespace espalier::command

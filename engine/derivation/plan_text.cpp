@@ -1,0 +1,64 @@
+#include "engine/derivation/plan_text.h"
+
+#include "engine/derivation/system_tables.h"
+
+namespace espalier::derivation {
+namespace {
+
+const char* contextText(const BatchPlan& plan, const BatchGroup& group, const language::Production& production) {
+  for (std::uint32_t i = group.firstRule; i < group.firstRule + group.ruleCount; ++i) {
+    const BatchRule& rule = plan.rules()[i];
+    if (rule.production != &production) {
+      continue;
+    }
+    if (rule.context == BatchRule::Context::Near) {
+      return "; the nearest neighbours are found for all modules at once";
+    }
+    return rule.context == BatchRule::Context::Searched ? "; its neighbours are searched module by module" : "";
+  }
+  return "; a production before it always applies";
+}
+
+std::string wayText(const language::Program& program, const SystemTables& tables,
+                    const language::Production& production) {
+  const core::ModuleTypeId type = production.predecessor[0].type;
+  if (program.hasSubSystems) {
+    return "one module at a time: the model calls sub-L-systems";
+  }
+  if (tables.isProducedBackwards) {
+    return "one module at a time, from right to left: a production has a context `>>`";
+  }
+  const BatchPlan& plan = tables.batches;
+  switch (plan.classOf(type)) {
+    case BatchPlan::Class::Fixed:
+    case BatchPlan::Class::Kept:
+      return "a fixed block of modules is copied";
+    case BatchPlan::Class::Group:
+      return std::string("in batches") + contextText(plan, plan.groups()[plan.indexOf(type)], production);
+    case BatchPlan::Class::General:
+      break;
+  }
+  return std::string(tables.plan[type].kind == TypePlan::Kind::General ? "one module at a time: "
+                                                                       : "one module at a time, by a table: ") +
+         plan.problemOf(type);
+}
+
+}  // namespace
+
+std::string planText(const language::Program& program) {
+  std::string text;
+  for (const SystemTables& tables : makeSystemTables(program)) {
+    text += "L-system " + tables.system->name + "\n";
+    const auto& productions = tables.system->productions.productions;
+    for (std::size_t i = 0; i < productions.size(); ++i) {
+      text += "production " + std::to_string(i) + ": " + productions[i].text + "\n  " +
+              wayText(program, tables, productions[i]) + "\n";
+    }
+    if (tables.hasDecomposition) {
+      text += "decomposition\n  one module at a time\n";
+    }
+  }
+  return text;
+}
+
+}  // namespace espalier::derivation

@@ -1,0 +1,293 @@
+#include "engine/turtle/weather.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include "engine/core/elementary.h"
+#include "engine/core/number_text.h"
+
+namespace espalier::turtle {
+
+namespace {
+
+using Rows = std::vector<std::vector<std::string_view>>;
+constexpr double kSlack = 1e-9;  // days: dates and multiples of the step differ by rounding
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+std::string_view trimmed(std::string_view text) {
+  constexpr std::string_view kBlanks = " \r\"";
+  const std::size_t begin = text.find_first_not_of(kBlanks);
+  return begin == std::string_view::npos ? std::string_view()
+                                         : text.substr(begin, text.find_last_not_of(kBlanks) - begin + 1);
+}
+
+std::vector<std::string_view> cellsOf(std::string_view line, char separator) {
+  std::vector<std::string_view> cells;
+  for (std::size_t begin = 0; begin <= line.size();) {
+    const std::size_t end = std::min(line.find(separator, begin), line.size());
+    cells.push_back(trimmed(line.substr(begin, end - begin)));
+    begin = end + 1;
+  }
+  return cells;
+}
+
+std::optional<std::size_t> quantityOf(std::string_view name) {
+  for (std::size_t i = 0; i < kWeatherQuantities.size(); ++i) {
+    if (kWeatherQuantities[i].name == name) {
+      return i;
+    }
+  }
+  return std::nullopt;
+}
+
+std::string at(std::size_t line) {
+  return "line " + std::to_string(line) + ": ";
+}
+
+std::string textOf(double number) {
+  std::string text;
+  core::appendNumber(text, number, core::NumberStyle::Shortest);
+  return text;
+}
+
+/// The quantity of a head such as `temperature [degC]`, or the sentence that refuses it.
+tl::expected<std::size_t, std::string> readQuantity(std::string_view cell) {
+  const std::size_t bracket = cell.find_first_of("[(");
+  const auto quantity = quantityOf(trimmed(cell.substr(0, bracket)));
+  if (!quantity) {
+    std::string names;
+    for (const WeatherQuantity& known : kWeatherQuantities) {
+      names += ", " + std::string(known.name);
+    }
+    return tl::unexpected("the quantity '" + std::string(cell) + "' is not known; there are " + names.substr(2));
+  }
+  if (bracket != std::string_view::npos) {
+    const std::string_view unit = trimmed(cell.substr(bracket + 1, cell.find_last_of("])") - bracket - 1));
+    const WeatherQuantity& known = kWeatherQuantities[*quantity];
+    if (unit != known.unit) {
+      return tl::unexpected("'" + std::string(known.name) + "' has the unit " + std::string(unit) + "; convert it to " +
+                            std::string(known.unit));
+    }
+  }
+  return *quantity;
+}
+
+tl::expected<double, std::string> readNumber(std::string_view cell, std::string_view name) {
+  const auto number = core::parseNumber(cell);
+  if (!number || !std::isfinite(*number)) {
+    return tl::unexpected("expected a number for '" + std::string(name) + "', found '" + std::string(cell) + "'");
+  }
+  return *number;
+}
+
+}  // namespace
+
+tl::expected<Weather, std::string> Weather::read(std::string text, const std::string& start) {
+  Weather weather;
+  weather.text_ = std::move(text);
+  const std::string_view whole = weather.text_;
+  Rows rows;
+  std::vector<std::size_t> lines;
+  char separator = ',';
+  std::size_t number = 0;
+  for (std::size_t begin = 0; begin < whole.size();) {
+    const std::size_t end = std::min(whole.find('\n', begin), whole.size());
+    const std::string_view line = trimmed(whole.substr(begin, end - begin));
+    begin = end + 1;
+    ++number;
+    if (line.empty() || line.front() == '#') {
+      continue;
+    }
+    if (rows.empty()) {
+      separator = line.find('\t') != std::string_view::npos  ? '\t'
+                  : line.find(';') != std::string_view::npos ? ';'
+                                                             : ',';
+    }
+    rows.push_back(cellsOf(line, separator));
+    lines.push_back(number);
+    if (rows.back().size() != rows.front().size()) {
+      return tl::unexpected(at(number) + "expected " + std::to_string(rows.front().size()) + " cells, found " +
+                            std::to_string(rows.back().size()));
+    }
+  }
+  if (rows.size() < 2) {
+    return tl::unexpected(std::string("it has no rows; write a head such as time,temperature and a row below"));
+  }
+  weather.isFormula_ = rows.front().front() == "quantity";
+  auto problem = weather.isFormula_ ? weather.readFormula(rows, lines) : weather.readTable(rows, lines, start);
+  if (problem) {
+    return tl::unexpected(std::move(*problem));
+  }
+  return weather;
+}
+
+std::optional<std::string> Weather::readTable(const Rows& rows, const std::vector<std::size_t>& lines,
+                                              const std::string& start) {
+  const std::vector<std::string_view>& head = rows.front();
+  if (head.front() != "time") {
+    return at(lines.front()) + "expected a head that begins with time or quantity, found '" +
+           std::string(head.front()) + "'";
+  }
+  std::vector<std::size_t> columns;
+  for (std::size_t column = 1; column < head.size(); ++column) {
+    const auto quantity = readQuantity(head[column]);
+    if (!quantity) {
+      return at(lines.front()) + quantity.error();
+    }
+    if (std::find(columns.begin(), columns.end(), *quantity) != columns.end()) {
+      return at(lines.front()) + "'" + std::string(kWeatherQuantities[*quantity].name) + "' has two columns";
+    }
+    columns.push_back(*quantity);
+  }
+  const std::optional<double> startDay = start.empty() ? std::nullopt : julianDayOf(start);
+  for (std::size_t row = 1; row < rows.size(); ++row) {
+    const std::string_view cell = rows[row].front();
+    double time = 0.0;
+    if (const auto number = core::parseNumber(cell)) {
+      time = *number;
+    } else if (const auto day = julianDayOf(cell)) {
+      if (!startDay) {
+        return at(lines[row]) + "a date needs the 'start' of the world; set it, or give times in days";
+      }
+      time = *day - *startDay;
+    } else {
+      return at(lines[row]) + "expected a date or a number of days, found '" + std::string(cell) + "'";
+    }
+    if (!times_.empty() && !(time > times_.back())) {
+      return at(lines[row]) + "the time '" + std::string(cell) + "' is not after the one before; sort the rows";
+    }
+    times_.push_back(time);
+    for (std::size_t column = 0; column < columns.size(); ++column) {
+      const WeatherQuantity& quantity = kWeatherQuantities[columns[column]];
+      const auto value = readNumber(rows[row][column + 1], quantity.name);
+      if (!value) {
+        return at(lines[row]) + value.error();
+      }
+      if (*value < quantity.least) {
+        return at(lines[row]) + "'" + std::string(quantity.name) + "' is " + textOf(*value) + " and must be at least " +
+               textOf(quantity.least);
+      }
+      values_[columns[column]].push_back(*value);
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string> Weather::readFormula(const Rows& rows, const std::vector<std::size_t>& lines) {
+  constexpr std::array<std::string_view, 5> kHead{"quantity", "mean", "amplitude", "period", "peak"};
+  if (!std::equal(kHead.begin(), kHead.end(), rows.front().begin(), rows.front().end())) {
+    return at(lines.front()) + "expected the head quantity,mean,amplitude,period,peak";
+  }
+  for (std::size_t row = 1; row < rows.size(); ++row) {
+    const auto quantity = readQuantity(rows[row][0]);
+    if (!quantity) {
+      return at(lines[row]) + quantity.error();
+    }
+    std::array<double, 4> numbers{};
+    for (std::size_t k = 0; k < 4; ++k) {
+      const auto number = readNumber(rows[row][k + 1], kHead[k + 1]);
+      if (!number) {
+        return at(lines[row]) + number.error();
+      }
+      numbers[k] = *number;
+    }
+    if (!(numbers[2] > 0.0)) {
+      return at(lines[row]) + "'period' must be greater than 0 days";
+    }
+    waves_[*quantity].push_back({numbers[0], numbers[1], numbers[2], numbers[3]});
+  }
+  for (std::size_t quantity = 0; quantity < waves_.size(); ++quantity) {
+    double least = 0.0;
+    for (const Wave& wave : waves_[quantity]) {
+      least += wave.mean - std::abs(wave.amplitude);
+    }
+    if (!waves_[quantity].empty() && least < kWeatherQuantities[quantity].least) {
+      return "'" + std::string(kWeatherQuantities[quantity].name) + "' falls to " + textOf(least) +
+             " and must be at least " + textOf(kWeatherQuantities[quantity].least);
+    }
+  }
+  return std::nullopt;
+}
+
+bool Weather::has(std::string_view name) const {
+  const auto quantity = quantityOf(name);
+  return quantity && (isFormula_ ? !waves_[*quantity].empty() : !values_[*quantity].empty());
+}
+
+double Weather::begin() const {
+  return isFormula_ ? -kInfinity : times_.front();
+}
+
+double Weather::end() const {
+  return isFormula_ || times_.size() < 2 ? kInfinity : 2.0 * times_.back() - times_[times_.size() - 2];
+}
+
+std::optional<double> Weather::mean(std::string_view name, double from, double to) const {
+  if (!has(name) || from < begin() - kSlack || to > end() + kSlack) {
+    return std::nullopt;
+  }
+  const std::size_t quantity = *quantityOf(name);
+  if (isFormula_) {
+    double sum = 0.0;
+    for (const Wave& wave : waves_[quantity]) {
+      const double turns = 2.0 * std::numbers::pi / wave.period;
+      const double half = 0.5 * turns * (to - from);
+      const double flattened = half == 0.0 ? 1.0 : core::sin(half) / half;
+      sum += wave.mean + wave.amplitude * flattened * core::cos(turns * (0.5 * (from + to) - wave.peak));
+    }
+    return sum;
+  }
+  const std::vector<double>& values = values_[quantity];
+  const auto intervalOf = [&](double time) {
+    const auto next = std::upper_bound(times_.begin(), times_.end(), time + kSlack);
+    return next == times_.begin() ? std::size_t{0} : static_cast<std::size_t>(next - times_.begin()) - 1;
+  };
+  std::size_t interval = intervalOf(from);
+  double sum = 0.0;
+  double weight = 0.0;
+  for (double time = from; interval < times_.size() && time < to - kSlack; ++interval) {
+    const double until = interval + 1 < times_.size() ? std::min(times_[interval + 1], to) : to;
+    sum += values[interval] * (until - time);
+    weight += until - time;
+    time = until;
+  }
+  return weight > 0.0 ? sum / weight : values[intervalOf(from)];
+}
+
+std::optional<double> Weather::thermalTime(double until, double base) const {
+  if (!has("temperature") || until > end() + kSlack || begin() > kSlack) {
+    return std::nullopt;
+  }
+  constexpr double kHour = 1.0 / 24.0;
+  double sum = 0.0;
+  double time = 0.0;
+  auto next = std::upper_bound(times_.begin(), times_.end(), kSlack);
+  for (std::uint64_t hour = 1; time < until - kSlack; ++hour) {
+    double later = until;
+    if (isFormula_) {
+      later = std::min(until, static_cast<double>(hour) * kHour);
+    } else if (next != times_.end()) {
+      later = std::min(until, *next++);
+    }
+    sum += std::max(*mean("temperature", time, later) - base, 0.0) * (later - time);
+    time = later;
+  }
+  return sum;
+}
+
+std::string missingWeather(const World& world, std::string_view quantity, double from, double to) {
+  const std::string name(quantity);
+  if (!world.weather) {
+    return "needs the weather's '" + name + "', and the world has no 'weather'. Give the world a table of it.";
+  }
+  if (!world.weather->has(quantity)) {
+    return "needs the weather's '" + name + "', and the table has no such column. Add it.";
+  }
+  return "needs the weather from day " + textOf(from) + " to day " + textOf(to) + ", and the table ends on day " +
+         textOf(world.weather->end()) + " or begins after it. Add rows to the table, or make fewer steps.";
+}
+
+}  // namespace espalier::turtle

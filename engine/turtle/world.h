@@ -1,0 +1,38 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "engine/core/vec3.h"
+
+namespace espalier::turtle {
+
+class Weather;
+
+/// The world of a simulation: units, directions, place, time and weather.
+struct World {
+  std::string lengthUnit = "m";
+  core::Vec3 up{0.0, 1.0, 0.0};
+  core::Vec3 north{0.0, 0.0, -1.0};
+  double stepDurationDays = 1.0;
+  std::optional<double> latitudeDegrees;
+  std::optional<double> longitudeDegrees;  // positive to the east
+  std::string start;                       // ISO 8601 date, with a time and an offset from UTC if wanted; or empty
+  double baseTemperature = 0.0;            // of thermal time, degrees Celsius
+  std::shared_ptr<const Weather> weather;  // null: not known
+
+  /// The same members, and weather of the same text.
+  [[nodiscard]] bool operator==(const World& other) const;
+};
+
+/// The Julian day of a moment: "2026-06-21", "2026-06-21T12:00", "...:30", then nothing or "Z" for universal time, or
+/// an offset from it such as "+02:00". Nothing when the text is no such date. Proleptic Gregorian calendar, years 1 to
+/// 9999.
+[[nodiscard]] std::optional<double> julianDayOf(std::string_view text);
+
+/// Why a world cannot be: a sentence that names the member and the remedy. Nothing: it can.
+[[nodiscard]] std::optional<std::string> problemOfWorld(const World& world);
+
+}  // namespace espalier::turtle

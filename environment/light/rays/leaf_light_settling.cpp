@@ -1,0 +1,110 @@
+#include <algorithm>
+#include <cmath>
+
+#include "environment/light/rays/leaf_light.h"
+
+namespace espalier::environment {
+
+using core::Vec3;
+
+namespace {
+
+/// More rounds than light of any stand needs: of a closed white room a part of 10⁻⁴ leaves in each.
+constexpr int kMostRounds = 100'000;
+
+}  // namespace
+
+LeafLight::Balance LeafLight::settle(std::size_t band, const std::vector<double>& sky,
+                                     const std::vector<LightMaterial>& materials, double remainder, const Vec3& up,
+                                     const std::optional<Ground>& ground) const {
+  Balance balance;
+  balance.irradiances = irradiances(band, sky, materials, {}, 0);
+  if (ground) {
+    giveTheGroundTheRest(*ground, up, balance.irradiances);
+  }
+  // power that leaves each side
+  std::vector<double> power(balance.irradiances.size());
+  const auto scatter = [&](const std::vector<double>& arrived) {
+    double sum = 0.0;
+    for (std::size_t side = 0; side < power.size(); ++side) {
+      const LightMaterial& material = materials[surfaces_.material[side / 2]];
+      power[side] = material.reflectance * arrived[side] + material.transmittance * arrived[side ^ 1U];
+      sum += power[side];
+    }
+    return sum;
+  };
+  std::vector<double> arrived(power.size());
+  double first = 0.0;
+  for (std::size_t side = 0; side < power.size(); ++side) {
+    arrived[side] = balance.irradiances[side] * areas_[side / 2];
+    first += arrived[side];
+  }
+  double left = scatter(arrived);
+  for (int round = 0; round < kMostRounds && left > remainder * first; ++round) {
+    std::fill(arrived.begin(), arrived.end(), 0.0);
+    for (std::size_t row = 0; row < wanted_.size(); ++row) {
+      shoot(row, power, up, arrived, balance);
+    }
+    for (std::size_t side = 0; side < power.size(); ++side) {
+      if (arrived[side] != 0.0) {
+        balance.irradiances[side] += arrived[side] / areas_[side / 2];
+      }
+    }
+    left = scatter(arrived);
+  }
+  return balance;
+}
+
+/// What the plants leave of the light that comes in falls on the ground, spread as its own rays say: many leaves know
+/// it better than the few cells of the ground.
+void LeafLight::giveTheGroundTheRest(const Ground& ground, const Vec3& up, std::vector<double>& irradiances) const {
+  double plants = 0.0;
+  double seen = 0.0;
+  double area = 0.0;
+  for (std::size_t triangle = 0; triangle < areas_.size(); ++triangle) {
+    const double both = (irradiances[2 * triangle] + irradiances[2 * triangle + 1]) * areas_[triangle];
+    (triangle < ground.begin ? plants : seen) += both;
+    area += triangle < ground.begin ? 0.0 : areas_[triangle];
+  }
+  const double rest = std::max(ground.incoming - plants, 0.0);
+  if (plants > ground.incoming) {
+    for (std::size_t side = 0; side < 2 * ground.begin; ++side) {
+      irradiances[side] *= ground.incoming / plants;
+    }
+  }
+  for (std::size_t triangle = ground.begin; triangle < areas_.size(); ++triangle) {
+    const std::size_t upper = 2 * triangle + (core::dot(normals_[triangle], up) >= 0.0 ? 0U : 1U);
+    irradiances[upper] = seen > 0.0 ? irradiances[upper] * (rest / seen) : rest / area;
+    irradiances[upper ^ 1U] = 0.0;
+  }
+}
+
+/// Sends the power of both sides of a triangle along its rays.
+void LeafLight::shoot(std::size_t row, const std::vector<double>& power, const Vec3& up, std::vector<double>& arrived,
+                      Balance& balance) const {
+  const std::uint32_t triangle = wanted_[row];
+  const std::array<double, 2> own{power[2 * triangle], power[2 * triangle + 1]};
+  if (own[0] == 0.0 && own[1] == 0.0) {
+    return;
+  }
+  const auto lattice = directions_.latticeOf(surfaces_.thinningOf(triangle), surfaces_.seedOf(triangle));
+  std::array<double, 2> weights{};
+  for (std::size_t i = 0; i < lattice.count; ++i) {
+    const double cosine = core::dot(directions_.all()[lattice.begin + i], normals_[triangle]);
+    weights[cosine >= 0.0 ? 0 : 1] += std::abs(cosine);
+  }
+  const std::uint32_t* hits = hits_.data() + rowStart_[row];
+  for (std::size_t i = 0; i < lattice.count; ++i) {
+    const Vec3& direction = directions_.all()[lattice.begin + i];
+    const double cosine = core::dot(direction, normals_[triangle]);
+    const std::size_t side = cosine >= 0.0 ? 0 : 1;
+    const double part = own[side] * std::abs(cosine) / weights[side];
+    if (hits[i] != kSky) {
+      arrived[hits[i]] += part;
+    } else {
+      (core::dot(direction, up) > 0.0 ? balance.leavingUp : balance.leavingDown) += part;
+    }
+  }
+}
+
+}  // namespace espalier::environment

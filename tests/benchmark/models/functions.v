@@ -1,0 +1,2 @@
+function: growth.func
+function: shrink.func

@@ -1,0 +1,102 @@
+#include "engine/turtle/weather.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "engine/core/elementary.h"
+
+namespace espalier::turtle {
+namespace {
+
+Weather weatherOf(const std::string& text, const std::string& start = {}) {
+  auto read = Weather::read(text, start);
+  EXPECT_TRUE(read.has_value()) << (read ? "" : read.error());
+  return std::move(*read);
+}
+
+TEST(Weather, ATableGivesTheMeanOverItsIntervals) {
+  const Weather weather = weatherOf("# a station\ntime,temperature,wind\n0,10,1\n0.5,20,2\n1,30,3\n");
+  EXPECT_EQ(weather.mean("temperature", 0, 0.5), 10.0);
+  EXPECT_EQ(weather.mean("temperature", 0, 1), 15.0);
+  EXPECT_EQ(weather.mean("temperature", 0.25, 1.25), 0.25 * 10 + 0.5 * 20 + 0.25 * 30);
+  EXPECT_EQ(weather.mean("temperature", 0.5, 0.5), 20.0) << "at the border the later value";
+  EXPECT_EQ(weather.mean("wind", 0, 1.5), 2.0) << "the last interval is as long as the one before";
+  EXPECT_EQ(weather.end(), 1.5);
+  EXPECT_FALSE(weather.mean("wind", 1, 1.6).has_value());
+  EXPECT_FALSE(weather.mean("wind", -0.1, 0.1).has_value());
+  EXPECT_FALSE(weather.mean("rain", 0, 1).has_value());
+}
+
+TEST(Weather, DatesCountFromTheStart) {
+  const Weather weather =
+      weatherOf("time;temperature [degC]\n2026-06-21T06:00+02:00;10\n2026-06-21T07:00+02:00;12\n", "2026-06-21T04:00Z");
+  EXPECT_EQ(weather.mean("temperature", 0, 1.0 / 24), 10.0);
+  EXPECT_EQ(weather.mean("temperature", 1.0 / 24, 2.0 / 24), 12.0);
+  EXPECT_EQ(Weather::read("time,wind\n2026-06-21,1\n", "").error(),
+            "line 2: a date needs the 'start' of the world; set it, or give times in days");
+}
+
+TEST(Weather, AFormulaIsASumOfWaves) {
+  const Weather weather =
+      weatherOf("quantity,mean,amplitude,period,peak\ntemperature,15,5,1,0.6\ntemperature,0,2,365,200\n");
+  EXPECT_NEAR(*weather.mean("temperature", 0.6, 0.6), 20 + 2 * core::cos(2 * std::numbers::pi * (0.6 - 200) / 365),
+              1e-12);
+  // over a whole period the daily wave is gone
+  EXPECT_NEAR(*weather.mean("temperature", 200.1, 201.1), 17, 2e-4);
+  // the mean is the integral: midpoint rule with 10,000 parts
+  double sum = 0;
+  for (int i = 0; i < 10'000; ++i) {
+    const double time = 3.1 + 0.7 * (i + 0.5) / 10'000;
+    sum += *weather.mean("temperature", time, time) / 10'000;
+  }
+  EXPECT_NEAR(*weather.mean("temperature", 3.1, 3.8), sum, 1e-7);
+}
+
+TEST(Weather, ThermalTimeIsTheSumAboveTheBase) {
+  const Weather weather = weatherOf("time,temperature\n0,10\n0.5,20\n1,4\n2,30\n");
+  EXPECT_DOUBLE_EQ(*weather.thermalTime(0, 8), 0);
+  EXPECT_DOUBLE_EQ(*weather.thermalTime(0.25, 8), 0.5);
+  EXPECT_DOUBLE_EQ(*weather.thermalTime(2, 8), 1 + 6 + 0);
+  EXPECT_DOUBLE_EQ(*weather.thermalTime(2.5, 8), 7 + 11);
+  EXPECT_FALSE(weather.thermalTime(3.5, 8).has_value());
+  // a wave that is never below the base: the mean times the days
+  EXPECT_NEAR(*weatherOf("quantity,mean,amplitude,period,peak\ntemperature,15,5,1,0.6\n").thermalTime(3, 5), 30, 1e-9);
+}
+
+TEST(Weather, WrongTextsSayLineAndRemedy) {
+  const auto error = [](const std::string& text) {
+    const auto read = Weather::read(text, "");
+    return read ? std::string("none") : read.error();
+  };
+  EXPECT_EQ(error("time,temperature\n0,1\n0,2\n"), "line 3: the time '0' is not after the one before; sort the rows");
+  EXPECT_EQ(error("time,temperature\n0,warm\n"), "line 2: expected a number for 'temperature', found 'warm'");
+  EXPECT_EQ(error("time,temperature\n\n0,1,2\n"), "line 3: expected 2 cells, found 3");
+  EXPECT_EQ(error("time,rain (inch)\n0,1\n"), "line 1: 'rain' has the unit inch; convert it to mm/h");
+  EXPECT_EQ(error("time,temp\n0,1\n"),
+            "line 1: the quantity 'temp' is not known; there are global, direct, diffuse, temperature, humidity, wind, "
+            "rain, co2");
+  EXPECT_EQ(error("time,wind,wind\n0,1,1\n"), "line 1: 'wind' has two columns");
+  EXPECT_EQ(error("time,wind\n0,-1\n"), "line 2: 'wind' is -1 and must be at least 0");
+  EXPECT_EQ(error("time,wind\nnoon,1\n"), "line 2: expected a date or a number of days, found 'noon'");
+  EXPECT_EQ(error("day,wind\n0,1\n"), "line 1: expected a head that begins with time or quantity, found 'day'");
+  EXPECT_EQ(error("time,wind\n"), "it has no rows; write a head such as time,temperature and a row below");
+  EXPECT_EQ(error("quantity,mean,amplitude,period,peak\nwind,1,2,1,0\n"), "'wind' falls to -1 and must be at least 0");
+  EXPECT_EQ(error("quantity,mean,amplitude,period,peak\nwind,1,0,0,0\n"),
+            "line 2: 'period' must be greater than 0 days");
+}
+
+TEST(Weather, AMissingValueSaysWhichAndWhen) {
+  World world;
+  EXPECT_EQ(missingWeather(world, "wind", 0, 1),
+            "needs the weather's 'wind', and the world has no 'weather'. Give the world a table of it.");
+  world.weather = std::make_shared<const Weather>(weatherOf("time,wind\n0,1\n1,1\n"));
+  EXPECT_EQ(missingWeather(world, "rain", 0, 1),
+            "needs the weather's 'rain', and the table has no such column. Add it.");
+  EXPECT_EQ(missingWeather(world, "wind", 2, 3),
+            "needs the weather from day 2 to day 3, and the table ends on day 2 or begins after it. Add rows to the "
+            "table, or make fewer steps.");
+}
+
+}  // namespace
+}  // namespace espalier::turtle
