@@ -56,9 +56,15 @@ class WorkStopped : public std::exception {
   [[nodiscard]] const char* what() const noexcept override { return "the work was stopped"; }
 };
 
+/// The work of this thread is to stop. For loops that have an error of their own for it.
+[[nodiscard]] inline bool isWorkStopped() {
+  const WorkMeter* const meter = WorkMeter::current();
+  return meter != nullptr && meter->isStopped();
+}
+
 /// Throws WorkStopped when the work of this thread is to stop. For loops whose length a stranger chooses.
 inline void pollWork() {
-  if (const WorkMeter* const meter = WorkMeter::current(); meter != nullptr && meter->isStopped()) {
+  if (isWorkStopped()) {
     throw WorkStopped();
   }
 }

@@ -338,8 +338,11 @@ std::size_t SimulationRunner::pauseWaiting() {
 Viewers& SimulationRunner::viewers() {
   const std::lock_guard lock(mutex_);
   if (viewers_ == nullptr) {
-    Viewers::Options options{
-        .simulation = id_, .account = services_.account, .streamBytes = streamBytesBound_, .askLatest = {}};
+    Viewers::Options options{.simulation = id_,
+                             .account = services_.account,
+                             .callSeconds = callSeconds_,
+                             .streamBytes = streamBytesBound_,
+                             .askLatest = {}};
     options.askLatest = [weak = weak_from_this()] {
       if (const auto self = weak.lock()) {
         self->catchUp();

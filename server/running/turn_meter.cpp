@@ -1,5 +1,7 @@
 #include "server/running/turn_meter.h"
 
+#include <malloc.h>
+
 #include <ctime>
 
 namespace espalier::server {
@@ -14,6 +16,22 @@ constexpr std::int64_t kFreeBytes = 1 << 18;
 constexpr std::int64_t kSmallBlockBytes = 1 << 16;
 constexpr std::int64_t kGraceBytes = 64 << 20;
 
+/// After a turn that reserved so much.
+constexpr std::int64_t kLargeBytes = 32 << 20;
+constexpr std::int64_t kTrimSeconds = 1;
+
+/// Gives freed memory back to the system, at most once in a second: the C library keeps it for each thread, so turns on
+/// many threads would hold many times what is counted.
+void trimHeap() noexcept {
+  static std::atomic<std::int64_t> last{-kTrimSeconds};
+  timespec now{};
+  static_cast<void>(clock_gettime(CLOCK_MONOTONIC, &now));
+  std::int64_t before = last;
+  if (now.tv_sec - before >= kTrimSeconds && last.compare_exchange_strong(before, now.tv_sec)) {
+    static_cast<void>(malloc_trim(0));
+  }
+}
+
 std::uint64_t threadNanoseconds() noexcept {
   timespec time{};
   return clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time) == 0
@@ -23,6 +41,13 @@ std::uint64_t threadNanoseconds() noexcept {
 
 }  // namespace
 
+TurnMeter::~TurnMeter() {
+  giveBack();
+  if (wasLarge_) {
+    trimHeap();
+  }
+}
+
 bool TurnMeter::take(std::int64_t bytes) noexcept {
   const std::int64_t held = held_ += bytes;
   std::int64_t reserved = reserved_;
@@ -30,6 +55,9 @@ bool TurnMeter::take(std::int64_t bytes) noexcept {
     const std::int64_t wanted = (held - reserved + kPieceBytes - 1) / kPieceBytes * kPieceBytes;
     if (account_->take(kind_, static_cast<std::uint64_t>(wanted))) {
       reserved = reserved_ += wanted;
+      if (reserved >= kLargeBytes) {
+        wasLarge_ = true;
+      }
       continue;
     }
     isRefused_ = true;

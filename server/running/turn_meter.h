@@ -13,7 +13,7 @@ namespace espalier::server {
 class TurnMeter final : public core::WorkMeter {
  public:
   TurnMeter(Account& account, MemoryKind kind) : account_(&account), kind_(kind) {}
-  ~TurnMeter() override { giveBack(); }
+  ~TurnMeter() override;
 
   /// Reserves in the account in advance, as for a block of a known size. False: the account does not have it.
   [[nodiscard]] bool take(std::int64_t bytes) noexcept override;
@@ -38,6 +38,7 @@ class TurnMeter final : public core::WorkMeter {
   MemoryKind kind_;
   std::atomic<std::int64_t> held_{0};      // taken and not given back in this turn; below 0: it freed older memory
   std::atomic<std::int64_t> reserved_{0};  // of the account
+  std::atomic<bool> wasLarge_{false};      // it reserved so much that the heap is to give memory back to the system
   std::atomic<bool> isStopped_{false};
   std::atomic<bool> isRefused_{false};
 };

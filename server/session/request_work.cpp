@@ -115,6 +115,10 @@ std::shared_ptr<Command> makeCommand(const Request& request, TurnWork work) {
     runner.publishEndOf(self);
     if (outcome) {
       owner->respond(id, *outcome);
+    } else if (self.isOverLimit) {
+      const std::uint64_t step = runner.information().step;
+      owner->respondError(id, callSecondsError(runner.callSeconds(),
+                                               "The simulation stays at step " + std::to_string(step) + ".", step));
     } else {
       owner->respondError(id, runner.reasonOf(outcome.error()));
     }

@@ -10,6 +10,13 @@
 #include "server/session/methods.h"
 
 namespace espalier::server {
+namespace {
+
+// of a peer that gets answers without having said hello
+constexpr std::uint32_t kMostLinesBeforeHello = 100;
+
+}  // namespace
+
 Session::Session(std::string id, ServerCore& core, std::shared_ptr<Connection> connection)
     : id_(std::move(id)), core_(&core), connection_(std::move(connection)) {
   core_->enter(*this);
@@ -93,6 +100,16 @@ void Session::refuse(const protocol::MessageId& id, const protocol::Error& error
 }
 
 void Session::onRead(const protocol::MessageReader::Read& read) {
+  // a stranger's flood of short lines would keep the network thread from others
+  if (!isGreeted_ && ++linesBeforeHello_ > kMostLinesBeforeHello) {
+    if (linesBeforeHello_ == kMostLinesBeforeHello + 1) {
+      refuse({}, {protocol::ErrorCode::HelloMissing,
+                  std::to_string(kMostLinesBeforeHello) +
+                      " messages came, and none was a hello that holds. Connect again and say hello first.",
+                  {}});
+    }
+    return;
+  }
   if (!read) {
     respondError(read.error().id, read.error().error);
     // a step may be waiting for this line as its answer

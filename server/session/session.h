@@ -109,9 +109,10 @@ class Session final : public AskedPeer, public std::enable_shared_from_this<Sess
   const std::string id_;
   ServerCore* core_;
   std::shared_ptr<Connection> connection_;
-  bool isGreeted_ = false;    // network thread
-  Grant grant_;               // does not change after hello
-  mutable std::mutex mutex_;  // guards the members below
+  bool isGreeted_ = false;              // network thread
+  std::uint32_t linesBeforeHello_ = 0;  // the same
+  Grant grant_;                         // does not change after hello
+  mutable std::mutex mutex_;            // guards the members below
   bool isClosed_ = false;
   bool isEnded_ = false;          // the peer answers nothing more
   bool isStrict_ = false;         // it named the capability

@@ -68,9 +68,25 @@ void Viewers::handOver(ShownState state) {
 void Viewers::schedule() {
   if (!isWorking_ && !queue_.empty()) {
     isWorking_ = true;
-    pool_->post(
-        {.run = [self = shared_from_this()] { self->work(); }, .lane = Lane::Frame, .owner = options_.simulation});
+    const auto self = shared_from_this();
+    pool_->post({.run = [self] { self->work(); },
+                 .lane = Lane::Frame,
+                 .owner = options_.simulation,
+                 .limit = std::chrono::seconds(options_.callSeconds),
+                 .onLimit = [self] { self->giveUp(); }});
   }
+}
+
+void Viewers::giveUp() {
+  const std::lock_guard lock(mutex_);
+  if (meter_ != nullptr) {
+    meter_->stop();
+  }
+}
+
+void Viewers::setMeter(TurnMeter* meter) {
+  const std::lock_guard lock(mutex_);
+  meter_ = meter;
 }
 
 void Viewers::work() {
@@ -89,6 +105,7 @@ void Viewers::work() {
   std::string problem;
   TurnMeter meter(*options_.account, MemoryKind::Frames);
   const core::WorkMeter::Scope scope(&meter);
+  setMeter(&meter);
   try {
     show(waiting, meter);
   } catch (const std::bad_alloc&) {
@@ -97,6 +114,7 @@ void Viewers::work() {
     problem = std::string("Espalier has a bug: ") + exception.what() + ". Please report it.";
     log_->error("streams ended after an internal error: " + problem, {.simulation = options_.simulation});
   }
+  setMeter(nullptr);
   // the simulation may write into the memory again
   drawing_.close();
   waiting = {};
@@ -164,7 +182,11 @@ void Viewers::showTo(Stream& stream, FrameMaker& maker, TurnMeter& meter) {
     return;
   }
   if (const auto* error = std::get_if<core::SimulationError>(&frame)) {
-    stream.end(error->message);
+    stream.end(meter.isRefused()   ? memoryProblem(meter)
+               : meter.isStopped() ? "The frames of this state compute longer than the limit callSeconds (" +
+                                         std::to_string(options_.callSeconds) +
+                                         ") allows. Select fewer symbols, or draw less in homomorphism productions."
+                                   : error->message);
   } else {
     stream.send(view.completedSteps, view.isFinished, std::move(std::get<StreamFrame>(frame)));
   }

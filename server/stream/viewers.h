@@ -42,6 +42,7 @@ class Viewers final : public std::enable_shared_from_this<Viewers> {
   struct Options {
     std::string simulation;           // the name
     Account* account = nullptr;       // that has the memory
+    std::uint32_t callSeconds = 0;    // limit: computing time for the frames of one state; 0: no bound
     std::uint64_t streamBytes = 0;    // limit: bytes kept to tell differences
     std::function<void()> askLatest;  // calls for the latest state, with isDue false; from any thread
   };
@@ -77,6 +78,8 @@ class Viewers final : public std::enable_shared_from_this<Viewers> {
 
   void schedule();  // with mutex_ held
   void work();
+  void giveUp();  // the frames take too long
+  void setMeter(TurnMeter* meter);
   void show(const Waiting& waiting, TurnMeter& meter);
   void showTo(Stream& stream, FrameMaker& maker, TurnMeter& meter);
   [[nodiscard]] std::string memoryProblem(const TurnMeter& meter) const;
@@ -99,6 +102,7 @@ class Viewers final : public std::enable_shared_from_this<Viewers> {
   std::vector<StepRange> skipped_;  // since the last state that was handed over
   bool isStale_ = false;            // a state was skipped
   bool isWorking_ = false;          // a task is posted or runs
+  TurnMeter* meter_ = nullptr;      // of the frames that are being made
 
   // for the worker that makes frames
   Holding kept_;  // bytes_, in the account

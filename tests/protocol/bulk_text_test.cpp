@@ -119,6 +119,12 @@ TEST(BulkText, WhatIsUnusualIsLeftToTheTree) {
   std::string other = line;
   other.replace(other.find("\"id\":5"), 6, "\"id\":6");
   EXPECT_FALSE(reader.read(other).has_value());
+  // members that must be there
+  for (const std::string_view member : {R"("simulation":"s",)", R"("step":3,)", R"("symbol":"E",)", R"("id":4,)"}) {
+    std::string without = line;
+    without.erase(without.find(member), member.size());
+    EXPECT_FALSE(reader.read(without).has_value()) << member;
+  }
 }
 
 TEST(BulkText, ABigAnswerToAnotherQuestionIsStillReadByItsOwnDecoder) {

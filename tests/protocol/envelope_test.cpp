@@ -43,6 +43,8 @@ TEST(Envelope, KeepsIdsAsNumbersOrTexts) {
 TEST(Envelope, RefusesIdsThatNotEveryLanguageCanHold) {
   EXPECT_EQ(bad(R"({"jsonrpc":"2.0","id":9007199254740993,"method":"m"})").error.message,
             "id: an id beyond 2^53 is not exact in every language; use a smaller number or a text");
+  EXPECT_EQ(bad(R"({"jsonrpc":"2.0","id":-9007199254740993,"method":"m"})").error.message,
+            "id: an id beyond 2^53 is not exact in every language; use a smaller number or a text");
   EXPECT_EQ(bad(R"({"jsonrpc":"2.0","id":1.5,"method":"m"})").error.message,
             "id: expected a whole number or a text as id");
   EXPECT_EQ(bad(R"({"jsonrpc":"2.0","id":")" + std::string(201, 'x') + R"(","method":"m"})").error.code,

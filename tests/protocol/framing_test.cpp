@@ -172,6 +172,9 @@ TEST(WebSocketFrame, ABinaryFrameCarriesWhatTheStreamCarries) {
   EXPECT_EQ(problem->message, "A binary frame begins with the length of its JSON in four bytes.");
   EXPECT_FALSE(readFrame(frame.substr(0, 20), true, true, bulk, problem).has_value());
   EXPECT_NE(problem->message.find("A binary frame of 20 bytes cannot have"), std::string::npos);
+  // one byte more than there is
+  EXPECT_FALSE(readFrame(std::string("\3\0\0\0{}", 6), true, true, bulk, problem).has_value());
+  EXPECT_EQ(problem->message, "A binary frame of 6 bytes cannot have 3 bytes of JSON.");
   const auto cut = readFrame(frame.substr(0, frame.size() - 8), true, true, bulk, problem);
   EXPECT_EQ(cut->error().error.message, "binBytes: the frame has 24 raw bytes behind its JSON, found 32");
 }

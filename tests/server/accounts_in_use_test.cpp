@@ -108,6 +108,26 @@ TEST(AccountsInUse, IdleSavedSimulationsMakeRoomOnDisk) {
   }
 }
 
+TEST(AccountsInUse, ASimulationWithAViewerStaysInMemory) {
+  const TemporaryFolder folder;
+  ServerOptions options = withMemory(40'000'000);
+  options.dataFolder = folder.path();
+  const RunningServer server(options);
+  const auto client = connectTo(server);
+  const auto viewer = connectTo(server);
+  const std::string watched = create(*client, kDoubling);
+  resultOf(viewer->request("stream.open", named(watched, R"("what":"statistics")")));
+  ASSERT_TRUE(viewer->nextNotification(std::chrono::seconds(30)).has_value());
+  for (int i = 0; i < 30; ++i) {
+    resultOf(client->request("simulation.step", named(create(*client, kDoubling), R"("steps":17)")));
+  }
+  EXPECT_GT(numberOf(statusOf(*client), "passive"), 10U);
+  resultOf(client->request("simulation.step", named(watched)));
+  const auto frame = viewer->nextNotification(std::chrono::seconds(30));
+  ASSERT_TRUE(frame.has_value());
+  EXPECT_EQ(member(frame->paramsJson, "step"), "1");
+}
+
 TEST(AccountsInUse, AfterARestartAsManyAreInMemoryAsThereIsRoomFor) {
   const TemporaryFolder folder;
   ServerOptions options;
@@ -268,6 +288,26 @@ TEST(AccountsInUse, CompilingEndsAfterCallSecondsAndWhenItIsCancelled) {
   ASSERT_FALSE(outcome.has_value());
   EXPECT_EQ(member(outcome.error().data, "limit"), "callSeconds") << outcome.error().message;
   EXPECT_NE(outcome.error().message.find("Nothing was made."), std::string::npos);
+}
+
+TEST(AccountsInUse, DrawingEndsAfterCallSecondsForAnswersAndForViewers) {
+  ServerOptions options;
+  options.limits.callSeconds = 1;
+  const RunningServer server(options);
+  const auto client = connectTo(server);
+  const std::string simulation = create(
+      *client,
+      "Lsystem: 1\nderivation length: 9\nAxiom: A\nA --> A\nhomomorphism\nmaximum depth: 40\nA --> AA\nendlsystem\n");
+  const protocol::Error error = errorOf(client->request("simulation.get", named(simulation, R"("what":"turtle")")));
+  EXPECT_EQ(member(error.data, "limit"), "callSeconds") << error.message;
+  EXPECT_NE(error.message.find("The simulation stays at step 0."), std::string::npos) << error.message;
+  resultOf(client->request("stream.open", named(simulation, R"("what":"turtle")")));
+  const auto end = client->nextNotification(std::chrono::seconds(30));
+  ASSERT_TRUE(end.has_value());
+  EXPECT_EQ(end->method, "stream.end");
+  EXPECT_NE(member(end->paramsJson, "reason").find("the limit callSeconds (1) allows"), std::string::npos)
+      << end->paramsJson;
+  EXPECT_EQ(member(resultOf(client->request("simulation.step", named(simulation))), "step"), "1");
 }
 
 TEST(AccountsInUse, AnEnvironmentCountsAndMayNotTakeMoreThanThereIs) {

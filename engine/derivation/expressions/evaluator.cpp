@@ -6,6 +6,7 @@
 
 #include "engine/core/check.h"
 #include "engine/core/diagnostic.h"
+#include "engine/core/work_meter.h"
 #include "engine/derivation/expressions/array_element.h"
 #include "engine/derivation/expressions/number_format.h"
 #include "engine/derivation/expressions/view_functions.h"
@@ -389,7 +390,8 @@ void Evaluator::warn(const std::string& message, core::SourceRange range) const 
 }
 
 void Evaluator::pollCancelled() const {
-  if (options_.cancelled != nullptr && options_.cancelled->load(std::memory_order_relaxed)) {
+  // drawing has no flag of its own; the meter stops it
+  if ((options_.cancelled != nullptr && options_.cancelled->load(std::memory_order_relaxed)) || core::isWorkStopped()) {
     failHere(core::SimulationErrorCode::Cancelled, "cancelled");
   }
 }

@@ -7,6 +7,7 @@
 
 #include "engine/core/buffer.h"
 #include "engine/core/number_text.h"
+#include "engine/core/work_meter.h"
 #include "engine/turtle/turtle_motion.h"
 
 namespace espalier::turtle {
@@ -167,7 +168,7 @@ void Interpretation::walk(std::uint64_t& module, std::uint64_t end, std::uint64_
   while (i < end) {
     if (i >= nextPoll) {
       nextPoll = i + kPollInterval;
-      if (cancelled != nullptr && cancelled->load(std::memory_order_relaxed)) {
+      if ((cancelled != nullptr && cancelled->load(std::memory_order_relaxed)) || core::isWorkStopped()) {
         module_ = i;
         fail(core::SimulationErrorCode::Cancelled, "the step was cancelled");
       }

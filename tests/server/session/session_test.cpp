@@ -47,6 +47,22 @@ TEST(Session, ServesNothingBeforeHelloAndStillTakesItAfterwards) {
   EXPECT_EQ(member(member(peer.ask(kHello), "error"), "code"), "-32600");
 }
 
+TEST(Session, AFloodBeforeHelloIsAnsweredAHundredTimes) {
+  const RunningServer server;
+  RawPeer peer(server);
+  std::string flood;
+  for (int i = 0; i < 5'000; ++i) {
+    flood += i % 2 == 0 ? "{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"ping\"}\n" : "no message\n";
+  }
+  peer.send(flood);
+  for (int i = 0; i < 100; ++i) {
+    ASSERT_EQ(member(member(peer.line(), "error"), "code"), i % 2 == 0 ? "1012" : "-32700");
+  }
+  EXPECT_EQ(member(member(peer.line(), "error"), "message"),
+            "100 messages came, and none was a hello that holds. Connect again and say hello first.");
+  EXPECT_EQ(peer.line(), "(closed)");
+}
+
 TEST(Session, ARequestWhoseIdIsNullIsAnsweredWithNull) {
   const RunningServer server;
   RawPeer peer(server);

@@ -80,6 +80,25 @@ TEST(Stream, AViewerWithoutCreditIsMovedToTheLatestFrameAndToldHowManyItMissed) 
   EXPECT_LT(std::stoi(member(latest, "sequence")), 10) << "some were missed";
 }
 
+TEST(Stream, AViewerCannotGiveItselfMoreCreditThanItBeganWith) {
+  const RunningServer server;
+  const auto client = connectTo(server);
+  const std::string simulation = create(*client, kChain);
+  const std::string stream =
+      member(resultOf(client->request("stream.open", named(simulation, R"("what":"string","credits":2)"))), "stream");
+  EXPECT_EQ(member(nextFrame(*client), "step"), "0");
+  EXPECT_FALSE(client->notify("stream.ack", "{\"stream\":\"" + stream + "\",\"credits\":1000}").has_value());
+  resultOf(client->request("simulation.step", named(simulation, R"("steps":10)")));
+  EXPECT_EQ(member(nextFrame(*client), "step"), "1");
+  EXPECT_EQ(member(nextFrame(*client), "step"), "2");
+  // the turn of the last step has ended: its state was handed over to the viewers
+  resultOf(client->request("simulation.get", named(simulation, R"("what":"statistics")")));
+  EXPECT_FALSE(client->notify("stream.ack", "{\"stream\":\"" + stream + "\",\"sequence\":2}").has_value());
+  const std::string latest = nextFrame(*client);
+  EXPECT_EQ(member(latest, "step"), "10");
+  EXPECT_EQ(member(latest, "missed"), "7");
+}
+
 TEST(Stream, AViewerThatDoesNotReadNeitherStopsTheSimulationNorFillsTheServer) {
   ServerOptions options;
   options.limits.outboxBytes = 400'000;
