@@ -40,6 +40,10 @@ class Model:
     `client`: a Dask client. Its workers, which have the package and the program and reach the model under the same name, then
     make the runs.
 
+    >>> with espalier.Model("borchert-honda", parameters=["ETA"], steps=20, measures={"tips": {"count": "A"}}) as model:
+    ...     model.run([[0.8], [0.9]]).shape
+    (2, 1)
+
     The process that makes the runs stays until close() or the end of the `with` block. Several threads may call run(): one
     runs, the others wait."""
 
