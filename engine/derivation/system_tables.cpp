@@ -40,8 +40,7 @@ SystemTables::SystemTables(const language::Program& program, std::uint32_t syste
     : system(&program.systems[systemIndex]),
       rules(program, *system),
       plan(program, *system),
-      decomposition(BatchPlan::ofDecomposition(program, *system, rules, plan)),
-      batches(program, *system, rules, plan, decomposition ? &*decomposition : nullptr) {
+      batches(program, *system, rules, plan) {
   hasContexts = looksAround(system->productions) || looksAround(system->decomposition);
   hasDecomposition = !system->decomposition.productions.empty() && system->decomposition.maximumDepth > 0;
   for (const language::Production& production : system->productions.productions) {
