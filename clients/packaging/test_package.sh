@@ -122,6 +122,6 @@ INSIDE
 
 mmdebstrap --variant=apt --quiet --include=ca-certificates \
   --customize-hook="copy-in '${packages[0]}' '${packages[1]}' '${packages[2]}' '$folder/older.deb' '$wheel' '$folder/inside.sh' /root" \
-  --customize-hook='chroot "$1" sh /root/inside.sh' \
+  --customize-hook='chroot "$1" sh /srv/inside.sh' \
   bookworm /dev/null >"$folder/bare.log" 2>&1 || fail "in a bare Debian 12: $(tail -n 12 "$folder/bare.log")"
 passed "in a bare Debian 12: wheel, package installed and used in a minute, upgraded under a running server and after a kill, removed, purged"
