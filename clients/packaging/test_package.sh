@@ -49,7 +49,7 @@ rm -rf "$older"
 # what happens in the bare system; every command must succeed
 cat >"$folder/inside.sh" <<'INSIDE'
 set -eux
-cd /root
+cd /srv
 apt-get update -qq
 install() { DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "$@" >/dev/null; }
 
@@ -121,7 +121,7 @@ test ! -e /var/lib/private/espalier
 INSIDE
 
 mmdebstrap --variant=apt --quiet --include=ca-certificates \
-  --customize-hook="copy-in '${packages[0]}' '${packages[1]}' '${packages[2]}' '$folder/older.deb' '$wheel' '$folder/inside.sh' /root" \
+  --customize-hook="copy-in '${packages[0]}' '${packages[1]}' '${packages[2]}' '$folder/older.deb' '$wheel' '$folder/inside.sh' /srv" \
   --customize-hook='chroot "$1" sh /srv/inside.sh' \
   bookworm /dev/null >"$folder/bare.log" 2>&1 || fail "in a bare Debian 12: $(tail -n 12 "$folder/bare.log")"
 passed "in a bare Debian 12: wheel, package installed and used in a minute, upgraded under a running server and after a kill, removed, purged"
