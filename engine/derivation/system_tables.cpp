@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "engine/language/arithmetic.h"
+
 namespace espalier::derivation {
 namespace {
 
@@ -23,6 +25,26 @@ bool hasNoEffect(const language::Program& program, const language::Expression& e
                        return instruction.operation < Operation::StoreSlot ||
                               (instruction.operation >= Operation::Pop && instruction.operation < Operation::Call);
                      });
+}
+
+/// Whether code calls a function that draws.
+bool draws(const language::Program& program, const language::CodeRange& code) {
+  return std::any_of(program.code.begin() + code.begin, program.code.begin() + code.end,
+                     [](const language::Instruction& instruction) {
+                       return instruction.operation == Operation::Call &&
+                              language::drawsRandom(static_cast<Function>(instruction.operand));
+                     });
+}
+
+/// Whether anything in a production draws, also beside variables (Production::drawsRandom means draws alone).
+bool draws(const language::Program& program, const language::Production& production) {
+  const auto drawsIn = [&](const language::Expression& expression) {
+    return expression.kind == language::Expression::Kind::Code && draws(program, expression.code);
+  };
+  return draws(program, production.preBlock) || draws(program, production.postBlock) ||
+         (production.condition && drawsIn(*production.condition)) ||
+         (production.probability && drawsIn(*production.probability)) ||
+         std::any_of(production.expressions.begin(), production.expressions.end(), drawsIn);
 }
 
 /// Whether the result of a production depends only on the old string, the variables and the draws of the module.
@@ -57,7 +79,7 @@ SystemTables::SystemTables(const language::Program& program, std::uint32_t syste
   for (const language::ProductionList* list : {&system->productions, &system->decomposition}) {
     for (const language::Production& production : list->productions) {
       isOrderFree = isOrderFree && derivation::isOrderFree(program, production);
-      drawsRandom = drawsRandom || production.drawsRandom;
+      drawsRandom = drawsRandom || draws(program, production);
       for (std::size_t i = 1; i < production.predecessor.size(); ++i) {
         isInside[production.predecessor[i].type] = 1;
       }

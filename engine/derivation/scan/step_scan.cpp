@@ -45,12 +45,12 @@ StepScan::Kind StepScan::chooseKind(const ModuleString& old) const {
     return Kind::Recorded;
   }
   if (threadCount_ > 1 && old.size() >= options.threadedModules) {
-    // the draws of the compatible modes are one sequence
-    const bool drawsSelections = context_->drawsEachPosition(*tables.system);
-    if (tables.batches.isChunkable() && !drawsSelections) {
+    // the draws of the compatible modes are one sequence: a thread that goes ahead would take those of another
+    const bool drawsInSequence =
+        context_->drawsEachPosition(*tables.system) || (context_->random.isSequential() && tables.drawsRandom);
+    if (tables.batches.isChunkable() && !drawsInSequence) {
       return Kind::ParallelBatch;
     }
-    const bool drawsInSequence = drawsSelections || (context_->random.isSequential() && tables.drawsRandom);
     if (tables.isOrderFree && !drawsInSequence) {
       return Kind::ParallelGeneral;
     }
