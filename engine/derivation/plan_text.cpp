@@ -28,6 +28,9 @@ std::string wayText(const language::Program& program, const SystemTables& tables
   if (tables.isProducedBackwards) {
     return "one module at a time, from right to left: a production has a context `>>`";
   }
+  if (program.compatibility != core::Compatibility::Espalier && tables.system->isStochastic) {
+    return "one module at a time: the compatible modes draw a number for each module";
+  }
   const BatchPlan& plan = tables.batches;
   switch (plan.classOf(type)) {
     case BatchPlan::Class::Fixed:
@@ -55,7 +58,8 @@ std::string planText(const language::Program& program) {
               wayText(program, tables, productions[i]) + "\n";
     }
     if (tables.hasDecomposition) {
-      text += "decomposition\n  one module at a time\n";
+      text += "decomposition\n  ";
+      text += tables.decomposition ? "in batches, level by level\n" : "one module at a time\n";
     }
   }
   return text;

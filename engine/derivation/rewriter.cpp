@@ -312,7 +312,7 @@ void Rewriter::rewriteLevels(const ProductionList& list, const ContextRules& rul
 
 void Rewriter::warnAtDepth(const ProductionList& list, const ContextRules& rules, const PredecessorPlace& place,
                            const Surroundings& surroundings) {
-  if (!list.warnsAtDepth || std::find(warnedLists_.begin(), warnedLists_.end(), &list) != warnedLists_.end()) {
+  if (!list.warnsAtDepth || hasWarnedAbout(list)) {
     return;
   }
   // this search must change nothing, so it skips productions whose match has side effects

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <utility>
@@ -52,6 +53,11 @@ class Rewriter {
 
   /// Is silent from now on about the lists about which `other`, of the same Program, has warned, and only about these.
   void adoptWarnings(const Rewriter& other) { warnedLists_ = other.warnedLists_; }
+
+  /// Whether it has warned about the maximum depth of the list.
+  [[nodiscard]] bool hasWarnedAbout(const language::ProductionList& list) const {
+    return std::find(warnedLists_.begin(), warnedLists_.end(), &list) != warnedLists_.end();
+  }
 
   /// Adds every search and application from now on to `record`; null: to no record. Changes nothing else.
   void setRecord(ModuleRecord* record) { record_ = record; }

@@ -62,7 +62,8 @@ SystemTables::SystemTables(const language::Program& program, std::uint32_t syste
     : system(&program.systems[systemIndex]),
       rules(program, *system),
       plan(program, *system),
-      batches(program, *system, rules, plan) {
+      decomposition(BatchPlan::ofDecomposition(program, *system, rules, plan)),
+      batches(program, *system, rules, plan, decomposition ? &*decomposition : nullptr) {
   hasContexts = looksAround(system->productions) || looksAround(system->decomposition);
   hasDecomposition = !system->decomposition.productions.empty() && system->decomposition.maximumDepth > 0;
   for (const language::Production& production : system->productions.productions) {

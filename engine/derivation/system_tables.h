@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "engine/derivation/batch/batch_plan.h"
@@ -18,6 +19,7 @@ struct SystemTables {
   const language::LSystem* system;  // in the Program
   ContextRules rules;
   ProductionPlan plan;
+  std::optional<BatchPlan> decomposition;  // nothing: the ModuleRewriter decomposes
   BatchPlan batches;
   bool hasDecomposition = false;         // there are decomposition productions and the maximum depth is not 0
   std::vector<std::uint8_t> decomposes;  // by production: a module of its successor is a decomposition predecessor

@@ -51,6 +51,11 @@ OTHER_COLUMNS = (
     ("queries", "queries", "{:,.0f}", 1),
     ("queries/s", "M queries/s", "{:.2f}", 1e-6),
     ("bytes/s", "GB/s", "{:.2f}", 1e-9),
+    ("derivation ms", "derivation ms", "{:,.1f}", 1),
+    ("environment ms", "environment ms", "{:,.1f}", 1),
+    ("interpretation ms", "interpretation ms", "{:,.1f}", 1),
+    ("writing ms", "writing ms", "{:,.1f}", 1),
+    ("ns/module", "ns a module derived", "{:,.1f}", 1),
 )
 
 

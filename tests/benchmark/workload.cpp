@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <numeric>
 #include <stdexcept>
@@ -90,7 +91,9 @@ std::shared_ptr<const language::Program> compileWorkload(const Workload& workloa
   if (!workload.size.empty()) {
     defines.emplace_back("K", workload.size);
   }
-  return compileFile(sourceFolder() + "/tests/benchmark/models/" + workload.model + ".l", "", std::move(defines));
+  const std::string name = sourceFolder() + "/tests/benchmark/models/" + workload.model;
+  const bool hasView = std::filesystem::exists(name + ".v");
+  return compileFile(name + ".l", hasView ? name + ".v" : "", std::move(defines));
 }
 
 std::unique_ptr<turtle::EnvironmentProcess> makeProcess(const std::string& name, const std::string& configuration) {

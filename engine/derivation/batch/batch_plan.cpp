@@ -63,16 +63,35 @@ bool isNear(const std::vector<ContextElement>& context) {
 }  // namespace
 
 BatchPlan::BatchPlan(const language::Program& program, const language::LSystem& system, const ContextRules& rules,
-                     const ProductionPlan& plan)
+                     const ProductionPlan& plan, const BatchPlan* decomposition)
+    : BatchPlan(program, system, rules, plan, system.productions, false, decomposition != nullptr) {}
+
+std::optional<BatchPlan> BatchPlan::ofDecomposition(const language::Program& program, const language::LSystem& system,
+                                                    const ContextRules& rules, const ProductionPlan& plan) {
+  const language::ProductionList& list = system.decomposition;
+  if (list.productions.empty() || list.maximumDepth == 0) {
+    return std::nullopt;
+  }
+  BatchPlan made(program, system, rules, plan, list, true, false);
+  return made.isComplete_ ? std::optional(std::move(made)) : std::nullopt;
+}
+
+BatchPlan::BatchPlan(const language::Program& program, const language::LSystem& system, const ContextRules& rules,
+                     const ProductionPlan& plan, const language::ProductionList& list, bool isDecomposition,
+                     bool decomposes)
     : classes_(program.moduleTypeCount(), Class::Kept),
       indices_(program.moduleTypeCount(), 0),
       candidateBits_(program.moduleTypeCount() + 1, 0),
+      list_(&list),
+      isDecomposition_(isDecomposition),
+      isWeighted_(!isDecomposition && system.isStochastic),
+      decomposes_(decomposes),
       isInside_(program.moduleTypeCount(), 0),
       problems_(program.moduleTypeCount(), "") {
   // block 0, of modules that stay: nothing moves
   blocks_.emplace_back();
   blockTypes_.emplace_back();
-  for (const Production& production : system.productions.productions) {
+  for (const Production& production : list.productions) {
     for (std::size_t i = 1; i < production.predecessor.size(); ++i) {
       isInside_[production.predecessor[i].type] = 1;
     }
@@ -82,6 +101,8 @@ BatchPlan::BatchPlan(const language::Program& program, const language::LSystem& 
     const auto type = static_cast<core::ModuleTypeId>(i);
     planType(program, system, rules, plan, type);
     isComplete_ = isComplete_ && classes_[type] != Class::General;
+    isCheap_ = isCheap_ &&
+               (classes_[type] != Class::Group || (plan[type].kind != TypePlan::Kind::General && !plan[type].usesCode));
     isQuick_ = isQuick_ && (classes_[type] != Class::Group || plan[type].kind != TypePlan::Kind::General);
     hasFixed = hasFixed || classes_[type] == Class::Fixed;
   }
@@ -100,7 +121,11 @@ void BatchPlan::planType(const language::Program& program, const language::LSyst
                          const ProductionPlan& plan, core::ModuleTypeId type) {
   const TypePlan& typePlan = plan[type];
   const std::uint16_t arity = program.arity[type];
-  if (typePlan.kind == TypePlan::Kind::Fixed) {
+  const bool hasCandidates = !list_->index.empty() && !list_->index.candidates(type).empty();
+  if (!hasCandidates && (isDecomposition_ || (decomposes_ && program.nameOf(type) != "%"))) {
+    return;
+  }
+  if (!isDecomposition_ && typePlan.kind == TypePlan::Kind::Fixed) {
     // the module itself, or a block without parameters
     const core::ModuleTypeId* types = plan.types() + typePlan.firstType;
     if (typePlan.length == 1 && types[0] == type && typePlan.copied == arity) {
@@ -124,13 +149,13 @@ void BatchPlan::planType(const language::Program& program, const language::LSyst
 bool BatchPlan::planGroup(const language::Program& program, const language::LSystem& system, const ContextRules& rules,
                           const ProductionPlan& plan, core::ModuleTypeId type) {
   problem_ = "decomposition or the cut symbol decides about the module";
-  if (system.productions.index.empty() || system.productions.index.candidates(type).empty()) {
+  if (list_->index.empty() || list_->index.candidates(type).empty()) {
     return false;
   }
   std::vector<BatchRule> made;
   bool isUnmatchedPossible = true;
-  for (const std::uint32_t index : system.productions.index.candidates(type)) {
-    const Production& production = system.productions.productions[index];
+  for (const std::uint32_t index : list_->index.candidates(type)) {
+    const Production& production = list_->productions[index];
     if (!compile(program, system, production, made.emplace_back())) {
       return false;
     }
@@ -138,17 +163,18 @@ bool BatchPlan::planGroup(const language::Program& program, const language::LSys
     const bool isAlways = !production.condition && !hasContexts(production) && production.predecessor.size() == 1;
     isUnmatchedPossible = isUnmatchedPossible && !isAlways;
     // a production without a condition always matches: later productions have no effect
-    if (isAlways && !system.isStochastic) {
+    if (isAlways && !isWeighted_) {
       break;
     }
   }
   // the general way decides about an unmatched module
-  if (isUnmatchedPossible && (system.decomposition.mayApplyTo(type) || program.nameOf(type) == "%")) {
+  if (isUnmatchedPossible && !isDecomposition_ &&
+      (isLeftToDecomposition(system, type) || program.nameOf(type) == "%")) {
     problem_ = "decomposition or the cut symbol decides about a module to which no production applies";
     return false;
   }
   BatchGroup group;
-  group.isWeighted = system.isStochastic;
+  group.isWeighted = isWeighted_;
   group.firstRule = static_cast<std::uint32_t>(rules_.size());
   group.ruleCount = static_cast<std::uint32_t>(made.size());
   for (std::size_t i = 0; i < made.size(); ++i) {
@@ -157,7 +183,7 @@ bool BatchPlan::planGroup(const language::Program& program, const language::LSys
     group.looksRight = group.looksRight || rules_.back().right != core::kNoModuleType;
     candidateBits_[type] = static_cast<std::uint8_t>(i == 0 ? bitOf(i) : candidateBits_[type] | bitOf(i));
   }
-  group.isLight = isLight(plan, plan[type]);
+  group.isLight = !isDecomposition_ && isLight(plan, plan[type]);
   findThresholds(group);
   largestRuleCount_ = std::max<std::size_t>(largestRuleCount_, made.size());
   classes_[type] = Class::Group;
@@ -175,7 +201,7 @@ bool BatchPlan::compile(const language::Program& program, const language::LSyste
   }
   if (std::any_of(
           production.successor.begin(), production.successor.end(),
-          [&](const language::SuccessorModule& module) { return system.decomposition.mayApplyTo(module.type); })) {
+          [&](const language::SuccessorModule& module) { return isLeftToDecomposition(system, module.type); })) {
     problem_ = "decomposition applies to its successor";
     return false;
   }
@@ -200,8 +226,7 @@ bool BatchPlan::compile(const language::Program& program, const language::LSyste
     return false;
   }
   rule.weight.result.constant = 1.0;
-  if (system.isStochastic && production.probability &&
-      !take(columns.expression(*production.probability), rule.weight)) {
+  if (isWeighted_ && production.probability && !take(columns.expression(*production.probability), rule.weight)) {
     return false;
   }
   if (!take(columns.block(production.postBlock), rule.behind)) {
@@ -221,6 +246,11 @@ bool BatchPlan::compile(const language::Program& program, const language::LSyste
     if (isRead[local] && assignedBefore[local]) {
       rule.kept.push_back(local);
     }
+  }
+  if (isDecomposition_ &&
+      (hasContexts(production) || production.predecessor.size() > 1 || !rule.statics.empty() || rule.drawsRandom)) {
+    problem_ = "a decomposition has contexts, blocks, draws or a predecessor of several modules";
+    return false;
   }
   rule.hasBefore = !production.preBlock.empty();
   rule.hasBehind = !production.postBlock.empty();
@@ -261,12 +291,11 @@ void BatchPlan::bindSlots(const language::Program& program, const ContextRules& 
                        ? BatchRule::Context::Near
                        : BatchRule::Context::Searched;
   }
-  for (std::uint32_t i = 0; i < production.slotCount; ++i) {
-    rule.slots.push_back({SlotSource::Kind::Searched, i});
-  }
-  const auto bind = [&](const language::FormalModule& module, SlotSource::Kind kind, std::uint32_t first) {
+  rule.slots.resize(production.slotCount);
+  const auto bind = [&](const language::FormalModule& module, SlotSource::Kind kind, std::uint32_t first,
+                        std::uint32_t element = 0) {
     for (std::uint32_t i = 0; i < program.arity[module.type]; ++i) {
-      rule.slots[module.firstSlot + i] = {kind, first + i};
+      rule.slots[module.firstSlot + i] = {kind, first + i, element};
     }
   };
   std::uint32_t first = 0;
@@ -282,6 +311,17 @@ void BatchPlan::bindSlots(const language::Program& program, const ContextRules& 
     if (!production.rightContext.empty()) {
       rule.right = production.rightContext[0].module.type;
       bind(production.rightContext[0].module, SlotSource::Kind::Right, 0);
+    }
+  }
+  if (rule.context == BatchRule::Context::Searched) {
+    std::uint32_t element = 0;
+    for (const std::vector<ContextElement>* context : {&production.leftContext, &production.rightContext}) {
+      for (const ContextElement& sought : *context) {
+        if (sought.kind != ContextElement::Kind::SkipToBranchEnd) {
+          bind(sought.module, SlotSource::Kind::Searched, 0, element);
+        }
+        ++element;
+      }
     }
   }
 }

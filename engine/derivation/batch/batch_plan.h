@@ -84,19 +84,31 @@ class BatchPlan {
   /// The most module types for which there are tables of pairs of neighbours.
   static constexpr std::size_t kMaximumPairTypes = 512;
 
+  /// The plan of the productions. `decomposition` is that of the decomposition (null: the ModuleRewriter decomposes);
+  /// the plan only notes that there is one.
   BatchPlan(const language::Program& program, const language::LSystem& system, const ContextRules& rules,
-            const ProductionPlan& plan);
+            const ProductionPlan& plan, const BatchPlan* decomposition);
+  /// The plan of the decomposition. Nothing when there is none, or when batches cannot do all of it: they decompose
+  /// level by level, so a production must depend on its one module alone.
+  [[nodiscard]] static std::optional<BatchPlan> ofDecomposition(const language::Program& program,
+                                                                const language::LSystem& system,
+                                                                const ContextRules& rules, const ProductionPlan& plan);
 
   /// Whether batches gain anything: they can do some productions that need more than copying.
-  [[nodiscard]] bool isUseful() const { return !groups_.empty(); }
+  [[nodiscard]] bool isUseful() const { return !groups_.empty() || decomposes_; }
+  /// Whether batches decompose what the productions make.
+  [[nodiscard]] bool decomposes() const { return decomposes_; }
   /// Whether batches can do every module.
   [[nodiscard]] bool isComplete() const { return isComplete_; }
-  /// Whether batches can also do the parts of a string on their own: no predecessor reaches from one into the next.
-  [[nodiscard]] bool isChunkable() const { return isComplete_ && !hasLongPredecessors_; }
+  /// Whether batches can also do the parts of a string on their own, and know the sizes of their results before they
+  /// write: no predecessor reaches from one into the next, and nothing is decomposed.
+  [[nodiscard]] bool isChunkable() const { return isComplete_ && !hasLongPredecessors_ && !decomposes_; }
   /// Whether every module becomes a fixed block or stays.
-  [[nodiscard]] bool isFixedOnly() const { return isComplete_ && groups_.empty(); }
+  [[nodiscard]] bool isFixedOnly() const { return isComplete_ && groups_.empty() && !decomposes_; }
   /// Whether the PlainScan can do everything that batches can do without calling the Rewriter.
   [[nodiscard]] bool isQuick() const { return isQuick_; }
+  /// Whether it can also do all of it without the Evaluator, so that short strings gain nothing from batches.
+  [[nodiscard]] bool isCheap() const { return isCheap_; }
   /// Has a table in some models where isFixedOnly.
   [[nodiscard]] const FixedBlocks& fixedBlocks() const { return fixedBlocks_; }
 
@@ -137,12 +149,17 @@ class BatchPlan {
   [[nodiscard]] std::size_t largestRuleCount() const { return largestRuleCount_; }
 
  private:
+  BatchPlan(const language::Program& program, const language::LSystem& system, const ContextRules& rules,
+            const ProductionPlan& plan, const language::ProductionList& list, bool isDecomposition, bool decomposes);
   void planType(const language::Program& program, const language::LSystem& system, const ContextRules& rules,
                 const ProductionPlan& plan, core::ModuleTypeId type);
   bool planGroup(const language::Program& program, const language::LSystem& system, const ContextRules& rules,
                  const ProductionPlan& plan, core::ModuleTypeId type);
   bool compile(const language::Program& program, const language::LSystem& system,
                const language::Production& production, BatchRule& rule);
+  [[nodiscard]] bool isLeftToDecomposition(const language::LSystem& system, core::ModuleTypeId type) const {
+    return !isDecomposition_ && !decomposes_ && system.decomposition.mayApplyTo(type);
+  }
   void bindSlots(const language::Program& program, const ContextRules& rules, BatchRule& rule) const;
   void addRule(const language::Program& program, BatchRule rule);
   void addBlock(const std::vector<core::ModuleTypeId>& types, std::uint32_t valueCount, std::uint32_t readModules,
@@ -161,6 +178,7 @@ class BatchPlan {
   FixedBlocks fixedBlocks_;
   bool isComplete_ = true;
   bool isQuick_ = true;
+  bool isCheap_ = true;
   bool hasOneKindOnly_ = false;  // one group and nothing Fixed or General: every site belongs to the group
   std::vector<std::uint8_t> candidateBits_;
   std::vector<std::uint8_t> leftBits_;
@@ -173,6 +191,10 @@ class BatchPlan {
   std::size_t largestColumnCount_ = 0;
   std::size_t largestRuleCount_ = 0;
   std::size_t largestKeptCount_ = 0;
+  const language::ProductionList* list_;  // in the Program
+  bool isDecomposition_ = false;          // it is the list of the decomposition
+  bool isWeighted_ = false;
+  bool decomposes_ = false;
   bool hasLongPredecessors_ = false;
   bool hasBlocks_ = false;
   std::vector<std::uint8_t> isInside_;  // by module type: a predecessor has it behind its first module

@@ -112,11 +112,12 @@ BatchRewriter::Outcome BatchRewriter::choose(std::uint64_t first, std::uint64_t 
   offset_ = offset;
   isUnusual_ = false;
   isResized_ = false;
+  isChanged_ = false;
   areDrawsLoaded_ = false;
   lightSites_ = 0;
   laneCount_ = 0;
   resizingCount_ = 0;
-  rows_.clear();
+  rowsUsed_ = 0;
   ruleLanes_.clear();
   stores_.clear();
   evaluator_.clearUnusual();
@@ -144,8 +145,13 @@ BatchRewriter::Outcome BatchRewriter::choose(std::uint64_t first, std::uint64_t 
   if (plan_->hasLongPredecessors()) {
     dropOverlapped();
   }
-  Outcome outcome{end_,       endOffset_, end_ - first_, endOffset_ - offset_, isUnusual_ || evaluator_.isUnusual(),
-                  lightSites_};
+  Outcome outcome{end_,
+                  endOffset_,
+                  end_ - first_,
+                  endOffset_ - offset_,
+                  isUnusual_ || evaluator_.isUnusual(),
+                  lightSites_,
+                  isChanged_ || isResized_};
   if (isResized_) {
     place();
     outcome.moduleCount = madeModules_;
@@ -337,6 +343,8 @@ std::size_t BatchRewriter::match(const BatchRule& rule, std::uint8_t bit, std::s
       }
       break;
     case BatchRule::Context::Searched:
+      rows_.resize(std::max(rows_.size(), rowsUsed_ + sites.size() * (rule.production->leftContext.size() +
+                                                                      rule.production->rightContext.size())));
       for (const std::uint32_t site : sites) {
         if ((siteBits_[site] & bit) != 0 && matchSearched(rule, site, lane)) {
           laneSite_[lane++] = site;
@@ -480,16 +488,17 @@ bool BatchRewriter::matchSearched(const BatchRule& rule, std::uint32_t site, std
       return true;
     }
   }
-  const std::size_t row = rows_.size();
-  rows_.resize(row + production.slotCount);
-  if ((!production.rightContext.empty() && !matchesRight(*program_, *rules_, step_.old, production.rightContext,
-                                                         module + length, behind, rows_.data() + row)) ||
-      (!production.leftContext.empty() &&
-       !matchesLeft(*program_, *rules_, step_.old, production.leftContext, module, offset, rows_.data() + row))) {
-    rows_.resize(row);
+  const std::size_t leftCount = production.leftContext.size();
+  std::uint64_t* const row = rows_.data() + rowsUsed_;
+  if ((!production.rightContext.empty() &&
+       !derivation::findRight(*program_, *rules_, step_.old, production.rightContext, module + length, behind,
+                              row + leftCount)) ||
+      (leftCount > 0 &&
+       !derivation::findLeft(*program_, *rules_, step_.old, production.leftContext, module, offset, row))) {
     return false;
   }
-  laneLeft_[lane] = row;
+  laneLeft_[lane] = rowsUsed_;
+  rowsUsed_ += leftCount + production.rightContext.size();
   return true;
 }
 
@@ -580,6 +589,7 @@ void BatchRewriter::accept(const BatchRule& rule, std::size_t count) {
   if (count == 0) {
     return;
   }
+  isChanged_ = true;
   isResized_ = isResized_ || plan_->blocks()[rule.block].isResizing;
   const std::uint32_t* const site = laneSite_.data() + laneCount_;
   std::uint32_t* const siteBlock = siteBlock_.data();

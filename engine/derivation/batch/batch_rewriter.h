@@ -47,6 +47,7 @@ class BatchRewriter {
     std::uint64_t parameterCount = 0;
     bool isUnusual = false;
     std::uint64_t lightSites = 0;  // modules of light groups and fixed blocks
+    bool isChanged = true;         // some production applies
   };
 
   /// `program`, `rules`, `plan` and `productions` must outlive the object.
@@ -125,6 +126,7 @@ class BatchRewriter {
   std::uint64_t fixedParameters_ = 0;
   bool isUnusual_ = false;
   bool isResized_ = false;
+  bool isChanged_ = false;
   bool areDrawsLoaded_ = false;
   std::uint64_t lightSites_ = 0;
 
@@ -158,8 +160,9 @@ class BatchRewriter {
   Scratch<core::ModuleTypeId> rightType_;
   Scratch<std::uint64_t> leftOffset_;  // by site: its parameters
   Scratch<std::uint64_t> rightOffset_;
-  std::vector<double> rows_;    // frames that context searches filled
-  Scratch<double> keptLocals_;  // BatchRule::kept of each lane, 2 * kChunkModules for each local variable
+  std::vector<std::uint64_t> rows_;  // of context searches: where the parameters of each element begin
+  std::size_t rowsUsed_ = 0;         // elements of rows_ that lanes of this chunk use
+  Scratch<double> keptLocals_;       // BatchRule::kept of each lane, 2 * kChunkModules for each local variable
   LastStores stores_;
   std::vector<RuleLanes> ruleLanes_;
   Scratch<std::uint32_t> own_;      // offsets of the lanes that are evaluated

@@ -54,7 +54,8 @@ ColumnEvaluator::ColumnEvaluator(const language::Program& program, std::size_t s
       gathered_(slotCount, 0),
       columns_((columnCount + 1) * kLanes),
       active_(kLanes),
-      taken_(kLanes) {}
+      taken_(kLanes),
+      powers_(std::size_t{1} << kPowerBits, Power{0, 0, elementary_.pow(0.0, 0.0)}) {}
 
 void ColumnEvaluator::begin(const ColumnInputs& inputs) {
   inputs_ = inputs;
@@ -89,9 +90,14 @@ const double* ColumnEvaluator::slot(std::uint32_t index) {
     case SlotSource::Kind::Right:
       gather(lanes_.parameters, lanes_.right);
       break;
-    case SlotSource::Kind::Searched:
-      gather(lanes_.rows, lanes_.left);
+    case SlotSource::Kind::Searched: {
+      const double* const parameters = lanes_.parameters + source.position;
+      const std::uint64_t* const rows = lanes_.rows + source.element;
+      for (std::size_t i = 0; i < lanes_.count; ++i) {
+        column[i] = parameters[rows[lanes_.left[i]]];
+      }
       break;
+    }
   }
   return column;
 }
@@ -317,20 +323,19 @@ void ColumnEvaluator::move(const ColumnInstruction& instruction, double* target,
 }
 
 void ColumnEvaluator::raise(double* target, const ColumnValue& a, const ColumnValue& b) {
-  // neighbours of one kind often have equal values
-  double x = 0.0;
-  double y = 0.0;
-  double power = elementary_.pow(x, y);
+  // modules of one kind often have equal values
   for (std::size_t i = 0; i < lanes_.count; ++i) {
-    if (isActive(i)) {
-      if (std::bit_cast<std::uint64_t>(at(a, i)) != std::bit_cast<std::uint64_t>(x) ||
-          std::bit_cast<std::uint64_t>(at(b, i)) != std::bit_cast<std::uint64_t>(y)) {
-        x = at(a, i);
-        y = at(b, i);
-        power = elementary_.pow(x, y);
-      }
-      target[i] = power;
+    if (!isActive(i)) {
+      continue;
     }
+    const auto x = std::bit_cast<std::uint64_t>(at(a, i));
+    const auto y = std::bit_cast<std::uint64_t>(at(b, i));
+    // multiplication mixes all bits into the highest ones
+    Power& known = powers_[((x ^ std::rotl(y, 23)) * 0x9E3779B97F4A7C15ULL) >> (64U - kPowerBits)];
+    if (known.base != x || known.exponent != y) {
+      known = {x, y, elementary_.pow(at(a, i), at(b, i))};
+    }
+    target[i] = known.value;
   }
 }
 

@@ -18,10 +18,11 @@ struct SlotSource {
     Own,       // parameter `position` of the module itself
     Left,      // of its nearest left neighbour
     Right,     // of its nearest right neighbour
-    Searched,  // element `position` of the row that the context search filled
+    Searched,  // of the module that a context search found for element `element`
   };
   Kind kind = Kind::Own;
   std::uint32_t position = 0;
+  std::uint32_t element = 0;  // Searched: of the left context, then of the right context
 };
 
 /// The modules of one evaluation, at most ColumnEvaluator::kLanes. A view.
@@ -30,7 +31,7 @@ struct Lanes {
   const SlotSource* slots = nullptr;       // by formal parameter
   const double* ownParameters = nullptr;   // `own` counts from here
   const double* parameters = nullptr;      // of the whole string
-  const double* rows = nullptr;            // filled by context searches
+  const std::uint64_t* rows = nullptr;     // of context searches: offsets of the parameters, one for each element
   const std::uint32_t* own = nullptr;      // (count) offset of the module's parameters
   const std::uint64_t* left = nullptr;     // (count) offset of the left neighbour's parameters, or of the row
   const std::uint64_t* right = nullptr;    // (count)
@@ -82,6 +83,12 @@ class ColumnEvaluator {
 
  private:
   using Mask = std::uint64_t;  // of a lane: 0 or all bits
+  struct Power {
+    std::uint64_t base;  // bits of the number
+    std::uint64_t exponent;
+    double value;
+  };
+  static constexpr unsigned kPowerBits = 8;
 
   [[nodiscard]] const double* slot(std::uint32_t index);
   [[nodiscard]] ColumnValue operand(const ColumnOperand& operand);
@@ -115,6 +122,8 @@ class ColumnEvaluator {
   std::vector<Mask> taken_;              // (kLanes) lanes that jump
   std::vector<Mask> stored_;             // by local variable: lanes that have assigned it, kLanes each
   std::uint32_t turns_ = 0;              // of loops
+
+  std::vector<Power> powers_;  // computed last, by a hash of base and exponent (1 << kPowerBits)
 };
 
 }  // namespace espalier::derivation

@@ -5,13 +5,26 @@ namespace {
 
 using language::ContextElement;
 
-void bind(const language::Program& program, const language::FormalModule& formal, const double* parameters,
-          double* frame) {
-  const std::size_t arity = program.arity[formal.type];
-  for (std::size_t i = 0; i < arity; ++i) {
-    frame[formal.firstSlot + i] = parameters[i];
+/// Binds the parameters of the modules that match to a frame.
+struct FrameBinder {
+  const language::Program& program;
+  const ContextString& string;
+  double* frame;
+  void operator()(std::size_t, const language::FormalModule& formal, std::uint64_t offset) const {
+    const std::size_t arity = program.arity[formal.type];
+    for (std::size_t i = 0; i < arity; ++i) {
+      frame[formal.firstSlot + i] = string.parameters[offset + i];
+    }
   }
-}
+};
+
+/// Notes where the parameters of the modules that match begin.
+struct PlaceBinder {
+  std::uint64_t* offsets;
+  void operator()(std::size_t element, const language::FormalModule&, std::uint64_t offset) const {
+    offsets[element] = offset;
+  }
+};
 
 /// Adds an entry to `looks`, when searches are recorded, and returns whether the element matched.
 template <bool kIsRecorded>
@@ -29,30 +42,31 @@ bool look(std::vector<ContextLook>* looks, ContextLook::Result result, const lan
   return result == ContextLook::Result::Matched;
 }
 
-template <bool kIsRecorded>
+template <bool kIsRing, bool kIsRecorded, typename Binder>
 bool searchLeft(const language::Program& program, const ContextRules& rules, const ContextString& string,
-                std::span<const ContextElement> context, std::uint64_t module, std::uint64_t offset, double* frame,
+                std::span<const ContextElement> context, std::uint64_t module, std::uint64_t offset, Binder binder,
                 std::vector<ContextLook>* looks) {
   using Result = ContextLook::Result;
   const core::ModuleTypeId* const types = string.types;
   const std::uint16_t* const arity = program.arity.data();
   const std::uint8_t* const traits = rules.traits();
-  for (const ContextElement& element : context) {
+  for (std::size_t i = 0; i < context.size(); ++i) {
+    const ContextElement& element = context[i];
     if (element.kind != ContextElement::Kind::Module) {
       return false;
     }
     // without a bound, the search would never end in a ring of ignored modules
-    std::uint64_t remaining = string.size + 1;
+    [[maybe_unused]] std::uint64_t remaining = string.size + 1;
     std::uint32_t passed = 0;
     while (true) {
       if (module == 0) {
-        if (!rules.isRing() || !string.canWrap) {
+        if (!kIsRing || !string.canWrap) {
           return look<kIsRecorded>(looks, Result::StringEnd, program, string, 0, 0);
         }
         module = string.size;
         offset = string.parameterCount;
       }
-      if (--remaining == 0) {
+      if (kIsRing && --remaining == 0) {
         return look<kIsRecorded>(looks, Result::StringEnd, program, string, 0, 0);
       }
       --module;
@@ -64,7 +78,7 @@ bool searchLeft(const language::Program& program, const ContextRules& rules, con
           return look<kIsRecorded>(looks, Result::OtherModule, program, string, module, offset);
         }
         look<kIsRecorded>(looks, Result::Matched, program, string, module, offset);
-        bind(program, element.module, string.parameters + offset, frame);
+        binder(i, element.module, offset);
         break;
       }
       if ((trait & ContextRules::kCloseBranch) != 0) {
@@ -88,27 +102,40 @@ bool searchLeft(const language::Program& program, const ContextRules& rules, con
   return true;
 }
 
-template <bool kIsRecorded>
+template <bool kIsRing, bool kIsRecorded, typename Binder>
 bool searchRight(const language::Program& program, const ContextRules& rules, const ContextString& string,
-                 std::span<const ContextElement> context, std::uint64_t module, std::uint64_t offset, double* frame,
+                 std::span<const ContextElement> context, std::uint64_t module, std::uint64_t offset, Binder binder,
                  std::vector<ContextLook>* looks) {
   using Result = ContextLook::Result;
   const core::ModuleTypeId* const types = string.types;
   const std::uint16_t* const arity = program.arity.data();
   const std::uint8_t* const traits = rules.traits();
-  for (const ContextElement& element : context) {
+  // the branch that the context has entered last, when brackets alone end it
+  const bool areBracketsSeen =
+      !kIsRing && !rules.isIgnored(program.openBranch) && !rules.isIgnored(program.closeBranch);
+  std::uint64_t entered = string.size;  // its `[`; the size of the string: none
+  std::uint64_t enteredOffset = 0;      // behind the `[`
+  for (std::size_t i = 0; i < context.size(); ++i) {
+    const ContextElement& element = context[i];
     const bool isBranchEnd = element.kind == ContextElement::Kind::SkipToBranchEnd;
     const bool entersBranch = element.kind == ContextElement::Kind::OpenBranch;
-    std::uint64_t remaining = string.size + 1;
+    if (isBranchEnd && entered != string.size) {
+      const StringIndex::Link link = string.index->link(entered);
+      if (link.partner != StringIndex::kNone) {
+        module = link.partner;
+        offset = enteredOffset + link.parameterCount;
+      }
+    }
+    [[maybe_unused]] std::uint64_t remaining = string.size + 1;
     while (true) {
       if (module >= string.size) {
-        if (!rules.isRing() || string.size == 0) {
+        if (!kIsRing || string.size == 0) {
           return look<kIsRecorded>(looks, Result::StringEnd, program, string, 0, 0);
         }
         module = 0;
         offset = 0;
       }
-      if (--remaining == 0) {
+      if (kIsRing && --remaining == 0) {
         return look<kIsRecorded>(looks, Result::StringEnd, program, string, 0, 0);
       }
       const core::ModuleTypeId type = types[module];
@@ -124,8 +151,12 @@ bool searchRight(const language::Program& program, const ContextRules& rules, co
           return look<kIsRecorded>(looks, Result::OtherModule, program, string, module, offset);
         }
         look<kIsRecorded>(looks, Result::Matched, program, string, module, offset);
-        bind(program, element.module, string.parameters + offset, frame);
+        binder(i, element.module, offset);
         offset += arity[type];
+        if ((trait & (ContextRules::kOpenBranch | ContextRules::kCloseBranch)) != 0) {
+          entered = entersBranch && areBracketsSeen ? module : string.size;
+          enteredOffset = offset;
+        }
         ++module;
         break;
       }
@@ -161,15 +192,41 @@ ContextRules::ContextRules(const language::Program& program, const language::LSy
 bool matchesLeft(const language::Program& program, const ContextRules& rules, const ContextString& string,
                  std::span<const ContextElement> context, std::uint64_t module, std::uint64_t offset, double* frame,
                  std::vector<ContextLook>* looks) {
-  return looks == nullptr ? searchLeft<false>(program, rules, string, context, module, offset, frame, nullptr)
-                          : searchLeft<true>(program, rules, string, context, module, offset, frame, looks);
+  const FrameBinder binder{program, string, frame};
+  if (looks != nullptr) {
+    return rules.isRing() ? searchLeft<true, true>(program, rules, string, context, module, offset, binder, looks)
+                          : searchLeft<false, true>(program, rules, string, context, module, offset, binder, looks);
+  }
+  return rules.isRing() ? searchLeft<true, false>(program, rules, string, context, module, offset, binder, looks)
+                        : searchLeft<false, false>(program, rules, string, context, module, offset, binder, looks);
 }
 
 bool matchesRight(const language::Program& program, const ContextRules& rules, const ContextString& string,
                   std::span<const ContextElement> context, std::uint64_t module, std::uint64_t offset, double* frame,
                   std::vector<ContextLook>* looks) {
-  return looks == nullptr ? searchRight<false>(program, rules, string, context, module, offset, frame, nullptr)
-                          : searchRight<true>(program, rules, string, context, module, offset, frame, looks);
+  const FrameBinder binder{program, string, frame};
+  if (looks != nullptr) {
+    return rules.isRing() ? searchRight<true, true>(program, rules, string, context, module, offset, binder, looks)
+                          : searchRight<false, true>(program, rules, string, context, module, offset, binder, looks);
+  }
+  return rules.isRing() ? searchRight<true, false>(program, rules, string, context, module, offset, binder, looks)
+                        : searchRight<false, false>(program, rules, string, context, module, offset, binder, looks);
+}
+
+bool findLeft(const language::Program& program, const ContextRules& rules, const ContextString& string,
+              std::span<const ContextElement> context, std::uint64_t module, std::uint64_t offset,
+              std::uint64_t* offsets) {
+  const PlaceBinder binder{offsets};
+  return rules.isRing() ? searchLeft<true, false>(program, rules, string, context, module, offset, binder, nullptr)
+                        : searchLeft<false, false>(program, rules, string, context, module, offset, binder, nullptr);
+}
+
+bool findRight(const language::Program& program, const ContextRules& rules, const ContextString& string,
+               std::span<const ContextElement> context, std::uint64_t module, std::uint64_t offset,
+               std::uint64_t* offsets) {
+  const PlaceBinder binder{offsets};
+  return rules.isRing() ? searchRight<true, false>(program, rules, string, context, module, offset, binder, nullptr)
+                        : searchRight<false, false>(program, rules, string, context, module, offset, binder, nullptr);
 }
 
 }  // namespace espalier::derivation

@@ -33,9 +33,11 @@ BatchRewriter::Step batchStep(const ScanContext& context) {
 
 bool BatchScan::isWorthwhile(const ModuleString& old) const {
   const SystemTables& tables = context_->tables.front();
-  const bool isLongEnough = context_->program.hasContexts ? old.size() >= kBatchedModulesWithContexts
-                                                          : old.size() >= kBatchedModules &&
-                                                                context_->scannedModules + old.size() >= kFirstModules;
+  // code of the ModuleRewriter and the Evaluator costs so much that batches gain sooner
+  const bool isLongEnough =
+      context_->program.hasContexts || !tables.batches.isCheap()
+          ? old.size() >= kBatchedModulesWithContexts
+          : old.size() >= kBatchedModules && context_->scannedModules + old.size() >= kFirstModules;
   return isLongEnough && tables.batches.isUseful() && !context_->drawsEachPosition(*tables.system);
 }
 
@@ -56,11 +58,34 @@ bool BatchScan::append(const BatchRewriter::Outcome& outcome) {
   return true;
 }
 
+bool BatchScan::appendDecomposed(const BatchRewriter::Outcome& outcome) {
+  if (outcome.isUnusual || !context_->isWithinLimits(outcome.moduleCount, outcome.parameterCount)) {
+    return false;
+  }
+  made_.clear();
+  made_.typeBuffer().resize(outcome.moduleCount);
+  made_.parameterBuffer().resize(outcome.parameterCount);
+  if (!batch_->write(made_.typeBuffer().data(), made_.parameterBuffer().data())) {
+    return false;
+  }
+  ModuleString& output = context_->output;
+  if (!decomposition_->run(made_) ||
+      !context_->isWithinLimits(output.size() + made_.size(), output.parameterCount() + made_.parameterCount())) {
+    return false;
+  }
+  context_->reserveOutput(output.size() + made_.size(), output.parameterCount() + made_.parameterCount());
+  output.appendAll(made_.types(), made_.parameters());
+  return true;
+}
+
 void BatchScan::run(std::uint64_t end, ScanPlace& place) {
   ScanContext& context = *context_;
   const SystemTables& tables = context.tables.front();
   if (batch_ == nullptr) {
     batch_ = std::make_unique<BatchRewriter>(context.program, tables.rules, tables.batches, tables.plan);
+    if (tables.decomposition) {
+      decomposition_ = std::make_unique<DecompositionPasses>(context);
+    }
   }
   std::uint64_t chunk = generalStretch_ > 1 ? kWorthwhileModules : BatchRewriter::kChunkModules;
   while (place.module < end) {
@@ -78,8 +103,11 @@ void BatchScan::run(std::uint64_t end, ScanPlace& place) {
     const BatchRewriter::Outcome outcome = batch_->choose(place.module, chunkEnd, place.offset);
     const std::uint64_t batched = outcome.endModule - place.module;
     const std::uint64_t target = context.output.size();
-    if (append(outcome)) {
-      if (context.changes != nullptr) {
+    const std::uint64_t targetParameter = context.output.parameterCount();
+    if (decomposition_ == nullptr ? append(outcome) : appendDecomposed(outcome)) {
+      if (decomposition_ != nullptr) {
+        context.noteEqualEnds(place, {outcome.endModule, outcome.endParameter}, target, targetParameter);
+      } else if (context.changes != nullptr) {
         batch_->noteKept(target, *context.changes);
       }
       batch_->stores().apply(context.plant->statics);

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "engine/derivation/batch/batch_rewriter.h"
+#include "engine/derivation/scan/decomposition_passes.h"
 #include "engine/derivation/scan/plain_scan.h"
 #include "engine/derivation/scan/scan_context.h"
 
@@ -23,12 +24,15 @@ class BatchScan {
 
  private:
   [[nodiscard]] bool append(const BatchRewriter::Outcome& outcome);
+  [[nodiscard]] bool appendDecomposed(const BatchRewriter::Outcome& outcome);
 
   ScanContext* context_;
   PlainScan* plain_;
-  std::unique_ptr<BatchRewriter> batch_;  // made when a string is long enough to use it
-  std::uint64_t plainModules_ = 0;        // left to the PlainScan before the next batch, over the ends of steps
-  std::uint64_t generalStretch_ = 1;      // modules that are left to it behind a module that batches cannot do
+  std::unique_ptr<BatchRewriter> batch_;                // made when a string is long enough to use it
+  std::unique_ptr<DecompositionPasses> decomposition_;  // the same, where batches decompose
+  ModuleString made_;                                   // by the productions, before the decomposition
+  std::uint64_t plainModules_ = 0;    // left to the PlainScan before the next batch, over the ends of steps
+  std::uint64_t generalStretch_ = 1;  // modules that are left to it behind a module that batches cannot do
 };
 
 /// What the context says to a BatchRewriter at this place of the step.

@@ -40,9 +40,10 @@ TEST(BatchPlan, PureProductionsOfOneModuleMakeGroups) {
   EXPECT_EQ(Planned("Seed: 1\n", "A --> x : 1\nA --> y : 2\n").classOf("A", 0), BatchPlan::Class::Group);
 }
 
-TEST(BatchPlan, BlocksOfLocalVariablesAndLongPredecessorsMakeGroups) {
+TEST(BatchPlan, BlocksDecompositionAndLongPredecessorsMakeGroups) {
   EXPECT_EQ(Planned("", "B(x) : {n=x;} * --> A\n").classOf("B", 1), BatchPlan::Class::Group);
   EXPECT_EQ(Planned("Start: {n=0;}\n", "B(x) : x<n --> A\n").classOf("B", 1), BatchPlan::Class::Group);
+  EXPECT_EQ(Planned("", "A --> B(1)\ndecomposition\nB(x) --> A\n").classOf("A", 0), BatchPlan::Class::Group);
   const Planned planned("", "AB(x) --> A\n");
   EXPECT_EQ(planned.classOf("A", 0), BatchPlan::Class::Group);
   EXPECT_TRUE(planned.plan().hasLongPredecessors());
@@ -66,7 +67,9 @@ TEST(BatchPlan, WhatHasSideEffectsOrReachesFurtherIsGeneral) {
   EXPECT_EQ(Planned("", "B(x) : ran(x)>1 --> B(2)\n").classOf("B", 1), BatchPlan::Class::General);
   EXPECT_EQ(Planned("", "B(x) --> B(nran(x,1))\n").classOf("B", 1), BatchPlan::Class::General);
   EXPECT_EQ(Planned("", "A << B(x) --> A\n").classOf("B", 1), BatchPlan::Class::General);
-  EXPECT_EQ(Planned("", "A --> B(1)\ndecomposition\nB(x) --> A\n").classOf("A", 0), BatchPlan::Class::General);
+  EXPECT_EQ(Planned("", "A --> B(1)\ndecomposition\nB(x) : {n=x;} 1 --> A\n").classOf("A", 0),
+            BatchPlan::Class::General);
+  EXPECT_EQ(Planned("", "A --> B(1)\ndecomposition\nA < B(x) --> A\n").classOf("A", 0), BatchPlan::Class::General);
   EXPECT_EQ(Planned("", "A --> x\n").classOf("%", 0), BatchPlan::Class::General);
   EXPECT_FALSE(Planned("", "A --> x\n").plan().isComplete());
 }
