@@ -1,6 +1,17 @@
 """Sweeps: run a plan, read its results, spread it over Dask, and the indices of a sensitivity analysis.
 
-The program `espalier sweep` makes the runs; docs/sweeps.md explains plans. Arrays are NumPy's."""
+The program `espalier sweep` makes the runs; docs/sweeps.md explains plans. Arrays are NumPy's.
+
+>>> import json, os, tempfile
+>>> with tempfile.TemporaryDirectory() as folder:
+...     plan, output = os.path.join(folder, "plan.json"), os.path.join(folder, "results.sqlite")
+...     with open(plan, "w") as file:
+...         json.dump({"model": "borchert-honda", "steps": 20, "parameters": {"ETA": {"uniform": [0.8, 0.9]}},
+...                    "runs": {"design": "latin-hypercube", "count": 4}, "measures": {"tips": {"count": "A"}}}, file)
+...     espalier.sweep.run(plan, output)
+...     len(espalier.sweep.results(output)["tips"])
+4
+"""
 
 from __future__ import annotations
 
