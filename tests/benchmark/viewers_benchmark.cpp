@@ -70,7 +70,7 @@ class Watched {
     input.modelFile = "tree.l";
     const auto compiled = language::compile(input, files);
     server::SimulationRecord record;
-    record.id = std::get<std::string>(core.reserve(""));
+    record.id = std::get<std::string>(core.reserve("", ""));
     record.create.plants.emplace_back();
     record.create.environmentJson = hasQueries ? R"([{"type":"constant","values":[1]}])" : "";
     server::Interruption interruption;
@@ -125,7 +125,7 @@ class Watched {
         // names that no module has make the selections differ
         params.select.symbols = {"F", "selection-" + std::to_string(i)};
       }
-      command([stream = session->openStream(params, *runner_)](server::SimulationRunner& runner) {
+      command([stream = session->openStream(params, *runner_).value()](server::SimulationRunner& runner) {
         runner.addStream(stream);
       });
       sessions_.push_back(std::move(session));
