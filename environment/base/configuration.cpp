@@ -99,7 +99,8 @@ class ConfigurationReader {
     std::vector<std::string> given;
     for (const auto& [name, value] : object.items()) {
       given.push_back(name);
-      const auto key = std::find_if(keys_.begin(), keys_.end(), [&](const auto& k) { return k.name == name; });
+      const auto key =
+          std::find_if(keys_.begin(), keys_.end(), [&name = name](const auto& k) { return k.name == name; });
       if (key == keys_.end()) {
         addUnknownKey(name);
       } else if (auto read = readValue(*key, value)) {

@@ -19,7 +19,7 @@ double product(const std::vector<double>& a, const std::vector<double>& b) {
 
 }  // namespace
 
-FlowSystem::FlowSystem(std::array<std::size_t, 2> columns, std::size_t layers) : columns_(columns), layers_(layers) {
+FlowSystem::FlowSystem(std::array<std::size_t, 2> columns, std::size_t layers) : columns_(columns) {
   const std::size_t count = columns[0] * columns[1] * layers;
   diagonal_.assign(count, 0.0);
   for (std::size_t axis = 0; axis < 3; ++axis) {

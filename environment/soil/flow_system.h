@@ -35,7 +35,6 @@ class FlowSystem {
   void multiply(const std::vector<double>& v, std::vector<double>& result) const;
 
   std::array<std::size_t, 2> columns_;
-  std::size_t layers_;
   std::vector<double> diagonal_;
   std::array<std::vector<double>, 3> next_, back_;  // (cells)
   std::vector<double> pivot_, factor_;              // of the elimination of the columns (cells)

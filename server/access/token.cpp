@@ -37,7 +37,7 @@ std::optional<TokenHash> hashOfHex(std::string_view text) {
     if (digit == std::string_view::npos) {
       return std::nullopt;
     }
-    hash[i / 2] = static_cast<std::uint8_t>(hash[i / 2] << 4U | digit);
+    hash[i / 2] = static_cast<std::uint8_t>(static_cast<unsigned>(hash[i / 2]) << 4U | static_cast<unsigned>(digit));
   }
   return hash;
 }

@@ -18,7 +18,7 @@ namespace {
 /// The name that a line defines: `  # define NAME ...`; empty for any other line.
 std::string_view definedName(std::string_view line) {
   constexpr std::string_view kBlanks = " \t";
-  const auto skip = [&line](std::string_view word) {
+  const auto skip = [&line, kBlanks](std::string_view word) {
     line.remove_prefix(std::min(line.size(), line.find_first_not_of(kBlanks)));
     const bool isThere = line.starts_with(word);
     line.remove_prefix(isThere ? word.size() : 0);
@@ -379,7 +379,7 @@ std::optional<protocol::Error> HostedSimulation::set(const std::vector<std::pair
 std::optional<protocol::Error> HostedSimulation::define(
     const std::vector<std::pair<std::string, std::string>>& defines) {
   for (const auto& [name, value] : defines) {
-    const auto hasName = [&name](const auto& program) { return isDefined(*program, name); };
+    const auto hasName = [&name = name](const auto& program) { return isDefined(*program, name); };
     if (std::none_of(simulation_->programs().begin(), simulation_->programs().end(), hasName)) {
       return protocol::memberError("params.parameters." + name,
                                    "the model has neither a variable nor a #define of that name");
