@@ -11,7 +11,8 @@ PUBLISHED = Path(os.environ.get("ESPALIER_VALIDATION", str(REPOSITORY.parent / "
 
 
 class LongValidation(unittest.TestCase):
-    def test_all_benchmarks_meet_their_tolerances(self) -> None:
+    @unittest.skipUnless(os.environ.get("ESPALIER_LONG_TESTS") == "yes", "takes long: ./dev test --all long")
+    def test_long_all_benchmarks_meet_their_tolerances(self) -> None:
         names = [line.split("\t")[0] for line in espalier("validate", "--list").stdout.splitlines() if "\tlong\t" in line]
         self.assertGreater(len(names), 3)
         for name in names:
