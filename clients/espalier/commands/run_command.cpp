@@ -160,7 +160,9 @@ std::optional<turtle::PictureFrame> frameOfAll(const RunOptions& options, ModelO
       failure = *problem;
       break;
     }
-    const turtle::ExportInput input{.scene = std::get<turtle::Scene>(scene), .view = simulation->view()};
+    const files::ViewSettings view =
+        options.outputs.render.isOn ? viewToRender(simulation->view(), options.outputs.render) : simulation->view();
+    const turtle::ExportInput input{.scene = std::get<turtle::Scene>(scene), .view = view};
     const turtle::ScenePlacement here;
     frame.include(turtle::pictureFrame({{&input, 1}, {&here, 1}}, options.outputs.picture));
     if (server::isOver(*simulation, last)) {
@@ -323,6 +325,7 @@ void addRun(CLI::App& program, int& status) {
       "Examples:\n"
       "  espalier run lilac -o lilac.png --size 1920x1080\n"
       "  espalier run tree.l -o tree.glb -o tree.png -o tree.mtg\n"
+      "  espalier run tree.l --render -o tree.png --size 1200x1200 --sun 35,-60   in the light of sun and sky\n"
       "  espalier run tree.l --every -o frame.png            frame-0000.png, frame-0001.png, ...\n"
       "  espalier run forest.json -o stand.png               several plants, of several models, in one environment\n"
       "  espalier run curves.l --all -o sheet.png            a contact sheet of the models in a file\n"

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <charconv>
+#include <cmath>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -116,6 +117,59 @@ bool writeFile(const std::string& file, bool isQuiet,
   return true;
 }
 
+// two numbers with a comma between them
+std::string readSun(const std::string& text, RenderOptions& render) {
+  const std::size_t comma = text.find(',');
+  const auto number = [&](std::string_view digits, double& value) {
+    const auto [end, problem] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    return problem == std::errc() && end == digits.data() + digits.size() && std::abs(value) <= 360.0;
+  };
+  const std::string_view all = text;
+  const bool isGood = comma != std::string::npos && number(all.substr(0, comma), render.sunElevation) &&
+                      number(all.substr(comma + 1), render.sunAzimuth) && render.sunElevation >= 5.0 &&
+                      render.sunElevation <= 90.0;
+  return isGood ? std::string{}
+                : "'" + text +
+                      "' is not a place of the sun: give ELEVATION,AZIMUTH in degrees, the elevation from 5 to 90, as "
+                      "58,-35";
+}
+
+void addRenderOptions(CLI::App& command, OutputOptions& options) {
+  const auto turnOn = [&options] {
+    options.render.isOn = true;
+    options.picture.draw = [&render = options.render](
+                               const turtle::PlacedScenes& placed, const turtle::PictureOptions& picture,
+                               turtle::PictureImage& image, const turtle::ExportProgress& progress) {
+      return renderInDaylight(placed, picture, render, image, progress);
+    };
+  };
+  CLI::Option* render =
+      command.add_flag_callback("--render", turnOn,
+                                "Draw a PNG in the light of sun and sky: soft shadows, light through leaves. It takes "
+                                "seconds to minutes");
+  addWholeNumber(command, "--samples", "With --render: samples of a pixel, at most (512); fewer are faster and grainy",
+                 1, 65'536, [&options](std::uint64_t count) { options.render.samples = static_cast<int>(count); })
+      ->type_name("N")
+      ->needs(render);
+  command
+      .add_option_function<std::string>(
+          "--sun",
+          [&options](const std::string& text) {
+            if (const std::string problem = readSun(text, options.render); !problem.empty()) {
+              throw CLI::ValidationError("--sun", problem);
+            }
+          },
+          "With --render: place of the sun in degrees above the horizon, and to the right of the viewer (58,-35)")
+      ->type_name("ELEVATION,AZIMUTH")
+      ->needs(render);
+  command
+      .add_option("--view-height", options.render.height,
+                  "With --render: the viewer stands this many degrees above the horizon (the view file's, at least 8)")
+      ->type_name("DEGREES")
+      ->check(CLI::Range(-89.0, 89.0))
+      ->needs(render);
+}
+
 }  // namespace
 
 const turtle::ExportFormat* formatOf(const OutputOptions& options, const std::string& file) {
@@ -167,6 +221,7 @@ void addOutputOptions(CLI::App& command, OutputOptions& options, bool isOutputRe
   addWholeNumber(command, "--colours", "Largest number of colours in a PNG, for a small file", 2, 256,
                  [&options](std::uint64_t count) { options.picture.maximumColours = static_cast<int>(count); })
       ->type_name("N");
+  addRenderOptions(command, options);
   command.add_flag(
       "--instancing", options.usesInstancing,
       "In a .glb write equal organs, and equal plants of a forest, as one node (EXT_mesh_gpu_instancing). The\n"
@@ -291,8 +346,13 @@ bool OutputWriter::writeOne(const simulation::Simulation& simulation, const Draw
       }
       return std::nullopt;
     };
+    const turtle::ExportFormat& format = *formatOf(options_, formatFrom);
+    std::optional<files::ViewSettings> moved;
+    if (options_.render.isOn && format.name == "png") {
+      moved = viewToRender(simulation.view(), options_.render);
+    }
     const turtle::ExportInput input{.scene = drawn.scene,
-                                    .view = simulation.view(),
+                                    .view = moved ? *moved : simulation.view(),
                                     .palette = &drawn.palette,
                                     .detail = options_.detail,
                                     .threads = options_.picture.threads,
@@ -303,7 +363,7 @@ bool OutputWriter::writeOne(const simulation::Simulation& simulation, const Draw
                                     .programs = programs,
                                     .strings = strings,
                                     .visitModules = visitModules};
-    return formatOf(options_, formatFrom)->write(input, target);
+    return format.write(input, target);
   };
   return writeFile(file, isQuiet_, write,
                    "step " + std::to_string(simulation.completedSteps()) + ", " +

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "clients/espalier/rendering/render.h"
 #include "engine/files/colour_files.h"
 #include "engine/simulation/simulation.h"
 #include "engine/turtle/export/exporters.h"
@@ -25,9 +26,11 @@ struct OutputOptions {
   bool isColouredByOrder = false;  // lines in the colours of the order in which they are drawn
   bool usesInstancing = false;     // glb: copies of a scene are one node
   turtle::PictureOptions picture;
+  RenderOptions render;  // of PNG files; the camera of the others does not change
 };
 
-/// Adds -o, --format and the options for pictures and meshes: --size, --background, --framing, --colours, --detail.
+/// Adds -o, --format and the options for pictures and meshes: --size, --background, --framing, --colours, --render and
+/// its options, --detail. `options` must outlive the runs.
 /// `arePlaced`: the files hold several plants, so only formats that can are listed.
 void addOutputOptions(CLI::App& command, OutputOptions& options, bool isOutputRequired, bool arePlaced = false);
 
