@@ -15,6 +15,7 @@
 #include "clients/espalier/number_option.h"
 #include "clients/espalier/output/drawing_order.h"
 #include "clients/espalier/output/progress_bar.h"
+#include "engine/core/streams.h"
 #include "engine/turtle/export/picture/png.h"
 #include "server/remote/disk_files.h"
 
@@ -172,6 +173,10 @@ void addRenderOptions(CLI::App& command, OutputOptions& options) {
 
 }  // namespace
 
+bool movesViewer(const OutputOptions& options) {
+  return options.render.isOn || options.turntable > 0;
+}
+
 const turtle::ExportFormat* formatOf(const OutputOptions& options, const std::string& file) {
   return options.format.empty() ? turtle::findExportFormatOfFile(file) : turtle::findExportFormat(options.format);
 }
@@ -300,31 +305,79 @@ struct OutputWriter::Drawn {
   files::Palette palette;
 };
 
+std::optional<OutputWriter::Drawn> OutputWriter::drawn(const simulation::Simulation& simulation) const {
+  auto scene = simulation.scene();
+  if (const auto* failure = std::get_if<core::SimulationError>(&scene)) {
+    printError(formatSimulationError(*failure));
+    return std::nullopt;
+  }
+  Drawn drawn{.scene = std::move(std::get<turtle::Scene>(scene)), .palette = simulation.options().palette};
+  if (options_.isColouredByOrder) {
+    drawn.palette = colourByDrawingOrder(drawn.scene);
+  }
+  return drawn;
+}
+
 bool OutputWriter::write(const simulation::Simulation& simulation, std::optional<std::uint64_t> number,
                          int digits) const {
-  Drawn drawn{.scene = {}, .palette = simulation.options().palette};
   bool needsScene = false;
   for (const std::string& file : options_.files) {
     const turtle::ExportFormat* const format = formatOf(options_, file);
     needsScene = needsScene || (format != nullptr && format->source == turtle::ExportSource::Scene);
   }
-  if (needsScene) {
-    auto scene = simulation.scene();
-    if (const auto* failure = std::get_if<core::SimulationError>(&scene)) {
-      printError(formatSimulationError(*failure));
-      return false;
-    }
-    drawn.scene = std::move(std::get<turtle::Scene>(scene));
-    if (options_.isColouredByOrder) {
-      drawn.palette = colourByDrawingOrder(drawn.scene);
-    }
+  std::optional<Drawn> all =
+      needsScene ? drawn(simulation) : Drawn{.scene = {}, .palette = simulation.options().palette};
+  return all && std::ranges::all_of(options_.files, [&](const std::string& file) {
+           return writeOne(simulation, *all, number ? numberedName(file, *number, digits) : file, file);
+         });
+}
+
+std::optional<std::string> OutputWriter::picture(const simulation::Simulation& simulation) const {
+  const std::optional<Drawn> all = drawn(simulation);
+  if (!all) {
+    return std::nullopt;
   }
-  for (const std::string& file : options_.files) {
-    if (!writeOne(simulation, drawn, number ? numberedName(file, *number, digits) : file, file)) {
-      return false;
-    }
+  core::StringSink sink;
+  const turtle::ExportTarget target{.fileName = "picture.png", .sink = sink, .openCompanion = {}, .progress = {}};
+  if (const auto problem = exportTo(simulation, *all, *turtle::findExportFormat("png"), target)) {
+    printError("cannot draw step " + std::to_string(simulation.completedSteps()) + ": " + *problem);
+    return std::nullopt;
   }
-  return true;
+  return sink.take();
+}
+
+std::optional<std::string> OutputWriter::exportTo(const simulation::Simulation& simulation, const Drawn& drawn,
+                                                  const turtle::ExportFormat& format,
+                                                  const turtle::ExportTarget& target) const {
+  std::vector<const derivation::ModuleString*> strings;
+  std::vector<const language::Program*> programs;
+  for (std::size_t plant = 0; plant < simulation.plantCount(); ++plant) {
+    strings.push_back(&simulation.string(plant));
+    programs.push_back(&simulation.program(plant));
+  }
+  const auto visitModules = [&simulation](const turtle::ModuleVisitor& visit) -> std::optional<std::string> {
+    if (const auto failure = simulation.visitModules(visit)) {
+      return formatSimulationError(*failure);
+    }
+    return std::nullopt;
+  };
+  std::optional<files::ViewSettings> moved;
+  if (movesViewer(options_) && format.name == "png") {
+    moved = viewToRender(simulation.view(), options_.render);
+  }
+  const turtle::ExportInput input{.scene = drawn.scene,
+                                  .view = moved ? *moved : simulation.view(),
+                                  .palette = &drawn.palette,
+                                  .detail = options_.detail,
+                                  .threads = options_.picture.threads,
+                                  .usesInstancing = options_.usesInstancing,
+                                  .picture = &options_.picture,
+                                  .step = simulation.completedSteps(),
+                                  .program = &simulation.program(),
+                                  .programs = programs,
+                                  .strings = strings,
+                                  .visitModules = visitModules};
+  return format.write(input, target);
 }
 
 bool OutputWriter::writeOne(const simulation::Simulation& simulation, const Drawn& drawn, const std::string& file,
@@ -334,36 +387,7 @@ bool OutputWriter::writeOne(const simulation::Simulation& simulation, const Draw
       simulation.save(target.sink);
       return std::nullopt;
     }
-    std::vector<const derivation::ModuleString*> strings;
-    std::vector<const language::Program*> programs;
-    for (std::size_t plant = 0; plant < simulation.plantCount(); ++plant) {
-      strings.push_back(&simulation.string(plant));
-      programs.push_back(&simulation.program(plant));
-    }
-    const auto visitModules = [&simulation](const turtle::ModuleVisitor& visit) -> std::optional<std::string> {
-      if (const auto failure = simulation.visitModules(visit)) {
-        return formatSimulationError(*failure);
-      }
-      return std::nullopt;
-    };
-    const turtle::ExportFormat& format = *formatOf(options_, formatFrom);
-    std::optional<files::ViewSettings> moved;
-    if (options_.render.isOn && format.name == "png") {
-      moved = viewToRender(simulation.view(), options_.render);
-    }
-    const turtle::ExportInput input{.scene = drawn.scene,
-                                    .view = moved ? *moved : simulation.view(),
-                                    .palette = &drawn.palette,
-                                    .detail = options_.detail,
-                                    .threads = options_.picture.threads,
-                                    .usesInstancing = options_.usesInstancing,
-                                    .picture = &options_.picture,
-                                    .step = simulation.completedSteps(),
-                                    .program = &simulation.program(),
-                                    .programs = programs,
-                                    .strings = strings,
-                                    .visitModules = visitModules};
-    return format.write(input, target);
+    return exportTo(simulation, drawn, *formatOf(options_, formatFrom), target);
   };
   return writeFile(file, isQuiet_, write,
                    "step " + std::to_string(simulation.completedSteps()) + ", " +
