@@ -51,7 +51,7 @@ async function open(address, ready = "shown") {
 
 /** Waits until the plant is derived and drawn. */
 const shown = (page) =>
-  page.waitForFunction(() => studio.simulation && studio.isFinished && document.getElementById("plant").dataset.step === String(studio.step), null, PATIENCE);
+  page.waitForFunction(() => studio.counts.waiting === 0 && studio.simulation && studio.isFinished && document.getElementById("plant").dataset.step === String(studio.step), null, PATIENCE);
 
 async function keep(page, name) {
   if (process.env.ESPALIER_PICTURES) {
@@ -103,6 +103,20 @@ test("a gallery model grows, with few draw calls and 32 bytes a segment", async 
   // the environment of the gallery model answers
   assert.ok(await page.evaluate(() => studio.statistics.some(({ queries }) => queries > 0)));
   assert.equal(await page.textContent('[data-figure="modules"]'), (await page.evaluate(() => studio.statistics.at(-1).modules)).toLocaleString("en"));
+  await page.close();
+});
+
+test("a model with textures shows them, and its colours by number without them", async () => {
+  const page = await open(`${running.address}/#gallery=textured-tree`);
+  await page.waitForFunction(() => studio.view.figures().textures === 2, null, PATIENCE);
+  await keep(page, "studio-textures");
+  await page.selectOption("#mode", "order");
+  await page.waitForFunction(() => studio.view.figures().textures === 0);
+  await page.selectOption("#mode", "model");
+  // the next state of the plant has them too
+  await page.evaluate(() => studio.act(() => studio.goTo(2)));
+  await page.waitForFunction(() => document.getElementById("plant").dataset.textured === "2");
+  assert.ok((await page.evaluate(() => studio.view.figures().textures)) > 0);
   await page.close();
 });
 
@@ -266,8 +280,20 @@ test("axe finds nothing serious, in light and dark, and the keyboard reaches eve
   await page.waitForFunction(() => studio.step === 0);
   await page.keyboard.press("ArrowRight");
   await page.waitForFunction(() => studio.step === 1);
-  await page.keyboard.press("?");
+  await page.keyboard.press("Home");
+  await page.waitForFunction(() => studio.step === 0);
+  // the window closes, and the keys are the page's again: Space runs the plant and opens no window
+  await page.click('[aria-label="Keyboard (?)"]');
   await page.waitForSelector("dialog[open] .keys");
+  await page.click("dialog [aria-label=Close]");
+  await page.waitForFunction(() => !document.querySelector("dialog"));
+  await page.keyboard.press(" ");
+  await page.waitForFunction(() => studio.isFinished && !studio.isRunning && studio.step === studio.length);
+  assert.equal(await page.locator("dialog").count(), 0);
+  // a slider that was moved does not keep Space
+  await page.evaluate(() => document.getElementById("scrub").focus());
+  await page.keyboard.press(" ");
+  await page.waitForFunction(() => studio.isRunning || studio.step < studio.length);
   await page.close();
 });
 

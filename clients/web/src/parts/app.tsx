@@ -45,7 +45,11 @@ export function App({ studio }: { studio: Studio }) {
   useEffect(() => {
     const pressed = (event: KeyboardEvent) => keyPressed(event, studio, setOpen);
     addEventListener("keydown", pressed);
-    return () => removeEventListener("keydown", pressed);
+    document.addEventListener("click", leaveButton, true);
+    return () => {
+      removeEventListener("keydown", pressed);
+      document.removeEventListener("click", leaveButton, true);
+    };
   }, []);
   useEffect(() => {
     document.body.dataset.state = studio.connection;
@@ -105,6 +109,18 @@ function Door({ studio }: { studio: Studio }) {
   );
 }
 
+/** A button that the mouse pressed gives the keyboard back to the page: Space runs the plant, and no button again. */
+function leaveButton(event: MouseEvent): void {
+  const button = (event.target as Element).closest<HTMLElement>("button, label, summary");
+  // a keyboard's click has no count
+  if (event.detail > 0 && button && !button.closest("dialog, form")) {
+    const focused = document.activeElement as HTMLElement | null;
+    if (focused?.matches("button, summary, input[type=checkbox]")) {
+      focused.blur();
+    }
+  }
+}
+
 function keyPressed(event: KeyboardEvent, studio: Studio, setOpen: (open: Window) => void): void {
   const target = event.target as HTMLElement;
   if (event.key === "Escape" && target.closest(".cm-editor")) {
@@ -145,7 +161,7 @@ function keyPressed(event: KeyboardEvent, studio: Studio, setOpen: (open: Window
   };
   const action = actions[event.key] ?? actions[event.key.toLowerCase()];
   const isOfSlider = isSlider && /^(Arrow|Home|End)/.test(event.key);
-  const isOfButton = event.key === " " && target.closest("button, input");
+  const isOfButton = event.key === " " && target.closest("button, summary, a, input:not([type=range])");
   const needsPlant = /^( |Arrow|Home|End|r$)/.test(event.key);
   if (action && !isOfSlider && !isOfButton && !(needsPlant && !studio.simulation)) {
     act(action);

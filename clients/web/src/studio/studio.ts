@@ -3,7 +3,8 @@ import { Code, ServerError, connect } from "espalier";
 import type { Client, Diagnostic, Information, Simulation, Statistics, Stream } from "espalier";
 import type { View } from "../view/scene.js";
 import type { Picked } from "../view/measures.js";
-import { definesOfDocument, fileOf, modelOf, newDocument, numberText } from "./document.js";
+import { freeObject, readObject } from "../view/objects.js";
+import { definesOfDocument, fileOf, hasTextures, modelOf, newDocument, numberText } from "./document.js";
 import type { Define, Document } from "./document.js";
 import { History } from "./history.js";
 import { folderPalette } from "./palette.js";
@@ -50,14 +51,14 @@ export class Studio {
   picked: (Picked & { explanation: string | null }) | null = null;
   view: View | null = null;
 
-  /** For tests: how many derivations were started, and how many were under way at most. */
-  readonly counts = { derivations: 0, inFlight: 0, mostInFlight: 0 };
+  /** For tests: derivations that were started, that are under way, the most at once; changes that are not done. */
+  readonly counts = { derivations: 0, inFlight: 0, mostInFlight: 0, waiting: 0 };
 
   private client!: Client;
   private token = "";
   private readonly history = new History();
   private readonly listeners = new Set<() => void>();
-  private streams: Array<Stream<"columns"> | Stream<"statistics"> | Stream<"turtle">> = [];
+  private streams: Array<Stream<"columns"> | Stream<"statistics"> | Stream<"turtle"> | Stream<"glb">> = [];
   private work: Promise<void> = Promise.resolve(); // requests that change the simulation, one after the other
   private wanted: { values: Record<string, number>; isFinal: boolean } | null = null;
   private wantedStep: number | null = null;
@@ -289,7 +290,8 @@ export class Studio {
 
   /** Work that changes the simulation waits for the work before it. */
   private inTurn(work: () => Promise<void>): Promise<void> {
-    const mine = this.work.then(work);
+    ++this.counts.waiting;
+    const mine = this.work.then(work).finally(() => --this.counts.waiting);
     this.work = mine.catch(() => {});
     return mine;
   }
@@ -365,6 +367,13 @@ export class Studio {
     this.streams = [statistics, columns];
     void this.readStatistics(statistics);
     void this.readColumns(columns);
+    this.view?.showObject(null);
+    if (hasTextures(this.document)) {
+      // columns have no textures: the plant comes as a mesh too
+      const objects = await simulation.stream("glb", { credits: 1 });
+      this.streams.push(objects);
+      void this.readObjects(objects).catch((error) => this.fail(error));
+    }
     this.changed();
   }
 
@@ -399,6 +408,21 @@ export class Studio {
       await new Promise((drawn) => requestAnimationFrame(drawn));
     }
     this.ended(stream);
+  }
+
+  private async readObjects(stream: Stream<"glb">): Promise<void> {
+    for await (const { glb, step } of stream) {
+      const object = await readObject(glb.slice().buffer);
+      if (this.held) {
+        await this.held;
+      }
+      // not a state on the way to the wanted one
+      if (this.streams.includes(stream) && (this.isRunning || step === this.step)) {
+        this.view?.showObject(object, step);
+      } else {
+        freeObject(object);
+      }
+    }
   }
 
   private ended(stream: Stream<"statistics"> | Stream<"columns">): void {
