@@ -179,7 +179,8 @@ test("a model is written, broken, and mended by its hint", async () => {
   assert.equal(await mark.textContent(), "sise");
   assert.match(await page.textContent("#problems"), /model\.l:4:15.*did you mean 'size'\?/s);
   await keep(page, "studio-problem");
-  await write(LINES.join("\n").replace("sise", "size"));
+  // the hint mends it
+  await page.click("#problems .remedy");
   await page.waitForFunction(() => studio.document.files["model.l"].includes("F(size)"));
   const wanted = await derived(page);
   await page.waitForFunction(async (text) => studio.diagnostics.length === 0 && (await studio.simulation.string()) === text, wanted);
@@ -187,6 +188,60 @@ test("a model is written, broken, and mended by its hint", async () => {
   await write(LINES.join("\n").replace("sise", "size").replace("A(1)", "A("));
   await page.waitForFunction(() => studio.diagnostics.some(({ severity, range }) => severity === "error" && range.begin.line === 3));
   await page.waitForSelector(".cm-lintRange-error");
+  await page.close();
+});
+
+test("the language server completes, explains, finds the definition and renames in all files of the model", async () => {
+  const page = await open(running.address);
+  await page.evaluate(() => studio.openDocument({
+    title: "helped", main: "model.l", binary: {}, environment: null, gallery: null,
+    files: {
+      "angles.h": "#define SPREAD 25\n",
+      "model.l": '#include "angles.h"\n#define LENGTH 1.5\nLsystem: 1\nderivation length: 2\nAxiom: A(LENGTH)\nA(size) --> F(size)[+(SPREAD)A(size*0.8)]\nendlsystem\n',
+    },
+  }));
+  await shown(page);
+  const word = (text, nth = 0) => page.evaluate(([wanted, which]) => {
+    // the place of a word on the page
+    const walker = document.createTreeWalker(document.querySelector(".cm-content"), NodeFilter.SHOW_TEXT);
+    for (let node = walker.nextNode(), left = which; node; node = walker.nextNode()) {
+      const at = node.data.indexOf(wanted);
+      if (at >= 0 && left-- === 0) {
+        const range = document.createRange();
+        range.setStart(node, at);
+        range.setEnd(node, at + wanted.length);
+        const { left: x, top: y, width, height } = range.getBoundingClientRect();
+        return { x: x + width / 2, y: y + height / 2 };
+      }
+    }
+    return null;
+  }, [text, nth]);
+  const tree = await word("SPREAD");
+  await page.mouse.move(tree.x, tree.y);
+  await page.waitForFunction(() => document.querySelector(".cm-lsp-hover-tooltip")?.textContent.includes("#define SPREAD 25"));
+  await keep(page, "studio-hover");
+
+  // a rename from the use reaches the other file
+  await page.mouse.click(tree.x, tree.y);
+  await page.keyboard.press("F2");
+  await page.fill(".cm-lsp-rename-panel input", "FORK");
+  await page.keyboard.press("Enter");
+  await page.waitForFunction(() => studio.document.files["angles.h"] === "#define FORK 25\n" && studio.document.files["model.l"].includes("+(FORK)A"));
+
+  const renamed = await word("FORK");
+  await page.mouse.click(renamed.x, renamed.y);
+  await page.keyboard.press("F12");
+  await page.waitForFunction(() => studio.openFile === "angles.h" && document.querySelector(".cm-content").textContent.includes("#define FORK 25"));
+
+  await page.click("text=model.l");
+  await page.waitForFunction(() => document.querySelector(".cm-content").textContent.includes("LENGTH"));
+  const length = await word("LENGTH", 1);
+  await page.mouse.dblclick(length.x, length.y);
+  await page.keyboard.type("LEN");
+  await page.waitForSelector(".cm-tooltip-autocomplete");
+  await keep(page, "studio-completion");
+  await page.keyboard.press("Tab");
+  await page.waitForFunction(() => studio.document.files["model.l"].includes("A(LENGTH)\n"));
   await page.close();
 });
 

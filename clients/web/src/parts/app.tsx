@@ -123,6 +123,9 @@ function leaveButton(event: MouseEvent): void {
 
 function keyPressed(event: KeyboardEvent, studio: Studio, setOpen: (open: Window) => void): void {
   const target = event.target as HTMLElement;
+  if (event.defaultPrevented) {
+    return; // the editor has used the key: Escape closes its list
+  }
   if (event.key === "Escape" && target.closest(".cm-editor")) {
     target.blur();
     return;

@@ -50,6 +50,8 @@ export class Studio {
   statistics: Statistics[] = [];
   picked: (Picked & { explanation: string | null }) | null = null;
   view: View | null = null;
+  /** Called when there is a connection, and when there is one again. */
+  onConnected: () => void = () => {};
 
   /** For tests: derivations that were started, that are under way, the most at once; changes that are not done. */
   readonly counts = { derivations: 0, inFlight: 0, mostInFlight: 0, waiting: 0 };
@@ -155,6 +157,7 @@ export class Studio {
     const [{ entries, pictures }, { environments }] = await Promise.all([this.client.gallery(), this.client.call("environment.list", {})]);
     this.gallery = entries.map((name) => ({ name, picture: pictures[name] ?? null }));
     this.environments = environments as unknown as Studio["environments"];
+    this.onConnected();
     await this.list();
   }
 
@@ -162,7 +165,10 @@ export class Studio {
     this.connection = isConnected ? "connected" : "lost";
     if (!isConnected) {
       this.isRunning = false;
-    } else if (this.simulation && this.isOwn) {
+    } else {
+      this.onConnected();
+    }
+    if (isConnected && this.simulation && this.isOwn) {
       // a server that was started anew may not have the simulation any more
       void this.act(async () => {
         await this.list();
@@ -180,6 +186,11 @@ export class Studio {
       this.simulations = await this.client.simulations();
       this.changed();
     }
+  }
+
+  /** A message of the Language Server Protocol, and the messages that come back. */
+  async editorMessage(message: string): Promise<string[]> {
+    return (await this.client.call("editor.message", { message })).messages;
   }
 
   /** A file of the server's HTTP side. */
