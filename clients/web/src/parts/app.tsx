@@ -63,7 +63,7 @@ export function App({ studio }: { studio: Studio }) {
         <IconButton icon="gallery" label="Gallery (G)" text="Gallery" id="open-gallery" onClick={() => setOpen("gallery")} />
         <div class="title">{studio.isChanged && <span title="changed">●</span>} {studio.document.title}</div>
         <p id="message" role="status" class={studio.message?.isError ? "error" : ""}>{studio.message?.text ?? (studio.connection === "lost" ? "The connection to the server is lost. Trying again …" : "")}</p>
-        <IconButton icon="share" label="Link to this model (L)" text="Share" onClick={() => setOpen("share")} />
+        <IconButton icon="share" label="Share a link to this model (L)" text="Share" onClick={() => setOpen("share")} />
         <IconButton icon="save" label="Save (S)" text="Save" id="open-export" onClick={() => setOpen("export")} />
         <IconButton icon={isDark ? "sun" : "moon"} label="Dark, light (D)" onClick={() => setTheme(studio, !isDark)} />
         <IconButton icon="help" label="Keyboard (?)" onClick={() => setOpen("help")} />
