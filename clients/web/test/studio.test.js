@@ -161,6 +161,34 @@ test("a slider that moves two hundred times has one derivation under way and end
   await page.close();
 });
 
+test("a table of variations grows beside the plant, and a click takes one over", async () => {
+  const page = await open(`${running.address}/#gallery=parametric-tree`);
+  const before = await stringOf(page);
+  const simulations = () => page.evaluate(async () => (await studio.list(), studio.simulations.length));
+  const count = await simulations();
+  await page.keyboard.press("v");
+  await page.waitForFunction(() => document.querySelectorAll(".variations .picture img").length === 36);
+  await keep(page, "studio-variations");
+  assert.equal(await page.getAttribute('[data-variation="0 0"]', "title"), "R1 0.54, R2 0.36");
+  const pictures = await page.evaluate(() => new Set([...document.querySelectorAll(".variations .picture img")].map(({ src }) => src)).size);
+  assert.equal(pictures, 36);
+  assert.equal(await stringOf(page), before);
+  await page.click('[data-variation="4 5"]');
+  await page.waitForFunction(() => studio.counts.waiting === 0 && studio.isFinished && /R1 1 .*R2 0.74 /s.test(studio.document.files["parametric-tree.l"]));
+  assert.equal(await stringOf(page), await derived(page));
+
+  // seeds along both sides: 36 trees of one model
+  await page.keyboard.press("v");
+  await page.selectOption(".axis:nth-child(1) select", "");
+  await page.selectOption(".axis:nth-child(2) select", "");
+  assert.equal(await page.getAttribute('[data-variation="5 5"]', "title"), "seed 42");
+  await page.click('[data-variation="1 2"]');
+  await page.waitForFunction(() => studio.counts.waiting === 0 && studio.seed === 15 && studio.isFinished);
+  // what was given up half-way is gone from the server
+  await page.waitForFunction(async (wanted) => (await studio.list(), studio.simulations.length === wanted), count);
+  await page.close();
+});
+
 test("a model is written, broken, and mended by its hint", async () => {
   const page = await open(`${running.address}/#gallery=classic-weed`);
   await page.click("#open-gallery");

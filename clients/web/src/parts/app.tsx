@@ -8,8 +8,9 @@ import type { Tab } from "./side.js";
 import { MODES, Stage, setMode } from "./stage.js";
 import { TextPane } from "./text.js";
 import { Timeline } from "./timeline.js";
+import { VariationsDialog } from "./variations.js";
 
-type Window = "gallery" | "share" | "export" | "help" | null;
+type Window = "gallery" | "share" | "export" | "help" | "variations" | null;
 
 export function setTheme(studio: Studio, isDark: boolean): void {
   document.documentElement.dataset.theme = isDark ? "dark" : "light";
@@ -76,12 +77,13 @@ export function App({ studio }: { studio: Studio }) {
           <Stage studio={studio} onPick={() => setTab("Module")} />
           <Timeline studio={studio} />
         </section>
-        <Side studio={studio} tab={tab} onTab={setTab} />
+        <Side studio={studio} tab={tab} onTab={setTab} onVariations={() => setOpen("variations")} />
       </main>
       {(studio.connection === "token" || studio.connection === "failed") && <Door studio={studio} />}
       {open === "gallery" && <GalleryDialog studio={studio} onClose={() => setOpen(null)} />}
       {open === "share" && <ShareDialog studio={studio} onClose={() => setOpen(null)} />}
       {open === "export" && <ExportDialog studio={studio} onClose={() => setOpen(null)} />}
+      {open === "variations" && <VariationsDialog studio={studio} onClose={() => setOpen(null)} />}
       {open === "help" && <HelpDialog onClose={() => setOpen(null)} />}
     </div>
   );
@@ -154,6 +156,7 @@ function keyPressed(event: KeyboardEvent, studio: Studio, setOpen: (open: Window
     3: () => studio.view?.look("top"),
     c: () => setMode(studio, modes[(modes.indexOf(studio.view!.settings.mode) + 1) % modes.length]),
     g: () => setOpen("gallery"),
+    v: () => setOpen("variations"),
     s: () => setOpen("export"),
     l: () => setOpen("share"),
     r: () => studio.setSeed(Math.floor(Math.random() * 1e6)),
@@ -165,7 +168,7 @@ function keyPressed(event: KeyboardEvent, studio: Studio, setOpen: (open: Window
   const action = actions[event.key] ?? actions[event.key.toLowerCase()];
   const isOfSlider = isSlider && /^(Arrow|Home|End)/.test(event.key);
   const isOfButton = event.key === " " && target.closest("button, summary, a, input:not([type=range])");
-  const needsPlant = /^( |Arrow|Home|End|r$)/.test(event.key);
+  const needsPlant = /^( |Arrow|Home|End|[rv]$)/.test(event.key);
   if (action && !isOfSlider && !isOfButton && !(needsPlant && !studio.simulation)) {
     act(action);
   }

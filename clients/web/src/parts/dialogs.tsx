@@ -199,6 +199,7 @@ export const KEYS: Array<[string, string]> = [
   ["1, 2, 3", "look from the front, the right, the top"],
   ["C", "next way to colour"],
   ["G", "gallery"],
+  ["V", "table of variations"],
   ["S", "save"],
   ["L", "link to this model"],
   ["R", "another seed"],

@@ -2,6 +2,7 @@
 import { Code, ServerError, connect } from "espalier";
 import type { Client, Diagnostic, Information, Simulation, Statistics, Stream } from "espalier";
 import type { View } from "../view/scene.js";
+import type { ModelPalette } from "../view/colours.js";
 import type { Picked } from "../view/measures.js";
 import { freeObject, readObject } from "../view/objects.js";
 import { definesOfDocument, fileOf, hasTextures, modelOf, newDocument, numberText } from "./document.js";
@@ -49,6 +50,7 @@ export class Studio {
   pace = 0; // least milliseconds of a step in a run
   statistics: Statistics[] = [];
   picked: (Picked & { explanation: string | null }) | null = null;
+  palette: ModelPalette | null = null;
   view: View | null = null;
   /** Called when there is a connection, and when there is one again. */
   onConnected: () => void = () => {};
@@ -307,19 +309,25 @@ export class Studio {
     return mine;
   }
 
+  /** A simulation of the document. Its caller deletes it. */
+  create(): Promise<Simulation> {
+    const { gallery, title, environment } = this.document;
+    return this.client.create({
+      model: gallery ? { gallery } : modelOf(this.document),
+      seed: this.seed,
+      name: title,
+      save: "request",
+      ...(environment && !gallery ? { environment: environment as [] } : {}),
+    });
+  }
+
   /** Makes the simulation of the document and derives it to a step (default: to its end). */
   build(step?: number): Promise<void> {
     this.isRunning = false;
     return this.inTurn(async () => {
       const old = this.isOwn ? this.simulation : null;
       const { document } = this;
-      const simulation = await this.client.create({
-        model: document.gallery ? { gallery: document.gallery } : modelOf(document),
-        seed: this.seed,
-        name: document.title,
-        save: "request",
-        ...(document.environment && !document.gallery ? { environment: document.environment as [] } : {}),
-      });
+      const simulation = await this.create();
       this.diagnostics = simulation.created!.diagnostics;
       const isAgain = old !== null && this.shownTitle === document.title;
       this.shownTitle = document.title;
@@ -368,7 +376,8 @@ export class Studio {
     this.length = simulation.created?.derivationLength ?? information?.derivationLength ?? 0;
     this.isFinished = simulation.created?.finished ?? information?.finished ?? false;
     const { colours, isOfModel } = await simulation.get("palette");
-    this.view?.setPalette((isOwn && folderPalette(this.document)) || { colours: colours!, isOfModel: isOfModel! });
+    this.palette = (isOwn && folderPalette(this.document)) || { colours: colours!, isOfModel: isOfModel! };
+    this.view?.setPalette(this.palette);
     this.view?.highlight(null);
     if (isAnother) {
       this.view?.forgetFit();
@@ -591,6 +600,19 @@ export class Studio {
     this.changed();
     if (!isUnderWay) {
       void this.act(() => this.inTurn(() => this.deriveWanted()));
+    }
+  }
+
+  /** Takes numbers and a seed over, as sliders do. `steps`: of the digits that are written. */
+  async takeOver(values: Record<string, number>, seed: number, steps: Record<string, number>): Promise<void> {
+    for (const [name, value] of Object.entries(values)) {
+      const define = this.defines.find((one) => one.name === name);
+      if (define) {
+        this.slide(define, value, steps[name] ?? 0.01, true);
+      }
+    }
+    if (seed !== this.seed) {
+      await this.setSeed(seed);
     }
   }
 

@@ -333,6 +333,28 @@ export class View {
     this.drawNow();
     return this.renderer.domElement.toDataURL("image/png");
   }
+
+  /** A picture of other plants, as a whole, seen from the side from which another view looks. */
+  pictureOf(geometry: Geometry, change: GeometryChange, other: View): string {
+    this.camera.position.copy(other.camera.position);
+    this.controls.target.copy(other.controls.target);
+    // then fit() keeps the direction
+    this.fitted = new Box3();
+    // one drawing is enough
+    this.isDrawing = true;
+    this.update(geometry, { ...change, isWhole: true }, 0, true);
+    const made = this.picture();
+    this.isDrawing = false;
+    return made;
+  }
+
+  /** Frees the canvas; browsers allow few. */
+  dispose(): void {
+    this.controls.dispose();
+    this.renderer.dispose();
+    this.renderer.forceContextLoss();
+    this.renderer.domElement.remove();
+  }
 }
 
 function backgroundTexture(isDark: boolean): CanvasTexture {
