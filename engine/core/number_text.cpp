@@ -1,54 +1,134 @@
 #include "engine/core/number_text.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
+#include <string_view>
 #include <system_error>
 
 namespace espalier::core {
 namespace {
 
-// sign, 17 digits, point, exponent
-using NumberBuffer = std::array<char, 40>;
+// powers of ten, all exact
+constexpr std::array kPowers = {1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9};
+constexpr std::array<std::uint32_t, 10> kWholePowers = {1,       10,        100,        1'000,       10'000,
+                                                        100'000, 1'000'000, 10'000'000, 100'000'000, 1'000'000'000};
 
-void appendNonFinite(std::string& text, double value) {
-  if (std::isnan(value)) {
-    text += "nan";
-  } else {
-    text += value < 0.0 ? "-inf" : "inf";
+/// A decimal without an exponent: digits / 10^decimals, 0 <= decimals <= 9.
+struct Decimal {
+  std::uint64_t digits = 0;  // below 10^15
+  std::size_t decimals = 0;
+};
+
+char* writeWhole(char* out, std::uint64_t whole) {
+  if (whole < 10) {
+    *out = static_cast<char>('0' + whole);
+    return out + 1;
   }
+  return std::to_chars(out, out + kMostNumberBytes, whole).ptr;
+}
+
+// without zeros at the end
+char* writeDecimal(char* out, const Decimal& decimal) {
+  const std::uint32_t unit = kWholePowers[decimal.decimals];
+  out = writeWhole(out, decimal.digits / unit);
+  auto rest = static_cast<std::uint32_t>(decimal.digits % unit);
+  if (rest == 0) {
+    return out;
+  }
+  *out++ = '.';
+  char* end = out;
+  for (std::size_t i = decimal.decimals; i-- > 0; rest /= 10) {
+    const std::uint32_t digit = rest % 10;
+    out[i] = static_cast<char>('0' + digit);
+    end = end == out && digit != 0 ? out + i + 1 : end;
+  }
+  return end;
+}
+
+/// The shortest decimal of a positive number, where it has at most six places behind its point and no exponent. At most
+/// one decimal of up to 15 digits reads back as a given double, so a decimal that does is the shortest one.
+std::optional<Decimal> shortDecimal(double magnitude) {
+  constexpr std::size_t kDecimals = 6;
+  if (!(magnitude >= 1e-3 && magnitude < 1e9)) {
+    return std::nullopt;
+  }
+  const auto whole = static_cast<std::uint64_t>(magnitude);
+  if (static_cast<double>(whole) == magnitude) {
+    // with five zeros at the end the form with an exponent can be shorter
+    return whole >= 100'000 && whole % 100'000 == 0 ? std::nullopt : std::optional(Decimal{whole, 0});
+  }
+  const auto digits = static_cast<std::uint64_t>(magnitude * kPowers[kDecimals] + 0.5);
+  return static_cast<double>(digits) / kPowers[kDecimals] == magnitude ? std::optional(Decimal{digits, kDecimals})
+                                                                       : std::nullopt;
+}
+
+/// A positive number rounded to six significant digits, where %g writes no exponent and the rounding is certain.
+std::optional<Decimal> sixDigits(double magnitude) {
+  constexpr std::array kLeast = {1e-4, 1e-3, 1e-2, 1e-1, 1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6};
+  if (!(magnitude >= kLeast.front() && magnitude < kLeast.back())) {
+    return std::nullopt;
+  }
+  std::size_t range = 0;
+  while (magnitude >= kLeast[range + 1]) {
+    ++range;
+  }
+  const std::size_t decimals = 9 - range;
+  // 1e5 <= scaled < 1e6, with an error below 1e-9
+  const double scaled = magnitude * kPowers[decimals];
+  auto digits = static_cast<std::uint64_t>(scaled);
+  const double rest = scaled - static_cast<double>(digits);
+  if (std::abs(rest - 0.5) < 1e-6) {
+    return std::nullopt;
+  }
+  digits += rest > 0.5 ? 1 : 0;
+  // 999999.7 is 1e+06
+  return digits == 1'000'000 && decimals == 0 ? std::nullopt : std::optional(Decimal{digits, decimals});
+}
+
+char* writeNonFinite(char* out, double value) {
+  const std::string_view name = std::isnan(value) ? "nan" : (value < 0.0 ? "-inf" : "inf");
+  return out + name.copy(out, name.size());
 }
 
 }  // namespace
 
-void appendNumber(std::string& text, double value, NumberStyle style) {
-  if (!std::isfinite(value)) {
-    appendNonFinite(text, value);
-    return;
+char* writeNumber(char* out, double value, NumberStyle style) {
+  const double magnitude = std::abs(value);
+  if (const auto decimal = style == NumberStyle::Shortest ? shortDecimal(magnitude) : sixDigits(magnitude)) {
+    if (value < 0.0) {
+      *out++ = '-';
+    }
+    return writeDecimal(out, *decimal);
   }
-  NumberBuffer buffer;
-  char* const begin = buffer.data();
-  char* const limit = begin + buffer.size();
+  if (!std::isfinite(value)) {
+    return writeNonFinite(out, value);
+  }
+  char* const limit = out + kMostNumberBytes;
   if (style == NumberStyle::PercentG) {
-    const std::to_chars_result result = std::to_chars(begin, limit, value, std::chars_format::general, 6);
-    text.append(begin, result.ptr);
-    return;
+    return std::to_chars(out, limit, value, std::chars_format::general, 6).ptr;
   }
   if (value == 0.0) {
-    text += '0';
-    return;
+    *out = '0';
+    return out + 1;
   }
-  const std::to_chars_result result = std::to_chars(begin, limit, value);
-  const std::string_view digits(begin, static_cast<std::size_t>(result.ptr - begin));
-  const std::size_t exponent = digits.find('e');
-  if (exponent == std::string_view::npos || digits.substr(0, exponent).find('.') != std::string_view::npos) {
-    text += digits;
-    return;
+  char* const end = std::to_chars(out, limit, value).ptr;
+  char* const exponent = std::find(out, end, 'e');
+  if (exponent == end || std::find(out, exponent, '.') != exponent) {
+    return end;
   }
   // `1e+05` is no number of the language, `1.0e+05` is
-  text += digits.substr(0, exponent);
-  text += ".0";
-  text += digits.substr(exponent);
+  std::copy_backward(exponent, end, end + 2);
+  exponent[0] = '.';
+  exponent[1] = '0';
+  return end + 2;
+}
+
+void appendNumber(std::string& text, double value, NumberStyle style) {
+  std::array<char, kMostNumberBytes> buffer;
+  text.append(buffer.data(), writeNumber(buffer.data(), value, style));
 }
 
 std::optional<double> parseNumber(std::string_view text) {
@@ -81,14 +161,18 @@ std::optional<double> parseNumber(std::string_view text) {
 }
 
 double roundThroughPercentG(double value) {
+  const double magnitude = std::abs(value);
+  if (const auto decimal = sixDigits(magnitude)) {
+    // a quotient of two exact numbers is what reading the decimal gives
+    return std::copysign(static_cast<double>(decimal->digits) / kPowers[decimal->decimals], value);
+  }
   if (!std::isfinite(value)) {
     return value;
   }
-  NumberBuffer buffer;
-  const std::to_chars_result written =
-      std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, std::chars_format::general, 6);
+  std::array<char, kMostNumberBytes> buffer;
+  const char* const end = writeNumber(buffer.data(), value, NumberStyle::PercentG);
   double rounded = value;
-  static_cast<void>(std::from_chars(buffer.data(), written.ptr, rounded));
+  static_cast<void>(std::from_chars(buffer.data(), end, rounded));
   return rounded;
 }
 

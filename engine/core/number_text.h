@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -12,8 +13,14 @@ enum class NumberStyle : unsigned char {
   PercentG,  // C's %g, six significant digits
 };
 
-/// Appends a number in the given style. -0 becomes 0 in the Shortest style. Values that are not finite become nan, inf
-/// and -inf.
+/// The bytes that the text of a number has at most, in any style.
+inline constexpr std::size_t kMostNumberBytes = 32;
+
+/// Writes a number in the given style to `out`, which has room for kMostNumberBytes. Returns the end of the text. -0
+/// becomes 0 in the Shortest style. Values that are not finite become nan, inf and -inf.
+[[nodiscard]] char* writeNumber(char* out, double value, NumberStyle style);
+
+/// Appends the text of writeNumber.
 void appendNumber(std::string& text, double value, NumberStyle style);
 
 /// The value of a decimal number that fills all of `text`; nothing otherwise. Reads as C's strtod does, without

@@ -1,8 +1,8 @@
 // The process `colonization` (docs/environments.md): buds compete for space that is marked by points.
 //
 // First all queries of a step take the markers around them away, then all buds perceive, so the order of queries does
-// not matter. Random markers depend on the simulation's seed only. O(n · markers within reach); memory and the base
-// cost of a step are O(markers).
+// not matter. Random markers depend on the simulation's seed only. O(n · free markers within reach); memory and the
+// base cost of a step are O(markers).
 
 #include <algorithm>
 #include <array>
@@ -17,6 +17,7 @@
 #include "environment/base/process_entry.h"
 #include "environment/base/replies.h"
 #include "environment/base/state_bytes.h"
+#include "environment/competition/marker_grid.h"
 #include "environment/geometry/spatial_cells.h"
 #include "environment/obstacles/obstacle_scene.h"
 
@@ -30,6 +31,7 @@ constexpr std::string_view kSummary = "Space that is marked by points, which bud
 constexpr std::array kMarkerBox{-5.0, 0.0, -5.0, 5.0, 10.0, 5.0};
 constexpr double kMostMarkers = 1e7;
 constexpr std::uint64_t kTriesPerMarker = 1000;
+constexpr double kEveryDirection = -2.0;  // a cosine that no cone falls below
 constexpr std::array kOwnKeys{
     ConfigurationKey{.name = "points",
                      .kind = KeyKind::Rows,
@@ -79,7 +81,7 @@ class Colonization final : public turtle::EnvironmentProcess {
         perceptionRadius_(configuration.number("perceptionRadius")),
         // half of the cone's angle; a full sphere has no cosine to fall below
         leastCosine_(configuration.number("perceptionAngle") >= 360.0
-                         ? -2.0
+                         ? kEveryDirection
                          : core::cos(configuration.number("perceptionAngle") * 0.5 * 0.017453292519943295)) {
     for (const auto& row : configuration.rows("points")) {
       givenMarkers_.push_back({row[0], row[1], row[2]});
@@ -127,8 +129,19 @@ class Colonization final : public turtle::EnvironmentProcess {
     lengthUnit_ = context.world.lengthUnit;
     markers_ = std::move(markers);
     isFree_.assign(markers_.size(), 1);
-    nearest_.assign(markers_.size(), 0.0);
-    cells_.emplace(markers_, std::max(occupancyRadius_, perceptionRadius_));
+    // sums over markers follow the order of these cells
+    const SpatialCells cells(markers_, reach());
+    ranks_.resize(markers_.size());
+    std::uint32_t rank = 0;
+    for (std::size_t cell = 0; cell < cells.cellCount(); ++cell) {
+      for (const std::uint32_t marker : cells.pointsIn(cell)) {
+        ranks_[marker] = rank++;
+      }
+    }
+    free_ = gridOf(isFree_);
+    // a step needs no memory after it has taken markers away
+    nearest_.resize(markers_.size());
+    own_.reserve(markers_.size());
     return std::nullopt;
   }
 
@@ -142,16 +155,23 @@ class Colonization final : public turtle::EnvironmentProcess {
           false};
     }
     // every query occupies its space
+    bool isTaken = false;
     for (const Vec3& place : queries.position) {
-      visitWithin(place, occupancyRadius_, [&](std::uint32_t marker, double) { isFree_[marker] = 0; });
+      const double radius = occupancyRadius_;
+      visitWithin(place, boxOfCone(place, {}, radius, kEveryDirection), radius, [&](std::size_t slot, double) {
+        isFree_[free_.markers()[slot].number] = 0;
+        isTaken = true;
+      });
+    }
+    if (isTaken) {
+      free_.keep([this](const MarkerGrid::Marker& marker) { return isFree_[marker.number] != 0; });
     }
     // the distance of the nearest bud from each marker that is left
-    std::fill(nearest_.begin(), nearest_.end(), std::numeric_limits<double>::infinity());
+    std::fill_n(nearest_.begin(), free_.markers().size(), std::numeric_limits<double>::infinity());
     for (std::size_t query = 0; query < queries.size(); ++query) {
       if (isBud(queries, query)) {
-        visitPerceived(queries, query, [&](std::uint32_t marker, double squared) {
-          nearest_[marker] = std::min(nearest_[marker], squared);
-        });
+        visitPerceived(queries, query,
+                       [&](std::size_t slot, double squared) { nearest_[slot] = std::min(nearest_[slot], squared); });
       }
     }
     for (std::size_t query = 0; query < queries.size(); ++query) {
@@ -192,6 +212,7 @@ class Colonization final : public turtle::EnvironmentProcess {
           "is complete and was made with this configuration.",
           false};
     }
+    free_ = gridOf(isFree);
     isFree_ = std::move(isFree);
     return std::nullopt;
   }
@@ -202,26 +223,28 @@ class Colonization final : public turtle::EnvironmentProcess {
     return !parameters.empty() && parameters[0] > 0.0;
   }
 
-  /// Calls `visit(marker, squared distance)` for the free markers within a radius, in the order of cells and markers.
-  template <typename Visit>
-  void visitWithin(const Vec3& place, double radius, const Visit& visit) const {
-    const CellIndex low = cells_->cellOf({place.x - radius, place.y - radius, place.z - radius});
-    const CellIndex high = cells_->cellOf({place.x + radius, place.y + radius, place.z + radius});
-    for (std::int64_t x = low.x; x <= high.x; ++x) {
-      for (std::int64_t y = low.y; y <= high.y; ++y) {
-        const CellIndex last{x, y, high.z};
-        for (std::size_t cell = firstFrom({x, y, low.z}); cell < cells_->cellCount() && cells_->cell(cell) <= last;
-             ++cell) {
-          for (const std::uint32_t marker : cells_->pointsIn(cell)) {
-            const Vec3 offset = markers_[marker] - place;
-            const double squared = core::dot(offset, offset);
-            if (isFree_[marker] != 0 && squared <= radius * radius) {
-              visit(marker, squared);
-            }
-          }
-        }
+  [[nodiscard]] double reach() const { return std::max(occupancyRadius_, perceptionRadius_); }
+
+  [[nodiscard]] MarkerGrid gridOf(const std::vector<std::uint8_t>& isFree) const {
+    std::vector<MarkerGrid::Marker> markers;
+    for (std::uint32_t i = 0; i < markers_.size(); ++i) {
+      if (isFree[i] != 0) {
+        markers.push_back({markers_[i], i, ranks_[i]});
       }
     }
+    return {markers, reach()};
+  }
+
+  /// Calls `visit(slot, squared distance)` for the free markers of a box that lie within a radius.
+  template <typename Visit>
+  void visitWithin(const Vec3& place, const Bounds& box, double radius, const Visit& visit) const {
+    free_.visitBox(box, [&](std::size_t slot) {
+      const Vec3 offset = free_.markers()[slot].place - place;
+      const double squared = core::dot(offset, offset);
+      if (squared <= radius * radius) {
+        visit(slot, squared);
+      }
+    });
   }
 
   /// The same for the free markers that a bud perceives.
@@ -229,29 +252,15 @@ class Colonization final : public turtle::EnvironmentProcess {
   void visitPerceived(const turtle::QueryBatch& queries, std::size_t bud, const Visit& visit) const {
     const Vec3& place = queries.position[bud];
     const Vec3& heading = queries.heading[bud];
-    visitWithin(place, perceptionRadius_, [&](std::uint32_t marker, double squared) {
-      if (core::dot(markers_[marker] - place, heading) >= leastCosine_ * std::sqrt(squared)) {
-        visit(marker, squared);
+    const Bounds box = boxOfCone(place, heading, perceptionRadius_, leastCosine_);
+    visitWithin(place, box, perceptionRadius_, [&](std::size_t slot, double squared) {
+      if (core::dot(free_.markers()[slot].place - place, heading) >= leastCosine_ * std::sqrt(squared)) {
+        visit(slot, squared);
       }
     });
   }
 
-  /// Number of the first occupied cell that does not come before this one.
-  [[nodiscard]] std::size_t firstFrom(const CellIndex& cell) const {
-    std::size_t low = 0;
-    std::size_t high = cells_->cellCount();
-    while (low < high) {
-      const std::size_t middle = low + (high - low) / 2;
-      if (cells_->cell(middle) < cell) {
-        low = middle + 1;
-      } else {
-        high = middle;
-      }
-    }
-    return low;
-  }
-
-  void answer(const turtle::QueryBatch& queries, std::size_t query, turtle::ReplyBatch& replies) const {
+  void answer(const turtle::QueryBatch& queries, std::size_t query, turtle::ReplyBatch& replies) {
     const std::size_t parameterCount = queries.parametersOf(query).size();
     if (parameterCount == 0) {
       return;
@@ -259,12 +268,18 @@ class Colonization final : public turtle::EnvironmentProcess {
     Vec3 sum;
     double own = 0.0;
     if (isBud(queries, query)) {
-      visitPerceived(queries, query, [&](std::uint32_t marker, double squared) {
-        if (squared == nearest_[marker]) {
-          sum = sum + core::normalised(markers_[marker] - queries.position[query]);
-          own += 1.0;
+      // the markers to which no bud is nearer, in an order that does not depend on those that are gone
+      own_.clear();
+      visitPerceived(queries, query, [&](std::size_t slot, double squared) {
+        if (squared == nearest_[slot]) {
+          own_.emplace_back(free_.markers()[slot].rank, static_cast<std::uint32_t>(slot));
         }
       });
+      std::sort(own_.begin(), own_.end());
+      for (const auto& [rank, slot] : own_) {
+        sum = sum + core::normalised(free_.markers()[slot].place - queries.position[query]);
+        own += 1.0;
+      }
     }
     // the sum of vectors that cancel is only rounding
     const Vec3 direction = core::length(sum) > 1e-9 * own ? core::normalised(sum) : Vec3{};
@@ -284,8 +299,11 @@ class Colonization final : public turtle::EnvironmentProcess {
   std::string lengthUnit_ = "m";
   std::vector<Vec3> markers_;
   std::vector<std::uint8_t> isFree_;  // (markers)
-  std::vector<double> nearest_;       // squared distance of the nearest bud, in a step (markers)
-  std::optional<SpatialCells> cells_;
+  std::vector<std::uint32_t> ranks_;  // place of each marker in sums (markers)
+  MarkerGrid free_;                   // the markers that are left
+  // in a step
+  std::vector<double> nearest_;                               // squared distance of the nearest bud, by slot of free_
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> own_;  // rank and slot of the markers of one bud
 };
 
 ProcessOrErrors makeColonization(const Configuration& configuration) {

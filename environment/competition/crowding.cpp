@@ -2,11 +2,13 @@
 // sow.
 //
 // A plant's share is the mean over sample points that are spread evenly in its zone. Random numbers depend on seed,
-// step, plant and module only. Nothing outlasts a step. O(n · samples · zones over a point · log n).
+// step, plant and module only. Nothing outlasts a step. O(n · samples · zones near a point).
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numbers>
 #include <optional>
@@ -17,7 +19,7 @@
 #include "engine/core/random.h"
 #include "environment/base/process_entry.h"
 #include "environment/base/replies.h"
-#include "environment/geometry/box_tree.h"
+#include "environment/competition/zone_grid.h"
 #include "environment/geometry/world_up.h"
 
 namespace espalier::environment {
@@ -96,6 +98,12 @@ struct Zone {
   double strength;
 };
 
+/// A power that was computed lately.
+struct Weight {
+  std::uint64_t bits;  // of the ratio
+  double weight;
+};
+
 class Crowding final : public turtle::EnvironmentProcess {
  public:
   explicit Crowding(const Configuration& configuration)
@@ -151,19 +159,18 @@ class Crowding final : public turtle::EnvironmentProcess {
       return tooLarge;
     }
     collect(queries);
-    std::vector<Bounds> boxes;
-    boxes.reserve(zones_.size());
+    std::vector<ZoneGrid::Disc> discs;
+    discs.reserve(zones_.size());
     for (const Zone& zone : zones_) {
-      boxes.push_back({{zone.middle.x - zone.radius, 0.0, zone.middle.z - zone.radius},
-                       {zone.middle.x + zone.radius, 0.0, zone.middle.z + zone.radius}});
+      discs.push_back({zone.middle.x, zone.middle.z, zone.radius});
     }
-    const BoxTree tree(boxes);
+    const ZoneGrid zoneGrid(discs);
     for (std::size_t query = 0; query < queries.size(); ++query) {
       const auto parameters = queries.parametersOf(query);
       if (!parameters.empty() && parameters[0] > 0.0) {
-        answerPlant(queries, query, tree, replies);
+        answerPlant(queries, query, zoneGrid, replies);
       } else if (!parameters.empty()) {
-        answerSeed(queries, query, tree, replies);
+        answerSeed(queries, query, zoneGrid, replies);
       }
     }
     countAnswers(queries, replies);
@@ -236,22 +243,31 @@ class Crowding final : public turtle::EnvironmentProcess {
   }
 
   /// The strengths of all zones over a point, ascending.
-  void strengthsAt(const Place& point, const BoxTree& tree, std::vector<double>& strengths) const {
+  void strengthsAt(const Place& point, const ZoneGrid& zoneGrid, std::vector<double>& strengths) const {
     strengths.clear();
-    tree.visitNear({point.x, 0.0, point.z}, 0.0, [&](unsigned index) {
+    for (const std::uint32_t index : zoneGrid.near(point.x, point.z)) {
       const Zone& zone = zones_[index];
       const double dx = zone.middle.x - point.x;
       const double dz = zone.middle.z - point.z;
       if (dx * dx + dz * dz <= zone.radius * zone.radius) {
         strengths.push_back(zone.strength);
       }
-      return 0.0;
-    });
+    }
     std::sort(strengths.begin(), strengths.end());
   }
 
+  /// The power of a ratio of strengths. The sample points of a plant lie under the same few zones.
+  [[nodiscard]] double weightOf(double ratio) {
+    const auto bits = std::bit_cast<std::uint64_t>(ratio);
+    Weight& known = weights_[(bits * 0x9E3779B97F4A7C15) >> 54U];
+    if (known.bits != bits) {
+      known = {bits, core::pow(ratio, asymmetry_)};
+    }
+    return known.weight;
+  }
+
   /// The share of a point that a zone of this strength gets.
-  [[nodiscard]] double shareOf(double strength, const std::vector<double>& strengths) const {
+  [[nodiscard]] double shareOf(double strength, const std::vector<double>& strengths) {
     if (takesAll_) {
       const auto equals = std::equal_range(strengths.begin(), strengths.end(), strength);
       return equals.second == strengths.end() && equals.first != equals.second
@@ -261,24 +277,23 @@ class Crowding final : public turtle::EnvironmentProcess {
     double sum = 0.0;
     for (const double other : strengths) {
       // relative to the strongest, so that no power is too large
-      sum += strengths.back() > 0.0 ? core::pow(other / strengths.back(), asymmetry_) : 1.0;
+      sum += strengths.back() > 0.0 ? weightOf(other / strengths.back()) : 1.0;
     }
-    const double own = strengths.back() > 0.0 ? core::pow(strength / strengths.back(), asymmetry_) : 1.0;
+    const double own = strengths.back() > 0.0 ? weightOf(strength / strengths.back()) : 1.0;
     return sum > 0.0 ? own / sum : 0.0;
   }
 
-  void answerPlant(const turtle::QueryBatch& queries, std::size_t query, const BoxTree& tree,
-                   turtle::ReplyBatch& replies) const {
+  void answerPlant(const turtle::QueryBatch& queries, std::size_t query, const ZoneGrid& zoneGrid,
+                   turtle::ReplyBatch& replies) {
     const auto parameters = queries.parametersOf(query);
     const Place middle = placeOf(queries.position[query]);
     const double radius = parameters[0];
     const double strength = parameters.size() > 2 ? std::max(parameters[2], 0.0) : radius;
     double sum = 0.0;
-    std::vector<double> strengths;
     for (const Place& sample : samples_) {
-      strengthsAt(wrapped({middle.x + radius * sample.x, middle.z + radius * sample.z}), tree, strengths);
+      strengthsAt(wrapped({middle.x + radius * sample.x, middle.z + radius * sample.z}), zoneGrid, strengths_);
       // rounding at the border of the own zone must not leave the point without a zone
-      sum += strengths.empty() ? 1.0 : shareOf(strength, strengths);
+      sum += strengths_.empty() ? 1.0 : shareOf(strength, strengths_);
     }
     const double share = sum / static_cast<double>(samples_.size());
     bool lives = share >= (parameters.size() > 1 ? parameters[1] : leastShare_);
@@ -291,7 +306,7 @@ class Crowding final : public turtle::EnvironmentProcess {
     }
   }
 
-  void answerSeed(const turtle::QueryBatch& queries, std::size_t query, const BoxTree& tree,
+  void answerSeed(const turtle::QueryBatch& queries, std::size_t query, const ZoneGrid& zoneGrid,
                   turtle::ReplyBatch& replies) const {
     const auto parameters = queries.parametersOf(query);
     const double mean = parameters.size() > 1 ? std::max(parameters[1], 0.0) : 0.0;
@@ -307,7 +322,7 @@ class Crowding final : public turtle::EnvironmentProcess {
     bool germinates = draw(queries, query, 3) < quality * germination_;
     if (germinates) {
       std::vector<double> strengths;
-      strengthsAt(place, tree, strengths);
+      strengthsAt(place, zoneGrid, strengths);
       germinates = strengths.empty();
     }
     const std::array<double, 5> values{germinates ? 1.0 : 0.0, world.x, world.y, world.z, quality};
@@ -347,8 +362,10 @@ class Crowding final : public turtle::EnvironmentProcess {
   bool isPeriodic_;
   std::vector<double> extent_;  // of both horizontal coordinates, low and high; empty: no borders
   ConfigurationRows quality_;
-  std::vector<Place> samples_;  // in the unit disc
-  std::vector<Zone> zones_;     // of a step, with repetitions
+  std::vector<Place> samples_;     // in the unit disc
+  std::vector<Zone> zones_;        // of a step, with repetitions
+  std::vector<double> strengths_;  // over the present sample point
+  std::vector<Weight> weights_ = std::vector<Weight>(1024, {std::bit_cast<std::uint64_t>(1.0), 1.0});  // by a hash
   GridAxes axes_;
   std::uint64_t seed_ = 0;
   std::string lengthUnit_ = "m";

@@ -43,24 +43,35 @@ Failure timed(double& milliseconds, const Part& part) {
   return outcome;
 }
 
-// one line; for a forest one line for each living plant, after its number and a TAB. Or the hash of the state
-void printStrings(const simulation::Simulation& simulation, const DeriveOptions& options, const std::string& before) {
-  if (options.printsHash) {
-    std::printf("%s%016llx\n", before.c_str(), static_cast<unsigned long long>(simulation.stateHash()));
-    return;
-  }
-  const bool isForest = simulation.plantCount() > 1;
-  for (std::size_t plant = 0; plant < simulation.plantCount(); ++plant) {
-    if (simulation.plant(plant).isAlive()) {
-      std::printf("%s%s", before.c_str(), isForest ? (std::to_string(plant) + "\t").c_str() : "");
-      printString(simulation.program(plant), simulation.string(plant));
+/// Prints the strings of a simulation as the options ask for.
+class StringPrinter {
+ public:
+  explicit StringPrinter(const DeriveOptions& options)
+      : printsHash_(options.printsHash), writer_(options.model.threadCount()) {}
+
+  // one line; for a forest one line for each living plant, after its number and a TAB. Or the hash of the state
+  void print(const simulation::Simulation& simulation, const std::string& before) {
+    if (printsHash_) {
+      std::printf("%s%016llx\n", before.c_str(), static_cast<unsigned long long>(simulation.stateHash()));
+      return;
+    }
+    const bool isForest = simulation.plantCount() > 1;
+    for (std::size_t plant = 0; plant < simulation.plantCount(); ++plant) {
+      if (simulation.plant(plant).isAlive()) {
+        std::printf("%s%s", before.c_str(), isForest ? (std::to_string(plant) + "\t").c_str() : "");
+        printString(writer_, simulation.program(plant), simulation.string(plant));
+      }
     }
   }
-}
 
-void printStep(const simulation::Simulation& simulation, const DeriveOptions& options) {
-  printStrings(simulation, options, std::to_string(simulation.completedSteps()) + "\t");
-}
+  void printStep(const simulation::Simulation& simulation) {
+    print(simulation, std::to_string(simulation.completedSteps()) + "\t");
+  }
+
+ private:
+  bool printsHash_;
+  derivation::TextWriter writer_;
+};
 
 // makes all steps, or the steps up to `last`, and prints the strings that the options ask for; a string with answers
 // belongs to the step before
@@ -73,16 +84,17 @@ Failure runAllSteps(simulation::Simulation& simulation, DeriveOptions& options, 
   // --steps is the derivation length itself
   const std::optional<std::uint64_t> last =
       options.model.steps ? std::nullopt : server::lastStepOf(folder, std::nullopt, simulation);
+  StringPrinter printer(options);
   const bool printsDerived = options.printsEveryStep && !options.printsAnswered;
   if (printsDerived) {
-    printStep(simulation, options);
+    printer.printStep(simulation);
   }
   while (!server::isOver(simulation, last)) {
     if (Failure failure = timed(figures.environmentMilliseconds, [&] { return simulation.answer(); })) {
       return failure;
     }
     if (options.printsAnswered) {
-      printStep(simulation, options);
+      printer.printStep(simulation);
     }
     if (Failure failure = timed(figures.derivationMilliseconds, [&] { return simulation.step(); })) {
       return failure;
@@ -90,7 +102,7 @@ Failure runAllSteps(simulation::Simulation& simulation, DeriveOptions& options, 
     options.trace.complete(simulation);
     figures.queries += simulation.statistics().queries;
     if (printsDerived) {
-      printStep(simulation, options);
+      printer.printStep(simulation);
     }
   }
   // with `environment display: before` the last string is answered too
@@ -98,10 +110,10 @@ Failure runAllSteps(simulation::Simulation& simulation, DeriveOptions& options, 
     if (Failure failure = timed(figures.environmentMilliseconds, [&] { return simulation.answer(); })) {
       return failure;
     }
-    printStep(simulation, options);
+    printer.printStep(simulation);
   }
   if (!options.printsEveryStep) {
-    printStrings(simulation, options, "");
+    printer.print(simulation, "");
   }
   return std::nullopt;
 }

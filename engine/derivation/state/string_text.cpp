@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "engine/core/hash.h"
+#include "engine/derivation/state/module_spelling.h"
 
 namespace espalier::derivation {
 
@@ -122,19 +123,21 @@ class StringReader {
 
 void appendText(std::string& text, const language::Program& program, const ModuleString& string,
                 core::NumberStyle style) {
-  const std::span<const double> parameters = string.parameters();
+  constexpr std::size_t kPieceModules = 16'384;
+  const ModuleSpelling spelling(program);
+  NumberTexts numbers(style);
+  core::Buffer<char> piece;
   std::size_t offset = 0;
-  for (const core::ModuleTypeId type : string.types()) {
-    text.append(program.nameOf(type));
-    const std::size_t arity = program.arity[type];
-    for (std::size_t i = 0; i < arity; ++i) {
-      text.push_back(i == 0 ? '(' : ',');
-      core::appendNumber(text, parameters[offset + i], style);
+  for (std::size_t begin = 0; begin < string.size(); begin += kPieceModules) {
+    const auto types = string.types().subspan(begin, std::min<std::size_t>(kPieceModules, string.size() - begin));
+    std::size_t parameterCount = 0;
+    for (const core::ModuleTypeId type : types) {
+      parameterCount += program.arity[type];
     }
-    if (arity > 0) {
-      text.push_back(')');
-    }
-    offset += arity;
+    piece.resize(spelling.mostBytes(types.size(), parameterCount));
+    char* const first = piece.data();
+    text.append(first, spelling.write(first, types, string.parameters().subspan(offset, parameterCount), numbers));
+    offset += parameterCount;
   }
 }
 

@@ -1,42 +1,47 @@
 #pragma once
 
+#include <array>
 #include <bit>
 #include <cstdint>
 #include <cstring>
+#include <span>
 #include <string>
+#include <string_view>
 
 #include "engine/core/streams.h"
 #include "engine/core/vec3.h"
 
 namespace espalier::turtle {
 
-/// Collects little-endian binary numbers and hands them to a sink in large pieces.
+/// Collects little-endian binary numbers and hands them to a sink in large pieces, or appends them to a string.
 class BinaryOutput {
  public:
-  explicit BinaryOutput(core::ByteSink& sink) : sink_(&sink) {}
+  explicit BinaryOutput(core::ByteSink& sink) : sink_(&sink), buffer_(&own_) {}
+  explicit BinaryOutput(std::string& bytes) : buffer_(&bytes) {}
   ~BinaryOutput() { flush(); }
   BinaryOutput(const BinaryOutput&) = delete;
   BinaryOutput& operator=(const BinaryOutput&) = delete;
 
   void bytes(std::string_view text) {
-    buffer_.append(text);
-    if (buffer_.size() > kPieceBytes) {
+    buffer_->append(text);
+    if (buffer_->size() > kPieceBytes) {
       flush();
     }
   }
   void byte(unsigned char value) { add(value); }
   void uint16(std::uint16_t value) { add(value); }
   void uint32(std::uint32_t value) { add(value); }
+  void uint32s(std::span<const std::uint32_t> values) {
+    bytes({reinterpret_cast<const char*>(values.data()), values.size_bytes()});
+  }
   void single(double value) { add(static_cast<float>(value)); }
   void vector(const core::Vec3& v) {
-    single(v.x);
-    single(v.y);
-    single(v.z);
+    add(std::array{static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)});
   }
   void flush() {
-    if (!buffer_.empty()) {
-      sink_->write(buffer_);
-      buffer_.clear();
+    if (sink_ != nullptr && !buffer_->empty()) {
+      sink_->write(*buffer_);
+      buffer_->clear();
     }
   }
 
@@ -51,8 +56,9 @@ class BinaryOutput {
     bytes({raw, sizeof(Number)});
   }
 
-  core::ByteSink* sink_;
-  std::string buffer_;
+  core::ByteSink* sink_ = nullptr;  // null: the bytes belong to the caller
+  std::string own_;
+  std::string* buffer_;
 };
 
 }  // namespace espalier::turtle

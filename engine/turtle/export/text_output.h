@@ -11,26 +11,31 @@
 
 namespace espalier::turtle {
 
-/// Collects text and hands it to a sink in large pieces.
+/// Collects text and hands it to a sink in large pieces, or appends it to a string.
 class TextOutput {
  public:
-  explicit TextOutput(core::ByteSink& sink) : sink_(&sink) {}
+  explicit TextOutput(core::ByteSink& sink) : sink_(&sink), text_(&own_) {}
+  explicit TextOutput(std::string& text) : text_(&text) {}
   ~TextOutput() { flush(); }
   TextOutput(const TextOutput&) = delete;
   TextOutput& operator=(const TextOutput&) = delete;
 
   TextOutput& operator<<(std::string_view text) {
-    text_.append(text);
-    if (text_.size() > kPieceBytes) {
+    text_->append(text);
+    if (text_->size() > kPieceBytes) {
       flush();
     }
     return *this;
   }
   TextOutput& operator<<(char character) { return *this << std::string_view(&character, 1); }
-  TextOutput& integer(long long value) { return *this << std::to_string(value); }
+  TextOutput& integer(long long value) {
+    std::array<char, 24> buffer;
+    const auto result = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
+    return *this << std::string_view(buffer.data(), static_cast<std::size_t>(result.ptr - buffer.data()));
+  }
   /// A number with at most `decimals` digits after the point, without trailing zeros and without -0. Not finite: 0.
   TextOutput& number(double value, int decimals) {
-    std::array<char, 400> buffer{};
+    std::array<char, 400> buffer;
     if (!std::isfinite(value)) {
       value = 0.0;
     }
@@ -49,7 +54,7 @@ class TextOutput {
   }
   /// The shortest text that reads back as the same 32-bit number; never -0. Not finite: 0.
   TextOutput& single(double value) {
-    std::array<char, 48> buffer{};
+    std::array<char, 48> buffer;
     const float rounded = std::isfinite(value) ? static_cast<float>(value) + 0.0F : 0.0F;
     const auto result = std::to_chars(buffer.data(), buffer.data() + buffer.size(), rounded);
     return *this << std::string_view(buffer.data(), static_cast<std::size_t>(result.ptr - buffer.data()));
@@ -60,16 +65,17 @@ class TextOutput {
     return single(v.z);
   }
   void flush() {
-    if (!text_.empty()) {
-      sink_->write(text_);
-      text_.clear();
+    if (sink_ != nullptr && !text_->empty()) {
+      sink_->write(*text_);
+      text_->clear();
     }
   }
 
  private:
   static constexpr std::size_t kPieceBytes = 65'536;
-  core::ByteSink* sink_;
-  std::string text_;
+  core::ByteSink* sink_ = nullptr;  // null: the text belongs to the caller
+  std::string own_;
+  std::string* text_;
 };
 
 }  // namespace espalier::turtle

@@ -2,10 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <charconv>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <limits>
 #include <random>
+#include <string>
+#include <vector>
 
 namespace espalier::core {
 namespace {
@@ -55,6 +60,49 @@ TEST(NumberText, PercentGIsThatOfC) {
     char expected[64];
     std::snprintf(expected, sizeof expected, "%g", value);
     EXPECT_EQ(percentG(value), expected);
+  }
+}
+
+// numbers of every size with few and with many digits, and those between two texts
+std::vector<double> manyNumbers() {
+  std::mt19937_64 engine(11);
+  std::vector<double> numbers;
+  for (int i = 0; i < 200'000; ++i) {
+    const double power = std::pow(10.0, static_cast<double>(engine() % 40) - 20.0);
+    const auto digits = static_cast<double>(engine() % (i % 3 == 0 ? 1'000U : 100'000'000U));
+    const double number = i % 2 == 0 ? digits * power : digits / power;
+    numbers.insert(numbers.end(), {number, -number, std::nextafter(number, 1e300), std::nextafter(number, 0.0)});
+    numbers.push_back(std::round(number * 1e6) / 1e6);
+    numbers.push_back(number + 0.5 * power);
+  }
+  for (int exponent = -10; exponent <= 20; ++exponent) {
+    const double power = std::pow(10.0, exponent);
+    for (const double factor : {1.0, 0.9999995, 0.99999949, 0.99999951, 1.0000005, 9.999995, 1.5, 2.5e-5, 123456.5}) {
+      numbers.push_back(power * factor);
+    }
+  }
+  return numbers;
+}
+
+TEST(NumberText, ShortestIsThatOfTheLibrary) {
+  for (const double number : manyNumbers()) {
+    char expected[64];
+    const char* const end = std::to_chars(expected, expected + sizeof expected, number == 0.0 ? 0.0 : number).ptr;
+    std::string text(static_cast<const char*>(expected), end);
+    if (const std::size_t exponent = text.find('e');
+        exponent != std::string::npos && text.find('.') == std::string::npos) {
+      text.insert(exponent, ".0");
+    }
+    ASSERT_EQ(shortest(number), text);
+  }
+}
+
+TEST(NumberText, PercentGOfManyNumbersIsThatOfC) {
+  for (const double number : manyNumbers()) {
+    char expected[64];
+    std::snprintf(expected, sizeof expected, "%g", number);
+    ASSERT_EQ(percentG(number), expected);
+    ASSERT_EQ(roundThroughPercentG(number), std::strtod(expected, nullptr)) << expected;
   }
 }
 

@@ -56,7 +56,7 @@ class GlbWriter {
   [[nodiscard]] std::optional<std::string> writePieces();
   void writeInstances(BinaryOutput& out) const;
   void writePictures(BinaryOutput& out) const;
-  void writeVertices(const Mesh& mesh, bool hasCoordinates, BinaryOutput& out) const;
+  static void writeVertices(const Mesh& mesh, bool hasCoordinates, BinaryOutput& out);
   static void appendIndices(const Mesh& mesh, std::uint32_t first, std::vector<std::uint32_t>& indices);
 
   void report(std::size_t done) { reportProgress(target_.progress, done, 2 * plan_.own.size()); }
@@ -247,15 +247,15 @@ void GlbWriter::writeAccessors(TextOutput& out) const {
     const Piece& piece = plan_.pieces[i];
     for (std::size_t k = 0; k + 1 < piece.accessorCount(); ++k) {
       out << (i + k == 0 ? "" : ",");
-      writeAccessor(2 * i, kAttributes[k], kFloat, piece.vertexCount);
+      writeAccessor(2 * i, kAttributes[k], kFloat, piece.measure.vertexCount);
       if (k == 0) {
-        (out << ",\"min\":[").vector(piece.bounds.low, ',') << ']';
-        (out << ",\"max\":[").vector(piece.bounds.high, ',') << ']';
+        (out << ",\"min\":[").vector(piece.measure.bounds.low, ',') << ']';
+        (out << ",\"max\":[").vector(piece.measure.bounds.high, ',') << ']';
       }
       out << '}';
     }
     out << ',';
-    writeAccessor(2 * i + 1, {0, "SCALAR"}, kUnsigned, piece.indexCount);
+    writeAccessor(2 * i + 1, {0, "SCALAR"}, kUnsigned, piece.measure.indexCount);
     out << '}';
   }
   // translation, rotation and scale of instances, one after the other
@@ -281,11 +281,11 @@ void GlbWriter::writeBufferViews(TextOutput& out) const {
   out << "\"bufferViews\":[";
   for (std::size_t i = 0; i < plan_.pieces.size(); ++i) {
     const Piece& piece = plan_.pieces[i];
-    const std::uint64_t vertexBytes = piece.vertexCount * piece.vertexBytes();
+    const std::uint64_t vertexBytes = piece.measure.vertexCount * piece.vertexBytes();
     out << (i == 0 ? "" : ",");
     writeView(piece.offset, vertexBytes);
     (out << ",\"byteStride\":").integer(static_cast<long long>(piece.vertexBytes())) << ",\"target\":34962},";
-    writeView(piece.offset + vertexBytes, piece.indexCount * kGlbIndexBytes);
+    writeView(piece.offset + vertexBytes, piece.measure.indexCount * kGlbIndexBytes);
     out << ",\"target\":34963}";
   }
   for (const auto* blocks : {&plan_.instanceBlocks, &plan_.pictureBlocks}) {
@@ -346,7 +346,7 @@ void GlbWriter::writeJson(core::ByteSink& sink) const {
 
 // --- the numbers -----------------------------------------------------------------------------------------------------
 
-void GlbWriter::writeVertices(const Mesh& mesh, bool hasCoordinates, BinaryOutput& out) const {
+void GlbWriter::writeVertices(const Mesh& mesh, bool hasCoordinates, BinaryOutput& out) {
   for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
     out.vector(mesh.positions[i]);
     out.vector(unitNormal(mesh.normals[i]));
@@ -370,9 +370,7 @@ std::optional<std::string> GlbWriter::writePieces() {
   BinaryOutput out(target_.sink);
   std::vector<std::uint32_t> indices;
   const auto writeIndices = [&] {
-    for (const std::uint32_t index : indices) {
-      out.uint32(index);
-    }
+    out.uint32s(indices);
     indices.clear();
   };
   // the parts of pieces, without those of pieces that have no triangles
@@ -383,24 +381,41 @@ std::optional<std::string> GlbWriter::writePieces() {
       order.push_back(plan_.pieces[i].firstPart + k);
     }
   }
+  // the pieces of the parts whose vertices are spelled, and whose bytes are written
+  const auto leave = [&](std::size_t i, std::size_t& piece) {
+    const bool isLast = order[i] + 1 == plan_.pieces[piece].firstPart + plan_.pieces[piece].partCount;
+    piece += isLast ? 1 : 0;
+    return isLast;
+  };
+  std::size_t spelledPiece = 0;
   std::size_t piece = 0;
   std::uint32_t first = 0;
-  const auto make = [&](std::size_t i, Mesh& mesh) {
+  MeshWork work;
+  work.make = [&](std::size_t i, Mesh& mesh) -> std::optional<std::string> {
     plan_.sceneOf(plan_.own[order[i]]).make(plan_.partOf(plan_.own[order[i]]), mesh);
+    return std::nullopt;
   };
-  const auto write = [&](std::size_t i, const Mesh& mesh) -> std::optional<std::string> {
-    writeVertices(mesh, plan_.pieces[piece].hasCoordinates, out);
+  work.number = [&](std::size_t i, const Mesh&) -> std::uint64_t {
+    const std::size_t here = spelledPiece;
+    leave(i, spelledPiece);
+    return here;
+  };
+  work.spell = [&](std::size_t, const Mesh& mesh, std::uint64_t number, std::string& bytes) {
+    BinaryOutput vertices(bytes);
+    writeVertices(mesh, plan_.pieces[number].hasCoordinates, vertices);
+  };
+  work.use = [&](std::size_t i, const Mesh& mesh, std::string_view vertices) -> std::optional<std::string> {
+    out.bytes(vertices);
     appendIndices(mesh, first, indices);
     first += static_cast<std::uint32_t>(mesh.positions.size());
-    if (order[i] + 1 == plan_.pieces[piece].firstPart + plan_.pieces[piece].partCount) {
+    if (leave(i, piece)) {
       writeIndices();
       first = 0;
-      ++piece;
     }
     report(plan_.own.size() + order[i] + 1);
     return std::nullopt;
   };
-  if (auto problem = forMeshes(plan_.meshes.team(), order.size(), make, write)) {
+  if (auto problem = forMeshes(plan_.meshes.team(), order.size(), work)) {
     return problem;
   }
   for (const auto& [scene, shape] : plan_.shapes) {

@@ -84,21 +84,27 @@ bool GlbPlan::sharesMesh(const PartOf& a, const PartOf& b) const {
 }
 
 std::optional<std::string> GlbPlan::measurePieces(const std::function<void(std::size_t)>& report) {
-  const auto make = [this](std::size_t i, Mesh& mesh) { sceneOf(own[i]).make(partOf(own[i]), mesh); };
-  auto problem = forMeshes(meshes.team(), own.size(), make, [&](std::size_t i, const Mesh& mesh) {
+  std::vector<MeshMeasure> measures(own.size());
+  MeshWork work;
+  work.make = [&](std::size_t i, Mesh& mesh) {
+    sceneOf(own[i]).make(partOf(own[i]), mesh);
+    measures[i].add(mesh);
+    return problemOf(mesh, sceneOf(own[i]), partOf(own[i]));
+  };
+  work.use = [&](std::size_t i, const Mesh&, std::string_view) -> std::optional<std::string> {
     const MeshPart& next = partOf(own[i]);
     report(i + 1);
-    auto wrong = problemOf(mesh, sceneOf(own[i]), next);
     const bool continuesPiece = i > 0 && sharesMesh(own[i - 1], own[i]) && partOf(own[i - 1]).material == next.material;
-    if (!continuesPiece || pieces.back().vertexCount >= kPieceVertices) {
+    if (!continuesPiece || pieces.back().measure.vertexCount >= kPieceVertices) {
       pieces.push_back({.material = next.material, .firstPart = i});
     }
     ++pieces.back().partCount;
-    pieces.back().add(mesh);
-    return wrong;
-  });
+    pieces.back().measure.add(measures[i]);
+    return std::nullopt;
+  };
+  auto problem = forMeshes(meshes.team(), own.size(), work);
   // lines without length or polygons without three corners have no mesh
-  std::erase_if(pieces, [](const Piece& piece) { return piece.indexCount == 0; });
+  std::erase_if(pieces, [](const Piece& piece) { return piece.measure.indexCount == 0; });
   ownPieceCount = pieces.size();
   return problem;
 }
@@ -133,7 +139,7 @@ void GlbPlan::planOrgans() {
     const std::uint32_t material = partOf(organ).material;
     if (pieceOf.emplace(shape, pieces.size()).second) {
       pieces.push_back({});
-      pieces.back().add(sceneOf(organ).sharedMeshes()[shape.second]);
+      pieces.back().measure.add(sceneOf(organ).sharedMeshes()[shape.second]);
       shapes.push_back(shape);
     }
     if (organMesh.emplace(std::pair(shape, material), files.size()).second) {

@@ -20,14 +20,30 @@ inline constexpr std::uint64_t kGlbCoordinateBytes = 8;  // and texture coordina
 inline constexpr std::uint64_t kGlbIndexBytes = 4;
 inline constexpr std::uint64_t kGlbInstanceBytes = 40;  // translation, rotation, scale
 
+/// The amount and the extent of a mesh in a file.
+struct MeshMeasure {
+  std::uint64_t vertexCount = 0;
+  std::uint64_t indexCount = 0;
+  Bounds bounds{};
+
+  void add(const Mesh& mesh) {
+    vertexCount += mesh.positions.size();
+    indexCount += 3 * mesh.triangleCount();
+    bounds.add(mesh);
+  }
+  void add(const MeshMeasure& other) {
+    vertexCount += other.vertexCount;
+    indexCount += other.indexCount;
+    bounds.add(other.bounds);
+  }
+};
+
 /// A run of parts of one scene that becomes one primitive: vertices and indices that follow each other in the file.
 struct Piece {
   std::uint32_t material = 0;
   std::size_t firstPart = 0;  // into the order of parts
   std::size_t partCount = 0;
-  std::uint64_t vertexCount = 0;
-  std::uint64_t indexCount = 0;
-  Bounds bounds{};
+  MeshMeasure measure{};
   std::uint64_t offset = 0;  // in the binary chunk
   std::size_t firstAccessor = 0;
   bool hasCoordinates = true;  // of a texture
@@ -36,11 +52,8 @@ struct Piece {
     return kGlbPlainBytes + (hasCoordinates ? kGlbCoordinateBytes : 0);
   }
   [[nodiscard]] std::size_t accessorCount() const { return hasCoordinates ? 4 : 3; }
-  [[nodiscard]] std::uint64_t bytes() const { return vertexCount * vertexBytes() + indexCount * kGlbIndexBytes; }
-  void add(const Mesh& mesh) {
-    vertexCount += mesh.positions.size();
-    indexCount += 3 * mesh.triangleCount();
-    bounds.add(mesh);
+  [[nodiscard]] std::uint64_t bytes() const {
+    return measure.vertexCount * vertexBytes() + measure.indexCount * kGlbIndexBytes;
   }
 };
 

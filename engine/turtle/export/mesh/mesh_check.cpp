@@ -28,6 +28,11 @@ void Bounds::add(const Mesh& mesh) {
   }
 }
 
+void Bounds::add(const Bounds& other) {
+  low = {std::min(low.x, other.low.x), std::min(low.y, other.low.y), std::min(low.z, other.low.z)};
+  high = {std::max(high.x, other.high.x), std::max(high.y, other.high.y), std::max(high.z, other.high.z)};
+}
+
 std::optional<std::string> problemOf(const Mesh& mesh, const SceneMeshes& scene, const MeshPart& part) {
   const auto wrong = std::ranges::find_if_not(mesh.positions, isWritable);
   if (wrong == mesh.positions.end()) {

@@ -15,6 +15,7 @@ struct Bounds {
   core::Vec3 high{-kLargest, -kLargest, -kLargest};
 
   void add(const Mesh& mesh);
+  void add(const Bounds& other);
 
  private:
   static constexpr double kLargest = std::numeric_limits<double>::max();

@@ -10,33 +10,80 @@ namespace {
 constexpr std::size_t kTaskMeshes = 32;
 constexpr std::size_t kRoundMeshes = 2048;
 
-}  // namespace
+/// Meshes that one thread makes and spells one after the other.
+struct MeshTask {
+  std::size_t first = 0;
+  std::vector<Mesh> meshes = std::vector<Mesh>(kTaskMeshes);  // the first `count` of them
+  std::size_t count = 0;
+  std::vector<std::uint64_t> numbers;                // by mesh
+  std::vector<std::optional<std::string>> problems;  // by mesh
+  std::string bytes;                                 // of all meshes
+  std::vector<std::size_t> ends;                     // in `bytes`, by mesh
 
-std::optional<std::string> forMeshes(core::WorkerTeam& team, std::size_t count,
-                                     const std::function<void(std::size_t, Mesh&)>& make,
-                                     const std::function<std::optional<std::string>(std::size_t, const Mesh&)>& use) {
-  if (team.size() == 1) {
-    Mesh mesh;
-    for (std::size_t i = 0; i < count; ++i) {
-      mesh.clear();
-      make(i, mesh);
-      if (auto problem = use(i, mesh)) {
+  void make(const MeshWork& work) {
+    problems.clear();
+    for (std::size_t k = 0; k < count; ++k) {
+      meshes[k].clear();
+      problems.push_back(work.make(first + k, meshes[k]));
+    }
+  }
+
+  void number(const MeshWork& work) {
+    numbers.assign(count, 0);
+    for (std::size_t k = 0; work.number && k < count && !problems[k]; ++k) {
+      numbers[k] = work.number(first + k, meshes[k]);
+    }
+  }
+
+  void spell(const MeshWork& work) {
+    bytes.clear();
+    ends.assign(count, 0);
+    for (std::size_t k = 0; work.spell && k < count && !problems[k]; ++k) {
+      work.spell(first + k, meshes[k], numbers[k], bytes);
+      ends[k] = bytes.size();
+    }
+  }
+
+  [[nodiscard]] std::optional<std::string> use(const MeshWork& work) const {
+    std::size_t begin = 0;
+    for (std::size_t k = 0; k < count; ++k) {
+      if (problems[k]) {
+        return problems[k];
+      }
+      if (auto problem = work.use(first + k, meshes[k], std::string_view(bytes).substr(begin, ends[k] - begin))) {
         return problem;
       }
+      begin = ends[k];
     }
     return std::nullopt;
   }
-  std::vector<Mesh> meshes(std::min(count, kRoundMeshes));
-  for (std::size_t first = 0; first < count; first += kRoundMeshes) {
-    const std::size_t here = std::min(kRoundMeshes, count - first);
-    team.forEach((here + kTaskMeshes - 1) / kTaskMeshes, [&](std::size_t task) {
-      for (std::size_t i = task * kTaskMeshes; i < std::min(here, (task + 1) * kTaskMeshes); ++i) {
-        meshes[i].clear();
-        make(first + i, meshes[i]);
+};
+
+}  // namespace
+
+std::optional<std::string> forMeshes(core::WorkerTeam& team, std::size_t count, const MeshWork& work) {
+  // one thread takes one task after the other
+  const std::size_t roundMeshes = team.size() == 1 ? kTaskMeshes : kRoundMeshes;
+  std::vector<MeshTask> tasks((std::min(count, roundMeshes) + kTaskMeshes - 1) / kTaskMeshes);
+  for (std::size_t first = 0; first < count; first += roundMeshes) {
+    const std::size_t end = std::min(count, first + roundMeshes);
+    const std::size_t taskCount = (end - first + kTaskMeshes - 1) / kTaskMeshes;
+    for (std::size_t task = 0; task < taskCount; ++task) {
+      tasks[task].first = first + task * kTaskMeshes;
+      tasks[task].count = std::min(kTaskMeshes, end - tasks[task].first);
+    }
+    team.forEach(taskCount, [&](std::size_t task) { tasks[task].make(work); });
+    for (std::size_t task = 0; task < taskCount; ++task) {
+      tasks[task].number(work);
+    }
+    if (work.spell) {
+      team.forEach(taskCount, [&](std::size_t task) { tasks[task].spell(work); });
+    }
+    for (std::size_t task = 0; task < taskCount; ++task) {
+      if (!work.spell) {
+        tasks[task].ends.assign(tasks[task].count, 0);
       }
-    });
-    for (std::size_t i = 0; i < here; ++i) {
-      if (auto problem = use(first + i, meshes[i])) {
+      if (auto problem = tasks[task].use(work)) {
         return problem;
       }
     }

@@ -1,20 +1,32 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "engine/core/worker_team.h"
 #include "engine/turtle/export/mesh/mesh.h"
 
 namespace espalier::turtle {
 
-/// Makes the meshes 0 to count - 1 with several threads, a round of some thousands at a time, and hands them over in
-/// order on the calling thread: the output does not depend on the threads. `make` gets a cleared mesh and must be
-/// thread-safe. Stops at the first sentence that `use` returns and returns it.
-[[nodiscard]] std::optional<std::string> forMeshes(
-    core::WorkerTeam& team, std::size_t count, const std::function<void(std::size_t, Mesh&)>& make,
-    const std::function<std::optional<std::string>(std::size_t, const Mesh&)>& use);
+/// The work on meshes that are numbered from 0. What several threads do must not depend on other meshes; the rest
+/// happens on the calling thread, in order.
+struct MeshWork {
+  /// Several threads: makes a mesh that was cleared. Returns a sentence when files cannot hold the mesh.
+  std::function<std::optional<std::string>(std::size_t, Mesh&)> make;
+  /// In order: a number that `spell` gets, such as that of the first vertex. Null: 0.
+  std::function<std::uint64_t(std::size_t, const Mesh&)> number = {};
+  /// Several threads: appends the bytes of a file. Null: none.
+  std::function<void(std::size_t, const Mesh&, std::uint64_t number, std::string& bytes)> spell = {};
+  /// In order: takes a mesh and its bytes. Returns a sentence to stop.
+  std::function<std::optional<std::string>(std::size_t, const Mesh&, std::string_view bytes)> use;
+};
+
+/// Does the work on `count` meshes, a round of some thousands at a time: the output does not depend on the threads.
+/// Stops at the first sentence, which is returned.
+[[nodiscard]] std::optional<std::string> forMeshes(core::WorkerTeam& team, std::size_t count, const MeshWork& work);
 
 }  // namespace espalier::turtle

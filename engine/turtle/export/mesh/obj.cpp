@@ -25,6 +25,33 @@ void writeComponents(std::string_view keyword, const std::array<double, 3>& comp
   out << '\n';
 }
 
+// `vertexCount`: of the meshes before it
+void writeMesh(const Mesh& mesh, std::uint64_t vertexCount, TextOutput& out) {
+  for (const Vec3& p : mesh.positions) {
+    (out << "v ").vector(p, ' ') << '\n';
+  }
+  for (const auto& uv : mesh.coordinates) {
+    (out << "vt ").single(uv[0]) << ' ';
+    out.single(uv[1]) << '\n';
+  }
+  for (const Vec3& n : mesh.normals) {
+    (out << "vn ").vector(unitNormal(n), ' ') << '\n';
+  }
+  for (const auto& face : mesh.faces) {
+    out << 'f';
+    for (const std::uint32_t vertex : face) {
+      if (vertex == Mesh::kNoVertex) {
+        continue;
+      }
+      out << ' ';
+      for (int k = 0; k < 3; ++k) {
+        (k == 0 ? out : out << '/').integer(static_cast<long long>(vertexCount + vertex + 1));
+      }
+    }
+    out << '\n';
+  }
+}
+
 class ObjWriter {
  public:
   ObjWriter(const PlacedScenes& placed, const ExportTarget& target)
@@ -38,7 +65,6 @@ class ObjWriter {
   static constexpr std::uint32_t kNoMaterial = 0xFFFFFFFF;
 
   void beginOrgans(std::uint32_t plant, OrganKind kind);
-  void writeMesh(const Mesh& mesh);
   void useMaterial(std::uint32_t material);
 
   PlacedMeshes meshes_;
@@ -63,33 +89,6 @@ void ObjWriter::useMaterial(std::uint32_t material) {
   }
 }
 
-void ObjWriter::writeMesh(const Mesh& mesh) {
-  for (const Vec3& p : mesh.positions) {
-    (out_ << "v ").vector(p, ' ') << '\n';
-  }
-  for (const auto& uv : mesh.coordinates) {
-    (out_ << "vt ").single(uv[0]) << ' ';
-    out_.single(uv[1]) << '\n';
-  }
-  for (const Vec3& n : mesh.normals) {
-    (out_ << "vn ").vector(unitNormal(n), ' ') << '\n';
-  }
-  for (const auto& face : mesh.faces) {
-    out_ << 'f';
-    for (const std::uint32_t vertex : face) {
-      if (vertex == Mesh::kNoVertex) {
-        continue;
-      }
-      out_ << ' ';
-      for (int k = 0; k < 3; ++k) {
-        (k == 0 ? out_ : out_ << '/').integer(static_cast<long long>(vertexCount_ + vertex + 1));
-      }
-    }
-    out_ << '\n';
-  }
-  vertexCount_ += mesh.positions.size();
-}
-
 std::optional<std::string> ObjWriter::write(const std::string& materialFile) {
   out_ << "# Espalier: 1 unit is 1 length unit of the model, y is up\n";
   if (!materialFile.empty()) {
@@ -97,18 +96,32 @@ std::optional<std::string> ObjWriter::write(const std::string& materialFile) {
   }
   std::optional<std::pair<std::uint32_t, OrganKind>> last;
   std::uint64_t done = 0;
-  auto problem = meshes_.forEach([&](const PlacedMeshes::Item& item, const Mesh& mesh) -> std::optional<std::string> {
+  using Item = PlacedMeshes::Item;
+  PlacedMeshes::Spelling spelling;
+  spelling.number = [&](const Item&, const Mesh& mesh) {
+    const std::uint64_t before = vertexCount_;
+    vertexCount_ += mesh.faces.empty() ? 0 : mesh.positions.size();
+    return before;
+  };
+  spelling.spell = [](const Item&, const Mesh& mesh, std::uint64_t vertexCount, std::string& text) {
+    if (!mesh.faces.empty()) {
+      TextOutput out(text);
+      writeMesh(mesh, vertexCount, out);
+    }
+  };
+  spelling.use = [&](const Item& item, const Mesh& mesh, std::string_view text) -> std::optional<std::string> {
     if (!mesh.faces.empty()) {
       if (last != std::pair(item.plant(), item.part.kind)) {
         last = std::pair(item.plant(), item.part.kind);
         beginOrgans(item.plant(), item.part.kind);
       }
       useMaterial(item.part.material);
-      writeMesh(mesh);
+      out_ << text;
     }
     reportProgress(target_.progress, ++done, meshes_.partCount());
     return std::nullopt;
-  });
+  };
+  auto problem = meshes_.forEachSpelled(spelling);
   out_.flush();
   return problem;
 }

@@ -78,20 +78,29 @@ PlacedMeshes::Item PlacedMeshes::item(std::size_t index) const {
 }
 
 std::optional<std::string> PlacedMeshes::forEach(const Use& use) {
-  return forMeshes(
-      team_, partCount(),
-      [this](std::size_t i, Mesh& mesh) {
-        const Item it = item(i);
-        it.scene.make(it.part, mesh);
-        place(mesh, it.copy.placement);
-      },
-      [&](std::size_t i, const Mesh& mesh) -> std::optional<std::string> {
-        const Item it = item(i);
-        if (auto problem = problemOf(mesh, it.scene, it.part)) {
-          return problem;
-        }
-        return use(it, mesh);
-      });
+  return forEachSpelled({.use = [&](const Item& it, const Mesh& mesh, std::string_view) { return use(it, mesh); }});
+}
+
+std::optional<std::string> PlacedMeshes::forEachSpelled(const Spelling& spelling) {
+  MeshWork work;
+  work.make = [this](std::size_t i, Mesh& mesh) {
+    const Item it = item(i);
+    it.scene.make(it.part, mesh);
+    place(mesh, it.copy.placement);
+    return problemOf(mesh, it.scene, it.part);
+  };
+  if (spelling.number) {
+    work.number = [&](std::size_t i, const Mesh& mesh) { return spelling.number(item(i), mesh); };
+  }
+  if (spelling.spell) {
+    work.spell = [&](std::size_t i, const Mesh& mesh, std::uint64_t number, std::string& bytes) {
+      spelling.spell(item(i), mesh, number, bytes);
+    };
+  }
+  work.use = [&](std::size_t i, const Mesh& mesh, std::string_view bytes) {
+    return spelling.use(item(i), mesh, bytes);
+  };
+  return forMeshes(team_, partCount(), work);
 }
 
 }  // namespace espalier::turtle

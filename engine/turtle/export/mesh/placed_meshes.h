@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "engine/core/worker_team.h"
@@ -60,6 +61,13 @@ class PlacedMeshes {
   /// which is returned.
   using Use = std::function<std::optional<std::string>(const Item& item, const Mesh& mesh)>;
   [[nodiscard]] std::optional<std::string> forEach(const Use& use);
+  /// The same with the bytes of each mesh, which several threads spell (MeshWork).
+  struct Spelling {
+    std::function<std::uint64_t(const Item&, const Mesh&)> number = {};
+    std::function<void(const Item&, const Mesh&, std::uint64_t number, std::string& bytes)> spell = {};
+    std::function<std::optional<std::string>(const Item&, const Mesh&, std::string_view bytes)> use = {};
+  };
+  [[nodiscard]] std::optional<std::string> forEachSpelled(const Spelling& spelling);
 
   /// The threads that make meshes.
   [[nodiscard]] core::WorkerTeam& team() { return team_; }

@@ -100,20 +100,31 @@ std::optional<std::string> exportPly(const PlacedScenes& placed, const ExportTar
   }
   BinaryOutput out(target.sink);
   out.bytes(headerOf(placed.scenes[0], vertices, faces));
-  auto problem = meshes.forEach([&](const Item& item, const Mesh& mesh) -> std::optional<std::string> {
+  const auto use = [&](const Item&, const Mesh&, std::string_view bytes) -> std::optional<std::string> {
+    out.bytes(bytes);
+    report();
+    return std::nullopt;
+  };
+  PlacedMeshes::Spelling spelling{.use = use};
+  spelling.spell = [&](const Item& item, const Mesh& mesh, std::uint64_t, std::string& bytes) {
     const bool hasSymbols = item.scene.input().program == placed.scenes[0].program;
-    writeVertices(item, meshes.materials()[item.part.material].colour, hasSymbols, mesh, out);
-    report();
-    return std::nullopt;
-  });
-  std::uint32_t first = 0;
-  problem = problem ? problem : meshes.forEach([&](const Item& item, const Mesh& mesh) -> std::optional<std::string> {
-    writeFaces(item, mesh, first, out);
-    first += static_cast<std::uint32_t>(mesh.positions.size());
-    report();
-    return std::nullopt;
-  });
-  return problem;
+    BinaryOutput spelled(bytes);
+    writeVertices(item, meshes.materials()[item.part.material].colour, hasSymbols, mesh, spelled);
+  };
+  if (auto problem = meshes.forEachSpelled(spelling)) {
+    return problem;
+  }
+  std::uint32_t next = 0;
+  spelling.number = [&](const Item&, const Mesh& mesh) -> std::uint64_t {
+    const std::uint32_t first = next;
+    next += static_cast<std::uint32_t>(mesh.positions.size());
+    return first;
+  };
+  spelling.spell = [](const Item& item, const Mesh& mesh, std::uint64_t first, std::string& bytes) {
+    BinaryOutput spelled(bytes);
+    writeFaces(item, mesh, static_cast<std::uint32_t>(first), spelled);
+  };
+  return meshes.forEachSpelled(spelling);
 }
 
 }  // namespace espalier::turtle

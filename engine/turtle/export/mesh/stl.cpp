@@ -58,17 +58,23 @@ std::optional<std::string> exportStl(const PlacedScenes& placed, const ExportTar
   header.resize(kHeaderBytes, ' ');
   out.bytes(header);
   out.uint32(static_cast<std::uint32_t>(triangles));
-  return meshes.forEach([&](const Item&, const Mesh& mesh) -> std::optional<std::string> {
-    forEachTriangle(mesh, [&out](const std::array<Vec3, 3>& corners, const Vec3& normal) {
-      out.vector(normal);
+  PlacedMeshes::Spelling spelling;
+  spelling.spell = [](const Item&, const Mesh& mesh, std::uint64_t, std::string& bytes) {
+    BinaryOutput spelled(bytes);
+    forEachTriangle(mesh, [&spelled](const std::array<Vec3, 3>& corners, const Vec3& normal) {
+      spelled.vector(normal);
       for (const Vec3& corner : corners) {
-        out.vector(corner);
+        spelled.vector(corner);
       }
-      out.uint16(0);
+      spelled.uint16(0);
     });
+  };
+  spelling.use = [&](const Item&, const Mesh&, std::string_view bytes) -> std::optional<std::string> {
+    out.bytes(bytes);
     report();
     return std::nullopt;
-  });
+  };
+  return meshes.forEachSpelled(spelling);
 }
 
 }  // namespace espalier::turtle

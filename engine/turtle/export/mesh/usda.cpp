@@ -175,7 +175,6 @@ void SceneWriter::writePiece(std::uint32_t plant, std::uint32_t material) {
 std::optional<std::string> SceneWriter::write() {
   writeMaterials();
   std::uint64_t done = 0;
-  core::WorkerTeam& team = meshes_.team();
   for (const SceneCopy& copy : meshes_.copies()) {
     // pieces of one plant and material
     const SceneMeshes& scene = meshes_.scene(copy.scene);
@@ -184,26 +183,24 @@ std::optional<std::string> SceneWriter::write() {
     std::iota(order.begin(), order.end(), 0U);
     const auto key = [&parts](std::uint32_t i) { return std::pair(parts[i].plant, parts[i].material); };
     std::ranges::stable_sort(order, {}, key);
-    const auto make = [&](std::size_t i, Mesh& mesh) {
+    MeshWork work;
+    work.make = [&](std::size_t i, Mesh& mesh) {
       scene.make(parts[order[i]], mesh);
       place(mesh, copy.placement);
+      return problemOf(mesh, scene, parts[order[i]]);
     };
-    auto problem =
-        forMeshes(team, order.size(), make, [&](std::size_t i, const Mesh& mesh) -> std::optional<std::string> {
-          const MeshPart& part = parts[order[i]];
-          if (auto wrong = problemOf(mesh, scene, part)) {
-            return wrong;
-          }
-          append(piece_, mesh);
-          const bool isLast = i + 1 == order.size() || key(order[i + 1]) != key(order[i]);
-          if (isLast || piece_.positions.size() >= kPieceVertices) {
-            writePiece(copy.firstPlant + part.plant, part.material);
-            pieceNumber_ = isLast ? 0 : pieceNumber_;
-          }
-          reportProgress(target_.progress, ++done, meshes_.partCount());
-          return std::nullopt;
-        });
-    if (problem) {
+    work.use = [&](std::size_t i, const Mesh& mesh, std::string_view) -> std::optional<std::string> {
+      const MeshPart& part = parts[order[i]];
+      append(piece_, mesh);
+      const bool isLast = i + 1 == order.size() || key(order[i + 1]) != key(order[i]);
+      if (isLast || piece_.positions.size() >= kPieceVertices) {
+        writePiece(copy.firstPlant + part.plant, part.material);
+        pieceNumber_ = isLast ? 0 : pieceNumber_;
+      }
+      reportProgress(target_.progress, ++done, meshes_.partCount());
+      return std::nullopt;
+    };
+    if (auto problem = forMeshes(meshes_.team(), order.size(), work)) {
       return problem;
     }
   }

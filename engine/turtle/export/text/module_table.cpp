@@ -4,6 +4,7 @@
 
 #include "engine/core/check.h"
 #include "engine/core/number_text.h"
+#include "engine/derivation/parallel/text_writer.h"
 #include "engine/derivation/state/string_text.h"
 #include "engine/turtle/export/text/string_walk.h"
 #include "engine/turtle/export/text_output.h"
@@ -97,20 +98,11 @@ std::optional<std::string> writeModuleTable(const ExportInput& input, const Expo
 
 std::optional<std::string> writeStrings(const ExportInput& input, const ExportTarget& target) {
   ESPALIER_CHECK(input.program != nullptr);
-  TextOutput out(target.sink);
-  std::string text;
+  derivation::TextWriter writer(input.threads);
   for (std::size_t plant = 0; plant < input.strings.size(); ++plant) {
-    const derivation::ModuleString* string = input.strings[plant];
     const language::Program& program = input.programOf(plant);
-    std::size_t offset = 0;
-    for (const core::ModuleTypeId type : string->types()) {
-      const std::size_t arity = program.arity[type];
-      text.clear();
-      appendModule(text, program.nameOf(type), string->parameters().subspan(offset, arity), program.compatibility);
-      out << text;
-      offset += arity;
-    }
-    out << '\n';
+    writer.write(target.sink, program, *input.strings[plant], derivation::numberStyle(program.compatibility));
+    target.sink.write("\n");
   }
   return std::nullopt;
 }

@@ -1,0 +1,93 @@
+#include "engine/derivation/state/module_spelling.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+
+namespace espalier::derivation {
+
+char* NumberTexts::write(char* out, double value) {
+  constexpr std::uint64_t kMix = 0x9E3779B97F4A7C15;  // 2^64 over the golden ratio
+  const auto bits = std::bit_cast<std::uint64_t>(value);
+  Entry& entry = entries_[(bits * kMix) >> (64 - kIndexBits)];
+  if (entry.bits == bits) {
+    std::memcpy(out, entry.text.data(), entry.text.size());
+    return out + entry.size;
+  }
+  char* const end = core::writeNumber(out, value, style_);
+  const auto size = static_cast<std::size_t>(end - out);
+  if (size <= entry.text.size()) {
+    entry.bits = bits;
+    entry.size = static_cast<std::uint8_t>(size);
+    std::memcpy(entry.text.data(), out, size);
+  }
+  return end;
+}
+
+ModuleSpelling::ModuleSpelling(const language::Program& program) : program_(&program) {
+  bool areBytes = true;
+  for (std::size_t type = 0; type < program.arity.size(); ++type) {
+    const std::string_view name = program.nameOf(static_cast<core::ModuleTypeId>(type));
+    Name spelled{.size = static_cast<std::uint32_t>(name.size()), .arity = program.arity[type]};
+    name.copy(spelled.text.data(), kNameBytes);
+    if (spelled.arity > 0) {
+      if (spelled.size < kNameBytes) {
+        spelled.text[spelled.size] = '(';
+      }
+      ++spelled.size;
+    }
+    names_.push_back(spelled);
+    bytes_.push_back(name.empty() ? '\0' : name.front());
+    areBytes = areBytes && (spelled.arity > 0 || name.size() == 1);
+    longestName_ = std::max(longestName_, name.size());
+  }
+  if (!areBytes) {
+    bytes_.clear();
+  }
+}
+
+char* ModuleSpelling::write(char* out, std::span<const core::ModuleTypeId> types, std::span<const double> parameters,
+                            NumberTexts& numbers) const {
+  if (parameters.empty() && !bytes_.empty()) {
+    return writeBytes(out, types);
+  }
+  const double* parameter = parameters.data();
+  for (const core::ModuleTypeId type : types) {
+    out = writeName(out, type);
+    const std::uint32_t arity = names_[type].arity;
+    if (arity > 0) {
+      for (std::uint32_t i = 0; i < arity; ++i) {
+        out = numbers.write(out, *parameter++);
+        *out++ = ',';
+      }
+      out[-1] = ')';
+    }
+  }
+  return out;
+}
+
+// of modules without parameters whose names are one byte each
+char* ModuleSpelling::writeBytes(char* out, std::span<const core::ModuleTypeId> types) const {
+  const char* const bytes = bytes_.data();
+  for (const core::ModuleTypeId type : types) {
+    *out++ = bytes[type];
+  }
+  return out;
+}
+
+// a short name is a copy of fixed length: what is too much is overwritten
+char* ModuleSpelling::writeName(char* out, core::ModuleTypeId type) const {
+  const Name& name = names_[type];
+  if (name.size <= kNameBytes) [[likely]] {
+    std::memcpy(out, name.text.data(), kNameBytes);
+  } else {
+    const std::string_view whole = program_->nameOf(type);
+    whole.copy(out, whole.size());
+    if (name.arity > 0) {
+      out[whole.size()] = '(';
+    }
+  }
+  return out + name.size;
+}
+
+}  // namespace espalier::derivation
