@@ -189,6 +189,52 @@ test("a table of variations grows beside the plant, and a click takes one over",
   await page.close();
 });
 
+test("the environment has forms, is seen, and a solid that is dragged changes the plant", async () => {
+  const page = await open(`${running.address}/#gallery=roots-in-soil`);
+  const given = await page.evaluate(() => studio.document.environment);
+  assert.equal((await page.evaluate(() => studio.view.surroundings.figures())).solids, given[0].spheres.length + 1); // and the box of the grid
+  await page.click("#tab-Set-up");
+  // a setting from its schema: a wrong value is refused with words, a right one grows the plant again
+  await page.fill("#environment-0-cellSize", "1, 2");
+  await page.keyboard.press("Tab");
+  assert.equal(await page.textContent(".setting [role=alert]"), "Write 3 numbers.");
+  const before = await stringOf(page);
+  await page.fill("#environment-0-initialHead", "-0.3");
+  await page.keyboard.press("Tab");
+  await page.waitForFunction(() => studio.document.environment[0].initialHead === -0.3);
+  await shown(page);
+  const wetter = await stringOf(page);
+  assert.notEqual(wetter, before);
+  await keep(page, "studio-environment");
+
+  // the first stone, dragged
+  const place = await page.evaluate(() => {
+    const { left, top, width, height } = document.querySelector("#plant canvas").getBoundingClientRect();
+    for (let y = top + 5; y < top + height; y += 6) {
+      for (let x = left + 5; x < left + width; x += 6) {
+        if (studio.view.solidAt(x, y)?.solid.list === "spheres") {
+          return { x, y };
+        }
+      }
+    }
+    return null;
+  });
+  const stones = await page.evaluate(() => JSON.stringify(studio.document.environment[0].spheres));
+  await page.mouse.move(place.x, place.y);
+  await page.mouse.down();
+  await page.mouse.move(place.x + 10, place.y + 30, { steps: 4 });
+  await page.mouse.up();
+  await page.waitForFunction((old) => JSON.stringify(studio.document.environment[0].spheres) !== old, stones);
+  await shown(page);
+  assert.notEqual(await stringOf(page), wetter);
+  // one derivation at a time, however many moves
+  assert.equal(await page.evaluate(() => studio.counts.mostInFlight), 1);
+  await page.click("#show-queries");
+  await page.waitForFunction(() => studio.view.surroundings.figures().queries > 0);
+  await keep(page, "studio-queries");
+  await page.close();
+});
+
 test("a model is written, broken, and mended by its hint", async () => {
   const page = await open(`${running.address}/#gallery=classic-weed`);
   await page.click("#open-gallery");

@@ -11,6 +11,7 @@ import {
   Object3D,
   PCFShadowMap,
   PerspectiveCamera,
+  Plane,
   Raycaster,
   Scene,
   SRGBColorSpace,
@@ -26,6 +27,8 @@ import { boundsOf, pick } from "./measures.js";
 import { freeObject, texturesOf } from "./objects.js";
 import type { Picked } from "./measures.js";
 import { Organs } from "./organs.js";
+import { Surroundings } from "./surroundings.js";
+import type { Solid } from "./surroundings.js";
 import { Tubes } from "./tubes.js";
 
 const FIELD_OF_VIEW = 32;
@@ -35,6 +38,7 @@ export interface ViewSettings {
   mode: ColourMode;
   hasGround: boolean;
   hasShadows: boolean;
+  hasSurroundings: boolean;
   isDark: boolean;
 }
 
@@ -50,6 +54,8 @@ export class View {
   private readonly sun = new DirectionalLight(0xfff4e2, 2.4);
   private readonly sky = new HemisphereLight(0xf4f8ff, 0xb7ab92, 1.6);
   private readonly ground: Mesh<CircleGeometry, MeshStandardMaterial>;
+  readonly surroundings = new Surroundings();
+  private processes: unknown[] = [];
   private readonly tubes = new Tubes();
   private readonly organs = new Organs();
   private geometry: Geometry | null = null;
@@ -82,7 +88,7 @@ export class View {
       new MeshStandardMaterial({ roughness: 1, transparent: true, alphaMap: fadeTexture(), depthWrite: false }),
     );
     this.ground.receiveShadow = true;
-    this.scene.add(this.sun, this.sun.target, this.sky, this.ground, this.tubes.mesh, this.organs.mesh);
+    this.scene.add(this.sun, this.sun.target, this.sky, this.ground, this.tubes.mesh, this.organs.mesh, this.surroundings.group);
     this.camera.position.set(0, 2, 10);
     this.apply(settings);
     new ResizeObserver(() => this.resize()).observe(element);
@@ -97,6 +103,7 @@ export class View {
     this.scene.background = backgroundTexture(settings.isDark);
     this.ground.material.color = new Color(settings.isDark ? 0x39413a : 0xe9e7da);
     this.sky.intensity = settings.isDark ? 1.3 : 1.6;
+    this.surroundings.group.visible = settings.hasSurroundings;
     this.repaint();
     this.arrange();
   }
@@ -125,7 +132,23 @@ export class View {
     this.bounds = boundsOf(geometry);
     this.repaint();
     this.arrange();
+    this.surround(this.processes);
     this.fitGrown(isLast);
+  }
+
+  /** Shows what surrounds the plants: the processes of the environment. */
+  surround(processes: unknown[]): void {
+    this.processes = processes;
+    const box = this.bounds;
+    const radius = box.isEmpty() ? 1 : Math.max(box.getSize(new Vector3()).length() / 2, 1e-3);
+    this.surroundings.group.visible = this.settings.hasSurroundings;
+    this.surroundings.show(processes, box.isEmpty() ? new Vector3() : box.getCenter(new Vector3()), radius);
+    this.draw();
+  }
+
+  showQueries(found: Array<{ position: number[]; answer: number }> | null): void {
+    this.surroundings.showQueries(found);
+    this.draw();
   }
 
   /** Remembers in which step rows changed. */
@@ -296,12 +319,34 @@ export class View {
     this.draw();
   }
 
-  /** The module that drew the thing under a point of the page. */
-  pickAt(clientX: number, clientY: number): Picked | null {
+  private casterAt(clientX: number, clientY: number): Raycaster {
     const place = this.renderer.domElement.getBoundingClientRect();
     const point = new Vector2(((clientX - place.left) / place.width) * 2 - 1, 1 - ((clientY - place.top) / place.height) * 2);
     const caster = new Raycaster();
     caster.setFromCamera(point, this.camera);
+    return caster;
+  }
+
+  /** A solid under a point of the page, with a function that gives the way to another point; nothing when a plant is nearer. */
+  solidAt(clientX: number, clientY: number): { solid: Solid; wayTo: (clientX: number, clientY: number) => number[] } | null {
+    const found = this.surroundings.pick(this.casterAt(clientX, clientY));
+    const plant = this.pickAt(clientX, clientY);
+    if (!found || (plant && this.camera.position.distanceTo(new Vector3(...plant.position)) < found.distance)) {
+      return null;
+    }
+    // it moves in the plane that faces the camera
+    const facing = new Plane().setFromNormalAndCoplanarPoint(this.camera.getWorldDirection(new Vector3()), found.point);
+    const wayTo = (x: number, y: number) => {
+      const point = this.casterAt(x, y).ray.intersectPlane(facing, new Vector3());
+      return point ? point.sub(found.point).toArray() : [0, 0, 0];
+    };
+    return { solid: found.solid, wayTo };
+  }
+
+  /** The module that drew the thing under a point of the page. */
+  pickAt(clientX: number, clientY: number): Picked | null {
+    const place = this.renderer.domElement.getBoundingClientRect();
+    const caster = this.casterAt(clientX, clientY);
     const onePixel = (2 * Math.tan((FIELD_OF_VIEW * Math.PI) / 360)) / place.height;
     return this.geometry ? pick(this.geometry, caster.ray.origin, caster.ray.direction, onePixel) : null;
   }
