@@ -235,6 +235,40 @@ test("the environment has forms, is seen, and a solid that is dragged changes th
   await page.close();
 });
 
+test("the growth is saved as a film, and a photograph stands behind the plant at its scale", async () => {
+  const page = await open(`${running.address}/#gallery=classic-weed`);
+  const last = await page.evaluate(() => studio.step);
+  await page.click("#open-export");
+  const [film] = await Promise.all([page.waitForEvent("download"), page.click("#film")]);
+  const bytes = readFileSync(await film.path());
+  assert.equal(film.suggestedFilename(), "classic-weed.webm");
+  assert.equal(bytes.subarray(0, 4).toString("hex"), "1a45dfa3"); // EBML
+  assert.ok(bytes.length > 2000, `${bytes.length} bytes`);
+  assert.equal(await page.evaluate(() => studio.step), last);
+
+  await page.setInputFiles("#photograph", join(here, "../../gallery/textured-tree/textured-tree.png"));
+  await page.waitForFunction(() => document.querySelector("img.photograph")?.naturalWidth > 0);
+  const pixels = () => page.evaluate(() => document.querySelector("img.photograph").getBoundingClientRect().height);
+  const first = await pixels();
+  const height = Number(await page.inputValue("#photograph-height"));
+  await keep(page, "studio-photograph");
+  await page.fill("#photograph-height", String(height / 2));
+  await page.waitForFunction((before) => Math.abs(document.querySelector("img.photograph").getBoundingClientRect().height - before / 2) < 1, first);
+  const left = () => page.evaluate(() => document.querySelector("img.photograph").getBoundingClientRect().left);
+  const begin = await left();
+  const grip = await page.locator("#photograph-move").boundingBox();
+  await page.mouse.move(grip.x + 5, grip.y + 5);
+  await page.mouse.down();
+  await page.mouse.move(grip.x - 35, grip.y + 5, { steps: 4 });
+  await page.mouse.up();
+  await page.waitForFunction((from) => Math.abs(document.querySelector("img.photograph").getBoundingClientRect().left - (from - 40)) < 1.5, begin);
+  // it follows the camera
+  await page.mouse.move(400, 200);
+  await page.evaluate(() => { studio.view.camera.position.sub(studio.view.controls.target).multiplyScalar(2).add(studio.view.controls.target); studio.view.controls.update(); });
+  await page.waitForFunction((before) => document.querySelector("img.photograph").getBoundingClientRect().height < before * 0.3, first);
+  await page.close();
+});
+
 test("a model is written, broken, and mended by its hint", async () => {
   const page = await open(`${running.address}/#gallery=classic-weed`);
   await page.click("#open-gallery");

@@ -40,11 +40,13 @@ export function settingText(value: unknown, property: Property): string {
 
 function Setting({ id, name, property, value, onChange }: { id: string; name: string; property: Property; value: unknown; onChange: (value: unknown) => void }) {
   const [problem, setProblem] = useState("");
+  const [draft, setDraft] = useState<string | null>(null); // a text that is refused stays
   const shown = value ?? property.default;
   const unit = property.unit && property.unit !== "1" ? property.unit : "";
   const structured = (text: string) => {
     try {
       onChange(parseSetting(text, property));
+      setDraft(null);
       setProblem("");
     } catch (error) {
       setProblem((error as Error).message);
@@ -65,7 +67,7 @@ function Setting({ id, name, property, value, onChange }: { id: string; name: st
     field = <textarea id={id} rows={1} spellcheck={false} value={String(shown ?? "")} onChange={(event) => onChange(event.currentTarget.value)} />;
   } else {
     const text = settingText(shown, property);
-    field = <textarea id={id} rows={Math.min(text.split("\n").length, 8)} spellcheck={false} value={text} onChange={(event) => structured(event.currentTarget.value)} />;
+    field = <textarea id={id} rows={Math.min(text.split("\n").length, 8)} spellcheck={false} value={draft ?? text} onInput={(event) => setDraft(event.currentTarget.value)} onChange={(event) => structured(event.currentTarget.value)} />;
   }
   return (
     <div class={`setting ${value === undefined ? "" : "given"} ${isList ? "wide" : ""}`}>

@@ -5,6 +5,7 @@ import { View } from "../view/scene.js";
 import type { ColourMode } from "../view/colours.js";
 import { withMoved } from "../view/surroundings.js";
 import { IconButton } from "./icons.js";
+import { Photograph } from "./photograph.js";
 
 export const MODES: Array<[ColourMode, string]> = [
   ["model", "colours of the model"],
@@ -144,6 +145,7 @@ export function Stage({ studio, onPick }: { studio: Studio; onPick: () => void }
           <IconButton icon="fit" label="Show the whole plant (F)" onClick={() => studio.view!.fit()} />
         </div>
       )}
+      <Photograph studio={studio} />
       <LegendBox studio={studio} />
       <ScaleBar studio={studio} />
     </div>

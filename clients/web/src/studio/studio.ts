@@ -47,6 +47,7 @@ export class Studio {
   picked: (Picked & { explanation: string | null }) | null = null;
   palette: ModelPalette | null = null;
   view: View | null = null;
+  recording: AbortController | null = null; // of a film
   readonly extras = new Extras(this);
   held: Promise<void> | null = null; // frames wait for it
   /** Called when there is a connection, and when there is one again. */

@@ -65,6 +65,7 @@ export class View {
   private bounds = new Box3();
   private fitted: Box3 | null = null;
   private picked: { plant: number; module: number } | null = null;
+  private hasBackground = true;
   private isDrawing = false;
   private isTurned = false; // by a person, who does not want it turned back
   private other: Object3D | null = null; // an object of a file instead of the columns
@@ -73,7 +74,7 @@ export class View {
     readonly element: HTMLElement,
     public settings: ViewSettings,
   ) {
-    this.renderer = new WebGLRenderer({ antialias: true, preserveDrawingBuffer: true });
+    this.renderer = new WebGLRenderer({ antialias: true, alpha: true, preserveDrawingBuffer: true });
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     this.renderer.shadowMap.type = PCFShadowMap;
     element.append(this.renderer.domElement);
@@ -100,7 +101,7 @@ export class View {
     this.settings = settings;
     this.renderer.shadowMap.enabled = settings.hasShadows;
     this.sun.castShadow = settings.hasShadows;
-    this.scene.background = backgroundTexture(settings.isDark);
+    this.scene.background = this.hasBackground ? backgroundTexture(settings.isDark) : null;
     this.ground.material.color = new Color(settings.isDark ? 0x39413a : 0xe9e7da);
     this.sky.intensity = settings.isDark ? 1.3 : 1.6;
     this.surroundings.group.visible = settings.hasSurroundings;
@@ -361,6 +362,29 @@ export class View {
   unitsPerPixel(): number {
     const distance = this.camera.position.distanceTo(this.controls.target);
     return (2 * distance * Math.tan((FIELD_OF_VIEW * Math.PI) / 360)) / (this.element.clientHeight || 1);
+  }
+
+  /** With a background of its own, or with what lies behind the canvas. */
+  setBackground(isOwn: boolean): void {
+    if (this.hasBackground !== isOwn) {
+      this.hasBackground = isOwn;
+      this.apply(this.settings);
+    }
+  }
+
+  plantHeight(): number {
+    return this.bounds.isEmpty() ? 1 : Math.max(this.bounds.max.y - this.bounds.min.y, 1e-6);
+  }
+
+  /** Where on the canvas the plants stand, in pixels, and the world units of a pixel there. */
+  foot(): { x: number; y: number; unitsPerPixel: number } {
+    const centre = this.bounds.isEmpty() ? new Vector3() : this.bounds.getCenter(new Vector3());
+    const point = new Vector3(centre.x, this.bounds.isEmpty() ? 0 : this.bounds.min.y, centre.z);
+    const depth = -point.clone().applyMatrix4(this.camera.matrixWorldInverse).z;
+    const { clientWidth, clientHeight } = this.element;
+    point.project(this.camera);
+    const unitsPerPixel = (2 * Math.max(depth, 1e-9) * Math.tan((FIELD_OF_VIEW * Math.PI) / 360)) / (clientHeight || 1);
+    return { x: ((point.x + 1) / 2) * clientWidth, y: ((1 - point.y) / 2) * clientHeight, unitsPerPixel };
   }
 
   /** Figures for tests: draw calls of the last picture, bytes of a segment, what is shown. */
