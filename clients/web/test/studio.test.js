@@ -189,6 +189,86 @@ test("a table of variations grows beside the plant, and a click takes one over",
   await page.close();
 });
 
+test("the environment has forms, is seen, and a solid that is dragged changes the plant", async () => {
+  const page = await open(`${running.address}/#gallery=roots-in-soil`);
+  const given = await page.evaluate(() => studio.document.environment);
+  assert.equal((await page.evaluate(() => studio.view.surroundings.figures())).solids, given[0].spheres.length + 1); // and the box of the grid
+  await page.click("#tab-Set-up");
+  // a setting from its schema: a wrong value is refused with words, a right one grows the plant again
+  await page.fill("#environment-0-cellSize", "1, 2");
+  await page.keyboard.press("Tab");
+  assert.equal(await page.textContent(".setting [role=alert]"), "Write 3 numbers.");
+  const before = await stringOf(page);
+  await page.fill("#environment-0-initialHead", "-0.3");
+  await page.keyboard.press("Tab");
+  await page.waitForFunction(() => studio.document.environment[0].initialHead === -0.3);
+  await shown(page);
+  const wetter = await stringOf(page);
+  assert.notEqual(wetter, before);
+  await keep(page, "studio-environment");
+
+  // the first stone, dragged
+  const place = await page.evaluate(() => {
+    const { left, top, width, height } = document.querySelector("#plant canvas").getBoundingClientRect();
+    for (let y = top + 5; y < top + height; y += 6) {
+      for (let x = left + 5; x < left + width; x += 6) {
+        if (studio.view.solidAt(x, y)?.solid.list === "spheres") {
+          return { x, y };
+        }
+      }
+    }
+    return null;
+  });
+  const stones = await page.evaluate(() => JSON.stringify(studio.document.environment[0].spheres));
+  await page.mouse.move(place.x, place.y);
+  await page.mouse.down();
+  await page.mouse.move(place.x + 10, place.y + 30, { steps: 4 });
+  await page.mouse.up();
+  await page.waitForFunction((old) => JSON.stringify(studio.document.environment[0].spheres) !== old, stones);
+  await shown(page);
+  assert.notEqual(await stringOf(page), wetter);
+  // one derivation at a time, however many moves
+  assert.equal(await page.evaluate(() => studio.counts.mostInFlight), 1);
+  await page.click("#show-queries");
+  await page.waitForFunction(() => studio.view.surroundings.figures().queries > 0);
+  await keep(page, "studio-queries");
+  await page.close();
+});
+
+test("the growth is saved as a film, and a photograph stands behind the plant at its scale", async () => {
+  const page = await open(`${running.address}/#gallery=classic-weed`);
+  const last = await page.evaluate(() => studio.step);
+  await page.click("#open-export");
+  const [film] = await Promise.all([page.waitForEvent("download"), page.click("#film")]);
+  const bytes = readFileSync(await film.path());
+  assert.equal(film.suggestedFilename(), "classic-weed.webm");
+  assert.equal(bytes.subarray(0, 4).toString("hex"), "1a45dfa3"); // EBML
+  assert.ok(bytes.length > 2000, `${bytes.length} bytes`);
+  assert.equal(await page.evaluate(() => studio.step), last);
+
+  await page.setInputFiles("#photograph", join(here, "../../gallery/textured-tree/textured-tree.png"));
+  await page.waitForFunction(() => document.querySelector("img.photograph")?.naturalWidth > 0);
+  const pixels = () => page.evaluate(() => document.querySelector("img.photograph").getBoundingClientRect().height);
+  const first = await pixels();
+  const height = Number(await page.inputValue("#photograph-height"));
+  await keep(page, "studio-photograph");
+  await page.fill("#photograph-height", String(height / 2));
+  await page.waitForFunction((before) => Math.abs(document.querySelector("img.photograph").getBoundingClientRect().height - before / 2) < 1, first);
+  const left = () => page.evaluate(() => document.querySelector("img.photograph").getBoundingClientRect().left);
+  const begin = await left();
+  const grip = await page.locator("#photograph-move").boundingBox();
+  await page.mouse.move(grip.x + 5, grip.y + 5);
+  await page.mouse.down();
+  await page.mouse.move(grip.x - 35, grip.y + 5, { steps: 4 });
+  await page.mouse.up();
+  await page.waitForFunction((from) => Math.abs(document.querySelector("img.photograph").getBoundingClientRect().left - (from - 40)) < 1.5, begin);
+  // it follows the camera
+  await page.mouse.move(400, 200);
+  await page.evaluate(() => { studio.view.camera.position.sub(studio.view.controls.target).multiplyScalar(2).add(studio.view.controls.target); studio.view.controls.update(); });
+  await page.waitForFunction((before) => document.querySelector("img.photograph").getBoundingClientRect().height < before * 0.3, first);
+  await page.close();
+});
+
 test("a model is written, broken, and mended by its hint", async () => {
   const page = await open(`${running.address}/#gallery=classic-weed`);
   await page.click("#open-gallery");

@@ -3,6 +3,7 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import type { ComponentChildren } from "preact";
 import type { Studio } from "../studio/studio.js";
 import { download, packed } from "../studio/share.js";
+import { filmGrowth } from "../studio/film.js";
 import { newDocument } from "../studio/document.js";
 import { IconButton } from "./icons.js";
 
@@ -153,6 +154,17 @@ export function ShareDialog({ studio, onClose }: { studio: Studio; onClose: () =
   );
 }
 
+async function recordFilm(studio: Studio, name: string): Promise<void> {
+  const stop = new AbortController();
+  studio.recording = stop;
+  try {
+    download(`${name}.webm`, await filmGrowth(studio, stop.signal));
+  } finally {
+    studio.recording = null;
+    studio.changed();
+  }
+}
+
 const EXPORTS = [
   ["svg", "SVG: a drawing of lines"],
   ["png", "PNG: a picture by the server"],
@@ -167,6 +179,10 @@ const EXPORTS = [
 ];
 
 export function ExportDialog({ studio, onClose }: { studio: Studio; onClose: () => void }) {
+  const film = () => {
+    onClose();
+    void studio.act(() => recordFilm(studio, name));
+  };
   const name = studio.document.title.replace(/[^\w.-]+/g, "-").replace(/\.\w+$/, "");
   const save = (suffix: string) =>
     studio.act(async () => download(`${name}.${suffix}`, await studio.fetchFile(`/simulations/${studio.simulation!.id}/${name}.${suffix}`)));
@@ -181,6 +197,7 @@ export function ExportDialog({ studio, onClose }: { studio: Studio; onClose: () 
       <h3>The plant at step {studio.step}</h3>
       <div class="list">
         <button type="button" onClick={() => void (async () => download(`${name}.png`, await (await fetch(studio.view!.picture())).blob()))()}>The view as a picture</button>
+        <button type="button" id="film" disabled={!studio.simulation || !studio.isOwn || studio.step === 0} onClick={film}>WebM: a film of the growth</button>
         {EXPORTS.map(([suffix, label]) => (
           <button type="button" key={suffix} disabled={!studio.simulation} data-format={suffix} onClick={() => void save(suffix)}>{label}</button>
         ))}

@@ -3,6 +3,7 @@ import { useState } from "preact/hooks";
 import type { Studio } from "../studio/studio.js";
 import { guessedRange } from "../studio/document.js";
 import type { Define } from "../studio/document.js";
+import { EnvironmentForm } from "./environment_form.js";
 import { IconButton } from "./icons.js";
 import { Panels } from "./panel.js";
 
@@ -118,15 +119,12 @@ function SetUp({ studio }: { studio: Studio }) {
         <input id="seed" type="number" min={0} step={1} value={studio.seed} onChange={(event) => void studio.act(() => studio.setSeed(event.currentTarget.valueAsNumber))} />
         <IconButton icon="dice" label="Another seed (R)" onClick={() => void studio.act(() => studio.setSeed(Math.floor(Math.random() * 1e6)))} />
       </div>
-      <label for="environment">Environment <span class="quiet">(a name, or JSON)</span></label>
-      <textarea id="environment" rows={6} spellcheck={false} value={shown} placeholder='honda, or [{"type": "honda", "radius": 0.5}]' onInput={(event) => setText(event.currentTarget.value)} />
-      <div class="row">
+      <EnvironmentForm studio={studio} />
+      <details>
+        <summary>The environment as JSON</summary>
+        <textarea id="environment" rows={6} spellcheck={false} aria-label="Environment, a name or JSON" value={shown} placeholder='honda, or [{"type": "honda", "radius": 0.5}]' onInput={(event) => setText(event.currentTarget.value)} />
         <button type="button" id="use-environment" onClick={() => { setText(null); void studio.act(() => studio.setEnvironment(shown)); }}>Grow with it</button>
-        <select aria-label="Built-in environments" value="" onChange={(event) => setText(`[{"type": "${event.currentTarget.value}"}]`)}>
-          <option value="" disabled>built in …</option>
-          {studio.environments.map(({ name, description }) => <option key={name} value={name} title={description}>{name}</option>)}
-        </select>
-      </div>
+      </details>
       <label class="check">
         <input type="checkbox" checked={studio.isLive} onChange={(event) => { studio.isLive = event.currentTarget.checked; studio.changed(); }} />
         Grow the plant again when the text changes

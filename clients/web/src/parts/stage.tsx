@@ -3,7 +3,9 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import type { Studio } from "../studio/studio.js";
 import { View } from "../view/scene.js";
 import type { ColourMode } from "../view/colours.js";
+import { withMoved } from "../view/surroundings.js";
 import { IconButton } from "./icons.js";
+import { Photograph } from "./photograph.js";
 
 export const MODES: Array<[ColourMode, string]> = [
   ["model", "colours of the model"],
@@ -18,7 +20,7 @@ export const MODES: Array<[ColourMode, string]> = [
 
 export function setMode(studio: Studio, mode: ColourMode): void {
   studio.view?.apply({ ...studio.view.settings, mode });
-  void studio.setTableWanted(mode.startsWith("parameter"));
+  void studio.extras.setTableWanted(mode.startsWith("parameter"));
   studio.changed();
 }
 
@@ -41,8 +43,38 @@ function ScaleBar({ studio }: { studio: Studio }) {
   );
 }
 
+/** The server sends the queries of a step when it happens: the last step happens again. */
+async function showQueries(studio: Studio, isShown: boolean): Promise<void> {
+  await studio.extras.setQueriesShown(isShown);
+  const { step } = studio;
+  if (isShown && studio.isOwn && step > 0 && !studio.isRunning) {
+    await studio.goTo(step - 1);
+    await studio.goTo(step);
+  }
+}
+
+/** A solid of the environment follows the mouse; the plant grows again around it. */
+function dragSolids(studio: Studio, view: View): void {
+  view.element.addEventListener("pointerdown", (event) => {
+    const found = event.button === 0 && studio.isOwn && studio.simulation ? view.solidAt(event.clientX, event.clientY) : null;
+    if (!found) {
+      return;
+    }
+    // before the camera's own listener
+    view.controls.enabled = false;
+    const processes = studio.document.environment ?? [];
+    const move = ({ clientX, clientY }: PointerEvent) => void studio.act(() => studio.setProcesses(withMoved(processes, found.solid, found.wayTo(clientX, clientY))));
+    const end = () => {
+      view.controls.enabled = true;
+      removeEventListener("pointermove", move);
+    };
+    addEventListener("pointermove", move);
+    addEventListener("pointerup", end, { once: true });
+  }, true);
+}
+
 function LegendBox({ studio }: { studio: Studio }) {
-  const legend = studio.view?.legend;
+  const legend = studio.view?.legend ?? (studio.extras.areQueriesShown ? studio.view?.surroundings.legend : null);
   if (!legend) {
     return null;
   }
@@ -68,10 +100,11 @@ export function Stage({ studio, onPick }: { studio: Studio; onPick: () => void }
   useEffect(() => {
     try {
       const isDark = document.documentElement.dataset.theme === "dark";
-      const view = new View(place.current!, { mode: "model", hasGround: true, hasShadows: true, isDark });
+      const view = new View(place.current!, { mode: "model", hasGround: true, hasShadows: true, hasSurroundings: true, isDark });
       studio.view = view;
       let down = [0, 0];
       const canvas = view.renderer.domElement;
+      dragSolids(studio, view);
       canvas.addEventListener("pointerdown", (event) => (down = [event.clientX, event.clientY]));
       canvas.addEventListener("pointerup", (event) => {
         if (event.button === 0 && Math.hypot(event.clientX - down[0], event.clientY - down[1]) < 4) {
@@ -88,7 +121,10 @@ export function Stage({ studio, onPick }: { studio: Studio; onPick: () => void }
       setProblem(`This page cannot draw: WebGL is not available (${(error as Error).message}).`);
     }
   }, []);
+  const { environment } = studio.document;
+  useEffect(() => studio.view?.surround(studio.isOwn ? (environment ?? []) : []), [environment, studio.isOwn]);
   const settings = studio.view?.settings;
+  const figures = studio.view?.surroundings.figures();
   return (
     <div class="stage">
       <div id="plant" ref={place} role="img" aria-label={`The plant at step ${studio.step}`} />
@@ -100,9 +136,16 @@ export function Stage({ studio, onPick }: { studio: Studio; onPick: () => void }
           </select>
           <label class="chip"><input type="checkbox" checked={settings.hasShadows} onChange={(event) => { studio.view!.apply({ ...settings, hasShadows: event.currentTarget.checked }); studio.changed(); }} />shadows</label>
           <label class="chip"><input type="checkbox" checked={settings.hasGround} onChange={(event) => { studio.view!.apply({ ...settings, hasGround: event.currentTarget.checked }); studio.changed(); }} />ground</label>
+          {figures && figures.solids > 0 && (
+            <label class="chip" title="What surrounds the plant. Drag a solid to move it."><input type="checkbox" checked={settings.hasSurroundings} onChange={(event) => { studio.view!.apply({ ...settings, hasSurroundings: event.currentTarget.checked }); studio.changed(); }} />surroundings</label>
+          )}
+          {studio.statistics.some(({ queries }) => queries > 0) && (
+            <label class="chip" title="Where the last step asked the environment, coloured by the answer"><input id="show-queries" type="checkbox" checked={studio.extras.areQueriesShown} onChange={(event) => { const { checked } = event.currentTarget; void studio.act(() => showQueries(studio, checked)); }} />queries</label>
+          )}
           <IconButton icon="fit" label="Show the whole plant (F)" onClick={() => studio.view!.fit()} />
         </div>
       )}
+      <Photograph studio={studio} />
       <LegendBox studio={studio} />
       <ScaleBar studio={studio} />
     </div>

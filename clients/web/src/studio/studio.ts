@@ -4,12 +4,14 @@ import type { Client, Diagnostic, Information, Simulation, Statistics, Stream } 
 import type { View } from "../view/scene.js";
 import type { ModelPalette } from "../view/colours.js";
 import type { Picked } from "../view/measures.js";
-import { freeObject, readObject } from "../view/objects.js";
-import { definesOfDocument, fileOf, hasTextures, modelOf, newDocument, numberText } from "./document.js";
+import { definesOfDocument, fileOf, modelOf, newDocument, numberText } from "./document.js";
 import type { Define, Document } from "./document.js";
+import { Extras } from "./extras.js";
 import { History } from "./history.js";
 import { folderPalette } from "./palette.js";
+import { readWatched } from "./watched.js";
 import { unpacked } from "./share.js";
+import type { Connection, EnvironmentEntry, GalleryEntry } from "./types.js";
 
 const CHECK_MILLISECONDS = 250;
 const LIST_MILLISECONDS = 2500;
@@ -19,18 +21,11 @@ const MOST_RUN = 1_000_000;
 // of frames that are not shown
 const PATIENCE_MILLISECONDS = 800;
 
-export type Connection = "connecting" | "connected" | "lost" | "token" | "failed";
-
-export interface GalleryEntry {
-  name: string;
-  picture: string | null;
-}
-
 export class Studio {
   connection: Connection = "connecting";
   server = "";
   gallery: GalleryEntry[] = [];
-  environments: Array<{ name: string; description?: string }> = [];
+  environments: EnvironmentEntry[] = [];
   simulations: Information[] = [];
 
   document: Document = newDocument();
@@ -52,6 +47,9 @@ export class Studio {
   picked: (Picked & { explanation: string | null }) | null = null;
   palette: ModelPalette | null = null;
   view: View | null = null;
+  recording: AbortController | null = null; // of a film
+  readonly extras = new Extras(this);
+  held: Promise<void> | null = null; // frames wait for it
   /** Called when there is a connection, and when there is one again. */
   onConnected: () => void = () => {};
 
@@ -62,11 +60,10 @@ export class Studio {
   private token = "";
   private readonly history = new History();
   private readonly listeners = new Set<() => void>();
-  private streams: Array<Stream<"columns"> | Stream<"statistics"> | Stream<"turtle"> | Stream<"glb">> = [];
+  private streams: Array<Stream<"columns"> | Stream<"statistics">> = [];
   private work: Promise<void> = Promise.resolve(); // requests that change the simulation, one after the other
   private wanted: { values: Record<string, number>; isFinal: boolean } | null = null;
   private wantedStep: number | null = null;
-  private held: Promise<void> | null = null; // frames wait for it
   private checking = 0;
   private shownTitle = "";
   private isFollowing = false; // builds after each of many changes
@@ -99,7 +96,7 @@ export class Studio {
     this.changed();
   }
 
-  private fail(error: unknown): void {
+  fail(error: unknown): void {
     const { message } = error as Error;
     if (error instanceof ServerError && error.data.diagnostics) {
       this.diagnostics = error.data.diagnostics as Diagnostic[];
@@ -158,7 +155,7 @@ export class Studio {
     this.server = this.client.hello.server;
     const [{ entries, pictures }, { environments }] = await Promise.all([this.client.gallery(), this.client.call("environment.list", {})]);
     this.gallery = entries.map((name) => ({ name, picture: pictures[name] ?? null }));
-    this.environments = environments as unknown as Studio["environments"];
+    this.environments = environments as EnvironmentEntry[];
     this.onConnected();
     await this.list();
   }
@@ -240,8 +237,12 @@ export class Studio {
   }
 
   /** Many changes in a row, as by a drag: the plant of the newest text is grown, never two at a time. */
-  async editContinuously(file: string, text: string): Promise<void> {
-    this.document = { ...this.document, files: { ...this.document.files, [file]: text }, gallery: null };
+  editContinuously(file: string, text: string): Promise<void> {
+    return this.follow({ files: { ...this.document.files, [file]: text } });
+  }
+
+  private async follow(changes: Partial<Document>): Promise<void> {
+    this.document = { ...this.document, ...changes, gallery: null };
     this.isChanged = true;
     this.isNewer = true;
     this.changed();
@@ -272,9 +273,12 @@ export class Studio {
 
   setEnvironment(text: string): void {
     const trimmed = text.trim();
-    const environment = trimmed === "" ? null : /^[[{]/.test(trimmed) ? [JSON.parse(trimmed)].flat() : [{ type: trimmed }];
-    this.document = { ...this.document, environment, gallery: null };
-    void this.act(() => this.build(this.step));
+    void this.setProcesses(trimmed === "" ? null : /^[[{]/.test(trimmed) ? [JSON.parse(trimmed)].flat() : [{ type: trimmed }]);
+  }
+
+  /** The processes of the environment; null: none. The plant grows again among them. */
+  setProcesses(environment: unknown[] | null): Promise<void> {
+    return this.follow({ environment });
   }
 
   /** Compiles the text a moment after the last change, and grows the plant when it is right. */
@@ -345,21 +349,11 @@ export class Studio {
   /** Shows a simulation that another program made. */
   async watch(id: string): Promise<void> {
     const simulation = this.client.simulation(id);
-    const { model } = await simulation.get("model");
-    const { main, files } = model as { main: string; files: Record<string, string> };
-    const short = (name: string) => name.split("/").pop()!;
-    const information = (await simulation.get("information")).information!;
+    const { document, information } = await readWatched(simulation);
     this.seed = information.seed;
-    this.document = {
-      title: information.name,
-      main: short(main),
-      files: Object.fromEntries(Object.entries(files).map(([name, text]) => [short(name), text])),
-      binary: {},
-      environment: null,
-      gallery: null,
-    };
+    this.document = document;
     this.isChanged = false;
-    this.openFile = fileOf(short(main));
+    this.openFile = fileOf(document.main);
     await this.inTurn(() => this.show(simulation, false, true, information));
   }
 
@@ -387,13 +381,7 @@ export class Studio {
     this.streams = [statistics, columns];
     void this.readStatistics(statistics);
     void this.readColumns(columns);
-    this.view?.showObject(null);
-    if (hasTextures(this.document)) {
-      // columns have no textures: the plant comes as a mesh too
-      const objects = await simulation.stream("glb", { credits: 1 });
-      this.streams.push(objects);
-      void this.readObjects(objects).catch((error) => this.fail(error));
-    }
+    await this.extras.follow(simulation);
     this.changed();
   }
 
@@ -428,21 +416,6 @@ export class Studio {
       await new Promise((drawn) => requestAnimationFrame(drawn));
     }
     this.ended(stream);
-  }
-
-  private async readObjects(stream: Stream<"glb">): Promise<void> {
-    for await (const { glb, step } of stream) {
-      const object = await readObject(glb.slice().buffer);
-      if (this.held) {
-        await this.held;
-      }
-      // not a state on the way to the wanted one
-      if (this.streams.includes(stream) && (this.isRunning || step === this.step)) {
-        this.view?.showObject(object, step);
-      } else {
-        freeObject(object);
-      }
-    }
   }
 
   private ended(stream: Stream<"statistics"> | Stream<"columns">): void {
@@ -669,23 +642,5 @@ export class Studio {
   async deleteSimulation(id: string): Promise<void> {
     await this.client.call("simulation.delete", { simulation: id });
     await this.list();
-  }
-
-  /** Colours by parameter need the parameters of the modules: a second stream, only as long as they are shown. */
-  async setTableWanted(isWanted: boolean): Promise<void> {
-    const open = this.streams.find((stream) => stream.kind === "turtle");
-    if (isWanted && !open && this.simulation) {
-      const stream = await this.simulation.stream("turtle", { credits: 1 });
-      this.streams.push(stream);
-      void (async () => {
-        for await (const { turtle } of stream) {
-          this.view?.setTable(turtle);
-          this.changed();
-        }
-      })();
-    } else if (!isWanted && open) {
-      await open.close();
-      this.streams = this.streams.filter((stream) => stream !== open);
-    }
   }
 }

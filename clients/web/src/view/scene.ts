@@ -11,6 +11,7 @@ import {
   Object3D,
   PCFShadowMap,
   PerspectiveCamera,
+  Plane,
   Raycaster,
   Scene,
   SRGBColorSpace,
@@ -26,6 +27,8 @@ import { boundsOf, pick } from "./measures.js";
 import { freeObject, texturesOf } from "./objects.js";
 import type { Picked } from "./measures.js";
 import { Organs } from "./organs.js";
+import { Surroundings } from "./surroundings.js";
+import type { Solid } from "./surroundings.js";
 import { Tubes } from "./tubes.js";
 
 const FIELD_OF_VIEW = 32;
@@ -35,6 +38,7 @@ export interface ViewSettings {
   mode: ColourMode;
   hasGround: boolean;
   hasShadows: boolean;
+  hasSurroundings: boolean;
   isDark: boolean;
 }
 
@@ -50,6 +54,8 @@ export class View {
   private readonly sun = new DirectionalLight(0xfff4e2, 2.4);
   private readonly sky = new HemisphereLight(0xf4f8ff, 0xb7ab92, 1.6);
   private readonly ground: Mesh<CircleGeometry, MeshStandardMaterial>;
+  readonly surroundings = new Surroundings();
+  private processes: unknown[] = [];
   private readonly tubes = new Tubes();
   private readonly organs = new Organs();
   private geometry: Geometry | null = null;
@@ -59,6 +65,7 @@ export class View {
   private bounds = new Box3();
   private fitted: Box3 | null = null;
   private picked: { plant: number; module: number } | null = null;
+  private hasBackground = true;
   private isDrawing = false;
   private isTurned = false; // by a person, who does not want it turned back
   private other: Object3D | null = null; // an object of a file instead of the columns
@@ -67,7 +74,7 @@ export class View {
     readonly element: HTMLElement,
     public settings: ViewSettings,
   ) {
-    this.renderer = new WebGLRenderer({ antialias: true, preserveDrawingBuffer: true });
+    this.renderer = new WebGLRenderer({ antialias: true, alpha: true, preserveDrawingBuffer: true });
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     this.renderer.shadowMap.type = PCFShadowMap;
     element.append(this.renderer.domElement);
@@ -82,7 +89,7 @@ export class View {
       new MeshStandardMaterial({ roughness: 1, transparent: true, alphaMap: fadeTexture(), depthWrite: false }),
     );
     this.ground.receiveShadow = true;
-    this.scene.add(this.sun, this.sun.target, this.sky, this.ground, this.tubes.mesh, this.organs.mesh);
+    this.scene.add(this.sun, this.sun.target, this.sky, this.ground, this.tubes.mesh, this.organs.mesh, this.surroundings.group);
     this.camera.position.set(0, 2, 10);
     this.apply(settings);
     new ResizeObserver(() => this.resize()).observe(element);
@@ -94,9 +101,10 @@ export class View {
     this.settings = settings;
     this.renderer.shadowMap.enabled = settings.hasShadows;
     this.sun.castShadow = settings.hasShadows;
-    this.scene.background = backgroundTexture(settings.isDark);
+    this.scene.background = this.hasBackground ? backgroundTexture(settings.isDark) : null;
     this.ground.material.color = new Color(settings.isDark ? 0x39413a : 0xe9e7da);
     this.sky.intensity = settings.isDark ? 1.3 : 1.6;
+    this.surroundings.group.visible = settings.hasSurroundings;
     this.repaint();
     this.arrange();
   }
@@ -125,7 +133,23 @@ export class View {
     this.bounds = boundsOf(geometry);
     this.repaint();
     this.arrange();
+    this.surround(this.processes);
     this.fitGrown(isLast);
+  }
+
+  /** Shows what surrounds the plants: the processes of the environment. */
+  surround(processes: unknown[]): void {
+    this.processes = processes;
+    const box = this.bounds;
+    const radius = box.isEmpty() ? 1 : Math.max(box.getSize(new Vector3()).length() / 2, 1e-3);
+    this.surroundings.group.visible = this.settings.hasSurroundings;
+    this.surroundings.show(processes, box.isEmpty() ? new Vector3() : box.getCenter(new Vector3()), radius);
+    this.draw();
+  }
+
+  showQueries(found: Array<{ position: number[]; answer: number }> | null): void {
+    this.surroundings.showQueries(found);
+    this.draw();
   }
 
   /** Remembers in which step rows changed. */
@@ -296,12 +320,34 @@ export class View {
     this.draw();
   }
 
-  /** The module that drew the thing under a point of the page. */
-  pickAt(clientX: number, clientY: number): Picked | null {
+  private casterAt(clientX: number, clientY: number): Raycaster {
     const place = this.renderer.domElement.getBoundingClientRect();
     const point = new Vector2(((clientX - place.left) / place.width) * 2 - 1, 1 - ((clientY - place.top) / place.height) * 2);
     const caster = new Raycaster();
     caster.setFromCamera(point, this.camera);
+    return caster;
+  }
+
+  /** A solid under a point of the page, with a function that gives the way to another point; nothing when a plant is nearer. */
+  solidAt(clientX: number, clientY: number): { solid: Solid; wayTo: (clientX: number, clientY: number) => number[] } | null {
+    const found = this.surroundings.pick(this.casterAt(clientX, clientY));
+    const plant = this.pickAt(clientX, clientY);
+    if (!found || (plant && this.camera.position.distanceTo(new Vector3(...plant.position)) < found.distance)) {
+      return null;
+    }
+    // it moves in the plane that faces the camera
+    const facing = new Plane().setFromNormalAndCoplanarPoint(this.camera.getWorldDirection(new Vector3()), found.point);
+    const wayTo = (x: number, y: number) => {
+      const point = this.casterAt(x, y).ray.intersectPlane(facing, new Vector3());
+      return point ? point.sub(found.point).toArray() : [0, 0, 0];
+    };
+    return { solid: found.solid, wayTo };
+  }
+
+  /** The module that drew the thing under a point of the page. */
+  pickAt(clientX: number, clientY: number): Picked | null {
+    const place = this.renderer.domElement.getBoundingClientRect();
+    const caster = this.casterAt(clientX, clientY);
     const onePixel = (2 * Math.tan((FIELD_OF_VIEW * Math.PI) / 360)) / place.height;
     return this.geometry ? pick(this.geometry, caster.ray.origin, caster.ray.direction, onePixel) : null;
   }
@@ -316,6 +362,29 @@ export class View {
   unitsPerPixel(): number {
     const distance = this.camera.position.distanceTo(this.controls.target);
     return (2 * distance * Math.tan((FIELD_OF_VIEW * Math.PI) / 360)) / (this.element.clientHeight || 1);
+  }
+
+  /** With a background of its own, or with what lies behind the canvas. */
+  setBackground(isOwn: boolean): void {
+    if (this.hasBackground !== isOwn) {
+      this.hasBackground = isOwn;
+      this.apply(this.settings);
+    }
+  }
+
+  plantHeight(): number {
+    return this.bounds.isEmpty() ? 1 : Math.max(this.bounds.max.y - this.bounds.min.y, 1e-6);
+  }
+
+  /** Where on the canvas the plants stand, in pixels, and the world units of a pixel there. */
+  foot(): { x: number; y: number; unitsPerPixel: number } {
+    const centre = this.bounds.isEmpty() ? new Vector3() : this.bounds.getCenter(new Vector3());
+    const point = new Vector3(centre.x, this.bounds.isEmpty() ? 0 : this.bounds.min.y, centre.z);
+    const depth = -point.clone().applyMatrix4(this.camera.matrixWorldInverse).z;
+    const { clientWidth, clientHeight } = this.element;
+    point.project(this.camera);
+    const unitsPerPixel = (2 * Math.max(depth, 1e-9) * Math.tan((FIELD_OF_VIEW * Math.PI) / 360)) / (clientHeight || 1);
+    return { x: ((point.x + 1) / 2) * clientWidth, y: ((1 - point.y) / 2) * clientHeight, unitsPerPixel };
   }
 
   /** Figures for tests: draw calls of the last picture, bytes of a segment, what is shown. */

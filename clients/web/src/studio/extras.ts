@@ -1,0 +1,80 @@
+// Streams that only some pages need: parameters for colours, queries, meshes with textures.
+import type { Contents, FrameOf, Kind, Simulation } from "espalier";
+import { freeObject, readObject } from "../view/objects.js";
+import { hasTextures } from "./document.js";
+import type { Studio } from "./studio.js";
+
+type QueryTexts = Contents["queries"]["queries"];
+type ReplyTexts = Contents["queries"]["replies"];
+
+/** Places of the queries of a step, each with the first number of its answer. */
+function answered(queries: QueryTexts, replies: ReplyTexts): Array<{ position: number[]; answer: number }> {
+  const answers = new Map((replies ?? []).map(({ id, parameters }) => [id, parameters?.find((value) => typeof value === "number")]));
+  return (queries ?? []).filter(({ position }) => position?.length === 3).map(({ id, position }) => ({ position: position!, answer: answers.get(id) ?? NaN }));
+}
+
+export class Extras {
+  areQueriesShown = false;
+  private simulation: Simulation | null = null;
+  private open = new Map<Kind, { close(): Promise<void> }>();
+
+  constructor(private readonly studio: Studio) {}
+
+  /** Another simulation is shown. */
+  async follow(simulation: Simulation): Promise<void> {
+    await Promise.all([...this.open.values()].map((stream) => stream.close()));
+    this.open.clear();
+    this.simulation = simulation;
+    const { view, document } = this.studio;
+    view?.showObject(null);
+    view?.showQueries(null);
+    await this.setTableWanted(view?.settings.mode.startsWith("parameter") ?? false);
+    await this.setQueriesShown(this.areQueriesShown);
+    // columns have no textures: the plant comes as a mesh too
+    await this.want("glb", hasTextures(document), (frame) => this.showMesh(frame));
+  }
+
+  /** Colours by parameter need the parameters of the modules. */
+  setTableWanted(isWanted: boolean): Promise<void> {
+    return this.want("turtle", isWanted, ({ turtle }) => this.studio.view?.setTable(turtle));
+  }
+
+  /** Shows where the last step asked, and the answers. */
+  async setQueriesShown(isShown: boolean): Promise<void> {
+    this.areQueriesShown = isShown;
+    if (!isShown) {
+      this.studio.view?.showQueries(null);
+    }
+    await this.want("queries", isShown, ({ queries, replies }) => this.studio.view?.showQueries(answered(queries, replies)));
+    this.studio.changed();
+  }
+
+  private async want<K extends Kind>(kind: K, isWanted: boolean, show: (frame: FrameOf<K>) => void | Promise<void>): Promise<void> {
+    const open = this.open.get(kind);
+    if (isWanted && !open && this.simulation) {
+      const stream = await this.simulation.stream(kind, { credits: 1 });
+      this.open.set(kind, stream);
+      void (async () => {
+        for await (const frame of stream) {
+          await show(frame);
+          this.studio.changed();
+        }
+      })().catch((error) => this.studio.fail(error));
+    } else if (!isWanted && open) {
+      this.open.delete(kind);
+      await open.close();
+    }
+  }
+
+  private async showMesh({ glb, step, simulation }: FrameOf<"glb">): Promise<void> {
+    const object = await readObject(glb.slice().buffer);
+    const { studio } = this;
+    await studio.held;
+    // not a state on the way to the wanted one
+    if (simulation === this.simulation?.id && (studio.isRunning || step === studio.step)) {
+      studio.view?.showObject(object, step);
+    } else {
+      freeObject(object);
+    }
+  }
+}
