@@ -268,6 +268,11 @@ asio::awaitable<void> PeerConnection::handOnWorker(Decode decode) {
   }
 }
 
+asio::awaitable<void> PeerConnection::giveWay() {
+  co_await asio::post(executor_, asio::use_awaitable);
+  beginTurn();
+}
+
 void PeerConnection::changeOutbox(std::int64_t bytes) {
   outboxBytes_ += static_cast<std::size_t>(bytes);
   if (account_ != nullptr) {

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <boost/asio.hpp>
+#include <chrono>
 #include <deque>
 #include <functional>
 #include <memory>
@@ -84,6 +85,11 @@ class PeerConnection : public Connection, public std::enable_shared_from_this<Pe
   }
   /// `isMoreToCome`: the bytes of another message are there.
   void hand(const protocol::MessageReader::Read& read, bool isMoreToCome = false);
+  /// This peer has had the network thread for as long as others can wait. The reader then awaits giveWay().
+  [[nodiscard]] bool isTurnOver() const { return std::chrono::steady_clock::now() - turnBegin_ > kTurn; }
+  /// Other connections take their turns; then this one's next turn begins.
+  asio::awaitable<void> giveWay();
+  void beginTurn() { turnBegin_ = std::chrono::steady_clock::now(); }
   /// Messages of more bytes are handed on by handOnWorker().
   static constexpr std::size_t kBigMessage = 65'536;
   /// `problem` receives why the framing is lost. Nothing: there is no message.
@@ -103,6 +109,10 @@ class PeerConnection : public Connection, public std::enable_shared_from_this<Pe
 
  private:
   struct BigMessage;
+
+  /// How long messages of one peer are handled while others wait. With a thousand busy peers each waits a fifth of a
+  /// second.
+  static constexpr std::chrono::microseconds kTurn{200};
 
   /// After a message: the peer may have said hello.
   void noteGreeting();
@@ -133,6 +143,7 @@ class PeerConnection : public Connection, public std::enable_shared_from_this<Pe
   std::size_t heldBytes_ = 0;      // hold()
   Account* account_ = nullptr;     // of the peer, once it has said hello
   std::int64_t countedBytes_ = 0;  // of heldBytes_, in the account
+  std::chrono::steady_clock::time_point turnBegin_{};
   bool isAdmitted_ = false;
   bool isBeating_ = false;  // heartbeats have begun: the peer was greeted
   bool wasHeard_ = false;   // since the last heartbeat

@@ -42,6 +42,7 @@ class StreamConnection final : public PeerConnection {
       co_return true;
     }
     reader_.feed({bytes_->data(), count});
+    beginTurn();
     while (isReading() && !reader_.lost()) {
       if (reader_.nextLineBytes() > kBigMessage) {
         co_await handOnWorker([this](std::optional<protocol::Error>&) { return reader_.next(); });
@@ -53,6 +54,9 @@ class StreamConnection final : public PeerConnection {
       }
       hand(*read, reader_.hasPartialMessage());
       adoptTerms();
+      if (isTurnOver()) {
+        co_await giveWay();
+      }
     }
     if (reader_.lost()) {
       lose(*reader_.lost());

@@ -64,11 +64,19 @@ void SimulationRunner::publishInformation() {
 protocol::SimulationInformation SimulationRunner::information() const {
   const std::lock_guard lock(mutex_);
   auto information = information_;
-  // a request for this information is a command too, and no step
-  const auto isStepping = [](const auto& command) { return command->lane == Lane::Step && !command->isAnswered; };
-  information.isRunning =
-      (current_ != nullptr && isStepping(current_)) || std::any_of(queue_.begin(), queue_.end(), isStepping);
+  information.isRunning = hasSteps();
   return information;
+}
+
+bool SimulationRunner::isRunning() const {
+  const std::lock_guard lock(mutex_);
+  return hasSteps();
+}
+
+bool SimulationRunner::hasSteps() const {
+  // a request for information is a command too, and no step
+  const auto isStepping = [](const auto& command) { return command->lane == Lane::Step && !command->isAnswered; };
+  return (current_ != nullptr && isStepping(current_)) || std::any_of(queue_.begin(), queue_.end(), isStepping);
 }
 
 void SimulationRunner::publishEndOf(Command& command) {

@@ -59,16 +59,11 @@ void runMetered(Session& session, const protocol::MessageId& id, const std::func
 
 }  // namespace
 
-void runOnWorker(const Request& request, std::function<void(const Request&)> work,
-                 std::shared_ptr<Interruption> interruption) {
+namespace {
+
+void postWork(const Request& request, std::function<void(const Request&)> work,
+              std::shared_ptr<Interruption> interruption) {
   Session& session = request.session;
-  if (const auto problem = session.account().cpuProblem()) {
-    session.respondError(request.id, *problem);
-    return;
-  }
-  if (interruption == nullptr) {
-    interruption = std::make_shared<Interruption>();
-  }
   session.onCancel(request.id, [interruption] { interruption->interrupt(Interruption::Reason::Cancelled); });
   WorkerPool::Task task;
   task.owner = session.id();
@@ -80,6 +75,22 @@ void runOnWorker(const Request& request, std::function<void(const Request&)> wor
     }
   };
   session.core().pool().post(std::move(task));
+}
+
+}  // namespace
+
+void runOnWorker(const Request& request, std::function<void(const Request&)> work,
+                 std::shared_ptr<Interruption> interruption) {
+  if (const auto problem = request.session.account().cpuProblem()) {
+    request.session.respondError(request.id, *problem);
+    return;
+  }
+  postWork(request, std::move(work),
+           interruption != nullptr ? std::move(interruption) : std::make_shared<Interruption>());
+}
+
+void readOnWorker(const Request& request, std::function<void(const Request&)> work) {
+  postWork(request, std::move(work), std::make_shared<Interruption>());
 }
 
 namespace {
