@@ -73,7 +73,7 @@ class WebSocketConnection final : public PeerConnection {
     } else if (isReading()) {
       std::optional<protocol::Error> problem;
       if (const auto read = decode(problem)) {
-        hand(*read);
+        hand(*read, buffer_.size());
       } else {
         lose(*problem);
       }

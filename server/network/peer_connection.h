@@ -19,6 +19,8 @@
 
 namespace espalier::server {
 
+class TurnMeter;
+
 // Only for the files that know the network library: network.cpp, listener.cpp, peer_connection.cpp, http.cpp.
 
 namespace asio = boost::asio;
@@ -83,8 +85,8 @@ class PeerConnection : public Connection, public std::enable_shared_from_this<Pe
     core_->metrics.bytesReceived += receivedBytes;
     wasHeard_ = true;
   }
-  /// `isMoreToCome`: the bytes of another message are there.
-  void hand(const protocol::MessageReader::Read& read, bool isMoreToCome = false);
+  /// `bytes`: of the message. `isMoreToCome`: the bytes of another one are there.
+  void hand(const protocol::MessageReader::Read& read, std::size_t bytes, bool isMoreToCome = false);
   /// This peer has had the network thread for as long as others can wait. The reader then awaits giveWay().
   [[nodiscard]] bool isTurnOver() const { return std::chrono::steady_clock::now() - turnBegin_ > kTurn; }
   /// Other connections take their turns; then this one's next turn begins.
@@ -117,6 +119,7 @@ class PeerConnection : public Connection, public std::enable_shared_from_this<Pe
   /// After a message: the peer may have said hello.
   void noteGreeting();
   [[nodiscard]] std::shared_ptr<BigMessage> postToWorker(Decode decode);
+  static void decodeAndHandle(BigMessage& message, const TurnMeter& meter);
   void changeOutbox(std::int64_t bytes);
   /// Why the account cannot hold so many bytes that are not decoded, or nothing.
   [[nodiscard]] std::optional<protocol::Error> countHeld(std::size_t bytes);

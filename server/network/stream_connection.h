@@ -44,7 +44,8 @@ class StreamConnection final : public PeerConnection {
     reader_.feed({bytes_->data(), count});
     beginTurn();
     while (isReading() && !reader_.lost()) {
-      if (reader_.nextLineBytes() > kBigMessage) {
+      const std::size_t bytes = reader_.nextLineBytes();
+      if (bytes > kBigMessage) {
         co_await handOnWorker([this](std::optional<protocol::Error>&) { return reader_.next(); });
         continue;
       }
@@ -52,7 +53,7 @@ class StreamConnection final : public PeerConnection {
       if (!read) {
         break;
       }
-      hand(*read, reader_.hasPartialMessage());
+      hand(*read, bytes, reader_.hasPartialMessage());
       adoptTerms();
       if (isTurnOver()) {
         co_await giveWay();

@@ -19,7 +19,8 @@ SimulationRunner::SimulationRunner(std::unique_ptr<HostedSimulation> hosted, Run
       callSeconds_(services_.limits->callSeconds),
       streamBytesBound_(services_.limits->streamBytes),
       strings_(*services_.account, MemoryKind::Strings),
-      environments_(*services_.account, MemoryKind::Environments) {
+      environments_(*services_.account, MemoryKind::Environments),
+      models_(*services_.account, MemoryKind::Compiling) {
   services_.account->addSimulations(1);
   publishInformation();
 }
@@ -57,6 +58,7 @@ void SimulationRunner::publishInformation() {
   }
   strings_.set(hosted_->stringBytes());
   environments_.set(hosted_->environmentBytes());
+  models_.set(hosted_->modelBytes());
   const std::lock_guard lock(mutex_);
   information_ = std::move(information);
 }
@@ -226,6 +228,7 @@ bool SimulationRunner::makePassive() {
     isPassive_ = true;
     strings_.set(0);
     environments_.set(0);
+    models_.set(0);
   }
   return true;
 }

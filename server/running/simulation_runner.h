@@ -135,6 +135,7 @@ class SimulationRunner final : public std::enable_shared_from_this<SimulationRun
   std::string lastError_;      // the same
   Holding strings_;            // the same, as the next one
   Holding environments_;
+  Holding models_;
   std::atomic<bool> isPassive_{false};
   std::atomic<bool> isCounted_{true};  // among the simulations of the account
   std::atomic<std::chrono::steady_clock::time_point> lastUse_{std::chrono::steady_clock::now()};
