@@ -41,13 +41,19 @@ void environmentList(const Request& request, protocol::NoParams) {
 
 void environmentOffer(const Request& request, protocol::OfferParams params) {
   Session& session = request.session;
+  OfferedEnvironments& offered = session.core().offered();
+  if (const std::uint64_t bound = session.core().options().limits.offersPerSession; offered.count(&session) >= bound) {
+    session.respondError(request.id, protocol::limitError("offersPerSession", bound + 1, bound,
+                                                          "Offer fewer environments, or use another connection."));
+    return;
+  }
   // the answer is queued before a simulation can find the offer and ask
   const auto answer = [&] {
     protocol::JsonWriter result;
     result.beginObject().key("name").text(params.name).endObject();
     session.respond(request.id, result.view());
   };
-  const auto outcome = session.core().offered().offer(params.name, session.shared_from_this(), answer);
+  const auto outcome = offered.offer(params.name, session.shared_from_this(), answer);
   if (outcome == OfferedEnvironments::Outcome::Taken) {
     session.respondError(request.id,
                          {protocol::ErrorCode::OfferTaken,

@@ -218,7 +218,8 @@ void stepWithViewers(benchmark::State& state, const Kind& kind, const std::strin
     state.counters["alone us"] = medianOf(without.wallMicroseconds);
     state.counters["cpu us"] = with.cpuSeconds * 1e6 / steps;
     state.counters["viewers cpu ratio"] = with.cpuSeconds / without.cpuSeconds;
-    state.counters["viewers instruction ratio"] = without.instructions > 0 ? with.instructions / without.instructions : 0;
+    state.counters["viewers instruction ratio"] =
+        without.instructions > 0 ? with.instructions / without.instructions : 0;
     state.counters["viewers wall ratio"] = wall / medianOf(without.wallMicroseconds);
   }
 }

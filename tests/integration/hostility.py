@@ -462,6 +462,8 @@ def problems_at_end(server: Process, hostility: Hostility) -> List[str]:
     again = hostility.surroundings.serve()
     try:
         with Client(hostility.surroundings.scheme + again.address, timeout=SECONDS, token=TOKEN) as client:
+            if not hostility.saved:
+                return problems + ["nothing was saved"]
             step = client.call("simulation.get", {"simulation": hostility.saved, "what": "statistics"})["step"]
             if step < hostility.saved_step:
                 problems.append(f"step {hostility.saved_step} was answered as saved, and {step} is there")
@@ -508,6 +510,9 @@ def attack_in(surroundings: Surroundings, seconds: float) -> List[str]:
 
 def report(hostility: Hostility, seconds: float, samples: List[int]) -> None:
     waits = sorted(hostility.waits)
+    if not waits:
+        hostility.failures.append("the client that means well made no step")
+        waits = [float("nan")]
     print(f"{seconds:g} s: " + ", ".join(f"{number} {what}" for what, number in sorted(hostility.counts.items())))
     print(f"{len(waits)} steps of the client that means well: median {1e3 * statistics.median(waits):.1f} ms, "
           f"99 of 100 {1e3 * waits[len(waits) * 99 // 100]:.1f} ms, longest {1e3 * waits[-1]:.0f} ms; "
