@@ -30,7 +30,7 @@ std::string describeBuiltInEnvironments() {
 namespace methods {
 
 void environmentList(const Request& request, protocol::NoParams) {
-  readOnWorker(request, [](const Request& self) {
+  listOnWorker(request, [](const Request& self) {
     ServerCore& core = self.session.core();
     protocol::JsonWriter result;
     result.beginObject().key("environments").raw(core.builtInEnvironments(&describeBuiltInEnvironments));

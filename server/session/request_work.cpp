@@ -59,11 +59,16 @@ void runMetered(Session& session, const protocol::MessageId& id, const std::func
 
 }  // namespace
 
-namespace {
-
-void postWork(const Request& request, std::function<void(const Request&)> work,
-              std::shared_ptr<Interruption> interruption) {
+void runOnWorker(const Request& request, std::function<void(const Request&)> work,
+                 std::shared_ptr<Interruption> interruption) {
   Session& session = request.session;
+  if (const auto problem = session.account().cpuProblem()) {
+    session.respondError(request.id, *problem);
+    return;
+  }
+  if (interruption == nullptr) {
+    interruption = std::make_shared<Interruption>();
+  }
   session.onCancel(request.id, [interruption] { interruption->interrupt(Interruption::Reason::Cancelled); });
   WorkerPool::Task task;
   task.owner = session.id();
@@ -77,20 +82,21 @@ void postWork(const Request& request, std::function<void(const Request&)> work,
   session.core().pool().post(std::move(task));
 }
 
-}  // namespace
-
-void runOnWorker(const Request& request, std::function<void(const Request&)> work,
-                 std::shared_ptr<Interruption> interruption) {
-  if (const auto problem = request.session.account().cpuProblem()) {
-    request.session.respondError(request.id, *problem);
-    return;
-  }
-  postWork(request, std::move(work),
-           interruption != nullptr ? std::move(interruption) : std::make_shared<Interruption>());
-}
-
-void readOnWorker(const Request& request, std::function<void(const Request&)> work) {
-  postWork(request, std::move(work), std::make_shared<Interruption>());
+void listOnWorker(const Request& request, std::function<void(const Request&)> work) {
+  Session& session = request.session;
+  auto run = [weak = session.weak_from_this(), id = request.id, work = std::move(work)] {
+    const auto self = weak.lock();
+    if (self == nullptr) {
+      return;
+    }
+    try {
+      work({*self, id});
+    } catch (const std::bad_alloc&) {
+      self->respondError(id,
+                         {ErrorCode::Limit, "The server has not enough memory for this list. Ask again later.", {}});
+    }
+  };
+  session.core().pool().post({.run = std::move(run), .owner = session.id()});
 }
 
 namespace {

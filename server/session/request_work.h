@@ -21,8 +21,9 @@ class Interruption;
 void runOnWorker(const Request& request, std::function<void(const Request&)> work,
                  std::shared_ptr<Interruption> interruption = nullptr);
 
-/// The same for work that reads what the server knows: also for an account that may compute no more.
-void readOnWorker(const Request& request, std::function<void(const Request&)> work);
+/// The same for a list of what the server has. An account gets it also when it may take and compute no more: to see
+/// what it can delete.
+void listOnWorker(const Request& request, std::function<void(const Request&)> work);
 
 /// A command of one turn. Its result, as JSON, or its error answers the request.
 using TurnWork = std::function<protocol::Expected<std::string>(SimulationRunner&)>;

@@ -121,7 +121,7 @@ void simulationDelete(const Request& request, protocol::SimulationParams params)
 
 void simulationList(const Request& request, protocol::NoParams) {
   // there may be thousands
-  readOnWorker(request, [](const Request& self) {
+  listOnWorker(request, [](const Request& self) {
     const ServerCore& core = self.session.core();
     protocol::JsonWriter result;
     result.beginObject().key("simulations").beginArray();
